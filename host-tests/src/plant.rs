@@ -1,0 +1,505 @@
+//! Linear plants in continuous time, simulated without discretisation error for held inputs.
+//!
+//! The form is the paper's (1): `A(s) y = B(s) u exp(-s T)` with `A` monic, coefficients in ascending powers of `s`.
+//! The state space is the observer form, in which several inputs share one state:
+//!
+//! ```text
+//! x1' = x2 - a[m-1] x1 + b[m-1] u        y = x1
+//! ...
+//! xm' =    - a[0]   x1 + b[0]   u
+//! ```
+//!
+//! One sample is one product with `exp([A B; 0 0] dt)`.
+
+use std::collections::VecDeque;
+
+use nalgebra::{DMatrix, DVector};
+
+/// Highest order of [`LinearPlant`].
+pub const MAX_ORDER: usize = 4;
+
+/// A plant description that cannot be simulated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlantError {
+    /// The order, `a.len()`, is not in `1..=4`.
+    Order(usize),
+    /// The numerator of the input with this index is empty or has more than `m` coefficients.
+    Numerator(usize),
+    /// The sampling interval is not positive and finite \[s\].
+    Interval(f64),
+    /// A coefficient is not finite.
+    Coefficient(f64),
+}
+
+impl std::fmt::Display for PlantError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Order(m) => write!(f, "order {m} is not in 1..={MAX_ORDER}"),
+            Self::Numerator(i) => write!(f, "numerator of input {i} does not fit the order"),
+            Self::Interval(dt) => write!(f, "sampling interval {dt} s is not positive"),
+            Self::Coefficient(c) => write!(f, "coefficient {c} is not finite"),
+        }
+    }
+}
+
+impl std::error::Error for PlantError {}
+
+/// One input of a plant: its numerator and its delay.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Input {
+    /// Numerator coefficients `b[0] + b[1] s + ..`, ascending, at most `m` of them.
+    pub b: Vec<f64>,
+    /// Delay in whole samples.
+    pub delay: usize,
+}
+
+impl Input {
+    /// An input without delay.
+    pub fn new(b: &[f64]) -> Self {
+        Self::delayed(b, 0)
+    }
+
+    /// An input that acts `delay` samples late.
+    pub fn delayed(b: &[f64], delay: usize) -> Self {
+        Self {
+            b: b.to_vec(),
+            delay,
+        }
+    }
+}
+
+/// `A(s) y = sum_j B_j(s) u_j(t - d_j dt) + constant`, exact for held inputs.
+///
+/// Convention of time: [`output`](Self::output) is `y(k)`; [`step`](Self::step) holds `u(k)` until `k+1`.
+#[derive(Clone, Debug)]
+pub struct LinearPlant {
+    a: Vec<f64>,
+    inputs: Vec<Input>,
+    constant: f64,
+    dt: f64,
+    /// `exp(A dt)`, m x m.
+    phi: DMatrix<f64>,
+    /// Response to held inputs (last column: to the constant), m x (inputs + 1).
+    gamma: DMatrix<f64>,
+    /// Response to a unit rise of each input over the interval, m x (inputs + 1).
+    ramp: DMatrix<f64>,
+    state: DVector<f64>,
+    lines: Vec<VecDeque<f64>>,
+    /// Input values that were in force just before the present instant.
+    held: DVector<f64>,
+}
+
+impl LinearPlant {
+    /// A plant with one input, `y = B(s)/A(s) u`, at rest in the origin; `a` and `b` ascending, `dt` in s.
+    ///
+    /// # Errors
+    /// [`PlantError`] when the order is not 1 to 4, `b` is longer than `a`, or a number is unusable.
+    pub fn new(a: &[f64], b: &[f64], dt: f64) -> Result<Self, PlantError> {
+        Self::with_inputs(a, &[Input::new(b)], 0.0, dt)
+    }
+
+    /// A plant with several inputs and a constant on the right-hand side of the differential equation.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_inputs(
+        a: &[f64],
+        inputs: &[Input],
+        constant: f64,
+        dt: f64,
+    ) -> Result<Self, PlantError> {
+        let m = a.len();
+        if !(1..=MAX_ORDER).contains(&m) {
+            return Err(PlantError::Order(m));
+        }
+        if let Some(i) = inputs.iter().position(|i| i.b.is_empty() || i.b.len() > m) {
+            return Err(PlantError::Numerator(i));
+        }
+        if !(dt > 0.0 && dt.is_finite()) {
+            return Err(PlantError::Interval(dt));
+        }
+        let numbers = a.iter().chain(inputs.iter().flat_map(|i| &i.b));
+        if let Some(&c) = numbers.chain([&constant]).find(|c| !c.is_finite()) {
+            return Err(PlantError::Coefficient(c));
+        }
+        let n = inputs.len() + 1;
+        let mut columns = DMatrix::zeros(m, n);
+        for (j, input) in inputs.iter().enumerate() {
+            for (i, &b) in input.b.iter().enumerate() {
+                columns[(m - 1 - i, j)] = b;
+            }
+        }
+        columns[(m - 1, n - 1)] = constant;
+        let (phi, gamma, ramp) = discretise(&companion(a), &columns, dt);
+        Ok(Self {
+            a: a.to_vec(),
+            inputs: inputs.to_vec(),
+            constant,
+            dt,
+            phi,
+            gamma,
+            ramp,
+            state: DVector::zeros(m),
+            lines: inputs
+                .iter()
+                .map(|i| VecDeque::from(vec![0.0; i.delay]))
+                .collect(),
+            held: DVector::zeros(inputs.len()),
+        })
+    }
+
+    /// Denominator coefficients `a[0]..a[m-1]`, ascending; the coefficient of `s^m` is 1.
+    pub fn a(&self) -> &[f64] {
+        &self.a
+    }
+
+    /// The inputs with their numerators and delays.
+    pub fn inputs(&self) -> &[Input] {
+        &self.inputs
+    }
+
+    /// The constant on the right-hand side of the differential equation.
+    pub fn constant(&self) -> f64 {
+        self.constant
+    }
+
+    /// Sampling interval \[s\].
+    pub fn dt(&self) -> f64 {
+        self.dt
+    }
+
+    /// Output `y(k)` at the present instant.
+    pub fn output(&self) -> f64 {
+        self.state[0]
+    }
+
+    /// `n`-th time derivative of the output just before the present instant, `n < m` (0 is the output).
+    ///
+    /// # Panics
+    /// When `n` is not below the order.
+    pub fn derivative(&self, n: usize) -> f64 {
+        let m = self.a.len();
+        assert!(n < m, "derivative {n} of a plant of order {m}");
+        // y^(n) = C A^n x + sum_j C A^(n-1) B_j u_j while the inputs are held.
+        let mut row = DVector::zeros(m).transpose();
+        row[0] = 1.0;
+        let full = companion(&self.a);
+        let mut value = 0.0;
+        for i in 0..n {
+            if i + 1 == n {
+                for (j, input) in self.inputs.iter().enumerate() {
+                    for (p, &b) in input.b.iter().enumerate() {
+                        value += row[m - 1 - p] * b * self.held[j];
+                    }
+                }
+                value += row[m - 1] * self.constant;
+            }
+            row = &row * &full;
+        }
+        value + (&row * &self.state)[0]
+    }
+
+    /// Puts the plant at rest at output `y`, with empty delay lines.
+    pub fn reset(&mut self, y: f64) {
+        let mut derivatives = vec![0.0; self.a.len()];
+        derivatives[0] = y;
+        self.place(&derivatives);
+    }
+
+    /// Sets output and derivatives `y, y', ..` for zero inputs, with empty delay lines.
+    ///
+    /// # Panics
+    /// When not exactly `m` values are given.
+    pub fn place(&mut self, derivatives: &[f64]) {
+        let m = self.a.len();
+        assert_eq!(derivatives.len(), m, "one value per order");
+        // For zero inputs x[i] = y^(i) + a[m-1] y^(i-1) + .. + a[m-i] y.
+        for i in 0..m {
+            self.state[i] = derivatives[i]
+                + (1..=i)
+                    .map(|p| self.a[m - p] * derivatives[i - p])
+                    .sum::<f64>();
+        }
+        for line in &mut self.lines {
+            line.iter_mut().for_each(|u| *u = 0.0);
+        }
+        self.held.fill(0.0);
+    }
+
+    /// Holds the inputs `u(k)` for one interval and advances to `k+1`; returns `y(k+1)`.
+    ///
+    /// # Panics
+    /// When `u` does not have one value per input.
+    pub fn step(&mut self, u: &[f64]) -> f64 {
+        self.advance(u, None)
+    }
+
+    /// As [`step`](Self::step) with inputs that go in a straight line from `u` to `next` (first-order hold).
+    ///
+    /// # Panics
+    /// When `u` and `next` do not have one value per input, or an input is delayed.
+    pub fn step_ramp(&mut self, u: &[f64], next: &[f64]) -> f64 {
+        assert!(
+            self.lines.iter().all(VecDeque::is_empty),
+            "first-order hold is defined here without delay"
+        );
+        self.advance(u, Some(next))
+    }
+
+    fn advance(&mut self, u: &[f64], next: Option<&[f64]>) -> f64 {
+        let n = self.inputs.len();
+        assert_eq!(u.len(), n, "one value per input");
+        let mut held = DVector::from_element(n + 1, 1.0);
+        for j in 0..n {
+            self.lines[j].push_back(u[j]);
+            held[j] = self.lines[j].pop_front().unwrap_or(u[j]);
+        }
+        let mut state = &self.phi * &self.state + &self.gamma * &held;
+        if let Some(next) = next {
+            let mut rise = DVector::zeros(n + 1);
+            for j in 0..n {
+                rise[j] = next[j] - u[j];
+                held[j] = next[j];
+            }
+            state += &self.ramp * rise;
+        }
+        self.state = state;
+        self.held.copy_from(&held.rows(0, n));
+        self.state[0]
+    }
+
+    /// `y(0)..y(n-1)` of a plant with one input for the held input sequence `u`, from the present state.
+    ///
+    /// # Panics
+    /// When the plant does not have exactly one input.
+    pub fn response(&mut self, u: &[f64]) -> Vec<f64> {
+        u.iter()
+            .map(|&u| {
+                let y = self.output();
+                self.step(&[u]);
+                y
+            })
+            .collect()
+    }
+}
+
+/// Observer-form system matrix of the monic denominator `a`.
+pub(crate) fn companion(a: &[f64]) -> DMatrix<f64> {
+    let m = a.len();
+    let mut full = DMatrix::zeros(m, m);
+    for i in 0..m {
+        full[(i, 0)] = -a[m - 1 - i];
+        if i + 1 < m {
+            full[(i, i + 1)] = 1.0;
+        }
+    }
+    full
+}
+
+/// `exp(A dt)`, the integral of the held inputs, and that of a unit ramp over `dt`.
+pub(crate) fn discretise(
+    a: &DMatrix<f64>,
+    b: &DMatrix<f64>,
+    dt: f64,
+) -> (DMatrix<f64>, DMatrix<f64>, DMatrix<f64>) {
+    let (m, n) = (a.nrows(), b.ncols());
+    // d/dt [x; u; r] with u' = r / dt: the ramp rises by one over the interval.
+    let mut block = DMatrix::zeros(m + 2 * n, m + 2 * n);
+    block.view_mut((0, 0), (m, m)).copy_from(&(a * dt));
+    block.view_mut((0, m), (m, n)).copy_from(&(b * dt));
+    for j in 0..n {
+        block[(m + j, m + n + j)] = 1.0;
+    }
+    let e = exponential(&block);
+    (
+        e.view((0, 0), (m, m)).into_owned(),
+        e.view((0, m), (m, n)).into_owned(),
+        e.view((0, m + n), (m, n)).into_owned(),
+    )
+}
+
+/// Matrix exponential by balancing, scaling and squaring of the Taylor series.
+///
+/// The states of a plant differ by powers of its bandwidth (1, 20, 400, ..), so the powers of two of a diagonal
+/// similarity are taken out first; without it the norm, and with it the number of squarings, is far too large.
+pub fn exponential(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = matrix.nrows();
+    let mut a = matrix.clone();
+    let mut scale = vec![1.0_f64; n];
+    for _ in 0..20 {
+        let mut settled = true;
+        for i in 0..n {
+            let row: f64 = (0..n).filter(|&j| j != i).map(|j| a[(i, j)].abs()).sum();
+            let column: f64 = (0..n).filter(|&j| j != i).map(|j| a[(j, i)].abs()).sum();
+            if row == 0.0 || column == 0.0 {
+                continue;
+            }
+            let factor = (0.5 * (row / column).log2()).round().exp2();
+            if factor != 1.0 {
+                settled = false;
+                scale[i] *= factor;
+                for j in 0..n {
+                    a[(i, j)] /= factor;
+                    a[(j, i)] *= factor;
+                }
+            }
+        }
+        if settled {
+            break;
+        }
+    }
+    let norm = (0..n)
+        .map(|j| a.column(j).iter().map(|v| v.abs()).sum::<f64>())
+        .fold(0.0, f64::max);
+    let squarings = if norm > 0.25 {
+        (norm / 0.25).log2().ceil() as i32
+    } else {
+        0
+    };
+    a *= (-f64::from(squarings)).exp2();
+    // 0.25^k / k! is below 1e-20 from k = 13 on.
+    let mut sum = DMatrix::identity(n, n);
+    for k in (1..=16).rev() {
+        sum = DMatrix::identity(n, n) + (&a * sum) / f64::from(k);
+    }
+    for _ in 0..squarings {
+        sum = &sum * &sum;
+    }
+    for i in 0..n {
+        for j in 0..n {
+            sum[(i, j)] *= scale[i] / scale[j];
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(got: f64, want: f64, relative: f64) {
+        assert!(
+            (got - want).abs() <= relative * want.abs().max(1e-12),
+            "{got} is not {want}"
+        );
+    }
+
+    #[test]
+    fn exponential_of_a_rotation_and_of_a_nilpotent() {
+        let w = 3.0;
+        let e = exponential(&DMatrix::from_row_slice(2, 2, &[0.0, w, -w, 0.0]));
+        close(e[(0, 0)], w.cos(), 1e-14);
+        close(e[(0, 1)], w.sin(), 1e-13);
+        let e = exponential(&DMatrix::from_row_slice(
+            3,
+            3,
+            &[0.0, 2.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0],
+        ));
+        close(e[(0, 2)], 3.0, 1e-15);
+    }
+
+    #[test]
+    fn step_of_first_order_follows_the_closed_form() {
+        let mut p = LinearPlant::new(&[5.0], &[10.0], 1e-3).unwrap();
+        for k in 0..2000 {
+            let t = k as f64 * 1e-3;
+            close(p.output(), 2.0 * (1.0 - (-5.0 * t).exp()), 1e-11);
+            p.step(&[1.0]);
+        }
+    }
+
+    #[test]
+    fn step_of_the_servo_follows_the_closed_form() {
+        // C (t - 2 xi/w0 + e^(-s t) (2 s/w0^2 cos wd t + (s^2 - wd^2)/(w0^2 wd) sin wd t)), s = xi w0.
+        let (c, w0, xi) = (2500.0, 20.0_f64, 0.5);
+        let (s, wd) = (xi * w0, w0 * (1.0 - xi * xi).sqrt());
+        let mut p = LinearPlant::new(&[0.0, 400.0, 20.0], &[1e6], 1e-3).unwrap();
+        for k in 0..1000 {
+            let t = k as f64 * 1e-3;
+            let decay = (-s * t).exp();
+            let want = c
+                * (t - 2.0 * xi / w0
+                    + decay
+                        * (2.0 * s / (w0 * w0) * (wd * t).cos()
+                            + (s * s - wd * wd) / (w0 * w0 * wd) * (wd * t).sin()));
+            assert!(
+                (p.output() - want).abs() < 1e-9,
+                "t {t}: {} {want}",
+                p.output()
+            );
+            p.step(&[1.0]);
+        }
+    }
+
+    #[test]
+    fn zeros_act_and_derivatives_are_consistent() {
+        // (s + 3) / ((s + 1)(s + 2)): step response 1.5 - 2 e^-t + 0.5 e^-2t.
+        let mut p = LinearPlant::new(&[2.0, 3.0], &[3.0, 1.0], 0.01).unwrap();
+        for k in 0..300 {
+            let t = k as f64 * 0.01;
+            let want = 1.5 - 2.0 * (-t).exp() + 0.5 * (-2.0 * t).exp();
+            assert!((p.output() - want).abs() < 1e-13);
+            if k > 0 {
+                let slope = 2.0 * (-t).exp() - (-2.0 * t).exp();
+                assert!((p.derivative(1) - slope).abs() < 1e-12);
+            }
+            p.step(&[1.0]);
+        }
+    }
+
+    #[test]
+    fn free_motion_from_placed_derivatives() {
+        // y = e^-t satisfies (s + 1)(s + 2)(s + 3)(s + 4) y = 0.
+        let mut p = LinearPlant::new(&[24.0, 50.0, 35.0, 10.0], &[1.0], 0.05).unwrap();
+        p.place(&[1.0, -1.0, 1.0, -1.0]);
+        for k in 0..60 {
+            let want = (-0.05 * f64::from(k)).exp();
+            assert!((p.output() - want).abs() < 1e-12);
+            assert!((p.derivative(3) + want).abs() < 1e-10);
+            p.step(&[0.0]);
+        }
+    }
+
+    #[test]
+    fn inputs_superpose_delay_shifts_and_constant_adds() {
+        let (a, dt) = ([0.0, 30.0], 2e-3);
+        let inputs = [Input::new(&[7.0, 1.0]), Input::delayed(&[-4.0], 3)];
+        let mut both = LinearPlant::with_inputs(&a, &inputs, 2.0, dt).unwrap();
+        let mut first = LinearPlant::new(&a, &[7.0, 1.0], dt).unwrap();
+        let mut second = LinearPlant::new(&a, &[-4.0], dt).unwrap();
+        let mut offset = LinearPlant::new(&a, &[2.0], dt).unwrap();
+        let u = |k: i32| f64::from((k * 7919 % 13) - 6);
+        for k in 0..100 {
+            let sum = first.output() + second.output() + offset.output();
+            assert!((both.output() - sum).abs() < 1e-10);
+            both.step(&[u(k), u(k + 50)]);
+            first.step(&[u(k)]);
+            second.step(&[if k >= 3 { u(k + 47) } else { 0.0 }]);
+            offset.step(&[1.0]);
+        }
+    }
+
+    #[test]
+    fn ramp_is_integrated_exactly() {
+        // 1/s^2 on u = t gives t^3/6.
+        let mut p = LinearPlant::new(&[0.0, 0.0], &[1.0], 0.1).unwrap();
+        for k in 0..50 {
+            let t = 0.1 * f64::from(k);
+            assert!((p.output() - t * t * t / 6.0).abs() < 1e-12);
+            p.step_ramp(&[t], &[t + 0.1]);
+        }
+    }
+
+    #[test]
+    fn refuses_what_it_cannot_simulate() {
+        let error = |a: &[f64], b: &[f64], dt| LinearPlant::new(a, b, dt).unwrap_err();
+        assert_eq!(error(&[], &[1.0], 1.0), PlantError::Order(0));
+        assert_eq!(error(&[1.0; 5], &[1.0], 1.0), PlantError::Order(5));
+        assert_eq!(error(&[1.0], &[1.0, 2.0], 1.0), PlantError::Numerator(0));
+        assert_eq!(error(&[1.0], &[1.0], 0.0), PlantError::Interval(0.0));
+        assert_eq!(
+            error(&[f64::INFINITY], &[1.0], 1.0),
+            PlantError::Coefficient(f64::INFINITY)
+        );
+    }
+}
