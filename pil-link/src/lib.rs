@@ -1,0 +1,48 @@
+//! Frames between a simulated plant on a computer and the controller on a microcontroller (processor in the loop).
+//!
+//! # Lockstep
+//!
+//! Every sample the host sends one [`Sample`] (the measured position) and waits for the [`Reply`] with the same sequence
+//! number (the next valve command, the parameters, the status). Time stands still on both sides until the reply is
+//! there, so a lost or corrupt frame costs real time and no number: the host sends the same sample again after a timeout,
+//! and the target answers a repeated sequence number from its cache without processing the sample twice.
+//!
+//! # Byte layout
+//!
+//! ```text
+//! wire    00 | COBS( tag  payload  crc ) | 00
+//! tag     1 byte: 0x53 'S' host to target, 0x52 'R' target to host
+//! payload postcard encoding of the message, fields in the order of the structure:
+//!           u32   variable length, 7 bits a byte, low bits first, bit 7 = more follows (1 to 5 bytes)
+//!           f32   4 bytes, little endian, the bits as they are (NaN and -0 survive)
+//!           u8    1 byte
+//!           Vec   number of elements as u32, then the elements
+//! crc     4 bytes, little endian: CRC-32 (IEEE 802.3, reflected 0xEDB88320) of tag and payload
+//! ```
+//!
+//! Consistent overhead byte stuffing removes every zero from the body, so a zero is always a delimiter. The leading zero
+//! ends whatever debris an earlier fault left in the receiver; empty frames are ignored.
+//!
+//! ```
+//! use trendid_pil_link::{Frame, Receiver, Sample};
+//!
+//! let sample = Sample { seq: 7, y: -0.25, flags: 0 };
+//! let frame = Frame::encode(&sample);
+//! let mut receiver = Receiver::<Sample>::new();
+//! let received = frame.bytes().iter().find_map(|&byte| receiver.push(byte));
+//! assert_eq!(received, Some(sample));
+//! assert_eq!(receiver.corrupt(), 0);
+//! ```
+#![no_std]
+#![forbid(unsafe_code)]
+
+mod cobs;
+mod crc;
+mod frame;
+mod lockstep;
+mod message;
+
+pub use crc::crc32;
+pub use frame::{Frame, MAX_BODY, MAX_WIRE, Receiver};
+pub use lockstep::{Bytes, Exchange, ExchangeError, Incoming, Responder};
+pub use message::{Counters, Message, PARAMETERS, Reply, Sample, flags, status};
