@@ -1,0 +1,253 @@
+//! Filtered trends: the state-variable chain (sections 1-2 of the paper behind one stable filter).
+
+use crate::error::{ConfigError, positive};
+use crate::trend::{Hold, Scheme, TrendOperator, Trends};
+
+/// Trends through one stable filter `1/A_f`, the same for y and every u.
+///
+/// `Departs from (4), (8):` both sides of (5) are multiplied by
+/// `F = Delta^m (1+q^-1)^m / R_A`, `R_A = sum f_i R_i`. With
+/// `gamma = (2/Delta)(1-q^-1)/(1+q^-1)` the filtered trends are
+///
+/// ```text
+/// F R_i y = gamma^i / A_f(gamma) y           A_f = gamma^m + f_{m-1} gamma^{m-1} + .. + f_0
+/// F P_i u = gamma^i / A_f(gamma) 2 q^-1/(1+q^-1) u
+/// ```
+///
+/// the states of a chain of m integrators with feedback, and no third difference
+/// of a noisy position is ever formed. For y every integrator is a trapezoid. For
+/// a held u the factor of (6) makes the first one the exact integral `Delta u(k-1)`.
+/// Goodwin's scheme is the same chain with forward rectangles.
+///
+/// | symbol | argument | unit |
+/// |---|---|---|
+/// | Delta | `sample_time` | s |
+/// | p_i, `A_f = prod (s + p_i)` | `poles` | rad/s, positive |
+///
+/// Best poles: 1 to 1.5 times the natural frequency of the plant.
+///
+/// # Examples
+/// ```
+/// use trendid::{FilteredTrends, Hold, Scheme, TrendOperator};
+/// let trends = FilteredTrends::<1>::try_new(Scheme::Tustin, 0.001, [20.0])?;
+/// let mut memory = FilteredTrends::<1>::EMPTY;
+/// let mut last = [0.0];
+/// for _ in 0..2000 {
+///     last = trends.input(&mut memory, 3.0, Hold::Zero);
+/// }
+/// assert!((last[0] - 3.0 / 20.0).abs() < 1e-6); // 1/(s+20) of a constant
+/// # Ok::<(), trendid::ConfigError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FilteredTrends<const M: usize> {
+    sample_time: f32,
+    /// f_0 .. f_{m-1} of the filter.
+    filter: [f32; M],
+    /// Share of the newest value in one integration: Delta/2 (trapezoid) or 0 (forward rectangle).
+    ahead: f32,
+    /// Share of the value before: Delta/2 or Delta.
+    behind: f32,
+    /// 1 / (1 + sum f_i ahead^(m-i)): solves the loop that the trapezoids close within one sample.
+    loop_gain: f32,
+}
+
+impl<const M: usize> FilteredTrends<M> {
+    /// Chain with the real poles `-poles[i]`.
+    ///
+    /// # Errors
+    /// [`ConfigError::Order`], [`ConfigError::SampleTime`], [`ConfigError::FilterPole`]
+    /// for a pole that is not positive or, with forward rectangles, not stable.
+    pub const fn try_new(
+        scheme: Scheme,
+        sample_time: f32,
+        poles: [f32; M],
+    ) -> Result<Self, ConfigError> {
+        let mut filter = [0.0; M];
+        let mut i = 0;
+        while i < M {
+            let pole = poles[i];
+            let explicit = matches!(scheme, Scheme::Goodwin);
+            if !positive(pole) || (explicit && !(pole * sample_time < 1.0)) {
+                return Err(ConfigError::FilterPole {
+                    index: i,
+                    value: pole,
+                });
+            }
+            // (s^i + f_{i-1} s^{i-1} + ..)(s + pole), from the highest power down.
+            let mut j = i;
+            while j > 0 {
+                let above = if j == i { 1.0 } else { filter[j] };
+                filter[j] = filter[j - 1] + above * pole;
+                j -= 1;
+            }
+            filter[0] = if i == 0 { pole } else { filter[0] * pole };
+            if i > 0 {
+                // The coefficient of s^i is the sum of the poles so far.
+                let mut sum = 0.0;
+                let mut k = 0;
+                while k <= i {
+                    sum += poles[k];
+                    k += 1;
+                }
+                filter[i] = sum;
+            }
+            i += 1;
+        }
+        Self::from_polynomial(scheme, sample_time, filter)
+    }
+
+    /// Chain with `A_f = s^m + filter[m-1] s^{m-1} + .. + filter[0]`.
+    ///
+    /// # Errors
+    /// As [`FilteredTrends::try_new`]; the polynomial must satisfy the Hurwitz
+    /// conditions, and the first coefficient that breaks them is named.
+    pub const fn from_polynomial(
+        scheme: Scheme,
+        sample_time: f32,
+        filter: [f32; M],
+    ) -> Result<Self, ConfigError> {
+        if M == 0 || M > 4 {
+            return Err(ConfigError::Order(M));
+        }
+        if !positive(sample_time) {
+            return Err(ConfigError::SampleTime(sample_time));
+        }
+        if let Some(index) = hurwitz_violation(&filter) {
+            return Err(ConfigError::FilterPole {
+                index,
+                value: filter[index],
+            });
+        }
+        let (ahead, behind) = match scheme {
+            Scheme::Tustin => (0.5 * sample_time, 0.5 * sample_time),
+            Scheme::Goodwin => (0.0, sample_time),
+        };
+        let mut sum = 1.0;
+        let mut weight = ahead;
+        let mut i = M;
+        while i > 0 {
+            i -= 1;
+            sum += filter[i] * weight;
+            weight *= ahead;
+        }
+        Ok(Self {
+            sample_time,
+            filter,
+            ahead,
+            behind,
+            loop_gain: 1.0 / sum,
+        })
+    }
+
+    /// Coefficients f_0 .. f_{m-1} of the filter, in rad^(m-i)/s^(m-i).
+    pub const fn filter(&self) -> [f32; M] {
+        self.filter
+    }
+
+    /// One sample through the chain: `direct` enters at the top, `held` after the first integration.
+    ///
+    /// Memory i holds the part of trend i that is known before the sample comes.
+    #[inline(always)]
+    fn step(&self, memory: &mut [f32; M], direct: f32, held: f32) -> Trends<M> {
+        // What the trends would be if the highest one were zero ...
+        let mut known = *memory;
+        for i in (0..M - 1).rev() {
+            known[i] += self.ahead * known[i + 1];
+        }
+        // ... gives the highest one ...
+        let mut feedback = 0.0;
+        for i in 0..M {
+            feedback += self.filter[i] * known[i];
+        }
+        let top = (direct - feedback) * self.loop_gain;
+        // ... and with it all the others, each the integral of the one above.
+        let mut lower = *memory;
+        let mut above = top;
+        let mut entering = held;
+        for i in (0..M).rev() {
+            lower[i] += self.ahead * above;
+            memory[i] = lower[i] + self.behind * above + entering;
+            above = lower[i];
+            entering = 0.0;
+        }
+        Trends { lower, top }
+    }
+}
+
+/// The first coefficient with which `s^m + .. + filter[0]` cannot be a Hurwitz polynomial, m <= 4.
+const fn hurwitz_violation<const M: usize>(filter: &[f32; M]) -> Option<usize> {
+    let mut i = 0;
+    while i < M {
+        if !positive(filter[i]) {
+            return Some(i);
+        }
+        i += 1;
+    }
+    let stable = match M {
+        3 => filter[2] * filter[1] > filter[0],
+        4 => {
+            let first = filter[3] * filter[2] - filter[1];
+            first * filter[1] > filter[3] * filter[3] * filter[0]
+        }
+        _ => true,
+    };
+    if stable { None } else { Some(0) }
+}
+
+impl<const M: usize> TrendOperator<M> for FilteredTrends<M> {
+    type Memory = [f32; M];
+    const EMPTY: [f32; M] = [0.0; M];
+
+    fn sample_time(&self) -> f32 {
+        self.sample_time
+    }
+
+    fn settled(&self, value: f32) -> [f32; M] {
+        let mut memory = [0.0; M];
+        memory[0] = value / self.filter[0];
+        memory
+    }
+
+    fn settled_input(&self, value: f32, hold: Hold) -> [f32; M] {
+        let mut memory = self.settled(value);
+        if let Hold::Zero = hold {
+            // The exact integral of the last held value is already on its way in.
+            memory[M - 1] += self.ahead * value;
+        }
+        memory
+    }
+
+    #[inline]
+    fn output(&self, memory: &mut [f32; M], y: f32) -> Trends<M> {
+        self.step(memory, y, 0.0)
+    }
+
+    #[inline]
+    fn input(&self, memory: &mut [f32; M], u: f32, hold: Hold) -> [f32; M] {
+        match hold {
+            Hold::Zero => self.step(memory, 0.0, self.sample_time * u).lower,
+            Hold::First => self.step(memory, u, 0.0).lower,
+        }
+    }
+
+    fn lead(&self) -> Trends<M> {
+        let mut lower = [0.0; M];
+        let mut weight = self.loop_gain;
+        for w in lower.iter_mut().rev() {
+            weight *= self.ahead;
+            *w = weight;
+        }
+        Trends {
+            lower,
+            top: self.loop_gain,
+        }
+    }
+
+    fn gain(&self, _bandwidth: f32) -> f32 {
+        1.0
+    }
+
+    fn warm_up(&self) -> u32 {
+        1
+    }
+}

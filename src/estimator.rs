@@ -1,0 +1,241 @@
+//! The estimator: recursive least squares on the factors U D U' of the covariance.
+
+/// Recursive least squares with exponential forgetting in U D U' form (Bierman).
+///
+/// With the regressor phi, the left-hand side psi and the forgetting factor lambda:
+///
+/// ```text
+/// e     = psi - phi' theta                    innovation
+/// f     = U' phi,   v_j = D_j f_j
+/// alpha_0 = lambda, alpha_j = alpha_{j-1} + f_j v_j
+/// D_j  <- D_j alpha_{j-1} / (alpha_j lambda)
+/// U_ij <- U_ij - (f_j / alpha_{j-1}) k_i,     k_i <- k_i + U_ij v_j     (i < j)
+/// theta <- theta + k e / alpha_n              P = U D U'
+/// ```
+///
+/// D stays positive by construction, in f32, which the textbook form of P does not.
+/// A parameter whose prior standard deviation is 0 is known: it never moves, and
+/// every other number is the same as if it were not in the model.
+///
+/// | symbol | argument | shape |
+/// |---|---|---|
+/// | theta | `theta` | N |
+/// | sigma_0 | `std`, relative to the noise of psi | N, >= 0 |
+/// | lambda | `forgetting` | (0, 1] |
+///
+/// All quantities are normalised; [`Identifier`](crate::Identifier) does the units.
+///
+/// # Examples
+/// ```
+/// use trendid::Estimator;
+/// let mut estimator = Estimator::<1>::new([0.0], [1000.0], 1.0);
+/// for k in 1..100 {
+///     let x = k as f32;
+///     let _ = estimator.update(&[x], 3.0 * x);
+/// }
+/// assert!((estimator.theta()[0] - 3.0).abs() < 1e-4);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimator<const N: usize> {
+    theta: [f32; N],
+    /// `factor[j][i]` is U_ij for i < j; the diagonal of U is 1 and is not stored.
+    factor: [[f32; N]; N],
+    diagonal: [f32; N],
+    forgetting: f32,
+    inverse_forgetting: f32,
+    /// Weighted sum of squares of the innovations, and the weight of the samples in it.
+    squares: f32,
+    samples: f32,
+}
+
+/// What travels from column to column while one row is folded in.
+struct Row<const N: usize> {
+    gain: [f32; N],
+    alpha: f32,
+    inverse: f32,
+}
+
+/// Above this a factor D_j is not let grow: there is no excitation left to be sure of.
+const WIND_UP: f32 = 1e12;
+
+impl<const N: usize> Estimator<N> {
+    /// Starts at `theta` with the standard deviations `std`, in units of the noise of psi.
+    ///
+    /// `forgetting` is lambda; 1 forgets nothing.
+    pub const fn new(theta: [f32; N], std: [f32; N], forgetting: f32) -> Self {
+        let mut diagonal = [0.0; N];
+        let mut j = 0;
+        while j < N {
+            diagonal[j] = std[j] * std[j];
+            j += 1;
+        }
+        Self {
+            theta,
+            factor: [[0.0; N]; N],
+            diagonal,
+            forgetting,
+            inverse_forgetting: 1.0 / forgetting,
+            squares: 0.0,
+            samples: 0.0,
+        }
+    }
+
+    /// The normalised parameters.
+    pub const fn theta(&self) -> &[f32; N] {
+        &self.theta
+    }
+
+    /// Takes one row, gives the innovation e before the step.
+    ///
+    /// Guarantees: no division by zero, D_j >= 0. Cost: see the table of instruction counts.
+    #[inline]
+    pub fn update(&mut self, phi: &[f32; N], psi: f32) -> f32 {
+        let innovation = self.innovation(phi, psi);
+        self.correct(phi, innovation);
+        innovation
+    }
+
+    /// The innovation e of a row, without a step.
+    #[inline(always)]
+    pub fn innovation(&self, phi: &[f32; N], psi: f32) -> f32 {
+        let mut innovation = psi;
+        for j in 0..N {
+            innovation -= phi[j] * self.theta[j];
+        }
+        innovation
+    }
+
+    /// Corrects the estimate by `innovation` along the direction `z`.
+    ///
+    /// With `z = phi` this is least squares; with an instrument z it is the
+    /// symmetric-gain instrumental variable estimator.
+    #[inline(always)]
+    pub fn correct(&mut self, z: &[f32; N], innovation: f32) {
+        let (gain, alpha) = self.fold(z);
+        let step = innovation / alpha;
+        for j in 0..N {
+            self.theta[j] += gain[j] * step;
+        }
+        self.squares = self.forgetting * (self.squares + innovation * step);
+        self.samples = self.forgetting * self.samples + 1.0;
+    }
+
+    /// Folds the row z into U and D with forgetting; gives the unnormalised gain k and alpha_n.
+    #[inline(always)]
+    fn fold(&mut self, z: &[f32; N]) -> ([f32; N], f32) {
+        let growth = self.inverse_forgetting;
+        let mut row = Row {
+            gain: [0.0; N],
+            alpha: self.forgetting,
+            inverse: growth,
+        };
+        for j in 0..N {
+            let mut f = z[j];
+            for i in 0..j {
+                f += self.factor[j][i] * z[i];
+            }
+            self.fold_column(&mut row, j, f, growth);
+        }
+        (row.gain, row.alpha)
+    }
+
+    /// Column j of one row: D_j and the U_ij above it.
+    #[inline(always)]
+    fn fold_column(&mut self, row: &mut Row<N>, j: usize, f: f32, growth: f32) {
+        let v = self.diagonal[j] * f;
+        let share = f * row.inverse;
+        let before = row.alpha;
+        row.alpha += f * v;
+        row.inverse = 1.0 / row.alpha;
+        self.diagonal[j] *= before * row.inverse * growth;
+        for i in 0..j {
+            let u = self.factor[j][i];
+            self.factor[j][i] = u - share * row.gain[i];
+            row.gain[i] += u * v;
+        }
+        row.gain[j] = v;
+    }
+
+    /// A weak pull of parameter `index` toward `trusted`: one pseudo-observation of weight `weight`.
+    ///
+    /// Bounds the covariance without excitation. The noise statistics are not
+    /// touched. Only the columns from `index` on take part, because U is triangular.
+    #[inline]
+    pub fn pull(&mut self, index: usize, trusted: f32, weight: f32) {
+        if index >= N || !crate::error::positive(weight) {
+            return;
+        }
+        // A row of weight w is a row whose noise has the variance 1/w.
+        let mut row = Row {
+            gain: [0.0; N],
+            alpha: 1.0 / weight,
+            inverse: weight,
+        };
+        self.fold_column(&mut row, index, 1.0, 1.0);
+        for j in index + 1..N {
+            let f = self.factor[j][index];
+            self.fold_column(&mut row, j, f, 1.0);
+        }
+        let step = (trusted - self.theta[index]) / row.alpha;
+        for j in 0..N {
+            self.theta[j] += row.gain[j] * step;
+        }
+    }
+
+    /// Stops the factor D_index at its largest allowed value.
+    #[inline(always)]
+    pub(crate) fn limit(&mut self, index: usize) {
+        if let Some(d) = self.diagonal.get_mut(index)
+            && *d > WIND_UP
+        {
+            *d = WIND_UP;
+        }
+    }
+
+    /// Entry (i, j) of P = U D U', relative to the noise variance.
+    pub fn covariance(&self, i: usize, j: usize) -> f32 {
+        let mut sum = 0.0;
+        for k in 0..N {
+            sum += self.entry(i, k) * self.diagonal[k] * self.entry(j, k);
+        }
+        sum
+    }
+
+    /// U_ik with its unit diagonal and its zeros.
+    fn entry(&self, i: usize, k: usize) -> f32 {
+        if i < k {
+            self.factor[k][i]
+        } else if i == k {
+            1.0
+        } else {
+            0.0
+        }
+    }
+
+    /// The factors D_j, all positive unless the parameter is known.
+    pub const fn diagonal(&self) -> &[f32; N] {
+        &self.diagonal
+    }
+
+    /// Variance of the noise of psi from the innovations, with N degrees of freedom taken off.
+    ///
+    /// `None` until there are more samples than parameters.
+    pub fn noise_variance(&self) -> Option<f32> {
+        let freedom = self.samples - N as f32;
+        if freedom > 0.0 {
+            Some(self.squares / freedom)
+        } else {
+            None
+        }
+    }
+
+    /// Number of samples in the memory: 1/(1-lambda) at most.
+    pub const fn samples(&self) -> f32 {
+        self.samples
+    }
+
+    /// A new start at `theta` and `std` with the same forgetting.
+    pub const fn restarted(&self, theta: [f32; N], std: [f32; N]) -> Self {
+        Self::new(theta, std, self.forgetting)
+    }
+}

@@ -1,0 +1,591 @@
+//! The facade: one call per sample from (u, y) to the current model.
+
+use crate::error::{ConfigError, positive};
+use crate::estimator::Estimator;
+use crate::evaluation::Quality;
+use crate::math::sqrt;
+use crate::physical::{Physical, second_order_std};
+use crate::regressor::Regressor;
+use crate::sample::{DelayLine, acceptable};
+use crate::structure::{Column, Structure};
+use crate::transfer::TransferFunction;
+use crate::trend::{Hold, TrendOperator};
+
+/// What the user knows before the first sample; the rest follows from it.
+///
+/// # Examples
+/// ```
+/// use trendid::{Config, Structure};
+/// // A servo: about 20 rad/s, commands around 1, strokes around 50 mm.
+/// let mut config = Config::new(Structure::<3, 3, 1>::integrating(), 20.0, [1.0], 50.0);
+/// config.memory = Some(2.0); // follow changes within seconds
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Config<const M: usize, const N: usize, const I: usize> {
+    /// Which parameters the model has.
+    pub structure: Structure<M, N, I>,
+    /// Rough bandwidth of the plant in rad/s; normalises, within a factor of three is good enough.
+    pub bandwidth: f32,
+    /// Typical size of each input, in its unit.
+    pub input_range: [f32; I],
+    /// Typical movement of the output, in its unit.
+    pub output_range: f32,
+    /// Expected standard deviation of the noise of one output sample; weighs the prior, default `output_range / 1000`.
+    pub output_noise: f32,
+    /// What each input does between samples; default held.
+    pub holds: [Hold; I],
+    /// Delay of each input in samples, at most `D`; default 0.
+    pub delays: [usize; I],
+    /// Input at which the plant rested before the first sample; default 0.
+    pub rest: [f32; I],
+    /// Memory of the estimator in s, `None` forgets nothing (default).
+    pub memory: Option<f32>,
+    /// Estimate at the start, in the order of theta and the user's units; default 0.
+    pub initial: [f32; N],
+    /// Standard deviation of `initial`, 0 for a known parameter; default `None`: ten times the design size.
+    pub prior_std: Option<[f32; N]>,
+    /// Time after the first sample, in s, in which trends settle and nothing is estimated; default 0.
+    pub settling: f32,
+    /// Weight of the pull toward the trusted estimate that bounds the covariance at rest, per sample of
+    /// an information of order 1; default 0, which only stops the covariance at a ceiling.
+    pub pull: f32,
+}
+
+impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
+    /// The defaults for a plant of this structure, bandwidth (rad/s) and size of signals.
+    pub const fn new(
+        structure: Structure<M, N, I>,
+        bandwidth: f32,
+        input_range: [f32; I],
+        output_range: f32,
+    ) -> Self {
+        Self {
+            structure,
+            bandwidth,
+            input_range,
+            output_range,
+            output_noise: output_range * 1e-3,
+            holds: [Hold::Zero; I],
+            delays: [0; I],
+            rest: [0.0; I],
+            memory: None,
+            initial: [0.0; N],
+            prior_std: None,
+            settling: 0.0,
+            pull: 0.0,
+        }
+    }
+
+    /// Checks every value; `capacity` is the length D of the delay lines.
+    fn check(&self, sample_time: f32, capacity: usize) -> Result<(), ConfigError> {
+        if !positive(sample_time) {
+            return Err(ConfigError::SampleTime(sample_time));
+        }
+        if !positive(self.bandwidth) {
+            return Err(ConfigError::Bandwidth(self.bandwidth));
+        }
+        if !positive(self.output_range) {
+            return Err(ConfigError::OutputRange(self.output_range));
+        }
+        if !positive(self.output_noise) {
+            return Err(ConfigError::NoiseStd(self.output_noise));
+        }
+        for input in 0..I {
+            let value = self.input_range[input];
+            if !positive(value) {
+                return Err(ConfigError::InputRange { input, value });
+            }
+            if !acceptable(self.rest[input], REACH * value) {
+                let value = self.rest[input];
+                return Err(ConfigError::InputRange { input, value });
+            }
+            let samples = self.delays[input];
+            if samples > capacity {
+                return Err(ConfigError::Delay {
+                    input,
+                    samples,
+                    capacity,
+                });
+            }
+        }
+        if let Some(memory) = self.memory
+            && !(memory > 2.0 * sample_time && memory.is_finite())
+        {
+            return Err(ConfigError::Memory(memory));
+        }
+        for index in 0..N {
+            let value = self.initial[index];
+            if !value.is_finite() {
+                return Err(ConfigError::Initial { index, value });
+            }
+        }
+        if let Some(std) = self.prior_std {
+            check_std(&std)?;
+        }
+        if !(self.settling >= 0.0 && self.settling.is_finite()) {
+            return Err(ConfigError::Settling(self.settling));
+        }
+        if !(self.pull >= 0.0 && self.pull.is_finite()) {
+            return Err(ConfigError::Pull(self.pull));
+        }
+        Ok(())
+    }
+}
+
+/// A prior standard deviation is a finite number >= 0.
+fn check_std<const N: usize>(std: &[f32; N]) -> Result<(), ConfigError> {
+    for (index, value) in std.iter().copied().enumerate() {
+        if !(value >= 0.0 && value.is_finite()) {
+            return Err(ConfigError::PriorStd { index, value });
+        }
+    }
+    Ok(())
+}
+
+/// A sample this many times its range away from zero is no measurement; it would also let sums overflow.
+const REACH: f32 = 1e6;
+
+/// Prior standard deviation of a normalised parameter whose size by design is 1.
+const PRIOR: f32 = 10.0;
+
+/// Why a sample was refused; the state is bit for bit what it was before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Refusal {
+    /// This input is not finite, or more than 10^6 times its range.
+    Input(usize),
+    /// The output is not finite, or more than 10^6 times its range.
+    Output,
+}
+
+/// What one sample did.
+#[must_use]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Outcome {
+    /// The trends settle; so many samples to go.
+    WarmingUp {
+        /// Samples until the first estimate.
+        remaining: u32,
+    },
+    /// The sample did not enter any buffer.
+    Refused(Refusal),
+    /// The sample was predicted, and the estimate left alone.
+    Held {
+        /// y(k) minus its prediction, in the unit of y.
+        innovation: f32,
+    },
+    /// The estimate took the sample in.
+    Estimated {
+        /// y(k) minus its prediction, in the unit of y.
+        innovation: f32,
+    },
+}
+
+impl Outcome {
+    /// y(k) minus its prediction, where there was one.
+    pub fn innovation(self) -> Option<f32> {
+        match self {
+            Self::Held { innovation } | Self::Estimated { innovation } => Some(innovation),
+            Self::WarmingUp { .. } | Self::Refused(_) => None,
+        }
+    }
+}
+
+/// Recursive identifier of a continuous-time model of order `M` with `N` parameters.
+///
+/// ```text
+/// (u, y) -> trends T -> regressor -> estimator -> theta -> transfer function -> physical reading
+///                                        `-> innovation, IQ, IV
+/// ```
+///
+/// | symbol | const parameter | meaning |
+/// |---|---|---|
+/// | m | `M` | order, 1..=4 |
+/// | n | `N` | number of parameters |
+/// | - | `I` | number of inputs |
+/// | d | `D` | longest delay in samples, 0 costs nothing |
+///
+/// Guarantees: `update` never panics, allocates, blocks or divides by zero, uses
+/// only + - x /, and refuses what is not finite before it enters any buffer.
+///
+/// # Examples
+/// ```
+/// use trendid::{Config, FilteredTrends, Identifier, Scheme, Structure};
+/// let trends = FilteredTrends::try_new(Scheme::Tustin, 0.001, [25.0; 2])?;
+/// let config = Config::new(Structure::<2, 2, 1>::integrating(), 25.0, [1.0], 1.0);
+/// let mut identifier: Identifier<_, 2, 2> = Identifier::try_new(&config, trends)?;
+/// // dv/dt = -10 v + 50 u, dy/dt = v: the simplest drive, u = +-1.
+/// let (mut y, mut v) = (0.0_f32, 0.0_f32);
+/// for k in 0..2000 {
+///     let u = if (k / 100) % 2 == 0 { 1.0 } else { -1.0 };
+///     let _ = identifier.update(u, y);
+///     let decay = (-0.01_f32).exp();
+///     let target = 5.0 * u;
+///     y += 0.001 * target + (v - target) * (1.0 - decay) * 0.1;
+///     v = target + (v - target) * decay;
+/// }
+/// let model = identifier.transfer_function();
+/// assert!((model.a[1] - 10.0).abs() < 0.01);
+/// assert!((model.b[0][0] - 50.0).abs() < 0.05);
+/// # Ok::<(), trendid::ConfigError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Identifier<
+    T: TrendOperator<M>,
+    const M: usize,
+    const N: usize,
+    const I: usize = 1,
+    const D: usize = 0,
+> {
+    trends: T,
+    structure: Structure<M, N, I>,
+    regressor: Regressor<M, N>,
+    estimator: Estimator<N>,
+    start: Estimator<N>,
+    holds: [Hold; I],
+    delays: [usize; I],
+    rest: [f32; I],
+    input_limit: [f32; I],
+    output_limit: f32,
+    prior_noise: f32,
+    pull: f32,
+    trusted: [f32; N],
+    turn: usize,
+    output: T::Memory,
+    inputs: [T::Memory; I],
+    constant: T::Memory,
+    lines: [DelayLine<D>; I],
+    reference: f32,
+    prediction: f32,
+    quality: Quality,
+    warm_up: u32,
+    remaining: u32,
+    begun: bool,
+    adapting: bool,
+}
+
+impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
+    Identifier<T, M, N, I, D>
+{
+    /// An identifier at rest, with the trends of `trends`.
+    ///
+    /// # Errors
+    /// The first value of `config` that cannot work, as a [`ConfigError`] that names it.
+    pub fn try_new(config: &Config<M, N, I>, trends: T) -> Result<Self, ConfigError> {
+        let sample_time = trends.sample_time();
+        config.check(sample_time, D)?;
+        let regressor = Regressor::new(
+            &config.structure,
+            &trends,
+            config.bandwidth,
+            &config.input_range,
+            config.output_range,
+        );
+        let prior_noise = regressor.noise(config.output_noise);
+        let forgetting = match config.memory {
+            Some(memory) => 1.0 - sample_time / memory,
+            None => 1.0,
+        };
+        let (theta, std) = prior(&regressor, prior_noise, &config.initial, &config.prior_std);
+        let start = Estimator::new(theta, std, forgetting);
+        let settling = (config.settling / sample_time) as u32;
+        let warm_up = trends.warm_up().max(settling);
+        Ok(Self {
+            trends,
+            structure: config.structure,
+            regressor,
+            estimator: start,
+            start,
+            holds: config.holds,
+            delays: config.delays,
+            rest: config.rest,
+            input_limit: config.input_range.map(|range| REACH * range),
+            output_limit: REACH * config.output_range,
+            prior_noise,
+            pull: config.pull,
+            trusted: theta,
+            turn: 0,
+            output: T::EMPTY,
+            inputs: [T::EMPTY; I],
+            constant: T::EMPTY,
+            lines: [DelayLine::new(); I],
+            reference: 0.0,
+            prediction: 0.0,
+            quality: Quality::new(),
+            warm_up,
+            remaining: warm_up,
+            begun: false,
+            adapting: true,
+        })
+    }
+
+    /// Takes all inputs u(k), in force from now until the next sample, and the output y(k).
+    ///
+    /// Cost: see the table of instruction counts.
+    #[inline]
+    pub fn update_inputs(&mut self, u: [f32; I], y: f32) -> Outcome {
+        if !acceptable(y, self.output_limit) {
+            return Outcome::Refused(Refusal::Output);
+        }
+        for (input, (u, limit)) in u.iter().zip(&self.input_limit).enumerate() {
+            if !acceptable(*u, *limit) {
+                return Outcome::Refused(Refusal::Input(input));
+            }
+        }
+        if !self.begun {
+            self.begin(y);
+        }
+        let y = y - self.reference;
+        let output = self.trends.output(&mut self.output, y);
+        let mut inputs = [[0.0; M]; I];
+        for c in 0..I {
+            let delayed = if D > 0 {
+                self.lines[c].update(u[c], self.delays[c])
+            } else {
+                u[c]
+            };
+            inputs[c] = self
+                .trends
+                .input(&mut self.inputs[c], delayed, self.holds[c]);
+        }
+        let constant = if self.structure.constant() {
+            let trends = self.trends.input(&mut self.constant, 1.0, Hold::Zero);
+            trends[0]
+        } else {
+            0.0
+        };
+        if self.remaining > 0 {
+            self.remaining -= 1;
+            self.prediction = y + self.reference;
+            return Outcome::WarmingUp {
+                remaining: self.remaining,
+            };
+        }
+        let (phi, psi) = self.regressor.assemble(&output, &inputs, constant);
+        let error = self.estimator.innovation(&phi, psi);
+        // (10): y minus its evaluation is the equation error over the weight of y(k) in it.
+        let beta = self.regressor.lead(self.estimator.theta());
+        let innovation = if beta > self.regressor.lead_floor() {
+            error / beta
+        } else {
+            error / self.regressor.lead_floor()
+        };
+        self.prediction = y - innovation + self.reference;
+        self.quality.update(innovation);
+        if !self.adapting {
+            return Outcome::Held { innovation };
+        }
+        self.estimator.correct(&phi, error);
+        self.keep_bounded();
+        Outcome::Estimated { innovation }
+    }
+
+    /// One parameter per sample in turn: pulled toward the trusted value, or stopped at the ceiling.
+    #[inline(always)]
+    fn keep_bounded(&mut self) {
+        let turn = if self.turn < N { self.turn } else { 0 };
+        self.turn = turn + 1;
+        if self.pull > 0.0 {
+            let trusted = self.trusted.get(turn).copied().unwrap_or(0.0);
+            self.estimator.pull(turn, trusted, self.pull);
+        } else {
+            self.estimator.limit(turn);
+        }
+    }
+
+    /// The plant rested at y(0) with the inputs at their rest values until this sample.
+    #[inline(never)]
+    fn begin(&mut self, y: f32) {
+        let integrates = self.structure.integrators() > 0;
+        // Behind an integrator only movements count; small numbers keep their digits.
+        self.reference = if integrates { y } else { 0.0 };
+        self.output = self.trends.settled(y - self.reference);
+        for c in 0..I {
+            self.inputs[c] = self.trends.settled_input(self.rest[c], self.holds[c]);
+        }
+        self.constant = if integrates {
+            T::EMPTY
+        } else {
+            self.trends.settled_input(1.0, Hold::Zero)
+        };
+        self.begun = true;
+    }
+
+    /// Back to the state after construction.
+    pub fn reset(&mut self) {
+        self.restart_trends();
+        self.estimator = self.start;
+        self.quality = Quality::new();
+    }
+
+    /// Forgets the signals, after a gap in the samples, and keeps the estimate.
+    pub fn restart_trends(&mut self) {
+        self.lines = [DelayLine::new(); I];
+        self.remaining = self.warm_up;
+        self.begun = false;
+    }
+
+    /// Begins again from an estimate with its standard deviations, both in the user's units.
+    ///
+    /// # Errors
+    /// [`ConfigError::Initial`], [`ConfigError::PriorStd`]; nothing is changed then.
+    pub fn warm_start(&mut self, theta: [f32; N], std: [f32; N]) -> Result<(), ConfigError> {
+        for (index, value) in theta.iter().copied().enumerate() {
+            if !value.is_finite() {
+                return Err(ConfigError::Initial { index, value });
+            }
+        }
+        check_std(&std)?;
+        let (theta, std) = prior(&self.regressor, self.prior_noise, &theta, &Some(std));
+        self.estimator = self.estimator.restarted(theta, std);
+        self.trusted = theta;
+        Ok(())
+    }
+
+    /// Makes the current estimate the one that the pull leads back to.
+    pub fn trust(&mut self) {
+        self.trusted = *self.estimator.theta();
+    }
+
+    /// Lets the estimate move (`true`, the start) or holds it; predictions go on.
+    pub fn adapt(&mut self, on: bool) {
+        self.adapting = on;
+    }
+
+    /// The parameters in the order of [`Structure`], in the user's units.
+    pub fn theta(&self) -> [f32; N] {
+        let mut theta = *self.estimator.theta();
+        for (value, unit) in theta.iter_mut().zip(self.regressor.units()) {
+            *value *= unit;
+        }
+        theta
+    }
+
+    /// Standard deviation of each parameter, in its unit, from the noise level found.
+    pub fn std(&self) -> [f32; N] {
+        core::array::from_fn(|j| sqrt(self.covariance(j, j)))
+    }
+
+    /// Covariance of the parameters i and j, in the product of their units.
+    pub fn covariance(&self, i: usize, j: usize) -> f32 {
+        let units = self.regressor.units();
+        match (units.get(i), units.get(j)) {
+            (Some(unit_i), Some(unit_j)) => {
+                self.noise_variance() * self.estimator.covariance(i, j) * unit_i * unit_j
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Variance of the normalised equation error: found, or as configured while there is none.
+    fn noise_variance(&self) -> f32 {
+        self.estimator
+            .noise_variance()
+            .unwrap_or(self.prior_noise * self.prior_noise)
+    }
+
+    /// Standard deviation of the innovation in the unit of y, `None` until there are more samples than parameters.
+    pub fn noise_std(&self) -> Option<f32> {
+        let beta = self.regressor.lead(self.estimator.theta());
+        let variance = self.estimator.noise_variance()?;
+        Some(sqrt(variance) / beta.max(self.regressor.lead_floor()))
+    }
+
+    /// The model that theta stands for.
+    pub fn transfer_function(&self) -> TransferFunction<M, I> {
+        let mut transfer = TransferFunction {
+            a: [0.0; M],
+            b: [[0.0; M]; I],
+            constant: 0.0,
+            integrators: self.structure.integrators(),
+        };
+        for (column, value) in self.structure.columns().into_iter().zip(self.theta()) {
+            match column {
+                Column::Output { power } => transfer.a[power] = value,
+                Column::Input { input, power } => transfer.b[input][power] = value,
+                Column::Constant => transfer.constant = value,
+            }
+        }
+        transfer
+    }
+
+    /// The physical reading from the first input to y.
+    pub fn physical(&self) -> Physical<M> {
+        Physical::of(&self.transfer_function(), 0)
+    }
+
+    /// Standard deviations of gain, omega0 and damping of the first input, to first order.
+    ///
+    /// `None` unless two poles stand behind the integrators and b_0 is in the model.
+    pub fn physical_std(&self) -> Option<[f32; 3]> {
+        let nu = self.structure.integrators();
+        if M != nu + 2 {
+            return None;
+        }
+        let columns = self.structure.columns();
+        let place = |wanted| columns.iter().position(|column| *column == wanted);
+        let b0 = place(Column::Input { input: 0, power: 0 })?;
+        let a_nu = place(Column::Output { power: nu })?;
+        let a_next = place(Column::Output { power: nu + 1 })?;
+        let theta = self.theta();
+        second_order_std(
+            theta[b0],
+            theta[a_nu],
+            theta[a_next],
+            [b0, a_nu, a_next],
+            |i, j| self.covariance(i, j),
+        )
+    }
+
+    /// The evaluation of the newest y from the samples before it, in the unit of y.
+    pub const fn prediction(&self) -> f32 {
+        self.prediction
+    }
+
+    /// IQ and IV of the innovations so far (11).
+    pub const fn quality(&self) -> Quality {
+        self.quality
+    }
+
+    /// The estimator, in normalised quantities.
+    pub const fn estimator(&self) -> &Estimator<N> {
+        &self.estimator
+    }
+
+    /// The structure of the model.
+    pub const fn structure(&self) -> &Structure<M, N, I> {
+        &self.structure
+    }
+
+    /// The trend operator.
+    pub const fn trends(&self) -> &T {
+        &self.trends
+    }
+}
+
+impl<T: TrendOperator<M>, const M: usize, const N: usize, const D: usize>
+    Identifier<T, M, N, 1, D>
+{
+    /// Takes u(k), in force from now until the next sample, and y(k).
+    #[inline]
+    pub fn update(&mut self, u: f32, y: f32) -> Outcome {
+        self.update_inputs([u], y)
+    }
+}
+
+/// The prior in normalised units, its standard deviation relative to the noise of psi.
+fn prior<const M: usize, const N: usize>(
+    regressor: &Regressor<M, N>,
+    noise: f32,
+    initial: &[f32; N],
+    std: &Option<[f32; N]>,
+) -> ([f32; N], [f32; N]) {
+    let units = regressor.units();
+    let theta = core::array::from_fn(|j| initial[j] / units[j]);
+    let std = core::array::from_fn(|j| match std {
+        Some(std) => std[j] / (units[j] * noise),
+        None => PRIOR / noise,
+    });
+    (theta, std)
+}

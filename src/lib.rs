@@ -1,0 +1,100 @@
+//! Recursive identification of low-order continuous-time models of servo drives.
+//!
+//! Once per sample `trendid` takes the command `u` and the position `y` of a drive and
+//! updates the parameters a_i, b_i of its transfer function
+//!
+//! ```text
+//! G(s) = (b_{m-1} s^{m-1} + .. + b_0) / (s^m + a_{m-1} s^{m-1} + .. + a_0) e^{-s d Delta}     (1)
+//! ```
+//!
+//! directly, in SI units, with their standard deviations. It does not differentiate
+//! and does not go through a discrete-time model: *trends* (Goodwin's delta operator
+//! or the modified Tustin transformation, K. Janiszowski 1999) of the samples take the
+//! place of derivatives, and recursive least squares in U D U' form finds the
+//! parameters. `no_std`, f32, fixed size, no allocation, no unsafe code.
+//!
+//! # The data flow is the list of modules
+//!
+//! ```text
+//! samples -> ring buffers -> trends (raw or filtered) -> regressor -> estimator -> transfer function -> physical reading
+//!                                                                          `-> prediction, IQ and IV
+//! ```
+//!
+//! | room | type | what it does |
+//! |---|---|---|
+//! | sample | [`DelayLine`] | checks a value, delays an input |
+//! | trend, raw, chain | [`TrendOperator`], [`RawTrends`], [`FilteredTrends`] | equations (4), (8) |
+//! | structure, regressor | [`Structure`], [`Terms`], [`Config`] | which parameters, their signs, order and scales (5), (12) |
+//! | estimator | [`Estimator`] | recursive least squares |
+//! | transfer, physical | [`TransferFunction`], [`Physical`] | what theta means |
+//! | evaluation | [`OutputEvaluation`], [`Quality`] | (9)-(11) |
+//! | identifier | [`Identifier`] | all of it behind one call per sample |
+//! | inputs | [`dead_zone`], [`asymmetric`], [`coulomb`] | inputs for valves and friction |
+//!
+//! # Ten lines
+//!
+//! ```
+#![doc = include_str!("../examples/first.rs")]
+//! ```
+//!
+//! # Symbols
+//!
+//! | symbol | name | unit |
+//! |---|---|---|
+//! | u, y | command, position | the user's |
+//! | Delta | sample time | s |
+//! | m, d | order, delay | -, samples |
+//! | R_i, P_i | trends of y, of u | of the signal per s^i |
+//! | phi, theta | regressor, parameters | - |
+//! | lambda | forgetting | 1 - Delta/memory |
+//! | e | innovation | of y |
+//! | P = U D U' | covariance | of theta squared |
+//! | C, omega0, xi | velocity gain, natural frequency, damping | y/s per u, rad/s, 1 |
+//!
+//! # Features
+//!
+//! | feature | adds |
+//! |---|---|
+//! | `defmt` | `defmt::Format` on the public types |
+//! | `approximate` | the module `approximate` for displays (micromath) |
+//!
+//! A feature adds items and changes no number.
+//!
+//! # What it does not do
+//!
+//! It finds parameters, not structures: the user names the order, or lets the command
+//! line tool compare them. It is not a safety function.
+
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(clippy::disallowed_types)]
+
+mod chain;
+mod error;
+mod estimator;
+mod evaluation;
+mod identifier;
+mod inputs;
+mod math;
+mod physical;
+mod raw;
+mod regressor;
+mod sample;
+mod structure;
+mod transfer;
+mod trend;
+
+pub use chain::FilteredTrends;
+pub use error::ConfigError;
+pub use estimator::Estimator;
+pub use evaluation::{OutputEvaluation, Quality};
+pub use identifier::{Config, Identifier, Outcome, Refusal};
+pub use inputs::{asymmetric, coulomb, dead_zone};
+#[cfg(feature = "approximate")]
+pub use math::approximate;
+pub use physical::Physical;
+pub use raw::RawTrends;
+pub use sample::DelayLine;
+pub use structure::{Column, Structure, Terms};
+pub use transfer::{Pole, TransferFunction};
+pub use trend::{Hold, Scheme, TrendOperator, Trends};

@@ -1,0 +1,73 @@
+//! Samples on their way in: the check of each value and the delay line.
+
+/// A value that may enter the buffers: finite and within `limit` of zero.
+///
+/// One comparison, because a comparison with NaN is false. Cost: 3 instructions.
+#[inline(always)]
+pub(crate) fn acceptable(value: f32, limit: f32) -> bool {
+    let magnitude = if value < 0.0 { -value } else { value };
+    magnitude <= limit
+}
+
+/// Ring buffer that gives a sample back `delay` samples later, `delay <= D`.
+///
+/// # Examples
+/// ```
+/// use trendid::DelayLine;
+/// let mut line = DelayLine::<4>::new();
+/// assert_eq!(line.update(1.0, 2), 0.0);
+/// assert_eq!(line.update(2.0, 2), 0.0);
+/// assert_eq!(line.update(3.0, 2), 1.0);
+/// assert_eq!(line.update(4.0, 0), 4.0);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DelayLine<const D: usize> {
+    ring: [f32; D],
+    newest: usize,
+}
+
+impl<const D: usize> DelayLine<D> {
+    /// A line full of zeros.
+    pub const fn new() -> Self {
+        Self {
+            ring: [0.0; D],
+            newest: 0,
+        }
+    }
+
+    /// Takes u(k), gives u(k - delay); a delay beyond `D` gives u(k - D).
+    #[inline]
+    pub fn update(&mut self, value: f32, delay: usize) -> f32 {
+        let delay = if delay < D { delay } else { D };
+        if D == 0 || delay == 0 {
+            self.push(value);
+            return value;
+        }
+        // The ring holds u(k-1) at `newest`, u(k-2) before it, and so on.
+        let back = delay - 1;
+        let index = if self.newest >= back {
+            self.newest - back
+        } else {
+            self.newest + D - back
+        };
+        let out = self.ring.get(index).copied().unwrap_or(0.0);
+        self.push(value);
+        out
+    }
+
+    #[inline]
+    fn push(&mut self, value: f32) {
+        let next = self.newest + 1;
+        let next = if next >= D { 0 } else { next };
+        if let Some(slot) = self.ring.get_mut(next) {
+            *slot = value;
+        }
+        self.newest = next;
+    }
+}
+
+impl<const D: usize> Default for DelayLine<D> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
