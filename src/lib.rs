@@ -30,6 +30,7 @@
 //! | evaluation | [`OutputEvaluation`], [`Quality`] | (9)-(11) |
 //! | identifier | [`Identifier`] | all of it behind one call per sample |
 //! | inputs | [`dead_zone`], [`asymmetric`], [`coulomb`] | inputs for valves and friction |
+//! | hardware | [`hardware::PositionSensor`], [`hardware::Valve`] | the edge to sensors and valves: traits, drivers, scale |
 //!
 //! # Ten lines
 //!
@@ -73,6 +74,7 @@ mod chain;
 mod error;
 mod estimator;
 mod evaluation;
+pub mod hardware;
 mod identifier;
 mod inputs;
 mod math;

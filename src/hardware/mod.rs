@@ -67,7 +67,11 @@ impl Scale {
     /// `None` unless the value is finite and not zero.
     #[must_use]
     pub const fn new(units_per_count: f32) -> Option<Self> {
-        if units_per_count.is_finite() && units_per_count != 0.0 { Some(Self(units_per_count)) } else { None }
+        if units_per_count.is_finite() && units_per_count != 0.0 {
+            Some(Self(units_per_count))
+        } else {
+            None
+        }
     }
 
     /// The length of `counts`; exact to the last bit of the product up to 2^24 counts.
@@ -107,7 +111,31 @@ impl Axis {
 
 /// The command that an output can carry: limited to -1..=1, zero for NaN.
 fn limited(command: f32) -> f32 {
-    if command.is_nan() { 0.0 } else { command.clamp(-1.0, 1.0) }
+    if command.is_nan() {
+        0.0
+    } else {
+        command.clamp(-1.0, 1.0)
+    }
+}
+
+/// A bus on which every transaction fails.
+#[cfg(test)]
+#[derive(Debug)]
+struct DeadBus;
+
+#[cfg(test)]
+impl embedded_hal::spi::ErrorType for DeadBus {
+    type Error = embedded_hal::spi::ErrorKind;
+}
+
+#[cfg(test)]
+impl embedded_hal::spi::SpiDevice for DeadBus {
+    fn transaction(
+        &mut self,
+        _: &mut [embedded_hal::spi::Operation<'_, u8>],
+    ) -> Result<(), Self::Error> {
+        Err(embedded_hal::spi::ErrorKind::Overrun)
+    }
 }
 
 #[cfg(test)]
@@ -123,7 +151,10 @@ mod tests {
 
     #[test]
     fn the_difference_wraps_with_the_counter() {
-        let axis = Axis { scale: Scale(0.5), reference: i32::MAX };
+        let axis = Axis {
+            scale: Scale(0.5),
+            reference: i32::MAX,
+        };
         assert_eq!(axis.position(i32::MIN), 0.5);
         assert_eq!(axis.position(i32::MAX - 2), -1.0);
     }
