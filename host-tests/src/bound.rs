@@ -1,0 +1,281 @@
+//! Cramer-Rao bound: the smallest standard deviation any unbiased estimate can have from a given record.
+//!
+//! For white Gaussian position noise of variance `s^2` and a known initial state the information is
+//! `sum_k (dy(k)/dtheta) (dy(k)/dtheta)' / s^2`. The sensitivities are exact: they obey the plant's own equation driven
+//! by its state, `s' = A s + (dA/dp) x + (dB/dp) u`, and are discretised together with it.
+//!
+//! Uniform noise of the same variance is treated as Gaussian, as usual; an estimator that knew the uniform law could
+//! do better.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::plant::{Input, LinearPlant, companion, discretise};
+use crate::reference::Servo;
+
+/// A free coefficient of a plant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Coefficient {
+    /// `a[i]`.
+    A(usize),
+    /// `b[i]` of an input.
+    B {
+        /// Index of the input.
+        input: usize,
+        /// Power of `s`.
+        power: usize,
+    },
+    /// The constant on the right-hand side.
+    Constant,
+    /// `i`-th derivative of the output at the first sample, for zero inputs before it (0: the output itself).
+    Initial(usize),
+}
+
+/// Output of a plant and its derivatives by the free coefficients, simulated from rest, exact for held inputs.
+#[derive(Clone, Debug)]
+pub struct Sensitivity {
+    /// Noise-free output, `y(0)..y(n-1)`.
+    pub y: Vec<f64>,
+    /// Row k, column j: `dy(k)/dtheta_j`.
+    pub jacobian: DMatrix<f64>,
+}
+
+impl Sensitivity {
+    /// Simulates `plant`'s equation from the derivatives `initial` of the output (zeros: at rest) for held inputs.
+    ///
+    /// `u[j]` is the sequence of input `j`; all have the same length.
+    ///
+    /// # Panics
+    /// When lengths or indices do not fit the plant.
+    pub fn simulate(
+        plant: &LinearPlant,
+        free: &[Coefficient],
+        initial: &[f64],
+        u: &[&[f64]],
+    ) -> Self {
+        let (a, inputs) = (plant.a(), plant.inputs());
+        let (m, n) = (a.len(), u[0].len());
+        assert_eq!(u.len(), inputs.len(), "one sequence per input");
+        assert!(u.iter().all(|s| s.len() == n), "sequences of one length");
+        assert_eq!(initial.len(), m, "one initial derivative per order");
+        let columns = inputs.len() + 1;
+        let full = companion(a);
+        let mut drive = DMatrix::zeros(m, columns);
+        for (j, Input { b, .. }) in inputs.iter().enumerate() {
+            for (i, &b) in b.iter().enumerate() {
+                drive[(m - 1 - i, j)] = b;
+            }
+        }
+        drive[(m - 1, columns - 1)] = plant.constant();
+
+        // Inputs as they act: delayed, and the constant as a last input 1.
+        let acting: Vec<DVector<f64>> = (0..n)
+            .map(|k| {
+                let mut v = DVector::from_element(columns, 1.0);
+                for (j, input) in inputs.iter().enumerate() {
+                    v[j] = k.checked_sub(input.delay).map_or(0.0, |i| u[j][i]);
+                }
+                v
+            })
+            .collect();
+        let start = DVector::from_fn(m, |i, _| {
+            initial[i] + (1..=i).map(|p| a[m - p] * initial[i - p]).sum::<f64>()
+        });
+
+        let mut y = vec![0.0; n];
+        let mut jacobian = DMatrix::zeros(n, free.len());
+        if free.is_empty() {
+            let (phi, gamma, _) = discretise(&full, &drive, plant.dt());
+            let mut state = start;
+            for k in 0..n {
+                y[k] = state[0];
+                state = &phi * &state + &gamma * &acting[k];
+            }
+            return Self { y, jacobian };
+        }
+        for (p, coefficient) in free.iter().enumerate() {
+            let mut system = DMatrix::zeros(2 * m, 2 * m);
+            system.view_mut((0, 0), (m, m)).copy_from(&full);
+            system.view_mut((m, m), (m, m)).copy_from(&full);
+            let mut input = DMatrix::zeros(2 * m, columns);
+            input.view_mut((0, 0), (m, columns)).copy_from(&drive);
+            let mut state = DVector::zeros(2 * m);
+            state.rows_mut(0, m).copy_from(&start);
+            match *coefficient {
+                Coefficient::A(i) => {
+                    system[(m + m - 1 - i, 0)] = -1.0;
+                    // The initial state in observer form contains a[i] times the lower derivatives.
+                    for row in (m - i)..m {
+                        state[m + row] = initial[row - (m - i)];
+                    }
+                }
+                Coefficient::B { input: j, power } => input[(m + m - 1 - power, j)] = 1.0,
+                Coefficient::Constant => input[(m + m - 1, columns - 1)] = 1.0,
+                Coefficient::Initial(i) => {
+                    state[m + i] = 1.0;
+                    for row in i + 1..m {
+                        state[m + row] = a[m - (row - i)];
+                    }
+                }
+            }
+            let (phi, gamma, _) = discretise(&system, &input, plant.dt());
+            for k in 0..n {
+                y[k] = state[0];
+                jacobian[(k, p)] = state[m];
+                state = &phi * &state + &gamma * &acting[k];
+            }
+        }
+        Self { y, jacobian }
+    }
+
+    /// Covariance bound of the free coefficients for white noise of standard deviation `sigma`, or nothing when the
+    /// record does not determine them.
+    pub fn covariance(&self, sigma: f64) -> Option<DMatrix<f64>> {
+        // Columns differ by orders of magnitude: scale to unit length before inverting.
+        let lengths: Vec<f64> = self.jacobian.column_iter().map(|c| c.norm()).collect();
+        if lengths.iter().any(|&l| !(l > 0.0 && l.is_finite())) {
+            return None;
+        }
+        let mut scaled = self.jacobian.clone();
+        for (mut column, l) in scaled.column_iter_mut().zip(&lengths) {
+            column /= *l;
+        }
+        let mut covariance = (scaled.transpose() * scaled).cholesky()?.inverse();
+        for i in 0..lengths.len() {
+            for j in 0..lengths.len() {
+                covariance[(i, j)] *= sigma * sigma / (lengths[i] * lengths[j]);
+            }
+        }
+        Some(covariance)
+    }
+}
+
+/// Bound of each free coefficient of `plant` as a standard deviation, for held inputs from rest and white noise.
+///
+/// Nothing when the record does not determine them all.
+///
+/// # Panics
+/// As [`Sensitivity::simulate`].
+pub fn coefficient_bound(
+    plant: &LinearPlant,
+    free: &[Coefficient],
+    u: &[&[f64]],
+    sigma: f64,
+) -> Option<Vec<f64>> {
+    let at_rest = vec![0.0; plant.a().len()];
+    let sensitivity = Sensitivity::simulate(plant, free, &at_rest, u);
+    let covariance = sensitivity.covariance(sigma)?;
+    Some(covariance.diagonal().iter().map(|v| v.sqrt()).collect())
+}
+
+/// Relative bound of `C`, `w0` and `xi` \[%\] for the command sequence `u` and white position noise of standard
+/// deviation `sigma_mm` \[mm\], from rest; nothing when the record does not determine them.
+///
+/// `C = b0/a1`, `w0 = sqrt(a1)`, `xi = a2/(2 sqrt(a1))`: the covariance of `(a1, a2, b0)` goes through the Jacobian.
+pub fn servo_bound_pct(servo: &Servo, dt: f64, u: &[f64], sigma_mm: f64) -> Option<[f64; 3]> {
+    let free = [
+        Coefficient::A(1),
+        Coefficient::A(2),
+        Coefficient::B { input: 0, power: 0 },
+    ];
+    let sensitivity = Sensitivity::simulate(&servo.plant(dt), &free, &[0.0; 3], &[u]);
+    let covariance = sensitivity.covariance(sigma_mm)?;
+    let [_, a1, a2] = servo.a();
+    // Relative derivatives: d ln C = db0/b0 - da1/a1, d ln w0 = da1/(2 a1), d ln xi = da2/a2 - da1/(2 a1).
+    let relative = DMatrix::from_row_slice(
+        3,
+        3,
+        &[
+            -1.0 / a1,
+            0.0,
+            1.0 / servo.b0(),
+            0.5 / a1,
+            0.0,
+            0.0,
+            -0.5 / a1,
+            1.0 / a2,
+            0.0,
+        ],
+    );
+    let c = &relative * covariance * relative.transpose();
+    Some([0, 1, 2].map(|i| 100.0 * c[(i, i)].sqrt()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::Excitation;
+    use crate::reference::REFERENCE;
+
+    #[test]
+    fn sensitivities_agree_with_central_differences() {
+        let (a, dt) = (vec![30.0, 200.0, 15.0], 2e-3);
+        let inputs = vec![Input::delayed(&[500.0, 20.0], 2), Input::new(&[-300.0])];
+        let initial = [0.3, -1.0, 20.0];
+        let u1 = Excitation::ABSOLUTE.sequence(300, dt, 1);
+        let u2 = Excitation::RELATIVE.sequence(300, dt, 2);
+        let free = [
+            Coefficient::A(0),
+            Coefficient::A(1),
+            Coefficient::A(2),
+            Coefficient::B { input: 0, power: 0 },
+            Coefficient::B { input: 0, power: 1 },
+            Coefficient::B { input: 1, power: 0 },
+            Coefficient::Constant,
+            Coefficient::Initial(0),
+            Coefficient::Initial(1),
+            Coefficient::Initial(2),
+        ];
+        let plant = LinearPlant::with_inputs(&a, &inputs, 7.0, dt).unwrap();
+        let exact = Sensitivity::simulate(&plant, &free, &initial, &[&u1, &u2]);
+        for (p, coefficient) in free.iter().enumerate() {
+            let moved = |relative: f64| {
+                let (mut a, mut inputs, mut constant, mut x0) =
+                    (a.clone(), inputs.clone(), 7.0, initial);
+                let value = match *coefficient {
+                    Coefficient::A(i) => &mut a[i],
+                    Coefficient::B { input, power } => &mut inputs[input].b[power],
+                    Coefficient::Constant => &mut constant,
+                    Coefficient::Initial(i) => &mut x0[i],
+                };
+                *value *= 1.0 + relative;
+                let change = *value * relative / (1.0 + relative);
+                let mut plant = LinearPlant::with_inputs(&a, &inputs, constant, dt).unwrap();
+                plant.place(&x0);
+                let y: Vec<f64> = (0..300)
+                    .map(|k| {
+                        let y = plant.output();
+                        plant.step(&[u1[k], u2[k]]);
+                        y
+                    })
+                    .collect();
+                (y, change)
+            };
+            let (high, up) = moved(1e-4);
+            let (low, down) = moved(-1e-4);
+            let scale = exact.jacobian.column(p).amax();
+            for k in 0..300 {
+                let difference = (high[k] - low[k]) / (up - down);
+                assert!(
+                    (difference - exact.jacobian[(k, p)]).abs() < 1e-6 * scale,
+                    "{coefficient:?} at {k}: {difference} {}",
+                    exact.jacobian[(k, p)]
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn bound_of_a_gain_is_elementary() {
+        // 1/s driven by 1: dy/db = t, so the standard deviation is sigma / sqrt(sum t^2).
+        let plant = LinearPlant::new(&[0.0], &[3.0], 0.1).unwrap();
+        let free = [Coefficient::B { input: 0, power: 0 }];
+        let got = coefficient_bound(&plant, &free, &[&[1.0; 50]], 0.2).unwrap()[0];
+        let sum: f64 = (0..50).map(|k| (0.1 * f64::from(k)).powi(2)).sum();
+        assert!((got - 0.2 / sum.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_unexcited_record_bounds_nothing() {
+        assert_eq!(servo_bound_pct(&REFERENCE, 1e-3, &[0.0; 100], 1e-3), None);
+    }
+}
