@@ -46,6 +46,7 @@ impl<SPI: SpiDevice> Valve for DacValve<SPI> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::std::vec;
     use embedded_hal::spi::ErrorKind;
     use embedded_hal_mock::eh1::spi::{Mock, Transaction};
 

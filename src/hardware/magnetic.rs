@@ -72,6 +72,7 @@ impl<SPI: SpiDevice> PositionSensor for MagneticEncoder<SPI> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::std::{vec, vec::Vec};
     use embedded_hal::spi::ErrorKind;
     use embedded_hal_mock::eh1::spi::{Mock, Transaction};
 

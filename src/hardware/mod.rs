@@ -118,6 +118,9 @@ fn limited(command: f32) -> f32 {
     }
 }
 
+#[cfg(test)]
+extern crate std;
+
 /// A bus on which every transaction fails.
 #[cfg(test)]
 #[derive(Debug)]

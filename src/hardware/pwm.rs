@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn errors_name_the_part() {
-        let error = || MockError::Io(std::io::ErrorKind::NotConnected);
+        let error = || MockError::Io(super::super::std::io::ErrorKind::NotConnected);
         check(
             &[
                 Duty::max_duty_cycle(10),
