@@ -1,0 +1,147 @@
+//! Free simulation of an identified model in f64, the judge of its fit.
+
+use nalgebra::{DMatrix, DVector};
+use trendid_host_tests::plant::{Input, LinearPlant};
+
+/// How an input behaves between its samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Hold {
+    /// Zero-order hold: constant until the next sample.
+    Zoh,
+    /// First-order hold: straight to the next sample.
+    Foh,
+}
+
+/// `A(s) y = sum_j B_j(s) u_j(t - d dt) + constant`, coefficients ascending,
+/// `A` without its leading one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    pub a: Vec<f64>,
+    pub b: Vec<Vec<f64>>,
+    /// Delay of each input in samples.
+    pub delay: Vec<usize>,
+    pub constant: f64,
+}
+
+/// A model run on the inputs alone against a measured output.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FreeRun {
+    /// Simulated output with the initial state refitted.
+    pub y: Vec<f64>,
+    /// `100 (1 - |y - y_sim| / |y - mean(y)|)`, initial state refitted.
+    pub fit_x0: f64,
+    /// The same with the constant of the differential equation refitted too.
+    pub fit_x0c: f64,
+}
+
+impl Model {
+    /// Simulates samples `range` of the record and compares with `y` there;
+    /// the inputs before the range serve the delays.
+    ///
+    /// The output is linear in the initial state and in the constant, so both
+    /// are least-squares fits. `None` when the model cannot be simulated or
+    /// runs away.
+    pub fn free_run(
+        &self,
+        u: &[Vec<f64>],
+        y: &[f64],
+        range: std::ops::Range<usize>,
+        hold: Hold,
+        dt: f64,
+    ) -> Option<FreeRun> {
+        let measured = &y[range.clone()];
+        let forced = self.response(Some((u, hold)), self.constant, None, range.clone(), dt)?;
+        let mut columns = Vec::new();
+        for i in 0..self.a.len() {
+            let mut derivatives = vec![0.0; self.a.len()];
+            derivatives[i] = 1.0;
+            columns.push(self.response(None, 0.0, Some(&derivatives), range.clone(), dt)?);
+        }
+        let rest: Vec<f64> = measured.iter().zip(&forced).map(|(y, f)| y - f).collect();
+        let (state, fit_x0) = refit(&columns, &rest, measured)?;
+        let simulated = forced.iter().zip(&state).map(|(f, s)| f + s).collect();
+        columns.push(self.response(None, 1.0, None, range, dt)?);
+        let (_, fit_x0c) = refit(&columns, &rest, measured)?;
+        Some(FreeRun {
+            y: simulated,
+            fit_x0,
+            fit_x0c,
+        })
+    }
+
+    /// The response over `range` to the inputs, to a constant, or to initial
+    /// derivatives of the output.
+    fn response(
+        &self,
+        inputs: Option<(&[Vec<f64>], Hold)>,
+        constant: f64,
+        initial: Option<&[f64]>,
+        range: std::ops::Range<usize>,
+        dt: f64,
+    ) -> Option<Vec<f64>> {
+        let columns: Vec<Input> = self.b.iter().map(|b| Input::new(b)).collect();
+        let mut plant = LinearPlant::with_inputs(&self.a, &columns, constant, dt).ok()?;
+        if let Some(derivatives) = initial {
+            plant.place(derivatives);
+        }
+        let at = |k: usize| -> Vec<f64> {
+            match inputs {
+                // A delayed sample from before the record is its first one.
+                Some((u, _)) => u
+                    .iter()
+                    .zip(&self.delay)
+                    .map(|(u, d)| u[k.saturating_sub(*d)])
+                    .collect(),
+                None => vec![0.0; self.b.len()],
+            }
+        };
+        let mut out = Vec::with_capacity(range.len());
+        let mut now = at(range.start);
+        for k in range.clone() {
+            out.push(plant.output());
+            if k + 1 < range.end {
+                let next = at(k + 1);
+                match inputs {
+                    Some((_, Hold::Foh)) => plant.step_ramp(&now, &next),
+                    _ => plant.step(&now),
+                };
+                now = next;
+            }
+        }
+        out.iter().all(|v| v.is_finite()).then_some(out)
+    }
+}
+
+/// Least-squares combination of `columns` nearest to `rest`, and the fit in
+/// percent of what remains against the spread of `measured`.
+fn refit(columns: &[Vec<f64>], rest: &[f64], measured: &[f64]) -> Option<(Vec<f64>, f64)> {
+    let n = rest.len();
+    // Columns of one size, so that the rank is judged without units.
+    let norm = |c: &[f64]| {
+        c.iter()
+            .map(|v| v * v)
+            .sum::<f64>()
+            .sqrt()
+            .max(f64::MIN_POSITIVE)
+    };
+    let norms: Vec<f64> = columns.iter().map(|c| norm(c)).collect();
+    let matrix = DMatrix::from_fn(n, columns.len(), |k, j| columns[j][k] / norms[j]);
+    let right = DVector::from_column_slice(rest);
+    // The normal matrix is at most 5 by 5 with unit diagonal; its
+    // pseudo-inverse leaves modes alone that have died out.
+    let normal = matrix.tr_mul(&matrix).pseudo_inverse(1e-12).ok()?;
+    let mut combination = &matrix * (&normal * matrix.tr_mul(&right));
+    // One step of refinement takes back what squaring the condition lost.
+    let left = &right - &combination;
+    combination += &matrix * (&normal * matrix.tr_mul(&left));
+    let mean = measured.iter().sum::<f64>() / n as f64;
+    let spread = measured
+        .iter()
+        .map(|y| (y - mean).powi(2))
+        .sum::<f64>()
+        .sqrt();
+    let error = (right - &combination).norm();
+    let fit: f64 = 100.0 * (1.0 - error / spread);
+    fit.is_finite()
+        .then(|| (combination.as_slice().to_vec(), fit))
+}
