@@ -167,37 +167,63 @@ pub fn coefficient_bound(
     Some(covariance.diagonal().iter().map(|v| v.sqrt()).collect())
 }
 
+/// What is known of the state of the servo at the first sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum InitialState {
+    /// All of it: at rest in a known position.
+    Known,
+    /// At rest in a position that is itself known only from the noisy record: the case of an identifier that
+    /// starts on a drive at rest. It matters for `C` over a short record.
+    PositionUnknown,
+    /// Nothing.
+    Unknown,
+}
+
 /// Relative bound of `C`, `w0` and `xi` \[%\] for the command sequence `u` and white position noise of standard
 /// deviation `sigma_mm` \[mm\], from rest; nothing when the record does not determine them.
 ///
 /// `C = b0/a1`, `w0 = sqrt(a1)`, `xi = a2/(2 sqrt(a1))`: the covariance of `(a1, a2, b0)` goes through the Jacobian.
-pub fn servo_bound_pct(servo: &Servo, dt: f64, u: &[f64], sigma_mm: f64) -> Option<[f64; 3]> {
-    let free = [
+pub fn servo_bound_pct(
+    servo: &Servo,
+    dt: f64,
+    u: &[f64],
+    sigma_mm: f64,
+    initial: InitialState,
+) -> Option<[f64; 3]> {
+    let mut free = vec![
         Coefficient::A(1),
         Coefficient::A(2),
         Coefficient::B { input: 0, power: 0 },
     ];
+    free.extend(match initial {
+        InitialState::Known => (0..0).map(Coefficient::Initial),
+        InitialState::PositionUnknown => (0..1).map(Coefficient::Initial),
+        InitialState::Unknown => (0..3).map(Coefficient::Initial),
+    });
     let sensitivity = Sensitivity::simulate(&servo.plant(dt), &free, &[0.0; 3], &[u]);
     let covariance = sensitivity.covariance(sigma_mm)?;
+    Some(servo_deviation_pct(servo, &covariance))
+}
+
+/// Relative standard deviations of `C`, `w0`, `xi` \[%\] from a covariance whose first three rows are `a1, a2, b0`.
+pub fn servo_deviation_pct(servo: &Servo, covariance: &DMatrix<f64>) -> [f64; 3] {
     let [_, a1, a2] = servo.a();
-    // Relative derivatives: d ln C = db0/b0 - da1/a1, d ln w0 = da1/(2 a1), d ln xi = da2/a2 - da1/(2 a1).
-    let relative = DMatrix::from_row_slice(
-        3,
-        3,
-        &[
-            -1.0 / a1,
-            0.0,
-            1.0 / servo.b0(),
-            0.5 / a1,
-            0.0,
-            0.0,
-            -0.5 / a1,
-            1.0 / a2,
-            0.0,
-        ],
-    );
-    let c = &relative * covariance * relative.transpose();
-    Some([0, 1, 2].map(|i| 100.0 * c[(i, i)].sqrt()))
+    let b0 = servo.b0();
+    // d ln C = db0/b0 - da1/a1, d ln w0 = da1/(2 a1), d ln xi = da2/a2 - da1/(2 a1).
+    let relative = [
+        [-1.0 / a1, 0.0, 1.0 / b0],
+        [0.5 / a1, 0.0, 0.0],
+        [-0.5 / a1, 1.0 / a2, 0.0],
+    ];
+    relative.map(|row| {
+        let mut variance = 0.0;
+        for i in 0..3 {
+            for j in 0..3 {
+                variance += row[i] * covariance[(i, j)] * row[j];
+            }
+        }
+        100.0 * variance.sqrt()
+    })
 }
 
 #[cfg(test)]
@@ -276,6 +302,8 @@ mod tests {
 
     #[test]
     fn an_unexcited_record_bounds_nothing() {
-        assert_eq!(servo_bound_pct(&REFERENCE, 1e-3, &[0.0; 100], 1e-3), None);
+        let u = [0.0; 100];
+        let bound = servo_bound_pct(&REFERENCE, 1e-3, &u, 1e-3, InitialState::Known);
+        assert_eq!(bound, None);
     }
 }
