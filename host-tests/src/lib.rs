@@ -7,7 +7,19 @@
 //! | [`plant`] | linear plants of order 1 to 4, exact for held inputs |
 //! | [`reference`] | the servo of the paper's Table 2 and its physical reading |
 //! | [`nonlinear`] | valve defects and Coulomb friction |
+//! | [`noise`] | drift, white noise and resolution in both readings of the paper's widths |
+//! | [`excitation`] | binary noise, steps, square, multisine, chirp, fixed controller |
+//! | [`experiment`] | plant, excitation, valve and noise put together into a record |
+//! | [`bound`] | Cramer-Rao bound of coefficients and of C, w0, xi |
+//! | [`dynamic`] | the core itself behind sizes known at run time |
+//! | [`table1`] | the conditions and printed figures of the paper's Table 1 |
 
+pub mod bound;
+pub mod dynamic;
+pub mod excitation;
+pub mod experiment;
+pub mod noise;
 pub mod nonlinear;
 pub mod plant;
 pub mod reference;
+pub mod table1;
