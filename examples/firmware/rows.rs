@@ -1,0 +1,77 @@
+//! The structures that are checked bit for bit and counted.
+
+use trendid::{
+    Config, ConfigError, FilteredTrends, Identifier, RawTrends, Scheme, Structure, Terms, dead_zone,
+};
+
+use super::record::SAMPLE_TIME;
+
+/// Half-width of the dead zone in the rows with a dead zone.
+pub const DEAD_ZONE: f32 = 0.03;
+
+/// The reference structure b0 / (s (s^2 + a2 s + a1)) behind the paper's trends.
+pub type Raw = Identifier<RawTrends<3>, 3, 3>;
+/// The reference structure behind filtered trends.
+pub type Filtered = Identifier<FilteredTrends<3>, 3, 3>;
+/// The reference structure with a constant input.
+pub type Offset = Identifier<FilteredTrends<3>, 3, 4>;
+/// The reference structure with a constant input and a command that is two samples late.
+pub type Late = Identifier<FilteredTrends<3>, 3, 4, 1, 4>;
+/// The reference structure with both inputs of a dead zone and a constant.
+pub type DeadZone = Identifier<FilteredTrends<3>, 3, 5, 2>;
+/// Every a_i and b_i of order three.
+pub type Full = Identifier<FilteredTrends<3>, 3, 6>;
+
+const fn filter(scheme: Scheme) -> Result<FilteredTrends<3>, ConfigError> {
+    FilteredTrends::try_new(scheme, SAMPLE_TIME, [25.0; 3])
+}
+
+/// The reference structure with raw trends of `scheme`.
+pub fn raw(scheme: Scheme) -> Result<Raw, ConfigError> {
+    let config = Config::new(Structure::integrating(), 25.0, [1.0], 50.0);
+    Raw::try_new(&config, RawTrends::try_new(scheme, SAMPLE_TIME)?)
+}
+
+/// The reference structure with filtered trends of `scheme`.
+pub fn filtered(scheme: Scheme) -> Result<Filtered, ConfigError> {
+    let config = Config::new(Structure::integrating(), 25.0, [1.0], 50.0);
+    Filtered::try_new(&config, filter(scheme)?)
+}
+
+/// The reference structure with a memory of one second and the pull toward the trusted estimate.
+pub fn forgetting() -> Result<Filtered, ConfigError> {
+    let mut config = Config::new(Structure::integrating(), 25.0, [1.0], 50.0);
+    config.memory = Some(1.0);
+    config.pull = 1e-3;
+    Filtered::try_new(&config, filter(Scheme::Tustin)?)
+}
+
+/// With a constant input.
+pub fn offset() -> Result<Offset, ConfigError> {
+    let config = Config::new(Structure::integrating_with_constant(), 25.0, [1.0], 50.0);
+    Offset::try_new(&config, filter(Scheme::Tustin)?)
+}
+
+/// With a constant input and two samples of delay.
+pub fn late() -> Result<Late, ConfigError> {
+    let mut config = Config::new(Structure::integrating_with_constant(), 25.0, [1.0], 50.0);
+    config.delays = [2];
+    Late::try_new(&config, filter(Scheme::Tustin)?)
+}
+
+/// With the inputs of a dead zone and a constant.
+pub fn dead_zoned() -> Result<DeadZone, ConfigError> {
+    let config = Config::new(Structure::integrating_with_constant(), 25.0, [1.0; 2], 50.0);
+    DeadZone::try_new(&config, filter(Scheme::Tustin)?)
+}
+
+/// Every a_i and b_i.
+pub fn full() -> Result<Full, ConfigError> {
+    let structure = Structure::new(Terms::up_to(3), [Terms::up_to(3)], false);
+    Full::try_new(&Config::new(structure, 25.0, [1.0], 50.0), filter(Scheme::Tustin)?)
+}
+
+/// The inputs of the rows with a dead zone.
+pub fn dead_zone_inputs(u: f32) -> [f32; 2] {
+    dead_zone(u, DEAD_ZONE)
+}

@@ -1,0 +1,225 @@
+//! Instructions per `update` on an emulated Cortex-M, cycles on a board; wall time per update on the host.
+//!
+//! `cargo xtask icount` runs it in the emulator and prints the table with code size, memory and stack. The image writes
+//! one line `row;function;n;mean;worst;systick;stack;ram` per row, behind comment lines that begin with `#`.
+//!
+//! What is counted is the function of the row from its first instruction to its return, as a user calls it.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+mod firmware;
+
+use core::hint::black_box;
+
+use firmware::{record, rows};
+use trendid::{Estimator, Outcome, Scheme};
+
+/// How often the record is run: 10 000 samples.
+const ROUNDS: usize = 2;
+
+/// One function per row: found in the image by its name.
+macro_rules! functions {
+    ($($name:ident($type:ty, $input:ty) -> $result:ty, |$state:ident, $u:ident, $y:ident| $body:expr;)*) => {$(
+        #[inline(never)]
+        // SAFETY: the name is used once in this image.
+        #[unsafe(no_mangle)]
+        fn $name($state: &mut $type, $u: $input, $y: f32) -> $result {
+            $body
+        }
+    )*};
+}
+
+functions! {
+    row_nothing((), f32) -> f32, |_state, u, _y| u;
+    row_raw(rows::Raw, f32) -> Outcome, |state, u, y| state.update(u, y);
+    row_filtered(rows::Filtered, f32) -> Outcome, |state, u, y| state.update(u, y);
+    row_constant(rows::Offset, f32) -> Outcome, |state, u, y| state.update(u, y);
+    row_dead_zone(rows::DeadZone, f32) -> Outcome, |state, u, y| {
+        state.update_inputs(rows::dead_zone_inputs(u), y)
+    };
+    row_full(rows::Full, f32) -> Outcome, |state, u, y| state.update(u, y);
+    row_bare_3(Estimator<3>, &[f32; 3]) -> f32, |state, phi, psi| state.update(phi, psi);
+    row_bare_4(Estimator<4>, &[f32; 4]) -> f32, |state, phi, psi| state.update(phi, psi);
+    row_bare_5(Estimator<5>, &[f32; 5]) -> f32, |state, phi, psi| state.update(phi, psi);
+    row_bare_6(Estimator<6>, &[f32; 6]) -> f32, |state, phi, psi| state.update(phi, psi);
+}
+
+/// Something that takes the rows one after the other: a counter on the target, a stopwatch on the host.
+trait Meter {
+    /// Runs `step` over `samples`, twice the whole record.
+    fn row<S: Copy, U: Copy, R>(
+        &mut self,
+        name: &str,
+        function: &str,
+        n: usize,
+        state: S,
+        samples: impl Iterator<Item = (U, f32)>,
+        step: impl Fn(&mut S, &U, f32) -> R,
+    );
+}
+
+/// The record as often as it is run. Each round goes on where the round before ended.
+fn samples() -> impl Iterator<Item = (f32, f32)> {
+    let end = record::samples().last().map_or(0.0, |(_, y)| y);
+    (0..ROUNDS).flat_map(move |round| record::samples().map(move |(u, y)| (u, y + end * round as f32)))
+}
+
+/// Regressors of independent numbers in -1..1 and what the parameters 1, 2, .. make of them, with noise.
+fn rows_of_numbers<const N: usize>() -> impl Iterator<Item = ([f32; N], f32)> {
+    let mut seed = 1u32;
+    (0..ROUNDS * record::SAMPLES).map(move |_| {
+        let mut number = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 8) as f32 * (2.0 / 16_777_216.0) - 1.0
+        };
+        let phi: [f32; N] = core::array::from_fn(|_| number());
+        let mut psi = 0.01 * number();
+        for (j, x) in phi.iter().enumerate() {
+            psi += (j + 1) as f32 * x;
+        }
+        (phi, psi)
+    })
+}
+
+fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
+    meter.row("nothing", "row_nothing", 0, (), samples(), |s, &u, y| row_nothing(s, u, y));
+    let (goodwin, tustin) = (rows::raw(Scheme::Goodwin)?, rows::raw(Scheme::Tustin)?);
+    meter.row("raw Goodwin", "row_raw", 3, goodwin, samples(), |s, &u, y| row_raw(s, u, y));
+    meter.row("raw Tustin", "row_raw", 3, tustin, samples(), |s, &u, y| row_raw(s, u, y));
+    let filtered = rows::filtered(Scheme::Tustin)?;
+    meter.row("filtered Tustin", "row_filtered", 3, filtered, samples(), |s, &u, y| row_filtered(s, u, y));
+    let offset = rows::offset()?;
+    meter.row("with constant", "row_constant", 4, offset, samples(), |s, &u, y| row_constant(s, u, y));
+    let dead_zone = rows::dead_zoned()?;
+    meter.row("with dead zone", "row_dead_zone", 5, dead_zone, samples(), |s, &u, y| row_dead_zone(s, u, y));
+    let full = rows::full()?;
+    meter.row("order 3 full", "row_full", 6, full, samples(), |s, &u, y| row_full(s, u, y));
+    meter.row("bare estimator", "row_bare_3", 3, bare(), rows_of_numbers(), row_bare_3);
+    meter.row("bare estimator", "row_bare_4", 4, bare(), rows_of_numbers(), row_bare_4);
+    meter.row("bare estimator", "row_bare_5", 5, bare(), rows_of_numbers(), row_bare_5);
+    meter.row("bare estimator", "row_bare_6", 6, bare(), rows_of_numbers(), row_bare_6);
+    Ok(())
+}
+
+fn bare<const N: usize>() -> Estimator<N> {
+    Estimator::new([0.0; N], [1000.0; N], 0.999)
+}
+
+#[cfg(target_os = "none")]
+mod target {
+    use core::mem::size_of;
+
+    use cortex_m_rt::entry;
+
+    use super::{Meter, all, black_box};
+    use crate::firmware::board::{exit, line};
+    use crate::firmware::clock::{Clock, Unit};
+    use crate::firmware::stack;
+
+    #[panic_handler]
+    fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+        line(format_args!("{info}"));
+        exit(false)
+    }
+
+    struct Counter {
+        clocks: [Clock; 2],
+        /// Ticks of a function of one instruction, its return.
+        idle: [f32; 2],
+        systick_off: bool,
+    }
+
+    impl Meter for Counter {
+        fn row<S: Copy, U: Copy, R>(
+            &mut self,
+            name: &str,
+            function: &str,
+            n: usize,
+            state: S,
+            samples: impl Iterator<Item = (U, f32)>,
+            step: impl Fn(&mut S, &U, f32) -> R,
+        ) {
+            let [fine, systick] = self.clocks;
+            let mut sums = [0.0f64; 2];
+            let (mut worst, mut peak, mut count) = (0, 0, 0);
+            let mut subject = state;
+            for (k, (u, y)) in samples.enumerate() {
+                let (u, y) = black_box((u, y));
+                // Both clocks count the same step, so one of them works on a copy.
+                let mut copy = subject;
+                sums[1] += f64::from(systick.ticks(|| step(black_box(&mut copy), &u, y)));
+                if k % 100 == 1 {
+                    let mut copy = subject;
+                    peak = peak.max(stack::peak(|| step(black_box(&mut copy), &u, y)));
+                }
+                let ticks = fine.ticks(|| step(black_box(&mut subject), &u, y));
+                sums[0] += f64::from(ticks);
+                worst = worst.max(ticks);
+                count += 1;
+            }
+            let mean = sums.map(|sum| (sum / f64::from(count)) as f32);
+            if n == 0 {
+                self.idle = mean;
+                return;
+            }
+            let units = |clock: &Clock, i: usize, ticks: f32| clock.units(ticks - self.idle[i]) + 1.0;
+            let by_fine = units(&fine, 0, mean[0]);
+            let by_systick = units(&systick, 1, mean[1]);
+            // Two counters with their own calibration must tell the same story.
+            if (by_systick - by_fine).abs() > 0.02 * by_fine + 2.0 {
+                self.systick_off = true;
+            }
+            line(format_args!(
+                "{name};{function};{n};{by_fine:.1};{:.0};{by_systick:.1};{peak};{}",
+                units(&fine, 0, worst as f32),
+                size_of::<S>(),
+            ));
+        }
+    }
+
+    #[entry]
+    fn main() -> ! {
+        let Some(mut core) = cortex_m::Peripherals::take() else { exit(false) };
+        let clocks = Clock::start(&mut core);
+        for clock in clocks {
+            line(format_args!("# {}: {:.4} ticks per unit of {:?}", clock.name, clock.rate(), clock.unit));
+        }
+        if clocks[0].unit == Unit::Cycles {
+            line(format_args!("# a board: processor cycles, not instructions"));
+        }
+        let mut counter = Counter { clocks, idle: [0.0; 2], systick_off: false };
+        if let Err(error) = all(&mut counter) {
+            line(format_args!("{error}"));
+            exit(false);
+        }
+        if counter.systick_off {
+            line(format_args!("# SysTick and {} disagree", clocks[0].name));
+        }
+        exit(!counter.systick_off)
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() -> Result<(), trendid::ConfigError> {
+    struct Stopwatch;
+    impl Meter for Stopwatch {
+        fn row<S: Copy, U: Copy, R>(
+            &mut self,
+            name: &str,
+            _function: &str,
+            n: usize,
+            mut state: S,
+            samples: impl Iterator<Item = (U, f32)>,
+            step: impl Fn(&mut S, &U, f32) -> R,
+        ) {
+            let samples: Vec<_> = samples.collect();
+            let start = std::time::Instant::now();
+            for (u, y) in &samples {
+                let _ = black_box(step(black_box(&mut state), u, *y));
+            }
+            let nanoseconds = start.elapsed().as_nanos() as f64 / samples.len() as f64;
+            println!("{name:16} n = {n}  {nanoseconds:7.1} ns per update, {} bytes", size_of::<S>());
+        }
+    }
+    println!("this machine, wall time; `cargo xtask icount` counts instructions on the emulated target");
+    all(&mut Stopwatch)
+}
