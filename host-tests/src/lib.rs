@@ -10,6 +10,9 @@
 //! | [`noise`] | drift, white noise and resolution in both readings of the paper's widths |
 //! | [`excitation`] | binary noise, steps, square, multisine, chirp, fixed controller |
 //! | [`experiment`] | plant, excitation, valve and noise put together into a record |
+//! | [`polynomial`] | polynomials in the back shift, difference equations |
+//! | [`trends`] | trends in f64, raw and filtered in two ways |
+//! | [`oracle`] | least squares by singular values, batch equivalent of a recursion, (9)-(11) |
 //! | [`bound`] | Cramer-Rao bound of coefficients and of C, w0, xi |
 //! | [`dynamic`] | the core itself behind sizes known at run time |
 //! | [`table1`] | the conditions and printed figures of the paper's Table 1 |
@@ -20,6 +23,9 @@ pub mod excitation;
 pub mod experiment;
 pub mod noise;
 pub mod nonlinear;
+pub mod oracle;
 pub mod plant;
+pub mod polynomial;
 pub mod reference;
 pub mod table1;
+pub mod trends;

@@ -14,6 +14,10 @@ pub enum Reading {
     Absolute,
     /// Widths scaled together so that rms(noise)/rms(signal) is the printed N/S; the drift is uniform white noise of
     /// full width `w` through a first-order lag of 200 ms.
+    ///
+    /// The signal is the record's noise-free position about its mean (the plant integrates, so the rms about zero
+    /// would measure where the drive happened to go); the noise is measured minus true position about zero, rounding
+    /// included. With this definition the Cramer-Rao bound comes out as in the prototype, see `tests/bound.rs`.
     Relative,
 }
 
