@@ -20,6 +20,8 @@ pub struct Model {
     pub b: Vec<Vec<f64>>,
     /// Delay of each input in samples.
     pub delay: Vec<usize>,
+    /// Hold of each input.
+    pub hold: Vec<Hold>,
     pub constant: f64,
 }
 
@@ -43,14 +45,13 @@ impl Model {
     /// runs away.
     pub fn free_run(
         &self,
-        u: &[Vec<f64>],
+        u: &[&[f64]],
         y: &[f64],
         range: std::ops::Range<usize>,
-        hold: Hold,
         dt: f64,
     ) -> Option<FreeRun> {
         let measured = &y[range.clone()];
-        let forced = self.response(Some((u, hold)), self.constant, None, range.clone(), dt)?;
+        let forced = self.response(Some(u), self.constant, None, range.clone(), dt)?;
         let mut columns = Vec::new();
         for i in 0..self.a.len() {
             let mut derivatives = vec![0.0; self.a.len()];
@@ -73,7 +74,7 @@ impl Model {
     /// derivatives of the output.
     fn response(
         &self,
-        inputs: Option<(&[Vec<f64>], Hold)>,
+        inputs: Option<&[&[f64]]>,
         constant: f64,
         initial: Option<&[f64]>,
         range: std::ops::Range<usize>,
@@ -87,7 +88,7 @@ impl Model {
         let at = |k: usize| -> Vec<f64> {
             match inputs {
                 // A delayed sample from before the record is its first one.
-                Some((u, _)) => u
+                Some(u) => u
                     .iter()
                     .zip(&self.delay)
                     .map(|(u, d)| u[k.saturating_sub(*d)])
@@ -101,10 +102,15 @@ impl Model {
             out.push(plant.output());
             if k + 1 < range.end {
                 let next = at(k + 1);
-                match inputs {
-                    Some((_, Hold::Foh)) => plant.step_ramp(&now, &next),
-                    _ => plant.step(&now),
-                };
+                if inputs.is_some() && self.hold.contains(&Hold::Foh) {
+                    let held = now.iter().zip(&next).zip(&self.hold);
+                    let end: Vec<f64> = held
+                        .map(|((now, next), hold)| if *hold == Hold::Foh { *next } else { *now })
+                        .collect();
+                    plant.step_ramp(&now, &end);
+                } else {
+                    plant.step(&now);
+                }
                 now = next;
             }
         }

@@ -1,0 +1,99 @@
+//! Filter pole and delay chosen by the record itself.
+
+use indicatif::ProgressBar;
+
+use crate::estimate::{Problem, Tuning};
+use crate::output::Refusal;
+
+/// Longest delay that `auto` tries, in samples.
+pub const LONGEST_DELAY: usize = 10;
+
+/// What may be chosen: a given pole or delay is left alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Freedom {
+    pub pole: Choice<Option<f64>>,
+    pub delay: Choice<usize>,
+}
+
+/// A value that the user has given, or one to be found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Choice<T> {
+    Given(T),
+    Auto,
+}
+
+/// Poles tried by `auto`, in rad/s: half an octave apart, from five settling
+/// times in the record up to one and a half times the sampling rate.
+pub fn poles(samples: usize, dt: f64) -> Vec<f64> {
+    let lowest = 30.0 / (samples as f64 * dt);
+    let highest = 1.5 / dt;
+    let steps = (2.0 * (highest / lowest).log2()).floor().max(0.0) as i32;
+    (0..=steps)
+        .map(|i| lowest * 2f64.powf(0.5 * f64::from(i)))
+        .collect()
+}
+
+/// How well the model that a tuning gives repeats the record: the mean fit of
+/// free simulations of both halves, initial state and constant refitted.
+pub fn merit(problem: &Problem, tuning: Tuning) -> Option<f64> {
+    let [_, estimate] = problem.run(tuning, None).ok()?;
+    let n = problem.y.len();
+    let first = problem.free_run(&estimate, tuning.delay, 0..n / 2)?;
+    let second = problem.free_run(&estimate, tuning.delay, n / 2..n)?;
+    Some(0.5 * (first.fit_x0c + second.fit_x0c))
+}
+
+/// The filter pole and delay of the best [`merit`].
+///
+/// A model that simulates the record well has both the slow and the fast part
+/// right; the one-step prediction alone would be ruled by the fast part.
+///
+/// # Errors
+///
+/// When no candidate gives a model that can be simulated.
+pub fn tune(problem: &Problem, freedom: Freedom, bar: &ProgressBar) -> Result<Tuning, Refusal> {
+    let poles = match freedom.pole {
+        Choice::Given(pole) => vec![pole],
+        Choice::Auto => poles(problem.y.len(), problem.dt)
+            .into_iter()
+            .map(Some)
+            .collect(),
+    };
+    let delays = match freedom.delay {
+        Choice::Given(delay) => delay..=delay,
+        Choice::Auto => 0..=LONGEST_DELAY,
+    };
+    bar.set_length((poles.len() * delays.clone().count()) as u64);
+    let mut best: Option<(f64, Tuning)> = None;
+    for delay in delays {
+        for &pole in &poles {
+            let tuning = Tuning { pole, delay };
+            if let Some(merit) = merit(problem, tuning)
+                && best.is_none_or(|(b, _)| merit > b)
+            {
+                best = Some((merit, tuning));
+            }
+            bar.inc(1);
+        }
+    }
+    best.map(|(_, tuning)| tuning).ok_or_else(|| {
+        Refusal::new(format!(
+            "the data cannot carry a model of order {} with {} parameters: none that can be simulated was found",
+            problem.order,
+            problem.parameter_names().len()
+        ))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn poles_span_the_record_in_half_octaves() {
+        let p = poles(10_000, 1e-3);
+        assert_eq!(p[0], 3.0);
+        assert!((p[2] / p[0] - 2.0).abs() < 1e-12);
+        assert!(p[p.len() - 1] <= 1500.0 && p[p.len() - 1] > 1500.0 / 2f64.sqrt());
+    }
+}

@@ -1,0 +1,313 @@
+//! The no_std core run sample by sample over recorded signals.
+
+use trendid::{Hold as CoreHold, Outcome, Scheme, Terms};
+use trendid_host_tests::dynamic::{Filter, InputSetup, Reading, Recursion, Setup};
+
+use crate::freerun::{FreeRun, Hold, Model};
+use crate::output::Refusal;
+
+/// Settling of the trends before the first estimate, in time constants of the filter.
+const SETTLING: f64 = 6.0;
+
+/// An input column with what the model knows about it.
+#[derive(Debug, Clone)]
+pub struct Input {
+    pub name: String,
+    pub samples: Vec<f64>,
+    /// Number of its b_i: zeros + 1.
+    pub terms: usize,
+    /// Whether the delay of the plant acts on it.
+    pub delayed: bool,
+    pub hold: Hold,
+}
+
+/// Signals and structure; what remains open is the filter and the delay.
+#[derive(Debug, Clone)]
+pub struct Problem {
+    pub inputs: Vec<Input>,
+    pub y: Vec<f64>,
+    pub dt: f64,
+    pub order: usize,
+    pub integrator: bool,
+    pub constant: bool,
+    pub scheme: Scheme,
+    /// Memory in s; none forgets nothing.
+    pub memory: Option<f64>,
+}
+
+/// Filter and delay, the two choices that the signals can make.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tuning {
+    /// All filter poles at `-pole` rad/s; `None` for raw trends.
+    pub pole: Option<f64>,
+    /// Delay in samples.
+    pub delay: usize,
+}
+
+/// The model at one moment of a run.
+#[derive(Debug, Clone)]
+pub struct Estimate {
+    /// Parameters in the order a_i, b_i of each input, constant.
+    pub theta: Vec<f64>,
+    pub sigma: Vec<f64>,
+    /// Correlation of the parameters.
+    pub correlation: Vec<Vec<f64>>,
+    pub a: Vec<f64>,
+    pub b: Vec<Vec<f64>>,
+    pub constant: f64,
+    pub iq: f64,
+    pub iv: f64,
+    /// Samples in IQ and IV.
+    pub evaluated: u32,
+    pub reading: Reading,
+    pub physical_std: Option<[f32; 3]>,
+}
+
+/// The course of the parameters over a run.
+#[derive(Debug, Clone, Default)]
+pub struct Trace {
+    /// Sample number, parameters, standard deviations.
+    pub rows: Vec<(usize, Vec<f64>, Vec<f64>)>,
+}
+
+impl Problem {
+    /// Names of the parameters in the order of theta.
+    pub fn parameter_names(&self) -> Vec<String> {
+        let first = usize::from(self.integrator);
+        let mut names: Vec<String> = (first..self.order).map(|i| format!("a{i}")).collect();
+        let several = self.inputs.len() > 1;
+        for input in &self.inputs {
+            for i in 0..input.terms {
+                names.push(if several {
+                    format!("b{i}[{}]", input.name)
+                } else {
+                    format!("b{i}")
+                });
+            }
+        }
+        if self.constant {
+            names.push("constant".into());
+        }
+        names
+    }
+
+    /// Samples that a run needs at least: ten for each parameter.
+    pub fn samples_needed(&self) -> usize {
+        10 * self.parameter_names().len()
+    }
+
+    /// Refuses signals that carry no information whatever the structure.
+    ///
+    /// # Errors
+    ///
+    /// The column that never moves.
+    pub fn check_excitation(&self) -> Result<(), Refusal> {
+        let moves = |x: &[f64]| x.iter().any(|v| *v != x[0]);
+        for input in &self.inputs {
+            if !moves(&input.samples) {
+                return Err(Refusal::new(format!(
+                    "the input `{}` never changes over the {} samples: nothing excites the plant",
+                    input.name,
+                    self.y.len()
+                )));
+            }
+        }
+        if !moves(&self.y) {
+            return Err(Refusal::new(format!(
+                "the output never changes over the {} samples: there is nothing to identify",
+                self.y.len()
+            )));
+        }
+        Ok(())
+    }
+
+    fn setup(&self, tuning: Tuning) -> Setup {
+        let output_range = spread(&self.y) as f32;
+        // Raw trends have no filter; their normalisation takes a decade below the sampling rate.
+        let bandwidth = tuning.pole.unwrap_or(0.1 / self.dt);
+        let settling = tuning.pole.map_or(0.0, |p| SETTLING / p);
+        Setup {
+            order: self.order,
+            output: Terms::between(usize::from(self.integrator), self.order),
+            inputs: self
+                .inputs
+                .iter()
+                .map(|input| InputSetup {
+                    terms: Terms::up_to(input.terms),
+                    hold: match input.hold {
+                        Hold::Zoh => CoreHold::Zero,
+                        Hold::Foh => CoreHold::First,
+                    },
+                    delay: if input.delayed { tuning.delay } else { 0 },
+                    range: spread(&input.samples) as f32,
+                    rest: if self.integrator {
+                        0.0
+                    } else {
+                        input.samples[0] as f32
+                    },
+                })
+                .collect(),
+            constant: self.constant,
+            sample_time: self.dt as f32,
+            scheme: self.scheme,
+            filter: match tuning.pole {
+                Some(pole) => Filter::Polynomial(binomial(pole, self.order)),
+                None => Filter::None,
+            },
+            bandwidth: bandwidth as f32,
+            output_range,
+            output_noise: 1e-4 * output_range,
+            memory: self.memory.map(|m| m as f32),
+            settling: settling.min(0.2 * self.y.len() as f64 * self.dt) as f32,
+            pull: 0.0,
+        }
+    }
+
+    /// Runs the core over all samples; gives the estimate after the first half
+    /// and at the end. With a trace, every `every`-th state is kept in it.
+    ///
+    /// # Errors
+    ///
+    /// A configuration that the core refuses.
+    pub fn run(
+        &self,
+        tuning: Tuning,
+        trace: Option<(&mut Trace, usize)>,
+    ) -> Result<[Estimate; 2], Refusal> {
+        self.run_held(tuning, trace, None)
+    }
+
+    /// As [`run`](Self::run); from sample `hold_from` on the parameters are held
+    /// and IQ and IV of the second estimate count only the samples from there.
+    ///
+    /// # Errors
+    ///
+    /// A configuration that the core refuses.
+    pub fn run_held(
+        &self,
+        tuning: Tuning,
+        mut trace: Option<(&mut Trace, usize)>,
+        hold_from: Option<usize>,
+    ) -> Result<[Estimate; 2], Refusal> {
+        let mut core = self.setup(tuning).build()?;
+        // Positions are large against their increments: the reference goes before f32 (integrator only).
+        let reference = if self.integrator { self.y[0] } else { 0.0 };
+        let mut u = vec![0.0_f32; self.inputs.len()];
+        let middle = hold_from.unwrap_or(self.y.len() / 2);
+        let mut half = None;
+        for (k, y) in self.y.iter().enumerate() {
+            if k == middle {
+                half = Some(self.estimate(core.as_ref()));
+                core.adapt(hold_from.is_none());
+            }
+            for (u, input) in u.iter_mut().zip(&self.inputs) {
+                *u = input.samples[k] as f32;
+            }
+            let outcome = core.update(&u, (y - reference) as f32);
+            if let Outcome::Refused(_) = outcome {
+                return Err(Refusal::new(format!(
+                    "sample {k} is out of all proportion to the rest of the record"
+                )));
+            }
+            if let Some((trace, every)) = &mut trace
+                && k % *every == 0
+                && matches!(outcome, Outcome::Estimated { .. })
+            {
+                trace.rows.push((k, wide(&core.theta()), wide(&core.std())));
+            }
+        }
+        let mut end = self.estimate(core.as_ref());
+        let half = half.unwrap_or_else(|| end.clone());
+        if hold_from.is_some() {
+            end.iq -= half.iq;
+            end.iv -= half.iv;
+            end.evaluated -= half.evaluated;
+        }
+        Ok([half, end])
+    }
+
+    fn estimate(&self, core: &dyn Recursion) -> Estimate {
+        let theta = wide(&core.theta());
+        let sigma = wide(&core.std());
+        let n = theta.len();
+        let correlation = (0..n)
+            .map(|i| {
+                (0..n)
+                    .map(|j| f64::from(core.covariance(i, j)) / (sigma[i] * sigma[j]))
+                    .collect()
+            })
+            .collect();
+        let quality = core.quality();
+        Estimate {
+            correlation,
+            a: wide(&core.a()),
+            b: (0..self.inputs.len())
+                .map(|c| wide(&core.b(c)[..self.inputs[c].terms]))
+                .collect(),
+            constant: f64::from(core.constant()),
+            iq: f64::from(quality.iq()),
+            iv: f64::from(quality.iv()),
+            evaluated: quality.samples(),
+            reading: core.physical(0),
+            physical_std: core.physical_std(),
+            theta,
+            sigma,
+        }
+    }
+
+    /// Simulates an estimate on the inputs alone over `range` of the record.
+    pub fn free_run(
+        &self,
+        estimate: &Estimate,
+        delay: usize,
+        range: std::ops::Range<usize>,
+    ) -> Option<FreeRun> {
+        let model = Model {
+            a: estimate.a.clone(),
+            b: estimate.b.clone(),
+            delay: self
+                .inputs
+                .iter()
+                .map(|i| if i.delayed { delay } else { 0 })
+                .collect(),
+            hold: self.inputs.iter().map(|i| i.hold).collect(),
+            constant: estimate.constant,
+        };
+        let u: Vec<&[f64]> = self.inputs.iter().map(|i| i.samples.as_slice()).collect();
+        model.free_run(&u, &self.y, range, self.dt)
+    }
+}
+
+/// Coefficients f_0 .. f_{m-1} of `(s + pole)^m`.
+fn binomial(pole: f64, m: usize) -> Vec<f32> {
+    let mut coefficient = 1.0;
+    let mut falling = Vec::new();
+    for i in 0..m {
+        // C(m, i+1) pole^(i+1), the coefficient of s^(m-1-i).
+        coefficient *= pole * (m - i) as f64 / (i + 1) as f64;
+        falling.push(coefficient as f32);
+    }
+    falling.reverse();
+    falling
+}
+
+fn wide(x: &[f32]) -> Vec<f64> {
+    x.iter().copied().map(f64::from).collect()
+}
+
+/// Root mean square about the mean; for signals that move.
+pub fn spread(x: &[f64]) -> f64 {
+    let mean = x.iter().sum::<f64>() / x.len() as f64;
+    (x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / x.len() as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_filter_is_the_power_of_one_pole() {
+        assert_eq!(binomial(2.0, 3), [8.0, 12.0, 6.0]);
+        assert_eq!(binomial(5.0, 1), [5.0]);
+    }
+}

@@ -1,0 +1,73 @@
+//! What leaves the program: text on standard output, progress and one-sentence
+//! refusals on standard error.
+
+use std::io::{IsTerminal, Write};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use thiserror::Error;
+
+/// Why a command cannot do what it was asked, as one sentence.
+#[derive(Debug, Error)]
+#[error("{0}")]
+pub struct Refusal(String);
+
+impl Refusal {
+    pub fn new(sentence: impl Into<String>) -> Self {
+        Self(sentence.into())
+    }
+}
+
+impl From<String> for Refusal {
+    fn from(sentence: String) -> Self {
+        Self(sentence)
+    }
+}
+
+impl From<crate::record::RecordError> for Refusal {
+    fn from(error: crate::record::RecordError) -> Self {
+        Self(error.to_string())
+    }
+}
+
+impl From<trendid::ConfigError> for Refusal {
+    fn from(error: trendid::ConfigError) -> Self {
+        Self(error.to_string())
+    }
+}
+
+/// Writes to standard output; a reader that has gone away is no error.
+pub fn emit(text: &str) {
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}
+
+/// Writes a JSON value on lines of its own.
+pub fn emit_json(value: &serde_json::Value) {
+    emit(&format!("{value:#}\n"));
+}
+
+/// A number for JSON; what is not finite becomes null.
+pub fn number(value: f64) -> serde_json::Value {
+    serde_json::Number::from_f64(value).map_or(serde_json::Value::Null, Into::into)
+}
+
+/// The shortest decimal figure that is this f32, for JSON.
+pub fn number32(value: f32) -> serde_json::Value {
+    number(value.to_string().parse().unwrap_or(f64::NAN))
+}
+
+/// A progress bar over `steps`, drawn only when standard error is a terminal.
+pub fn progress(steps: u64, what: &'static str) -> ProgressBar {
+    let target = if std::io::stderr().is_terminal() {
+        ProgressDrawTarget::stderr()
+    } else {
+        ProgressDrawTarget::hidden()
+    };
+    let bar = ProgressBar::with_draw_target(Some(steps), target).with_message(what);
+    if let Ok(style) = ProgressStyle::with_template("{msg} {bar:32} {pos}/{len} {elapsed}") {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
