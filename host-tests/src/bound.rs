@@ -9,7 +9,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::plant::{Input, LinearPlant, companion, discretise};
+use crate::exponential::{companion, discretise};
+use crate::plant::{Input, LinearPlant};
 use crate::reference::Servo;
 
 /// A free coefficient of a plant.

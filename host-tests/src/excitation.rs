@@ -255,7 +255,7 @@ mod tests {
                 ones += u32::from(register.next() == Some(true));
                 assert_eq!(register == start, k == start.period(), "{bits} bits, {k}");
             }
-            assert_eq!(ones, (start.period() + 1) / 2, "{bits} bits");
+            assert_eq!(ones, start.period().div_ceil(2), "{bits} bits");
         }
     }
 
