@@ -26,6 +26,7 @@
 //! | trend, raw, chain | [`TrendOperator`], [`RawTrends`], [`FilteredTrends`] | equations (4), (8) |
 //! | structure, regressor | [`Structure`], [`Terms`], [`Config`] | which parameters, their signs, order and scales (5), (12) |
 //! | estimator | [`Estimator`] | recursive least squares |
+//! | noise, readout | [`NoiseLevel`] | noise bias out of theta, standard deviations |
 //! | transfer, physical | [`TransferFunction`], [`Physical`] | what theta means |
 //! | evaluation | [`OutputEvaluation`], [`Quality`] | (9)-(11) |
 //! | identifier | [`Identifier`] | all of it behind one call per sample |
@@ -78,8 +79,10 @@ pub mod hardware;
 mod identifier;
 mod inputs;
 mod math;
+mod noise;
 mod physical;
 mod raw;
+mod readout;
 mod regressor;
 mod sample;
 mod structure;
@@ -94,6 +97,7 @@ pub use identifier::{Config, Identifier, Outcome, Refusal};
 pub use inputs::{asymmetric, coulomb, dead_zone};
 #[cfg(feature = "approximate")]
 pub use math::approximate;
+pub use noise::NoiseLevel;
 pub use physical::Physical;
 pub use raw::RawTrends;
 pub use sample::DelayLine;

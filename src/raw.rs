@@ -132,6 +132,14 @@ impl<const M: usize> TrendOperator<M> for RawTrends<M> {
         gain
     }
 
+    fn filter_polynomial(&self) -> Option<[f32; M]> {
+        None
+    }
+
+    fn decay(&self) -> f32 {
+        0.0
+    }
+
     fn warm_up(&self) -> u32 {
         M as u32
     }

@@ -3,7 +3,8 @@
 //! ```text
 //! paper, (5), (12):  R_m y = - sum a_i R_i y + sum b_i P_i u      v theta, theta = (-a .., b ..)
 //! here:              psi   = phi' theta                           theta = (a .., b .., c)
-//! psi = s_m R_m y,   phi_j = -s_j R_i y for a_i,  +s_j P_i u for b_i,  +s_j P_0 1 for the constant
+//! psi = s_m R_m y,   phi_j = -s_j R_i y for a_i,  +s_j P_i u for b_i,  +s_j P_0 1 for the constant,
+//!                                                  +s_j rho^k for the start
 //! ```
 //!
 //! The minus sign is in phi, so theta holds a_i and b_i as they stand in the
@@ -16,7 +17,7 @@ use crate::trend::{TrendOperator, Trends};
 /// Where the values of one column come from, as an index that is cheap to use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Source {
-    /// 0..M: trend of y; M..M+M*I: trends of the inputs one after the other; beyond: the constant.
+    /// 0..M: trend of y; M..M+M*I: trends of the inputs one after the other; then constant and start.
     index: u8,
     /// The signed scale of phi.
     scale: f32,
@@ -72,6 +73,7 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
                     1.0,
                 ),
                 Column::Constant => (M + I * M, 1.0 / gain[0], 1.0),
+                Column::Start => (M + I * M + 1, 1.0 / trends.gain(bandwidth), 1.0),
             };
             regressor.sources[j] = Source {
                 index: index as u8,
@@ -91,7 +93,7 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
         &self,
         output: &Trends<M>,
         inputs: &[[f32; M]; I],
-        constant: f32,
+        extra: &[f32; 2],
     ) -> ([f32; N], f32) {
         let inputs = inputs.as_flattened();
         let mut phi = [0.0; N];
@@ -99,10 +101,13 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
             let index = source.index as usize;
             let trend = match output.lower.get(index) {
                 Some(y) => *y,
-                None => inputs
-                    .get(index.wrapping_sub(M))
-                    .copied()
-                    .unwrap_or(constant),
+                None => {
+                    let index = index - M;
+                    match inputs.get(index) {
+                        Some(u) => *u,
+                        None => extra.get(index - inputs.len()).copied().unwrap_or(0.0),
+                    }
+                }
             };
             *entry = source.scale * trend;
         }
@@ -128,6 +133,45 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
     /// Unit of each parameter: user's value = unit times normalised value.
     pub(crate) fn units(&self) -> &[f32; N] {
         &self.units
+    }
+
+    /// s_m.
+    pub(crate) fn top_scale(&self) -> f32 {
+        self.top_scale
+    }
+
+    /// a_0 .. a_{m-1} of theta in the user's units, absent ones 0.
+    pub(crate) fn denominator(&self, theta: &[f32; N]) -> [f32; M] {
+        let mut a = [0.0; M];
+        for (source, value) in self.sources.iter().zip(theta) {
+            if let Some(slot) = a.get_mut(source.index as usize) {
+                *slot = *value;
+            }
+        }
+        a
+    }
+
+    /// Moments of phi phi', phi psi and psi psi per sample of white noise of variance 1 on y.
+    pub(crate) fn noise_moments(
+        &self,
+        lower: &[[f32; M]; M],
+        mixed: &[f32; M],
+        top: f32,
+    ) -> ([[f32; N]; N], [f32; N], f32) {
+        let mut matrix = [[0.0; N]; N];
+        let mut vector = [0.0; N];
+        for (i, row) in self.sources.iter().enumerate() {
+            let Some(gains) = lower.get(row.index as usize) else {
+                continue;
+            };
+            for (j, column) in self.sources.iter().enumerate() {
+                if let Some(gain) = gains.get(column.index as usize) {
+                    matrix[i][j] = row.scale * column.scale * gain;
+                }
+            }
+            vector[i] = row.scale * self.top_scale * mixed[row.index as usize];
+        }
+        (matrix, vector, self.top_scale * self.top_scale * top)
     }
 
     /// Size of the normalised left-hand side that `output_std` of noise on y makes.

@@ -64,7 +64,11 @@ impl Terms {
 ///
 /// Theta holds the parameters in this order, each as it stands in the transfer
 /// function: the existing a_i with i ascending, then for each input its b_i with i
-/// ascending, then the constant.
+/// ascending, then the constant, then the start.
+///
+/// The *start* is the error of the position that the trends begin with: the first
+/// sample is noisy, and a slow filter would carry its error for seconds. As a
+/// parameter (in the unit of y, minus that error) it costs one more column.
 ///
 /// # Examples
 /// The servo drive of the paper, `b0 / (s (s^2 + a2 s + a1))`, theta = (a1, a2, b0):
@@ -85,6 +89,7 @@ pub struct Structure<const M: usize, const N: usize, const I: usize> {
     output: Terms,
     inputs: [Terms; I],
     constant: bool,
+    start: bool,
 }
 
 impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
@@ -110,10 +115,31 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
         inputs: [Terms; I],
         constant: bool,
     ) -> Result<Self, ConfigError> {
+        Self::assemble(output, inputs, constant, false)
+    }
+
+    /// As [`Structure::try_new`], with the start as one more parameter.
+    ///
+    /// # Errors
+    /// As [`Structure::try_new`].
+    pub const fn try_with_start(
+        output: Terms,
+        inputs: [Terms; I],
+        constant: bool,
+    ) -> Result<Self, ConfigError> {
+        Self::assemble(output, inputs, constant, true)
+    }
+
+    const fn assemble(
+        output: Terms,
+        inputs: [Terms; I],
+        constant: bool,
+        start: bool,
+    ) -> Result<Self, ConfigError> {
         if M == 0 || M > 4 {
             return Err(ConfigError::Order(M));
         }
-        let mut found = output.count() + constant as usize;
+        let mut found = output.count() + constant as usize + start as usize;
         if output.count() > 0 && output.highest() >= M {
             return Err(ConfigError::Term {
                 power: output.highest(),
@@ -143,6 +169,7 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
             output,
             inputs,
             constant,
+            start,
         })
     }
 
@@ -154,6 +181,14 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
     /// As [`Structure::integrating`], with a constant input for the offset of the valve.
     pub const fn integrating_with_constant() -> Self {
         Self::new(Terms::between(1, M), [Terms::of(&[0]); I], true)
+    }
+
+    /// As [`Structure::integrating`], with the start: the structure to take where nothing is known against it.
+    pub const fn servo() -> Self {
+        match Self::try_with_start(Terms::between(1, M), [Terms::of(&[0]); I], false) {
+            Ok(structure) => structure,
+            Err(_) => panic!("the terms contradict the sizes M, N, I of the structure"),
+        }
     }
 
     /// Every a_i and every b_i.
@@ -176,6 +211,11 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
         self.constant
     }
 
+    /// Whether the start is a parameter.
+    pub const fn start(&self) -> bool {
+        self.start
+    }
+
     /// Number of integrators: how many of a_0, a_1, .. are absent before the first that exists.
     pub const fn integrators(&self) -> usize {
         let mut count = 0;
@@ -187,7 +227,7 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
 
     /// What stands at each place of theta.
     pub const fn columns(&self) -> [Column; N] {
-        let mut columns = [Column::Constant; N];
+        let mut columns = [Column::Start; N];
         let mut n = 0;
         let mut power = 0;
         while power < M {
@@ -208,6 +248,9 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
                 power += 1;
             }
             input += 1;
+        }
+        if self.constant {
+            columns[n] = Column::Constant;
         }
         columns
     }
@@ -231,4 +274,6 @@ pub enum Column {
     },
     /// The constant: what a constant input 1 contributes.
     Constant,
+    /// The start: minus the error of the position the trends began with.
+    Start,
 }

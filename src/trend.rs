@@ -70,6 +70,10 @@ pub trait TrendOperator<const M: usize>: Copy {
     fn lead(&self) -> Trends<M>;
     /// Size of the highest trend of a signal of size 1 at `bandwidth` rad/s.
     fn gain(&self, bandwidth: f32) -> f32;
+    /// f_0 .. f_{m-1} of the filter `A_f`; `None` where there is none.
+    fn filter_polynomial(&self) -> Option<[f32; M]>;
+    /// By what the slowest real mode of the filter decays in one sample; 0 where there is no filter.
+    fn decay(&self) -> f32;
     /// Samples until the memory is full.
     fn warm_up(&self) -> u32;
 }

@@ -51,6 +51,8 @@ pub struct Setup {
     pub inputs: Vec<InputSetup>,
     /// Whether there is a constant input.
     pub constant: bool,
+    /// Whether the start is a parameter.
+    pub start: bool,
     /// Delta in s.
     pub sample_time: f32,
     /// Goodwin or Tustin.
@@ -75,7 +77,7 @@ impl Setup {
     /// Number of parameters.
     pub fn parameters(&self) -> usize {
         let numerators: usize = self.inputs.iter().map(|input| input.terms.count()).sum();
-        self.output.count() + numerators + usize::from(self.constant)
+        self.output.count() + numerators + usize::from(self.constant) + usize::from(self.start)
     }
 
     /// Builds the core for this setup.
@@ -104,7 +106,11 @@ impl Setup {
         for (slot, input) in terms.iter_mut().zip(&self.inputs) {
             *slot = input.terms;
         }
-        let structure = Structure::try_new(self.output, terms, self.constant)?;
+        let structure = if self.start {
+            Structure::try_with_start(self.output, terms, self.constant)?
+        } else {
+            Structure::try_new(self.output, terms, self.constant)?
+        };
         let mut config = Config::new(structure, self.bandwidth, [1.0; INPUTS], self.output_range);
         for (c, input) in self.inputs.iter().enumerate() {
             config.input_range[c] = input.range;
@@ -164,8 +170,8 @@ pub trait Recursion {
     fn theta(&self) -> Vec<f32>;
     /// Their standard deviations.
     fn std(&self) -> Vec<f32>;
-    /// Covariance of two parameters.
-    fn covariance(&self, i: usize, j: usize) -> f32;
+    /// Covariance of the parameters.
+    fn covariance(&self) -> Vec<Vec<f32>>;
     /// Standard deviations of gain, omega0, damping.
     fn physical_std(&self) -> Option<[f32; 3]>;
     /// a_0 .. a_{m-1}.
@@ -227,8 +233,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize> Recursion
         Identifier::std(self).to_vec()
     }
 
-    fn covariance(&self, i: usize, j: usize) -> f32 {
-        Identifier::covariance(self, i, j)
+    fn covariance(&self) -> Vec<Vec<f32>> {
+        Identifier::covariance(self)
+            .map(|row| row.to_vec())
+            .to_vec()
     }
 
     fn physical_std(&self) -> Option<[f32; 3]> {
