@@ -5,26 +5,34 @@
 //! | module | what |
 //! |---|---|
 //! | [`plant`] | linear plants of order 1 to 4, exact for held inputs |
-//! | [`reference`] | the servo of the paper's Table 2 and its physical reading |
+//! | [`mod@reference`] | the servo of the paper's Table 2 and its physical reading |
 //! | [`nonlinear`] | valve defects and Coulomb friction |
+//! | [`pneumatic`] | nonlinear pneumatic servo axis: cylinder, valve, friction, sensor |
 //! | [`noise`] | drift, white noise and resolution in both readings of the paper's widths |
 //! | [`excitation`] | binary noise, steps, square, multisine, chirp, fixed controller |
 //! | [`experiment`] | plant, excitation, valve and noise put together into a record |
 //! | [`polynomial`] | polynomials in the back shift, difference equations |
 //! | [`trends`] | trends in f64, raw and filtered in two ways |
 //! | [`oracle`] | least squares by singular values, batch equivalent of a recursion, (9)-(11) |
+//! | [`exponential`] | matrix exponential, exact discretisation |
 //! | [`bound`] | Cramer-Rao bound of coefficients and of C, w0, xi |
 //! | [`dynamic`] | the core itself behind sizes known at run time |
+//! | [`output_error`] | offline fit of the free simulation, for comparison |
+//! | [`ekf`] | extended Kalman filter on the joint state, for comparison |
 //! | [`table1`] | the conditions and printed figures of the paper's Table 1 |
 
 pub mod bound;
 pub mod dynamic;
+pub mod ekf;
 pub mod excitation;
 pub mod experiment;
+pub mod exponential;
 pub mod noise;
 pub mod nonlinear;
 pub mod oracle;
+pub mod output_error;
 pub mod plant;
+pub mod pneumatic;
 pub mod polynomial;
 pub mod reference;
 pub mod table1;
