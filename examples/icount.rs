@@ -60,7 +60,8 @@ trait Meter {
 /// The record as often as it is run. Each round goes on where the round before ended.
 fn samples() -> impl Iterator<Item = (f32, f32)> {
     let end = record::samples().last().map_or(0.0, |(_, y)| y);
-    (0..ROUNDS).flat_map(move |round| record::samples().map(move |(u, y)| (u, y + end * round as f32)))
+    (0..ROUNDS)
+        .flat_map(move |round| record::samples().map(move |(u, y)| (u, y + end * round as f32)))
 }
 
 /// Regressors of independent numbers in -1..1 and what the parameters 1, 2, .. make of them, with noise.
@@ -81,22 +82,89 @@ fn rows_of_numbers<const N: usize>() -> impl Iterator<Item = ([f32; N], f32)> {
 }
 
 fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
-    meter.row("nothing", "row_nothing", 0, (), samples(), |s, &u, y| row_nothing(s, u, y));
+    meter.row("nothing", "row_nothing", 0, (), samples(), |s, &u, y| {
+        row_nothing(s, u, y)
+    });
     let (goodwin, tustin) = (rows::raw(Scheme::Goodwin)?, rows::raw(Scheme::Tustin)?);
-    meter.row("raw Goodwin", "row_raw", 3, goodwin, samples(), |s, &u, y| row_raw(s, u, y));
-    meter.row("raw Tustin", "row_raw", 3, tustin, samples(), |s, &u, y| row_raw(s, u, y));
+    meter.row(
+        "raw Goodwin",
+        "row_raw",
+        3,
+        goodwin,
+        samples(),
+        |s, &u, y| row_raw(s, u, y),
+    );
+    meter.row("raw Tustin", "row_raw", 3, tustin, samples(), |s, &u, y| {
+        row_raw(s, u, y)
+    });
     let filtered = rows::filtered(Scheme::Tustin)?;
-    meter.row("filtered Tustin", "row_filtered", 3, filtered, samples(), |s, &u, y| row_filtered(s, u, y));
+    meter.row(
+        "filtered Tustin",
+        "row_filtered",
+        3,
+        filtered,
+        samples(),
+        |s, &u, y| row_filtered(s, u, y),
+    );
     let offset = rows::offset()?;
-    meter.row("with constant", "row_constant", 4, offset, samples(), |s, &u, y| row_constant(s, u, y));
+    meter.row(
+        "with constant",
+        "row_constant",
+        4,
+        offset,
+        samples(),
+        |s, &u, y| row_constant(s, u, y),
+    );
     let dead_zone = rows::dead_zoned()?;
-    meter.row("with dead zone", "row_dead_zone", 5, dead_zone, samples(), |s, &u, y| row_dead_zone(s, u, y));
+    meter.row(
+        "with dead zone",
+        "row_dead_zone",
+        5,
+        dead_zone,
+        samples(),
+        |s, &u, y| row_dead_zone(s, u, y),
+    );
     let full = rows::full()?;
-    meter.row("order 3 full", "row_full", 6, full, samples(), |s, &u, y| row_full(s, u, y));
-    meter.row("bare estimator", "row_bare_3", 3, bare(), rows_of_numbers(), row_bare_3);
-    meter.row("bare estimator", "row_bare_4", 4, bare(), rows_of_numbers(), row_bare_4);
-    meter.row("bare estimator", "row_bare_5", 5, bare(), rows_of_numbers(), row_bare_5);
-    meter.row("bare estimator", "row_bare_6", 6, bare(), rows_of_numbers(), row_bare_6);
+    meter.row(
+        "order 3 full",
+        "row_full",
+        6,
+        full,
+        samples(),
+        |s, &u, y| row_full(s, u, y),
+    );
+    meter.row(
+        "bare estimator",
+        "row_bare_3",
+        3,
+        bare(),
+        rows_of_numbers(),
+        row_bare_3,
+    );
+    meter.row(
+        "bare estimator",
+        "row_bare_4",
+        4,
+        bare(),
+        rows_of_numbers(),
+        row_bare_4,
+    );
+    meter.row(
+        "bare estimator",
+        "row_bare_5",
+        5,
+        bare(),
+        rows_of_numbers(),
+        row_bare_5,
+    );
+    meter.row(
+        "bare estimator",
+        "row_bare_6",
+        6,
+        bare(),
+        rows_of_numbers(),
+        row_bare_6,
+    );
     Ok(())
 }
 
@@ -161,7 +229,8 @@ mod target {
                 self.idle = mean;
                 return;
             }
-            let units = |clock: &Clock, i: usize, ticks: f32| clock.units(ticks - self.idle[i]) + 1.0;
+            let units =
+                |clock: &Clock, i: usize, ticks: f32| clock.units(ticks - self.idle[i]) + 1.0;
             let by_fine = units(&fine, 0, mean[0]);
             let by_systick = units(&systick, 1, mean[1]);
             // Two counters with their own calibration must tell the same story.
@@ -178,15 +247,28 @@ mod target {
 
     #[entry]
     fn main() -> ! {
-        let Some(mut core) = cortex_m::Peripherals::take() else { exit(false) };
+        let Some(mut core) = cortex_m::Peripherals::take() else {
+            exit(false)
+        };
         let clocks = Clock::start(&mut core);
         for clock in clocks {
-            line(format_args!("# {}: {:.4} ticks per unit of {:?}", clock.name, clock.rate(), clock.unit));
+            line(format_args!(
+                "# {}: {:.4} ticks per unit of {:?}",
+                clock.name,
+                clock.rate(),
+                clock.unit
+            ));
         }
         if clocks[0].unit == Unit::Cycles {
-            line(format_args!("# a board: processor cycles, not instructions"));
+            line(format_args!(
+                "# a board: processor cycles, not instructions"
+            ));
         }
-        let mut counter = Counter { clocks, idle: [0.0; 2], systick_off: false };
+        let mut counter = Counter {
+            clocks,
+            idle: [0.0; 2],
+            systick_off: false,
+        };
         if let Err(error) = all(&mut counter) {
             line(format_args!("{error}"));
             exit(false);
@@ -217,9 +299,14 @@ fn main() -> Result<(), trendid::ConfigError> {
                 let _ = black_box(step(black_box(&mut state), u, *y));
             }
             let nanoseconds = start.elapsed().as_nanos() as f64 / samples.len() as f64;
-            println!("{name:16} n = {n}  {nanoseconds:7.1} ns per update, {} bytes", size_of::<S>());
+            println!(
+                "{name:16} n = {n}  {nanoseconds:7.1} ns per update, {} bytes",
+                size_of::<S>()
+            );
         }
     }
-    println!("this machine, wall time; `cargo xtask icount` counts instructions on the emulated target");
+    println!(
+        "this machine, wall time; `cargo xtask icount` counts instructions on the emulated target"
+    );
     all(&mut Stopwatch)
 }

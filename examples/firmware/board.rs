@@ -18,7 +18,11 @@ pub fn line(arguments: fmt::Arguments<'_>) {
 
 /// Ends the image: the emulator exits with 0 or 1, a board stops.
 pub fn exit(success: bool) -> ! {
-    debug::exit(if success { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
+    debug::exit(if success {
+        debug::EXIT_SUCCESS
+    } else {
+        debug::EXIT_FAILURE
+    });
     loop {
         cortex_m::asm::wfi();
     }

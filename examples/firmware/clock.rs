@@ -53,20 +53,31 @@ impl Clock {
         timer::start();
         let before = DWT::cycle_count();
         passes(PASSES);
-        let unit =
-            if DWT::cycle_count() == before { Unit::Instructions } else { Unit::Cycles };
+        let unit = if DWT::cycle_count() == before {
+            Unit::Instructions
+        } else {
+            Unit::Cycles
+        };
         // SysTick counts down.
         let systick = Self::calibrated(|| !SYST::get_current(), 0xFF_FFFF, "SysTick", unit);
         let fine = match unit {
             Unit::Cycles => Self::calibrated(DWT::cycle_count, u32::MAX, "DWT", unit),
-            Unit::Instructions if timer::PRESENT => Self::calibrated(timer::now, u32::MAX, "TIM2", unit),
+            Unit::Instructions if timer::PRESENT => {
+                Self::calibrated(timer::now, u32::MAX, "TIM2", unit)
+            }
             Unit::Instructions => systick,
         };
         [fine, systick]
     }
 
     fn calibrated(now: fn() -> u32, mask: u32, name: &'static str, unit: Unit) -> Self {
-        let mut clock = Self { now, mask, scale: 1.0, name, unit };
+        let mut clock = Self {
+            now,
+            mask,
+            scale: 1.0,
+            name,
+            unit,
+        };
         let short = clock.ticks(|| passes(PASSES));
         let long = clock.ticks(|| passes(2 * PASSES));
         // Two instructions a pass; the ends of both measurements cancel. A board counts its cycles as they are.

@@ -68,7 +68,10 @@ pub fn dead_zoned() -> Result<DeadZone, ConfigError> {
 /// Every a_i and b_i.
 pub fn full() -> Result<Full, ConfigError> {
     let structure = Structure::new(Terms::up_to(3), [Terms::up_to(3)], false);
-    Full::try_new(&Config::new(structure, 25.0, [1.0], 50.0), filter(Scheme::Tustin)?)
+    Full::try_new(
+        &Config::new(structure, 25.0, [1.0], 50.0),
+        filter(Scheme::Tustin)?,
+    )
 }
 
 /// The inputs of the rows with a dead zone.

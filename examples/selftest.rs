@@ -1,0 +1,167 @@
+//! The same numbers everywhere: a record of 5 000 samples through several structures, and a hash of every innovation, every
+//! parameter and every standard deviation after every sample.
+//!
+//! Each line is `structure hash`; the run succeeds when the lines are those of `examples/data/selftest.txt`. Host and
+//! target, debug and release must agree to the last bit. On the host, `--bless` writes the file after the arithmetic of
+//! the core was changed on purpose.
+//!
+//! ```text
+//! cargo run --example selftest                                                   host
+//! cargo run -p trendid --target thumbv7em-none-eabihf --example selftest         Cortex-M4F in the emulator, debug
+//! cargo fw-run --example selftest                                                the same in release
+//! ```
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+mod firmware;
+
+use core::fmt::Arguments;
+
+use firmware::hash::Hash;
+use firmware::{record, rows};
+use trendid::{ConfigError, Identifier, Outcome, Scheme, TrendOperator};
+
+/// The lines that must come out.
+const EXPECTED: &str = include_str!("data/selftest.txt");
+
+/// Here a sample that is no number is put in: it must be refused and leave no trace.
+const BAD: usize = 2500;
+
+/// Runs the record through one identifier.
+fn run<T: TrendOperator<M> + PartialEq, const M: usize, const N: usize, const I: usize, const D: usize>(
+    mut identifier: Identifier<T, M, N, I, D>,
+    inputs: impl Fn(f32) -> [f32; I],
+) -> Hash {
+    let mut hash = Hash::new();
+    for (k, (u, y)) in record::samples().enumerate() {
+        if k == BAD {
+            let before = identifier;
+            let refused = matches!(identifier.update_inputs(inputs(u), f32::NAN), Outcome::Refused(_));
+            hash.take(if refused && identifier == before { 1.0 } else { 0.0 });
+        }
+        // The kind of the outcome counts too.
+        hash.take(match identifier.update_inputs(inputs(u), y) {
+            Outcome::WarmingUp { remaining } => remaining as f32,
+            Outcome::Refused(_) => -1.0,
+            Outcome::Held { innovation } => innovation + 1.0,
+            Outcome::Estimated { innovation } => innovation,
+        });
+        hash.take(identifier.prediction());
+        for number in identifier.theta().into_iter().chain(identifier.std()) {
+            hash.take(number);
+        }
+    }
+    hash
+}
+
+/// All structures; `line` gets each result.
+fn all(line: &mut impl FnMut(Arguments<'_>)) -> Result<(), ConfigError> {
+    let one = |u| [u];
+    line(format_args!("raw-goodwin {}", run(rows::raw(Scheme::Goodwin)?, one)));
+    line(format_args!("raw-tustin {}", run(rows::raw(Scheme::Tustin)?, one)));
+    line(format_args!("filtered-goodwin {}", run(rows::filtered(Scheme::Goodwin)?, one)));
+    line(format_args!("filtered-tustin {}", run(rows::filtered(Scheme::Tustin)?, one)));
+    line(format_args!("forgetting {}", run(rows::forgetting()?, one)));
+    line(format_args!("constant {}", run(rows::offset()?, one)));
+    line(format_args!("late {}", run(rows::late()?, one)));
+    line(format_args!("dead-zone {}", run(rows::dead_zoned()?, rows::dead_zone_inputs)));
+    line(format_args!("full {}", run(rows::full()?, one)));
+    Ok(())
+}
+
+/// Compares each line as it comes with the next of the expected ones.
+struct Judge {
+    expected: core::str::Lines<'static>,
+    success: bool,
+}
+
+impl Judge {
+    fn new() -> Self {
+        Self { expected: EXPECTED.lines(), success: true }
+    }
+
+    /// Whether `line` is the next of the expected lines.
+    fn next(&mut self, line: &str) -> bool {
+        let same = self.expected.next() == Some(line);
+        self.success &= same;
+        same
+    }
+
+    /// Whether all lines came, and nothing else.
+    fn end(&mut self) -> bool {
+        self.success && self.expected.next().is_none()
+    }
+}
+
+#[cfg(target_os = "none")]
+mod target {
+    use core::fmt::Write;
+
+    use cortex_m_rt::entry;
+
+    use super::{Judge, all};
+    use crate::firmware::board::{exit, line};
+
+    #[panic_handler]
+    fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+        line(format_args!("{info}"));
+        exit(false)
+    }
+
+    /// A line of text on the stack.
+    struct Text {
+        bytes: [u8; 64],
+        len: usize,
+    }
+
+    impl Write for Text {
+        fn write_str(&mut self, text: &str) -> core::fmt::Result {
+            let end = self.len + text.len();
+            self.bytes.get_mut(self.len..end).ok_or(core::fmt::Error)?.copy_from_slice(text.as_bytes());
+            self.len = end;
+            Ok(())
+        }
+    }
+
+    #[entry]
+    fn main() -> ! {
+        let mut judge = Judge::new();
+        let done = all(&mut |arguments| {
+            let mut text = Text { bytes: [0; 64], len: 0 };
+            let written = text.write_fmt(arguments).is_ok();
+            let text = core::str::from_utf8(&text.bytes[..text.len]).unwrap_or_default();
+            let same = judge.next(text) && written;
+            line(format_args!("{text}{}", if same { "" } else { " DIFFERS" }));
+        });
+        exit(done.is_ok() && judge.end())
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut judge = Judge::new();
+    let mut text = String::new();
+    all(&mut |arguments| {
+        let line = arguments.to_string();
+        println!("{line}{}", if judge.next(&line) { "" } else { " DIFFERS" });
+        text += &line;
+        text.push('\n');
+    })?;
+    if std::env::args().any(|argument| argument == "--bless") {
+        std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/selftest.txt"), text)?;
+        return Ok(());
+    }
+    if judge.end() { Ok(()) } else { Err("the numbers differ from examples/data/selftest.txt".into()) }
+}
+
+/// The host part of the same check, in the debug and the release run of the tests.
+#[cfg(all(test, not(target_os = "none")))]
+#[test]
+fn the_host_gives_the_expected_bits() {
+    let mut judge = Judge::new();
+    all(&mut |arguments| {
+        let line = arguments.to_string();
+        assert!(judge.next(&line), "{line}");
+    })
+    .expect("the structures are valid");
+    assert!(judge.end());
+}

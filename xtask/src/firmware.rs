@@ -1,0 +1,96 @@
+//! The images: built, checked, run in the emulator.
+
+use std::time::Duration;
+
+use crate::Done;
+use crate::elf::Image;
+use crate::process::{M0, M3, M4F};
+
+/// Options of the task.
+#[derive(Default, clap::Args)]
+pub struct Options {
+    /// Only build and check, do not run.
+    #[arg(long)]
+    build_only: bool,
+}
+
+/// Names of the functions in the image `icount`, one per measured structure.
+const FUNCTIONS: [&str; 9] = [
+    "row_raw",
+    "row_filtered",
+    "row_constant",
+    "row_dead_zone",
+    "row_full",
+    "row_bare_3",
+    "row_bare_4",
+    "row_bare_5",
+    "row_bare_6",
+];
+
+/// Time after which a run in the emulator has failed.
+const LIMIT: Duration = Duration::from_secs(120);
+
+/// Builds all images and runs them.
+pub fn run(options: &Options) -> Done {
+    for (machine, profile) in [(M4F, "dev"), (M4F, "firmware"), (M3, "firmware"), (M0, "firmware")] {
+        let path = machine.build("selftest", profile)?;
+        not_empty(&Image::read(&path)?)?;
+        if options.build_only {
+            continue;
+        }
+        println!("selftest on {} ({}, {profile}):", machine.name, machine.target);
+        for line in machine.lines(&path, LIMIT)? {
+            println!("    {line}");
+        }
+    }
+    Ok(())
+}
+
+/// An image without code is what lost linker arguments give.
+fn not_empty(image: &Image) -> Done {
+    if image.text == 0 { Err(".text is empty: linker arguments were lost; is RUSTFLAGS set?".into()) } else { Ok(()) }
+}
+
+/// Prints the sizes; fails when an image is empty, too large, or can panic in an update.
+pub fn size() -> Done {
+    println!("| image | opt-level | code [B] | flash [B] | static RAM [B] |\n|---|---|---|---|---|");
+    let mut faults = Vec::new();
+    for (profile, opt) in [("firmware", "3"), ("firmware-size", "s")] {
+        for example in ["footprint", "icount"] {
+            let image = Image::read(&M4F.build(example, profile)?)?;
+            not_empty(&image)?;
+            println!("| {example} | {opt} | {} | {} | {} |", image.text, image.flash, image.ram);
+            let panics = |names: &[String]| -> Vec<String> {
+                names.iter().filter(|name| name.contains("panic")).cloned().collect()
+            };
+            if example == "footprint" {
+                let found = panics(&image.names);
+                if !found.is_empty() {
+                    faults.push(format!("footprint (opt-level {opt}) contains {}", found.join(", ")));
+                }
+                if image.text > BUDGET {
+                    faults.push(format!("footprint (opt-level {opt}) has more than {BUDGET} bytes of code"));
+                }
+                continue;
+            }
+            // The image around the functions can panic: so a name that is looked for would be found.
+            if panics(&image.names).is_empty() {
+                faults.push("no panic is found in an image that has one: the search is broken".into());
+            }
+            for function in FUNCTIONS {
+                let reach = image.reach(function)?;
+                let found = panics(&reach.names);
+                if !found.is_empty() {
+                    faults.push(format!("{function} (opt-level {opt}) reaches {}", found.join(", ")));
+                }
+                if reach.indirect {
+                    faults.push(format!("{function} (opt-level {opt}) calls through a pointer: not all calls are known"));
+                }
+            }
+        }
+    }
+    if faults.is_empty() { Ok(()) } else { Err(faults.join("\n")) }
+}
+
+/// Code in bytes that the image with one update of three parameters may have.
+const BUDGET: u64 = 6 * 1024;

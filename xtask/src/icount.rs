@@ -1,0 +1,189 @@
+//! The table of instruction counts.
+
+use std::fmt::Write;
+use std::path::Path;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use crate::elf::Image;
+use crate::process::{M0, M3, M4F, Machine, root};
+use crate::Done;
+
+/// The counts that growth is measured against.
+const BASELINE: &str = "docs/icount.json";
+
+/// The table on its own, and the file that quotes it between [`MARKS`].
+const TABLE: &str = "docs/icount.md";
+const QUOTING: [&str; 2] = ["README.md", "docs/firmware.md"];
+const MARKS: [&str; 2] = ["<!-- icount: begin -->\n", "<!-- icount: end -->"];
+
+/// Growth of the mean or of the worst case that fails, as a factor.
+const GROWTH: f64 = 1.02;
+
+/// Options of the task.
+#[derive(Default, clap::Args)]
+pub struct Options {
+    /// Print JSON: an array of {row, n, mean, worst, text, ram, stack, opt}.
+    #[arg(long)]
+    json: bool,
+    /// Take the counts of this run as the ones that growth is measured against.
+    #[arg(long)]
+    bless: bool,
+    /// Also count on Cortex-M3 and Cortex-M0, without floating-point unit (by SysTick, 31 to 40 instructions per tick).
+    #[arg(long)]
+    all: bool,
+}
+
+/// One line of the table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Row {
+    row: String,
+    n: u32,
+    mean: f64,
+    worst: f64,
+    text: u64,
+    ram: u64,
+    stack: u64,
+    opt: String,
+}
+
+/// Counts, prints, compares, writes.
+pub fn run(options: &Options) -> Done {
+    let mut rows = Vec::new();
+    for (profile, opt) in [("firmware", "3"), ("firmware-size", "s")] {
+        rows.extend(count(M4F, profile, opt)?);
+    }
+    if options.json {
+        println!("{}", json(&rows)?);
+    } else {
+        print!("{}", markdown(&rows));
+    }
+    if options.all {
+        for (machine, core) in [(M3, "Cortex-M3"), (M0, "Cortex-M0")] {
+            println!("\n{core} ({}), software floating point:\n\n{}", machine.name, markdown(&count(machine, "firmware", "3")?));
+        }
+    }
+    let baseline = root().join(BASELINE);
+    if options.bless {
+        write(&baseline, &json(&rows)?)?;
+    } else {
+        let text = std::fs::read_to_string(&baseline)
+            .map_err(|error| format!("{BASELINE}: {error}; `cargo xtask icount --bless` writes it"))?;
+        let before: Vec<Row> = serde_json::from_str(&text).map_err(|error| format!("{BASELINE}: {error}"))?;
+        compare(&before, &rows)?;
+    }
+    write(&root().join(TABLE), &markdown(&rows))?;
+    QUOTING.iter().try_for_each(|path| quote(&root().join(path), &markdown(&rows)))
+}
+
+/// Runs the image on a machine and joins its counts with the sizes in the ELF.
+fn count(machine: Machine, profile: &str, opt: &str) -> Result<Vec<Row>, String> {
+    let path = machine.build("icount", profile)?;
+    let image = Image::read(&path)?;
+    let mut rows = Vec::new();
+    for line in machine.lines(&path, Duration::from_secs(120))? {
+        if line.starts_with('#') {
+            eprintln!("{line}");
+            continue;
+        }
+        let fields: Vec<_> = line.split(';').collect();
+        let [row, function, n, mean, worst, _systick, stack, ram] = fields[..] else {
+            return Err(format!("a line of the image is not understood: {line}"));
+        };
+        let number = |field: &str| field.parse::<f64>().map_err(|_| format!("no number in: {line}"));
+        rows.push(Row {
+            row: row.to_owned(),
+            n: number(n)? as u32,
+            mean: number(mean)?,
+            worst: number(worst)?,
+            text: image.reach(function)?.text,
+            ram: number(ram)? as u64,
+            stack: number(stack)? as u64,
+            opt: opt.to_owned(),
+        });
+    }
+    if rows.is_empty() { Err("the image printed no row".into()) } else { Ok(rows) }
+}
+
+/// Every row of `before` must be there and no more than [`GROWTH`] above.
+fn compare(before: &[Row], now: &[Row]) -> Done {
+    let mut faults = String::new();
+    for old in before {
+        let name = format!("{} (n = {}, opt-level {})", old.row, old.n, old.opt);
+        let Some(new) = now.iter().find(|new| (&new.row, new.n, &new.opt) == (&old.row, old.n, &old.opt)) else {
+            let _ = writeln!(faults, "{name}: the row is gone");
+            continue;
+        };
+        for (what, new, old) in [("mean", new.mean, old.mean), ("worst", new.worst, old.worst)] {
+            if new > old * GROWTH {
+                let _ = writeln!(faults, "{name}: {what} {new} instructions, {old} before");
+            }
+        }
+    }
+    if faults.is_empty() {
+        Ok(())
+    } else {
+        Err(format!("more than {:.0} % growth:\n{faults}", (GROWTH - 1.0) * 100.0))
+    }
+}
+
+fn markdown(rows: &[Row]) -> String {
+    let mut table = String::from(
+        "| row | n | -O | mean | worst | text [B] | RAM [B] | stack [B] |\n|---|---|---|---|---|---|---|---|\n",
+    );
+    for Row { row, n, mean, worst, text, ram, stack, opt } in rows {
+        let _ = writeln!(table, "| {row} | {n} | {opt} | {mean:.0} | {worst:.0} | {text} | {ram} | {stack} |");
+    }
+    table
+}
+
+fn json(rows: &[Row]) -> Result<String, String> {
+    serde_json::to_string_pretty(rows).map(|text| text + "\n").map_err(|error| error.to_string())
+}
+
+fn write(path: &Path, text: &str) -> Done {
+    let named = |error: std::io::Error| format!("{}: {error}", path.display());
+    path.parent().map_or(Ok(()), std::fs::create_dir_all).map_err(named)?;
+    std::fs::write(path, text).map_err(named)
+}
+
+/// Puts the table between the marks of a file, if the file has them.
+fn quote(path: &Path, table: &str) -> Done {
+    let Ok(text) = std::fs::read_to_string(path) else { return Ok(()) };
+    match quoted(&text, table) {
+        Some(new) if new != text => write(path, &new),
+        _ => Ok(()),
+    }
+}
+
+fn quoted(text: &str, table: &str) -> Option<String> {
+    let (before, rest) = text.split_once(MARKS[0])?;
+    let (_, after) = rest.split_once(MARKS[1])?;
+    Some([before, MARKS[0], table, MARKS[1], after].concat())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(mean: f64, worst: f64) -> Row {
+        Row { row: "r".into(), n: 3, mean, worst, text: 0, ram: 0, stack: 0, opt: "3".into() }
+    }
+
+    #[test]
+    fn growth_and_missing_rows_fail() {
+        assert!(compare(&[row(100.0, 100.0)], &[row(102.0, 102.0)]).is_ok());
+        assert!(compare(&[row(100.0, 100.0)], &[row(50.0, 50.0)]).is_ok());
+        assert!(compare(&[row(100.0, 100.0)], &[row(102.1, 100.0)]).is_err());
+        assert!(compare(&[row(100.0, 100.0)], &[row(100.0, 103.0)]).is_err());
+        assert!(compare(&[row(100.0, 100.0)], &[]).is_err());
+    }
+
+    #[test]
+    fn a_table_is_replaced_between_the_marks() {
+        let text = format!("a\n{}old\n{}\nb", MARKS[0], MARKS[1]);
+        assert_eq!(quoted(&text, "new\n"), Some(format!("a\n{}new\n{}\nb", MARKS[0], MARKS[1])));
+        assert_eq!(quoted("no marks", "new"), None);
+    }
+}
