@@ -217,8 +217,8 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// Gains for the reference servo: crossover near 4 rad/s, well damped, command within +-1.
-    pub const SERVO: Self = Self::new(0.0016, 0.0, 0.005, 1.0);
+    /// Gains for the reference servo: slowest pole near -6 rad/s, command within +-1.
+    pub const SERVO: Self = Self::new(0.004, 0.0003, 0.002, 1.0);
 
     /// A controller at rest.
     pub const fn new(kp: f64, kv: f64, lag_s: f64, limit: f64) -> Self {

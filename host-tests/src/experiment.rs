@@ -100,11 +100,11 @@ impl Experiment {
         }
     }
 
-    /// The reference servo in closed loop with [`Controller::SERVO`], following binary steps of +-30 mm held 300 ms.
+    /// The reference servo in closed loop with [`Controller::SERVO`], following binary steps of +-60 mm held 300 ms.
     pub fn closed_loop(condition: Condition, duration_s: f64) -> Self {
         Self {
             excitation: Excitation::Prbs {
-                amplitude: 30.0,
+                amplitude: 60.0,
                 hold_s: 0.3,
                 bits: 11,
             },
@@ -183,7 +183,7 @@ mod tests {
         let mut experiment = Experiment::closed_loop(Condition::white(20.0), 4.0);
         experiment.valve.dead_zone = 0.03;
         let record = experiment.record(2);
-        assert!(record.y_true.iter().all(|y| y.abs() < 60.0));
+        assert!(record.y_true.iter().all(|y| y.abs() < 90.0));
         assert!(record.noise().iter().all(|n| n.abs() <= 0.010_001));
         assert!(record.y_true.iter().any(|y| *y > 5.0) && record.y_true.iter().any(|y| *y < -5.0));
         assert_eq!(record, experiment.record(2));

@@ -136,7 +136,7 @@ fn output_evaluation_predicts_from_the_past_only() {
         evaluated_output(
             &structure,
             Scheme::Tustin,
-            &theta,
+            theta,
             record.dt,
             &[&record.u],
             y,
