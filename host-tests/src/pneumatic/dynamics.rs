@@ -184,3 +184,102 @@ impl Dynamics {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Friction, Linearised};
+    use super::*;
+
+    /// A sealed axis without friction: two air springs and a mass.
+    const SEALED: AxisParameters = AxisParameters {
+        friction: Friction::NONE,
+        valve_leakage: 0.0,
+        piston_leakage: 0.0,
+        ..AxisParameters::SERVO
+    };
+
+    fn at_rest(x: f64) -> State {
+        State {
+            x,
+            v: 0.0,
+            pa: 5.3e5,
+            pb: 5.3e5,
+            spool: 0.0,
+            rate: 0.0,
+        }
+    }
+
+    #[test]
+    fn sealed_air_keeps_its_invariants() {
+        let dynamics = Dynamics::new(&SEALED);
+        let mut s = State {
+            v: 1.0,
+            ..at_rest(0.15)
+        };
+        let n = SEALED.polytropic;
+        let invariants = |s: &State| {
+            let [va, vb] = SEALED.volumes(s.x);
+            // A polytropic gas without flow: p V^n, and kinetic plus spring energy p V / (n - 1).
+            let energy = 0.5 * SEALED.mass * s.v * s.v + (s.pa * va + s.pb * vb) / (n - 1.0);
+            [s.pa * va.powf(n), s.pb * vb.powf(n), energy]
+        };
+        let before = invariants(&s);
+        for _ in 0..20_000 {
+            dynamics.advance(&mut s, 0.0, 5e-5, false);
+        }
+        for (a, b) in invariants(&s).iter().zip(before) {
+            assert!((a / b - 1.0).abs() < 1e-8, "{a} after 1 s, {b} before");
+        }
+    }
+
+    #[test]
+    fn small_oscillations_have_the_linear_frequency() {
+        for x in [0.05, 0.2, 0.3] {
+            let dynamics = Dynamics::new(&SEALED);
+            let balance = super::super::flow::balance(
+                SEALED.critical_ratio,
+                SEALED.linear_ratio,
+                SEALED.supply(),
+                AMBIENT,
+            );
+            let mut s = State {
+                v: 1e-3,
+                pa: balance,
+                pb: balance,
+                ..at_rest(x)
+            };
+            let h = 1e-5;
+            let mut crossings = Vec::new();
+            for k in 0..200_000 {
+                let before = s;
+                dynamics.advance(&mut s, 0.0, h, false);
+                if before.x < x && s.x >= x {
+                    let part = (x - before.x) / (s.x - before.x);
+                    crossings.push(h * (f64::from(k) + part));
+                }
+            }
+            let periods = (crossings.len() - 1) as f64;
+            let measured =
+                periods * std::f64::consts::TAU / (crossings.last().unwrap() - crossings[0]);
+            let omega0 = Linearised::new(&SEALED, 1e3 * x, 0.0).omega0;
+            assert!(
+                (measured / omega0 - 1.0).abs() < 1e-5,
+                "{measured} instead of {omega0} rad/s at {x} m"
+            );
+        }
+    }
+
+    #[test]
+    fn spool_follows_its_closed_form() {
+        let dynamics = Dynamics::new(&AxisParameters::SERVO);
+        let mut s = at_rest(0.2);
+        let (w, z) = (628.0_f64, 0.7_f64);
+        let wd = w * (1.0 - z * z).sqrt();
+        for k in 1..=400 {
+            dynamics.advance(&mut s, 0.5, 5e-5, true);
+            let t = 5e-5 * f64::from(k);
+            let step = 1.0 - (-z * w * t).exp() * ((wd * t).cos() + z * w / wd * (wd * t).sin());
+            assert!((s.spool - 0.5 * step).abs() < 1e-8, "{} at {t} s", s.spool);
+        }
+    }
+}
