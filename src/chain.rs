@@ -292,6 +292,38 @@ impl<const M: usize> TrendOperator<M> for FilteredTrends<M> {
         self.step(memory, y, 0.0)
     }
 
+    /// Memory 0 holds `y - f_0 S_0` in place of S_0: what is left of the position after
+    /// the chain has followed it. At rest it goes to zero, where f32 is finest; S_0 would
+    /// stand at the position over f_0 and round every movement to its own last digit.
+    #[inline(always)]
+    fn movement(&self, memory: &mut [f32; M], y: f32, before: f32) -> Trends<M> {
+        let mut known = *memory;
+        for i in (1..M - 1).rev() {
+            known[i] += self.ahead * known[i + 1];
+        }
+        let left = memory[0] + (y - before);
+        let mut top = left;
+        for i in 1..M {
+            let weight = if i == 1 {
+                self.filter[1] + self.filter[0] * self.ahead
+            } else {
+                self.filter[i]
+            };
+            top -= weight * known[i];
+        }
+        top *= self.loop_gain;
+        let mut lower = *memory;
+        let mut above = top;
+        for i in (1..M).rev() {
+            lower[i] += self.ahead * above;
+            memory[i] = lower[i] + self.behind * above;
+            above = lower[i];
+        }
+        lower[0] = 0.0;
+        memory[0] = left - self.filter[0] * (self.ahead + self.behind) * above;
+        Trends { lower, top }
+    }
+
     #[inline]
     fn input(&self, memory: &mut [f32; M], u: f32, hold: Hold) -> [f32; M] {
         match hold {

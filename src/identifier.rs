@@ -48,8 +48,9 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     pub prior_std: Option<[f32; N]>,
     /// Time after the first sample, in s, in which trends settle and nothing is estimated; default 0.
     pub settling: f32,
-    /// Weight of the pull toward the trusted estimate that bounds the covariance at rest, per sample of
-    /// an information of order 1; default 0, which only stops the covariance at a ceiling.
+    /// With a memory: weight of the pull toward the trusted estimate that bounds the covariance at rest, where a
+    /// sample of full excitation has a weight of order 1. Default 1e-5: invisible in motion, and after any
+    /// rest the estimate neither has moved nor is slow to move. 0 stops the covariance at a ceiling only.
     pub pull: f32,
 }
 
@@ -74,7 +75,7 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
             initial: [0.0; N],
             prior_std: None,
             settling: 0.0,
-            pull: 0.0,
+            pull: 1e-5,
         }
     }
 
@@ -264,6 +265,7 @@ pub struct Identifier<
     constant: T::Memory,
     lines: [DelayLine<D>; I],
     reference: f32,
+    before: f32,
     prediction: f32,
     quality: Quality,
     warm_up: u32,
@@ -315,7 +317,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             noise: NoiseLevel::new(forgetting),
             decay: trends.decay(),
             start_trend: 1.0,
-            pull: config.pull,
+            pull: if config.memory.is_some() {
+                config.pull
+            } else {
+                0.0
+            },
             trusted: theta,
             turn: 0,
             output: T::EMPTY,
@@ -323,6 +329,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             constant: T::EMPTY,
             lines: [DelayLine::new(); I],
             reference: 0.0,
+            before: 0.0,
             prediction: 0.0,
             quality: Quality::new(),
             warm_up,
@@ -350,7 +357,12 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
         let y = y - self.reference;
         self.noise.update(y);
-        let output = self.trends.output(&mut self.output, y);
+        let output = if self.structure.output().contains(0) {
+            self.trends.output(&mut self.output, y)
+        } else {
+            self.trends.movement(&mut self.output, y, self.before)
+        };
+        self.before = y;
         let mut inputs = [[0.0; M]; I];
         for c in 0..I {
             let delayed = if D > 0 {
@@ -422,7 +434,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let integrates = self.structure.integrators() > 0;
         // Behind an integrator only movements count; small numbers keep their digits.
         self.reference = if integrates { y } else { 0.0 };
-        self.output = self.trends.settled(y - self.reference);
+        self.before = y - self.reference;
+        self.output = self.trends.settled(self.before);
         for c in 0..I {
             self.inputs[c] = self.trends.settled_input(self.rest[c], self.holds[c]);
         }
@@ -577,6 +590,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// IQ and IV of the innovations so far (11).
     pub const fn quality(&self) -> Quality {
         self.quality
+    }
+
+    /// User's unit of each normalised parameter.
+    pub(crate) fn units(&self) -> &[f32; N] {
+        self.regressor.units()
     }
 
     /// The estimator, in normalised quantities.

@@ -56,11 +56,14 @@ impl<const M: usize> Physical<M> {
         };
         let behind = transfer.a.get(transfer.integrators..).unwrap_or(&[]);
         if let [a0, a1] = *behind
-            && a0 > 0.0 && a0.is_finite() && a1.is_finite() {
-                let omega0 = sqrt(a0);
-                reading.omega0 = Some(omega0);
-                reading.damping = Some(0.5 * a1 / omega0);
-            }
+            && a0 > 0.0
+            && a0.is_finite()
+            && a1.is_finite()
+        {
+            let omega0 = sqrt(a0);
+            reading.omega0 = Some(omega0);
+            reading.damping = Some(0.5 * a1 / omega0);
+        }
         let Some(poles) = transfer.poles() else {
             return reading;
         };

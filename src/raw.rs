@@ -88,6 +88,11 @@ impl<const M: usize> TrendOperator<M> for RawTrends<M> {
     }
 
     #[inline]
+    fn movement(&self, past: &mut [f32; M], y: f32, _before: f32) -> Trends<M> {
+        self.output(past, y)
+    }
+
+    #[inline]
     fn input(&self, past: &mut [f32; M], u: f32, hold: Hold) -> [f32; M] {
         let lower = match (self.scheme, hold) {
             (Scheme::Goodwin, _) => goodwin(u, past, self.rate).lower,

@@ -5,8 +5,8 @@
 //! of the filter. With P = (sum phi phi')^-1 over n samples, one step of the correction
 //!
 //! ```text
-//! theta_c = theta + n s P (M theta - m)
-//! P_c     = (I + n s P M) P (I + n s P M)'
+//! theta_c = theta + w P (M theta - m)          w = n s / (1 + n s tr P M)
+//! P_c     = (I + w P M) P (I + w P M)'
 //! sigma^2 = r P_c
 //! ```
 //!
@@ -122,7 +122,15 @@ pub(crate) fn read_out<T: TrendOperator<M>, const M: usize, const N: usize>(
     let mut theta = evidence.theta;
     let mut covariance = evidence.covariance;
     if let (Some(white), Some(_)) = (white, trends.filter_polynomial()) {
-        let weight = evidence.samples * white;
+        let mut trace = 0.0;
+        for i in 0..N {
+            for j in 0..N {
+                trace += evidence.covariance[i][j] * matrix[j][i];
+            }
+        }
+        // Damped where one step is no longer small: few samples under much noise.
+        let noise = evidence.samples * white;
+        let weight = noise / (1.0 + noise * trace);
         let mut drive = [0.0; N];
         for i in 0..N {
             drive[i] = -vector[i];
@@ -130,7 +138,7 @@ pub(crate) fn read_out<T: TrendOperator<M>, const M: usize, const N: usize>(
                 drive[i] += matrix[i][j] * evidence.theta[j];
             }
         }
-        // T = I + n s P M
+        // T = I + w P M
         let mut transform = [[0.0; N]; N];
         for i in 0..N {
             for j in 0..N {

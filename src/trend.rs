@@ -64,6 +64,10 @@ pub trait TrendOperator<const M: usize>: Copy {
     fn settled_input(&self, value: f32, hold: Hold) -> Self::Memory;
     /// Takes y(k), gives `R_i y` for i = 0..m.
     fn output(&self, memory: &mut Self::Memory, y: f32) -> Trends<M>;
+    /// Takes y(k) and y(k-1), gives `R_i y` for i = 1..m of a model without a_0; trend 0 is 0.
+    ///
+    /// Only movements enter, so the place where the drive stands costs no digits.
+    fn movement(&self, memory: &mut Self::Memory, y: f32, before: f32) -> Trends<M>;
     /// Takes u(k), gives `P_i u` for i = 0..m-1; under a zero-order hold these use past inputs only.
     fn input(&self, memory: &mut Self::Memory, u: f32, hold: Hold) -> [f32; M];
     /// Weight of the newest y(k) in each trend: the `r_0^i` of (10).

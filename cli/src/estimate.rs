@@ -1,7 +1,7 @@
 //! The no_std core run sample by sample over recorded signals.
 
 use trendid::{Hold as CoreHold, Outcome, Scheme, Terms};
-use trendid_host_tests::dynamic::{Filter, InputSetup, Reading, Recursion, Setup};
+use trendid_dynamic::{Filter, InputSetup, Reading, Recursion, Setup};
 
 use crate::freerun::{FreeRun, Hold, Model};
 use crate::output::Refusal;
@@ -148,6 +148,7 @@ impl Problem {
                 })
                 .collect(),
             constant: self.constant,
+            start: false,
             sample_time: self.dt as f32,
             scheme: self.scheme,
             filter: match tuning.pole {
@@ -230,12 +231,10 @@ impl Problem {
         let theta = wide(&core.theta());
         let sigma = wide(&core.std());
         let n = theta.len();
+        let covariance = core.covariance();
+        let relative = |i: usize, j: usize| f64::from(covariance[i][j]) / (sigma[i] * sigma[j]);
         let correlation = (0..n)
-            .map(|i| {
-                (0..n)
-                    .map(|j| f64::from(core.covariance(i, j)) / (sigma[i] * sigma[j]))
-                    .collect()
-            })
+            .map(|i| (0..n).map(|j| relative(i, j)).collect())
             .collect();
         let quality = core.quality();
         Estimate {

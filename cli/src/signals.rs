@@ -13,7 +13,7 @@ use crate::output::Refusal;
 use crate::record::Record;
 
 /// Most input columns beside each other that the run-time core offers.
-const INPUTS: usize = trendid_host_tests::dynamic::INPUTS;
+const INPUTS: usize = trendid_dynamic::INPUTS;
 
 /// Record, columns and span.
 #[derive(Debug, Args)]
@@ -227,7 +227,7 @@ pub fn parse_filter(text: &str) -> Result<Choice<Option<f64>>, String> {
 
 /// `--delay D|auto` for clap.
 pub fn parse_delay(text: &str) -> Result<Choice<usize>, String> {
-    let longest = trendid_host_tests::dynamic::DELAY;
+    let longest = trendid_dynamic::DELAY;
     match (text, text.parse::<usize>()) {
         ("auto", _) => Ok(Choice::Auto),
         (_, Ok(delay)) if delay <= longest => Ok(Choice::Given(delay)),

@@ -16,13 +16,11 @@
 //! | [`oracle`] | least squares by singular values, batch equivalent of a recursion, (9)-(11) |
 //! | [`exponential`] | matrix exponential, exact discretisation |
 //! | [`bound`] | Cramer-Rao bound of coefficients and of C, w0, xi |
-//! | [`dynamic`] | the core itself behind sizes known at run time |
 //! | [`output_error`] | offline fit of the free simulation, for comparison |
 //! | [`ekf`] | extended Kalman filter on the joint state, for comparison |
 //! | [`table1`] | the conditions and printed figures of the paper's Table 1 |
 
 pub mod bound;
-pub mod dynamic;
 pub mod ekf;
 pub mod excitation;
 pub mod experiment;
@@ -35,5 +33,6 @@ pub mod plant;
 pub mod pneumatic;
 pub mod polynomial;
 pub mod reference;
+pub mod scenario;
 pub mod table1;
 pub mod trends;

@@ -6,7 +6,7 @@
 
 use trendid::{
     Config, ConfigError, FilteredTrends, Hold, Identifier, Outcome, Physical, Quality, RawTrends,
-    Scheme, Structure, Terms, TransferFunction, TrendOperator,
+    Scheme, Structure, Terms, TransferFunction, TrendOperator, Trends,
 };
 
 /// Most inputs that a run-time structure can have.
@@ -14,7 +14,7 @@ pub const INPUTS: usize = 4;
 /// Longest delay in samples.
 pub const DELAY: usize = 512;
 /// Most parameters.
-pub const PARAMETERS: usize = 12;
+pub const PARAMETERS: usize = 10;
 
 /// One input of a run-time structure.
 #[derive(Debug, Clone, PartialEq)]
@@ -126,40 +126,89 @@ impl Setup {
     }
 }
 
+/// Raw or filtered trends behind one type, so that each size is compiled once.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum AnyTrends<const M: usize> {
+    Raw(RawTrends<M>),
+    Filtered(FilteredTrends<M>),
+}
+
+/// Calls the same method on whichever operator it is.
+macro_rules! either {
+    ($self:ident, $trends:ident => $call:expr) => {
+        match $self {
+            Self::Raw($trends) => $call,
+            Self::Filtered($trends) => $call,
+        }
+    };
+}
+
+impl<const M: usize> TrendOperator<M> for AnyTrends<M> {
+    type Memory = [f32; M];
+    const EMPTY: [f32; M] = [0.0; M];
+
+    fn sample_time(&self) -> f32 {
+        either!(self, t => t.sample_time())
+    }
+    fn settled(&self, value: f32) -> [f32; M] {
+        either!(self, t => t.settled(value))
+    }
+    fn settled_input(&self, value: f32, hold: Hold) -> [f32; M] {
+        either!(self, t => t.settled_input(value, hold))
+    }
+    fn output(&self, memory: &mut [f32; M], y: f32) -> Trends<M> {
+        either!(self, t => t.output(memory, y))
+    }
+    fn movement(&self, memory: &mut [f32; M], y: f32, before: f32) -> Trends<M> {
+        either!(self, t => t.movement(memory, y, before))
+    }
+    fn input(&self, memory: &mut [f32; M], u: f32, hold: Hold) -> [f32; M] {
+        either!(self, t => t.input(memory, u, hold))
+    }
+    fn lead(&self) -> Trends<M> {
+        either!(self, t => t.lead())
+    }
+    fn gain(&self, bandwidth: f32) -> f32 {
+        either!(self, t => t.gain(bandwidth))
+    }
+    fn filter_polynomial(&self) -> Option<[f32; M]> {
+        either!(self, t => t.filter_polynomial())
+    }
+    fn decay(&self) -> f32 {
+        either!(self, t => t.decay())
+    }
+    fn warm_up(&self) -> u32 {
+        either!(self, t => t.warm_up())
+    }
+}
+
 fn sized<const M: usize>(setup: &Setup) -> Result<Box<dyn Recursion>, ConfigError> {
-    match &setup.filter {
-        Filter::None => counted(
-            setup,
-            RawTrends::<M>::try_new(setup.scheme, setup.sample_time)?,
-        ),
+    let trends = match &setup.filter {
+        Filter::None => AnyTrends::Raw(RawTrends::<M>::try_new(setup.scheme, setup.sample_time)?),
         Filter::Polynomial(coefficients) => {
             let mut filter = [0.0; M];
             if coefficients.len() != M {
                 return Err(ConfigError::Order(coefficients.len()));
             }
             filter.copy_from_slice(coefficients);
-            let trends =
-                FilteredTrends::<M>::from_polynomial(setup.scheme, setup.sample_time, filter)?;
-            counted(setup, trends)
+            AnyTrends::Filtered(FilteredTrends::from_polynomial(
+                setup.scheme,
+                setup.sample_time,
+                filter,
+            )?)
         }
-    }
-}
-
-fn counted<T, const M: usize>(setup: &Setup, trends: T) -> Result<Box<dyn Recursion>, ConfigError>
-where
-    T: TrendOperator<M> + 'static,
-{
+    };
     macro_rules! dispatch {
         ($($n:literal)+) => {
             match setup.parameters() {
                 $($n => Ok(Box::new(
-                    Identifier::<T, M, $n, INPUTS, DELAY>::try_new(&setup.config::<M, $n>()?, trends)?,
+                    Identifier::<_, M, $n, INPUTS, DELAY>::try_new(&setup.config::<M, $n>()?, trends)?,
                 )),)+
                 found => Err(ConfigError::ParameterCount { found, expected: PARAMETERS }),
             }
         };
     }
-    dispatch!(1 2 3 4 5 6 7 8 9 10 11 12)
+    dispatch!(1 2 3 4 5 6 7 8 9 10)
 }
 
 /// An [`Identifier`] of any size.
