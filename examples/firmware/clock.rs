@@ -14,7 +14,7 @@
 use core::arch::asm;
 
 use cortex_m::Peripherals;
-use cortex_m::peripheral::{DWT, SYST, syst::SystClkSource};
+use cortex_m::peripheral::{SYST, syst::SystClkSource};
 
 /// Passes of the calibration loop.
 const PASSES: u32 = 50_000;
@@ -44,16 +44,15 @@ pub struct Clock {
 impl Clock {
     /// Starts all counters; gives the one to measure with and SysTick to compare it with.
     pub fn start(core: &mut Peripherals) -> [Self; 2] {
-        core.DCB.enable_trace();
-        core.DWT.enable_cycle_counter();
+        cycles::start(core);
         core.SYST.set_clock_source(SystClkSource::Core);
         core.SYST.set_reload(0xFF_FFFF);
         core.SYST.clear_current();
         core.SYST.enable_counter();
         timer::start();
-        let before = DWT::cycle_count();
+        let before = cycles::now();
         passes(PASSES);
-        let unit = if DWT::cycle_count() == before {
+        let unit = if cycles::now() == before {
             Unit::Instructions
         } else {
             Unit::Cycles
@@ -61,7 +60,7 @@ impl Clock {
         // SysTick counts down.
         let systick = Self::calibrated(|| !SYST::get_current(), 0xFF_FFFF, "SysTick", unit);
         let fine = match unit {
-            Unit::Cycles => Self::calibrated(DWT::cycle_count, u32::MAX, "DWT", unit),
+            Unit::Cycles => Self::calibrated(cycles::now, u32::MAX, "DWT", unit),
             Unit::Instructions if timer::PRESENT => {
                 Self::calibrated(timer::now, u32::MAX, "TIM2", unit)
             }
@@ -112,6 +111,31 @@ fn passes(count: u32) {
     // SAFETY: the loop changes its counter register and the flags only.
     unsafe {
         asm!("2:", "subs {0}, #1", "bne 2b", inout(reg) count => _, options(nomem, nostack));
+    }
+}
+
+/// The cycle counter of the core.
+#[cfg(target_has_atomic = "32")]
+mod cycles {
+    use cortex_m::{Peripherals, peripheral::DWT};
+
+    pub fn start(core: &mut Peripherals) {
+        core.DCB.enable_trace();
+        core.DWT.enable_cycle_counter();
+    }
+
+    pub fn now() -> u32 {
+        DWT::cycle_count()
+    }
+}
+
+/// A Cortex-M0 has no cycle counter, which shows in that it has no atomic exchange either.
+#[cfg(not(target_has_atomic = "32"))]
+mod cycles {
+    pub fn start(_: &mut cortex_m::Peripherals) {}
+
+    pub fn now() -> u32 {
+        0
     }
 }
 
