@@ -72,35 +72,52 @@
 #![deny(clippy::disallowed_types)]
 
 mod chain;
+mod controller;
 mod error;
 mod estimator;
 mod evaluation;
+mod excitation;
 pub mod hardware;
 mod identifier;
 mod inputs;
 mod math;
 mod noise;
+mod observer;
 mod physical;
 mod raw;
 mod readout;
+mod reference;
 mod regressor;
 mod sample;
+mod servo_error;
+mod servo_loop;
+mod servo_model;
 mod structure;
+mod supervisor;
 mod transfer;
 mod trend;
+mod trial;
 
 pub use chain::FilteredTrends;
+pub use controller::{CommandLimiter, Controller, ControllerConfig};
 pub use error::ConfigError;
 pub use estimator::Estimator;
 pub use evaluation::{OutputEvaluation, Quality};
+pub use excitation::{Excitation, ExcitationConfig, Travel};
 pub use identifier::{Config, Identifier, Outcome, Refusal};
 pub use inputs::{asymmetric, coulomb, dead_zone};
 #[cfg(feature = "approximate")]
 pub use math::approximate;
 pub use noise::NoiseLevel;
+pub use observer::Observer;
 pub use physical::Physical;
 pub use raw::RawTrends;
+pub use reference::{MotionLimits, Reference, Setpoint};
 pub use sample::DelayLine;
+pub use servo_error::ServoError;
+pub use servo_loop::{LoopConfig, Report, ServoIdentifier, ServoLoop};
+pub use servo_model::{Motion, ServoModel};
 pub use structure::{Column, Structure, Terms};
+pub use supervisor::{Candidate, Event, Observation, Reason, State, Supervisor, SupervisorConfig};
 pub use transfer::{Pole, TransferFunction};
 pub use trend::{Hold, Scheme, TrendOperator, Trends};

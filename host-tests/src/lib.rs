@@ -18,6 +18,7 @@
 //! | [`bound`] | Cramer-Rao bound of coefficients and of C, w0, xi |
 //! | [`output_error`] | offline fit of the free simulation, for comparison |
 //! | [`ekf`] | extended Kalman filter on the joint state, for comparison |
+//! | [`scenario`] | the adaptive position loop of the core on simulated axes |
 //! | [`table1`] | the conditions and printed figures of the paper's Table 1 |
 
 pub mod bound;

@@ -1,0 +1,332 @@
+//! Pole placement on a verified model, with observer, feedforward, valve inverse and limits.
+
+use crate::error::positive;
+use crate::observer::Observer;
+use crate::reference::Setpoint;
+use crate::servo_error::ServoError;
+use crate::servo_model::{Motion, ServoModel};
+
+/// `value` within `-bound..=bound`; no panic path, unlike `f32::clamp`.
+#[inline(always)]
+pub(crate) fn within(value: f32, bound: f32) -> f32 {
+    if value > bound {
+        bound
+    } else if value < -bound {
+        -bound
+    } else {
+        value
+    }
+}
+
+/// Range and rate of a command, enforced on every sample.
+///
+/// Guarantees: |u| <= range, |u(k) - u(k-1)| <= rate Delta, whatever comes in, NaN included.
+///
+/// # Examples
+/// ```
+/// let mut limiter = trendid::CommandLimiter::try_new(0.5, 100.0, 0.001)?;
+/// assert_eq!(limiter.update(7.0), 0.1);
+/// assert_eq!(limiter.update(f32::NAN), 0.0); // a wish that is no number is zero
+/// # Ok::<(), trendid::ServoError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CommandLimiter {
+    range: f32,
+    step: f32,
+    last: f32,
+}
+
+impl CommandLimiter {
+    /// `range` of the command within 0..=1, `rate` per second.
+    ///
+    /// # Errors
+    /// [`ServoError::CommandRange`], [`ServoError::CommandRate`], [`ServoError::SampleTime`].
+    pub fn try_new(range: f32, rate: f32, sample_time: f32) -> Result<Self, ServoError> {
+        if !(range > 0.0 && range <= 1.0) {
+            return Err(ServoError::CommandRange(range));
+        }
+        if !positive(rate) {
+            return Err(ServoError::CommandRate(rate));
+        }
+        if !positive(sample_time) {
+            return Err(ServoError::SampleTime(sample_time));
+        }
+        Ok(Self {
+            range,
+            step: rate * sample_time,
+            last: 0.0,
+        })
+    }
+
+    /// The command nearest to `wish` that range and rate allow. Cost: about 15 instructions.
+    #[inline]
+    pub fn update(&mut self, wish: f32) -> f32 {
+        let wish = if wish.is_nan() {
+            0.0
+        } else {
+            within(wish, self.range)
+        };
+        // Against the bounds themselves, so that no rounding of a sum exceeds the range.
+        let (low, high) = (self.last - self.step, self.last + self.step);
+        self.last = if wish > high {
+            high
+        } else if wish < low {
+            low
+        } else {
+            wish
+        };
+        self.last
+    }
+
+    /// The newest command.
+    pub const fn last(&self) -> f32 {
+        self.last
+    }
+
+    /// The largest change per sample.
+    pub const fn step(&self) -> f32 {
+        self.step
+    }
+}
+
+/// Wanted closed loop and what the controller may do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ControllerConfig {
+    /// Wanted bandwidth w in rad/s.
+    pub bandwidth: f32,
+    /// Wanted damping zeta of the pair of poles.
+    pub damping: f32,
+    /// Rate of the observer in rad/s; four to six times the bandwidth.
+    pub observer_rate: f32,
+    /// Half width of the flow over which the inverse of the dead zone changes sign.
+    pub blend: f32,
+    /// Position error within which the valve rests at standstill, in units of y; 0 never rests.
+    pub rest_window: f32,
+    /// Time in which the trace of a change of gains disappears, in s.
+    pub transition: f32,
+}
+
+impl ControllerConfig {
+    /// Damping 0.9, observer five times as fast, transition 50 ms, no rest window.
+    pub const fn new(bandwidth: f32) -> Self {
+        Self {
+            bandwidth,
+            damping: 0.9,
+            observer_rate: 5.0 * bandwidth,
+            blend: 0.005,
+            rest_window: 0.0,
+            transition: 0.05,
+        }
+    }
+}
+
+/// Largest change of the command per sample that the trace of a change of gains may make.
+const TRANSITION_STEP: f32 = 0.005;
+
+/// Samples within the rest window before the valve rests.
+const REST_SAMPLES: u16 = 40;
+
+/// Position controller by pole placement.
+///
+/// ```text
+/// (s + w)(s^2 + 2 zeta w s + w^2) = s^3 + p2 s^2 + p1 s + p0
+/// flow = ( r''' + p2 r'' + p1 r' + p0 (r - x) - (p1 - a1) v - (p2 - a2) a ) / b0 - d
+/// u    = inverse of dead zone and offset (flow) + what is left of the last change of gains
+/// ```
+///
+/// x, v, a and the disturbance d come from an [`Observer`] on the same model; the terms in r
+/// are the inverse model. d is the integral action. A new model changes no command at
+/// the sample of its arrival: the difference is kept and fades, at most 0.5 % of the full
+/// command per sample.
+///
+/// # Examples
+/// ```
+/// use trendid::{Controller, ControllerConfig, Motion, ServoModel, Setpoint};
+/// let model = ServoModel { a1: 400.0, a2: 20.0, b0: 1.0e6, dead_zone: 0.0, offset: 0.0 };
+/// let mut controller = Controller::try_new(&ControllerConfig::new(25.0), model, 0.001)?;
+/// // The model is its own plant here.
+/// let mut plant = Motion::default();
+/// for _ in 0..1000 {
+///     let u = controller.update(&Setpoint::at(10.0), plant.position);
+///     let u = u.clamp(-1.0, 1.0);
+///     controller.applied(u);
+///     model.advance(&mut plant, u, 0.001);
+/// }
+/// assert!((plant.position - 10.0).abs() < 1e-3);
+/// # Ok::<(), trendid::ServoError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Controller {
+    observer: Observer,
+    /// p0, p1, p2.
+    wanted: [f32; 3],
+    inverse_gain: f32,
+    blend: f32,
+    /// Commands are predicted with this flow until the next sample.
+    flow: f32,
+    arriving: Option<ServoModel>,
+    trace: f32,
+    fade: f32,
+    rest_window: f32,
+    quiet: u16,
+}
+
+impl Controller {
+    /// A controller on `model`, at rest in zero.
+    ///
+    /// # Errors
+    /// A [`ServoError`] that names the setting.
+    pub fn try_new(
+        config: &ControllerConfig,
+        model: ServoModel,
+        sample_time: f32,
+    ) -> Result<Self, ServoError> {
+        let w = config.bandwidth;
+        if !positive(sample_time) {
+            return Err(ServoError::SampleTime(sample_time));
+        }
+        if !(positive(w) && w * sample_time < 0.2) {
+            return Err(ServoError::Bandwidth(w));
+        }
+        if !positive(config.damping) {
+            return Err(ServoError::Damping(config.damping));
+        }
+        if !(positive(config.observer_rate) && config.observer_rate * sample_time <= 0.3) {
+            return Err(ServoError::ObserverRate(config.observer_rate));
+        }
+        if !positive(config.blend) {
+            return Err(ServoError::Bound(config.blend));
+        }
+        if !positive(config.transition) {
+            return Err(ServoError::Time(config.transition));
+        }
+        if !(config.rest_window >= 0.0 && config.rest_window.is_finite()) {
+            return Err(ServoError::RestWindow(config.rest_window));
+        }
+        if !(model.is_finite() && positive(model.b0)) {
+            return Err(ServoError::Model);
+        }
+        let pair = 2.0 * config.damping;
+        Ok(Self {
+            observer: Observer::new(model, config.observer_rate, sample_time),
+            wanted: [w * w * w, (1.0 + pair) * w * w, (1.0 + pair) * w],
+            inverse_gain: 1.0 / model.b0,
+            blend: config.blend,
+            flow: model.flow(0.0),
+            arriving: None,
+            trace: 0.0,
+            fade: sample_time / config.transition,
+            rest_window: config.rest_window,
+            quiet: 0,
+        })
+    }
+
+    /// Begins at a motion, with no trace of earlier gains.
+    pub fn place(&mut self, motion: Motion) {
+        self.observer.place(motion);
+        self.trace = 0.0;
+        self.quiet = 0;
+    }
+
+    /// Goes over to another verified model at the next sample; ignored unless finite with a positive gain.
+    pub fn retune(&mut self, model: ServoModel) {
+        if model.is_finite() && positive(model.b0) {
+            self.arriving = Some(model);
+        }
+    }
+
+    /// The command for a setpoint and a measured position; [`Controller::applied`] must follow.
+    ///
+    /// Cost: see the table of instruction counts.
+    #[inline]
+    pub fn update(&mut self, setpoint: &Setpoint, y: f32) -> f32 {
+        self.observer.predict(self.flow);
+        let resting = self.rest(setpoint);
+        if resting {
+            self.observer.correct_motion(y);
+        } else {
+            self.observer.correct(y);
+        }
+        self.trace -= within(self.fade * self.trace, TRANSITION_STEP);
+        let mut command = self.law(setpoint, resting) + self.trace;
+        if let Some(model) = self.arriving.take() {
+            self.observer.tune(model);
+            self.inverse_gain = 1.0 / model.b0;
+            self.trace = command - self.law(setpoint, resting);
+            // A difference beyond the full command is no transition but saturation.
+            self.trace = within(self.trace, 2.0);
+            command = self.law(setpoint, resting) + self.trace;
+        }
+        command
+    }
+
+    /// Tells the controller what was set, after range, rate and resolution of the valve.
+    #[inline]
+    pub fn applied(&mut self, command: f32) {
+        self.flow = self.observer.model().flow(command);
+    }
+
+    /// The control law at the present state.
+    #[inline]
+    fn law(&self, r: &Setpoint, resting: bool) -> f32 {
+        let model = self.observer.model();
+        if resting {
+            return model.command(0.0, self.blend);
+        }
+        let Motion {
+            position: x,
+            velocity: v,
+            acceleration: a,
+        } = self.observer.motion();
+        let [p0, p1, p2] = self.wanted;
+        let jerk = r.jerk
+            + p2 * (r.acceleration - a)
+            + p1 * (r.velocity - v)
+            + p0 * (r.position - x)
+            + model.a1 * v
+            + model.a2 * a;
+        let flow = jerk * self.inverse_gain - self.observer.disturbance();
+        model.command(flow, self.blend)
+    }
+
+    /// Whether the valve rests: standstill wanted, and reached to within the window for some time.
+    #[inline]
+    fn rest(&mut self, r: &Setpoint) -> bool {
+        if !(self.rest_window > 0.0 && r.is_rest()) {
+            self.quiet = 0;
+            return false;
+        }
+        let resting = self.quiet >= REST_SAMPLES;
+        // Wider while it rests, so that noise does not wake it.
+        let window = if resting {
+            self.rest_window
+        } else {
+            0.5 * self.rest_window
+        };
+        let error = r.position - self.observer.motion().position;
+        if within(error, window) != error {
+            self.quiet = 0;
+            return false;
+        }
+        if !resting {
+            self.quiet += 1;
+        }
+        resting
+    }
+
+    /// The observed motion.
+    pub const fn motion(&self) -> Motion {
+        self.observer.motion()
+    }
+
+    /// The observed disturbance, as a flow.
+    pub const fn disturbance(&self) -> f32 {
+        self.observer.disturbance()
+    }
+
+    /// The model in use.
+    pub const fn model(&self) -> &ServoModel {
+        self.observer.model()
+    }
+}

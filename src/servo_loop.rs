@@ -1,0 +1,594 @@
+//! Sensor, identifier, supervisor, controller and valve in one call per sample.
+
+use crate::chain::FilteredTrends;
+use crate::controller::{CommandLimiter, Controller, ControllerConfig};
+use crate::excitation::{Excitation, ExcitationConfig, Travel};
+use crate::hardware::{Axis, PositionSensor, Valve};
+use crate::identifier::{Config, Identifier, Outcome};
+use crate::inputs::dead_zone;
+use crate::reference::{MotionLimits, Reference, Setpoint};
+use crate::servo_error::ServoError;
+use crate::servo_model::{Motion, ServoModel};
+use crate::structure::Structure;
+use crate::supervisor::{
+    Candidate, Event, Observation, Reason, State, Supervisor, SupervisorConfig,
+};
+use crate::trend::Scheme;
+
+/// The identifier of the loop: order 3, theta = (a1, a2, b0 of u, b0 of sgn u, constant).
+pub type ServoIdentifier = Identifier<FilteredTrends<3>, 3, 5, 2, 8>;
+
+/// Everything the user says about an axis.
+///
+/// # Examples
+/// ```
+/// use trendid::{LoopConfig, Travel};
+/// let mut config = LoopConfig::new(20.0, Travel { begin: 0.0, end: 400.0 });
+/// config.controller.bandwidth = 30.0;
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoopConfig {
+    /// Sample time in s.
+    pub sample_time: f32,
+    /// Travel of the axis.
+    pub travel: Travel,
+    /// Rough bandwidth of the plant in rad/s.
+    pub bandwidth: f32,
+    /// Standard deviation of the position noise.
+    pub noise: f32,
+    /// Largest command, within 0..=1.
+    pub range: f32,
+    /// Largest rate of the command per s.
+    pub rate: f32,
+    /// Delay of the valve in samples, at most 8.
+    pub delay: usize,
+    /// Memory of the identifier in s.
+    pub memory: f32,
+    /// Pull of the identifier toward the verified model.
+    pub pull: f32,
+    /// Whether the model follows the drive after the commissioning.
+    pub adaptive: bool,
+    /// Limits of moves.
+    pub motion: MotionLimits,
+    /// Wanted dynamics.
+    pub controller: ControllerConfig,
+    /// The commissioning.
+    pub excitation: ExcitationConfig,
+    /// What a model must satisfy.
+    pub supervisor: SupervisorConfig,
+}
+
+impl LoopConfig {
+    /// The defaults at 1 kHz for a plant of a rough `bandwidth` (rad/s) on a `travel`.
+    pub fn new(bandwidth: f32, travel: Travel) -> Self {
+        let length = travel.length();
+        let excitation = ExcitationConfig::new(bandwidth, travel);
+        Self {
+            sample_time: 1e-3,
+            travel,
+            bandwidth,
+            noise: 2.5e-5 * length,
+            range: 1.0,
+            rate: 100.0,
+            delay: 0,
+            memory: 1.0,
+            pull: 0.0,
+            adaptive: true,
+            motion: MotionLimits {
+                velocity: 2.0 * length,
+                acceleration: 0.04 * length * bandwidth * bandwidth,
+                jerk: 0.04 * length * bandwidth * bandwidth * bandwidth,
+            },
+            controller: ControllerConfig::new(1.5 * bandwidth),
+            excitation,
+            supervisor: SupervisorConfig {
+                time_limit: excitation.time_limit,
+                ..SupervisorConfig::new(bandwidth, length)
+            },
+        }
+    }
+}
+
+/// What one sample of the loop did.
+#[must_use]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Report {
+    /// State of the supervisor after the sample.
+    pub state: State,
+    /// Measured position; the last one when the sensor failed.
+    pub position: f32,
+    /// The reference; the position outside of control.
+    pub setpoint: Setpoint,
+    /// The command that was set.
+    pub command: f32,
+    /// Innovation of the identifier, if there was one.
+    pub innovation: Option<f32>,
+    /// Whether a model reached the controller in this sample.
+    pub retuned: bool,
+}
+
+/// Tracks position and velocity without a model, for the time before there is one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Tracker {
+    position: f32,
+    velocity: f32,
+    gain: [f32; 2],
+    sample_time: f32,
+}
+
+impl Tracker {
+    /// Two poles at `-rate`.
+    fn new(rate: f32, sample_time: f32) -> Self {
+        let x = rate * sample_time;
+        Self {
+            position: 0.0,
+            velocity: 0.0,
+            gain: [2.0 * x, x * x / sample_time],
+            sample_time,
+        }
+    }
+
+    #[inline]
+    fn update(&mut self, y: f32) {
+        self.position += self.sample_time * self.velocity;
+        let error = y - self.position;
+        self.position += self.gain[0] * error;
+        self.velocity += self.gain[1] * error;
+    }
+}
+
+/// Errors of the sensor in a row after which the axis stops.
+const SENSOR_ERRORS: u8 = 3;
+
+/// The adaptive position loop.
+///
+/// ```text
+/// sensor -> y -> [commissioning] excitation ------------------> limiter -> valve -> u
+///             `-> [control] reference -> controller ---------'                   |
+/// (u, y) -> identifier -> candidate -> supervisor -> verified model -> controller
+/// ```
+///
+/// One call of [`ServoLoop::update`] per sample. Guarantees: the command never leaves
+/// its range and never changes faster than its rate; no panic; only + - x / in the update.
+///
+/// # Examples
+/// ```
+/// use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
+/// use trendid::{LoopConfig, ServoLoop, State, Travel};
+/// struct Still;
+/// impl PositionSensor for Still {
+///     type Error = ();
+///     fn counts(&mut self) -> Result<i32, ()> { Ok(20_000) }
+/// }
+/// struct Nothing;
+/// impl Valve for Nothing {
+///     type Error = ();
+///     fn drive(&mut self, command: f32) -> Result<f32, ()> { Ok(command) }
+/// }
+/// let axis = Axis { scale: Scale::new(0.01).ok_or("scale")?, reference: 0 };
+/// let config = LoopConfig::new(20.0, Travel { begin: 0.0, end: 400.0 });
+/// let mut servo = ServoLoop::try_new(&config, axis, Still, Nothing)?;
+/// servo.commission();
+/// let mut state = State::Idle;
+/// for _ in 0..1000 { state = servo.update().state; }
+/// assert!(matches!(state, State::Failed(_)), "a sensor that never changes is found");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct ServoLoop<S, V> {
+    sensor: S,
+    valve: V,
+    axis: Axis,
+    travel: Travel,
+    adaptive: bool,
+    coast_rate: f32,
+    identifier: ServoIdentifier,
+    supervisor: Supervisor,
+    controller: Controller,
+    excitation: Excitation,
+    reference: Reference,
+    limiter: CommandLimiter,
+    tracker: Tracker,
+    /// Dead zone by which the inputs of the identifier are switched.
+    gate: f32,
+    code: i32,
+    position: f32,
+    begun: bool,
+    errors: u8,
+    beyond: u16,
+    start_requested: bool,
+}
+
+impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
+    /// A loop in the state [`State::Idle`].
+    ///
+    /// # Errors
+    /// A [`ServoError`] that names the setting.
+    pub fn try_new(
+        config: &LoopConfig,
+        axis: Axis,
+        sensor: S,
+        valve: V,
+    ) -> Result<Self, ServoError> {
+        config.travel.check()?;
+        let time = config.sample_time;
+        let length = config.travel.length();
+        let trends = FilteredTrends::try_new(Scheme::Tustin, time, [1.2 * config.bandwidth; 3])?;
+        let mut identify = Config::new(
+            Structure::<3, 5, 2>::integrating_with_constant(),
+            config.bandwidth,
+            [config.excitation.amplitude, 1.0],
+            0.1 * length,
+        );
+        identify.output_noise = config.noise;
+        identify.memory = Some(config.memory);
+        identify.delays = [config.delay; 2];
+        identify.pull = config.pull;
+        let square = config.bandwidth * config.bandwidth;
+        // Until a model is verified the controller is never asked; any stable model will do.
+        let nominal = ServoModel {
+            a1: square,
+            a2: config.bandwidth,
+            b0: square * length,
+            dead_zone: 0.0,
+            offset: 0.0,
+        };
+        Ok(Self {
+            sensor,
+            valve,
+            axis,
+            travel: config.travel,
+            adaptive: config.adaptive,
+            coast_rate: config.bandwidth,
+            identifier: Identifier::try_new(&identify, trends)?,
+            supervisor: Supervisor::try_new(&config.supervisor, time)?,
+            controller: Controller::try_new(&config.controller, nominal, time)?,
+            excitation: Excitation::try_new(&config.excitation, config.travel, time)?,
+            reference: Reference::try_new(config.motion, time, 0.0)?,
+            limiter: CommandLimiter::try_new(config.range, config.rate, time)?,
+            tracker: Tracker::new(4.0 * config.bandwidth, time),
+            gate: 0.0,
+            code: 0,
+            position: 0.0,
+            begun: false,
+            errors: 0,
+            beyond: 0,
+            start_requested: false,
+        })
+    }
+
+    /// Takes a model that is known to be good: control begins with the next sample, at the actual position.
+    ///
+    /// # Errors
+    /// [`ServoError::Model`] when it is not finite or not stable.
+    pub fn install(&mut self, model: ServoModel) -> Result<(), ServoError> {
+        if !(model.is_finite() && model.a1 > 0.0 && model.a2 > 0.0 && model.b0 > 0.0) {
+            return Err(ServoError::Model);
+        }
+        self.supervisor.install(model);
+        self.controller.retune(model);
+        self.open_memory(&model, 0.1);
+        self.gate = model.dead_zone;
+        self.start_requested = false;
+        if self.begun {
+            self.take_over(Motion {
+                position: self.position,
+                ..Motion::default()
+            });
+        }
+        Ok(())
+    }
+
+    /// Commissions the axis with the next sample, around the position it then has.
+    pub fn commission(&mut self) {
+        self.start_requested = true;
+    }
+
+    /// Stops commissioning or control: the command goes to zero at its rate limit, the last good gains are kept.
+    pub fn abort(&mut self) {
+        self.start_requested = false;
+        self.supervisor.abort();
+    }
+
+    /// Plans a move to `target`, limited to the travel. Not for the 1 ms path, see [`Reference::move_to`].
+    pub fn move_to(&mut self, target: f32) {
+        let target = if target < self.travel.begin {
+            self.travel.begin
+        } else if target > self.travel.end {
+            self.travel.end
+        } else {
+            target
+        };
+        self.reference.move_to(target);
+    }
+
+    /// Oscillates about the present reference, see [`Reference::oscillate`].
+    pub fn oscillate(&mut self, amplitude: f32, frequency: f32) {
+        self.reference.oscillate(amplitude, frequency);
+    }
+
+    /// One sample: reads the sensor, moves the valve, learns.
+    ///
+    /// Cost: see the table of instruction counts.
+    pub fn update(&mut self) -> Report {
+        let Ok(code) = self.sensor.counts() else {
+            return self.blind();
+        };
+        self.errors = 0;
+        let y = self.axis.position(code);
+        let same_code = self.begun && code == self.code;
+        self.code = code;
+        self.position = y;
+        if !self.begun {
+            self.begun = true;
+            self.tracker.position = y;
+            self.reference.hold(y);
+            self.controller.place(Motion {
+                position: y,
+                ..Motion::default()
+            });
+        }
+        self.tracker.update(y);
+        if self.start_requested {
+            self.start_requested = false;
+            self.supervisor.begin(y);
+            self.excitation.begin(y);
+            self.identifier.reset();
+            self.gate = 0.0;
+            self.beyond = 0;
+        }
+        let state = self.supervisor.state();
+        let mut setpoint = Setpoint::at(y);
+        let wish = if state.is_commissioning() {
+            self.excitation.update(y, self.tracker.velocity)
+        } else if state.is_controlling() {
+            setpoint = self.reference.update();
+            self.controller.update(&setpoint, y)
+        } else {
+            0.0
+        };
+        let command = self.limiter.update(wish);
+        let Ok(command) = self.valve.drive(command) else {
+            self.supervisor.fail(Reason::ValveFault);
+            return self.report(setpoint, 0.0, None, false);
+        };
+        self.controller.applied(command);
+        let outcome = self
+            .identifier
+            .update_inputs(dead_zone(command, self.gate), y);
+        let retuned = self.supervise(y, command, same_code, outcome);
+        self.report(setpoint, command, outcome.innovation(), retuned)
+    }
+
+    fn report(
+        &self,
+        setpoint: Setpoint,
+        command: f32,
+        innovation: Option<f32>,
+        retuned: bool,
+    ) -> Report {
+        Report {
+            state: self.supervisor.state(),
+            position: self.position,
+            setpoint,
+            command,
+            innovation,
+            retuned,
+        }
+    }
+
+    /// A sample without a position: the valve goes toward zero, after three of them for good.
+    fn blind(&mut self) -> Report {
+        self.errors = self.errors.saturating_add(1);
+        if self.errors >= SENSOR_ERRORS {
+            self.supervisor.fail(Reason::SensorFault);
+        }
+        let wish = if self.errors >= SENSOR_ERRORS {
+            0.0
+        } else {
+            self.limiter.last()
+        };
+        let command = self.limiter.update(wish);
+        let command = match self.valve.drive(command) {
+            Ok(command) => command,
+            Err(_) => {
+                self.supervisor.fail(Reason::ValveFault);
+                0.0
+            }
+        };
+        self.identifier.restart_trends();
+        self.report(Setpoint::at(self.position), command, None, false)
+    }
+
+    /// Everything between the identifier and the controller.
+    fn supervise(&mut self, y: f32, command: f32, same_code: bool, outcome: Outcome) -> bool {
+        let state = self.supervisor.state();
+        let motion = if state.is_controlling() {
+            self.controller.motion()
+        } else {
+            Motion {
+                position: self.tracker.position,
+                velocity: self.tracker.velocity,
+                acceleration: 0.0,
+            }
+        };
+        let seen = Observation {
+            motion,
+            y,
+            u: command,
+            same_code,
+            innovation: outcome.innovation(),
+        };
+        let event = if state.is_commissioning() && self.runs_away(y) {
+            let reason = self.runaway_reason();
+            self.supervisor.give_up(reason)
+        } else {
+            self.supervisor.update(&seen)
+        };
+        let event = if event == Event::None && self.supervisor.wants_candidate() {
+            let candidate = self.candidate();
+            self.supervisor.consider(&candidate, &seen)
+        } else {
+            event
+        };
+        let now = self.supervisor.state();
+        let learns = now.is_commissioning() || (self.adaptive && now == State::Adapting);
+        self.identifier.adapt(learns);
+        self.follow(event, state)
+    }
+
+    /// Carries out what the supervisor decided; whether a model reached the controller.
+    fn follow(&mut self, event: Event, before: State) -> bool {
+        match event {
+            Event::None | Event::Stopped => false,
+            Event::Accepted(model) => {
+                self.controller.retune(model);
+                self.gate = model.dead_zone;
+                self.identifier.trust();
+                if before.is_commissioning() {
+                    let motion = match self.supervisor.trial() {
+                        Some(trial) => trial.candidate().motion(),
+                        None => Motion {
+                            position: self.tracker.position,
+                            velocity: self.tracker.velocity,
+                            acceleration: 0.0,
+                        },
+                    };
+                    self.take_over(motion);
+                }
+                true
+            }
+            Event::Restored(good) => {
+                self.open_memory(&good, 0.1);
+                self.controller.retune(good);
+                self.gate = good.dead_zone;
+                if before.is_commissioning() {
+                    self.take_over(Motion {
+                        position: self.tracker.position,
+                        velocity: self.tracker.velocity,
+                        acceleration: 0.0,
+                    });
+                }
+                true
+            }
+            Event::Changed => {
+                if self.adaptive
+                    && let Some(good) = self.supervisor.good()
+                {
+                    self.open_memory(&good, 0.5);
+                }
+                false
+            }
+        }
+    }
+
+    /// The controller takes the axis over in motion and lets it run out.
+    fn take_over(&mut self, motion: Motion) {
+        self.controller.place(motion);
+        self.reference.coast(motion, self.coast_rate);
+    }
+
+    /// Identifies on from `model` with `share` of each parameter as standard deviation.
+    fn open_memory(&mut self, model: &ServoModel, share: f32) {
+        let theta = [
+            model.a1,
+            model.a2,
+            model.b0,
+            -model.b0 * model.dead_zone,
+            model.b0 * model.offset,
+        ];
+        let small = 0.02 * model.b0;
+        let std = [
+            share * model.a1,
+            share * model.a2,
+            share * model.b0,
+            small,
+            small,
+        ];
+        // The model was verified, so every number is finite and this cannot be refused.
+        let _ = self.identifier.warm_start(theta, std);
+    }
+
+    /// Whether the axis left the band of the excitation by more than the way back takes.
+    fn runs_away(&mut self, y: f32) -> bool {
+        let band = self.excitation.band();
+        let slack = 0.5 * band.length();
+        let outside = y > band.end + slack || y < band.begin - slack;
+        let at_end = y >= self.travel.end || y <= self.travel.begin;
+        self.beyond = if outside || at_end {
+            self.beyond.saturating_add(1)
+        } else {
+            0
+        };
+        self.beyond > 100
+    }
+
+    fn runaway_reason(&self) -> Reason {
+        let candidate = self.candidate();
+        let b0 = candidate.model.b0;
+        if !(b0 * b0 > 9.0 * candidate.b0_variance) {
+            Reason::ValveStuck
+        } else if b0 < 0.0 {
+            Reason::WrongSign
+        } else {
+            Reason::TravelEnd
+        }
+    }
+
+    /// The present estimate with its relative variances, to first order and as the recursion has them.
+    ///
+    /// Without the correction for noise bias of [`Identifier::theta`], which costs more
+    /// than a sample has; the trial judges the model in any case.
+    fn candidate(&self) -> Candidate {
+        let units = self.identifier.units();
+        let estimator = self.identifier.estimator();
+        let theta: [f32; 5] = core::array::from_fn(|j| units[j] * estimator.theta()[j]);
+        let [a1, a2, b0, null, constant] = theta;
+        let noise = estimator.noise_variance().unwrap_or(f32::INFINITY);
+        let p = |i: usize, j: usize| noise * estimator.covariance(i, j) * units[i] * units[j];
+        let b0_variance = p(2, 2);
+        let r11 = p(0, 0) / (a1 * a1);
+        let r22 = p(1, 1) / (a2 * a2);
+        let r12 = p(0, 1) / (a1 * a2);
+        let rbb = b0_variance / (b0 * b0);
+        let rb1 = p(0, 2) / (a1 * b0);
+        Candidate {
+            model: ServoModel::from_parameters(a1, a2, b0, null, constant),
+            gain_variance: rbb + r11 - 2.0 * rb1,
+            frequency_variance: 0.25 * r11,
+            damping_variance: r22 + 0.25 * r11 - r12,
+            b0_variance,
+        }
+    }
+
+    /// The supervisor, for its state, reasons and verdicts.
+    pub const fn supervisor(&self) -> &Supervisor {
+        &self.supervisor
+    }
+
+    /// The identifier, for its estimate.
+    pub const fn identifier(&self) -> &ServoIdentifier {
+        &self.identifier
+    }
+
+    /// The controller, for its model and its observer.
+    pub const fn controller(&self) -> &Controller {
+        &self.controller
+    }
+
+    /// The reference.
+    pub const fn reference(&self) -> &Reference {
+        &self.reference
+    }
+
+    /// The sensor, e.g. of a simulation.
+    pub const fn sensor_mut(&mut self) -> &mut S {
+        &mut self.sensor
+    }
+
+    /// The valve, e.g. of a simulation.
+    pub const fn valve_mut(&mut self) -> &mut V {
+        &mut self.valve
+    }
+}

@@ -1,0 +1,646 @@
+//! The supervisor: which model may reach the controller, and when.
+
+use core::fmt;
+
+use crate::error::positive;
+use crate::servo_error::ServoError;
+use crate::servo_model::{Motion, ServoModel};
+use crate::trial::{Trial, TrialConfig, Verdict};
+
+/// Why a model was refused, or the drive was stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Reason {
+    /// A parameter is not finite.
+    NotFinite,
+    /// The drive answers with the wrong sign.
+    WrongSign,
+    /// Gain, natural frequency or damping is out of the range of the drive's data.
+    OutOfRange,
+    /// The model without its integrator is not stable.
+    Unstable,
+    /// The parameters are not certain enough.
+    Uncertain,
+    /// In a free simulation the model does not follow: wrong order, structure or delay.
+    PoorFit,
+    /// The model in use follows better.
+    NotBetter,
+    /// The axis does not move although the valve is commanded: it is blocked, or the valve stays closed.
+    Blocked,
+    /// The axis moves, but not with the command: the valve is stuck open.
+    ValveStuck,
+    /// The position code does not change at all, not even by noise.
+    SensorStuck,
+    /// The sensor reported errors in three samples running.
+    SensorFault,
+    /// The valve reported an error.
+    ValveFault,
+    /// The axis came to the end of its travel.
+    TravelEnd,
+    /// The user stopped it.
+    Aborted,
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NotFinite => "a parameter is not a finite number",
+            Self::WrongSign => {
+                "the axis moves against the command: sign of sensor or valve is wrong"
+            }
+            Self::OutOfRange => "gain, frequency or damping is out of range for this axis",
+            Self::Unstable => "the model is unstable where the drive cannot be",
+            Self::Uncertain => "the parameters are not certain enough",
+            Self::PoorFit => {
+                "the model does not follow held-out samples: wrong order, structure or delay"
+            }
+            Self::NotBetter => "the model in use follows held-out samples better",
+            Self::Blocked => {
+                "the axis does not move when commanded: it is blocked or the valve stays closed"
+            }
+            Self::ValveStuck => "the axis moves, but not with the command: the valve is stuck",
+            Self::SensorStuck => "the position code never changes: the sensor is stuck",
+            Self::SensorFault => "the sensor reported errors",
+            Self::ValveFault => "the valve reported an error",
+            Self::TravelEnd => "the axis came to the end of its travel",
+            Self::Aborted => "stopped by the user",
+        })
+    }
+}
+
+/// State of the supervisor.
+///
+/// ```text
+/// Idle -> Exciting -> Identifying -> Verified -> Adapting <-> Frozen
+///             |            |                        |
+///             `------------+-> Failed(reason)       `-> Rejected(reason) -> Frozen
+///                          `-> Rejected(reason) when older good gains exist
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum State {
+    /// No model yet, the valve is at zero.
+    Idle,
+    /// The axis is moved; too early for a model.
+    Exciting,
+    /// The axis is moved, and models are put to trial.
+    Identifying,
+    /// A model passed; the controller takes the axis over.
+    Verified,
+    /// The controller runs, the model follows the drive.
+    Adapting,
+    /// The controller runs, nothing moves enough to learn from: gains stay.
+    Frozen,
+    /// A model was refused, the last good gains are in force.
+    Rejected(Reason),
+    /// There is no usable model, or the machine is defect: the valve is at zero.
+    Failed(Reason),
+}
+
+impl State {
+    /// Whether the axis is moved by the excitation.
+    pub const fn is_commissioning(self) -> bool {
+        matches!(self, Self::Exciting | Self::Identifying)
+    }
+
+    /// Whether the controller has the axis.
+    pub const fn is_controlling(self) -> bool {
+        matches!(
+            self,
+            Self::Verified | Self::Adapting | Self::Frozen | Self::Rejected(_)
+        )
+    }
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Idle => f.write_str("idle"),
+            Self::Exciting => f.write_str("exciting"),
+            Self::Identifying => f.write_str("identifying"),
+            Self::Verified => f.write_str("verified"),
+            Self::Adapting => f.write_str("adapting"),
+            Self::Frozen => f.write_str("frozen"),
+            Self::Rejected(reason) => write!(f, "rejected: {reason}"),
+            Self::Failed(reason) => write!(f, "failed: {reason}"),
+        }
+    }
+}
+
+/// Bounds a model must keep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SupervisorConfig {
+    /// Rough bandwidth of the plant in rad/s; the natural frequency must lie within a factor of `spread`.
+    pub bandwidth: f32,
+    /// Factor about the rough bandwidth that is still believed.
+    pub spread: f32,
+    /// Largest believable velocity gain, units of y per s and unit of u.
+    pub largest_gain: f32,
+    /// Largest relative standard deviation of gain and natural frequency; damping may have four times as much.
+    pub certainty: f32,
+    /// Least share of the movement that a free simulation must explain, `1 - SSE/SST`.
+    pub explained: f32,
+    /// A model replaces another when its squared error is below this share of the other's.
+    pub better: f32,
+    /// Least excitation before a model is tried, in s.
+    pub excite: f32,
+    /// Time of free simulation in a trial, in s.
+    pub window: f32,
+    /// Longest commissioning, in s.
+    pub time_limit: f32,
+    /// Slower than this the drive does not count as moving, units of y per s.
+    pub slow: f32,
+    /// Movement below this within the time of excitation is none, units of y.
+    pub still: f32,
+    /// Rise of the innovation's variance that counts as a change of the drive.
+    pub change: f32,
+}
+
+impl SupervisorConfig {
+    /// The defaults for a rough `bandwidth` (rad/s) and a travel of `length`.
+    pub fn new(bandwidth: f32, length: f32) -> Self {
+        Self {
+            bandwidth,
+            spread: 4.0,
+            largest_gain: 50.0 * length,
+            certainty: 0.1,
+            explained: 0.9,
+            better: 0.8,
+            excite: 0.25,
+            window: 0.12,
+            time_limit: 3.0,
+            slow: 0.05 * length,
+            still: 2e-3 * length,
+            change: 12.0,
+        }
+    }
+
+    fn check(&self) -> Result<(), ServoError> {
+        for bound in [
+            self.bandwidth,
+            self.spread,
+            self.largest_gain,
+            self.certainty,
+            self.explained,
+            self.better,
+            self.slow,
+            self.still,
+            self.change,
+        ] {
+            if !positive(bound) {
+                return Err(ServoError::Bound(bound));
+            }
+        }
+        for time in [self.excite, self.window, self.time_limit] {
+            if !(positive(time) && time < 1e5) {
+                return Err(ServoError::Time(time));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What the supervisor sees of one sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Observation {
+    /// The motion as far as it is known.
+    pub motion: Motion,
+    /// Measured position.
+    pub y: f32,
+    /// The command that was set, in force from now on.
+    pub u: f32,
+    /// Whether the position code is the same as in the sample before.
+    pub same_code: bool,
+    /// Innovation of the identifier, if there was one.
+    pub innovation: Option<f32>,
+}
+
+/// A model with the variances of its parameters, as the identifier gives it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Candidate {
+    /// The model.
+    pub model: ServoModel,
+    /// Relative variance of the velocity gain b0/a1.
+    pub gain_variance: f32,
+    /// Relative variance of the natural frequency.
+    pub frequency_variance: f32,
+    /// Relative variance of the damping.
+    pub damping_variance: f32,
+    /// Variance of b0.
+    pub b0_variance: f32,
+}
+
+/// What the loop has to do after a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Event {
+    /// Nothing.
+    None,
+    /// A model passed: the controller takes it.
+    Accepted(ServoModel),
+    /// The estimate went astray: the identifier begins again from this model, which stays in force.
+    Restored(ServoModel),
+    /// The drive changed: the memory of the identifier is opened.
+    Changed,
+    /// The axis is to be stopped.
+    Stopped,
+}
+
+/// Samples between two looks at the estimate.
+const LOOK: u32 = 16;
+
+/// Samples in which a position code that never changes is a stuck sensor.
+const STUCK: u32 = 150;
+
+/// Decides, from the samples and the candidates of the identifier, what the controller may use.
+///
+/// A candidate must be finite, of the right sign, in range, stable, certain, and must explain
+/// a window of later samples in free simulation, better than the model in use. The last
+/// good model is kept as it is, bit for bit, whatever comes after it.
+///
+/// # Examples
+/// ```
+/// use trendid::{State, Supervisor, SupervisorConfig};
+/// let mut supervisor = Supervisor::try_new(&SupervisorConfig::new(20.0, 400.0), 0.001)?;
+/// assert_eq!(supervisor.state(), State::Idle);
+/// supervisor.begin(200.0);
+/// assert_eq!(supervisor.state(), State::Exciting);
+/// supervisor.abort();
+/// assert_eq!(supervisor.state(), State::Idle);
+/// # Ok::<(), trendid::ServoError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Supervisor {
+    config: SupervisorConfig,
+    sample_time: f32,
+    state: State,
+    good: Option<ServoModel>,
+    ticks: u32,
+    trial: Option<Trial>,
+    verdict: Verdict,
+    refusal: Option<Reason>,
+    accepted: u32,
+    refused: u32,
+    same: u32,
+    low: f32,
+    high: f32,
+    still_for: u32,
+    fast: f32,
+    slow: f32,
+    alarm_pause: u32,
+    limit_ticks: u32,
+    excite_ticks: u32,
+}
+
+impl Supervisor {
+    /// A supervisor without a model.
+    ///
+    /// # Errors
+    /// [`ServoError::Bound`], [`ServoError::Time`], [`ServoError::SampleTime`].
+    pub fn try_new(config: &SupervisorConfig, sample_time: f32) -> Result<Self, ServoError> {
+        config.check()?;
+        if !positive(sample_time) {
+            return Err(ServoError::SampleTime(sample_time));
+        }
+        Ok(Self {
+            config: *config,
+            sample_time,
+            state: State::Idle,
+            good: None,
+            ticks: 0,
+            trial: None,
+            verdict: Verdict::default(),
+            refusal: None,
+            accepted: 0,
+            refused: 0,
+            same: 0,
+            low: 0.0,
+            high: 0.0,
+            still_for: 0,
+            fast: 0.0,
+            slow: 0.0,
+            alarm_pause: 0,
+            limit_ticks: (config.time_limit / sample_time) as u32,
+            excite_ticks: (config.excite / sample_time) as u32,
+        })
+    }
+
+    /// The state.
+    pub const fn state(&self) -> State {
+        self.state
+    }
+
+    /// The last good model, if there is one.
+    pub const fn good(&self) -> Option<ServoModel> {
+        self.good
+    }
+
+    /// Why the last candidate was refused.
+    pub const fn refusal(&self) -> Option<Reason> {
+        self.refusal
+    }
+
+    /// How many models were accepted and refused so far.
+    pub const fn counts(&self) -> (u32, u32) {
+        (self.accepted, self.refused)
+    }
+
+    /// The verdict of the last trial.
+    pub const fn verdict(&self) -> Verdict {
+        self.verdict
+    }
+
+    /// The trial that runs, if any.
+    pub const fn trial(&self) -> Option<&Trial> {
+        self.trial.as_ref()
+    }
+
+    /// Takes a model that is known to be good; the controller may start without commissioning.
+    pub fn install(&mut self, model: ServoModel) {
+        self.good = Some(model);
+        self.enter(State::Frozen);
+    }
+
+    /// Begins the commissioning at `position`.
+    pub fn begin(&mut self, position: f32) {
+        self.enter(State::Exciting);
+        self.refusal = None;
+        self.same = 0;
+        self.low = position;
+        self.high = position;
+    }
+
+    /// Ends the commissioning or the control at once; the last good gains are kept.
+    pub fn abort(&mut self) {
+        self.refusal = Some(Reason::Aborted);
+        self.enter(State::Idle);
+    }
+
+    /// A defect of the machine: the valve goes to zero and the last good gains are kept.
+    pub fn fail(&mut self, reason: Reason) {
+        self.refusal = Some(reason);
+        self.enter(State::Failed(reason));
+    }
+
+    fn enter(&mut self, state: State) {
+        self.state = state;
+        self.ticks = 0;
+        self.trial = None;
+        self.still_for = 0;
+    }
+
+    /// Whether this sample is one on which the supervisor wants to see the estimate.
+    #[inline]
+    pub fn wants_candidate(&self) -> bool {
+        self.trial.is_none()
+            && self.ticks % LOOK == LOOK - 1
+            && match self.state {
+                State::Identifying => true,
+                State::Adapting => self.still_for == 0 && self.ticks > self.excite_ticks / 2,
+                _ => false,
+            }
+    }
+
+    /// Looks at a candidate: refuses it, or puts it to trial from this sample on.
+    pub fn consider(&mut self, candidate: &Candidate, seen: &Observation) -> Event {
+        match self.judge(candidate) {
+            Err(reason) => self.refuse(reason),
+            Ok(()) => {
+                let config = TrialConfig {
+                    observer_rate: 6.0 * self.config.bandwidth,
+                    observe: (1.4 / self.config.bandwidth / self.sample_time) as u32,
+                    window: (self.config.window / self.sample_time) as u32,
+                    sample_time: self.sample_time,
+                };
+                let incumbent = if self.state.is_commissioning() {
+                    None
+                } else {
+                    self.good
+                };
+                self.trial = Some(Trial::new(
+                    &config,
+                    candidate.model,
+                    incumbent,
+                    seen.motion,
+                    seen.u,
+                ));
+                Event::None
+            }
+        }
+    }
+
+    /// The tests that need no samples.
+    fn judge(&self, candidate: &Candidate) -> Result<(), Reason> {
+        let model = &candidate.model;
+        let config = &self.config;
+        if !model.is_finite() || !candidate.b0_variance.is_finite() {
+            return Err(Reason::NotFinite);
+        }
+        let sure = model.b0 * model.b0 > 9.0 * candidate.b0_variance;
+        if model.b0 <= 0.0 {
+            return Err(if sure {
+                Reason::WrongSign
+            } else {
+                Reason::Uncertain
+            });
+        }
+        if !(model.a1 > 0.0 && model.a2 > 0.0) {
+            return Err(Reason::Unstable);
+        }
+        let square = config.bandwidth * config.bandwidth;
+        let spread = config.spread * config.spread;
+        // w0, C and xi by their squares: no roots here.
+        let frequency = model.a1 < spread * square && model.a1 * spread > square;
+        let gain = model.b0 < config.largest_gain * model.a1;
+        let damping = model.a2 * model.a2 < 36.0 * model.a1;
+        let valve = model.dead_zone < 0.3 && model.offset.abs() < 0.3;
+        if !(frequency && gain && damping && valve) {
+            return Err(Reason::OutOfRange);
+        }
+        let limit = config.certainty * config.certainty;
+        let certain = candidate.gain_variance < limit
+            && candidate.frequency_variance < limit
+            && candidate.damping_variance < 16.0 * limit;
+        if !certain {
+            return Err(Reason::Uncertain);
+        }
+        Ok(())
+    }
+
+    fn refuse(&mut self, reason: Reason) -> Event {
+        self.refusal = Some(reason);
+        self.refused = self.refused.saturating_add(1);
+        let astray = matches!(
+            reason,
+            Reason::NotFinite | Reason::WrongSign | Reason::Unstable | Reason::OutOfRange
+        );
+        match (self.state, self.good) {
+            (State::Adapting, Some(good)) if astray => {
+                self.enter(State::Rejected(reason));
+                Event::Restored(good)
+            }
+            _ => Event::None,
+        }
+    }
+
+    /// Takes one sample. Cost: see the table of instruction counts.
+    pub fn update(&mut self, seen: &Observation) -> Event {
+        self.ticks = self.ticks.saturating_add(1);
+        let moving =
+            seen.motion.velocity > self.config.slow || seen.motion.velocity < -self.config.slow;
+        self.still_for = if moving {
+            0
+        } else {
+            self.still_for.saturating_add(1)
+        };
+        match self.state {
+            State::Idle | State::Failed(_) => Event::None,
+            State::Exciting | State::Identifying => self.commission(seen),
+            State::Verified => {
+                if self.ticks > LOOK {
+                    self.enter(State::Adapting);
+                }
+                Event::None
+            }
+            State::Adapting => self.adapt(seen),
+            State::Frozen => {
+                if moving {
+                    self.enter(State::Adapting);
+                }
+                Event::None
+            }
+            State::Rejected(_) => {
+                if self.ticks > self.excite_ticks {
+                    self.enter(State::Frozen);
+                }
+                Event::None
+            }
+        }
+    }
+
+    fn commission(&mut self, seen: &Observation) -> Event {
+        self.same = if seen.same_code { self.same + 1 } else { 0 };
+        self.low = if seen.y < self.low { seen.y } else { self.low };
+        self.high = if seen.y > self.high {
+            seen.y
+        } else {
+            self.high
+        };
+        if self.same >= STUCK {
+            return self.give_up(Reason::SensorStuck);
+        }
+        if self.state == State::Exciting && self.ticks >= self.excite_ticks {
+            if self.high - self.low < self.config.still {
+                return self.give_up(Reason::Blocked);
+            }
+            self.state = State::Identifying;
+        }
+        if let Some(verdict) = self.run_trial(seen) {
+            if verdict.explained() >= self.config.explained {
+                return self.accept();
+            }
+            self.trial = None;
+            let _ = self.refuse(Reason::PoorFit);
+        }
+        if self.ticks >= self.limit_ticks {
+            return self.give_up(self.refusal.unwrap_or(Reason::Uncertain));
+        }
+        Event::None
+    }
+
+    /// The end of a commissioning without a model; older good gains come back into force.
+    pub fn give_up(&mut self, reason: Reason) -> Event {
+        self.refusal = Some(reason);
+        let defect = matches!(
+            reason,
+            Reason::SensorStuck | Reason::ValveStuck | Reason::Blocked | Reason::TravelEnd
+        );
+        match self.good {
+            Some(good) if !defect => {
+                self.enter(State::Rejected(reason));
+                Event::Restored(good)
+            }
+            _ => {
+                self.enter(State::Failed(reason));
+                Event::Stopped
+            }
+        }
+    }
+
+    fn run_trial(&mut self, seen: &Observation) -> Option<Verdict> {
+        let verdict = self.trial.as_mut()?.update(seen.u, seen.y)?;
+        self.verdict = verdict;
+        Some(verdict)
+    }
+
+    fn accept(&mut self) -> Event {
+        let Some(trial) = self.trial.take() else {
+            return Event::None;
+        };
+        let model = *trial.candidate().model();
+        self.accepted = self.accepted.saturating_add(1);
+        self.good = Some(model);
+        self.refusal = None;
+        if self.state.is_commissioning() {
+            self.enter(State::Verified);
+            self.fast = 0.0;
+            self.slow = 0.0;
+        }
+        Event::Accepted(model)
+    }
+
+    fn adapt(&mut self, seen: &Observation) -> Event {
+        if self.still_for > 200 {
+            self.enter(State::Frozen);
+            return Event::None;
+        }
+        if self.watch(seen) {
+            self.trial = None;
+            return Event::Changed;
+        }
+        let Some(verdict) = self.run_trial(seen) else {
+            return Event::None;
+        };
+        let moved = verdict.total > self.config.still * self.config.still * verdict.samples as f32;
+        let better = verdict
+            .incumbent
+            .is_none_or(|other| verdict.candidate < self.config.better * other);
+        let reason = if !moved {
+            None
+        } else if verdict.explained() < self.config.explained {
+            Some(Reason::PoorFit)
+        } else if !better {
+            Some(Reason::NotBetter)
+        } else {
+            return self.accept();
+        };
+        self.trial = None;
+        if let Some(reason) = reason {
+            return self.refuse(reason);
+        }
+        Event::None
+    }
+
+    /// Change detection: the innovation's variance over 30 ms against that over 2 s.
+    fn watch(&mut self, seen: &Observation) -> bool {
+        let Some(innovation) = seen.innovation else {
+            return false;
+        };
+        let square = innovation * innovation;
+        self.fast += (self.sample_time / 0.03) * (square - self.fast);
+        self.alarm_pause = self.alarm_pause.saturating_sub(1);
+        if self.slow == 0.0 {
+            self.slow = square;
+        }
+        let alarm = self.alarm_pause == 0
+            && self.ticks > LOOK
+            && self.fast > self.config.change * self.slow;
+        if alarm {
+            self.alarm_pause = self.excite_ticks;
+            self.slow = self.fast;
+            return true;
+        }
+        self.slow += (self.sample_time / 2.0) * (square - self.slow);
+        false
+    }
+}
