@@ -149,14 +149,15 @@ impl Dynamics {
                 *s = end;
                 return;
             }
-            let mut part: f64 = 1.0;
-            if turns {
-                part = s.v / (s.v - end.v);
-            }
-            if outside {
-                let stop = if direction > 0.0 { self.p.stroke } else { 0.0 };
-                part = part.min((stop - s.x) / (end.x - s.x));
-            }
+            // Fractions of the step after which the axis turns or meets the stop ahead; the earlier one counts.
+            let stop = if direction > 0.0 { self.p.stroke } else { 0.0 };
+            let turn = if turns { s.v / (s.v - end.v) } else { 1.0 };
+            let strike = if outside {
+                (stop - s.x) / (end.x - s.x)
+            } else {
+                f64::INFINITY
+            };
+            let part = turn.min(strike);
             let part = if part.is_finite() {
                 part.clamp(0.0, 1.0)
             } else {
@@ -165,7 +166,11 @@ impl Dynamics {
             let until = self.runge_kutta(s, command, direction, part * left);
             // Impacts at the end stops are inelastic, so that both events end at rest.
             *s = State {
-                x: until.x.clamp(0.0, self.p.stroke),
+                x: if strike <= turn {
+                    stop
+                } else {
+                    until.x.clamp(0.0, self.p.stroke)
+                },
                 v: 0.0,
                 ..until
             };
