@@ -27,7 +27,13 @@ const EXPECTED: &str = include_str!("data/selftest.txt");
 const BAD: usize = 2500;
 
 /// Runs the record through one identifier.
-fn run<T: TrendOperator<M> + PartialEq, const M: usize, const N: usize, const I: usize, const D: usize>(
+fn run<
+    T: TrendOperator<M> + PartialEq,
+    const M: usize,
+    const N: usize,
+    const I: usize,
+    const D: usize,
+>(
     mut identifier: Identifier<T, M, N, I, D>,
     inputs: impl Fn(f32) -> [f32; I],
 ) -> Hash {
@@ -35,8 +41,15 @@ fn run<T: TrendOperator<M> + PartialEq, const M: usize, const N: usize, const I:
     for (k, (u, y)) in record::samples().enumerate() {
         if k == BAD {
             let before = identifier;
-            let refused = matches!(identifier.update_inputs(inputs(u), f32::NAN), Outcome::Refused(_));
-            hash.take(if refused && identifier == before { 1.0 } else { 0.0 });
+            let refused = matches!(
+                identifier.update_inputs(inputs(u), f32::NAN),
+                Outcome::Refused(_)
+            );
+            hash.take(if refused && identifier == before {
+                1.0
+            } else {
+                0.0
+            });
         }
         // The kind of the outcome counts too.
         hash.take(match identifier.update_inputs(inputs(u), y) {
@@ -56,14 +69,29 @@ fn run<T: TrendOperator<M> + PartialEq, const M: usize, const N: usize, const I:
 /// All structures; `line` gets each result.
 fn all(line: &mut impl FnMut(Arguments<'_>)) -> Result<(), ConfigError> {
     let one = |u| [u];
-    line(format_args!("raw-goodwin {}", run(rows::raw(Scheme::Goodwin)?, one)));
-    line(format_args!("raw-tustin {}", run(rows::raw(Scheme::Tustin)?, one)));
-    line(format_args!("filtered-goodwin {}", run(rows::filtered(Scheme::Goodwin)?, one)));
-    line(format_args!("filtered-tustin {}", run(rows::filtered(Scheme::Tustin)?, one)));
+    line(format_args!(
+        "raw-goodwin {}",
+        run(rows::raw(Scheme::Goodwin)?, one)
+    ));
+    line(format_args!(
+        "raw-tustin {}",
+        run(rows::raw(Scheme::Tustin)?, one)
+    ));
+    line(format_args!(
+        "filtered-goodwin {}",
+        run(rows::filtered(Scheme::Goodwin)?, one)
+    ));
+    line(format_args!(
+        "filtered-tustin {}",
+        run(rows::filtered(Scheme::Tustin)?, one)
+    ));
     line(format_args!("forgetting {}", run(rows::forgetting()?, one)));
     line(format_args!("constant {}", run(rows::offset()?, one)));
     line(format_args!("late {}", run(rows::late()?, one)));
-    line(format_args!("dead-zone {}", run(rows::dead_zoned()?, rows::dead_zone_inputs)));
+    line(format_args!(
+        "dead-zone {}",
+        run(rows::dead_zoned()?, rows::dead_zone_inputs)
+    ));
     line(format_args!("full {}", run(rows::full()?, one)));
     Ok(())
 }
@@ -76,7 +104,10 @@ struct Judge {
 
 impl Judge {
     fn new() -> Self {
-        Self { expected: EXPECTED.lines(), success: true }
+        Self {
+            expected: EXPECTED.lines(),
+            success: true,
+        }
     }
 
     /// Whether `line` is the next of the expected lines.
@@ -116,7 +147,10 @@ mod target {
     impl Write for Text {
         fn write_str(&mut self, text: &str) -> core::fmt::Result {
             let end = self.len + text.len();
-            self.bytes.get_mut(self.len..end).ok_or(core::fmt::Error)?.copy_from_slice(text.as_bytes());
+            self.bytes
+                .get_mut(self.len..end)
+                .ok_or(core::fmt::Error)?
+                .copy_from_slice(text.as_bytes());
             self.len = end;
             Ok(())
         }
@@ -126,7 +160,10 @@ mod target {
     fn main() -> ! {
         let mut judge = Judge::new();
         let done = all(&mut |arguments| {
-            let mut text = Text { bytes: [0; 64], len: 0 };
+            let mut text = Text {
+                bytes: [0; 64],
+                len: 0,
+            };
             let written = text.write_fmt(arguments).is_ok();
             let text = core::str::from_utf8(&text.bytes[..text.len]).unwrap_or_default();
             let same = judge.next(text) && written;
@@ -147,10 +184,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         text.push('\n');
     })?;
     if std::env::args().any(|argument| argument == "--bless") {
-        std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/selftest.txt"), text)?;
+        std::fs::write(
+            concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/selftest.txt"),
+            text,
+        )?;
         return Ok(());
     }
-    if judge.end() { Ok(()) } else { Err("the numbers differ from examples/data/selftest.txt".into()) }
+    if judge.end() {
+        Ok(())
+    } else {
+        Err("the numbers differ from examples/data/selftest.txt".into())
+    }
 }
 
 /// The host part of the same check, in the debug and the release run of the tests.

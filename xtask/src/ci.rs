@@ -50,11 +50,24 @@ pub fn test() -> Done {
 pub fn lint() -> Done {
     process::run(cargo(&["fmt", "--all", "--check"]))?;
     process::run(cargo(&[
-        "clippy", "-q", "--workspace", "--all-targets", "--all-features", "--", "-D", "warnings",
+        "clippy",
+        "-q",
+        "--workspace",
+        "--all-targets",
+        "--all-features",
+        "--",
+        "-D",
+        "warnings",
     ]))?;
     // The targets have no test crate, so --all-targets is not for them.
-    let mut arguments = vec!["clippy", "-q", "-p", "trendid", "--target", M4F.target, "--lib"];
-    arguments.extend(FIRMWARE_EXAMPLES.iter().flat_map(|example| ["--example", example]));
+    let mut arguments = vec![
+        "clippy", "-q", "-p", "trendid", "--target", M4F.target, "--lib",
+    ];
+    arguments.extend(
+        FIRMWARE_EXAMPLES
+            .iter()
+            .flat_map(|example| ["--example", example]),
+    );
     arguments.extend(["--", "-D", "warnings"]);
     process::run(cargo(&arguments))
 }
@@ -82,9 +95,22 @@ pub fn features() -> Done {
         &["--all-features"],
     ];
     for set in sets {
-        process::run(cargo(&[&["clippy", "-q", "-p", "trendid", "--lib"], set, &["--", "-D", "warnings"]].concat()))?;
+        process::run(cargo(
+            &[
+                &["clippy", "-q", "-p", "trendid", "--lib"],
+                set,
+                &["--", "-D", "warnings"],
+            ]
+            .concat(),
+        ))?;
         for target in [M4F.target, M0.target] {
-            process::run(cargo(&[&["build", "-q", "-p", "trendid", "--lib", "--target", target], set].concat()))?;
+            process::run(cargo(
+                &[
+                    &["build", "-q", "-p", "trendid", "--lib", "--target", target],
+                    set,
+                ]
+                .concat(),
+            ))?;
         }
     }
     Ok(())
@@ -93,7 +119,16 @@ pub fn features() -> Done {
 /// The processor in the loop.
 pub fn pil() -> Done {
     let image = M4F.build("pil", "firmware")?;
-    let mut command = cargo(&["run", "-q", "--release", "-p", "trendid-cli", "--", "pil", "--image"]);
+    let mut command = cargo(&[
+        "run",
+        "-q",
+        "--release",
+        "-p",
+        "trendid-cli",
+        "--",
+        "pil",
+        "--image",
+    ]);
     command.arg(image);
     process::run(command)
 }

@@ -40,9 +40,15 @@ impl Image {
     /// Reads an image.
     pub fn read(path: &Path) -> Result<Self, String> {
         let bytes = std::fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
-        let file = object::File::parse(&*bytes).map_err(|error| format!("{}: {error}", path.display()))?;
-        let size = |name| file.section_by_name(name).map_or(0, |section| section.size());
-        let section = file.section_by_name(".text").ok_or("the image has no .text")?;
+        let file =
+            object::File::parse(&*bytes).map_err(|error| format!("{}: {error}", path.display()))?;
+        let size = |name| {
+            file.section_by_name(name)
+                .map_or(0, |section| section.size())
+        };
+        let section = file
+            .section_by_name(".text")
+            .ok_or("the image has no .text")?;
         let code = section.data().map_err(|error| error.to_string())?;
         let range = section.address()..section.address() + section.size();
         let mut functions = BTreeMap::new();
@@ -56,8 +62,16 @@ impl Image {
                 [b'$', kind @ (b't' | b'd'), ..] => {
                     mapping.insert(address, *kind == b'd');
                 }
-                _ if symbol.kind() == SymbolKind::Text && symbol.size() > 0 && range.contains(&address) => {
-                    let function = Function { name: name.clone(), size: symbol.size(), calls: BTreeSet::new(), indirect: false };
+                _ if symbol.kind() == SymbolKind::Text
+                    && symbol.size() > 0
+                    && range.contains(&address) =>
+                {
+                    let function = Function {
+                        name: name.clone(),
+                        size: symbol.size(),
+                        calls: BTreeSet::new(),
+                        indirect: false,
+                    };
                     functions.insert(address, function);
                     names.push(name);
                 }
@@ -86,7 +100,9 @@ impl Image {
         let mut seen = BTreeSet::new();
         let mut open = vec![first];
         while let Some(address) = open.pop() {
-            let Some((&start, function)) = self.functions.range(..=address).next_back() else { continue };
+            let Some((&start, function)) = self.functions.range(..=address).next_back() else {
+                continue;
+            };
             if address < start + function.size && seen.insert(start) {
                 open.extend(&function.calls);
             }
@@ -101,15 +117,26 @@ impl Image {
 }
 
 /// Finds the calls and far jumps of one function (ARMv7-M reference manual, A5 and A7).
-fn scan(code: &[u8], base: u64, start: u64, function: &mut Function, mapping: &BTreeMap<u64, bool>) {
+fn scan(
+    code: &[u8],
+    base: u64,
+    start: u64,
+    function: &mut Function,
+    mapping: &BTreeMap<u64, bool>,
+) {
     let end = start + function.size;
     let half = |address: u64| {
         let at = (address - base) as usize;
-        code.get(at..at + 2).map_or(0, |bytes| u16::from_le_bytes([bytes[0], bytes[1]]))
+        code.get(at..at + 2)
+            .map_or(0, |bytes| u16::from_le_bytes([bytes[0], bytes[1]]))
     };
     let mut address = start;
     while address < end {
-        if mapping.range(..=address).next_back().is_some_and(|(_, &data)| data) {
+        if mapping
+            .range(..=address)
+            .next_back()
+            .is_some_and(|(_, &data)| data)
+        {
             address += 2;
             continue;
         }
@@ -119,7 +146,8 @@ fn scan(code: &[u8], base: u64, start: u64, function: &mut Function, mapping: &B
             branch(first, half(address + 2)).map(|offset| address.wrapping_add_signed(4 + offset))
         } else {
             // BLX of a register; a BX other than a return is a jump through a pointer too.
-            function.indirect |= first & 0xFF80 == 0x4780 || (first & 0xFF80 == 0x4700 && first != 0x4770);
+            function.indirect |=
+                first & 0xFF80 == 0x4780 || (first & 0xFF80 == 0x4700 && first != 0x4770);
             // The short jump, which may be the last call of a function.
             (first >> 11 == 0b11100)
                 .then(|| address.wrapping_add_signed(4 + (i64::from(first & 0x7FF) << 53 >> 52)))
@@ -163,11 +191,19 @@ mod tests {
     #[test]
     fn branches_are_decoded() {
         // Encodings by the GNU assembler.
-        assert_eq!(branch(0xF000, 0xF800), Some(0), "bl to the next instruction");
+        assert_eq!(
+            branch(0xF000, 0xF800),
+            Some(0),
+            "bl to the next instruction"
+        );
         assert_eq!(branch(0xF7FF, 0xFFFE), Some(-4), "bl to itself");
         assert_eq!(branch(0xF7FF, 0xBFFE), Some(-4), "b.w to itself");
         assert_eq!(branch(0xF43F, 0xAFFE), Some(-4), "beq.w to itself");
-        assert_eq!(branch(0xF7FD, 0xFCED), Some(-0x2626), "bl of a listing: 0x8006c66 to 0x8004644");
+        assert_eq!(
+            branch(0xF7FD, 0xFCED),
+            Some(-0x2626),
+            "bl of a listing: 0x8006c66 to 0x8004644"
+        );
         assert_eq!(branch(0xF3BF, 0x8F4F), None, "dsb");
         assert_eq!(branch(0xF894, 0x015C), None, "ldrb");
     }

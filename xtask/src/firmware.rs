@@ -32,13 +32,21 @@ const LIMIT: Duration = Duration::from_secs(120);
 
 /// Builds all images and runs them.
 pub fn run(options: &Options) -> Done {
-    for (machine, profile) in [(M4F, "dev"), (M4F, "firmware"), (M3, "firmware"), (M0, "firmware")] {
+    for (machine, profile) in [
+        (M4F, "dev"),
+        (M4F, "firmware"),
+        (M3, "firmware"),
+        (M0, "firmware"),
+    ] {
         let path = machine.build("selftest", profile)?;
         not_empty(&Image::read(&path)?)?;
         if options.build_only {
             continue;
         }
-        println!("selftest on {} ({}, {profile}):", machine.name, machine.target);
+        println!(
+            "selftest on {} ({}, {profile}):",
+            machine.name, machine.target
+        );
         for line in machine.lines(&path, LIMIT)? {
             println!("    {line}");
         }
@@ -48,40 +56,63 @@ pub fn run(options: &Options) -> Done {
 
 /// An image without code is what lost linker arguments give.
 fn not_empty(image: &Image) -> Done {
-    if image.text == 0 { Err(".text is empty: linker arguments were lost; is RUSTFLAGS set?".into()) } else { Ok(()) }
+    if image.text == 0 {
+        Err(".text is empty: linker arguments were lost; is RUSTFLAGS set?".into())
+    } else {
+        Ok(())
+    }
 }
 
 /// Prints the sizes; fails when an image is empty, too large, or can panic in an update.
 pub fn size() -> Done {
-    println!("| image | opt-level | code [B] | flash [B] | static RAM [B] |\n|---|---|---|---|---|");
+    println!(
+        "| image | opt-level | code [B] | flash [B] | static RAM [B] |\n|---|---|---|---|---|"
+    );
     let mut faults = Vec::new();
     for (profile, opt) in [("firmware", "3"), ("firmware-size", "s")] {
         for example in ["footprint", "icount"] {
             let image = Image::read(&M4F.build(example, profile)?)?;
             not_empty(&image)?;
-            println!("| {example} | {opt} | {} | {} | {} |", image.text, image.flash, image.ram);
+            println!(
+                "| {example} | {opt} | {} | {} | {} |",
+                image.text, image.flash, image.ram
+            );
             let panics = |names: &[String]| -> Vec<String> {
-                names.iter().filter(|name| name.contains("panic")).cloned().collect()
+                names
+                    .iter()
+                    .filter(|name| name.contains("panic"))
+                    .cloned()
+                    .collect()
             };
             if example == "footprint" {
                 let found = panics(&image.names);
                 if !found.is_empty() {
-                    faults.push(format!("footprint (opt-level {opt}) contains {}", found.join(", ")));
+                    faults.push(format!(
+                        "footprint (opt-level {opt}) contains {}",
+                        found.join(", ")
+                    ));
                 }
                 if image.text > BUDGET {
-                    faults.push(format!("footprint (opt-level {opt}) has more than {BUDGET} bytes of code"));
+                    faults.push(format!(
+                        "footprint (opt-level {opt}) has more than {BUDGET} bytes of code"
+                    ));
                 }
                 continue;
             }
             // The image around the functions can panic: so a name that is looked for would be found.
             if panics(&image.names).is_empty() {
-                faults.push("no panic is found in an image that has one: the search is broken".into());
+                faults.push(
+                    "no panic is found in an image that has one: the search is broken".into(),
+                );
             }
             for function in FUNCTIONS {
                 let reach = image.reach(function)?;
                 let found = panics(&reach.names);
                 if !found.is_empty() {
-                    faults.push(format!("{function} (opt-level {opt}) reaches {}", found.join(", ")));
+                    faults.push(format!(
+                        "{function} (opt-level {opt}) reaches {}",
+                        found.join(", ")
+                    ));
                 }
                 if reach.indirect {
                     faults.push(format!("{function} (opt-level {opt}) calls through a pointer: not all calls are known"));
@@ -89,7 +120,11 @@ pub fn size() -> Done {
             }
         }
     }
-    if faults.is_empty() { Ok(()) } else { Err(faults.join("\n")) }
+    if faults.is_empty() {
+        Ok(())
+    } else {
+        Err(faults.join("\n"))
+    }
 }
 
 /// Code in bytes that the image with one update of three parameters may have.

@@ -6,9 +6,9 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+use crate::Done;
 use crate::elf::Image;
 use crate::process::{M0, M3, M4F, Machine, root};
-use crate::Done;
 
 /// The counts that growth is measured against.
 const BASELINE: &str = "docs/icount.json";
@@ -61,20 +61,28 @@ pub fn run(options: &Options) -> Done {
     }
     if options.all {
         for (machine, core) in [(M3, "Cortex-M3"), (M0, "Cortex-M0")] {
-            println!("\n{core} ({}), software floating point:\n\n{}", machine.name, markdown(&count(machine, "firmware", "3")?));
+            println!(
+                "\n{core} ({}), software floating point:\n\n{}",
+                machine.name,
+                markdown(&count(machine, "firmware", "3")?)
+            );
         }
     }
     let baseline = root().join(BASELINE);
     if options.bless {
         write(&baseline, &json(&rows)?)?;
     } else {
-        let text = std::fs::read_to_string(&baseline)
-            .map_err(|error| format!("{BASELINE}: {error}; `cargo xtask icount --bless` writes it"))?;
-        let before: Vec<Row> = serde_json::from_str(&text).map_err(|error| format!("{BASELINE}: {error}"))?;
+        let text = std::fs::read_to_string(&baseline).map_err(|error| {
+            format!("{BASELINE}: {error}; `cargo xtask icount --bless` writes it")
+        })?;
+        let before: Vec<Row> =
+            serde_json::from_str(&text).map_err(|error| format!("{BASELINE}: {error}"))?;
         compare(&before, &rows)?;
     }
     write(&root().join(TABLE), &markdown(&rows))?;
-    QUOTING.iter().try_for_each(|path| quote(&root().join(path), &markdown(&rows)))
+    QUOTING
+        .iter()
+        .try_for_each(|path| quote(&root().join(path), &markdown(&rows)))
 }
 
 /// Runs the image on a machine and joins its counts with the sizes in the ELF.
@@ -91,7 +99,11 @@ fn count(machine: Machine, profile: &str, opt: &str) -> Result<Vec<Row>, String>
         let [row, function, n, mean, worst, _systick, stack, ram] = fields[..] else {
             return Err(format!("a line of the image is not understood: {line}"));
         };
-        let number = |field: &str| field.parse::<f64>().map_err(|_| format!("no number in: {line}"));
+        let number = |field: &str| {
+            field
+                .parse::<f64>()
+                .map_err(|_| format!("no number in: {line}"))
+        };
         rows.push(Row {
             row: row.to_owned(),
             n: number(n)? as u32,
@@ -103,7 +115,11 @@ fn count(machine: Machine, profile: &str, opt: &str) -> Result<Vec<Row>, String>
             opt: opt.to_owned(),
         });
     }
-    if rows.is_empty() { Err("the image printed no row".into()) } else { Ok(rows) }
+    if rows.is_empty() {
+        Err("the image printed no row".into())
+    } else {
+        Ok(rows)
+    }
 }
 
 /// Every row of `before` must be there and no more than [`GROWTH`] above.
@@ -111,11 +127,17 @@ fn compare(before: &[Row], now: &[Row]) -> Done {
     let mut faults = String::new();
     for old in before {
         let name = format!("{} (n = {}, opt-level {})", old.row, old.n, old.opt);
-        let Some(new) = now.iter().find(|new| (&new.row, new.n, &new.opt) == (&old.row, old.n, &old.opt)) else {
+        let Some(new) = now
+            .iter()
+            .find(|new| (&new.row, new.n, &new.opt) == (&old.row, old.n, &old.opt))
+        else {
             let _ = writeln!(faults, "{name}: the row is gone");
             continue;
         };
-        for (what, new, old) in [("mean", new.mean, old.mean), ("worst", new.worst, old.worst)] {
+        for (what, new, old) in [
+            ("mean", new.mean, old.mean),
+            ("worst", new.worst, old.worst),
+        ] {
             if new > old * GROWTH {
                 let _ = writeln!(faults, "{name}: {what} {new} instructions, {old} before");
             }
@@ -124,7 +146,10 @@ fn compare(before: &[Row], now: &[Row]) -> Done {
     if faults.is_empty() {
         Ok(())
     } else {
-        Err(format!("more than {:.0} % growth:\n{faults}", (GROWTH - 1.0) * 100.0))
+        Err(format!(
+            "more than {:.0} % growth:\n{faults}",
+            (GROWTH - 1.0) * 100.0
+        ))
     }
 }
 
@@ -132,25 +157,44 @@ fn markdown(rows: &[Row]) -> String {
     let mut table = String::from(
         "| row | n | -O | mean | worst | text [B] | RAM [B] | stack [B] |\n|---|---|---|---|---|---|---|---|\n",
     );
-    for Row { row, n, mean, worst, text, ram, stack, opt } in rows {
-        let _ = writeln!(table, "| {row} | {n} | {opt} | {mean:.0} | {worst:.0} | {text} | {ram} | {stack} |");
+    for Row {
+        row,
+        n,
+        mean,
+        worst,
+        text,
+        ram,
+        stack,
+        opt,
+    } in rows
+    {
+        let _ = writeln!(
+            table,
+            "| {row} | {n} | {opt} | {mean:.0} | {worst:.0} | {text} | {ram} | {stack} |"
+        );
     }
     table
 }
 
 fn json(rows: &[Row]) -> Result<String, String> {
-    serde_json::to_string_pretty(rows).map(|text| text + "\n").map_err(|error| error.to_string())
+    serde_json::to_string_pretty(rows)
+        .map(|text| text + "\n")
+        .map_err(|error| error.to_string())
 }
 
 fn write(path: &Path, text: &str) -> Done {
     let named = |error: std::io::Error| format!("{}: {error}", path.display());
-    path.parent().map_or(Ok(()), std::fs::create_dir_all).map_err(named)?;
+    path.parent()
+        .map_or(Ok(()), std::fs::create_dir_all)
+        .map_err(named)?;
     std::fs::write(path, text).map_err(named)
 }
 
 /// Puts the table between the marks of a file, if the file has them.
 fn quote(path: &Path, table: &str) -> Done {
-    let Ok(text) = std::fs::read_to_string(path) else { return Ok(()) };
+    let Ok(text) = std::fs::read_to_string(path) else {
+        return Ok(());
+    };
     match quoted(&text, table) {
         Some(new) if new != text => write(path, &new),
         _ => Ok(()),
@@ -168,7 +212,16 @@ mod tests {
     use super::*;
 
     fn row(mean: f64, worst: f64) -> Row {
-        Row { row: "r".into(), n: 3, mean, worst, text: 0, ram: 0, stack: 0, opt: "3".into() }
+        Row {
+            row: "r".into(),
+            n: 3,
+            mean,
+            worst,
+            text: 0,
+            ram: 0,
+            stack: 0,
+            opt: "3".into(),
+        }
     }
 
     #[test]
@@ -183,7 +236,10 @@ mod tests {
     #[test]
     fn a_table_is_replaced_between_the_marks() {
         let text = format!("a\n{}old\n{}\nb", MARKS[0], MARKS[1]);
-        assert_eq!(quoted(&text, "new\n"), Some(format!("a\n{}new\n{}\nb", MARKS[0], MARKS[1])));
+        assert_eq!(
+            quoted(&text, "new\n"),
+            Some(format!("a\n{}new\n{}\nb", MARKS[0], MARKS[1]))
+        );
         assert_eq!(quoted("no marks", "new"), None);
     }
 }

@@ -20,15 +20,25 @@ pub fn root() -> PathBuf {
 /// RUSTFLAGS would replace the linker arguments of `.cargo/config.toml` and give an empty image, so it is taken away.
 pub fn cargo(arguments: &[&str]) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command.current_dir(root()).args(arguments).env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
+    command
+        .current_dir(root())
+        .args(arguments)
+        .env_remove("RUSTFLAGS")
+        .env_remove("CARGO_ENCODED_RUSTFLAGS");
     command
 }
 
 /// Runs a command with its output on the terminal.
 pub fn run(mut command: Command) -> Done {
     eprintln!("$ {}", shown(&command));
-    let status = command.status().map_err(|error| format!("{}: {error}", shown(&command)))?;
-    if status.success() { Ok(()) } else { Err(format!("{} ended with {status}", shown(&command))) }
+    let status = command
+        .status()
+        .map_err(|error| format!("{}: {error}", shown(&command)))?;
+    if status.success() {
+        Ok(())
+    } else {
+        Err(format!("{} ended with {status}", shown(&command)))
+    }
 }
 
 /// Whether a command can be started and succeeds; its output is dropped.
@@ -45,8 +55,14 @@ pub fn works(program: &str, arguments: &[&str]) -> bool {
 fn shown(command: &Command) -> String {
     let program = command.get_program().to_string_lossy();
     let program = program.rsplit('/').next().unwrap_or_default();
-    let arguments = command.get_args().map(|argument| argument.to_string_lossy().into_owned());
-    [program.to_owned()].into_iter().chain(arguments).collect::<Vec<_>>().join(" ")
+    let arguments = command
+        .get_args()
+        .map(|argument| argument.to_string_lossy().into_owned());
+    [program.to_owned()]
+        .into_iter()
+        .chain(arguments)
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 /// Where cargo puts what it builds.
@@ -54,8 +70,8 @@ pub fn target_directory() -> Result<PathBuf, String> {
     let output = cargo(&["metadata", "--format-version", "1", "--no-deps"])
         .output()
         .map_err(|error| format!("cargo metadata: {error}"))?;
-    let metadata: serde_json::Value =
-        serde_json::from_slice(&output.stdout).map_err(|error| format!("cargo metadata: {error}"))?;
+    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout)
+        .map_err(|error| format!("cargo metadata: {error}"))?;
     metadata["target_directory"]
         .as_str()
         .map(PathBuf::from)
@@ -72,32 +88,71 @@ pub struct Machine {
 }
 
 /// STM32F405, Cortex-M4F.
-pub const M4F: Machine = Machine { name: "netduinoplus2", target: "thumbv7em-none-eabihf" };
+pub const M4F: Machine = Machine {
+    name: "netduinoplus2",
+    target: "thumbv7em-none-eabihf",
+};
 /// ARM MPS2, Cortex-M3.
-pub const M3: Machine = Machine { name: "mps2-an385", target: "thumbv7m-none-eabi" };
+pub const M3: Machine = Machine {
+    name: "mps2-an385",
+    target: "thumbv7m-none-eabi",
+};
 /// BBC micro:bit, Cortex-M0.
-pub const M0: Machine = Machine { name: "microbit", target: "thumbv6m-none-eabi" };
+pub const M0: Machine = Machine {
+    name: "microbit",
+    target: "thumbv6m-none-eabi",
+};
 
 impl Machine {
     /// Builds an example for this machine and gives the path of its image.
     pub fn build(self, example: &str, profile: &str) -> Result<PathBuf, String> {
-        let arguments =
-            ["build", "-q", "-p", "trendid", "--profile", profile, "--target", self.target, "--example", example];
+        let arguments = [
+            "build",
+            "-q",
+            "-p",
+            "trendid",
+            "--profile",
+            profile,
+            "--target",
+            self.target,
+            "--example",
+            example,
+        ];
         run(cargo(&arguments))?;
         let directory = if profile == "dev" { "debug" } else { profile };
-        Ok(target_directory()?.join(self.target).join(directory).join("examples").join(example))
+        Ok(target_directory()?
+            .join(self.target)
+            .join(directory)
+            .join("examples")
+            .join(example))
     }
 
     /// Starts an image; one instruction is one nanosecond of its clock.
     pub fn start(self, image: &std::path::Path) -> Result<Child, String> {
         Command::new("qemu-system-arm")
-            .args(["-machine", self.name, "-nographic", "-monitor", "none", "-serial", "null"])
-            .args(["-semihosting-config", "enable=on,target=native", "-icount", "shift=0", "-kernel"])
+            .args([
+                "-machine",
+                self.name,
+                "-nographic",
+                "-monitor",
+                "none",
+                "-serial",
+                "null",
+            ])
+            .args([
+                "-semihosting-config",
+                "enable=on,target=native",
+                "-icount",
+                "shift=0",
+                "-kernel",
+            ])
             .arg(image)
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .spawn()
-            .map_err(|error| format!("qemu-system-arm does not start ({error}); run `cargo xtask setup`"))
+            .map_err(|error| {
+                format!("qemu-system-arm does not start ({error}); run `cargo xtask setup`")
+            })
     }
 
     /// Runs an image to its end and gives its lines; an error when it fails or needs longer than `limit`.
@@ -121,7 +176,11 @@ impl Machine {
                 Err(mpsc::RecvTimeoutError::Timeout) => {
                     let _ = child.kill();
                     let _ = child.wait();
-                    return Err(format!("{} did not end within {limit:?}:\n{}", image.display(), lines.join("\n")));
+                    return Err(format!(
+                        "{} did not end within {limit:?}:\n{}",
+                        image.display(),
+                        lines.join("\n")
+                    ));
                 }
             }
         }
@@ -129,7 +188,12 @@ impl Machine {
         if status.success() {
             Ok(lines)
         } else {
-            Err(format!("{} on {} ended with {status}:\n{}", image.display(), self.name, lines.join("\n")))
+            Err(format!(
+                "{} on {} ended with {status}:\n{}",
+                image.display(),
+                self.name,
+                lines.join("\n")
+            ))
         }
     }
 }

@@ -41,7 +41,11 @@ pub fn bytes() -> Vec<u8> {
     let mut u = 0;
     for k in 0..SAMPLES {
         if k % HOLD == 0 {
-            u = if bits() & 0x8000 == 0 { 13_107 } else { -13_107 };
+            u = if bits() & 0x8000 == 0 {
+                13_107
+            } else {
+                -13_107
+            };
         }
         let noise = i64::from(bits() % 21) - 10;
         bytes.extend((u as i16).to_le_bytes());

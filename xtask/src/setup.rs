@@ -19,10 +19,16 @@ fn targets() -> Done {
         return Err("rustc is missing: install Rust from https://rustup.rs".into());
     };
     let library = Path::new(sysroot.trim()).join("lib/rustlib");
-    let missing: Vec<_> = wanted.into_iter().filter(|target| !library.join(target).join("lib").exists()).collect();
+    let missing: Vec<_> = wanted
+        .into_iter()
+        .filter(|target| !library.join(target).join("lib").exists())
+        .collect();
     if !missing.is_empty() {
         if !works("rustup", &["--version"]) {
-            return Err(format!("rustup is missing; install the libraries of these targets: {}", missing.join(" ")));
+            return Err(format!(
+                "rustup is missing; install the libraries of these targets: {}",
+                missing.join(" ")
+            ));
         }
         let mut command = Command::new("rustup");
         command.args(["target", "add"]).args(&missing);
@@ -56,18 +62,32 @@ fn emulator() -> Done {
                 }
             ));
         }
-        for arguments in [&["update"][..], &["install", "-y", "--no-install-recommends", "qemu-system-arm"]] {
+        for arguments in [
+            &["update"][..],
+            &[
+                "install",
+                "-y",
+                "--no-install-recommends",
+                "qemu-system-arm",
+            ],
+        ] {
             let mut command = Command::new("apt-get");
-            command.args(arguments).env("DEBIAN_FRONTEND", "noninteractive");
+            command
+                .args(arguments)
+                .env("DEBIAN_FRONTEND", "noninteractive");
             process::run(command)?;
         }
     }
-    let version = output("qemu-system-arm", &["--version"]).ok_or("qemu-system-arm does not start")?;
+    let version =
+        output("qemu-system-arm", &["--version"]).ok_or("qemu-system-arm does not start")?;
     eprintln!("{}", version.lines().next().unwrap_or_default());
     Ok(())
 }
 
 fn output(program: &str, arguments: &[&str]) -> Option<String> {
     let output = Command::new(program).args(arguments).output().ok()?;
-    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+    output
+        .status
+        .success()
+        .then(|| String::from_utf8_lossy(&output.stdout).into_owned())
 }
