@@ -25,6 +25,9 @@ pub enum Fault {
 }
 
 /// A pneumatic servo axis, advanced sample by sample.
+///
+/// One sample of a loop is `y = measure()` at t, then `step(u)`, which holds u from t to t + 1 ms. A change at run time or
+/// a fault takes effect with the next step.
 #[derive(Clone, Debug)]
 pub struct Axis {
     nominal: AxisParameters,
