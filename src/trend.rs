@@ -10,6 +10,7 @@
 //! |---|---|---|
 //! | [`RawTrends`](crate::RawTrends) | `R_i`, `P_i` of (4) and (8) | the paper's trends, for data without noise |
 //! | [`FilteredTrends`](crate::FilteredTrends) | `R_i / R_A`, `P_i / R_A` | the same through one stable filter: the default |
+//! | [`IntegralTrends`](crate::IntegralTrends) | `R_i ((1-q^-L)/(1-q^-1))^m` | the same over a span of L samples |
 //!
 //! All operators give trends in the unit of the signal times s^(i-m) (filtered)
 //! or s^-i (raw), so that theta is the transfer function's in SI units.

@@ -1,0 +1,111 @@
+//! Trends over a span: exact against the definition, and on the reference servo.
+
+use trendid::{Config, Hold, Identifier, IntegralTrends, Scheme, Structure, TrendOperator};
+use trendid_host_tests::experiment::Experiment;
+use trendid_host_tests::noise::Condition;
+use trendid_host_tests::reference::{REFERENCE, Servo};
+
+/// `((1-q^-L)/(1-q^-1))^m` applied to the raw trends in f64 is what the operator gives, up to the factor of the raw ones.
+fn against_the_definition<const M: usize>(scheme: Scheme) {
+    const L: usize = 7;
+    const DT: f64 = 0.25;
+    let signal: Vec<f64> = (0..120)
+        .map(|k| f64::from((k * 37 + k * k * 11) % 101) / 16.0 - 3.0)
+        .collect();
+    // In f64 by the definition: the raw trend as a difference equation, then M moving sums.
+    let moving = |x: &[f64]| -> Vec<f64> {
+        (0..x.len())
+            .map(|k| (0..L.min(k + 1)).map(|i| x[k - i]).sum())
+            .collect()
+    };
+    let shift = |x: &[f64]| -> Vec<f64> {
+        let mut y = vec![0.0];
+        y.extend_from_slice(&x[..x.len() - 1]);
+        y
+    };
+    let combine = |x: &[f64], sign: f64| -> Vec<f64> {
+        x.iter().zip(shift(x)).map(|(a, b)| a + sign * b).collect()
+    };
+    let raw = |x: &[f64], i: usize, means: usize, lags: usize| -> Vec<f64> {
+        let mut t = x.to_vec();
+        for _ in 0..i {
+            t = combine(&t, -1.0);
+        }
+        for _ in 0..means {
+            t = combine(&t, 1.0).iter().map(|v| 0.5 * v).collect();
+        }
+        for _ in 0..lags {
+            t = shift(&t);
+        }
+        t
+    };
+    let span = |mut t: Vec<f64>, i: usize| -> Vec<f64> {
+        for _ in 0..M {
+            t = moving(&t);
+        }
+        t.iter().map(|v| v * DT.powi((M - i) as i32)).collect()
+    };
+    let operator = IntegralTrends::<M, L>::try_new(scheme, DT as f32).unwrap();
+    let (mut y_memory, mut u_memory) =
+        (IntegralTrends::<M, L>::EMPTY, IntegralTrends::<M, L>::EMPTY);
+    let expected_y: Vec<_> = (0..=M)
+        .map(|i| match scheme {
+            Scheme::Tustin => span(raw(&signal, i, M - i, 0), i),
+            Scheme::Goodwin => span(raw(&signal, i, 0, M - i), i),
+        })
+        .collect();
+    let expected_u: Vec<_> = (0..M)
+        .map(|i| match scheme {
+            Scheme::Tustin => span(raw(&signal, i, M - 1 - i, 1), i),
+            Scheme::Goodwin => span(raw(&signal, i, 0, M - i), i),
+        })
+        .collect();
+    for k in 0..signal.len() {
+        let y = operator.output(&mut y_memory, signal[k] as f32);
+        let u = operator.input(&mut u_memory, signal[k] as f32, Hold::Zero);
+        for i in 0..M {
+            for (got, expected) in [(y.lower[i], expected_y[i][k]), (u[i], expected_u[i][k])] {
+                let size = 1e-4 * (1.0 + expected.abs());
+                assert!(
+                    (f64::from(got) - expected).abs() < size,
+                    "{scheme:?} m {M} i {i} k {k}: {got} {expected}"
+                );
+            }
+        }
+        assert!((f64::from(y.top) - expected_y[M][k]).abs() < 1e-4);
+    }
+}
+
+#[test]
+fn spans_of_differences_and_sums() {
+    for scheme in [Scheme::Tustin, Scheme::Goodwin] {
+        against_the_definition::<1>(scheme);
+        against_the_definition::<2>(scheme);
+        against_the_definition::<3>(scheme);
+    }
+}
+
+#[test]
+fn the_reference_servo_over_spans_of_70_ms() {
+    let mut squares = [0.0; 3];
+    let seeds = 5200..5300_u64;
+    for seed in seeds.clone() {
+        let mut condition = Condition::white(100.0);
+        condition.w_um = 0.0;
+        let record = Experiment::reference(condition, 1.0).record(seed);
+        let trends = IntegralTrends::<3, 70>::try_new(Scheme::Tustin, 0.001).unwrap();
+        let config = Config::new(Structure::<3, 3, 1>::integrating(), 20.0, [0.4], 50.0);
+        let mut identifier: Identifier<_, 3, 3> = Identifier::try_new(&config, trends).unwrap();
+        for sample in record.samples() {
+            let _ = identifier.update(sample.u as f32, sample.y as f32);
+        }
+        let theta = identifier.theta().map(f64::from);
+        let found = Servo::from_coefficients(theta[0], theta[1], theta[2]).unwrap();
+        for (sum, e) in squares.iter_mut().zip(found.error_pct(&REFERENCE)) {
+            *sum += e * e / 100.0;
+        }
+    }
+    let rms = squares.map(f64::sqrt);
+    println!("eta 100 um, 1 s, L = 70, seeds {seeds:?}: rms error of C/omega0/xi {rms:.3?} %");
+    assert!(rms.iter().all(|e| *e < 0.2), "{rms:?}");
+}
