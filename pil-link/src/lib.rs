@@ -7,6 +7,11 @@
 //! there, so a lost or corrupt frame costs real time and no number: the host sends the same sample again after a timeout,
 //! and the target answers a repeated sequence number from its cache without processing the sample twice.
 //!
+//! # The controller
+//!
+//! [`Controller`] runs on the target behind a [`Responder`] and on the host beside an [`Exchange`]: the same source, so
+//! every number of the two must be the same to the last bit.
+//!
 //! # Byte layout
 //!
 //! ```text
@@ -37,11 +42,13 @@
 #![forbid(unsafe_code)]
 
 mod cobs;
+mod controller;
 mod crc;
 mod frame;
 mod lockstep;
 mod message;
 
+pub use controller::{Controller, SAMPLE_TIME};
 pub use crc::crc32;
 pub use frame::{Frame, MAX_BODY, MAX_WIRE, Receiver};
 pub use lockstep::{Bytes, Exchange, ExchangeError, Incoming, Responder};

@@ -1,0 +1,69 @@
+//! Processor in the loop: the controller on the target, the drive simulated on the host, one frame each way per sample.
+//!
+//! USART1 (PA9 transmit, PA10 receive), 115 200 baud, 8N1; frames, lockstep and controller are in `pil-link`. The other end
+//! is `trendid pil` in the emulator and `trendid pil --port PORT` with a board, which was not tried on hardware.
+//!
+//! The processor waits for each byte. The data register of the USART is read in a loop of a few instructions, so at
+//! 87 us per byte none is lost while it waits; what comes in during an update is at most one byte, which the USART holds.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+#[path = "firmware/board.rs"]
+mod board;
+
+#[cfg(target_os = "none")]
+mod target {
+    use cortex_m_rt::entry;
+    use stm32f4xx_hal::{nb, pac, prelude::*, rcc};
+    use trendid_pil_link::{Controller, Incoming, Responder, flags};
+
+    use crate::board;
+
+    #[panic_handler]
+    fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+        board::line(format_args!("{info}"));
+        board::exit(false)
+    }
+
+    #[entry]
+    fn main() -> ! {
+        let (Some(chip), Ok(fresh)) = (pac::Peripherals::take(), Controller::try_new()) else {
+            board::exit(false)
+        };
+        // The internal 16 MHz oscillator: there on every board and in the emulator.
+        let mut rcc = chip.RCC.freeze(rcc::Config::hsi());
+        let pins = chip.GPIOA.split(&mut rcc);
+        let Ok(serial) = chip
+            .USART1
+            .serial((pins.pa9, pins.pa10), 115_200.bps(), &mut rcc)
+        else {
+            board::exit(false)
+        };
+        let (mut transmit, mut receive) = serial.split();
+        let mut controller = fresh.clone();
+        let mut responder = Responder::new();
+        loop {
+            // A receive error (noise, framing, overrun) is a wrong byte to the check sum.
+            let byte = nb::block!(receive.read()).unwrap_or(0xFF);
+            let answer = match responder.push(byte) {
+                Some(Incoming::New(sample)) => {
+                    if sample.flags & flags::RESET != 0 {
+                        controller = fresh.clone();
+                    }
+                    responder.answer(controller.update(sample.y, sample.flags))
+                }
+                Some(Incoming::Repeated) => responder.cached(),
+                Some(Incoming::Stale) | None => &[],
+            };
+            for &byte in answer {
+                // Cannot fail: an empty register takes a byte.
+                let _ = nb::block!(transmit.write(byte));
+            }
+        }
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("the target's end of `trendid pil`; on the host run `cargo xtask pil`");
+}
