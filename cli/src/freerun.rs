@@ -1,7 +1,8 @@
 //! Free simulation of an identified model in f64, the judge of its fit.
 
-use nalgebra::{DMatrix, DVector};
 use trendid_host_tests::plant::{Input, LinearPlant};
+
+use crate::symmetric::nearest;
 
 /// How an input behaves between its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -121,33 +122,76 @@ impl Model {
 /// Least-squares combination of `columns` nearest to `rest`, and the fit in
 /// percent of what remains against the spread of `measured`.
 fn refit(columns: &[Vec<f64>], rest: &[f64], measured: &[f64]) -> Option<(Vec<f64>, f64)> {
-    let n = rest.len();
-    // Columns of one size, so that the rank is judged without units.
-    let norm = |c: &[f64]| {
-        c.iter()
-            .map(|v| v * v)
-            .sum::<f64>()
-            .sqrt()
-            .max(f64::MIN_POSITIVE)
-    };
-    let norms: Vec<f64> = columns.iter().map(|c| norm(c)).collect();
-    let matrix = DMatrix::from_fn(n, columns.len(), |k, j| columns[j][k] / norms[j]);
-    let right = DVector::from_column_slice(rest);
-    // The normal matrix is at most 5 by 5 with unit diagonal; its
-    // pseudo-inverse leaves modes alone that have died out.
-    let normal = matrix.tr_mul(&matrix).pseudo_inverse(1e-12).ok()?;
-    let mut combination = &matrix * (&normal * matrix.tr_mul(&right));
-    // One step of refinement takes back what squaring the condition lost.
-    let left = &right - &combination;
-    combination += &matrix * (&normal * matrix.tr_mul(&left));
-    let mean = measured.iter().sum::<f64>() / n as f64;
+    let combination = nearest(columns, rest);
+    let mean = measured.iter().sum::<f64>() / measured.len() as f64;
     let spread = measured
         .iter()
         .map(|y| (y - mean).powi(2))
         .sum::<f64>()
         .sqrt();
-    let error = (right - &combination).norm();
+    let error = rest
+        .iter()
+        .zip(&combination)
+        .map(|(r, c)| (r - c).powi(2))
+        .sum::<f64>()
+        .sqrt();
     let fit: f64 = 100.0 * (1.0 - error / spread);
-    fit.is_finite()
-        .then(|| (combination.as_slice().to_vec(), fit))
+    fit.is_finite().then_some((combination, fit))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_model_fits_its_own_response_from_any_state_and_offset() {
+        let dt = 0.01;
+        let (a, b) = ([0.0, 3.0], [2.0]);
+        let u: Vec<f64> = (0..600)
+            .map(|k| if (k / 70) % 2 == 0 { 1.0 } else { -0.7 })
+            .collect();
+        let delayed = Input::delayed(&b, 3);
+        let mut plant = LinearPlant::with_inputs(&a, &[delayed], 0.4, dt).unwrap();
+        plant.place(&[5.0, -1.0]);
+        let y = plant.response(&u);
+        let model = |constant, delay| Model {
+            a: a.to_vec(),
+            b: vec![b.to_vec()],
+            delay: vec![delay],
+            hold: vec![Hold::Zoh],
+            constant,
+        };
+        let run = |m: &Model| m.free_run(&[&u], &y, 300..600, dt).unwrap();
+        let exact = run(&model(0.4, 3));
+        assert!(exact.fit_x0 > 99.999_999, "{}", exact.fit_x0);
+        assert!((exact.y[299] - y[599]).abs() < 1e-8);
+        // The constant is refitted for the second figure only.
+        let without = run(&model(0.0, 3));
+        assert!(without.fit_x0 < 90.0 && without.fit_x0c > 99.999_999);
+        assert!(run(&model(0.4, 0)).fit_x0c < 99.5);
+        // What runs away is not a fit.
+        let unstable = Model {
+            a: vec![-1.0, -5e3],
+            ..model(0.4, 3)
+        };
+        assert_eq!(unstable.free_run(&[&u], &y, 300..600, dt), None);
+    }
+
+    #[test]
+    fn a_first_order_hold_goes_straight_to_the_next_sample() {
+        // y' = u with u = t: the straight line is exact, the held one is not.
+        let dt = 0.1;
+        let t: Vec<f64> = (0..100).map(|k| f64::from(k) * dt).collect();
+        let y: Vec<f64> = t.iter().map(|t| 0.5 * t * t).collect();
+        let model = |hold| Model {
+            a: vec![0.0],
+            b: vec![vec![1.0]],
+            delay: vec![0],
+            hold: vec![hold],
+            constant: 0.0,
+        };
+        let fit = |hold| model(hold).free_run(&[&t], &y, 0..100, dt).unwrap().fit_x0;
+        assert!(fit(Hold::Foh) > 99.999_999);
+        assert!(fit(Hold::Zoh) < 99.9);
+    }
 }

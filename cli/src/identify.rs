@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use nalgebra::DMatrix;
 use serde_json::{Value, json};
 
 use crate::auto::{Choice, Freedom, tune};
@@ -13,6 +12,7 @@ use crate::freerun::FreeRun;
 use crate::output::{Refusal, emit, emit_json, number, progress};
 use crate::plot::{COLOURS, Curve, Figure, GREY, Panel};
 use crate::signals::{SignalArgs, Signals, StructureChoice, parse_delay, parse_filter};
+use crate::symmetric::eigen;
 
 const EXAMPLE: &str = "\
 Example (a drive with Coulomb friction, whose record has the columns t, u, y):
@@ -159,26 +159,24 @@ fn check(problem: &Problem, estimate: &Estimate) -> Result<(), Refusal> {
     {
         return Err(cannot("the estimate is not finite".into()));
     }
-    let n = names.len();
-    let matrix = DMatrix::from_fn(n, n, |i, j| estimate.correlation[i][j]);
-    if matrix.iter().any(|v| !v.is_finite()) {
+    if estimate
+        .correlation
+        .iter()
+        .flatten()
+        .any(|v| !v.is_finite())
+    {
         return Err(cannot("a parameter has no influence on the output".into()));
     }
-    let eigen = matrix.symmetric_eigen();
-    let (k, smallest) =
-        eigen
-            .eigenvalues
+    let modes = eigen(&estimate.correlation);
+    let weakest = modes.iter().min_by(|x, y| x.0.total_cmp(&y.0));
+    if let Some((value, direction)) = weakest
+        && *value < SINGULAR
+    {
+        let mixed: Vec<&str> = names
             .iter()
-            .enumerate()
-            .fold(
-                (0, f64::INFINITY),
-                |m, (k, &v)| if v < m.1 { (k, v) } else { m },
-            );
-    if smallest < SINGULAR {
-        let direction = eigen.eigenvectors.column(k);
-        let mixed: Vec<&str> = (0..n)
-            .filter(|&i| direction[i].abs() > 0.1)
-            .map(|i| names[i].as_str())
+            .zip(direction)
+            .filter(|(_, d)| d.abs() > 0.1)
+            .map(|(n, _)| n.as_str())
             .collect();
         return Err(cannot(format!("{} cannot be told apart", mixed.join(", "))));
     }

@@ -8,9 +8,11 @@ mod freerun;
 mod friction;
 mod identify;
 mod output;
+mod pil;
 mod plot;
 mod record;
 mod signals;
+mod symmetric;
 
 use std::process::ExitCode;
 
@@ -32,6 +34,8 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Identify(identify::IdentifyArgs),
+    /// The controller on an emulated or real processor against the simulated servo, bit for bit
+    Pil(pil::PilArgs),
 }
 
 /// Exit code of bad input, the same that clap uses for bad arguments.
@@ -41,6 +45,7 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     let done = match &cli.command {
         Command::Identify(args) => identify::run(args),
+        Command::Pil(args) => pil::run(args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
