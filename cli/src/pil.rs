@@ -1,5 +1,6 @@
 //! `trendid pil`: the controller on a processor, emulated or real, against the simulated servo, bit for bit.
 
+use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
@@ -67,6 +68,8 @@ pub fn run(args: &PilArgs) -> Result<(), Refusal> {
         dice: Dice(args.seed),
         one_in: args.faults,
         injected: 0,
+        frame: Vec::new(),
+        inbox: VecDeque::new(),
     };
     let result = compare(args, &mut line)?;
     drop(emulator);
@@ -221,6 +224,10 @@ struct Disturbed {
     dice: Dice,
     one_in: Option<u32>,
     injected: u32,
+    /// The frame that is coming in.
+    frame: Vec<u8>,
+    /// Bytes of complete frames that nobody has taken yet.
+    inbox: VecDeque<u8>,
 }
 
 impl Disturbed {
@@ -251,26 +258,32 @@ impl Bytes for Disturbed {
     }
 
     fn receive(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
-        // Half of the room stays free for a piece that comes twice.
-        let half = bytes.len() / 2;
-        loop {
-            let mut piece = match self.line.read(&mut bytes[..half]) {
+        // The line gives single bytes; faults are counted in frames, so a frame is collected first.
+        while self.inbox.is_empty() {
+            let mut piece = [0; 64];
+            let count = match self.line.read(&mut piece) {
                 Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
-                Ok(count) => bytes[..count].to_vec(),
-                Err(error)
-                    if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) =>
-                {
-                    return Ok(0);
-                }
-                Err(error) if error.kind() == ErrorKind::Interrupted => continue,
-                Err(error) => return Err(error),
+                Ok(count) => count,
+                Err(error) => match error.kind() {
+                    ErrorKind::WouldBlock | ErrorKind::TimedOut => return Ok(0),
+                    ErrorKind::Interrupted => 0,
+                    _ => return Err(error),
+                },
             };
-            self.disturb(&mut piece);
-            if !piece.is_empty() {
-                bytes[..piece.len()].copy_from_slice(&piece);
-                return Ok(piece.len());
+            for byte in &piece[..count] {
+                self.frame.push(*byte);
+                if *byte == 0 && self.frame.len() > 1 {
+                    let mut frame = std::mem::take(&mut self.frame);
+                    self.disturb(&mut frame);
+                    self.inbox.extend(frame);
+                }
             }
         }
+        let count = bytes.len().min(self.inbox.len());
+        for (place, byte) in bytes.iter_mut().zip(self.inbox.drain(..count)) {
+            *place = byte;
+        }
+        Ok(count)
     }
 }
 

@@ -116,19 +116,13 @@ pub fn features() -> Done {
     Ok(())
 }
 
-/// The processor in the loop.
+/// The processor in the loop, on a good line and on a bad one.
 pub fn pil() -> Done {
     let image = M4F.build("pil", "firmware")?;
-    let mut command = cargo(&[
-        "run",
-        "-q",
-        "--release",
-        "-p",
-        "trendid-cli",
-        "--",
-        "pil",
-        "--image",
-    ]);
-    command.arg(image);
-    process::run(command)
+    for options in [&[][..], &["--samples", "2000", "--faults", "10"]] {
+        let mut command = cargo(&["run", "-q", "--release", "-p", "trendid-cli", "--", "pil", "--image"]);
+        command.arg(&image).args(options);
+        process::run(command)?;
+    }
+    Ok(())
 }
