@@ -35,7 +35,7 @@ impl Quality {
     #[inline(always)]
     pub fn update(&mut self, error: f32) {
         self.iq += error * error;
-        self.iv += if error < 0.0 { -error } else { error };
+        self.iv += error.abs();
         self.samples = self.samples.saturating_add(1);
     }
 

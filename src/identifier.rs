@@ -257,6 +257,7 @@ pub struct Identifier<
     noise: NoiseLevel,
     decay: f32,
     start_trend: f32,
+    forgets: bool,
     pull: f32,
     trusted: [f32; N],
     turn: usize,
@@ -316,12 +317,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             noise_gain: NoiseGain::of(&trends),
             noise: NoiseLevel::new(forgetting),
             decay: trends.decay(),
-            start_trend: 1.0,
-            pull: if config.memory.is_some() {
-                config.pull
-            } else {
-                0.0
-            },
+            start_trend: 0.0,
+            forgets: config.memory.is_some(),
+            pull: config.pull,
             trusted: theta,
             turn: 0,
             output: T::EMPTY,
@@ -381,12 +379,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             0.0
         };
         let start = self.start_trend;
-        // Below a millionth it is nothing, and would end in subnormal numbers.
-        self.start_trend = if start > 1e-6 {
-            start * self.decay
-        } else {
-            0.0
-        };
+        if start > 0.0 {
+            // Below a millionth it is nothing, and would end in subnormal numbers.
+            let next = start * self.decay;
+            self.start_trend = if next > 1e-6 { next } else { 0.0 };
+        }
         if self.remaining > 0 {
             self.remaining -= 1;
             self.prediction = y + self.reference;
@@ -400,18 +397,16 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let error = self.estimator.innovation(&phi, psi);
         // (10): y minus its evaluation is the equation error over the weight of y(k) in it.
         let beta = self.regressor.lead(self.estimator.theta());
-        let innovation = if beta > self.regressor.lead_floor() {
-            error / beta
-        } else {
-            error / self.regressor.lead_floor()
-        };
+        let innovation = error / beta;
         self.prediction = y - innovation + self.reference;
         self.quality.update(innovation);
         if !self.adapting {
             return Outcome::Held { innovation };
         }
         self.estimator.correct(&phi, error);
-        self.keep_bounded();
+        if self.forgets {
+            self.keep_bounded();
+        }
         Outcome::Estimated { innovation }
     }
 
@@ -435,6 +430,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         // Behind an integrator only movements count; small numbers keep their digits.
         self.reference = if integrates { y } else { 0.0 };
         self.before = y - self.reference;
+        self.noise.settle(self.before);
         self.output = self.trends.settled(self.before);
         for c in 0..I {
             self.inputs[c] = self.trends.settled_input(self.rest[c], self.holds[c]);
@@ -444,7 +440,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         } else {
             self.trends.settled_input(1.0, Hold::Zero)
         };
-        self.start_trend = 1.0;
+        self.start_trend = if self.structure.start() { 1.0 } else { 0.0 };
         self.begun = true;
     }
 
@@ -532,7 +528,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     pub fn noise_std(&self) -> Option<f32> {
         let beta = self.regressor.lead(self.estimator.theta());
         let variance = self.estimator.noise_variance()?;
-        Some(sqrt(variance) / beta.max(self.regressor.lead_floor()))
+        Some(sqrt(variance) / beta)
     }
 
     /// The model that theta stands for.

@@ -19,11 +19,6 @@ pub(crate) fn sin(x: f32) -> f32 {
     libm::sinf(x)
 }
 
-/// Absolute value without a library call.
-pub(crate) const fn abs(x: f32) -> f32 {
-    if x < 0.0 { -x } else { x }
-}
-
 /// Approximations for telemetry and displays; a few percent, never the estimator.
 ///
 /// # Examples

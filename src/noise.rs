@@ -18,7 +18,6 @@
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoiseLevel {
     past: [f32; 3],
-    filled: u8,
     forgetting: f32,
     squares: f32,
     samples: f32,
@@ -29,25 +28,25 @@ impl NoiseLevel {
     pub const fn new(forgetting: f32) -> Self {
         Self {
             past: [0.0; 3],
-            filled: 0,
             forgetting,
             squares: 0.0,
             samples: 0.0,
         }
     }
 
-    /// Takes y(k), in any unit. Cost: 25 instructions.
+    /// Takes y(k), in any unit. Cost: 20 instructions.
     #[inline(always)]
     pub fn update(&mut self, y: f32) {
         let [y1, y2, y3] = self.past;
         self.past = [y, y1, y2];
-        if self.filled < 3 {
-            self.filled += 1;
-            return;
-        }
         let third = (y - y3) - 3.0 * (y1 - y2);
         self.squares = self.forgetting * self.squares + third * third;
         self.samples = self.forgetting * self.samples + 1.0;
+    }
+
+    /// As if y had stood at this value before the first sample.
+    pub const fn settle(&mut self, y: f32) {
+        self.past = [y; 3];
     }
 
     /// Variance of the noise in the unit of y squared; `None` for fewer than ten samples.

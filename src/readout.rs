@@ -16,7 +16,7 @@
 //! drive moves. r is the mean of `s |A/A_f|^2` weighted by the spectrum of the
 //! regressor.
 
-use crate::math::{abs, pow, sqrt};
+use crate::math::{pow, sqrt};
 use crate::regressor::Regressor;
 use crate::trend::TrendOperator;
 
@@ -208,7 +208,7 @@ fn residual_level<T: TrendOperator<M>, const M: usize, const N: usize>(
 /// Mean of |A/A_f|^2 over 0.1 to 2.5 times the natural frequency, weighted by the spectrum of the regressor.
 fn in_band<const M: usize>(a: &[f32; M], filter: &[f32; M], bandwidth: f32) -> f32 {
     let first = a.iter().position(|v| *v != 0.0).unwrap_or(0);
-    let natural = pow(abs(a[first]), 1.0 / (M - first) as f32);
+    let natural = pow(a[first].abs(), 1.0 / (M - first) as f32);
     let natural = if natural > 0.1 * bandwidth && natural < 10.0 * bandwidth {
         natural
     } else {

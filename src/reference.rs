@@ -1,7 +1,7 @@
 //! Jerk-limited reference: moves planned once, evaluated with + - x only.
 
 use crate::error::positive;
-use crate::math::{abs, sqrt};
+use crate::math::sqrt;
 use crate::servo_error::ServoError;
 use crate::servo_model::Motion;
 
@@ -269,8 +269,8 @@ impl Reference {
                 s.position += step * (s.velocity + 0.5 * step * s.acceleration);
                 s.velocity += step * (s.acceleration + 0.5 * step * s.jerk);
                 s.acceleration += step * s.jerk;
-                if abs(s.velocity) < 1e-4 * self.limits.velocity
-                    && abs(s.acceleration) < 1e-4 * self.limits.acceleration
+                if s.velocity.abs() < 1e-4 * self.limits.velocity
+                    && s.acceleration.abs() < 1e-4 * self.limits.acceleration
                 {
                     self.setpoint = Setpoint::at(s.position);
                     self.plan = Plan::Rest;
@@ -328,7 +328,7 @@ impl Reference {
 /// From velocity `v0` and acceleration `a0` to velocity `v1` and acceleration 0, as fast as the limits allow.
 fn change(v0: f32, a0: f32, v1: f32, limits: &MotionLimits) -> [Segment; 3] {
     let j = limits.jerk;
-    let settled = v0 + 0.5 * a0 * abs(a0) / j;
+    let settled = v0 + 0.5 * a0 * a0.abs() / j;
     let sign = if v1 >= settled { 1.0 } else { -1.0 };
     let gain = sign * (v1 - v0);
     let along = sign * a0;

@@ -34,6 +34,8 @@ pub(crate) struct Regressor<const M: usize, const N: usize> {
     /// Weight of y(k) in the equation error: constant part and the part of each parameter.
     lead_top: f32,
     lead: [f32; N],
+    /// Below this beta is not divided by: a tenth of what a model without feedback has.
+    lead_floor: f32,
 }
 
 impl<const M: usize, const N: usize> Regressor<M, N> {
@@ -63,6 +65,7 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
             units: [0.0; N],
             lead_top: lead.top * top_scale,
             lead: [0.0; N],
+            lead_floor: 0.1 * lead.top * top_scale,
         };
         for (j, column) in structure.columns().into_iter().enumerate() {
             let (index, scale, sign) = match column {
@@ -114,20 +117,18 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
         (phi, self.top_scale * output.top)
     }
 
-    /// beta: by how much the normalised equation error grows per unit of y(k); alpha of (10) in scaled form.
+    /// beta > 0: by how much the normalised equation error grows per unit of y(k); alpha of (10) in scaled form.
     #[inline(always)]
     pub(crate) fn lead(&self, theta: &[f32; N]) -> f32 {
         let mut beta = self.lead_top;
         for (weight, parameter) in self.lead.iter().zip(theta) {
             beta += weight * parameter;
         }
-        beta
-    }
-
-    /// Below this beta is not divided by: a tenth of what a model without feedback has.
-    #[inline(always)]
-    pub(crate) fn lead_floor(&self) -> f32 {
-        0.1 * self.lead_top
+        if beta > self.lead_floor {
+            beta
+        } else {
+            self.lead_floor
+        }
     }
 
     /// Unit of each parameter: user's value = unit times normalised value.

@@ -5,8 +5,7 @@
 /// One comparison, because a comparison with NaN is false. Cost: 3 instructions.
 #[inline(always)]
 pub(crate) fn acceptable(value: f32, limit: f32) -> bool {
-    let magnitude = if value < 0.0 { -value } else { value };
-    magnitude <= limit
+    value.abs() <= limit
 }
 
 /// Ring buffer that gives a sample back `delay` samples later, `delay <= D`.

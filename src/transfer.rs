@@ -1,6 +1,6 @@
 //! The transfer function that theta stands for, its poles and its stability.
 
-use crate::math::{abs, pow, sqrt};
+use crate::math::{pow, sqrt};
 
 /// `G(s) = (b_{m-1} s^{m-1} + .. + b_0) / (s^m + a_{m-1} s^{m-1} + .. + a_0)` for each input, equation (1).
 ///
@@ -122,7 +122,7 @@ fn durand_kerner(a: &[f32], roots: &mut [Pole]) -> Option<()> {
     if !a.iter().all(|v| v.is_finite()) {
         return None;
     }
-    let scale = pow(abs(a[0]), 1.0 / order as f32);
+    let scale = pow(a[0].abs(), 1.0 / order as f32);
     let scale = if scale > 0.0 && scale.is_finite() {
         scale
     } else {
@@ -171,7 +171,7 @@ fn durand_kerner(a: &[f32], roots: &mut [Pole]) -> Option<()> {
                 );
                 roots[i].re -= step.re;
                 roots[i].im -= step.im;
-                moved += abs(step.re) + abs(step.im);
+                moved += step.re.abs() + step.im.abs();
             }
         }
         if moved < 1e-6 {
@@ -179,7 +179,7 @@ fn durand_kerner(a: &[f32], roots: &mut [Pole]) -> Option<()> {
         }
     }
     for root in roots.iter_mut() {
-        if abs(root.im) < 1e-4 * (abs(root.re) + 1e-3) {
+        if root.im.abs() < 1e-4 * (root.re.abs() + 1e-3) {
             root.im = 0.0;
         }
         root.re *= scale;
