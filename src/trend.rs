@@ -16,7 +16,7 @@
 //! or s^-i (raw), so that theta is the transfer function's in SI units.
 
 /// How the derivative becomes a difference.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Scheme {
     /// Goodwin's delta operator `(q-1)/Delta`, equation (4).
@@ -27,7 +27,7 @@ pub enum Scheme {
 }
 
 /// What an input does between two samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Hold {
     /// Held from u(k) until u(k+1): a command given by this controller.
