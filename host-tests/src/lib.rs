@@ -20,12 +20,15 @@
 //! | [`ekf`] | extended Kalman filter on the joint state, for comparison |
 //! | [`scenario`] | the adaptive position loop of the core on simulated axes |
 //! | [`table1`] | the conditions and printed figures of the paper's Table 1 |
+//! | [`montecarlo`] | one record through every method |
+//! | [`table_run`] | statistics over many records |
 
 pub mod bound;
 pub mod ekf;
 pub mod excitation;
 pub mod experiment;
 pub mod exponential;
+pub mod montecarlo;
 pub mod noise;
 pub mod nonlinear;
 pub mod oracle;
@@ -36,4 +39,5 @@ pub mod polynomial;
 pub mod reference;
 pub mod scenario;
 pub mod table1;
+pub mod table_run;
 pub mod trends;

@@ -1,0 +1,500 @@
+//! One record of Table 1 through every method: the core with each trend filter, and the opponents.
+//!
+//! A *trial* is one seed of one setting. All methods see the same record, and the bound is that of this record. What the
+//! trials of many seeds give together is in [`crate::table_run`].
+
+use trendid::{
+    Config, ConfigError, FilteredTrends, Identifier, IntegralTrends, RawTrends, Scheme, Structure,
+    TrendOperator,
+};
+
+use crate::bound::{Coefficient, InitialState, servo_bound_pct};
+use crate::ekf::{ExtendedKalman, Prior};
+use crate::experiment::{Experiment, Record};
+use crate::noise::{Condition, Reading, rms, rms_about_mean};
+use crate::output_error::output_error;
+use crate::reference::{REFERENCE, Servo};
+use crate::table1::{Printed, TABLE1, Varied};
+
+/// One condition of the table in one reading, with the paper's figures for it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setting {
+    /// What the block varies: drift, noise, resolution, sampling, or white (the noise block without drift and rounding).
+    pub vary: &'static str,
+    /// Widths, interval and reading.
+    pub condition: Condition,
+    /// Printed figures of Goodwin's scheme.
+    pub goodwin: Printed,
+    /// Printed figures of the modified Tustin scheme.
+    pub tustin: Printed,
+}
+
+impl Setting {
+    /// The 19 rows of the paper, then the four rows of its noise block with the white noise alone.
+    pub fn all(reading: Reading) -> Vec<Self> {
+        let printed = TABLE1.iter().map(|row| Self {
+            vary: row.varied.name(),
+            condition: row.condition(reading),
+            goodwin: row.goodwin,
+            tustin: row.tustin,
+        });
+        let white = TABLE1
+            .iter()
+            .filter(|row| row.varied == Varied::Noise)
+            .map(|row| Self {
+                vary: "white",
+                condition: Condition {
+                    w_um: 0.0,
+                    eps_um: 0.0,
+                    ..row.condition(reading)
+                },
+                goodwin: row.goodwin,
+                tustin: row.tustin,
+            });
+        printed.chain(white).collect()
+    }
+
+    /// Duration at which the reading is judged unless asked otherwise \[s\]: 0.5 in ABSOLUTE, 3 in RELATIVE.
+    pub fn usual_duration(&self) -> f64 {
+        match self.condition.reading {
+            Reading::Absolute => 0.5,
+            Reading::Relative => 3.0,
+        }
+    }
+
+    /// Name of the reading as in the file.
+    pub fn reading(&self) -> &'static str {
+        match self.condition.reading {
+            Reading::Absolute => "absolute",
+            Reading::Relative => "relative",
+        }
+    }
+
+    /// The paper's figures of a scheme.
+    pub fn printed(&self, scheme: Scheme) -> Printed {
+        match scheme {
+            Scheme::Goodwin => self.goodwin,
+            Scheme::Tustin => self.tustin,
+        }
+    }
+}
+
+/// Trends in front of the recursion, with the structure that goes with them; the plant's rough bandwidth is 20 rad/s.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Filter {
+    /// The paper's raw trends, theta = (a1, a2, b0).
+    None,
+    /// The default of the core, [`FilteredTrends::for_bandwidth`]: `(s + 2.5)(s^2 + 35 s + 625)`, with the start column.
+    Default,
+    /// The real pole at the corner, for slow drifts: `(s + 25)(s^2 + 35 s + 625)`, with the start column.
+    Level,
+    /// Five times the bandwidth, for strong drifts: `(s + 100)(s^2 + 140 s + 10000)`, with a constant input.
+    Wide,
+    /// Linear integral filter of Sagara and Zhao over 70 ms, theta = (a1, a2, b0).
+    Span,
+}
+
+impl Filter {
+    /// Every filter, in the order of the table.
+    pub const ALL: [Self; 5] = [
+        Self::None,
+        Self::Default,
+        Self::Level,
+        Self::Wide,
+        Self::Span,
+    ];
+
+    /// Name as in the file.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Default => "default",
+            Self::Level => "level",
+            Self::Wide => "wide",
+            Self::Span => "span",
+        }
+    }
+
+    /// One line for the legend.
+    pub const fn legend(self) -> &'static str {
+        match self {
+            Self::None => "raw trends of the paper",
+            Self::Default => {
+                "FilteredTrends::for_bandwidth(20 rad/s) = (s + 2.5)(s^2 + 35 s + 625), with the start column"
+            }
+            Self::Level => "(s + 25)(s^2 + 35 s + 625), with the start column",
+            Self::Wide => "(s + 100)(s^2 + 140 s + 10000), with a constant input",
+            Self::Span => "linear integral filter (Sagara and Zhao) over 70 ms",
+        }
+    }
+}
+
+/// Who estimates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// The core.
+    Core {
+        /// Goodwin or Tustin.
+        scheme: Scheme,
+        /// Trends in front of the recursion.
+        filter: Filter,
+        /// Whether the noise bias is taken out at the read-out, as the core does; otherwise bare least squares.
+        compensated: bool,
+    },
+    /// [`ExtendedKalman`] that knows the noise level.
+    Kalman,
+    /// [`output_error`] over the whole record, started 20 % off.
+    OutputError,
+}
+
+impl Method {
+    /// The core as its users get it: modified Tustin, default filter, noise bias taken out.
+    pub const DEFAULT: Self = Self::Core {
+        scheme: Scheme::Tustin,
+        filter: Filter::Default,
+        compensated: true,
+    };
+
+    /// Every method, in the order of the table.
+    pub fn all() -> Vec<Self> {
+        let mut methods = vec![Self::OutputError, Self::Kalman];
+        for filter in Filter::ALL {
+            for scheme in [Scheme::Goodwin, Scheme::Tustin] {
+                // The core compensates behind a chain only: elsewhere both read-outs are the same numbers.
+                let chain = !matches!(filter, Filter::None | Filter::Span);
+                for compensated in [false, true].into_iter().take(1 + usize::from(chain)) {
+                    methods.push(Self::Core {
+                        scheme,
+                        filter,
+                        compensated,
+                    });
+                }
+            }
+        }
+        methods
+    }
+
+    /// Scheme as in the file, empty for opponents.
+    pub const fn scheme(self) -> &'static str {
+        match self {
+            Self::Core {
+                scheme: Scheme::Goodwin,
+                ..
+            } => "goodwin",
+            Self::Core {
+                scheme: Scheme::Tustin,
+                ..
+            } => "tustin",
+            _ => "",
+        }
+    }
+
+    /// Filter as in the file, empty for opponents.
+    pub const fn filter(self) -> &'static str {
+        match self {
+            Self::Core { filter, .. } => filter.name(),
+            _ => "",
+        }
+    }
+
+    /// Estimator as in the file.
+    pub const fn estimator(self) -> &'static str {
+        match self {
+            Self::Core {
+                compensated: true, ..
+            } => "ls+bias",
+            Self::Core { .. } => "ls",
+            Self::Kalman => "ekf",
+            Self::OutputError => "output-error",
+        }
+    }
+}
+
+/// What one method made of one record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Run {
+    /// Signed errors of C, omega0, xi at the end \[%\]; infinite where the estimate has no such reading.
+    pub error_pct: [f64; 3],
+    /// Mean over the last half of `|theta(k) - theta(end)| / |theta(end)|`, averaged over a1, a2, b0.
+    pub conv: Option<f64>,
+    /// First time after which all three errors stay within 5 % \[ms\], infinite when the end is outside.
+    pub settled_ms: Option<f64>,
+}
+
+impl Run {
+    /// Whether an error is above 100 %, or there is no reading.
+    pub fn diverged(&self) -> bool {
+        !self.error_pct.iter().all(|e| e.abs() <= 100.0)
+    }
+}
+
+/// One record and what every method made of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// Noise to signal of this record \[%\]: rms about zero over rms about the mean.
+    pub ns_pct: f64,
+    /// Cramer-Rao bound \[%\] for white noise of the rms of this record and an unknown position at the start; infinite
+    /// when the record determines nothing.
+    pub bound_pct: [f64; 3],
+    /// In the order of the methods asked for.
+    pub runs: Vec<Run>,
+}
+
+/// Runs the methods over the record of a seed.
+///
+/// # Panics
+/// When the core refuses a configuration of this file or a method finds nothing in an excited record.
+pub fn trial(setting: &Setting, duration_s: f64, seed: u64, methods: &[Method]) -> Trial {
+    let record = Experiment::reference(setting.condition, duration_s).record(seed);
+    let sigma = rms(&record.noise());
+    let bound = servo_bound_pct(
+        &REFERENCE,
+        record.dt,
+        &record.u,
+        sigma,
+        InitialState::PositionUnknown,
+    );
+    // Both read-outs of one recursion come from one pass.
+    let mut passes: Vec<(Scheme, Filter, [Run; 2])> = Vec::new();
+    let runs = methods
+        .iter()
+        .map(|method| match *method {
+            Method::Kalman => kalman(&record, sigma),
+            Method::OutputError => offline(&record),
+            Method::Core {
+                scheme,
+                filter,
+                compensated,
+            } => {
+                let known = passes.iter().find(|p| (p.0, p.1) == (scheme, filter));
+                let both = match known {
+                    Some(pass) => pass.2,
+                    None => {
+                        let both = core(&record, scheme, filter)
+                            .unwrap_or_else(|e| panic!("{scheme:?} {filter:?}: {e}"));
+                        passes.push((scheme, filter, both));
+                        both
+                    }
+                };
+                both[usize::from(compensated)]
+            }
+        })
+        .collect();
+    Trial {
+        ns_pct: 100.0 * sigma / rms_about_mean(&record.y_true),
+        bound_pct: bound.unwrap_or([f64::INFINITY; 3]),
+        runs,
+    }
+}
+
+/// Follows an estimate through a record.
+struct Transient {
+    duration_s: f64,
+    inside_since: Option<f64>,
+    late: Vec<[f64; 3]>,
+    error_pct: [f64; 3],
+}
+
+/// Band of the settling time \[%\].
+const SETTLED_PCT: f64 = 5.0;
+
+impl Transient {
+    fn new(record: &Record) -> Self {
+        Self {
+            duration_s: record.len() as f64 * record.dt,
+            inside_since: None,
+            late: Vec::new(),
+            error_pct: [f64::INFINITY; 3],
+        }
+    }
+
+    fn push(&mut self, t: f64, [a1, a2, b0]: [f64; 3]) {
+        self.error_pct = Servo::from_coefficients(a1, a2, b0)
+            .map_or([f64::INFINITY; 3], |s| s.error_pct(&REFERENCE));
+        let inside = self.error_pct.iter().all(|e| e.abs() <= SETTLED_PCT);
+        self.inside_since = match (inside, self.inside_since) {
+            (true, since) => since.or(Some(t)),
+            (false, _) => None,
+        };
+        if 2.0 * t >= self.duration_s {
+            self.late.push([a1, a2, b0]);
+        }
+    }
+
+    fn finish(self) -> Run {
+        let conv = self.late.last().map(|end| {
+            let distance: f64 = self
+                .late
+                .iter()
+                .map(|theta| {
+                    (0..3)
+                        .map(|i| ((theta[i] - end[i]) / end[i]).abs() / 3.0)
+                        .sum::<f64>()
+                })
+                .sum();
+            distance / self.late.len() as f64
+        });
+        Run {
+            error_pct: self.error_pct,
+            conv,
+            settled_ms: Some(self.inside_since.map_or(f64::INFINITY, |t| 1e3 * t)),
+        }
+    }
+}
+
+/// Whether the read-out is taken at sample `k`: every 2 ms and at the end.
+fn looks(record: &Record, k: usize) -> bool {
+    let stride = (2e-3 / record.dt).round().max(1.0) as usize;
+    k.is_multiple_of(stride) || k + 1 == record.len()
+}
+
+/// Bare least squares and the core's read-out.
+fn core(record: &Record, scheme: Scheme, filter: Filter) -> Result<[Run; 2], ConfigError> {
+    let dt = record.dt as f32;
+    let bare = Structure::<3, 3, 1>::integrating();
+    match filter {
+        Filter::None => pass(record, RawTrends::try_new(scheme, dt)?, bare),
+        Filter::Default => pass(
+            record,
+            FilteredTrends::for_bandwidth(scheme, dt, BANDWIDTH)?,
+            Structure::<3, 4, 1>::servo(),
+        ),
+        Filter::Level => {
+            let filter = FilteredTrends::from_polynomial(scheme, dt, chain(25.0, 25.0))?;
+            pass(record, filter, Structure::<3, 4, 1>::servo())
+        }
+        Filter::Wide => {
+            let filter = FilteredTrends::from_polynomial(scheme, dt, chain(100.0, 100.0))?;
+            pass(
+                record,
+                filter,
+                Structure::<3, 4, 1>::integrating_with_constant(),
+            )
+        }
+        // The span is a size: one type per interval of the table.
+        Filter::Span => match (0.07 / record.dt).round() as usize {
+            280 => pass(record, IntegralTrends::<3, 280>::try_new(scheme, dt)?, bare),
+            140 => pass(record, IntegralTrends::<3, 140>::try_new(scheme, dt)?, bare),
+            70 => pass(record, IntegralTrends::<3, 70>::try_new(scheme, dt)?, bare),
+            35 => pass(record, IntegralTrends::<3, 35>::try_new(scheme, dt)?, bare),
+            14 => pass(record, IntegralTrends::<3, 14>::try_new(scheme, dt)?, bare),
+            length => panic!("no span of {length} samples is compiled"),
+        },
+    }
+}
+
+/// What the user knows of the plant \[rad/s\].
+const BANDWIDTH: f32 = 20.0;
+
+/// `(s + real)(s^2 + 1.4 corner s + corner^2)`, ascending without its leading one.
+fn chain(real: f32, corner: f32) -> [f32; 3] {
+    let (pair0, pair1) = (corner * corner, 1.4 * corner);
+    [real * pair0, pair0 + real * pair1, real + pair1]
+}
+
+fn pass<T: TrendOperator<3>, const N: usize>(
+    record: &Record,
+    trends: T,
+    structure: Structure<3, N, 1>,
+) -> Result<[Run; 2], ConfigError> {
+    let amplitude = record.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+    let mut config = Config::new(structure, BANDWIDTH, [amplitude as f32], 50.0);
+    let mut identifier: Identifier<T, 3, N> = Identifier::try_new(&config, trends)?;
+    // An estimate of all ones tells the unit of each normalised parameter.
+    config.initial = [1.0; N];
+    let ones: Identifier<T, 3, N> = Identifier::try_new(&config, trends)?;
+    let units = ones.estimator().theta().map(|one| 1.0 / f64::from(one));
+    let mut transients = [Transient::new(record), Transient::new(record)];
+    for (k, s) in record.samples().enumerate() {
+        let _ = identifier.update(s.u as f32, s.y as f32);
+        if looks(record, k) {
+            let bare = identifier.estimator().theta();
+            transients[0].push(s.t, [0, 1, 2].map(|i| f64::from(bare[i]) * units[i]));
+            let read = identifier.theta();
+            transients[1].push(s.t, [0, 1, 2].map(|i| f64::from(read[i])));
+        }
+    }
+    Ok(transients.map(Transient::finish))
+}
+
+fn kalman(record: &Record, sigma: f64) -> Run {
+    let mut filter = ExtendedKalman::new(&Prior::tuned(sigma), sigma, record.dt);
+    let mut transient = Transient::new(record);
+    for (k, s) in record.samples().enumerate() {
+        filter.update(s.u, s.y);
+        if looks(record, k) {
+            let found = filter.servo();
+            let [_, a1, a2] = found.a();
+            transient.push(s.t, [a1, a2, found.b0()]);
+        }
+    }
+    transient.finish()
+}
+
+fn offline(record: &Record) -> Run {
+    let free = [
+        Coefficient::A(1),
+        Coefficient::A(2),
+        Coefficient::B { input: 0, power: 0 },
+        Coefficient::Initial(0),
+    ];
+    let start = Prior::tuned(1.0).servo.plant(record.dt);
+    let error_pct = output_error(&start, &free, &[0.0; 3], &[&record.u], &record.y)
+        .and_then(|fit| Servo::from_coefficients(fit.theta[0], fit.theta[1], fit.theta[2]))
+        .map_or([f64::INFINITY; 3], |found| found.error_pct(&REFERENCE));
+    Run {
+        error_pct,
+        conv: None,
+        settled_ms: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settling_begins_after_the_last_excursion() {
+        let record = Experiment::reference(Condition::CLEAN, 0.01).record(1);
+        let mut transient = Transient::new(&record);
+        for (k, a2) in [10.0, 20.0, 25.0, 20.5, 20.0].into_iter().enumerate() {
+            transient.push(2e-3 * k as f64, [400.0, a2, 1e6]);
+        }
+        let run = transient.finish();
+        assert_eq!(run.settled_ms, Some(6.0));
+        assert!(!run.diverged());
+        // Samples at 6 and 8 ms are the last half: a2 is 2.5 % from its end at one of them.
+        assert!((run.conv.unwrap() - 0.025 / 2.0 / 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_estimate_without_reading_is_a_diverged_run() {
+        let record = Experiment::reference(Condition::CLEAN, 0.01).record(1);
+        let mut transient = Transient::new(&record);
+        transient.push(0.0, [-1.0, 20.0, 1e6]);
+        let run = transient.finish();
+        assert!(run.diverged());
+        assert_eq!(run.settled_ms, Some(f64::INFINITY));
+    }
+
+    #[test]
+    fn compensation_is_the_only_difference_between_the_read_outs() {
+        let both = |setting: &Setting| {
+            let methods = [false, true].map(|compensated| Method::Core {
+                scheme: Scheme::Tustin,
+                filter: Filter::Default,
+                compensated,
+            });
+            trial(setting, 0.5, 1, &methods).runs
+        };
+        let mut setting = Setting::all(Reading::Absolute)[0];
+        setting.condition = Condition::CLEAN;
+        let clean = both(&setting);
+        for i in 0..3 {
+            let apart = clean[0].error_pct[i] - clean[1].error_pct[i];
+            assert!(apart.abs() < 0.01, "{clean:?}");
+        }
+        setting.condition = Condition::white(500.0);
+        assert_ne!(both(&setting)[0], both(&setting)[1]);
+    }
+}
