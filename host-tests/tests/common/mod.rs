@@ -21,10 +21,13 @@ pub fn rounded(x: &[f64]) -> Vec<f64> {
     x.iter().map(|v| f64::from(*v as f32)).collect()
 }
 
+/// Rest before the record, in samples: long against the filters used here.
+const BEFORE: usize = 5000;
+
 /// Rows of the oracle from sample `first` on: [`Structure`]'s columns, then the start if `start` gives its decay.
 ///
-/// The drive and its inputs rest at zero before the record; a constant has been 1 for ever where the plant does not
-/// integrate, and begins with the record where it does.
+/// A plant that does not integrate has rested at `y[0]` and the constant has been 1 for ever; one that integrates
+/// begins to be pushed with the record. Inputs are zero before the record.
 #[allow(clippy::too_many_arguments, reason = "one per quantity of the model")]
 pub fn rows(
     structure: &Structure,
@@ -37,32 +40,41 @@ pub fn rows(
     first: usize,
 ) -> (DMatrix<f64>, DVector<f64>) {
     let m = structure.m;
-    let trend = |operator: &[f64], x: &[f64]| applied(operator, scheme, f, dt, x);
+    let before = if structure.a.first() == Some(&0) {
+        BEFORE
+    } else {
+        0
+    };
+    let origin = if before > 0 { 0.0 } else { y[0] };
+    let after_rest = |rest: f64, x: &[f64]| -> Vec<f64> {
+        let past = core::iter::repeat_n(rest, before);
+        past.chain(x.iter().copied()).collect()
+    };
+    let trend = |operator: &[f64], x: &[f64]| -> Vec<f64> {
+        applied(operator, scheme, f, dt, x)[before..].to_vec()
+    };
+    let moved: Vec<f64> = y.iter().map(|y| y - origin).collect();
+    let output = after_rest(moved[0], &moved);
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for &i in &structure.a {
-        let column = trend(&output_trend(scheme, m, i, dt), y);
+        let column = trend(&output_trend(scheme, m, i, dt), &output);
         columns.push(column.into_iter().map(|v| -v).collect());
     }
     for (input, u) in structure.inputs.iter().zip(u) {
+        let command = after_rest(0.0, u);
         for &i in &input.b {
             let operator = input_trend(scheme, input.hold, m, i, dt);
-            columns.push(trend(&delayed(&operator, input.delay), u));
+            columns.push(trend(&delayed(&operator, input.delay), &command));
         }
     }
     if structure.constant {
-        let before = if structure.a.first() == Some(&0) {
-            20_000
-        } else {
-            0
-        };
         let ones = vec![1.0; before + y.len()];
-        let column = trend(&input_trend(scheme, Hold::Zero, m, 0, dt), &ones);
-        columns.push(column[before..].to_vec());
+        columns.push(trend(&input_trend(scheme, Hold::Zero, m, 0, dt), &ones));
     }
     if let Some(decay) = start {
         columns.push((0..y.len()).map(|k| decay.powi(k as i32)).collect());
     }
-    let target = trend(&output_trend(scheme, m, m, dt), y);
+    let target = trend(&output_trend(scheme, m, m, dt), &output);
     (
         DMatrix::from_fn(y.len() - first, columns.len(), |k, j| columns[j][k + first]),
         DVector::from_column_slice(&target[first..]),

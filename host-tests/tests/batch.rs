@@ -1,0 +1,457 @@
+//! The recursion of the core against the f64 oracle's batch, and its chain against the oracle's.
+
+mod common;
+
+use common::{core_scheme, design_units, recursion, rounded, rows};
+use trendid::{Config, FilteredTrends, Identifier, RawTrends, Structure, Terms, TrendOperator};
+use trendid_host_tests::excitation::Excitation;
+use trendid_host_tests::experiment::Experiment;
+use trendid_host_tests::noise::{Condition, Stream, generator};
+use trendid_host_tests::oracle::{self, InputTerms, recursive_equivalent};
+use trendid_host_tests::plant::{Input, LinearPlant};
+use trendid_host_tests::trends::{
+    Hold, Scheme, applied, chain_held, chain_output, filter_denominator, input_trend, output_trend,
+};
+
+use rand::RngExt;
+
+const DT: f32 = 0.001;
+
+/// Largest relative gap between the recursion in f32 and the batch in f64, in theta.
+const LIMIT: f64 = 3e-5;
+
+/// A plant with commands of binary noise and steps, noise on the position; all numbers fit into f32.
+fn record(a: &[f64], inputs: &[Input], constant: f64, seed: u64) -> (Vec<Vec<f64>>, Vec<f64>) {
+    noisy_record(a, inputs, constant, 1e-3, seed)
+}
+
+/// As [`record`] with white noise of full width `eta`.
+fn noisy_record(
+    a: &[f64],
+    inputs: &[Input],
+    constant: f64,
+    eta: f64,
+    seed: u64,
+) -> (Vec<Vec<f64>>, Vec<f64>) {
+    let n = 1500;
+    let dt = f64::from(DT);
+    let mut plant = LinearPlant::with_inputs(a, inputs, constant, dt).unwrap();
+    if a[0] != 0.0 {
+        plant.reset(constant / a[0]);
+    }
+    let commands: Vec<Vec<f64>> = (0..inputs.len() as u64)
+        .map(|j| {
+            let steps = Excitation::Steps {
+                amplitude: 1.0,
+                hold_s: 0.03 + 0.02 * j as f64,
+            };
+            rounded(&steps.sequence(n, dt, seed + j))
+        })
+        .collect();
+    let mut random = generator(seed, Stream::White);
+    let y: Vec<f64> = (0..n)
+        .map(|k| {
+            let y = plant.output() + eta * (random.random::<f64>() - 0.5);
+            let u: Vec<f64> = commands.iter().map(|c| c[k]).collect();
+            plant.step(&u);
+            y
+        })
+        .collect();
+    (commands, rounded(&y))
+}
+
+/// Newest coefficient of the trend of order m: how the noise of one sample enters the target.
+fn newest(scheme: Scheme, m: usize, f: Option<&[f64]>) -> f64 {
+    let dt = f64::from(DT);
+    let raw = output_trend(scheme, m, m, dt)[0];
+    raw / f.map_or(1.0, |f| filter_denominator(scheme, f, dt)[0])
+}
+
+/// Largest distance between core and batch, relative to the parameter (or to a thousandth of its design size).
+fn gap<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
+    config: &Config<M, N, I>,
+    trends: T,
+    scheme: Scheme,
+    u: &[Vec<f64>],
+    y: &[f64],
+) -> f64 {
+    let dt = f64::from(DT);
+    let f: Option<Vec<f64>> = trends
+        .filter_polynomial()
+        .map(|f| f.iter().map(|c| f64::from(*c)).chain([1.0]).collect());
+    let model = &config.structure;
+    let powers = |terms: Terms| (0..M).filter(|i| terms.contains(*i)).collect();
+    let structure = oracle::Structure {
+        m: M,
+        a: powers(model.output()),
+        inputs: (0..I)
+            .map(|j| InputTerms {
+                b: powers(model.inputs()[j]),
+                delay: config.delays[j],
+                hold: match config.holds[j] {
+                    trendid::Hold::Zero => Hold::Zero,
+                    trendid::Hold::First => Hold::First,
+                },
+            })
+            .collect(),
+        constant: model.constant(),
+    };
+    let first = structure.first_full();
+    let mut config = *config;
+    // The same rows as the batch.
+    config.settling = (first as f32 + 0.5) * DT;
+    config.pull = 0.0;
+    let mut identifier: Identifier<T, M, N, I, 8> = Identifier::try_new(&config, trends).unwrap();
+    for k in 0..y.len() {
+        let _ = identifier.update_inputs(core::array::from_fn(|j| u[j][k] as f32), y[k] as f32);
+    }
+    let core = recursion(&identifier, &config);
+
+    let start = model.start().then(|| {
+        let slowest = f64::from(trends.decay());
+        assert!(slowest > 0.0 && slowest < 1.0);
+        slowest
+    });
+    let views: Vec<&[f64]> = u.iter().map(Vec::as_slice).collect();
+    let (phi, target) = rows(
+        &structure,
+        scheme,
+        f.as_deref(),
+        dt,
+        &views,
+        y,
+        start,
+        first,
+    );
+    let units = design_units(&config);
+    let sd = units.map(|unit| 10.0 * unit);
+    let noise = newest(scheme, M, f.as_deref()) * f64::from(config.output_noise);
+    let lambda = config
+        .memory
+        .map_or(1.0, |memory| f64::from(1.0 - DT / memory));
+    let batch = recursive_equivalent(&phi, &target, lambda, &[0.0; N], &sd, noise).unwrap();
+    (0..N).fold(0.0, |worst: f64, j| {
+        // The start is some 1e-4 mm beside strokes of 100 mm: judged by its design size, like any small parameter.
+        let size = batch.theta[j].abs().max(1e-3 * units[j]);
+        worst.max((core[j] - batch.theta[j]).abs() / size)
+    })
+}
+
+/// The core without and with a memory of 0.4 s: the worst gaps.
+fn both<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
+    name: &str,
+    config: Config<M, N, I>,
+    trends: T,
+    scheme: Scheme,
+    (u, y): &(Vec<Vec<f64>>, Vec<f64>),
+    limit: f64,
+) {
+    let all = gap(&config, trends, scheme, u, y);
+    let forgetting = Config {
+        memory: Some(0.4),
+        ..config
+    };
+    let recent = gap(&forgetting, trends, scheme, u, y);
+    println!("{name}: no forgetting {all:.1e}, memory 0.4 s {recent:.1e}, limit {limit:.0e}");
+    assert!(all < limit && recent < limit, "{name}: {all} {recent}");
+}
+
+fn filter<const M: usize>(scheme: Scheme, pole: f32) -> FilteredTrends<M> {
+    FilteredTrends::try_new(core_scheme(scheme), DT, [pole; M]).unwrap()
+}
+
+#[test]
+fn servo_with_and_without_constant_and_start() {
+    let inputs = [Input::new(&[1e6])];
+    let servo = record(&[0.0, 400.0, 20.0], &inputs, 0.0, 31);
+    let pushed = record(&[0.0, 400.0, 20.0], &inputs, 1e5, 32);
+    for scheme in [Scheme::Tustin, Scheme::Goodwin] {
+        let f = filter::<3>(scheme, 25.0);
+        let slow = FilteredTrends::for_bandwidth(core_scheme(scheme), DT, 20.0).unwrap();
+        let plain = Config::new(Structure::<3, 3, 1>::integrating(), 20.0, [1.0], 50.0);
+        both(
+            &format!("servo, {scheme:?}"),
+            plain,
+            f,
+            scheme,
+            &servo,
+            LIMIT,
+        );
+        let name = format!("servo, slow pole, {scheme:?}");
+        both(&name, plain, slow, scheme, &servo, LIMIT);
+        let constant = Structure::<3, 4, 1>::integrating_with_constant();
+        let config = Config::new(constant, 20.0, [1.0], 50.0);
+        both(
+            &format!("constant, {scheme:?}"),
+            config,
+            f,
+            scheme,
+            &pushed,
+            LIMIT,
+        );
+        let config = Config::new(Structure::<3, 4, 1>::servo(), 20.0, [1.0], 50.0);
+        both(
+            &format!("start, {scheme:?}"),
+            config,
+            slow,
+            scheme,
+            &servo,
+            3e-3,
+        );
+    }
+}
+
+#[test]
+fn full_models_of_order_one_to_four() {
+    for scheme in [Scheme::Tustin, Scheme::Goodwin] {
+        let one = record(&[20.0], &[Input::new(&[100.0])], 0.0, 41);
+        let config = Config::new(Structure::<1, 2, 1>::full(), 20.0, [1.0], 5.0);
+        both(
+            &format!("order 1, {scheme:?}"),
+            config,
+            filter::<1>(scheme, 25.0),
+            scheme,
+            &one,
+            LIMIT,
+        );
+
+        let two = record(&[400.0, 16.0], &[Input::new(&[2e3, 30.0])], 0.0, 42);
+        let config = Config::new(Structure::<2, 4, 1>::full(), 20.0, [1.0], 5.0);
+        both(
+            &format!("order 2, {scheme:?}"),
+            config,
+            filter::<2>(scheme, 25.0),
+            scheme,
+            &two,
+            LIMIT,
+        );
+
+        // (s + 10)(s^2 + 16 s + 400)
+        let a = [4000.0, 560.0, 26.0];
+        let three = record(&a, &[Input::new(&[2e4, 700.0, 10.0])], 0.0, 43);
+        let config = Config::new(Structure::<3, 6, 1>::full(), 20.0, [1.0], 5.0);
+        both(
+            &format!("order 3, {scheme:?}"),
+            config,
+            filter::<3>(scheme, 25.0),
+            scheme,
+            &three,
+            LIMIT,
+        );
+
+        // (s^2 + 6 s + 144)(s^2 + 16 s + 900)
+        let a = [129_600.0, 7704.0, 1140.0, 22.0];
+        let four = record(&a, &[Input::new(&[5e5, 1e4, 300.0, 5.0])], 0.0, 44);
+        let config = Config::new(Structure::<4, 8, 1>::full(), 20.0, [1.0], 5.0);
+        both(
+            &format!("order 4, {scheme:?}"),
+            config,
+            filter::<4>(scheme, 25.0),
+            scheme,
+            &four,
+            LIMIT,
+        );
+    }
+}
+
+#[test]
+fn subsets_of_terms() {
+    // b1 without b0, and a2 alone beside two integrators.
+    let two = record(&[400.0, 16.0], &[Input::new(&[0.0, 300.0])], 0.0, 45);
+    let structure = Structure::<2, 3, 1>::new(Terms::up_to(2), [Terms::of(&[1])], false);
+    let config = Config::new(structure, 20.0, [1.0], 5.0);
+    both(
+        "b1 only",
+        config,
+        filter::<2>(Scheme::Tustin, 25.0),
+        Scheme::Tustin,
+        &two,
+        LIMIT,
+    );
+    let double = record(&[0.0, 0.0, 12.0], &[Input::new(&[1e4])], 0.0, 46);
+    let structure = Structure::<3, 2, 1>::new(Terms::of(&[2]), [Terms::of(&[0])], false);
+    let config = Config::new(structure, 20.0, [1.0], 50.0);
+    both(
+        "two integrators",
+        config,
+        filter::<3>(Scheme::Tustin, 25.0),
+        Scheme::Tustin,
+        &double,
+        LIMIT,
+    );
+}
+
+#[test]
+fn two_genuine_inputs_with_their_own_numerators_and_delays() {
+    let inputs = [
+        Input::delayed(&[2e3, 40.0], 3),
+        Input::delayed(&[-1.2e3], 1),
+    ];
+    let data = record(&[400.0, 16.0], &inputs, 300.0, 51);
+    let structure =
+        Structure::<2, 6, 2>::new(Terms::up_to(2), [Terms::up_to(2), Terms::of(&[0])], true);
+    let mut config = Config::new(structure, 20.0, [1.0, 1.0], 5.0);
+    config.delays = [3, 1];
+    for scheme in [Scheme::Tustin, Scheme::Goodwin] {
+        both(
+            &format!("MISO, {scheme:?}"),
+            config,
+            filter::<2>(scheme, 25.0),
+            scheme,
+            &data,
+            LIMIT,
+        );
+    }
+    // And it finds them: a0, a1, b of the first, b of the second, the constant.
+    let truth = [400.0, 16.0, 2e3, 40.0, -1.2e3, 300.0];
+    let find = |(u, y): &(Vec<Vec<f64>>, Vec<f64>)| {
+        let f = filter::<2>(Scheme::Tustin, 25.0);
+        let mut identifier: Identifier<_, 2, 6, 2, 3> = Identifier::try_new(&config, f).unwrap();
+        for k in 0..y.len() {
+            let _ = identifier.update_inputs([u[0][k] as f32, u[1][k] as f32], y[k] as f32);
+        }
+        identifier
+    };
+    let clean = find(&noisy_record(&[400.0, 16.0], &inputs, 300.0, 0.0, 51));
+    let theta = clean.theta();
+    println!("MISO without noise: {theta:?}, truth {truth:?}");
+    let model = clean.transfer_function();
+    assert_eq!(model.a, [theta[0], theta[1]]);
+    assert_eq!(model.b, [[theta[2], theta[3]], [theta[4], 0.0]]);
+    assert_eq!(model.constant, theta[5]);
+    for (found, truth) in theta.iter().zip(truth) {
+        assert!((found / truth - 1.0).abs() < 1e-3, "{found} {truth}");
+    }
+    // Noise that outweighs the discretisation (6e-5) many times.
+    let noisy = find(&noisy_record(&[400.0, 16.0], &inputs, 300.0, 0.2, 51));
+    println!("  with noise {:?}, sigma {:?}", noisy.theta(), noisy.std());
+    for ((found, sigma), truth) in noisy.theta().iter().zip(noisy.std()).zip(truth) {
+        assert!((found - truth).abs() < 3.0 * sigma && sigma < 0.1 * truth.abs());
+    }
+}
+
+#[test]
+fn first_order_hold_and_raw_trends() {
+    let data = record(&[400.0, 16.0], &[Input::new(&[2e3, 30.0])], 0.0, 61);
+    let mut config = Config::new(Structure::<2, 4, 1>::full(), 20.0, [1.0], 5.0);
+    config.holds = [trendid::Hold::First];
+    both(
+        "first-order hold",
+        config,
+        filter::<2>(Scheme::Tustin, 25.0),
+        Scheme::Tustin,
+        &data,
+        LIMIT,
+    );
+    let f = filter::<2>(Scheme::Goodwin, 25.0);
+    both(
+        "first-order hold, Goodwin",
+        config,
+        f,
+        Scheme::Goodwin,
+        &data,
+        LIMIT,
+    );
+    for scheme in [Scheme::Tustin, Scheme::Goodwin] {
+        let raw = RawTrends::try_new(core_scheme(scheme), DT).unwrap();
+        config.holds = [trendid::Hold::Zero];
+        both(
+            &format!("raw, {scheme:?}"),
+            config,
+            raw,
+            scheme,
+            &data,
+            LIMIT,
+        );
+    }
+}
+
+/// Largest difference of two series relative to the largest value of the second.
+fn distance(core: &[f32], oracle: &[f64]) -> f64 {
+    let scale = oracle.iter().fold(0.0_f64, |s, v| s.max(v.abs()));
+    assert!(scale > 0.0 && core.len() == oracle.len());
+    core.iter()
+        .zip(oracle)
+        .fold(0.0_f64, |g, (c, o)| g.max((f64::from(*c) - o).abs()))
+        / scale
+}
+
+/// Every trend of one order: the core's chain against the f64 chain and against "trend, then filter".
+fn chains<const M: usize>(u: &[f64], y: &[f64]) {
+    let dt = f64::from(DT);
+    for scheme in [Scheme::Tustin, Scheme::Goodwin] {
+        let trends = filter::<M>(scheme, 25.0);
+        let f: Vec<f64> = trends
+            .filter()
+            .iter()
+            .map(|c| f64::from(*c))
+            .chain([1.0])
+            .collect();
+        let mut worst = 0.0_f64;
+        let mut memory = FilteredTrends::<M>::EMPTY;
+        let mut moved = FilteredTrends::<M>::EMPTY;
+        let mut before = 0.0;
+        let mut all = vec![Vec::new(); M + 1];
+        let mut movement = vec![Vec::new(); M + 1];
+        for y in y {
+            let t = trends.output(&mut memory, *y as f32);
+            let d = trends.movement(&mut moved, *y as f32, before);
+            before = *y as f32;
+            for i in 0..M {
+                all[i].push(t.lower[i]);
+                movement[i].push(d.lower[i]);
+            }
+            all[M].push(t.top);
+            movement[M].push(d.top);
+        }
+        let chain = chain_output(scheme, &f, dt, y);
+        for i in 0..=M {
+            worst = worst.max(distance(&all[i], &chain[i]));
+            if i > 0 {
+                worst = worst.max(distance(&movement[i], &chain[i]));
+            } else {
+                assert!(movement[0].iter().all(|v| *v == 0.0));
+            }
+            let operator = output_trend(scheme, M, i, dt);
+            let filtered = applied(&operator, scheme, Some(&f), dt, y);
+            worst = worst.max(distance(&all[i], &filtered));
+        }
+        for hold in [Hold::Zero, Hold::First] {
+            let core_hold = match hold {
+                Hold::Zero => trendid::Hold::Zero,
+                Hold::First => trendid::Hold::First,
+            };
+            let mut memory = FilteredTrends::<M>::EMPTY;
+            let mut all = vec![Vec::new(); M];
+            for u in u {
+                let t = trends.input(&mut memory, *u as f32, core_hold);
+                for i in 0..M {
+                    all[i].push(t[i]);
+                }
+            }
+            let chain = match hold {
+                Hold::Zero => chain_held(scheme, &f, dt, u),
+                Hold::First => chain_output(scheme, &f, dt, u),
+            };
+            for i in 0..M {
+                worst = worst.max(distance(&all[i], &chain[i]));
+                let operator = input_trend(scheme, hold, M, i, dt);
+                let filtered = applied(&operator, scheme, Some(&f), dt, u);
+                worst = worst.max(distance(&all[i], &filtered));
+            }
+        }
+        println!("order {M}, {scheme:?}: worst distance {worst:.1e} of the largest value");
+        assert!(worst < 2e-5, "order {M}, {scheme:?}: {worst}");
+    }
+}
+
+#[test]
+fn the_chain_is_the_f64_chain_and_trend_then_filter() {
+    let record = Experiment::reference(Condition::white(100.0), 1.0).record(1001);
+    let (u, mut y) = (rounded(&record.u), rounded(&record.y));
+    y[0] = 0.0;
+    chains::<1>(&u, &y);
+    chains::<2>(&u, &y);
+    chains::<3>(&u, &y);
+    chains::<4>(&u, &y);
+}
