@@ -23,7 +23,7 @@
 //! | room | type | what it does |
 //! |---|---|---|
 //! | sample | [`DelayLine`] | checks a value, delays an input |
-//! | trend, raw, chain | [`TrendOperator`], [`RawTrends`], [`FilteredTrends`] | equations (4), (8) |
+//! | trend, raw, chain, integral | [`TrendOperator`], [`RawTrends`], [`FilteredTrends`], [`IntegralTrends`] | equations (4), (8) |
 //! | structure, regressor | [`Structure`], [`Terms`], [`Config`] | which parameters, their signs, order and scales (5), (12) |
 //! | estimator | [`Estimator`] | recursive least squares |
 //! | noise, readout | [`NoiseLevel`] | noise bias out of theta, standard deviations |
@@ -80,6 +80,7 @@ mod excitation;
 pub mod hardware;
 mod identifier;
 mod inputs;
+mod integral;
 mod math;
 mod noise;
 mod observer;
@@ -106,6 +107,7 @@ pub use evaluation::{OutputEvaluation, Quality};
 pub use excitation::{Excitation, ExcitationConfig, Travel};
 pub use identifier::{Config, Identifier, Outcome, Refusal};
 pub use inputs::{asymmetric, coulomb, dead_zone};
+pub use integral::{IntegralTrends, Span};
 #[cfg(feature = "approximate")]
 pub use math::approximate;
 pub use noise::NoiseLevel;
