@@ -103,6 +103,14 @@ pub struct ControllerConfig {
     pub blend: f32,
     /// Position error within which the valve rests at standstill, in units of y; 0 never rests.
     pub rest_window: f32,
+    /// How far ahead a reversal is prepared, in s: the time in which the valve turns friction over.
+    pub reversal: f32,
+    /// Rate at which the drive force is moved while the axis sticks, in rad/s.
+    pub stick_rate: f32,
+    /// Movement that counts as breaking loose, in units of y; twice the standard deviation of the noise.
+    pub start: f32,
+    /// Velocity below which friction rules the motion, in units of y per s.
+    pub slow: f32,
     /// Time in which the trace of a change of gains disappears, in s.
     pub transition: f32,
 }
@@ -116,6 +124,10 @@ impl ControllerConfig {
             observer_rate: 5.0 * bandwidth,
             blend: 0.005,
             rest_window: 0.0,
+            reversal: 0.008,
+            stick_rate: 250.0,
+            start: f32::MAX,
+            slow: 0.0,
             transition: 0.05,
         }
     }
@@ -125,7 +137,18 @@ impl ControllerConfig {
 const TRANSITION_STEP: f32 = 0.005;
 
 /// Samples within the rest window before the valve rests.
-const REST_SAMPLES: u16 = 40;
+const REST_SAMPLES: u16 = 10;
+
+/// Drive over Coulomb friction with which a reversal breaks loose.
+const BREAKAWAY: f32 = 1.3;
+
+/// Friction at the smallest speed beyond Coulomb friction, in parts of it.
+const STRIBECK: f32 = 0.5;
+
+/// Flow with which a resting axis beside its target is pushed: at first, at most, and growth per sample.
+const CREEP_LEAST: f32 = 0.01;
+const CREEP_MOST: f32 = 0.05;
+const CREEP_GROWTH: f32 = 1e-4;
 
 /// Position controller by pole placement.
 ///
@@ -143,7 +166,7 @@ const REST_SAMPLES: u16 = 40;
 /// # Examples
 /// ```
 /// use trendid::{Controller, ControllerConfig, Motion, ServoModel, Setpoint};
-/// let model = ServoModel { a1: 400.0, a2: 20.0, b0: 1.0e6, dead_zone: 0.0, offset: 0.0 };
+/// let model = ServoModel::linear(400.0, 20.0, 1.0e6);
 /// let mut controller = Controller::try_new(&ControllerConfig::new(25.0), model, 0.001)?;
 /// // The model is its own plant here.
 /// let mut plant = Motion::default();
@@ -170,6 +193,12 @@ pub struct Controller {
     fade: f32,
     rest_window: f32,
     quiet: u16,
+    creep: f32,
+    inverse_slow: f32,
+    /// How far ahead a reversal of the reference is prepared, in s.
+    ahead: f32,
+    /// Rate at which the drive is moved while the axis sticks, in rad/s.
+    stick_rate: f32,
 }
 
 impl Controller {
@@ -207,9 +236,20 @@ impl Controller {
         if !(model.is_finite() && positive(model.b0)) {
             return Err(ServoError::Model);
         }
+        if !(config.reversal >= 0.0 && config.reversal < 1.0) {
+            return Err(ServoError::Time(config.reversal));
+        }
+        if !(positive(config.stick_rate) && config.stick_rate * sample_time < 0.5) {
+            return Err(ServoError::Bandwidth(config.stick_rate));
+        }
+        if !positive(config.start) {
+            return Err(ServoError::Bound(config.start));
+        }
         let pair = 2.0 * config.damping;
+        let mut observer = Observer::new(model, config.observer_rate, sample_time);
+        observer.set_start(config.start, config.slow);
         Ok(Self {
-            observer: Observer::new(model, config.observer_rate, sample_time),
+            observer,
             wanted: [w * w * w, (1.0 + pair) * w * w, (1.0 + pair) * w],
             inverse_gain: 1.0 / model.b0,
             blend: config.blend,
@@ -219,6 +259,10 @@ impl Controller {
             fade: sample_time / config.transition,
             rest_window: config.rest_window,
             quiet: 0,
+            creep: 0.0,
+            inverse_slow: if config.slow > 0.0 { 1.0 / config.slow } else { 0.0 },
+            ahead: config.reversal,
+            stick_rate: config.stick_rate,
         })
     }
 
@@ -242,21 +286,17 @@ impl Controller {
     #[inline]
     pub fn update(&mut self, setpoint: &Setpoint, y: f32) -> f32 {
         self.observer.predict(self.flow);
-        let resting = self.rest(setpoint);
-        if resting {
-            self.observer.correct_motion(y);
-        } else {
-            self.observer.correct(y);
-        }
+        self.observer.correct(y);
+        self.rest(setpoint);
         self.trace -= within(self.fade * self.trace, TRANSITION_STEP);
-        let mut command = self.law(setpoint, resting) + self.trace;
+        let mut command = self.law(setpoint) + self.trace;
         if let Some(model) = self.arriving.take() {
             self.observer.tune(model);
             self.inverse_gain = 1.0 / model.b0;
-            self.trace = command - self.law(setpoint, resting);
+            let changed = self.law(setpoint);
             // A difference beyond the full command is no transition but saturation.
-            self.trace = within(self.trace, 2.0);
-            command = self.law(setpoint, resting) + self.trace;
+            self.trace = within(command - changed, 2.0);
+            command = changed + self.trace;
         }
         command
     }
@@ -269,50 +309,132 @@ impl Controller {
 
     /// The control law at the present state.
     #[inline]
-    fn law(&self, r: &Setpoint, resting: bool) -> f32 {
+    fn law(&self, r: &Setpoint) -> f32 {
         let model = self.observer.model();
-        if resting {
-            return model.command(0.0, self.blend);
+        if self.rests() {
+            // The middle of the dead zone.
+            return -model.offset;
         }
+        let flow = if self.observer.sticks() {
+            self.loosen(r)
+        } else {
+            self.follow(r)
+        };
+        model.command(flow, self.blend)
+    }
+
+    /// Pole placement while the axis moves.
+    #[inline]
+    fn follow(&self, r: &Setpoint) -> f32 {
+        let model = self.observer.model();
         let Motion {
             position: x,
             velocity: v,
             acceleration: a,
         } = self.observer.motion();
         let [p0, p1, p2] = self.wanted;
+        // About to reverse: the drive has to bring up friction in the other direction.
+        let direction = self.wanted_direction(r);
+        let reversal = if direction == 0.0 || model.friction == 0.0 {
+            0.0
+        } else {
+            self.observer.drive() - model.friction * direction - a
+        };
         let jerk = r.jerk
-            + p2 * (r.acceleration - a)
+            + self.stribeck(r)
+            + p2 * (r.acceleration - a - reversal)
             + p1 * (r.velocity - v)
             + p0 * (r.position - x)
             + model.a1 * v
             + model.a2 * a;
-        let flow = jerk * self.inverse_gain - self.observer.disturbance();
-        model.command(flow, self.blend)
+        jerk * self.inverse_gain - self.observer.disturbance()
     }
 
-    /// Whether the valve rests: standstill wanted, and reached to within the window for some time.
+    /// Rate of the extra friction at low speed, which the drive has to meet on the way to rest and sheds when it starts.
+    ///
+    /// `f = (breakaway - friction) sgn(v) / (1 + (v/slow)^2)`, along the reference.
     #[inline]
-    fn rest(&mut self, r: &Setpoint) -> bool {
-        if !(self.rest_window > 0.0 && r.is_rest()) {
-            self.quiet = 0;
-            return false;
+    fn stribeck(&self, r: &Setpoint) -> f32 {
+        let extra = STRIBECK * self.observer.model().friction;
+        let ratio = r.velocity * self.inverse_slow;
+        let magnitude = if ratio < 0.0 { -ratio } else { ratio };
+        let share = 1.0 / (1.0 + ratio * ratio);
+        -2.0 * extra * magnitude * r.acceleration * self.inverse_slow * share * share
+    }
+
+    /// The direction that the reference has, or is about to have; 0 at rest.
+    #[inline]
+    fn wanted_direction(&self, r: &Setpoint) -> f32 {
+        let ahead = r.velocity + self.ahead * r.acceleration;
+        if ahead > 0.0 {
+            1.0
+        } else if ahead < 0.0 {
+            -1.0
+        } else {
+            0.0
         }
-        let resting = self.quiet >= REST_SAMPLES;
+    }
+
+    /// The axis sticks: the drive p is brought to where it breaks loose in the wanted direction.
+    #[inline]
+    fn loosen(&self, r: &Setpoint) -> f32 {
+        let friction = self.observer.model().friction;
+        let error = r.position - self.observer.motion().position;
+        let [p0, p1, p2] = self.wanted;
+        let direction = self.wanted_direction(r);
+        if direction != 0.0 {
+            let push = r.acceleration + (p1 * r.velocity + p0 * error) / p2;
+            let goal = BREAKAWAY * friction * direction + push;
+            return (goal - self.observer.drive()) * self.stick_rate * self.inverse_gain;
+        }
+        // At rest beside the target: quickly to the friction, then slowly until it moves.
+        let direction = if error > 0.0 { 1.0 } else { -1.0 };
+        let missing = friction - direction * self.observer.drive();
+        let quick = if missing > 0.0 {
+            missing * self.stick_rate * self.inverse_gain
+        } else {
+            0.0
+        };
+        direction * (quick + self.creep)
+    }
+
+    /// Counts the samples in the window at standstill, and lets the push grow outside of it.
+    #[inline]
+    fn rest(&mut self, r: &Setpoint) {
+        let sticks = self.observer.sticks();
+        self.creep = if sticks && r.is_rest() {
+            let next = self.creep + CREEP_GROWTH;
+            if next < CREEP_MOST { next } else { CREEP_MOST }
+        } else {
+            CREEP_LEAST
+        };
+        let still = sticks || self.observer.model().friction == 0.0;
+        if !(self.rest_window > 0.0 && r.is_rest() && still) {
+            self.quiet = 0;
+            return;
+        }
         // Wider while it rests, so that noise does not wake it.
-        let window = if resting {
+        let window = if self.quiet >= REST_SAMPLES {
             self.rest_window
         } else {
-            0.5 * self.rest_window
+            0.6 * self.rest_window
         };
         let error = r.position - self.observer.motion().position;
         if within(error, window) != error {
             self.quiet = 0;
-            return false;
-        }
-        if !resting {
+        } else if self.quiet < REST_SAMPLES {
             self.quiet += 1;
         }
-        resting
+    }
+
+    /// Whether the valve rests because the axis stands within the window.
+    pub const fn rests(&self) -> bool {
+        self.quiet >= REST_SAMPLES
+    }
+
+    /// The observer.
+    pub const fn observer(&self) -> &Observer {
+        &self.observer
     }
 
     /// The observed motion.

@@ -63,11 +63,11 @@ pub struct ExcitationConfig {
 }
 
 impl ExcitationConfig {
-    /// Levels up to 0.4 held for one over the rough `bandwidth` (rad/s), a fifth of the travel, 3 s.
+    /// Levels up to 0.5 held for 0.7 over the rough `bandwidth` (rad/s), a fifth of the travel, 3 s.
     pub fn new(bandwidth: f32, travel: Travel) -> Self {
         Self {
-            amplitude: 0.4,
-            hold: 1.0 / bandwidth,
+            amplitude: 0.5,
+            hold: 0.7 / bandwidth,
             stroke: 0.2 * travel.length(),
             stopping: 2.0 / bandwidth,
             time_limit: 3.0,
@@ -78,7 +78,7 @@ impl ExcitationConfig {
 /// Binary noise with random levels that turns back before it leaves its band.
 ///
 /// Signs and levels come from a shift register of 15 bits (x^15 + x^14 + 1, period
-/// 32767). The levels are 40 to 100 % of the amplitude: two levels alone could not tell a
+/// 32767). The levels are 25 to 100 % of the amplitude: two levels alone could not tell a
 /// dead zone from a gain. Where the axis would come to rest, y + v times the stopping
 /// time, is compared with the band; beyond it only a command that leads back is given.
 ///
@@ -90,7 +90,7 @@ impl ExcitationConfig {
 /// let travel = Travel { begin: 0.0, end: 400.0 };
 /// let mut excitation = Excitation::try_new(&ExcitationConfig::new(20.0, travel), travel, 0.001)?;
 /// excitation.begin(200.0);
-/// assert!(excitation.update(200.0, 0.0).abs() <= 0.4);
+/// assert!(excitation.update(200.0, 0.0).abs() <= 0.5);
 /// assert!(excitation.update(399.0, 0.0) < 0.0);
 /// # Ok::<(), trendid::ServoError>(())
 /// ```
@@ -167,7 +167,7 @@ impl Excitation {
             self.left = self.hold;
             let sign = if self.bit() { 1.0 } else { -1.0 };
             let bits = 2 * u8::from(self.bit()) + u8::from(self.bit());
-            self.level = sign * self.amplitude * (0.4 + 0.2 * f32::from(bits));
+            self.level = sign * self.amplitude * (0.25 + 0.25 * f32::from(bits));
         }
         self.left = self.left.saturating_sub(1);
         let outwards = (ahead > self.band.end && self.level > 0.0)

@@ -1,4 +1,4 @@
-//! Observer of velocity, acceleration and disturbance on the identified model.
+//! Observer of velocity, acceleration and disturbance on the identified model, with friction that sticks.
 
 use crate::controller::within;
 use crate::servo_model::{Motion, ServoModel};
@@ -8,18 +8,23 @@ use crate::servo_model::{Motion, ServoModel};
 /// ```text
 /// x' = v      v' = a      a' = - a1 v - a2 a + b0 (flow + d)      d' = 0
 /// correction by (y - x): l1, l2, l3, l4 times Delta
-/// s^4 + (l1+a2) s^3 + (l2+a2 l1+a1) s^2 + (l3+a2 l2+a1 l1) s + b0 l4 = (s + w)^4
+/// s^4 + (l1+a2) s^3 + (l2+a2 l1+a1) s^2 + (l3+a2 l2+a1 l1) s + b0 l4 = (s + w)^3 (s + 0.3 w)
 /// without disturbance:  l4 = 0 and the first four terms divided by s are (s + w)^3
 /// ```
 ///
 /// d is what the controller subtracts: it is the integral action, and because the
 /// observer sees the command that was really set it does not wind up.
 ///
+/// A drive with Coulomb friction has a second state of being: it sticks. Then position stays,
+/// and the *drive* p, the acceleration that the drive force alone would give, goes on by
+/// `p' = b0 flow`: it cannot be measured, but it is known from the commands. It sticks when the
+/// velocity changes its sign while |p| is below the breakaway; it starts when the measured
+/// position leaves the place of rest.
+///
 /// # Examples
 /// ```
 /// use trendid::{Motion, Observer, ServoModel};
-/// let model = ServoModel { a1: 400.0, a2: 20.0, b0: 1.0e6, dead_zone: 0.0, offset: 0.0 };
-/// let mut observer = Observer::new(model, 120.0, 0.001);
+/// let mut observer = Observer::new(ServoModel::linear(400.0, 20.0, 1.0e6), 120.0, 0.001);
 /// observer.place(Motion { position: 5.0, ..Motion::default() });
 /// for _ in 0..500 {
 ///     observer.predict(0.0);
@@ -32,6 +37,18 @@ pub struct Observer {
     model: ServoModel,
     motion: Motion,
     disturbance: f32,
+    /// Direction of friction; 0 while it sticks or has none.
+    direction: f32,
+    /// The drive p while it sticks.
+    drive: f32,
+    /// Mean innovation while it sticks.
+    creep: f32,
+    /// Mean innovation at which it starts to move.
+    start: f32,
+    /// Velocity below which friction rules.
+    slow: f32,
+    /// Share of the disturbance that is forgotten per sample of slow motion.
+    forget: f32,
     /// Whether there is a disturbance in the model of the observer.
     disturbed: bool,
     gain: [f32; 4],
@@ -42,8 +59,23 @@ pub struct Observer {
 /// Largest disturbance, as a flow: more than the full command is no disturbance.
 const DISTURBANCE: f32 = 1.0;
 
+/// The pole of the disturbance over the three of the motion.
+const SLOWER: f32 = 0.3;
+
+/// Breakaway over Coulomb friction, up to which a drive that stops is held.
+const HOLD: f32 = 1.2;
+
+/// Drive over Coulomb friction that no resting axis is believed to have: the dead zone is not known so well.
+const BREAK: f32 = 2.0;
+
+/// Largest excess of the drive over friction, in parts of friction, with which an axis starts.
+const EXCESS: f32 = 0.3;
+
+/// Share of a new innovation in the mean while it sticks.
+const CREEP: f32 = 0.2;
+
 impl Observer {
-    /// An observer at rest in zero with four poles at `-rate` (rad/s).
+    /// An observer at rest in zero with three poles at `-rate` (rad/s) and that of the disturbance at 0.3 of it.
     ///
     /// `rate` times `sample_time` should stay below 0.3: the correction is a rectangle.
     pub fn new(model: ServoModel, rate: f32, sample_time: f32) -> Self {
@@ -60,6 +92,12 @@ impl Observer {
             model,
             motion: Motion::default(),
             disturbance: 0.0,
+            direction: 0.0,
+            drive: 0.0,
+            creep: 0.0,
+            start: f32::INFINITY,
+            slow: 0.0,
+            forget: 0.2 * rate * sample_time,
             disturbed,
             gain: [0.0; 4],
             rate,
@@ -69,11 +107,25 @@ impl Observer {
         observer
     }
 
+    /// How far a resting axis must seem to have moved to count as moving; four standard deviations of the noise are good.
+    ///
+    /// `slow` is the velocity below which friction rules and no disturbance is learned.
+    pub fn set_start(&mut self, distance: f32, slow: f32) {
+        self.start = distance;
+        self.slow = slow;
+    }
+
     /// Goes on with another model; the observed motion and disturbance stay.
     pub fn tune(&mut self, model: ServoModel) {
         let w = self.rate;
         let [q3, q2, q1, q0] = if self.disturbed {
-            [4.0 * w, 6.0 * w * w, 4.0 * w * w * w, w * w * w * w]
+            let d = SLOWER * w;
+            [
+                3.0 * w + d,
+                3.0 * w * (w + d),
+                w * w * (w + 3.0 * d),
+                w * w * w * d,
+            ]
         } else {
             [3.0 * w, 3.0 * w * w, w * w * w, 0.0]
         };
@@ -90,33 +142,108 @@ impl Observer {
     pub fn place(&mut self, motion: Motion) {
         self.motion = motion;
         self.disturbance = 0.0;
+        self.creep = 0.0;
+        self.drive = 0.0;
+        self.direction = if motion.velocity > 0.0 {
+            1.0
+        } else if motion.velocity < 0.0 {
+            -1.0
+        } else {
+            0.0
+        };
     }
 
-    /// One sample on under the flow that was in force. Cost: about 35 instructions.
+    /// Whether the model has friction and the drive sticks.
+    #[inline]
+    pub fn sticks(&self) -> bool {
+        self.model.friction > 0.0 && self.direction == 0.0
+    }
+
+    /// The drive p: the acceleration that the drive force alone would give.
+    #[inline]
+    pub fn drive(&self) -> f32 {
+        if self.sticks() {
+            self.drive
+        } else {
+            self.motion.acceleration + self.model.friction * self.direction
+        }
+    }
+
+    /// One sample on under the flow that was in force. Cost: about 50 instructions.
     #[inline]
     pub fn predict(&mut self, flow: f32) {
+        if self.sticks() {
+            self.drive += self.sample_time * self.model.b0 * flow;
+            self.drive = within(self.drive, BREAK * self.model.friction);
+            return;
+        }
         self.model
             .advance(&mut self.motion, flow + self.disturbance, self.sample_time);
+        self.turn();
     }
 
-    /// Takes a measured position; gives the innovation. Cost: about 20 instructions.
+    /// Sticks, or reverses friction, where the velocity has changed its sign.
+    #[inline]
+    fn turn(&mut self) {
+        let friction = self.model.friction;
+        if !(friction > 0.0 && self.motion.velocity * self.direction <= 0.0) {
+            return;
+        }
+        let drive = self.drive();
+        let hold = HOLD * friction;
+        if drive > hold || drive < -hold {
+            self.direction = if drive > 0.0 { 1.0 } else { -1.0 };
+            self.motion.acceleration = drive - friction * self.direction;
+        } else {
+            self.drive = drive;
+            self.direction = 0.0;
+            self.creep = 0.0;
+            self.motion.velocity = 0.0;
+            self.motion.acceleration = 0.0;
+        }
+    }
+
+    /// Begins to move in `direction`.
+    #[inline]
+    fn move_off(&mut self, direction: f32) {
+        self.direction = direction;
+        let excess = self.drive * direction - self.model.friction;
+        let excess = if excess > 0.0 {
+            within(excess, EXCESS * self.model.friction)
+        } else {
+            0.0
+        };
+        self.motion.acceleration = direction * excess;
+    }
+
+    /// Takes a measured position; gives the innovation. Cost: about 30 instructions.
     #[inline]
     pub fn correct(&mut self, y: f32) -> f32 {
         let innovation = y - self.motion.position;
+        if self.sticks() {
+            self.creep += CREEP * (innovation - self.creep);
+            self.motion.position += 0.02 * innovation;
+            if self.creep > self.start || self.creep < -self.start {
+                let direction = if self.creep > 0.0 { 1.0 } else { -1.0 };
+                self.motion.position += self.creep;
+                self.motion.velocity = 0.3 * self.rate * self.creep;
+                self.move_off(direction);
+            }
+            return innovation;
+        }
         self.motion.position += self.gain[0] * innovation;
         self.motion.velocity += self.gain[1] * innovation;
         self.motion.acceleration += self.gain[2] * innovation;
-        let d = self.disturbance + self.gain[3] * innovation;
-        self.disturbance = within(d, DISTURBANCE);
-        innovation
-    }
-
-    /// As [`Observer::correct`], and the disturbance stays: for times in which the input does nothing.
-    #[inline]
-    pub fn correct_motion(&mut self, y: f32) -> f32 {
-        let disturbance = self.disturbance;
-        let innovation = self.correct(y);
-        self.disturbance = disturbance;
+        if self.model.friction > 0.0
+            && within(self.motion.velocity, self.slow) == self.motion.velocity
+        {
+            // Slow motion is ruled by friction, which is no flow.
+            self.disturbance -= self.forget * self.disturbance;
+        } else {
+            let d = self.disturbance + self.gain[3] * innovation;
+            self.disturbance = within(d, DISTURBANCE);
+        }
+        self.turn();
         innovation
     }
 

@@ -5,18 +5,25 @@ use crate::controller::{CommandLimiter, Controller, ControllerConfig};
 use crate::excitation::{Excitation, ExcitationConfig, Travel};
 use crate::hardware::{Axis, PositionSensor, Valve};
 use crate::identifier::{Config, Identifier, Outcome};
-use crate::inputs::dead_zone;
+use crate::inputs::{coulomb, dead_zone};
 use crate::reference::{MotionLimits, Reference, Setpoint};
 use crate::servo_error::ServoError;
 use crate::servo_model::{Motion, ServoModel};
-use crate::structure::Structure;
+use crate::structure::{Structure, Terms};
 use crate::supervisor::{
     Candidate, Event, Observation, Reason, State, Supervisor, SupervisorConfig,
 };
 use crate::trend::Scheme;
 
-/// The identifier of the loop: order 3, theta = (a1, a2, b0 of u, b0 of sgn u, constant).
-pub type ServoIdentifier = Identifier<FilteredTrends<3>, 3, 5, 2, 8>;
+/// The identifier of the loop: order 3, theta = (a1, a2, b0 of u, b0 of sgn u, b1 of sgn v, constant).
+pub type ServoIdentifier = Identifier<FilteredTrends<3>, 3, 6, 3, 8>;
+
+/// The third input is sgn v times s: Coulomb friction acts on the acceleration, one integration behind the valve.
+const STRUCTURE: Structure<3, 6, 3> = Structure::new(
+    Terms::of(&[1, 2]),
+    [Terms::of(&[0]), Terms::of(&[0]), Terms::of(&[1])],
+    true,
+);
 
 /// Everything the user says about an axis.
 ///
@@ -70,7 +77,7 @@ impl LoopConfig {
             noise: 2.5e-5 * length,
             range: 1.0,
             rate: 100.0,
-            delay: 0,
+            delay: 2,
             memory: 1.0,
             pull: 0.0,
             adaptive: true,
@@ -79,7 +86,12 @@ impl LoopConfig {
                 acceleration: 0.04 * length * bandwidth * bandwidth,
                 jerk: 0.04 * length * bandwidth * bandwidth * bandwidth,
             },
-            controller: ControllerConfig::new(1.5 * bandwidth),
+            controller: ControllerConfig {
+                rest_window: 1e-4 * length,
+                start: 4e-5 * length,
+                slow: 0.1 * length,
+                ..ControllerConfig::new(1.75 * bandwidth)
+            },
             excitation,
             supervisor: SupervisorConfig {
                 time_limit: excitation.time_limit,
@@ -108,33 +120,38 @@ pub struct Report {
     pub retuned: bool,
 }
 
-/// Tracks position and velocity without a model, for the time before there is one.
+/// Tracks the motion without a model, for the time before there is one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Tracker {
-    position: f32,
-    velocity: f32,
-    gain: [f32; 2],
+    motion: Motion,
+    gain: [f32; 3],
     sample_time: f32,
 }
 
 impl Tracker {
-    /// Two poles at `-rate`.
+    /// Three poles at `-rate`; exact for a constant acceleration.
     fn new(rate: f32, sample_time: f32) -> Self {
         let x = rate * sample_time;
         Self {
-            position: 0.0,
-            velocity: 0.0,
-            gain: [2.0 * x, x * x / sample_time],
+            motion: Motion::default(),
+            gain: [
+                3.0 * x,
+                3.0 * x * x / sample_time,
+                x * x * x / (sample_time * sample_time),
+            ],
             sample_time,
         }
     }
 
     #[inline]
     fn update(&mut self, y: f32) {
-        self.position += self.sample_time * self.velocity;
-        let error = y - self.position;
-        self.position += self.gain[0] * error;
-        self.velocity += self.gain[1] * error;
+        let m = &mut self.motion;
+        m.position += self.sample_time * (m.velocity + 0.5 * self.sample_time * m.acceleration);
+        m.velocity += self.sample_time * m.acceleration;
+        let error = y - m.position;
+        m.position += self.gain[0] * error;
+        m.velocity += self.gain[1] * error;
+        m.acceleration += self.gain[2] * error;
     }
 }
 
@@ -183,6 +200,8 @@ pub struct ServoLoop<S, V> {
     travel: Travel,
     adaptive: bool,
     coast_rate: f32,
+    /// Velocity below which the direction of friction is open.
+    slow: f32,
     identifier: ServoIdentifier,
     supervisor: Supervisor,
     controller: Controller,
@@ -214,26 +233,20 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         config.travel.check()?;
         let time = config.sample_time;
         let length = config.travel.length();
-        let trends = FilteredTrends::try_new(Scheme::Tustin, time, [1.2 * config.bandwidth; 3])?;
+        let trends = FilteredTrends::try_new(Scheme::Tustin, time, [2.0 * config.bandwidth; 3])?;
         let mut identify = Config::new(
-            Structure::<3, 5, 2>::integrating_with_constant(),
+            STRUCTURE,
             config.bandwidth,
-            [config.excitation.amplitude, 1.0],
+            [config.excitation.amplitude, 1.0, 1.0],
             0.1 * length,
         );
         identify.output_noise = config.noise;
         identify.memory = Some(config.memory);
-        identify.delays = [config.delay; 2];
+        identify.delays = [config.delay, config.delay, 0];
         identify.pull = config.pull;
         let square = config.bandwidth * config.bandwidth;
         // Until a model is verified the controller is never asked; any stable model will do.
-        let nominal = ServoModel {
-            a1: square,
-            a2: config.bandwidth,
-            b0: square * length,
-            dead_zone: 0.0,
-            offset: 0.0,
-        };
+        let nominal = ServoModel::linear(square, config.bandwidth, square * length);
         Ok(Self {
             sensor,
             valve,
@@ -241,13 +254,14 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             travel: config.travel,
             adaptive: config.adaptive,
             coast_rate: config.bandwidth,
+            slow: 0.01 * config.supervisor.slow * 10.0,
             identifier: Identifier::try_new(&identify, trends)?,
             supervisor: Supervisor::try_new(&config.supervisor, time)?,
             controller: Controller::try_new(&config.controller, nominal, time)?,
             excitation: Excitation::try_new(&config.excitation, config.travel, time)?,
             reference: Reference::try_new(config.motion, time, 0.0)?,
             limiter: CommandLimiter::try_new(config.range, config.rate, time)?,
-            tracker: Tracker::new(4.0 * config.bandwidth, time),
+            tracker: Tracker::new(8.0 * config.bandwidth, time),
             gate: 0.0,
             code: 0,
             position: 0.0,
@@ -322,7 +336,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.position = y;
         if !self.begun {
             self.begun = true;
-            self.tracker.position = y;
+            self.tracker.motion.position = y;
             self.reference.hold(y);
             self.controller.place(Motion {
                 position: y,
@@ -341,7 +355,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let state = self.supervisor.state();
         let mut setpoint = Setpoint::at(y);
         let wish = if state.is_commissioning() {
-            self.excitation.update(y, self.tracker.velocity)
+            self.excitation.update(y, self.tracker.motion.velocity)
         } else if state.is_controlling() {
             setpoint = self.reference.update();
             self.controller.update(&setpoint, y)
@@ -354,9 +368,14 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             return self.report(setpoint, 0.0, None, false);
         };
         self.controller.applied(command);
-        let outcome = self
-            .identifier
-            .update_inputs(dead_zone(command, self.gate), y);
+        let velocity = if state.is_controlling() {
+            self.controller.motion().velocity
+        } else {
+            self.tracker.motion.velocity
+        };
+        let [active, sign] = dead_zone(command, self.gate);
+        let friction = coulomb(velocity, self.slow);
+        let outcome = self.identifier.update_inputs([active, sign, friction], y);
         let retuned = self.supervise(y, command, same_code, outcome);
         self.report(setpoint, command, outcome.innovation(), retuned)
     }
@@ -407,11 +426,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let motion = if state.is_controlling() {
             self.controller.motion()
         } else {
-            Motion {
-                position: self.tracker.position,
-                velocity: self.tracker.velocity,
-                acceleration: 0.0,
-            }
+            self.tracker.motion
         };
         let seen = Observation {
             motion,
@@ -447,15 +462,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 self.gate = model.dead_zone;
                 self.identifier.trust();
                 if before.is_commissioning() {
-                    let motion = match self.supervisor.trial() {
-                        Some(trial) => trial.candidate().motion(),
-                        None => Motion {
-                            position: self.tracker.position,
-                            velocity: self.tracker.velocity,
-                            acceleration: 0.0,
-                        },
-                    };
-                    self.take_over(motion);
+                    self.take_over(self.tracker.motion);
                 }
                 true
             }
@@ -464,11 +471,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 self.controller.retune(good);
                 self.gate = good.dead_zone;
                 if before.is_commissioning() {
-                    self.take_over(Motion {
-                        position: self.tracker.position,
-                        velocity: self.tracker.velocity,
-                        acceleration: 0.0,
-                    });
+                    self.take_over(self.tracker.motion);
                 }
                 true
             }
@@ -491,23 +494,17 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
 
     /// Identifies on from `model` with `share` of each parameter as standard deviation.
     fn open_memory(&mut self, model: &ServoModel, share: f32) {
-        let theta = [
-            model.a1,
-            model.a2,
-            model.b0,
-            -model.b0 * model.dead_zone,
-            model.b0 * model.offset,
-        ];
         let small = 0.02 * model.b0;
         let std = [
             share * model.a1,
             share * model.a2,
             share * model.b0,
             small,
+            share * model.friction + 0.01 * model.b0 / self.coast_rate,
             small,
         ];
         // The model was verified, so every number is finite and this cannot be refused.
-        let _ = self.identifier.warm_start(theta, std);
+        let _ = self.identifier.warm_start(model.parameters(), std);
     }
 
     /// Whether the axis left the band of the excitation by more than the way back takes.
@@ -543,10 +540,14 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     fn candidate(&self) -> Candidate {
         let units = self.identifier.units();
         let estimator = self.identifier.estimator();
-        let theta: [f32; 5] = core::array::from_fn(|j| units[j] * estimator.theta()[j]);
-        let [a1, a2, b0, null, constant] = theta;
+        let mut theta: [f32; 6] = core::array::from_fn(|j| units[j] * estimator.theta()[j]);
         let noise = estimator.noise_variance().unwrap_or(f32::INFINITY);
         let p = |i: usize, j: usize| noise * estimator.covariance(i, j) * units[i] * units[j];
+        let [a1, a2, b0, _, coulomb, _] = theta;
+        if coulomb * coulomb < 4.0 * p(4, 4) {
+            // Friction that is not certain would let the observer stick without cause.
+            theta[4] = 0.0;
+        }
         let b0_variance = p(2, 2);
         let r11 = p(0, 0) / (a1 * a1);
         let r22 = p(1, 1) / (a2 * a2);
@@ -554,7 +555,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let rbb = b0_variance / (b0 * b0);
         let rb1 = p(0, 2) / (a1 * b0);
         Candidate {
-            model: ServoModel::from_parameters(a1, a2, b0, null, constant),
+            model: ServoModel::from_parameters(&theta),
             gain_variance: rbb + r11 - 2.0 * rb1,
             frequency_variance: 0.25 * r11,
             damping_variance: r22 + 0.25 * r11 - r12,

@@ -1,7 +1,5 @@
 //! The model that the controller works with: an integrating drive behind a valve with dead zone and offset.
 
-use crate::transfer::TransferFunction;
-
 /// Position and its first two derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -21,6 +19,9 @@ pub struct Motion {
 /// q(u) = u - delta sgn(u)  for |u| > delta,  0 inside
 /// ```
 ///
+/// With Coulomb friction the drive force alone would give the acceleration p; while the
+/// axis moves, `x'' = p - friction sgn(x')`, and it sticks while |p| stays below the breakaway.
+///
 /// | symbol | field | unit |
 /// |---|---|---|
 /// | a1 | `a1` | 1/s^2 |
@@ -28,10 +29,11 @@ pub struct Motion {
 /// | b0 | `b0` | y/s^3 per unit of u |
 /// | delta | `dead_zone` | u |
 /// | offset | `offset` | u |
+/// | friction | `friction` | y/s^2 |
 ///
 /// # Examples
 /// ```
-/// let model = trendid::ServoModel { a1: 400.0, a2: 20.0, b0: 1.0e6, dead_zone: 0.03, offset: 0.0 };
+/// let model = trendid::ServoModel { dead_zone: 0.03, ..trendid::ServoModel::linear(400.0, 20.0, 1.0e6) };
 /// assert!((model.flow(0.53) - 0.5).abs() < 1e-6);
 /// assert_eq!(model.flow(0.02), 0.0);
 /// ```
@@ -48,20 +50,29 @@ pub struct ServoModel {
     pub dead_zone: f32,
     /// Command that the drive seems to have without one.
     pub offset: f32,
+    /// Coulomb friction, as the acceleration that it takes away; 0 for a drive that does not stick.
+    pub friction: f32,
 }
 
 impl ServoModel {
-    /// Reads the model from inputs `[u, sgn(u)]` (see [`dead_zone`](crate::dead_zone)) and a constant.
-    ///
-    /// A numerator of sgn(u) of the wrong sign is no dead zone and counts as 0. Not
-    /// checked otherwise: the result may be unusable or not finite.
-    pub fn from_transfer(transfer: &TransferFunction<3, 2>) -> Self {
-        let [_, a1, a2] = transfer.a;
-        let [[b0, ..], [null, ..]] = transfer.b;
-        Self::from_parameters(a1, a2, b0, null, transfer.constant)
+    /// A drive without dead zone, offset and friction.
+    pub const fn linear(a1: f32, a2: f32, b0: f32) -> Self {
+        Self {
+            a1,
+            a2,
+            b0,
+            dead_zone: 0.0,
+            offset: 0.0,
+            friction: 0.0,
+        }
     }
 
-    pub(crate) fn from_parameters(a1: f32, a2: f32, b0: f32, null: f32, constant: f32) -> Self {
+    /// Reads the model from theta = (a1, a2, b0 of u, b0 of sgn u, b1 of sgn v, constant).
+    ///
+    /// A dead zone or a friction of the wrong sign is none and counts as 0. Not checked
+    /// otherwise: the result may be unusable or not finite.
+    pub fn from_parameters(theta: &[f32; 6]) -> Self {
+        let [a1, a2, b0, null, coulomb, constant] = *theta;
         let delta = -null / b0;
         Self {
             a1,
@@ -69,7 +80,20 @@ impl ServoModel {
             b0,
             dead_zone: if delta > 0.0 { delta } else { 0.0 },
             offset: constant / b0,
+            friction: if coulomb < 0.0 { -coulomb } else { 0.0 },
         }
+    }
+
+    /// Theta of this model, the inverse of [`ServoModel::from_parameters`].
+    pub fn parameters(&self) -> [f32; 6] {
+        [
+            self.a1,
+            self.a2,
+            self.b0,
+            -self.b0 * self.dead_zone,
+            -self.friction,
+            self.b0 * self.offset,
+        ]
     }
 
     /// What the drive gets of a command: dead zone and offset. Cost: about 8 instructions.
@@ -129,6 +153,7 @@ impl ServoModel {
             && self.b0.is_finite()
             && self.dead_zone.is_finite()
             && self.offset.is_finite()
+            && self.friction.is_finite()
     }
 }
 
@@ -137,11 +162,9 @@ mod tests {
     use super::*;
 
     const SERVO: ServoModel = ServoModel {
-        a1: 400.0,
-        a2: 20.0,
-        b0: 1.0e6,
         dead_zone: 0.03,
         offset: 0.01,
+        ..ServoModel::linear(400.0, 20.0, 1.0e6)
     };
 
     #[test]

@@ -1,13 +1,16 @@
 //! Scenarios of the adaptive position loop: the core's `ServoLoop` on a simulated axis, with its figures per seed.
 
 use trendid::hardware::{Axis as Counts, PositionSensor, Scale, Valve};
-use trendid::{LoopConfig, Report, ServoLoop, Travel};
+use trendid::{LoopConfig, Reason, Report, ServoLoop, ServoModel, State, Travel};
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
 use crate::noise::{Additive, Condition};
 use crate::nonlinear::Valve as Null;
-use crate::plant::LinearPlant;
-use crate::pneumatic::{Axis, AxisParameters};
-use crate::reference::REFERENCE;
+use crate::plant::{Input, LinearPlant};
+use crate::pneumatic::{Axis, AxisParameters, Fault};
+use crate::reference::{REFERENCE, Servo};
 
 /// Sensor of the loop: the code that the simulation put there.
 #[derive(Clone, Copy, Debug, Default)]
@@ -90,6 +93,97 @@ impl Plant {
         }
     }
 
+    /// Brings the change or the fault of a scenario.
+    fn change(&mut self, scenario: Scenario) {
+        match self {
+            Self::Pneumatic(axis) => match scenario {
+                Scenario::Mass => axis.set_mass(3.0 * axis.parameters().mass),
+                Scenario::Supply => axis.set_supply(4.0),
+                Scenario::ValveGain => axis.set_valve_gain(0.7),
+                Scenario::Friction => axis.set_friction_scale(2.0),
+                Scenario::WrongSign => axis.set_fault(Some(Fault::WrongSign)),
+                Scenario::StuckSensor => axis.set_fault(Some(Fault::StuckSensor)),
+                Scenario::StuckValve => axis.set_fault(Some(Fault::StuckValve)),
+                Scenario::BlockedAxis => axis.set_fault(Some(Fault::BlockedAxis)),
+                Scenario::WrongOrder => {
+                    let seed = axis.time().to_bits();
+                    *self = Self::other_order(self.position_mm(), seed);
+                }
+                Scenario::Nominal | Scenario::Rest => {}
+            },
+            Self::Linear { plant, valve, .. } => {
+                let x = plant.output();
+                let servo = match scenario {
+                    // Natural frequency and gain of a third of the mass's inverse; half the damping.
+                    Scenario::Mass => Servo {
+                        omega0: REFERENCE.omega0 / 3.0_f64.sqrt(),
+                        ..REFERENCE
+                    },
+                    Scenario::Supply => Servo {
+                        c: 0.7 * REFERENCE.c,
+                        omega0: 0.85 * REFERENCE.omega0,
+                        ..REFERENCE
+                    },
+                    Scenario::Friction => Servo {
+                        xi: 2.0 * REFERENCE.xi,
+                        ..REFERENCE
+                    },
+                    _ => REFERENCE,
+                };
+                match scenario {
+                    Scenario::ValveGain => {
+                        valve.gain_positive = 0.7;
+                        valve.gain_negative = 0.7;
+                    }
+                    Scenario::WrongSign => {
+                        valve.gain_positive = -1.0;
+                        valve.gain_negative = -1.0;
+                    }
+                    Scenario::StuckValve => {
+                        valve.gain_positive = 0.0;
+                        valve.gain_negative = 0.0;
+                        valve.limit = 0.0;
+                    }
+                    Scenario::WrongOrder => *self = Self::other_order(x, 1),
+                    Scenario::Mass | Scenario::Supply | Scenario::Friction => {
+                        let state = [x, plant.derivative(1), plant.derivative(2)];
+                        **plant = servo.plant(1e-3);
+                        plant.place(&state);
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+
+    /// An axis held by a spring behind a slow valve, order 4 without an integrator.
+    fn other_order(position_mm: f64, seed: u64) -> Self {
+        // (s + 15)(s + 2)(s^2 + 20 s + 400), gain as of the reference servo.
+        let a = [12_000.0, 7_400.0, 770.0, 37.0];
+        let constant = a[0] * position_mm;
+        let plant = LinearPlant::with_inputs(&a, &[Input::new(&[1.5e7])], constant, 1e-3);
+        let Ok(mut plant) = plant else {
+            panic!("a plant of order 4");
+        };
+        plant.reset(position_mm);
+        Self::Linear {
+            plant: Box::new(plant),
+            valve: Null {
+                dead_zone: 0.03,
+                ..Null::IDEAL
+            },
+            noise: Box::new(Additive::new(&Condition::white(20.0), seed)),
+        }
+    }
+
+    /// Flow opening of the valve.
+    fn opening(&self) -> f64 {
+        match self {
+            Self::Pneumatic(axis) => axis.opening(),
+            Self::Linear { .. } => 0.0,
+        }
+    }
+
     /// True position \[mm\].
     pub fn position_mm(&self) -> f64 {
         match self {
@@ -128,6 +222,9 @@ pub const TRAVEL: Travel = Travel {
     end: 400.0,
 };
 
+/// Bandwidth that the user believes the axis to have \[rad/s\]; the pneumatic axis has about 31, the linear one 20.
+pub const ROUGH_BANDWIDTH: f32 = 25.0;
+
 impl Rig {
     /// A rig with these settings of the loop.
     ///
@@ -164,4 +261,367 @@ impl Rig {
             report,
         }
     }
+}
+
+/// What happens to the drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Scenario {
+    /// Commissioning, 60 mm steps, sines of 0.5 and 1 Hz.
+    Nominal,
+    /// The moving mass is tripled in motion.
+    Mass,
+    /// The supply falls from 6 to 4 bar in motion.
+    Supply,
+    /// The valve loses 30 % of its gain in motion.
+    ValveGain,
+    /// Friction doubles in motion.
+    Friction,
+    /// 60 s at rest, then motion.
+    Rest,
+    /// The valve is connected the wrong way round.
+    WrongSign,
+    /// The plant is not what the model assumes: a spring holds it and the valve is slow.
+    WrongOrder,
+    /// The sensor repeats its last code.
+    StuckSensor,
+    /// The spool stays where it is.
+    StuckValve,
+    /// The slide is clamped.
+    BlockedAxis,
+}
+
+impl Scenario {
+    /// All of them.
+    pub const ALL: [Self; 11] = [
+        Self::Nominal,
+        Self::Mass,
+        Self::Supply,
+        Self::ValveGain,
+        Self::Friction,
+        Self::Rest,
+        Self::WrongSign,
+        Self::WrongOrder,
+        Self::StuckSensor,
+        Self::StuckValve,
+        Self::BlockedAxis,
+    ];
+
+    /// Name on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Nominal => "nominal",
+            Self::Mass => "mass",
+            Self::Supply => "supply",
+            Self::ValveGain => "valve-gain",
+            Self::Friction => "friction",
+            Self::Rest => "rest",
+            Self::WrongSign => "wrong-sign",
+            Self::WrongOrder => "wrong-order",
+            Self::StuckSensor => "stuck-sensor",
+            Self::StuckValve => "stuck-valve",
+            Self::BlockedAxis => "blocked-axis",
+        }
+    }
+
+    /// The scenario of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|s| s.name() == name)
+    }
+
+    /// One sentence for a person.
+    pub const fn description(self) -> &'static str {
+        match self {
+            Self::Nominal => "commissioning, 60 mm steps, sines of 0.5 and 1 Hz",
+            Self::Mass => "the moving mass is tripled in motion",
+            Self::Supply => "the supply falls from 6 to 4 bar in motion",
+            Self::ValveGain => "the valve loses 30 % of its gain in motion",
+            Self::Friction => "friction doubles in motion",
+            Self::Rest => "60 s at rest under noise, then motion",
+            Self::WrongSign => "the valve is connected the wrong way round",
+            Self::WrongOrder => "the plant has another order than the model",
+            Self::StuckSensor => "the sensor repeats its last code",
+            Self::StuckValve => "the spool stays where it is",
+            Self::BlockedAxis => "the slide is clamped",
+        }
+    }
+
+    /// Whether the drive changes in motion.
+    pub const fn is_change(self) -> bool {
+        matches!(
+            self,
+            Self::Mass | Self::Supply | Self::ValveGain | Self::Friction
+        )
+    }
+
+    /// Whether the drive has a fault that must be refused, and the reasons that are right for it.
+    pub fn expected(self) -> Option<&'static [Reason]> {
+        match self {
+            Self::WrongSign => Some(&[Reason::WrongSign]),
+            Self::WrongOrder => Some(&[Reason::PoorFit]),
+            Self::StuckSensor => Some(&[Reason::SensorStuck]),
+            Self::StuckValve => Some(&[Reason::ValveStuck]),
+            Self::BlockedAxis => Some(&[Reason::Blocked]),
+            _ => None,
+        }
+    }
+}
+
+/// How a scenario is run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Gains stay as the commissioning found them.
+    pub fixed: bool,
+    /// The linear servo instead of the pneumatic axis.
+    pub linear: bool,
+    /// Seed of the noise, and of the time of a change.
+    pub seed: u64,
+}
+
+/// The figures of one run; `None` where the scenario does not come to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Figures {
+    /// The scenario.
+    pub scenario: Scenario,
+    /// The seed.
+    pub seed: u64,
+    /// Time of excitation until a model was verified \[s\].
+    pub verified_at_s: Option<f64>,
+    /// Largest true error in the last 0.5 s of 2 s after a step of 60 mm was commanded \[mm\].
+    pub steady_state_mm: Option<f64>,
+    /// From 10 to 90 % of the step, true position \[ms\].
+    pub rise_ms: Option<f64>,
+    /// Largest true position beyond the target, in % of the step.
+    pub overshoot_pct: Option<f64>,
+    /// Largest true error over two periods of a sine of 60 mm at 0.5 Hz, after one period \[mm\].
+    pub tracking_0p5hz_mm: Option<f64>,
+    /// The same at 1 Hz over three periods \[mm\].
+    pub tracking_1hz_mm: Option<f64>,
+    /// Time from the change until the true error stays within 1.5 times 0.7 mm on the sine of 0.5 Hz \[s\].
+    pub recovered_s: Option<f64>,
+    /// Range of the true position over 60 s at rest \[mm\].
+    pub rest_range_mm: Option<f64>,
+    /// Whether the gains after the rest, or after a refusal, are bit for bit those before.
+    pub gains_kept: Option<bool>,
+    /// Models that reached the controller.
+    pub accepted: u32,
+    /// State at the end.
+    pub state: State,
+}
+
+/// Sees every sample of a run.
+pub type Watcher<'a> = &'a mut dyn FnMut(&Instant, &Rig);
+
+/// A run on its way: the rig, its figures and who watches.
+struct Run<'a> {
+    rig: Rig,
+    figures: Figures,
+    watcher: Watcher<'a>,
+}
+
+impl Run<'_> {
+    fn step(&mut self) -> Instant {
+        let instant = self.rig.step();
+        (self.watcher)(&instant, &self.rig);
+        instant
+    }
+
+    fn pass(&mut self, seconds: f64) {
+        for _ in 0..(1e3 * seconds) as u32 {
+            let _ = self.step();
+        }
+    }
+
+    /// Commissions; whether there is a model.
+    fn commission(&mut self) -> bool {
+        self.rig.servo.commission();
+        for k in 1..=4000 {
+            let state = self.step().report.state;
+            if state == State::Verified {
+                self.figures.verified_at_s = Some(1e-3 * f64::from(k));
+                return true;
+            }
+            if !state.is_commissioning() {
+                return false;
+            }
+        }
+        false
+    }
+
+    fn move_to(&mut self, target: f64, seconds: f64) {
+        self.rig.servo.move_to(target as f32);
+        self.pass(seconds);
+    }
+
+    /// Steps of 60 mm there and back; the worse of both counts.
+    fn steps(&mut self) {
+        self.move_to(170.0, 2.0);
+        let (mut steady, mut rise, mut over) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for (from, to) in [(170.0, 230.0), (230.0, 170.0)] {
+            self.rig.servo.move_to(to as f32);
+            let share = |x: f64| (x - from) / (to - from);
+            let (mut at_10, mut at_90) = (None, None);
+            for k in 0..2000 {
+                let x = self.step().position_mm;
+                let s = share(x);
+                if s >= 0.1 && at_10.is_none() {
+                    at_10 = Some(k);
+                }
+                if s >= 0.9 && at_90.is_none() {
+                    at_90 = Some(k);
+                }
+                over = over.max(100.0 * (s - 1.0));
+                if k >= 1500 {
+                    steady = steady.max((x - to).abs());
+                }
+            }
+            rise = rise.max(match (at_10, at_90) {
+                (Some(a), Some(b)) => f64::from(b - a),
+                _ => f64::INFINITY,
+            });
+        }
+        self.figures.steady_state_mm = Some(steady);
+        self.figures.rise_ms = Some(rise);
+        self.figures.overshoot_pct = Some(over);
+    }
+
+    /// Largest error over `periods` of a sine about 200 mm, after one to begin.
+    fn sine(&mut self, hz: f64, periods: f64) -> f64 {
+        self.move_to(200.0, 1.5);
+        self.rig.servo.oscillate(60.0, hz as f32);
+        self.pass(1.0 / hz);
+        let mut worst = 0.0_f64;
+        for _ in 0..(1e3 * periods / hz) as u32 {
+            worst = worst.max(error(&self.step()).abs());
+        }
+        worst
+    }
+
+    fn performance(&mut self) {
+        self.steps();
+        self.figures.tracking_0p5hz_mm = Some(self.sine(0.5, 2.0));
+        self.figures.tracking_1hz_mm = Some(self.sine(1.0, 3.0));
+    }
+
+    /// A sine of 0.5 Hz, the change at a random time in it, and 4 s more.
+    fn change(&mut self) {
+        self.move_to(200.0, 1.5);
+        self.rig.servo.oscillate(60.0, 0.5);
+        let delay = ChaCha8Rng::seed_from_u64(self.figures.seed ^ 0x5eed).random_range(0.0..2.0);
+        self.pass(4.0 + delay);
+        self.rig.plant.change(self.figures.scenario);
+        let mut last_bad = 0;
+        for k in 1..=4000 {
+            if error(&self.step()).abs() > 1.5 * 0.7 {
+                last_bad = k;
+            }
+        }
+        // Not recovered at the end of the observation is no recovery.
+        self.figures.recovered_s = (last_bad < 4000).then_some(1e-3 * f64::from(last_bad));
+    }
+
+    fn rest(&mut self) {
+        self.move_to(230.0, 2.0);
+        let before = self.rig.servo.supervisor().good();
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for _ in 0..60_000 {
+            let x = self.step().position_mm;
+            low = low.min(x);
+            high = high.max(x);
+        }
+        self.figures.rest_range_mm = Some(high - low);
+        self.figures.gains_kept = Some(same_bits(before, self.rig.servo.supervisor().good()));
+    }
+
+    /// The fault comes after a good commissioning, and the axis is commissioned again.
+    fn fault(&mut self) {
+        self.move_to(200.0, 1.5);
+        let before = self.rig.servo.supervisor().good();
+        let scenario = self.figures.scenario;
+        if scenario == Scenario::StuckValve {
+            // A spool that sticks, sticks where it works and not in the middle.
+            self.rig.servo.oscillate(60.0, 1.0);
+            let mut k = 0;
+            while k < 5000 && self.rig.plant.opening().abs() < 0.1 {
+                let _ = self.step();
+                k += 1;
+            }
+        }
+        self.rig.plant.change(scenario);
+        let verified = self.figures.verified_at_s;
+        let _ = self.commission();
+        self.figures.verified_at_s = verified;
+        self.pass(0.2);
+        self.figures.gains_kept = Some(same_bits(before, self.rig.servo.supervisor().good()));
+    }
+}
+
+/// Reference minus true position \[mm\].
+fn error(instant: &Instant) -> f64 {
+    f64::from(instant.report.setpoint.position) - instant.position_mm
+}
+
+fn same_bits(a: Option<ServoModel>, b: Option<ServoModel>) -> bool {
+    let bits = |m: Option<ServoModel>| m.map(|m| m.parameters().map(f32::to_bits));
+    a.is_some() && bits(a) == bits(b)
+}
+
+/// The settings of the loop in all scenarios.
+pub fn loop_config(options: &Options) -> LoopConfig {
+    let mut config = LoopConfig::new(ROUGH_BANDWIDTH, TRAVEL);
+    config.adaptive = !options.fixed;
+    config
+}
+
+/// Runs a scenario; `watcher` sees every sample.
+pub fn run(scenario: Scenario, options: &Options, watcher: Watcher) -> Figures {
+    run_with(scenario, options, &loop_config(options), watcher)
+}
+
+/// As [`run`] with other settings of the loop.
+pub fn run_with(
+    scenario: Scenario,
+    options: &Options,
+    config: &LoopConfig,
+    watcher: Watcher,
+) -> Figures {
+    let plant = if options.linear {
+        Plant::linear(options.seed)
+    } else {
+        Plant::pneumatic(&AxisParameters::SERVO, options.seed)
+    };
+    let mut run = Run {
+        rig: Rig::new(plant, config),
+        figures: Figures {
+            scenario,
+            seed: options.seed,
+            verified_at_s: None,
+            steady_state_mm: None,
+            rise_ms: None,
+            overshoot_pct: None,
+            tracking_0p5hz_mm: None,
+            tracking_1hz_mm: None,
+            recovered_s: None,
+            rest_range_mm: None,
+            gains_kept: None,
+            accepted: 0,
+            state: State::Idle,
+        },
+        watcher,
+    };
+    if run.commission() {
+        run.pass(0.5);
+        if scenario.expected().is_some() {
+            run.fault();
+        } else {
+            if scenario.is_change() {
+                run.change();
+            } else if scenario == Scenario::Rest {
+                run.rest();
+            }
+            run.performance();
+        }
+    }
+    run.figures.accepted = run.rig.servo.supervisor().counts().0;
+    run.figures.state = run.rig.servo.supervisor().state();
+    run.figures
 }
