@@ -1,7 +1,8 @@
 //! The structures that are checked bit for bit and counted.
 
 use trendid::{
-    Config, ConfigError, FilteredTrends, Identifier, RawTrends, Scheme, Structure, Terms, dead_zone,
+    Config, ConfigError, FilteredTrends, Identifier, IntegralTrends, RawTrends, Scheme, Structure,
+    Terms, dead_zone,
 };
 
 use super::record::SAMPLE_TIME;
@@ -13,7 +14,9 @@ pub const DEAD_ZONE: f32 = 0.03;
 pub type Raw = Identifier<RawTrends<3>, 3, 3>;
 /// The reference structure behind filtered trends.
 pub type Filtered = Identifier<FilteredTrends<3>, 3, 3>;
-/// The reference structure with a constant input.
+/// The reference structure over spans of 70 samples.
+pub type Integral = Identifier<IntegralTrends<3, 70>, 3, 3>;
+/// The reference structure with one more column: a constant input or the start.
 pub type Offset = Identifier<FilteredTrends<3>, 3, 4>;
 /// The reference structure with a constant input and a command that is two samples late.
 pub type Late = Identifier<FilteredTrends<3>, 3, 4, 1, 4>;
@@ -44,6 +47,34 @@ pub fn forgetting() -> Result<Filtered, ConfigError> {
     config.memory = Some(1.0);
     config.pull = 1e-3;
     Filtered::try_new(&config, filter(Scheme::Tustin)?)
+}
+
+/// The default: start as a parameter, slow filter pole, nothing forgotten.
+pub fn default() -> Result<Offset, ConfigError> {
+    let config = Config::new(Structure::servo(), 20.0, [1.0], 50.0);
+    Offset::try_new(
+        &config,
+        FilteredTrends::for_bandwidth(Scheme::Tustin, SAMPLE_TIME, 20.0)?,
+    )
+}
+
+/// The default with a memory of one second, and so with the pull that survives rest.
+pub fn following() -> Result<Offset, ConfigError> {
+    let mut config = Config::new(Structure::servo(), 20.0, [1.0], 50.0);
+    config.memory = Some(1.0);
+    Offset::try_new(
+        &config,
+        FilteredTrends::for_bandwidth(Scheme::Tustin, SAMPLE_TIME, 20.0)?,
+    )
+}
+
+/// The reference structure over spans.
+pub fn integral() -> Result<Integral, ConfigError> {
+    let config = Config::new(Structure::integrating(), 20.0, [1.0], 50.0);
+    Integral::try_new(
+        &config,
+        IntegralTrends::try_new(Scheme::Tustin, SAMPLE_TIME)?,
+    )
 }
 
 /// With a constant input.

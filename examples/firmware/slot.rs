@@ -1,0 +1,372 @@
+//! The 1 ms slot of the servo controller and the idle loop around it.
+
+use core::cell::RefCell;
+use core::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+
+use cortex_m::interrupt::{Mutex, free};
+use cortex_m_rt::entry;
+use cortex_m_semihosting::debug;
+use heapless::spsc::{Consumer, Producer, Queue};
+use stm32f4xx_hal::gpio::{Output as PinOutput, PB7, PushPull};
+use stm32f4xx_hal::hal::digital::OutputPin;
+use stm32f4xx_hal::hal::pwm::SetDutyCycle;
+use stm32f4xx_hal::hal::spi::{self, Operation, SpiBus, SpiDevice};
+use stm32f4xx_hal::pac::{self, NVIC, TIM2};
+use stm32f4xx_hal::timer::{CounterHz, Event, Flag, PwmChannel};
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
+use stm32f4xx_hal::{ReadFlags, pac::interrupt, prelude::*, rcc};
+use trendid::hardware::{
+    DacValve, PositionSensor, PwmValve, SsiCode, SsiEncoder, SsiFormat, Valve,
+};
+use trendid::{ServoLoop, ServoModel, State};
+
+use crate::drive::{Drive, SimulatedValve};
+use crate::{log, machine, name, target};
+
+/// The transducer on SPI2.
+const ENCODER: SsiFormat = SsiFormat { bits: 24, code: SsiCode::Gray, alarm: true, parity: true };
+
+/// Frequency of the crystal; the only number of the board here besides the pins.
+const CRYSTAL_MHZ: u32 = 8;
+
+/// How the valve is driven on a board.
+#[derive(PartialEq)]
+enum Wiring {
+    Pwm,
+    #[allow(dead_code, reason = "the alternative of the wiring table")]
+    Dac,
+}
+
+const OUTPUT: Wiring = Wiring::Pwm;
+
+/// Overruns in a row that end in the safe output.
+const LIMIT: u8 = 3;
+
+/// Samples between two lines of the log.
+const EVERY: u32 = 500;
+
+/// End of the run in the emulator, in samples; three overruns are provoked before it.
+const END: u32 = 6000;
+
+/// Ticks of TIM2 per second in QEMU, whatever the clock control says.
+const EMULATED_HZ: u32 = 1_000_000_000;
+
+/// Set when a reading succeeded since the last look.
+static FRESH: AtomicBool = AtomicBool::new(false);
+
+/// Overruns that the interrupt is asked to provoke.
+static PROVOKED: AtomicU8 = AtomicU8::new(0);
+
+/// A bus whose device needs no select line, or has it in `select`.
+struct Device<B, P> {
+    bus: B,
+    select: Option<P>,
+}
+
+impl<B: SpiBus, P> spi::ErrorType for Device<B, P> {
+    type Error = B::Error;
+}
+
+impl<B: SpiBus, P: OutputPin> SpiDevice for Device<B, P> {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Self::Error> {
+        // A pin of this chip cannot fail.
+        let _ = self.select.as_mut().map(OutputPin::set_low);
+        let result = operations.iter_mut().try_for_each(|operation| match operation {
+            Operation::Read(words) => self.bus.read(words),
+            Operation::Write(words) => self.bus.write(words),
+            Operation::Transfer(read, write) => self.bus.transfer(read, write),
+            Operation::TransferInPlace(words) => self.bus.transfer_in_place(words),
+            // Nobody here asks for a pause.
+            Operation::DelayNs(_) => Ok(()),
+        });
+        let flushed = self.bus.flush();
+        let _ = self.select.as_mut().map(OutputPin::set_high);
+        result.and(flushed)
+    }
+}
+
+type NoPin = PB7<PinOutput<PushPull>>;
+type EncoderBus = Device<stm32f4xx_hal::spi::Spi<pac::SPI2>, NoPin>;
+type DacBus = Device<stm32f4xx_hal::spi::Spi<pac::SPI3>, stm32f4xx_hal::gpio::PA15<PinOutput<PushPull>>>;
+type Pulse = PwmChannel<pac::TIM4, 0>;
+
+/// The transducer, or the simulated one.
+enum Sensor {
+    Encoder(SsiEncoder<EncoderBus>),
+    Simulated(Drive),
+}
+
+impl PositionSensor for Sensor {
+    type Error = ();
+
+    fn counts(&mut self) -> Result<i32, ()> {
+        let counts = match self {
+            Self::Encoder(encoder) => encoder.counts().map_err(drop),
+            Self::Simulated(drive) => drive.counts().map_err(drop),
+        };
+        FRESH.store(counts.is_ok(), Ordering::Relaxed);
+        counts
+    }
+}
+
+/// The valve, or the simulated one.
+enum Output {
+    Pwm(PwmValve<Pulse, PB7<PinOutput<PushPull>>>),
+    Dac(DacValve<DacBus>),
+    Simulated(SimulatedValve),
+}
+
+impl Valve for Output {
+    type Error = ();
+
+    fn drive(&mut self, command: f32) -> Result<f32, ()> {
+        match self {
+            Self::Pwm(valve) => valve.drive(command).map_err(drop),
+            Self::Dac(valve) => valve.drive(command).map_err(drop),
+            Self::Simulated(valve) => valve.drive(command).map_err(drop),
+        }
+    }
+}
+
+/// What the interrupt tells the idle loop.
+#[derive(Clone, Copy)]
+struct Snapshot {
+    tick: u32,
+    state: State,
+    position: f32,
+    setpoint: f32,
+    command: f32,
+    overruns: u32,
+    /// Slots that could not be logged because the queue was full.
+    dropped: u32,
+    stopped: bool,
+    fed: u32,
+    /// Longest update so far in us, from the beginning of its slot.
+    longest: u32,
+    model: Option<ServoModel>,
+}
+
+/// Everything the interrupt owns.
+struct Slot {
+    servo: ServoLoop<Sensor, Output>,
+    timer: CounterHz<TIM2>,
+    /// Ticks of the timer per slot.
+    period: u32,
+    watchdog: IndependentWatchdog,
+    out: Producer<'static, Snapshot>,
+    now: Snapshot,
+    in_a_row: u8,
+}
+
+static SLOT: Mutex<RefCell<Option<Slot>>> = Mutex::new(RefCell::new(None));
+
+#[interrupt]
+fn TIM2() {
+    static mut OWN: Option<Slot> = None;
+    if OWN.is_none() {
+        *OWN = free(|section| SLOT.borrow(section).take());
+    }
+    if let Some(slot) = OWN {
+        slot.run();
+    }
+}
+
+impl Slot {
+    fn run(&mut self) {
+        // Ends the request, so that the next one shows whether this slot was too long.
+        let _ = self.timer.wait();
+        self.now.tick += 1;
+        if self.now.stopped {
+            // Again and again: a valve that missed it once must not stay open.
+            let _ = self.servo.valve_mut().safe();
+        } else {
+            self.control();
+        }
+        if self.now.tick % EVERY == 0 && self.out.enqueue(self.now).is_err() {
+            self.now.dropped += 1;
+        }
+    }
+
+    fn control(&mut self) {
+        if let Some(target) = target(self.now.tick) {
+            self.servo.move_to(target);
+        }
+        let report = self.servo.update();
+        let before = core::mem::discriminant(&self.now.state);
+        self.now.state = report.state;
+        self.now.position = report.position;
+        self.now.setpoint = report.setpoint.position;
+        self.now.command = report.command;
+        if PROVOKED.load(Ordering::Relaxed) > 0 {
+            PROVOKED.fetch_sub(1, Ordering::Relaxed);
+            while !self.late() {}
+        }
+        let fresh = FRESH.swap(false, Ordering::Relaxed);
+        if self.late() {
+            self.now.overruns += 1;
+            self.in_a_row += 1;
+            if self.in_a_row >= LIMIT {
+                self.now.stopped = true;
+                let _ = self.servo.valve_mut().safe();
+            }
+            return;
+        }
+        self.in_a_row = 0;
+        if fresh {
+            self.watchdog.feed();
+            self.now.fed += 1;
+        }
+        let us = (u64::from(elapsed()) * 1000 / u64::from(self.period)) as u32;
+        self.now.longest = self.now.longest.max(us);
+        if core::mem::discriminant(&self.now.state) != before {
+            self.now.model = self.servo.supervisor().good();
+            if self.out.enqueue(self.now).is_err() {
+                self.now.dropped += 1;
+            }
+        }
+    }
+
+    /// Whether the next slot has begun.
+    fn late(&self) -> bool {
+        self.timer.flags().contains(Flag::Update)
+    }
+}
+
+/// Ticks since the slot began.
+fn elapsed() -> u32 {
+    // SAFETY: reading the counter has no side effect.
+    unsafe { (*TIM2::ptr()).cnt().read().bits() }
+}
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    // Interrupts off: the watchdog gets no food and restarts the chip with the valve at rest.
+    cortex_m::interrupt::disable();
+    debug::exit(debug::EXIT_FAILURE);
+    loop {}
+}
+
+#[entry]
+fn main() -> ! {
+    let queue = cortex_m::singleton!(: Queue<Snapshot, 32> = Queue::new()).unwrap();
+    let (producer, consumer) = queue.split();
+    let chip = pac::Peripherals::take().unwrap();
+    // The internal oscillator runs after reset on every chip; a clock control that does not know it is QEMU's.
+    let emulated = chip.RCC.cr().read().hsirdy().bit_is_clear();
+    let config = if emulated {
+        log::over_semihosting();
+        rcc::Config::hsi()
+    } else {
+        rcc::Config::hse(CRYSTAL_MHZ.MHz()).sysclk(168.MHz())
+    };
+    let mut rcc = chip.RCC.freeze(config);
+
+    let (sensor, valve) = if emulated {
+        (Sensor::Simulated(Drive::new()), Output::Simulated(SimulatedValve))
+    } else {
+        let pins_a = chip.GPIOA.split(&mut rcc);
+        let pins_b = chip.GPIOB.split(&mut rcc);
+        let pins_c = chip.GPIOC.split(&mut rcc);
+        let falling = spi::MODE_2;
+        let bus = chip.SPI2.spi(
+            (Some(pins_b.pb13), Some(pins_b.pb14), pac::SPI2::NoMosi),
+            falling,
+            500.kHz(),
+            &mut rcc,
+        );
+        let encoder = SsiEncoder::new(Device { bus, select: None }, ENCODER).unwrap();
+        let valve = if OUTPUT == Wiring::Pwm {
+            let (_, (channel, ..)) = chip.TIM4.pwm_hz(20.kHz(), &mut rcc);
+            let mut pulse = channel.with(pins_b.pb6);
+            let _ = pulse.set_duty_cycle(0);
+            pulse.enable();
+            Output::Pwm(PwmValve::new(pulse, pins_b.pb7.into_push_pull_output()))
+        } else {
+            let bus = chip.SPI3.spi(
+                (Some(pins_c.pc10), pac::SPI3::NoMiso, Some(pins_c.pc12)),
+                spi::MODE_1,
+                10.MHz(),
+                &mut rcc,
+            );
+            let mut select = pins_a.pa15.into_push_pull_output();
+            select.set_high();
+            Output::Dac(DacValve::new(Device { bus, select: Some(select) }))
+        };
+        (Sensor::Encoder(encoder), valve)
+    };
+    let servo = machine(sensor, valve).unwrap();
+
+    let mut timer = chip.TIM2.counter_hz(&mut rcc);
+    // QEMU counts with its own frequency, so there the rate is that of a clock which is so much slower.
+    let clock = rcc.clocks.timclk1().raw();
+    let rate = if emulated { 1000 * (clock / 1000) / (EMULATED_HZ / 1000) } else { 1000 };
+    timer.start(rate.Hz()).unwrap();
+    timer.listen(Event::Update);
+    // SAFETY: reading the reload value has no side effect.
+    let period = unsafe { (*TIM2::ptr()).arr().read().bits() } + 1;
+    let mut watchdog = IndependentWatchdog::new(chip.IWDG);
+    watchdog.start(10.millis());
+    let now = Snapshot {
+        tick: 0,
+        state: State::Idle,
+        position: 0.0,
+        setpoint: 0.0,
+        command: 0.0,
+        overruns: 0,
+        dropped: 0,
+        stopped: false,
+        fed: 0,
+        longest: 0,
+        model: None,
+    };
+    let slot = Slot { servo, timer, period, watchdog, out: producer, now, in_a_row: 0 };
+    free(|section| SLOT.borrow(section).replace(Some(slot)));
+    defmt::info!("trendid servo, {=str}", if emulated { "simulated drive" } else { "encoder on SPI2" });
+    // SAFETY: everything the interrupt needs is in SLOT.
+    unsafe { NVIC::unmask(pac::Interrupt::TIM2) };
+    idle(consumer, emulated)
+}
+
+/// Logs what the interrupt hands over.
+fn idle(mut snapshots: Consumer<'static, Snapshot>, emulated: bool) -> ! {
+    let mut controlled = false;
+    loop {
+        let Some(now) = snapshots.dequeue() else {
+            cortex_m::asm::wfi();
+            continue;
+        };
+        defmt::info!(
+            "{=u32} ms {=str}: position {=f32} mm, set {=f32} mm, command {=f32}; overruns {=u32}, dropped {=u32}, longest {=u32} us",
+            now.tick,
+            name(now.state),
+            now.position,
+            now.setpoint,
+            now.command,
+            now.overruns,
+            now.dropped,
+            now.longest
+        );
+        if let Some(model) = now.model {
+            defmt::info!(
+                "model: a1 {=f32} a2 {=f32} b0 {=f32} dead zone {=f32}",
+                model.a1,
+                model.a2,
+                model.b0,
+                model.dead_zone
+            );
+        }
+        if now.stopped {
+            defmt::error!("{=u32} overruns in a row: safe output, watchdog fed {=u32} times", u32::from(LIMIT), now.fed);
+        }
+        if emulated {
+            controlled |= now.state.is_controlling() && now.overruns == 0 && now.model.is_some();
+            if now.tick == END - EVERY {
+                PROVOKED.store(LIMIT, Ordering::Relaxed);
+            }
+            if now.tick >= END {
+                let passed = controlled && now.stopped && now.overruns == u32::from(LIMIT) && now.dropped == 0;
+                debug::exit(if passed { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
+            }
+        }
+    }
+}
