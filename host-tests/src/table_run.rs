@@ -3,6 +3,7 @@
 use trendid::Scheme;
 
 use crate::montecarlo::{Method, Run, Setting, Trial};
+use crate::noise::Reading;
 use crate::table1::Printed;
 
 /// The columns of the file.
@@ -50,6 +51,39 @@ impl Line {
     pub fn paper_pct(&self) -> [f64; 3] {
         let p = self.paper();
         [p.c_pct, p.omega0_pct, p.xi_pct]
+    }
+
+    /// What the rms errors must not exceed \[%\], infinite where nothing is asked; `None` where no figure is set.
+    ///
+    /// ABSOLUTE: a tenth of the paper's Tustin error or 0.1 %, whichever is larger, and 0.05, 0.08, 0.3 % for white noise
+    /// of 10, 100, 500 um. RELATIVE: three times the bound in the rows of white noise; below the paper's Tustin error,
+    /// where that is above 1 %, in the rows of drift and resolution.
+    pub fn limit_pct(&self) -> Option<[f64; 3]> {
+        let paper = self.setting.tustin;
+        let paper = [paper.c_pct, paper.omega0_pct, paper.xi_pct];
+        let white = matches!(self.setting.vary, "noise" | "white");
+        match (self.setting.condition.reading, self.setting.vary) {
+            (Reading::Absolute, _) => {
+                let ceiling = match self.setting.condition.eta_um {
+                    10.0 if white => 0.05,
+                    100.0 if white => 0.08,
+                    500.0 if white => 0.3,
+                    _ => f64::INFINITY,
+                };
+                Some(paper.map(|p| (0.1 * p).max(0.1).min(ceiling)))
+            }
+            (Reading::Relative, "noise" | "white") => Some(self.bound_pct.map(|b| 3.0 * b)),
+            (Reading::Relative, "drift" | "resolution") => {
+                Some(paper.map(|p| if p > 1.0 { p } else { f64::INFINITY }))
+            }
+            (Reading::Relative, _) => None,
+        }
+    }
+
+    /// Which of C, omega0, xi exceed their limit.
+    pub fn beyond(&self) -> Option<[bool; 3]> {
+        let limit = self.limit_pct()?;
+        Some([0, 1, 2].map(|i| !(self.rms_pct[i] <= limit[i])))
     }
 
     /// rms over bound.
@@ -160,7 +194,6 @@ pub fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::Reading;
 
     #[test]
     fn quantiles_are_values_that_occurred() {
@@ -168,6 +201,45 @@ mod tests {
         assert_eq!(quantile(values.clone(), 0.5), 50.0);
         assert_eq!(quantile(values, 0.95), 95.0);
         assert_eq!(quantile(vec![2.0, f64::INFINITY], 0.95), f64::INFINITY);
+    }
+
+    #[test]
+    fn limits_follow_paper_and_bound() {
+        let limit = |reading, index: usize| {
+            let setting = Setting::all(reading)[index];
+            let trial = Trial {
+                ns_pct: 1.0,
+                bound_pct: [1.0; 3],
+                runs: vec![],
+            };
+            let mut line = summary(&setting, 1.0, &[], &[trial]);
+            assert!(line.is_empty());
+            line.push(Line {
+                setting,
+                method: Method::DEFAULT,
+                duration_s: 1.0,
+                seeds: 1,
+                ns_pct: 1.0,
+                rms_pct: [0.2; 3],
+                median_pct: [0.0; 3],
+                bound_pct: [1.0; 3],
+                conv: None,
+                settled_median_ms: None,
+                settled_p95_ms: None,
+                diverged: 0,
+            });
+            (line[0].limit_pct(), line[0].beyond())
+        };
+        let (tenth, beyond) = limit(Reading::Absolute, 3); // drift 5 mm: 6.6, 10.4, 3.5 %
+        let tenth = tenth.unwrap();
+        assert!((tenth[0] - 0.66).abs() < 1e-12 && (tenth[2] - 0.35).abs() < 1e-12);
+        assert_eq!(beyond, Some([false; 3]));
+        assert_eq!(limit(Reading::Absolute, 5).0, Some([0.05; 3]));
+        assert_eq!(limit(Reading::Absolute, 5).1, Some([true; 3]));
+        assert_eq!(limit(Reading::Relative, 8).0, Some([3.0; 3]));
+        let (below, _) = limit(Reading::Relative, 12); // resolution 50 um: 0.43, 1.16, 0.81 %
+        assert_eq!(below, Some([f64::INFINITY, 1.16, f64::INFINITY]));
+        assert_eq!(limit(Reading::Relative, 14).0, None);
     }
 
     #[test]

@@ -1,0 +1,291 @@
+//! Table 1 for people: the long table, the short one of the documentation, and the comparison with the limits.
+
+use std::fmt::Write as _;
+
+use trendid::Scheme;
+use trendid_host_tests::montecarlo::{Filter, Method};
+use trendid_host_tests::noise::Reading;
+use trendid_host_tests::table_run::Line;
+
+use crate::format::{significant, table};
+use crate::table1::Table1Args;
+
+/// What stands under every table.
+pub const DEFINITIONS: &str = "\
+Errors are relative, in percent, of C, omega0, xi at the end of the record. Plant: b0 / (s (s^2 + 20 s + 400)), b0 = 1e6.
+ABSOLUTE: u = binary noise +-0.4 held 50 ms; w, eta, eps as printed in the paper, in um of position. The drift w is
+(w/2) sin(2 pi 0.5 Hz t + random phase), eta is uniform and white of full width eta, eps is rounding to multiples of eps.
+RELATIVE: u = binary noise +-1 held 40 ms; w, eta, eps scaled together until rms(measured - true position) over the rms
+of the true position about its mean is the printed N/S. The drift is uniform white noise of full width w through a lag
+of 200 ms; eta and eps as above. The paper does not give its definitions; both are readings of its widths.
+Block white: the noise block with eta alone. N/S here: of the records used, by the definition of RELATIVE.
+Bound: Cramer-Rao for white noise of the rms of the record and an unknown position at the start. In the rows of drift
+and resolution the noise is not white and the figure is a scale, not a bound.
+T_ss: first time after which all three errors stay within 5 %. CONV: mean over the last half of the record of
+|theta(k) - theta(end)| / |theta(end)|, averaged over a1, a2, b0; not comparable with the paper's column.
+Table 2 of the paper suggests that its heads C and xi are swapped; its columns stand here as printed.
+Diverged: runs with an error above 100 % or without a reading; one run without a reading makes an rms infinite.
+";
+
+/// Opponents and core, in the words of the legend.
+const LEGEND: &str = "\
+output-error: fit of the free simulation to the whole record, offline, started 20 % off
+ekf: extended Kalman filter of six states that knows the noise level, started 20 % off
+ls: recursive least squares of the core, bare; ls+bias: the core's read-out, noise bias taken out (the default)
+filter none: the core works in f32; the third difference of a position in 24 bits rules these rows even without noise
+";
+
+fn cell(value: f64) -> String {
+    if value.is_infinite() {
+        "inf".to_owned()
+    } else {
+        significant(value, 3)
+    }
+}
+
+fn triple(values: [f64; 3]) -> String {
+    values.map(cell).join(" / ")
+}
+
+fn condition(line: &Line) -> String {
+    let c = &line.setting.condition;
+    format!(
+        "{}: w {} um, eta {} um, eps {} um, {} ms",
+        line.setting.vary, c.w_um, c.eta_um, c.eps_um, c.dt_ms
+    )
+}
+
+fn legend() -> String {
+    let mut text = String::from(LEGEND);
+    for filter in Filter::ALL {
+        let _ = writeln!(text, "filter {}: {}", filter.name(), filter.legend());
+    }
+    text
+}
+
+fn seeds(args: &Table1Args) -> String {
+    format!(
+        "{} records per condition, seeds {}..{}",
+        args.seeds,
+        args.first_seed,
+        args.first_seed + args.seeds
+    )
+}
+
+/// Every line of the file, condition by condition, with the ratios.
+pub fn plain(args: &Table1Args, lines: &[Line]) -> String {
+    let mut text = String::new();
+    for group in lines.chunk_by(|a, b| a.setting == b.setting) {
+        let first = &group[0];
+        let _ = writeln!(
+            text,
+            "{}, {}, {} s, N/S {} % (paper {} %), {}",
+            first.setting.reading().to_uppercase(),
+            condition(first),
+            first.duration_s,
+            cell(first.ns_pct),
+            first.setting.condition.ns_pct,
+            seeds(args)
+        );
+        let head = [
+            "C/omega0/xi",
+            "rms error [%]",
+            "median [%]",
+            "rms/bound",
+            "rms/paper",
+            "T_ss med",
+            "p95 [ms]",
+            "CONV",
+            "diverged",
+        ];
+        let mut rows = vec![head.map(str::to_owned).to_vec()];
+        for (name, printed) in [
+            ("paper, Goodwin", first.setting.goodwin),
+            ("paper, Tustin", first.setting.tustin),
+        ] {
+            let errors = [printed.c_pct, printed.omega0_pct, printed.xi_pct];
+            let mut row = vec![name.to_owned(), triple(errors)];
+            row.extend(["", "", ""].map(str::to_owned));
+            row.push(cell(printed.tss_ms));
+            row.push(String::new());
+            row.push(cell(printed.conv));
+            rows.push(row);
+        }
+        rows.push(vec!["bound".to_owned(), triple(first.bound_pct)]);
+        for line in group {
+            let name = match line.method {
+                Method::Core { .. } => format!(
+                    "{} {} {}",
+                    line.method.scheme(),
+                    line.method.filter(),
+                    line.method.estimator()
+                ),
+                _ => line.method.estimator().to_owned(),
+            };
+            let optional = |v: Option<f64>| v.map_or(String::new(), cell);
+            rows.push(vec![
+                name,
+                triple(line.rms_pct),
+                triple(line.median_pct),
+                triple(line.of_bound()),
+                triple(line.of_paper()),
+                optional(line.settled_median_ms),
+                optional(line.settled_p95_ms),
+                optional(line.conv),
+                line.diverged.to_string(),
+            ]);
+        }
+        text += &table(&rows);
+        text.push('\n');
+    }
+    text + DEFINITIONS + &legend()
+}
+
+/// One line per condition, every filter in its own column.
+pub fn markdown(args: &Table1Args, lines: &[Line]) -> String {
+    let mut text = String::new();
+    for reading in [Reading::Absolute, Reading::Relative] {
+        for scheme in [Scheme::Tustin, Scheme::Goodwin] {
+            let part: Vec<&Line> = lines
+                .iter()
+                .filter(|l| l.setting.condition.reading == reading)
+                .collect();
+            let Some(first) = part.first() else { continue };
+            let _ = writeln!(
+                text,
+                "### {}, {scheme:?}\n\nrms error of C / omega0 / xi \\[%\\] after {} s; {}.\n",
+                first.setting.reading().to_uppercase(),
+                first.duration_s,
+                seeds(args)
+            );
+            text += "| vary | w, eta, eps \\[um\\] | ms | N/S \\[%\\] | paper | bound | output error | EKF |";
+            let shown = shown(scheme);
+            for (filter, _) in shown {
+                let _ = write!(text, " {} |", filter.name());
+            }
+            text += " T_ss med, p95 of default \\[ms\\] | diverged |\n|";
+            text += &"---|".repeat(10 + shown.len());
+            text.push('\n');
+            for group in part.chunk_by(|a, b| a.setting == b.setting) {
+                text += &short_row(group, scheme, &shown);
+            }
+            text.push('\n');
+        }
+    }
+    text += "```text\n";
+    text += DEFINITIONS;
+    text += &legend();
+    text + "Columns default, level and wide are the read-outs ls+bias; diverged counts the default.\n```\n"
+}
+
+/// The read-outs that users get: the core's own.
+fn shown(scheme: Scheme) -> [(Filter, Method); 5] {
+    Filter::ALL.map(|filter| {
+        let compensated = !matches!(filter, Filter::None | Filter::Span);
+        (
+            filter,
+            Method::Core {
+                scheme,
+                filter,
+                compensated,
+            },
+        )
+    })
+}
+
+fn short_row(group: &[&Line], scheme: Scheme, shown: &[(Filter, Method)]) -> String {
+    let first = group[0];
+    let c = &first.setting.condition;
+    let printed = first.setting.printed(scheme);
+    let of = |method: Method| group.iter().find(|l| l.method == method);
+    let rms = |method: Method| of(method).map_or(String::new(), |l| triple(l.rms_pct));
+    let mut cells = vec![
+        first.setting.vary.to_owned(),
+        format!("{}, {}, {}", c.w_um, c.eta_um, c.eps_um),
+        c.dt_ms.to_string(),
+        cell(first.ns_pct),
+        triple([printed.c_pct, printed.omega0_pct, printed.xi_pct]),
+        triple(first.bound_pct),
+        rms(Method::OutputError),
+        rms(Method::Kalman),
+    ];
+    cells.extend(shown.iter().map(|(_, method)| rms(*method)));
+    let default = shown
+        .iter()
+        .find(|(filter, _)| *filter == Filter::Default)
+        .and_then(|(_, method)| of(*method));
+    if let Some(line) = default {
+        let time = |v: Option<f64>| v.map_or(String::new(), |ms| format!("{ms:.0}"));
+        cells.push(format!(
+            "{}, {}",
+            time(line.settled_median_ms),
+            time(line.settled_p95_ms)
+        ));
+        cells.push(line.diverged.to_string());
+    }
+    format!("| {} |\n", cells.join(" | "))
+}
+
+/// Every chain behind modified Tustin against the limits, and the rms against the extended Kalman filter.
+pub fn check(args: &Table1Args, lines: &[Line]) -> String {
+    let head = [
+        "reading, condition",
+        "filter",
+        "rms error [%]",
+        "limit [%]",
+        "rms/bound",
+        "median/bound",
+        "EKF [%]",
+        "T_ss p95 [ms]",
+        "diverged",
+        "within",
+    ];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for group in lines.chunk_by(|a, b| a.setting == b.setting) {
+        let kalman = group.iter().find(|l| l.method == Method::Kalman);
+        for line in group {
+            let Method::Core {
+                scheme: Scheme::Tustin,
+                filter,
+                compensated,
+            } = line.method
+            else {
+                continue;
+            };
+            if filter == Filter::None || (filter != Filter::Span && !compensated) {
+                continue;
+            }
+            let verdict = match line.beyond() {
+                None => "-".to_owned(),
+                Some([false, false, false]) => "yes".to_owned(),
+                Some(beyond) => {
+                    let names = ["C", "omega0", "xi"];
+                    let which: Vec<&str> = (0..3).filter(|i| beyond[*i]).map(|i| names[i]).collect();
+                    format!("no: {}", which.join(" "))
+                }
+            };
+            rows.push(vec![
+                format!("{} {}", line.setting.reading(), condition(line)),
+                filter.name().to_owned(),
+                triple(line.rms_pct),
+                line.limit_pct().map_or(String::new(), triple),
+                triple(line.of_bound()),
+                triple([0, 1, 2].map(|i| line.median_pct[i] / line.bound_pct[i])),
+                kalman.map_or(String::new(), |k| triple(k.rms_pct)),
+                line.settled_p95_ms.map_or(String::new(), cell),
+                line.diverged.to_string(),
+                verdict,
+            ]);
+        }
+    }
+    let durations: Vec<String> = lines
+        .chunk_by(|a, b| a.duration_s == b.duration_s)
+        .map(|g| format!("{} s in {}", g[0].duration_s, g[0].setting.reading().to_uppercase()))
+        .collect();
+    format!(
+        "C / omega0 / xi, modified Tustin; {}; {}\n{}{DEFINITIONS}",
+        seeds(args),
+        durations.join(", "),
+        table(&rows)
+    )
+}
