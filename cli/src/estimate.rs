@@ -278,7 +278,7 @@ impl Problem {
 }
 
 /// Coefficients f_0 .. f_{m-1} of `(s + pole)^m`.
-fn binomial(pole: f64, m: usize) -> Vec<f32> {
+pub fn binomial(pole: f64, m: usize) -> Vec<f32> {
     let mut coefficient = 1.0;
     let mut falling = Vec::new();
     for i in 0..m {

@@ -10,7 +10,7 @@ use crate::estimate::{Estimate, Problem, Trace, Tuning};
 use crate::format::{polynomial, significant, table, transfer_function, with_sigma};
 use crate::freerun::FreeRun;
 use crate::output::{Refusal, emit, emit_json, number, progress};
-use crate::plot::{COLOURS, Curve, Figure, GREY, Panel};
+use crate::plot::{COLOURS, Curve, Figure, PALE, Panel};
 use crate::signals::{SignalArgs, Signals, StructureChoice, parse_delay, parse_filter};
 use crate::symmetric::eigen;
 
@@ -382,17 +382,20 @@ impl Report<'_> {
                 .collect()
         };
         let measured = &self.problem.y[half..];
-        let mut curves = vec![Curve::new("measured", GREY, points(measured))];
+        // Broad and pale below the simulation, so that both are seen.
+        let mut below = Curve::new("measured", PALE, points(measured));
+        below.width = 4;
+        let mut curves = vec![below];
         let mut panels = Vec::new();
         let [x0, _] = self.fits();
         if let Some(run) = &self.free_run {
             let error: Vec<f64> = measured.iter().zip(&run.y).map(|(y, s)| y - s).collect();
-            curves.push(Curve::new("free simulation", COLOURS[0], points(&run.y)));
+            curves.push(thin("free simulation", COLOURS[0], points(&run.y)));
             panels.push(Panel {
                 title: "measured minus simulated".into(),
                 x: "t [s]".into(),
                 y: "error".into(),
-                curves: vec![Curve::new("error", COLOURS[1], points(&error))],
+                curves: vec![thin("error", COLOURS[1], points(&error))],
                 range: None,
             });
         }
@@ -413,6 +416,16 @@ impl Report<'_> {
     }
 
     fn transient_figure(&self, signals: &Signals, trace: &Trace) -> Figure {
+        // Three times what the parameters still move after the first fifth of the run.
+        let settled = &trace.rows[trace.rows.len() / 5..];
+        let end = &self.estimate.theta;
+        let moved = settled.iter().flat_map(|(_, theta, _)| {
+            theta
+                .iter()
+                .zip(end)
+                .map(|(now, end)| (now / end - 1.0).abs())
+        });
+        let half = (3.0 * moved.fold(0.0, f64::max)).clamp(0.01, 1.0);
         let curves =
             self.problem
                 .parameter_names()
@@ -437,11 +450,17 @@ impl Report<'_> {
             x: "t [s]".into(),
             y: "relative value".into(),
             curves,
-            range: Some(0.0..2.0),
+            range: Some(1.0 - half..1.0 + half),
         };
         Figure {
             title: "Course of the parameters".into(),
             panels: vec![panel],
         }
     }
+}
+
+fn thin(name: &str, colour: plotters::style::RGBColor, points: Vec<(f64, f64)>) -> Curve {
+    let mut curve = Curve::new(name, colour, points);
+    curve.width = 1;
+    curve
 }

@@ -42,9 +42,9 @@ pub fn emit(text: &str) {
     let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
 }
 
-/// Writes a JSON value on lines of its own.
+/// Writes a JSON value on one line.
 pub fn emit_json(value: &serde_json::Value) {
-    emit(&format!("{value:#}\n"));
+    emit(&format!("{value}\n"));
 }
 
 /// A number for JSON; what is not finite becomes null.

@@ -8,6 +8,8 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
 
+use crate::raster::{Raster, encode, reduced};
+
 /// Colours that stay apart for colour-blind eyes and in grey (Okabe and Ito).
 pub const COLOURS: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
@@ -21,6 +23,9 @@ pub const COLOURS: [RGBColor; 6] = [
 /// The colour of references and measurements.
 pub const GREY: RGBColor = RGBColor(110, 110, 110);
 
+/// The colour of a measurement below its model.
+pub const PALE: RGBColor = RGBColor(185, 185, 185);
+
 /// More points than the picture has pixels only make the file heavy.
 const MAX_POINTS: usize = 2_000;
 
@@ -29,6 +34,8 @@ pub struct Curve {
     pub name: String,
     pub colour: RGBColor,
     pub points: Vec<(f64, f64)>,
+    /// Width of the line in pixels.
+    pub width: u32,
     /// Lower and upper edge at each point.
     pub band: Option<Vec<(f64, f64)>>,
 }
@@ -39,6 +46,7 @@ impl Curve {
             name: name.into(),
             colour,
             points,
+            width: 2,
             band: None,
         }
     }
@@ -64,6 +72,19 @@ pub struct Figure {
 const WIDTH: u32 = 1000;
 const PANEL_HEIGHT: u32 = 330;
 
+/// Everything is drawn this much larger, because coordinates are whole pixels:
+/// the SVG is scaled by its header, the bitmap is averaged down.
+const SCALE: u32 = 3;
+
+/// A length in pixels of the finished picture.
+fn px(length: u32) -> u32 {
+    length * SCALE
+}
+
+fn font(size: u32) -> (&'static str, u32) {
+    ("sans-serif", px(size))
+}
+
 impl Figure {
     /// Writes `DIR/NAME.svg` and `DIR/NAME.png`, making `dir` when needed.
     ///
@@ -74,17 +95,24 @@ impl Figure {
         register_fonts();
         std::fs::create_dir_all(dir)
             .map_err(|e| format!("cannot make the directory `{}`: {e}", dir.display()))?;
-        let size = (WIDTH, 60 + PANEL_HEIGHT * self.panels.len() as u32);
+        let size = (WIDTH, 50 + PANEL_HEIGHT * self.panels.len() as u32);
+        let large = (px(size.0), px(size.1));
         let svg = dir.join(format!("{name}.svg"));
         let png = dir.join(format!("{name}.png"));
         let failed = |path: &Path, e: String| format!("cannot write `{}`: {e}", path.display());
 
-        self.draw(&SVGBackend::new(&svg, size).into_drawing_area())
+        let mut text = String::new();
+        self.draw(&SVGBackend::with_string(&mut text, large).into_drawing_area())
             .map_err(|e| failed(&svg, e.to_string()))?;
-        let mut pixels = vec![255; 3 * (size.0 * size.1) as usize];
-        self.draw(&BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area())
+        let extent = |(w, h): (u32, u32)| format!("width=\"{w}\" height=\"{h}\"");
+        let text = text.replacen(&extent(large), &extent(size), 1);
+        std::fs::write(&svg, text).map_err(|e| failed(&svg, e.to_string()))?;
+
+        let mut pixels = vec![255; 3 * (large.0 * large.1) as usize];
+        self.draw(&Raster::new(&mut pixels, large).into_drawing_area())
             .map_err(|e| failed(&png, e.to_string()))?;
-        encode(&png, size, &pixels).map_err(|e| failed(&png, e.to_string()))?;
+        encode(&png, size, &reduced(&pixels, size, SCALE))
+            .map_err(|e| failed(&png, e.to_string()))?;
         Ok([svg, png])
     }
 
@@ -93,12 +121,9 @@ impl Figure {
         area: &DrawingArea<B, Shift>,
     ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
         area.fill(&WHITE)?;
-        let area = area.titled(&self.title, ("sans-serif", 24))?;
-        for (panel, area) in self
-            .panels
-            .iter()
-            .zip(area.split_evenly((self.panels.len(), 1)))
-        {
+        let area = area.margin(px(8), 0, 0, 0).titled(&self.title, font(20))?;
+        let panels = area.split_evenly((self.panels.len(), 1));
+        for (panel, area) in self.panels.iter().zip(panels) {
             panel.draw(&area)?;
         }
         area.present()
@@ -110,53 +135,42 @@ impl Panel {
         &self,
         area: &DrawingArea<B, Shift>,
     ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
-        let x = extent(
-            self.curves
-                .iter()
-                .flat_map(|c| c.points.iter().map(|p| p.0)),
-            0.0,
-        );
-        let y = self.range.clone().unwrap_or_else(|| {
-            extent(
-                self.curves
-                    .iter()
-                    .flat_map(|c| c.points.iter().map(|p| p.1)),
-                0.06,
-            )
-        });
+        let points = || self.curves.iter().flat_map(|c| &c.points);
+        let x = extent(points().map(|p| p.0), 0.0);
+        let y = self
+            .range
+            .clone()
+            .unwrap_or_else(|| extent(points().map(|p| p.1), 0.06));
         let mut chart = ChartBuilder::on(area)
-            .margin(12)
-            .margin_right(28)
-            .caption(&self.title, ("sans-serif", 18))
-            .x_label_area_size(42)
-            .y_label_area_size(74)
+            .margin(px(10))
+            .margin_right(px(28))
+            .caption(&self.title, font(16))
+            .x_label_area_size(px(42))
+            .y_label_area_size(px(70))
             .build_cartesian_2d(x.clone(), y.clone())?;
         chart
             .configure_mesh()
             .x_desc(&self.x)
             .y_desc(&self.y)
-            .label_style(("sans-serif", 15))
-            .axis_desc_style(("sans-serif", 16))
-            .light_line_style(WHITE)
-            .bold_line_style(BLACK.mix(0.12))
+            .label_style(font(14))
+            .axis_desc_style(font(15))
+            .set_all_tick_mark_size(px(4))
+            .axis_style(BLACK.stroke_width(px(1)))
+            .light_line_style(TRANSPARENT)
+            .bold_line_style(BLACK.mix(0.12).stroke_width(px(1)))
             .x_label_formatter(&|v| tick(*v, &x))
             .y_label_formatter(&|v| tick(*v, &y))
             .draw()?;
         for curve in &self.curves {
             if let Some(band) = &curve.band {
-                let clamp = |v: f64| v.clamp(y.start, y.end);
-                let keep = thinned(curve.points.len());
-                let upper = keep.iter().map(|&k| (curve.points[k].0, clamp(band[k].1)));
-                let lower = keep
-                    .iter()
-                    .rev()
-                    .map(|&k| (curve.points[k].0, clamp(band[k].0)));
-                let edge: Vec<_> = upper.chain(lower).filter(|p| p.1.is_finite()).collect();
-                chart.draw_series(std::iter::once(Polygon::new(edge, curve.colour.mix(0.16))))?;
+                for edge in outline(&curve.points, band, &y) {
+                    let colour = curve.colour.mix(0.16);
+                    chart.draw_series(std::iter::once(Polygon::new(edge, colour)))?;
+                }
             }
         }
         for curve in &self.curves {
-            let style = curve.colour.stroke_width(2);
+            let style = curve.colour.stroke_width(px(curve.width));
             // Lines that leave the axes are cut there, not drawn over the labels.
             for run in inside(&envelope(&curve.points), &y) {
                 chart.draw_series(LineSeries::new(run, style))?;
@@ -165,7 +179,7 @@ impl Panel {
             chart
                 .draw_series(LineSeries::new(std::iter::empty(), style))?
                 .label(&curve.name)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 22, y)], style));
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + px(22) as i32, y)], style));
         }
         if self.curves.len() > 1 {
             chart
@@ -173,9 +187,9 @@ impl Panel {
                 .position(SeriesLabelPosition::UpperRight)
                 .background_style(WHITE.mix(0.85))
                 .border_style(BLACK.mix(0.3))
-                .label_font(("sans-serif", 15))
-                .legend_area_size(30)
-                .margin(8)
+                .label_font(font(14))
+                .legend_area_size(px(30))
+                .margin(px(6))
                 .draw()?;
         }
         Ok(())
@@ -194,16 +208,6 @@ fn register_fonts() {
         );
         assert!(ok.is_ok(), "the built-in font is unreadable");
     });
-}
-
-fn encode(path: &Path, size: (u32, u32), pixels: &[u8]) -> Result<(), png::EncodingError> {
-    let file = std::io::BufWriter::new(std::fs::File::create(path)?);
-    let mut encoder = png::Encoder::new(file, size.0, size.1);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(pixels)?;
-    writer.finish()
 }
 
 /// The range of the finite values, widened by `margin` of itself on both sides.
@@ -245,10 +249,27 @@ fn tick(v: f64, range: &Range<f64>) -> String {
     }
 }
 
-/// Indices of at most [`MAX_POINTS`] evenly chosen points.
-fn thinned(n: usize) -> Vec<usize> {
-    let step = n.div_ceil(MAX_POINTS).max(1);
-    (0..n).step_by(step).collect()
+/// Outlines of the finite stretches of a band, cut at the axes, with at most
+/// [`MAX_POINTS`] points to each edge.
+fn outline(points: &[(f64, f64)], band: &[(f64, f64)], range: &Range<f64>) -> Vec<Vec<(f64, f64)>> {
+    let step = points.len().div_ceil(MAX_POINTS).max(1);
+    let edges: Vec<(f64, f64, f64)> = points
+        .iter()
+        .zip(band)
+        .step_by(step)
+        .map(|(p, b)| (p.0, b.0, b.1))
+        .collect();
+    edges
+        .split(|e| !(e.1.is_finite() && e.2.is_finite()))
+        .filter(|run| run.len() > 1)
+        .map(|run| {
+            let cut = |v: f64| v.clamp(range.start, range.end);
+            let upper = run.iter().map(|e| (e.0, cut(e.2)));
+            upper
+                .chain(run.iter().rev().map(|e| (e.0, cut(e.1))))
+                .collect()
+        })
+        .collect()
 }
 
 /// The curve with each long run of points replaced by its lowest and highest,
