@@ -61,8 +61,8 @@ impl<const M: usize> Physical<M> {
             && a1.is_finite()
         {
             let omega0 = sqrt(a0);
-            reading.omega0 = Some(omega0);
-            reading.damping = Some(0.5 * a1 / omega0);
+            reading.omega0 = finite(omega0);
+            reading.damping = finite(0.5 * a1 / omega0);
         }
         let Some(poles) = transfer.poles() else {
             return reading;
@@ -71,17 +71,22 @@ impl<const M: usize> Physical<M> {
         for pole in poles.iter().skip(transfer.integrators) {
             if pole.im == 0.0 && pole.re < 0.0 {
                 if let Some(slot) = reading.time_constants.get_mut(n) {
-                    *slot = Some(-1.0 / pole.re);
+                    *slot = finite(-1.0 / pole.re);
                     n += 1;
                 }
             } else if pole.im != 0.0 && reading.omega0.is_none() {
                 let omega0 = sqrt(pole.re * pole.re + pole.im * pole.im);
-                reading.omega0 = Some(omega0);
-                reading.damping = Some(-pole.re / omega0);
+                reading.omega0 = finite(omega0);
+                reading.damping = finite(-pole.re / omega0);
             }
         }
         reading
     }
+}
+
+/// `value`, if it is a number: quotients of very small coefficients overflow.
+fn finite(value: f32) -> Option<f32> {
+    value.is_finite().then_some(value)
 }
 
 /// Standard deviations of gain, omega0 and damping, first order in the covariance of theta.

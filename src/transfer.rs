@@ -84,6 +84,9 @@ impl<const M: usize, const I: usize> TransferFunction<M, I> {
         let mut poles = [Pole { re: 0.0, im: 0.0 }; M];
         let a = self.a.get(self.integrators..)?;
         let found = poles.get_mut(self.integrators..)?;
+        if !a.iter().all(|v| v.is_finite()) {
+            return None;
+        }
         match *a {
             [] => {}
             [a0] => found[0].re = -a0,
@@ -116,10 +119,13 @@ fn quadratic(a0: f32, a1: f32, roots: &mut [Pole]) {
     roots[1] = Pole { re: far, im: 0.0 };
 }
 
+/// Sum of the last steps, on roots whose product is 1, up to which the iteration counts as settled.
+const SETTLED: f32 = 0.1;
+
 /// All roots at once, on the polynomial scaled to a unit product of roots.
 fn durand_kerner(a: &[f32], roots: &mut [Pole]) -> Option<()> {
     let order = a.len();
-    if !a.iter().all(|v| v.is_finite()) {
+    if order > 4 {
         return None;
     }
     let scale = pow(a[0].abs(), 1.0 / order as f32);
@@ -141,9 +147,11 @@ fn durand_kerner(a: &[f32], roots: &mut [Pole]) -> Option<()> {
         start = mul(start, seed);
         *root = start;
     }
-    let mut moved = f32::MAX;
+    // Near a multiple root rounding throws the iterates about: the calmest ones are the answer.
+    let mut calmest = f32::MAX;
+    let mut best = [Pole { re: 0.0, im: 0.0 }; 4];
     for _ in 0..200 {
-        moved = 0.0;
+        let mut moved = 0.0;
         for i in 0..order {
             let mut value = Pole { re: 1.0, im: 0.0 };
             for j in (0..order).rev() {
@@ -174,10 +182,15 @@ fn durand_kerner(a: &[f32], roots: &mut [Pole]) -> Option<()> {
                 moved += step.re.abs() + step.im.abs();
             }
         }
+        if moved < calmest {
+            calmest = moved;
+            best[..order].copy_from_slice(roots);
+        }
         if moved < 1e-6 {
             break;
         }
     }
+    roots.copy_from_slice(&best[..order]);
     for root in roots.iter_mut() {
         if root.im.abs() < 1e-4 * (root.re.abs() + 1e-3) {
             root.im = 0.0;
@@ -189,8 +202,8 @@ fn durand_kerner(a: &[f32], roots: &mut [Pole]) -> Option<()> {
         let (p, q) = (p.re * p.re + p.im * p.im, q.re * q.re + q.im * q.im);
         p.total_cmp(&q)
     });
-    // A double root is found to the square root of the precision only.
-    (moved < 1e-2).then_some(())
+    // A k-fold root is found to the k-th root of the precision only: 2^-6 for four equal ones.
+    (calmest < SETTLED).then_some(())
 }
 
 fn mul(p: Pole, q: Pole) -> Pole {
