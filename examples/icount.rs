@@ -32,6 +32,7 @@ functions! {
     row_nothing((), f32) -> f32, |_state, u, _y| u;
     row_raw(rows::Raw, f32) -> Outcome, |state, u, y| state.update(u, y);
     row_filtered(rows::Filtered, f32) -> Outcome, |state, u, y| state.update(u, y);
+    row_integral(rows::Integral, f32) -> Outcome, |state, u, y| state.update(u, y);
     row_constant(rows::Offset, f32) -> Outcome, |state, u, y| state.update(u, y);
     row_dead_zone(rows::DeadZone, f32) -> Outcome, |state, u, y| {
         state.update_inputs(rows::dead_zone_inputs(u), y)
@@ -41,6 +42,26 @@ functions! {
     row_bare_4(Estimator<4>, &[f32; 4]) -> f32, |state, phi, psi| state.update(phi, psi);
     row_bare_5(Estimator<5>, &[f32; 5]) -> f32, |state, phi, psi| state.update(phi, psi);
     row_bare_6(Estimator<6>, &[f32; 6]) -> f32, |state, phi, psi| state.update(phi, psi);
+    row_pulled_3(Pulled<3>, &[f32; 3]) -> f32, |state, phi, psi| state.update(phi, psi);
+    row_pulled_4(Pulled<4>, &[f32; 4]) -> f32, |state, phi, psi| state.update(phi, psi);
+    row_pulled_5(Pulled<5>, &[f32; 5]) -> f32, |state, phi, psi| state.update(phi, psi);
+}
+
+/// The bare estimator with its covariance bounded at rest, one parameter per sample in turn.
+#[derive(Clone, Copy)]
+struct Pulled<const N: usize> {
+    estimator: Estimator<N>,
+    turn: usize,
+}
+
+impl<const N: usize> Pulled<N> {
+    #[inline(always)]
+    fn update(&mut self, phi: &[f32; N], psi: f32) -> f32 {
+        let innovation = self.estimator.update(phi, psi);
+        self.turn = if self.turn + 1 < N { self.turn + 1 } else { 0 };
+        self.estimator.relax(self.turn, 0.0, 1e4, 1e-7);
+        innovation
+    }
 }
 
 /// Something that takes the rows one after the other: a counter on the target, a stopwatch on the host.
@@ -106,6 +127,33 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
         samples(),
         |s, &u, y| row_filtered(s, u, y),
     );
+    let default = rows::default()?;
+    meter.row(
+        "default (with start)",
+        "row_constant",
+        4,
+        default,
+        samples(),
+        |s, &u, y| row_constant(s, u, y),
+    );
+    let following = rows::following()?;
+    meter.row(
+        "default with memory",
+        "row_constant",
+        4,
+        following,
+        samples(),
+        |s, &u, y| row_constant(s, u, y),
+    );
+    let integral = rows::integral()?;
+    meter.row(
+        "over a span of 70",
+        "row_integral",
+        3,
+        integral,
+        samples(),
+        |s, &u, y| row_integral(s, u, y),
+    );
     let offset = rows::offset()?;
     meter.row(
         "with constant",
@@ -165,11 +213,42 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
         rows_of_numbers(),
         row_bare_6,
     );
+    meter.row(
+        "bare, bounded at rest",
+        "row_pulled_3",
+        3,
+        pulled(),
+        rows_of_numbers(),
+        row_pulled_3,
+    );
+    meter.row(
+        "bare, bounded at rest",
+        "row_pulled_4",
+        4,
+        pulled(),
+        rows_of_numbers(),
+        row_pulled_4,
+    );
+    meter.row(
+        "bare, bounded at rest",
+        "row_pulled_5",
+        5,
+        pulled(),
+        rows_of_numbers(),
+        row_pulled_5,
+    );
     Ok(())
 }
 
 fn bare<const N: usize>() -> Estimator<N> {
     Estimator::new([0.0; N], [1000.0; N], 0.999)
+}
+
+fn pulled<const N: usize>() -> Pulled<N> {
+    Pulled {
+        estimator: bare(),
+        turn: 0,
+    }
 }
 
 #[cfg(target_os = "none")]

@@ -55,9 +55,6 @@ struct Row<const N: usize> {
     inverse: f32,
 }
 
-/// Above this a factor D_j is not let grow: there is no excitation left to be sure of.
-const WIND_UP: f32 = 1e12;
-
 impl<const N: usize> Estimator<N> {
     /// Starts at `theta` with the standard deviations `std`, in units of the noise of psi.
     ///
@@ -156,40 +153,24 @@ impl<const N: usize> Estimator<N> {
         row.gain[j] = v;
     }
 
-    /// A weak pull of parameter `index` toward `trusted`: one pseudo-observation of weight `weight`.
+    /// Keeps the covariance of one parameter bounded while there is no excitation.
     ///
-    /// Bounds the covariance without excitation. The noise statistics are not
-    /// touched. Only the columns from `index` on take part, because U is triangular.
-    #[inline]
-    pub fn pull(&mut self, index: usize, trusted: f32, weight: f32) {
-        if index >= N || !crate::error::positive(weight) {
-            return;
-        }
-        // A row of weight w is a row whose noise has the variance 1/w.
-        let mut row = Row {
-            gain: [0.0; N],
-            alpha: 1.0 / weight,
-            inverse: weight,
-        };
-        self.fold_column(&mut row, index, 1.0, 1.0);
-        for j in index + 1..N {
-            let f = self.factor[j][index];
-            self.fold_column(&mut row, j, f, 1.0);
-        }
-        let step = (trusted - self.theta[index]) / row.alpha;
-        for j in 0..N {
-            self.theta[j] += row.gain[j] * step;
-        }
-    }
-
-    /// Stops the factor D_index at its largest allowed value.
+    /// D_index is stopped at `ceiling`, and theta_index falls back toward `trusted` by
+    /// the share `rate D_index / ceiling`: all of `rate` at rest, next to nothing in
+    /// motion, where D is thousands of times smaller. One parameter per sample in turn
+    /// is enough, because D grows by no more than 1/lambda per sample.
+    ///
+    /// Cost: 20 instructions.
     #[inline(always)]
-    pub(crate) fn limit(&mut self, index: usize) {
-        if let Some(d) = self.diagonal.get_mut(index)
-            && *d > WIND_UP
-        {
-            *d = WIND_UP;
+    pub fn relax(&mut self, index: usize, trusted: f32, ceiling: f32, rate: f32) {
+        let (Some(d), Some(theta)) = (self.diagonal.get_mut(index), self.theta.get_mut(index))
+        else {
+            return;
+        };
+        if *d > ceiling {
+            *d = ceiling;
         }
+        *theta += rate * *d * (trusted - *theta);
     }
 
     /// Entry (i, j) of P = U D U', relative to the noise variance.

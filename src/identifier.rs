@@ -48,9 +48,9 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     pub prior_std: Option<[f32; N]>,
     /// Time after the first sample, in s, in which trends settle and nothing is estimated; default 0.
     pub settling: f32,
-    /// With a memory: weight of the pull toward the trusted estimate that bounds the covariance at rest, where a
-    /// sample of full excitation has a weight of order 1. Default 1e-5: invisible in motion, and after any
-    /// rest the estimate neither has moved nor is slow to move. 0 stops the covariance at a ceiling only.
+    /// With a memory: information that forgetting cannot take away, in samples of full excitation. At rest the
+    /// covariance stops at its inverse, and the estimate falls back to the trusted one ([`Identifier::trust`])
+    /// within the memory. Default 5e-4: unseen in motion; 0 stops the covariance at 10^12 only.
     pub pull: f32,
 }
 
@@ -75,7 +75,7 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
             initial: [0.0; N],
             prior_std: None,
             settling: 0.0,
-            pull: 1e-5,
+            pull: 5e-4,
         }
     }
 
@@ -147,6 +147,9 @@ fn check_std<const N: usize>(std: &[f32; N]) -> Result<(), ConfigError> {
 
 /// A sample this many times its range away from zero is no measurement; it would also let sums overflow.
 const REACH: f32 = 1e6;
+
+/// Where a covariance without a floor stops, relative to the noise variance.
+const WIND_UP: f32 = 1e12;
 
 /// Prior standard deviation of a normalised parameter whose size by design is 1.
 const PRIOR: f32 = 10.0;
@@ -258,8 +261,11 @@ pub struct Identifier<
     decay: f32,
     start_trend: f32,
     forgets: bool,
-    pull: f32,
+    /// 1/pull, and the share per sample of the way back to the trusted estimate, over the ceiling.
+    ceiling: f32,
+    fall_back: f32,
     trusted: [f32; N],
+    has_trusted: bool,
     turn: usize,
     output: T::Memory,
     inputs: [T::Memory; I],
@@ -299,6 +305,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         };
         let (theta, std) = prior(&regressor, prior_noise, &config.initial, &config.prior_std);
         let start = Estimator::new(theta, std, forgetting);
+        let ceiling = if config.pull > 1.0 / WIND_UP {
+            1.0 / config.pull
+        } else {
+            WIND_UP
+        };
         let settling = (config.settling / sample_time) as u32;
         let warm_up = trends.warm_up().max(settling);
         Ok(Self {
@@ -319,7 +330,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             decay: trends.decay(),
             start_trend: 0.0,
             forgets: config.memory.is_some(),
-            pull: config.pull,
+            ceiling,
+            fall_back: (1.0 - forgetting) * N as f32 / ceiling,
+            has_trusted: false,
             trusted: theta,
             turn: 0,
             output: T::EMPTY,
@@ -410,17 +423,18 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         Outcome::Estimated { innovation }
     }
 
-    /// One parameter per sample in turn: pulled toward the trusted value, or stopped at the ceiling.
+    /// One parameter per sample in turn: its covariance bounded, its value let fall back at rest.
     #[inline(always)]
     fn keep_bounded(&mut self) {
         let turn = if self.turn < N { self.turn } else { 0 };
         self.turn = turn + 1;
-        if self.pull > 0.0 {
-            let trusted = self.trusted.get(turn).copied().unwrap_or(0.0);
-            self.estimator.pull(turn, trusted, self.pull);
+        let trusted = self.trusted.get(turn).copied().unwrap_or(0.0);
+        let rate = if self.has_trusted {
+            self.fall_back
         } else {
-            self.estimator.limit(turn);
-        }
+            0.0
+        };
+        self.estimator.relax(turn, trusted, self.ceiling, rate);
     }
 
     /// The plant rested at y(0) with the inputs at their rest values until this sample.
@@ -448,6 +462,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     pub fn reset(&mut self) {
         self.restart_trends();
         self.estimator = self.start;
+        self.has_trusted = false;
         self.noise.reset();
         self.quality = Quality::new();
     }
@@ -473,12 +488,14 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let (theta, std) = prior(&self.regressor, self.prior_noise, &theta, &Some(std));
         self.estimator = self.estimator.restarted(theta, std);
         self.trusted = theta;
+        self.has_trusted = true;
         Ok(())
     }
 
-    /// Makes the current estimate the one that the pull leads back to.
+    /// Makes the current estimate the one that a rest leads back to.
     pub fn trust(&mut self) {
         self.trusted = *self.estimator.theta();
+        self.has_trusted = true;
     }
 
     /// Lets the estimate move (`true`, the start) or holds it; predictions go on.

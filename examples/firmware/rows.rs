@@ -41,11 +41,10 @@ pub fn filtered(scheme: Scheme) -> Result<Filtered, ConfigError> {
     Filtered::try_new(&config, filter(scheme)?)
 }
 
-/// The reference structure with a memory of one second and the pull toward the trusted estimate.
+/// The reference structure with a memory of one second.
 pub fn forgetting() -> Result<Filtered, ConfigError> {
     let mut config = Config::new(Structure::integrating(), 25.0, [1.0], 50.0);
     config.memory = Some(1.0);
-    config.pull = 1e-3;
     Filtered::try_new(&config, filter(Scheme::Tustin)?)
 }
 
