@@ -38,7 +38,10 @@ const MM_PER_COUNT: f32 = 0.005;
 const ORIGIN: i32 = 8_000_000;
 
 /// The machine: 400 mm of travel, a valve and a cylinder of about 20 rad/s.
-const TRAVEL: Travel = Travel { begin: 0.0, end: 400.0 };
+const TRAVEL: Travel = Travel {
+    begin: 0.0,
+    end: 400.0,
+};
 const BANDWIDTH: f32 = 20.0;
 
 /// Targets of the moves in mm, and the samples between them.
@@ -46,8 +49,14 @@ const TARGETS: [f32; 2] = [120.0, 280.0];
 const DWELL: u32 = 1500;
 
 /// The control loop of this machine.
-fn machine<S: PositionSensor, V: Valve>(sensor: S, valve: V) -> Result<ServoLoop<S, V>, ServoError> {
-    let axis = Axis { scale: const { Scale::new(MM_PER_COUNT).unwrap() }, reference: ORIGIN };
+fn machine<S: PositionSensor, V: Valve>(
+    sensor: S,
+    valve: V,
+) -> Result<ServoLoop<S, V>, ServoError> {
+    let axis = Axis {
+        scale: const { Scale::new(MM_PER_COUNT).unwrap() },
+        reference: ORIGIN,
+    };
     let mut servo = ServoLoop::try_new(&LoopConfig::new(BANDWIDTH, TRAVEL), axis, sensor, valve)?;
     servo.commission();
     Ok(servo)
@@ -90,6 +99,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
     }
     let model = servo.supervisor().good().ok_or("no model was verified")?;
-    println!("model: a1 {:.1} a2 {:.2} b0 {:.0} dead zone {:.4}", model.a1, model.a2, model.b0, model.dead_zone);
+    println!(
+        "model: a1 {:.1} a2 {:.2} b0 {:.0} dead zone {:.4}",
+        model.a1, model.a2, model.b0, model.dead_zone
+    );
     Ok(())
 }

@@ -30,7 +30,12 @@ impl Drive {
     /// A drive at rest at 200 mm.
     pub fn new() -> Self {
         COMMAND.store(0, Ordering::Relaxed);
-        Self { position: 200.0, velocity: 0.0, acceleration: 0.0, seed: 1 }
+        Self {
+            position: 200.0,
+            velocity: 0.0,
+            acceleration: 0.0,
+            seed: 1,
+        }
     }
 }
 
@@ -54,7 +59,10 @@ impl PositionSensor for Drive {
             self.velocity += TIME * self.acceleration;
             self.position += TIME * self.velocity;
         }
-        self.seed = self.seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        self.seed = self
+            .seed
+            .wrapping_mul(1_664_525)
+            .wrapping_add(1_013_904_223);
         let noise = (self.seed >> 24) as i32 % 5 - 2;
         Ok(ORIGIN + (self.position * COUNTS) as i32 + noise)
     }

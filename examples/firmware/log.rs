@@ -29,7 +29,10 @@ struct Frame {
 // SAFETY: used between acquire and release only, with interrupts off, on a single core.
 unsafe impl Sync for Frame {}
 
-static FRAME: Frame = Frame { encoder: UnsafeCell::new(defmt::Encoder::new()), masked: UnsafeCell::new(false) };
+static FRAME: Frame = Frame {
+    encoder: UnsafeCell::new(defmt::Encoder::new()),
+    masked: UnsafeCell::new(false),
+};
 
 // SAFETY: acquire turns interrupts off and release restores them, so frames exclude each other.
 unsafe impl defmt::Logger for Logger {
@@ -134,7 +137,13 @@ impl Rtt {
             }
         }
         // SAFETY: write is below SIZE, and the debugger reads what lies before it only.
-        unsafe { RING.0.get().cast::<u8>().add(write as usize).write_volatile(byte) };
+        unsafe {
+            RING.0
+                .get()
+                .cast::<u8>()
+                .add(write as usize)
+                .write_volatile(byte)
+        };
         self.write.store(next, Ordering::Release);
     }
 }

@@ -24,7 +24,12 @@ use crate::drive::{Drive, SimulatedValve};
 use crate::{log, machine, name, target};
 
 /// The transducer on SPI2.
-const ENCODER: SsiFormat = SsiFormat { bits: 24, code: SsiCode::Gray, alarm: true, parity: true };
+const ENCODER: SsiFormat = SsiFormat {
+    bits: 24,
+    code: SsiCode::Gray,
+    alarm: true,
+    parity: true,
+};
 
 /// Frequency of the crystal; the only number of the board here besides the pins.
 const CRYSTAL_MHZ: u32 = 8;
@@ -71,14 +76,16 @@ impl<B: SpiBus, P: OutputPin> SpiDevice for Device<B, P> {
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Self::Error> {
         // A pin of this chip cannot fail.
         let _ = self.select.as_mut().map(OutputPin::set_low);
-        let result = operations.iter_mut().try_for_each(|operation| match operation {
-            Operation::Read(words) => self.bus.read(words),
-            Operation::Write(words) => self.bus.write(words),
-            Operation::Transfer(read, write) => self.bus.transfer(read, write),
-            Operation::TransferInPlace(words) => self.bus.transfer_in_place(words),
-            // Nobody here asks for a pause.
-            Operation::DelayNs(_) => Ok(()),
-        });
+        let result = operations
+            .iter_mut()
+            .try_for_each(|operation| match operation {
+                Operation::Read(words) => self.bus.read(words),
+                Operation::Write(words) => self.bus.write(words),
+                Operation::Transfer(read, write) => self.bus.transfer(read, write),
+                Operation::TransferInPlace(words) => self.bus.transfer_in_place(words),
+                // Nobody here asks for a pause.
+                Operation::DelayNs(_) => Ok(()),
+            });
         let flushed = self.bus.flush();
         let _ = self.select.as_mut().map(OutputPin::set_high);
         result.and(flushed)
@@ -87,7 +94,8 @@ impl<B: SpiBus, P: OutputPin> SpiDevice for Device<B, P> {
 
 type NoPin = PB7<PinOutput<PushPull>>;
 type EncoderBus = Device<stm32f4xx_hal::spi::Spi<pac::SPI2>, NoPin>;
-type DacBus = Device<stm32f4xx_hal::spi::Spi<pac::SPI3>, stm32f4xx_hal::gpio::PA15<PinOutput<PushPull>>>;
+type DacBus =
+    Device<stm32f4xx_hal::spi::Spi<pac::SPI3>, stm32f4xx_hal::gpio::PA15<PinOutput<PushPull>>>;
 type Pulse = PwmChannel<pac::TIM4, 0>;
 
 /// The transducer, or the simulated one.
@@ -141,7 +149,7 @@ struct Snapshot {
     dropped: u32,
     stopped: bool,
     fed: u32,
-    /// Longest update so far in us, from the beginning of its slot.
+    /// Longest update so far in us; in the emulator in thousands of instructions.
     longest: u32,
     model: Option<ServoModel>,
 }
@@ -173,6 +181,7 @@ fn TIM2() {
 
 impl Slot {
     fn run(&mut self) {
+        let begin = count();
         // Ends the request, so that the next one shows whether this slot was too long.
         let _ = self.timer.wait();
         self.now.tick += 1;
@@ -180,14 +189,14 @@ impl Slot {
             // Again and again: a valve that missed it once must not stay open.
             let _ = self.servo.valve_mut().safe();
         } else {
-            self.control();
+            self.control(begin);
         }
         if self.now.tick % EVERY == 0 && self.out.enqueue(self.now).is_err() {
             self.now.dropped += 1;
         }
     }
 
-    fn control(&mut self) {
+    fn control(&mut self, begin: u32) {
         if let Some(target) = target(self.now.tick) {
             self.servo.move_to(target);
         }
@@ -216,7 +225,14 @@ impl Slot {
             self.watchdog.feed();
             self.now.fed += 1;
         }
-        let us = (u64::from(elapsed()) * 1000 / u64::from(self.period)) as u32;
+        let end = count();
+        // The counter of the chip begins again with each slot, that of the emulator runs on.
+        let ticks = if end >= begin {
+            end - begin
+        } else {
+            end + self.period - begin
+        };
+        let us = (u64::from(ticks) * 1000 / u64::from(self.period)) as u32;
         self.now.longest = self.now.longest.max(us);
         if core::mem::discriminant(&self.now.state) != before {
             self.now.model = self.servo.supervisor().good();
@@ -232,8 +248,8 @@ impl Slot {
     }
 }
 
-/// Ticks since the slot began.
-fn elapsed() -> u32 {
+/// The counter of the slot timer.
+fn count() -> u32 {
     // SAFETY: reading the counter has no side effect.
     unsafe { (*TIM2::ptr()).cnt().read().bits() }
 }
@@ -262,7 +278,10 @@ fn main() -> ! {
     let mut rcc = chip.RCC.freeze(config);
 
     let (sensor, valve) = if emulated {
-        (Sensor::Simulated(Drive::new()), Output::Simulated(SimulatedValve))
+        (
+            Sensor::Simulated(Drive::new()),
+            Output::Simulated(SimulatedValve),
+        )
     } else {
         let pins_a = chip.GPIOA.split(&mut rcc);
         let pins_b = chip.GPIOB.split(&mut rcc);
@@ -290,7 +309,10 @@ fn main() -> ! {
             );
             let mut select = pins_a.pa15.into_push_pull_output();
             select.set_high();
-            Output::Dac(DacValve::new(Device { bus, select: Some(select) }))
+            Output::Dac(DacValve::new(Device {
+                bus,
+                select: Some(select),
+            }))
         };
         (Sensor::Encoder(encoder), valve)
     };
@@ -299,7 +321,11 @@ fn main() -> ! {
     let mut timer = chip.TIM2.counter_hz(&mut rcc);
     // QEMU counts with its own frequency, so there the rate is that of a clock which is so much slower.
     let clock = rcc.clocks.timclk1().raw();
-    let rate = if emulated { 1000 * (clock / 1000) / (EMULATED_HZ / 1000) } else { 1000 };
+    let rate = if emulated {
+        1000 * (clock / 1000) / (EMULATED_HZ / 1000)
+    } else {
+        1000
+    };
     timer.start(rate.Hz()).unwrap();
     timer.listen(Event::Update);
     // SAFETY: reading the reload value has no side effect.
@@ -319,9 +345,24 @@ fn main() -> ! {
         longest: 0,
         model: None,
     };
-    let slot = Slot { servo, timer, period, watchdog, out: producer, now, in_a_row: 0 };
+    let slot = Slot {
+        servo,
+        timer,
+        period,
+        watchdog,
+        out: producer,
+        now,
+        in_a_row: 0,
+    };
     free(|section| SLOT.borrow(section).replace(Some(slot)));
-    defmt::info!("trendid servo, {=str}", if emulated { "simulated drive" } else { "encoder on SPI2" });
+    defmt::info!(
+        "trendid servo, {=str}",
+        if emulated {
+            "simulated drive"
+        } else {
+            "encoder on SPI2"
+        }
+    );
     // SAFETY: everything the interrupt needs is in SLOT.
     unsafe { NVIC::unmask(pac::Interrupt::TIM2) };
     idle(consumer, emulated)
@@ -356,7 +397,11 @@ fn idle(mut snapshots: Consumer<'static, Snapshot>, emulated: bool) -> ! {
             );
         }
         if now.stopped {
-            defmt::error!("{=u32} overruns in a row: safe output, watchdog fed {=u32} times", u32::from(LIMIT), now.fed);
+            defmt::error!(
+                "{=u32} overruns in a row: safe output, watchdog fed {=u32} times",
+                u32::from(LIMIT),
+                now.fed
+            );
         }
         if emulated {
             controlled |= now.state.is_controlling() && now.overruns == 0 && now.model.is_some();
@@ -364,8 +409,15 @@ fn idle(mut snapshots: Consumer<'static, Snapshot>, emulated: bool) -> ! {
                 PROVOKED.store(LIMIT, Ordering::Relaxed);
             }
             if now.tick >= END {
-                let passed = controlled && now.stopped && now.overruns == u32::from(LIMIT) && now.dropped == 0;
-                debug::exit(if passed { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
+                let passed = controlled
+                    && now.stopped
+                    && now.overruns == u32::from(LIMIT)
+                    && now.dropped == 0;
+                debug::exit(if passed {
+                    debug::EXIT_SUCCESS
+                } else {
+                    debug::EXIT_FAILURE
+                });
             }
         }
     }

@@ -120,7 +120,16 @@ pub fn features() -> Done {
 pub fn pil() -> Done {
     let image = M4F.build("pil", "firmware")?;
     for options in [&[][..], &["--samples", "2000", "--faults", "10"]] {
-        let mut command = cargo(&["run", "-q", "--release", "-p", "trendid-cli", "--", "pil", "--image"]);
+        let mut command = cargo(&[
+            "run",
+            "-q",
+            "--release",
+            "-p",
+            "trendid-cli",
+            "--",
+            "pil",
+            "--image",
+        ]);
         command.arg(&image).args(options);
         process::run(command)?;
     }

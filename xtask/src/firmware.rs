@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use crate::Done;
+use crate::defmt::Table;
 use crate::elf::Image;
 use crate::process::{M0, M3, M4F};
 
@@ -50,6 +51,21 @@ pub fn run(options: &Options) -> Done {
         for line in machine.lines(&path, LIMIT)? {
             println!("    {line}");
         }
+    }
+    servo(options)
+}
+
+/// The servo controller on its simulated drive: it must reach control, and end in the safe output after three overruns.
+fn servo(options: &Options) -> Done {
+    let path = M4F.build("servo", "firmware")?;
+    not_empty(&Image::read(&path)?)?;
+    if options.build_only {
+        return Ok(());
+    }
+    println!("servo on {} ({}):", M4F.name, M4F.target);
+    let table = Table::read(&path)?;
+    for line in table.lines(&M4F.output(&path, LIMIT)?)? {
+        println!("    {line}");
     }
     Ok(())
 }

@@ -3,6 +3,7 @@
 //! The steps of continuous integration are these tasks under these names, so that what fails there is repeated here.
 
 mod ci;
+mod defmt;
 mod elf;
 mod firmware;
 mod icount;
