@@ -1,6 +1,7 @@
 //! Filter pole and delay chosen by the record itself.
 
 use indicatif::ProgressBar;
+use rayon::prelude::*;
 
 use crate::estimate::{Problem, Tuning};
 use crate::output::Refusal;
@@ -36,7 +37,7 @@ pub fn poles(samples: usize, dt: f64) -> Vec<f64> {
 /// How well the model that a tuning gives repeats the record: the mean fit of
 /// free simulations of both halves, initial state and constant refitted.
 pub fn merit(problem: &Problem, tuning: Tuning) -> Option<f64> {
-    let [_, estimate] = problem.run(tuning, None).ok()?;
+    let estimate = problem.run(tuning, None).ok()?.end;
     let n = problem.y.len();
     let first = problem.free_run(&estimate, tuning.delay, 0..n / 2)?;
     let second = problem.free_run(&estimate, tuning.delay, n / 2..n)?;
@@ -63,17 +64,25 @@ pub fn tune(problem: &Problem, freedom: Freedom, bar: &ProgressBar) -> Result<Tu
         Choice::Given(delay) => delay..=delay,
         Choice::Auto => 0..=LONGEST_DELAY,
     };
-    bar.set_length((poles.len() * delays.clone().count()) as u64);
-    let mut best: Option<(f64, Tuning)> = None;
-    for delay in delays {
-        for &pole in &poles {
-            let tuning = Tuning { pole, delay };
-            if let Some(merit) = merit(problem, tuning)
-                && best.is_none_or(|(b, _)| merit > b)
-            {
-                best = Some((merit, tuning));
-            }
+    let candidates: Vec<Tuning> = delays
+        .flat_map(|delay| poles.iter().map(move |&pole| Tuning { pole, delay }))
+        .collect();
+    bar.set_length(candidates.len() as u64);
+    let merits: Vec<Option<f64>> = candidates
+        .par_iter()
+        .map(|&tuning| {
+            let merit = merit(problem, tuning);
             bar.inc(1);
+            merit
+        })
+        .collect();
+    // The first of equals: the result does not depend on the number of processors.
+    let mut best: Option<(f64, Tuning)> = None;
+    for (merit, tuning) in merits.into_iter().zip(candidates) {
+        if let Some(merit) = merit
+            && best.is_none_or(|(b, _)| merit > b)
+        {
+            best = Some((merit, tuning));
         }
     }
     best.map(|(_, tuning)| tuning).ok_or_else(|| {

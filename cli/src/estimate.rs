@@ -55,12 +55,29 @@ pub struct Estimate {
     pub a: Vec<f64>,
     pub b: Vec<Vec<f64>>,
     pub constant: f64,
-    pub iq: f64,
-    pub iv: f64,
-    /// Samples in IQ and IV.
-    pub evaluated: u32,
     pub reading: Reading,
     pub physical_std: Option<[f32; 3]>,
+}
+
+/// The indices of (11), summed here in f64: over a long record the first
+/// errors would swallow the last ones in f32.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Index {
+    pub iq: f64,
+    pub iv: f64,
+    pub samples: usize,
+}
+
+/// One pass over the record.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// The estimate before the second half.
+    pub half: Estimate,
+    /// The estimate after the last sample.
+    pub end: Estimate,
+    /// One-step prediction errors: of the held samples where the estimate was
+    /// held, else of all that were predicted.
+    pub index: Index,
 }
 
 /// The course of the parameters over a run.
@@ -164,42 +181,43 @@ impl Problem {
         }
     }
 
-    /// Runs the core over all samples; gives the estimate after the first half
-    /// and at the end. With a trace, every `every`-th state is kept in it.
+    /// Runs the core over all samples. With a trace, every so-many-th state is
+    /// kept in it.
     ///
     /// # Errors
     ///
     /// A configuration that the core refuses.
-    pub fn run(
-        &self,
-        tuning: Tuning,
-        trace: Option<(&mut Trace, usize)>,
-    ) -> Result<[Estimate; 2], Refusal> {
-        self.run_held(tuning, trace, None)
+    pub fn run(&self, tuning: Tuning, trace: Option<(&mut Trace, usize)>) -> Result<Run, Refusal> {
+        self.pass(tuning, trace, false)
     }
 
-    /// As [`run`](Self::run); from sample `hold_from` on the parameters are held
-    /// and IQ and IV of the second estimate count only the samples from there.
+    /// Estimates with the first half and predicts the second with the
+    /// parameters held.
     ///
     /// # Errors
     ///
     /// A configuration that the core refuses.
-    pub fn run_held(
+    pub fn run_held(&self, tuning: Tuning) -> Result<Run, Refusal> {
+        self.pass(tuning, None, true)
+    }
+
+    fn pass(
         &self,
         tuning: Tuning,
         mut trace: Option<(&mut Trace, usize)>,
-        hold_from: Option<usize>,
-    ) -> Result<[Estimate; 2], Refusal> {
+        hold: bool,
+    ) -> Result<Run, Refusal> {
         let mut core = self.setup(tuning).build()?;
         // Positions are large against their increments: the reference goes before f32 (integrator only).
         let reference = if self.integrator { self.y[0] } else { 0.0 };
         let mut u = vec![0.0_f32; self.inputs.len()];
-        let middle = hold_from.unwrap_or(self.y.len() / 2);
+        let middle = self.y.len() / 2;
         let mut half = None;
+        let mut index = Index::default();
         for (k, y) in self.y.iter().enumerate() {
             if k == middle {
                 half = Some(self.estimate(core.as_ref()));
-                core.adapt(hold_from.is_none());
+                core.adapt(!hold);
             }
             for (u, input) in u.iter_mut().zip(&self.inputs) {
                 *u = input.samples[k] as f32;
@@ -210,6 +228,14 @@ impl Problem {
                     "sample {k} is out of all proportion to the rest of the record"
                 )));
             }
+            if let Some(error) = outcome.innovation()
+                && (k >= middle || !hold)
+            {
+                let error = f64::from(error);
+                index.iq += error * error;
+                index.iv += error.abs();
+                index.samples += 1;
+            }
             if let Some((trace, every)) = &mut trace
                 && k % *every == 0
                 && matches!(outcome, Outcome::Estimated { .. })
@@ -217,14 +243,12 @@ impl Problem {
                 trace.rows.push((k, wide(&core.theta()), wide(&core.std())));
             }
         }
-        let mut end = self.estimate(core.as_ref());
-        let half = half.unwrap_or_else(|| end.clone());
-        if hold_from.is_some() {
-            end.iq -= half.iq;
-            end.iv -= half.iv;
-            end.evaluated -= half.evaluated;
-        }
-        Ok([half, end])
+        let end = self.estimate(core.as_ref());
+        Ok(Run {
+            half: half.unwrap_or_else(|| end.clone()),
+            end,
+            index,
+        })
     }
 
     fn estimate(&self, core: &dyn Recursion) -> Estimate {
@@ -236,7 +260,6 @@ impl Problem {
         let correlation = (0..n)
             .map(|i| (0..n).map(|j| relative(i, j)).collect())
             .collect();
-        let quality = core.quality();
         Estimate {
             correlation,
             a: wide(&core.a()),
@@ -244,9 +267,6 @@ impl Problem {
                 .map(|c| wide(&core.b(c)[..self.inputs[c].terms]))
                 .collect(),
             constant: f64::from(core.constant()),
-            iq: f64::from(quality.iq()),
-            iv: f64::from(quality.iv()),
-            evaluated: quality.samples(),
             reading: core.physical(0),
             physical_std: core.physical_std(),
             theta,

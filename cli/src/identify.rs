@@ -6,7 +6,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use crate::auto::{Choice, Freedom, tune};
-use crate::estimate::{Estimate, Problem, Trace, Tuning};
+use crate::estimate::{Estimate, Index, Problem, Run, Trace, Tuning};
 use crate::format::{polynomial, significant, table, transfer_function, with_sigma};
 use crate::freerun::FreeRun;
 use crate::output::{Refusal, emit, emit_json, number, progress};
@@ -63,6 +63,7 @@ struct Report<'a> {
     problem: &'a Problem,
     tuning: Tuning,
     estimate: Estimate,
+    index: Index,
     free_run: Option<FreeRun>,
     /// Whether the simulated model came from the first half alone.
     held_out: bool,
@@ -104,7 +105,11 @@ pub fn run(args: &IdentifyArgs) -> Result<(), Refusal> {
 
     let mut trace = Trace::default();
     let every = (problem.y.len() / 1000).max(1);
-    let [half, estimate] = problem.run(tuning, Some((&mut trace, every)))?;
+    let Run {
+        half,
+        end: estimate,
+        index,
+    } = problem.run(tuning, Some((&mut trace, every)))?;
     check(&problem, &estimate)?;
     let range = problem.y.len() / 2..problem.y.len();
     let held_out = check(&problem, &half).is_ok();
@@ -114,6 +119,7 @@ pub fn run(args: &IdentifyArgs) -> Result<(), Refusal> {
         problem: &problem,
         tuning,
         estimate,
+        index,
         free_run,
         held_out,
     };
@@ -142,7 +148,7 @@ pub fn run(args: &IdentifyArgs) -> Result<(), Refusal> {
 }
 
 /// Whether the samples told all parameters apart.
-fn check(problem: &Problem, estimate: &Estimate) -> Result<(), Refusal> {
+pub fn check(problem: &Problem, estimate: &Estimate) -> Result<(), Refusal> {
     let names = problem.parameter_names();
     let cannot = |why: String| {
         Refusal::new(format!(
@@ -240,7 +246,7 @@ impl Report<'_> {
         for (input, b) in p.inputs.iter().zip(&e.b) {
             let delay = if input.delayed { self.delay_s() } else { 0.0 };
             text += &format!(
-                "  {}(s) / {}(s) = {}\n",
+                "  {} / {:<6} = {}\n",
                 args.signals.output,
                 input.name,
                 transfer_function(b, &e.a, delay)
@@ -280,9 +286,9 @@ impl Report<'_> {
         };
         text += &format!(
             "  one-step prediction: IQ {}, IV {} over {} samples\n",
-            significant(e.iq, 4),
-            significant(e.iv, 4),
-            e.evaluated
+            significant(self.index.iq, 4),
+            significant(self.index.iv, 4),
+            self.index.samples
         );
         text
     }
@@ -365,8 +371,8 @@ impl Report<'_> {
             "fit_pct": number(x0),
             "fit_x0c_pct": number(x0c),
             "fit_held_out": self.held_out,
-            "iq": number(e.iq),
-            "iv": number(e.iv),
+            "iq": number(self.index.iq),
+            "iv": number(self.index.iv),
             "samples": self.problem.y.len(),
             "physical": physical,
         })

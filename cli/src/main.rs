@@ -2,6 +2,7 @@
 #![allow(missing_docs)] // a program: its documentation is `--help`
 
 mod auto;
+mod demo;
 mod estimate;
 mod format;
 mod freerun;
@@ -10,9 +11,15 @@ mod identify;
 mod output;
 mod pil;
 mod plot;
+mod raster;
 mod record;
+mod select;
 mod signals;
+mod simulate;
 mod symmetric;
+mod table1;
+mod table1_picture;
+mod table1_text;
 
 use std::process::ExitCode;
 
@@ -33,7 +40,12 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Demo(demo::DemoArgs),
+    Simulate(simulate::SimulateArgs),
     Identify(identify::IdentifyArgs),
+    Select(select::SelectArgs),
+    /// Table 1 of the paper again, beside bound and opponents
+    Table1(table1::Table1Args),
     /// The controller on an emulated or real processor against the simulated servo, bit for bit
     Pil(pil::PilArgs),
 }
@@ -42,9 +54,17 @@ enum Command {
 const BAD_INPUT: u8 = 2;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    // Without arguments: the demonstration.
+    let cli = match std::env::args_os().len() {
+        0 | 1 => Cli::parse_from(["trendid", "demo"]),
+        _ => Cli::parse(),
+    };
     let done = match &cli.command {
+        Command::Demo(args) => demo::run(args),
+        Command::Simulate(args) => simulate::run(args),
         Command::Identify(args) => identify::run(args),
+        Command::Select(args) => select::run(args),
+        Command::Table1(args) => table1::run(args),
         Command::Pil(args) => pil::run(args),
     };
     match done {

@@ -15,6 +15,9 @@ use crate::record::Record;
 /// Most input columns beside each other that the run-time core offers.
 const INPUTS: usize = trendid_dynamic::INPUTS;
 
+/// Most parameters that it offers.
+const PARAMETERS: usize = trendid_dynamic::PARAMETERS;
+
 /// Record, columns and span.
 #[derive(Debug, Args)]
 pub struct SignalArgs {
@@ -180,11 +183,16 @@ impl SignalArgs {
             scheme: self.scheme.into(),
             memory: None,
         };
+        let parameters = problem.parameter_names().len();
+        if parameters > PARAMETERS {
+            return Err(Refusal::new(format!(
+                "the structure has {parameters} parameters, at most {PARAMETERS} are possible"
+            )));
+        }
         let (found, needed) = (problem.y.len(), problem.samples_needed());
         if found < needed {
             return Err(Refusal::new(format!(
-                "too few samples: {found} for {} parameters, at least {needed} are needed",
-                problem.parameter_names().len()
+                "too few samples: {found} for {parameters} parameters, at least {needed} are needed"
             )));
         }
         problem.check_excitation()?;
