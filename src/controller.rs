@@ -260,7 +260,11 @@ impl Controller {
             rest_window: config.rest_window,
             quiet: 0,
             creep: 0.0,
-            inverse_slow: if config.slow > 0.0 { 1.0 / config.slow } else { 0.0 },
+            inverse_slow: if config.slow > 0.0 {
+                1.0 / config.slow
+            } else {
+                0.0
+            },
             ahead: config.reversal,
             stick_rate: config.stick_rate,
         })

@@ -63,11 +63,11 @@ pub struct ExcitationConfig {
 }
 
 impl ExcitationConfig {
-    /// Levels up to 0.5 held for 0.7 over the rough `bandwidth` (rad/s), a fifth of the travel, 3 s.
+    /// Levels up to 0.5 held for 1.4 over the rough `bandwidth` (rad/s), a fifth of the travel, 3 s.
     pub fn new(bandwidth: f32, travel: Travel) -> Self {
         Self {
             amplitude: 0.5,
-            hold: 0.7 / bandwidth,
+            hold: 1.4 / bandwidth,
             stroke: 0.2 * travel.length(),
             stopping: 2.0 / bandwidth,
             time_limit: 3.0,
@@ -107,6 +107,10 @@ pub struct Excitation {
     level: f32,
 }
 
+/// Where the register begins: of some hundred places one after which signs and levels of the first 0.3 s
+/// separate gain, dead zone and friction well, for axes of several masses and frictions.
+const START: u16 = 0x1505;
+
 impl Excitation {
     /// An excitation of an axis with this travel.
     ///
@@ -137,7 +141,7 @@ impl Excitation {
             stopping: config.stopping,
             travel,
             band: travel.inner(),
-            register: 1,
+            register: START,
             left: 0,
             level: 0.0,
         })
@@ -155,7 +159,7 @@ impl Excitation {
         if !(self.band.length() > 0.0) {
             self.band = inner;
         }
-        self.register = 0x2a5d;
+        self.register = START;
         self.left = 0;
         self.level = 0.0;
     }

@@ -62,7 +62,7 @@ const DISTURBANCE: f32 = 1.0;
 /// The pole of the disturbance over the three of the motion.
 const SLOWER: f32 = 0.3;
 
-/// Breakaway over Coulomb friction, up to which a drive that stops is held.
+/// Breakaway over Coulomb friction: a drive that stops is held up to it, and one that is not measured starts at it.
 const HOLD: f32 = 1.2;
 
 /// Drive over Coulomb friction that no resting axis is believed to have: the dead zone is not known so well.
@@ -174,6 +174,14 @@ impl Observer {
     pub fn predict(&mut self, flow: f32) {
         if self.sticks() {
             self.drive += self.sample_time * self.model.b0 * flow;
+            if self.start == f32::INFINITY {
+                // By itself, without measurements, it can only start by force.
+                let breakaway = HOLD * self.model.friction;
+                if within(self.drive, breakaway) != self.drive {
+                    self.move_off(if self.drive > 0.0 { 1.0 } else { -1.0 });
+                }
+                return;
+            }
             self.drive = within(self.drive, BREAK * self.model.friction);
             return;
         }

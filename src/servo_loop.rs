@@ -79,7 +79,7 @@ impl LoopConfig {
             rate: 100.0,
             delay: 2,
             memory: 1.0,
-            pull: 0.0,
+            pull: 1e-5,
             adaptive: true,
             motion: MotionLimits {
                 velocity: 2.0 * length,
@@ -254,14 +254,14 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             travel: config.travel,
             adaptive: config.adaptive,
             coast_rate: config.bandwidth,
-            slow: 0.01 * config.supervisor.slow * 10.0,
+            slow: 0.1 * config.supervisor.slow,
             identifier: Identifier::try_new(&identify, trends)?,
             supervisor: Supervisor::try_new(&config.supervisor, time)?,
             controller: Controller::try_new(&config.controller, nominal, time)?,
             excitation: Excitation::try_new(&config.excitation, config.travel, time)?,
             reference: Reference::try_new(config.motion, time, 0.0)?,
             limiter: CommandLimiter::try_new(config.range, config.rate, time)?,
-            tracker: Tracker::new(8.0 * config.bandwidth, time),
+            tracker: Tracker::new(12.0 * config.bandwidth, time),
             gate: 0.0,
             code: 0,
             position: 0.0,
@@ -544,9 +544,15 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let noise = estimator.noise_variance().unwrap_or(f32::INFINITY);
         let p = |i: usize, j: usize| noise * estimator.covariance(i, j) * units[i] * units[j];
         let [a1, a2, b0, _, coulomb, _] = theta;
+        // What is not certain is taken from the model in use, and from none as none: friction by mistake
+        // would let the observer stick without cause.
+        let known = self.supervisor.good().map(|model| model.parameters());
+        let ratio = |j: usize| known.map_or(0.0, |known| b0 * known[j] / known[2]);
         if coulomb * coulomb < 4.0 * p(4, 4) {
-            // Friction that is not certain would let the observer stick without cause.
-            theta[4] = 0.0;
+            theta[4] = if known.is_some() { ratio(4) } else { 0.0 };
+        }
+        if known.is_some() && p(3, 3) > 4e-4 * b0 * b0 {
+            theta[3] = ratio(3);
         }
         let b0_variance = p(2, 2);
         let r11 = p(0, 0) / (a1 * a1);

@@ -167,8 +167,8 @@ impl SupervisorConfig {
             certainty: 0.1,
             explained: 0.9,
             better: 0.8,
-            excite: 0.25,
-            window: 0.12,
+            excite: 0.26,
+            window: 0.1,
             time_limit: 3.0,
             slow: 0.05 * length,
             still: 2e-3 * length,
@@ -601,7 +601,8 @@ impl Supervisor {
         let Some(verdict) = self.run_trial(seen) else {
             return Event::None;
         };
-        let moved = verdict.total > self.config.still * self.config.still * verdict.samples as f32;
+        let enough = 5.0 * self.config.still;
+        let moved = verdict.total > enough * enough * verdict.samples as f32;
         let better = verdict
             .incumbent
             .is_none_or(|other| verdict.candidate < self.config.better * other);
