@@ -64,7 +64,8 @@ fn machine<S: PositionSensor, V: Valve>(
 
 /// The next move, when one is due in sample `tick`.
 fn target(tick: u32) -> Option<f32> {
-    (tick % DWELL == 0).then(|| TARGETS[(tick / DWELL) as usize % TARGETS.len()])
+    tick.is_multiple_of(DWELL)
+        .then(|| TARGETS[(tick / DWELL) as usize % TARGETS.len()])
 }
 
 /// Name of a state for the log.
@@ -90,7 +91,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             servo.move_to(target);
         }
         let report = servo.update();
-        if name(report.state) != last || tick % 1000 == 0 {
+        if name(report.state) != last || tick.is_multiple_of(1000) {
             last = name(report.state);
             println!(
                 "{tick:5} ms {last:12} position {:8.3} mm, set {:8.3} mm, command {:6.3}",

@@ -191,7 +191,7 @@ impl Slot {
         } else {
             self.control(begin);
         }
-        if self.now.tick % EVERY == 0 && self.out.enqueue(self.now).is_err() {
+        if self.now.tick.is_multiple_of(EVERY) && self.out.enqueue(self.now).is_err() {
             self.now.dropped += 1;
         }
     }

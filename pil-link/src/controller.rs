@@ -55,7 +55,7 @@ impl Controller {
         } else {
             f32::NAN
         };
-        if self.sample % HOLD == 0 {
+        if self.sample.is_multiple_of(HOLD) {
             // A shift register with the feedback of a maximal sequence of 32 bits (taps 32, 22, 2, 1).
             let low = self.register & 1;
             self.register >>= 1;
@@ -64,7 +64,7 @@ impl Controller {
             }
             self.sign = if low == 1 { 1.0 } else { -1.0 };
         }
-        let forth = self.sample / HALF_PERIOD % 2 == 0;
+        let forth = (self.sample / HALF_PERIOD).is_multiple_of(2);
         self.sample = self.sample.wrapping_add(1);
         if y.is_finite() {
             let reference = if forth { STROKE } else { -STROKE };

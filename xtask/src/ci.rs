@@ -5,10 +5,13 @@ use std::time::Instant;
 use crate::process::{self, M0, M4F, cargo};
 use crate::{Done, firmware, icount, setup};
 
-/// What takes part in tests and documentation on the host.
+/// The examples that are firmware; the others need an operating system.
 const FIRMWARE_EXAMPLES: [&str; 5] = ["selftest", "icount", "footprint", "servo", "pil"];
 
-fn steps(steps: &[(&str, fn() -> Done)]) -> Done {
+/// A step and the name of its task.
+type Step = (&'static str, fn() -> Done);
+
+fn steps(steps: &[Step]) -> Done {
     let begin = Instant::now();
     for (name, step) in steps {
         let start = Instant::now();
