@@ -1,7 +1,7 @@
 //! Filtered trends: the state-variable chain (sections 1-2 of the paper behind one stable filter).
 
 use crate::error::{ConfigError, positive};
-use crate::trend::{Hold, Scheme, TrendOperator, Trends};
+use crate::trend::{Hold, NoiseGain, Scheme, TrendOperator, Trends};
 
 /// Trends through one stable filter `1/A_f`, the same for y and every u.
 ///
@@ -239,6 +239,14 @@ const fn hurwitz_violation<const M: usize>(filter: &[f32; M]) -> Option<usize> {
     if stable { None } else { Some(0) }
 }
 
+fn multiply<const M: usize>(a: &[[f32; M]; M], b: &[[f32; M]; M]) -> [[f32; M]; M] {
+    core::array::from_fn(|i| core::array::from_fn(|j| (0..M).map(|k| a[i][k] * b[k][j]).sum()))
+}
+
+fn transpose<const M: usize>(a: &[[f32; M]; M]) -> [[f32; M]; M] {
+    core::array::from_fn(|i| core::array::from_fn(|j| a[j][i]))
+}
+
 /// The real root nearest to zero, as a positive rate, by Newton's method from zero.
 ///
 /// Where the slowest mode is a pair there is none such; then the result is some rate
@@ -351,6 +359,55 @@ impl<const M: usize> TrendOperator<M> for FilteredTrends<M> {
 
     fn filter_polynomial(&self) -> Option<[f32; M]> {
         Some(self.filter)
+    }
+
+    /// Sum of g g' over the response g to one unit sample, in closed form.
+    ///
+    /// The memory after the sample is b, and F moves it on: X = sum F^k b b' F'^k
+    /// doubles its number of terms with `X + F^n X F^n'`, F^2n = F^n F^n.
+    fn noise_gain(&self) -> NoiseGain<M> {
+        let mut gain = NoiseGain::ZERO;
+        let mut memory = [0.0; M];
+        let first = self.output(&mut memory, 1.0);
+        gain.add(&first, 1.0);
+        // Columns of F, and the trends that each unit of memory makes.
+        let mut step = [[0.0; M]; M];
+        let mut seen = [first; M];
+        for i in 0..M {
+            let mut unit = [0.0; M];
+            unit[i] = 1.0;
+            seen[i] = self.output(&mut unit, 0.0);
+            for j in 0..M {
+                step[j][i] = unit[j];
+            }
+        }
+        let mut sum: [[f32; M]; M] =
+            core::array::from_fn(|i| core::array::from_fn(|j| memory[i] * memory[j]));
+        // 2^24 samples: longer than any filter that f32 can hold.
+        for _ in 0..24 {
+            let half = multiply(&step, &sum);
+            let turned = transpose(&step);
+            let more = multiply(&half, &turned);
+            for i in 0..M {
+                for j in 0..M {
+                    sum[i][j] += more[i][j];
+                }
+            }
+            step = multiply(&step, &step);
+        }
+        // C X C', one pair of memories at a time.
+        for i in 0..M {
+            for j in 0..M {
+                for k in 0..M {
+                    for l in 0..M {
+                        gain.lower[k][l] += seen[i].lower[k] * sum[i][j] * seen[j].lower[l];
+                    }
+                    gain.mixed[k] += seen[i].lower[k] * sum[i][j] * seen[j].top;
+                }
+                gain.top += seen[i].top * sum[i][j] * seen[j].top;
+            }
+        }
+        gain
     }
 
     fn decay(&self) -> f32 {

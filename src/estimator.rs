@@ -173,6 +173,42 @@ impl<const N: usize> Estimator<N> {
         *theta += rate * *d * (trusted - *theta);
     }
 
+    /// Makes the last parameter uncertain again: adds `variance` to P_nn and leaves all other entries of P.
+    ///
+    /// The part of P that the last column of U carried moves into the factors before
+    /// it, by the rank-one update of Agee and Turner. Cost: about one `update`.
+    pub fn widen_last(&mut self, variance: f32) {
+        let Some(last) = N.checked_sub(1) else {
+            return;
+        };
+        let before = self.diagonal[last];
+        let after = before + variance;
+        if !(after > 0.0) {
+            return;
+        }
+        let mut vector = self.factor[last];
+        let mut weight = before * (variance / after);
+        for i in 0..last {
+            self.factor[last][i] *= before / after;
+        }
+        self.diagonal[last] = after;
+        for j in (0..last).rev() {
+            let v = vector[j];
+            let old = self.diagonal[j];
+            let new = old + weight * v * v;
+            if !(new > 0.0) {
+                continue;
+            }
+            let share = weight * v / new;
+            for i in 0..j {
+                vector[i] -= v * self.factor[j][i];
+                self.factor[j][i] += share * vector[i];
+            }
+            weight *= old / new;
+            self.diagonal[j] = new;
+        }
+    }
+
     /// Entry (i, j) of P = U D U', relative to the noise variance.
     pub fn covariance(&self, i: usize, j: usize) -> f32 {
         let mut sum = 0.0;
@@ -213,6 +249,16 @@ impl<const N: usize> Estimator<N> {
     /// Number of samples in the memory: 1/(1-lambda) at most.
     pub const fn samples(&self) -> f32 {
         self.samples
+    }
+
+    /// Goes on from `theta` with `scale` times the covariance, and counts samples and noise anew.
+    pub fn resume(&mut self, theta: [f32; N], scale: f32) {
+        self.theta = theta;
+        for d in &mut self.diagonal {
+            *d *= scale;
+        }
+        self.squares = 0.0;
+        self.samples = 0.0;
     }
 
     /// A new start at `theta` and `std` with the same forgetting.

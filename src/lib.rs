@@ -122,4 +122,4 @@ pub use servo_model::{Motion, ServoModel};
 pub use structure::{Column, Structure, Terms};
 pub use supervisor::{Candidate, Event, Observation, Reason, State, Supervisor, SupervisorConfig};
 pub use transfer::{Pole, TransferFunction};
-pub use trend::{Hold, Scheme, TrendOperator, Trends};
+pub use trend::{Hold, NoiseGain, Scheme, TrendOperator, Trends};

@@ -18,56 +18,7 @@
 
 use crate::math::{pow, sqrt};
 use crate::regressor::Regressor;
-use crate::trend::TrendOperator;
-
-/// Covariances of the trends of white noise of variance 1, per sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct NoiseGain<const M: usize> {
-    /// G_ij of the trends of order i and j below m.
-    lower: [[f32; M]; M],
-    /// G_im of order i and the highest.
-    mixed: [f32; M],
-    /// G_mm.
-    top: f32,
-}
-
-impl<const M: usize> NoiseGain<M> {
-    /// From the response of the trends to one unit sample: G = sum g g'.
-    pub(crate) fn of<T: TrendOperator<M>>(trends: &T) -> Self {
-        let mut gain = Self {
-            lower: [[0.0; M]; M],
-            mixed: [0.0; M],
-            top: 0.0,
-        };
-        let mut memory = T::EMPTY;
-        let mut y = 1.0;
-        let mut quiet = 0;
-        // A filter of 1 rad/s at 1 kHz is still after some 10^4 samples.
-        for _ in 0..50_000 {
-            let g = trends.output(&mut memory, y);
-            y = 0.0;
-            // Trend 0 decays last and is small; it alone does not prolong the sum.
-            let before = gain.size();
-            for i in 0..M {
-                for j in 0..M {
-                    gain.lower[i][j] += g.lower[i] * g.lower[j];
-                }
-                gain.mixed[i] += g.lower[i] * g.top;
-            }
-            gain.top += g.top * g.top;
-            quiet = if gain.size() == before { quiet + 1 } else { 0 };
-            if quiet > 100 {
-                break;
-            }
-        }
-        gain
-    }
-
-    fn size(&self) -> f32 {
-        let diagonal: f32 = (0..M).map(|i| self.lower[i][i]).sum();
-        diagonal + self.top
-    }
-}
+use crate::trend::{NoiseGain, TrendOperator};
 
 /// What the read-out needs of the estimator's state; everything normalised.
 pub(crate) struct Evidence<const N: usize> {
@@ -206,7 +157,7 @@ fn residual_level<T: TrendOperator<M>, const M: usize, const N: usize>(
 }
 
 /// Mean of |A/A_f|^2 over 0.1 to 2.5 times the natural frequency, weighted by the spectrum of the regressor.
-fn in_band<const M: usize>(a: &[f32; M], filter: &[f32; M], bandwidth: f32) -> f32 {
+pub(crate) fn in_band<const M: usize>(a: &[f32; M], filter: &[f32; M], bandwidth: f32) -> f32 {
     let first = a.iter().position(|v| *v != 0.0).unwrap_or(0);
     let natural = pow(a[first].abs(), 1.0 / (M - first) as f32);
     let natural = if natural > 0.1 * bandwidth && natural < 10.0 * bandwidth {

@@ -55,7 +55,6 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
             size /= bandwidth;
             *g = size;
         }
-        let lead = trends.lead();
         let mut regressor = Self {
             sources: [Source {
                 index: 0,
@@ -63,9 +62,9 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
             }; N],
             top_scale,
             units: [0.0; N],
-            lead_top: lead.top * top_scale,
+            lead_top: 0.0,
             lead: [0.0; N],
-            lead_floor: 0.1 * lead.top * top_scale,
+            lead_floor: 0.0,
         };
         for (j, column) in structure.columns().into_iter().enumerate() {
             let (index, scale, sign) = match column {
@@ -83,11 +82,21 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
                 scale: sign * scale,
             };
             regressor.units[j] = scale / top_scale;
-            if let Column::Output { power } = column {
-                regressor.lead[j] = lead.lower[power] * scale;
-            }
         }
+        regressor.set_lead(&trends.lead());
         regressor
+    }
+
+    /// Takes the weights of y(k) from other trends with the same scales.
+    pub(crate) fn set_lead(&mut self, lead: &Trends<M>) {
+        self.lead_top = lead.top * self.top_scale;
+        self.lead_floor = 0.1 * self.lead_top;
+        for (weight, source) in self.lead.iter_mut().zip(&self.sources) {
+            *weight = match lead.lower.get(source.index as usize) {
+                Some(lower) => -source.scale * lower,
+                None => 0.0,
+            };
+        }
     }
 
     /// The normalised regressor phi and the normalised left-hand side psi. Cost: 9 instructions a column.

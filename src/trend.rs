@@ -46,6 +46,37 @@ pub struct Trends<const M: usize> {
     pub top: f32,
 }
 
+/// Covariances of the filtered trends of white noise of variance 1 on y.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NoiseGain<const M: usize> {
+    /// Between the trends of order i and j below m.
+    pub lower: [[f32; M]; M],
+    /// Between the trend of order i and the highest.
+    pub mixed: [f32; M],
+    /// Of the highest.
+    pub top: f32,
+}
+
+impl<const M: usize> NoiseGain<M> {
+    /// No noise passes.
+    pub const ZERO: Self = Self {
+        lower: [[0.0; M]; M],
+        mixed: [0.0; M],
+        top: 0.0,
+    };
+
+    /// Adds the outer product of one vector of trends, `weight` times.
+    pub(crate) fn add(&mut self, g: &Trends<M>, weight: f32) {
+        for i in 0..M {
+            for j in 0..M {
+                self.lower[i][j] += weight * g.lower[i] * g.lower[j];
+            }
+            self.mixed[i] += weight * g.lower[i] * g.top;
+        }
+        self.top += weight * g.top * g.top;
+    }
+}
+
 /// The step from samples to trends; one implementation per kind of trend.
 ///
 /// The operator holds coefficients only; the memory of each signal lives with
@@ -77,6 +108,8 @@ pub trait TrendOperator<const M: usize>: Copy {
     fn gain(&self, bandwidth: f32) -> f32;
     /// f_0 .. f_{m-1} of the filter `A_f`; `None` where there is none.
     fn filter_polynomial(&self) -> Option<[f32; M]>;
+    /// What white noise on y makes of the trends; zero where there is no filter.
+    fn noise_gain(&self) -> NoiseGain<M>;
     /// By what the slowest real mode of the filter decays in one sample; 0 where there is no filter.
     fn decay(&self) -> f32;
     /// Samples until the memory is full.

@@ -5,8 +5,8 @@
 //! offers and hides the choice behind a trait object. It computes nothing itself.
 
 use trendid::{
-    Config, ConfigError, FilteredTrends, Hold, Identifier, Outcome, Physical, Quality, RawTrends,
-    Scheme, Structure, Terms, TransferFunction, TrendOperator, Trends,
+    Config, ConfigError, FilteredTrends, Hold, Identifier, NoiseGain, Outcome, Physical, Quality,
+    RawTrends, Scheme, Structure, Terms, TransferFunction, TrendOperator, Trends,
 };
 
 /// Most inputs that a run-time structure can have.
@@ -173,6 +173,9 @@ impl<const M: usize> TrendOperator<M> for AnyTrends<M> {
     }
     fn filter_polynomial(&self) -> Option<[f32; M]> {
         either!(self, t => t.filter_polynomial())
+    }
+    fn noise_gain(&self) -> NoiseGain<M> {
+        either!(self, t => t.noise_gain())
     }
     fn decay(&self) -> f32 {
         either!(self, t => t.decay())

@@ -56,6 +56,14 @@ fn white_rows_stay_near_the_bound_and_sigma_covers() {
             println!(
                 "{duration} s, N/S {ns} %, seeds {seeds:?}: rms/bound {spread:.2?}, median/bound {median:.2?}, inside 1, 3 sigma of 200: {inside:?}"
             );
+            assert!(
+                spread.iter().all(|r| *r <= 1.5),
+                "rms above 1.5 times the bound"
+            );
+            assert!(
+                median.iter().all(|r| *r <= 1.5),
+                "median above 1.5 times the bound"
+            );
         }
     }
 }

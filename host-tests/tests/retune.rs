@@ -1,0 +1,83 @@
+//! Filter poles from the estimate: a rough bandwidth three times off is mended on the way.
+
+use trendid::{Config, Estimator, FilteredTrends, Identifier, Scheme, Structure};
+use trendid_host_tests::experiment::Experiment;
+use trendid_host_tests::noise::{Condition, rms};
+use trendid_host_tests::reference::{REFERENCE, Servo};
+
+fn found(theta: [f32; 4]) -> Option<Servo> {
+    let [a1, a2, b0, _] = theta.map(f64::from);
+    Servo::from_coefficients(a1, a2, b0)
+}
+
+#[test]
+fn a_wrong_bandwidth_is_mended_by_retuning() {
+    let seeds = 9100..9200_u64;
+    for rough in [7.0_f32, 60.0] {
+        let (mut fixed, mut tuned) = ([const { Vec::new() }; 3], [const { Vec::new() }; 3]);
+        for seed in seeds.clone() {
+            let record = Experiment::reference(Condition::white_relative(16.72), 3.0).record(seed);
+            let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, rough).unwrap();
+            let config = Config::new(Structure::<3, 4, 1>::servo(), rough, [1.0], 50.0);
+            let mut plain: Identifier<_, 3, 4> = Identifier::try_new(&config, trends).unwrap();
+            let mut other = plain;
+            for (k, s) in record.samples().enumerate() {
+                let _ = plain.update(s.u as f32, s.y as f32);
+                let _ = other.update(s.u as f32, s.y as f32);
+                if k == 700 || k == 1400 {
+                    let before = other.theta();
+                    let (reading, sigma) = (other.physical().omega0, other.physical_std());
+                    if let (Some(omega0), Some(sigma)) = (reading, sigma)
+                        && sigma[1] < 0.2 * omega0
+                    {
+                        let omega0 = omega0.clamp(2.0, 200.0);
+                        let nearer =
+                            FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, omega0).unwrap();
+                        other.retune(nearer, 3.0 / (0.7 * 1.25 * omega0)).unwrap();
+                        // Bumpless: the estimate itself did not move, and does not while it is held.
+                        for (b, a) in before.iter().zip(other.theta()) {
+                            assert!(
+                                (b - a).abs() <= 1e-5 * b.abs(),
+                                "{before:?} {:?}",
+                                other.theta()
+                            );
+                        }
+                    }
+                }
+            }
+            for (errors, identifier) in [(&mut fixed, &plain), (&mut tuned, &other)] {
+                let error = found(identifier.theta()).map_or([1e3; 3], |s| s.error_pct(&REFERENCE));
+                for (list, e) in errors.iter_mut().zip(error) {
+                    list.push(e);
+                }
+            }
+        }
+        let (fixed, tuned) = (fixed.map(|e| rms(&e)), tuned.map(|e| rms(&e)));
+        println!(
+            "rough bandwidth {rough} rad/s for 20, N/S 16.7 %, 3 s, seeds {seeds:?}: rms of C/omega0/xi fixed {fixed:.2?} %, retuned {tuned:.2?} %"
+        );
+    }
+}
+
+#[test]
+fn widening_the_last_parameter_leaves_the_rest_of_the_covariance() {
+    let mut estimator = Estimator::<4>::new([0.0; 4], [30.0; 4], 1.0);
+    for k in 0..50 {
+        let x = k as f32;
+        let _ = estimator.update(&[1.0, (0.3 * x).sin(), (0.7 * x).cos(), 0.9_f32.powi(k)], x);
+    }
+    let before = estimator;
+    estimator.widen_last(5.0);
+    for i in 0..4 {
+        for j in 0..4 {
+            let grown = if i == 3 && j == 3 { 5.0 } else { 0.0 };
+            let expected = before.covariance(i, j) + grown;
+            assert!(
+                (estimator.covariance(i, j) - expected).abs() < 1e-5 * (1.0 + expected.abs()),
+                "{i} {j}: {} {expected}",
+                estimator.covariance(i, j)
+            );
+        }
+    }
+    assert_eq!(before.theta(), estimator.theta());
+}
