@@ -12,7 +12,7 @@ fn found(theta: [f32; 4]) -> Option<Servo> {
 
 #[test]
 fn a_wrong_bandwidth_is_mended_by_retuning() {
-    let seeds = 9100..9200_u64;
+    let seeds = 19100..19200_u64;
     for rough in [7.0_f32, 60.0] {
         let (mut fixed, mut tuned) = ([const { Vec::new() }; 3], [const { Vec::new() }; 3]);
         for seed in seeds.clone() {
@@ -56,6 +56,9 @@ fn a_wrong_bandwidth_is_mended_by_retuning() {
         println!(
             "rough bandwidth {rough} rad/s for 20, N/S 16.7 %, 3 s, seeds {seeds:?}: rms of C/omega0/xi fixed {fixed:.2?} %, retuned {tuned:.2?} %"
         );
+        // C is found well by any slow filter; omega0 and xi need one near the plant.
+        assert!(tuned[1] < 0.6 * fixed[1] && tuned[2] < 0.6 * fixed[2]);
+        assert!(tuned[0] < 1.5);
     }
 }
 
