@@ -15,19 +15,6 @@ pub struct Options {
     build_only: bool,
 }
 
-/// Names of the functions in the image `icount`, one per measured structure.
-const FUNCTIONS: [&str; 9] = [
-    "row_raw",
-    "row_filtered",
-    "row_constant",
-    "row_dead_zone",
-    "row_full",
-    "row_bare_3",
-    "row_bare_4",
-    "row_bare_5",
-    "row_bare_6",
-];
-
 /// Time after which a run in the emulator has failed.
 const LIMIT: Duration = Duration::from_secs(120);
 
@@ -121,7 +108,15 @@ pub fn size() -> Done {
                     "no panic is found in an image that has one: the search is broken".into(),
                 );
             }
-            for function in FUNCTIONS {
+            let functions: Vec<_> = image
+                .names
+                .iter()
+                .filter(|name| name.starts_with("row_"))
+                .collect();
+            if functions.is_empty() {
+                faults.push("the image icount has no row".into());
+            }
+            for function in functions {
                 let reach = image.reach(function)?;
                 let found = panics(&reach.names);
                 if !found.is_empty() {
