@@ -4,6 +4,7 @@
 mod auto;
 mod demo;
 mod estimate;
+mod fig1;
 mod format;
 mod freerun;
 mod friction;
@@ -20,6 +21,7 @@ mod symmetric;
 mod table1;
 mod table1_picture;
 mod table1_text;
+mod table2;
 
 use std::process::ExitCode;
 
@@ -46,6 +48,10 @@ enum Command {
     Select(select::SelectArgs),
     /// Table 1 of the paper again, beside bound and opponents
     Table1(table1::Table1Args),
+    /// Table 2 of the paper again: structures and what IQ says of them
+    Table2(table2::Table2Args),
+    /// Fig. 1 of the paper again: transients of the coefficients
+    Fig1(fig1::Fig1Args),
     /// The controller on an emulated or real processor against the simulated servo, bit for bit
     Pil(pil::PilArgs),
 }
@@ -65,6 +71,8 @@ fn main() -> ExitCode {
         Command::Identify(args) => identify::run(args),
         Command::Select(args) => select::run(args),
         Command::Table1(args) => table1::run(args),
+        Command::Table2(args) => table2::run(args),
+        Command::Fig1(args) => fig1::run(args),
         Command::Pil(args) => pil::run(args),
     };
     match done {

@@ -149,8 +149,7 @@ pub fn summary(
         (values.map(|v| v * v).sum::<f64>() / trials.len() as f64).sqrt()
     };
     let ns_pct = root_mean_square(&mut trials.iter().map(|t| t.ns_pct));
-    let bound_pct =
-        [0, 1, 2].map(|i| root_mean_square(&mut trials.iter().map(|t| t.bound_pct[i])));
+    let bound_pct = [0, 1, 2].map(|i| root_mean_square(&mut trials.iter().map(|t| t.bound_pct[i])));
     methods
         .iter()
         .enumerate()
