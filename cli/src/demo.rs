@@ -278,6 +278,8 @@ fn text(courses: &[Course], core: &dyn Recursion, args: &DemoArgs, pole: Option<
         ]);
     }
     text += &format!("\nAt the end:\n{}", table(&rows));
+    text +=
+        "  sigma counts white noise; drift and the sampling itself (about 0.01 %) come on top\n";
     let wide: Vec<f64> = core.a().iter().map(|v| f64::from(*v)).collect();
     let b0 = core.b(0).first().copied().map_or(0.0, f64::from);
     text += &format!("\n  G(s) = {}\n", transfer_function(&[b0], &wide, 0.0));
