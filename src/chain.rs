@@ -1,6 +1,7 @@
 //! Filtered trends: the state-variable chain (sections 1-2 of the paper behind one stable filter).
 
 use crate::error::{ConfigError, positive};
+use crate::filter::{for_bandwidth, hurwitz_violation, slowest, with_pole};
 use crate::trend::{Hold, NoiseGain, Scheme, TrendOperator, Trends};
 
 /// Trends through one stable filter `1/A_f`, the same for y and every u.
@@ -73,24 +74,7 @@ impl<const M: usize> FilteredTrends<M> {
                     value: pole,
                 });
             }
-            // (s^i + f_{i-1} s^{i-1} + ..)(s + pole), from the highest power down.
-            let mut j = i;
-            while j > 0 {
-                let above = if j == i { 1.0 } else { filter[j] };
-                filter[j] = filter[j - 1] + above * pole;
-                j -= 1;
-            }
-            filter[0] = if i == 0 { pole } else { filter[0] * pole };
-            if i > 0 {
-                // The coefficient of s^i is the sum of the poles so far.
-                let mut sum = 0.0;
-                let mut k = 0;
-                while k <= i {
-                    sum += poles[k];
-                    k += 1;
-                }
-                filter[i] = sum;
-            }
+            filter = with_pole(filter, i, pole);
             i += 1;
         }
         Self::from_polynomial(scheme, sample_time, filter)
@@ -146,9 +130,9 @@ impl<const M: usize> FilteredTrends<M> {
 
     /// The filter for a plant of rough bandwidth omega (rad/s): `(s + 0.125 omega) (s^2 + 1.75 omega s + 1.5625 omega^2)` for m = 3.
     ///
-    /// A pair of damping 0.7 at 1.25 omega, where the noise and the dynamics part, and
-    /// (for odd m or with `integrators > 0`) a slow real pole that lets the position
-    /// itself be seen: measured to be within 1.3 times the Cramer-Rao bound under white
+    /// A pair of damping 0.7 at 1.25 omega, where the noise and the dynamics part, and a
+    /// slow real pole that lets the position itself be seen (m = 1: the pole 1.25 omega;
+    /// m = 2: two real poles; m = 4: a further pole 1.25 omega): measured to be within 1.3 times the Cramer-Rao bound under white
     /// noise. With slow drifts in the measurement take [`FilteredTrends::try_new`] with
     /// all poles at 5 omega.
     ///
@@ -165,27 +149,7 @@ impl<const M: usize> FilteredTrends<M> {
         if !positive(bandwidth) {
             return Err(ConfigError::Bandwidth(bandwidth));
         }
-        let corner = 1.25 * bandwidth;
-        let mut filter = [0.0; M];
-        // Multiply up: the slow pole first, then the pair, then a fast pole for m = 4.
-        let slow = if M == 1 { corner } else { 0.1 * corner };
-        filter[0] = slow;
-        if M == 2 {
-            filter[0] = slow * corner;
-            filter[1] = slow + corner;
-        }
-        if M >= 3 {
-            let (pair0, pair1) = (corner * corner, 1.4 * corner);
-            filter[0] = slow * pair0;
-            filter[1] = pair0 + slow * pair1;
-            filter[2] = slow + pair1;
-        }
-        if M == 4 {
-            filter[3] = filter[2] + corner;
-            filter[2] = filter[1] + corner * filter[2];
-            filter[1] = filter[0] + corner * filter[1];
-            filter[0] *= corner;
-        }
+        let filter = for_bandwidth(bandwidth);
         Self::from_polynomial(scheme, sample_time, filter)
     }
 
@@ -219,57 +183,12 @@ impl<const M: usize> FilteredTrends<M> {
     }
 }
 
-/// The first coefficient with which `s^m + .. + filter[0]` cannot be a Hurwitz polynomial, m <= 4.
-const fn hurwitz_violation<const M: usize>(filter: &[f32; M]) -> Option<usize> {
-    let mut i = 0;
-    while i < M {
-        if !positive(filter[i]) {
-            return Some(i);
-        }
-        i += 1;
-    }
-    let stable = match M {
-        3 => filter[2] * filter[1] > filter[0],
-        4 => {
-            let first = filter[3] * filter[2] - filter[1];
-            first * filter[1] > filter[3] * filter[3] * filter[0]
-        }
-        _ => true,
-    };
-    if stable { None } else { Some(0) }
-}
-
 fn multiply<const M: usize>(a: &[[f32; M]; M], b: &[[f32; M]; M]) -> [[f32; M]; M] {
     core::array::from_fn(|i| core::array::from_fn(|j| (0..M).map(|k| a[i][k] * b[k][j]).sum()))
 }
 
 fn transpose<const M: usize>(a: &[[f32; M]; M]) -> [[f32; M]; M] {
     core::array::from_fn(|i| core::array::from_fn(|j| a[j][i]))
-}
-
-/// The real root nearest to zero, as a positive rate, by Newton's method from zero.
-///
-/// Where the slowest mode is a pair there is none such; then the result is some rate
-/// of its size.
-fn slowest<const M: usize>(filter: &[f32; M]) -> f32 {
-    let mut rate = 0.0;
-    for _ in 0..30 {
-        // A_f(-rate) and its slope with respect to rate.
-        let (mut value, mut slope) = (1.0, 0.0);
-        for i in (0..M).rev() {
-            slope = -slope * rate - value;
-            value = filter[i] - value * rate;
-        }
-        if slope == 0.0 {
-            break;
-        }
-        let next = rate - value / slope;
-        if !(next > rate && next < 1e6) {
-            break;
-        }
-        rate = next;
-    }
-    rate
 }
 
 impl<const M: usize> TrendOperator<M> for FilteredTrends<M> {

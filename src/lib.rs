@@ -23,13 +23,13 @@
 //! | room | type | what it does |
 //! |---|---|---|
 //! | sample | [`DelayLine`] | checks a value, delays an input |
-//! | trend, raw, chain, integral | [`TrendOperator`], [`RawTrends`], [`FilteredTrends`], [`IntegralTrends`] | equations (4), (8) |
-//! | structure, regressor | [`Structure`], [`Terms`], [`Config`] | which parameters, their signs, order and scales (5), (12) |
+//! | trend, raw, filter, chain, integral | [`TrendOperator`], [`RawTrends`], [`FilteredTrends`], [`IntegralTrends`] | equations (4), (8) |
+//! | structure, regressor | [`Structure`], [`Terms`] | which parameters, their signs, order and scales (5), (12) |
 //! | estimator | [`Estimator`] | recursive least squares |
 //! | noise, readout | [`NoiseLevel`] | noise bias out of theta, standard deviations |
 //! | transfer, physical | [`TransferFunction`], [`Physical`] | what theta means |
 //! | evaluation | [`OutputEvaluation`], [`Quality`] | (9)-(11) |
-//! | identifier | [`Identifier`] | all of it behind one call per sample |
+//! | config, outcome, identifier | [`Config`], [`Outcome`], [`Identifier`] | all of it behind one call per sample |
 //! | inputs | [`dead_zone`], [`asymmetric`], [`coulomb`] | inputs for valves and friction |
 //! | hardware | [`hardware::PositionSensor`], [`hardware::Valve`] | the edge to sensors and valves: traits, drivers, scale |
 //!
@@ -72,11 +72,13 @@
 #![deny(clippy::disallowed_types)]
 
 mod chain;
+mod config;
 mod controller;
 mod error;
 mod estimator;
 mod evaluation;
 mod excitation;
+mod filter;
 pub mod hardware;
 mod identifier;
 mod inputs;
@@ -84,6 +86,7 @@ mod integral;
 mod math;
 mod noise;
 mod observer;
+mod outcome;
 mod physical;
 mod raw;
 mod readout;
@@ -100,18 +103,20 @@ mod trend;
 mod trial;
 
 pub use chain::FilteredTrends;
+pub use config::Config;
 pub use controller::{CommandLimiter, Controller, ControllerConfig};
 pub use error::ConfigError;
 pub use estimator::Estimator;
 pub use evaluation::{OutputEvaluation, Quality};
 pub use excitation::{Excitation, ExcitationConfig, Travel};
-pub use identifier::{Config, Identifier, Outcome, Refusal};
+pub use identifier::Identifier;
 pub use inputs::{asymmetric, coulomb, dead_zone};
 pub use integral::{IntegralTrends, Span};
 #[cfg(feature = "approximate")]
 pub use math::approximate;
 pub use noise::NoiseLevel;
 pub use observer::Observer;
+pub use outcome::{Outcome, Refusal};
 pub use physical::Physical;
 pub use raw::RawTrends;
 pub use reference::{MotionLimits, Reference, Setpoint};

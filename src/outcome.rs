@@ -1,0 +1,45 @@
+//! What one sample did.
+
+/// Why a sample was refused; the state is bit for bit what it was before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Refusal {
+    /// This input is not finite, or more than 10^6 times its range.
+    Input(usize),
+    /// The output is not finite, or more than 10^6 times its range.
+    Output,
+}
+
+/// What one sample did.
+#[must_use]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Outcome {
+    /// The trends settle; so many samples to go.
+    WarmingUp {
+        /// Samples until the first estimate.
+        remaining: u32,
+    },
+    /// The sample did not enter any buffer.
+    Refused(Refusal),
+    /// The sample was predicted, and the estimate left alone.
+    Held {
+        /// y(k) minus its prediction, in the unit of y.
+        innovation: f32,
+    },
+    /// The estimate took the sample in.
+    Estimated {
+        /// y(k) minus its prediction, in the unit of y.
+        innovation: f32,
+    },
+}
+
+impl Outcome {
+    /// y(k) minus its prediction, where there was one.
+    pub fn innovation(self) -> Option<f32> {
+        match self {
+            Self::Held { innovation } | Self::Estimated { innovation } => Some(innovation),
+            Self::WarmingUp { .. } | Self::Refused(_) => None,
+        }
+    }
+}
