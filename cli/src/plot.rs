@@ -232,7 +232,7 @@ fn extent(values: impl Iterator<Item = f64>, margin: f64) -> Range<f64> {
 fn tick(v: f64, range: &Range<f64>) -> String {
     let span = range.end - range.start;
     let largest = range.start.abs().max(range.end.abs());
-    if largest >= 1e5 || largest < 1e-3 {
+    if !(1e-3..1e5).contains(&largest) {
         return format!("{v:.1e}");
     }
     let decimals = (1 - span.log10().floor() as i32).clamp(0, 6) as usize;
