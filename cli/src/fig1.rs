@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::json;
-use trendid::{Config, ConfigError, FilteredTrends, Identifier, RawTrends, Scheme, Structure, TrendOperator};
+use trendid::{
+    Config, ConfigError, FilteredTrends, Identifier, RawTrends, Scheme, Structure, TrendOperator,
+};
 use trendid_host_tests::experiment::{Experiment, Record};
 use trendid_host_tests::noise::{Condition, Reading};
 
@@ -82,7 +84,12 @@ pub fn run(args: &Fig1Args) -> Result<(), Refusal> {
     if args.csv {
         let mut text = String::from("t,a1,a2,b0,sigma_a1,sigma_a2,sigma_b0\n");
         for p in &points {
-            let cells: Vec<String> = p.ratio.iter().chain(&p.sigma).map(|v| format!("{v:.6}")).collect();
+            let cells: Vec<String> = p
+                .ratio
+                .iter()
+                .chain(&p.sigma)
+                .map(|v| format!("{v:.6}"))
+                .collect();
             text += &format!("{:.3},{}\n", p.t, cells.join(","));
         }
         output::emit(&text);
@@ -158,7 +165,8 @@ fn figure(args: &Fig1Args, points: &[Point]) -> Figure {
         panels: vec![Panel {
             title: format!(
                 "w = 200 um, eta = 20 um, eps = 10 um, 1 ms; {} trends, {:?}; band: one reported standard deviation",
-                kind, Scheme::from(args.scheme)
+                kind,
+                Scheme::from(args.scheme)
             ),
             x: "t [s]".to_owned(),
             y: "estimate / truth".to_owned(),

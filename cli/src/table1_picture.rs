@@ -47,7 +47,11 @@ pub fn save(dir: &Path, args: &Table1Args, lines: &[Line]) -> Result<[PathBuf; 2
                         COLOURS[1],
                         series(ours, i, |l| l.paper_pct()),
                     ),
-                    Curve::new("extended Kalman filter", COLOURS[3], series(Method::Kalman, i, rms)),
+                    Curve::new(
+                        "extended Kalman filter",
+                        COLOURS[3],
+                        series(Method::Kalman, i, rms),
+                    ),
                     Curve::new("trendid, default", COLOURS[0], series(ours, i, rms)),
                     Curve::new(
                         "offline output-error fit",

@@ -260,7 +260,8 @@ pub fn check(args: &Table1Args, lines: &[Line]) -> String {
                 Some([false, false, false]) => "yes".to_owned(),
                 Some(beyond) => {
                     let names = ["C", "omega0", "xi"];
-                    let which: Vec<&str> = (0..3).filter(|i| beyond[*i]).map(|i| names[i]).collect();
+                    let which: Vec<&str> =
+                        (0..3).filter(|i| beyond[*i]).map(|i| names[i]).collect();
                     format!("no: {}", which.join(" "))
                 }
             };
@@ -280,7 +281,13 @@ pub fn check(args: &Table1Args, lines: &[Line]) -> String {
     }
     let durations: Vec<String> = lines
         .chunk_by(|a, b| a.duration_s == b.duration_s)
-        .map(|g| format!("{} s in {}", g[0].duration_s, g[0].setting.reading().to_uppercase()))
+        .map(|g| {
+            format!(
+                "{} s in {}",
+                g[0].duration_s,
+                g[0].setting.reading().to_uppercase()
+            )
+        })
         .collect();
     format!(
         "C / omega0 / xi, modified Tustin; {}; {}\n{}{DEFINITIONS}",
