@@ -7,7 +7,7 @@
 //! ```text
 //! theta_c = theta + w P (M theta - m)          w = n s / (1 + n s tr P M)
 //! P_c     = (I + w P M) P (I + w P M)'
-//! sigma^2 = r P_c
+//! sigma^2 = r P_c + what one step leaves + the arithmetic
 //! ```
 //!
 //! takes the bias out to first order, at the read-out only: nothing is added to the
@@ -43,6 +43,12 @@ pub(crate) struct Readout<const N: usize> {
 /// The third difference counts as noise while it does not exceed what the residual allows by this factor.
 const PLAUSIBLE: f32 = 1.3;
 
+/// Least share of the noise that counts as in band: the first estimates are too far off to say.
+const IN_BAND: f32 = 0.3;
+
+/// What is left without noise, relative to the parameter: the trapezoids and f32, measured on the reference servo.
+const ARITHMETIC: f32 = 1e-4;
+
 /// Estimate and covariance with the bias of white noise taken out.
 pub(crate) fn read_out<T: TrendOperator<M>, const M: usize, const N: usize>(
     evidence: &Evidence<N>,
@@ -70,6 +76,7 @@ pub(crate) fn read_out<T: TrendOperator<M>, const M: usize, const N: usize>(
         _ => None,
     };
 
+    let mut unsettled = 0.0;
     let mut theta = evidence.theta;
     let mut covariance = evidence.covariance;
     if let (Some(white), Some(_)) = (white, trends.filter_polynomial()) {
@@ -82,6 +89,7 @@ pub(crate) fn read_out<T: TrendOperator<M>, const M: usize, const N: usize>(
         // Damped where one step is no longer small: few samples under much noise.
         let noise = evidence.samples * white;
         let weight = noise / (1.0 + noise * trace);
+        unsettled = noise * trace / (1.0 + noise * trace);
         let mut drive = [0.0; N];
         for i in 0..N {
             drive[i] = -vector[i];
@@ -116,6 +124,13 @@ pub(crate) fn read_out<T: TrendOperator<M>, const M: usize, const N: usize>(
             covariance[i][j] *= level * units[i] * units[j];
         }
     }
+    for j in 0..N {
+        // What one step of the correction leaves is of the order of its damping; and
+        // nothing is known better than the arithmetic.
+        let left = unsettled * (theta[j] - evidence.theta[j] * units[j]);
+        let arithmetic = ARITHMETIC * theta[j];
+        covariance[j][j] += left * left + arithmetic * arithmetic;
+    }
     let sound = theta.iter().all(|v| v.is_finite());
     if !sound {
         for j in 0..N {
@@ -144,7 +159,7 @@ fn residual_level<T: TrendOperator<M>, const M: usize, const N: usize>(
         return residual;
     };
     let a = regressor.denominator(theta);
-    let share = in_band(&a, &filter, bandwidth);
+    let share = in_band(&a, &filter, bandwidth).max(IN_BAND);
     let scale = regressor.top_scale() * regressor.top_scale();
     let Some(white) = white else {
         return residual;
