@@ -161,7 +161,7 @@ fn scan(
     }
 }
 
-/// Offset of BL, B.W and B<c>.W.
+/// Offset of BL, B.W and of the conditional B.W.
 fn branch(first: u16, second: u16) -> Option<i64> {
     if first >> 11 != 0b11110 || second >> 15 == 0 {
         return None;
