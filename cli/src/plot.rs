@@ -77,43 +77,71 @@ const PANEL_HEIGHT: u32 = 330;
 const SCALE: u32 = 3;
 
 /// A length in pixels of the finished picture.
-fn px(length: u32) -> u32 {
+pub fn px(length: u32) -> u32 {
     length * SCALE
 }
 
-fn font(size: u32) -> (&'static str, u32) {
+/// The font at a size in pixels of the finished picture.
+pub fn font(size: u32) -> (&'static str, u32) {
     ("sans-serif", px(size))
 }
 
+/// What can be drawn on every backend, lengths by [`px`].
+pub trait Drawing {
+    /// Width and height of the finished picture.
+    fn size(&self) -> (u32, u32);
+
+    fn draw<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+    ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>>;
+}
+
+/// Writes `DIR/NAME.svg` and `DIR/NAME.png`, making `dir` when needed.
+///
+/// # Errors
+///
+/// A sentence naming the file that cannot be written.
+pub fn save(drawing: &impl Drawing, dir: &Path, name: &str) -> Result<[PathBuf; 2], String> {
+    register_fonts();
+    std::fs::create_dir_all(dir)
+        .map_err(|e| format!("cannot make the directory `{}`: {e}", dir.display()))?;
+    let size = drawing.size();
+    let large = (px(size.0), px(size.1));
+    let svg = dir.join(format!("{name}.svg"));
+    let png = dir.join(format!("{name}.png"));
+    let failed = |path: &Path, e: String| format!("cannot write `{}`: {e}", path.display());
+
+    let mut text = String::new();
+    drawing
+        .draw(&SVGBackend::with_string(&mut text, large).into_drawing_area())
+        .map_err(|e| failed(&svg, e.to_string()))?;
+    let extent = |(w, h): (u32, u32)| format!("width=\"{w}\" height=\"{h}\"");
+    let text = text.replacen(&extent(large), &extent(size), 1);
+    std::fs::write(&svg, text).map_err(|e| failed(&svg, e.to_string()))?;
+
+    let mut pixels = vec![255; 3 * (large.0 * large.1) as usize];
+    drawing
+        .draw(&Raster::new(&mut pixels, large).into_drawing_area())
+        .map_err(|e| failed(&png, e.to_string()))?;
+    encode(&png, size, &reduced(&pixels, size, SCALE)).map_err(|e| failed(&png, e.to_string()))?;
+    Ok([svg, png])
+}
+
 impl Figure {
-    /// Writes `DIR/NAME.svg` and `DIR/NAME.png`, making `dir` when needed.
+    /// Writes `DIR/NAME.svg` and `DIR/NAME.png`, see [`save`].
     ///
     /// # Errors
     ///
-    /// A sentence naming the file that cannot be written.
+    /// As [`save`].
     pub fn save(&self, dir: &Path, name: &str) -> Result<[PathBuf; 2], String> {
-        register_fonts();
-        std::fs::create_dir_all(dir)
-            .map_err(|e| format!("cannot make the directory `{}`: {e}", dir.display()))?;
-        let size = (WIDTH, 50 + PANEL_HEIGHT * self.panels.len() as u32);
-        let large = (px(size.0), px(size.1));
-        let svg = dir.join(format!("{name}.svg"));
-        let png = dir.join(format!("{name}.png"));
-        let failed = |path: &Path, e: String| format!("cannot write `{}`: {e}", path.display());
+        save(self, dir, name)
+    }
+}
 
-        let mut text = String::new();
-        self.draw(&SVGBackend::with_string(&mut text, large).into_drawing_area())
-            .map_err(|e| failed(&svg, e.to_string()))?;
-        let extent = |(w, h): (u32, u32)| format!("width=\"{w}\" height=\"{h}\"");
-        let text = text.replacen(&extent(large), &extent(size), 1);
-        std::fs::write(&svg, text).map_err(|e| failed(&svg, e.to_string()))?;
-
-        let mut pixels = vec![255; 3 * (large.0 * large.1) as usize];
-        self.draw(&Raster::new(&mut pixels, large).into_drawing_area())
-            .map_err(|e| failed(&png, e.to_string()))?;
-        encode(&png, size, &reduced(&pixels, size, SCALE))
-            .map_err(|e| failed(&png, e.to_string()))?;
-        Ok([svg, png])
+impl Drawing for Figure {
+    fn size(&self) -> (u32, u32) {
+        (WIDTH, 50 + PANEL_HEIGHT * self.panels.len() as u32)
     }
 
     fn draw<B: DrawingBackend>(
