@@ -109,6 +109,12 @@ pub struct ControllerConfig {
     pub stick_rate: f32,
     /// Movement that counts as breaking loose, in units of y; twice the standard deviation of the noise.
     pub start: f32,
+    /// Growth of the push beside the target, flow per s.
+    pub creep: f32,
+    /// Friction at the smallest speed beyond Coulomb friction, in parts of it.
+    pub stribeck: f32,
+    /// Bandwidth at the end of a move over the wanted one: slow motion under friction asks for more.
+    pub settle: f32,
     /// Velocity below which friction rules the motion, in units of y per s.
     pub slow: f32,
     /// Time in which the trace of a change of gains disappears, in s.
@@ -116,17 +122,20 @@ pub struct ControllerConfig {
 }
 
 impl ControllerConfig {
-    /// Damping 0.9, observer five times as fast, transition 50 ms, no rest window.
+    /// Damping 0.8, observer 3.5 times as fast, transition 50 ms, no rest window.
     pub const fn new(bandwidth: f32) -> Self {
         Self {
             bandwidth,
-            damping: 0.9,
-            observer_rate: 5.0 * bandwidth,
+            damping: 0.8,
+            observer_rate: 3.5 * bandwidth,
             blend: 0.005,
             rest_window: 0.0,
-            reversal: 0.008,
-            stick_rate: 250.0,
+            reversal: 0.006,
+            stick_rate: 230.0,
             start: f32::MAX,
+            creep: 0.06,
+            stribeck: 0.8,
+            settle: 2.4,
             slow: 0.0,
             transition: 0.05,
         }
@@ -142,13 +151,9 @@ const REST_SAMPLES: u16 = 10;
 /// Drive over Coulomb friction with which a reversal breaks loose.
 const BREAKAWAY: f32 = 1.3;
 
-/// Friction at the smallest speed beyond Coulomb friction, in parts of it.
-const STRIBECK: f32 = 0.5;
-
-/// Flow with which a resting axis beside its target is pushed: at first, at most, and growth per sample.
+/// Flow with which a resting axis beside its target is pushed: at first and at most.
 const CREEP_LEAST: f32 = 0.01;
 const CREEP_MOST: f32 = 0.05;
-const CREEP_GROWTH: f32 = 1e-4;
 
 /// Position controller by pole placement.
 ///
@@ -184,6 +189,11 @@ pub struct Controller {
     observer: Observer,
     /// p0, p1, p2.
     wanted: [f32; 3],
+    /// The same for slow motion at the target.
+    settle: [f32; 3],
+    slow: f32,
+    creep_growth: f32,
+    stribeck: f32,
     inverse_gain: f32,
     blend: f32,
     /// Commands are predicted with this flow until the next sample.
@@ -246,11 +256,16 @@ impl Controller {
             return Err(ServoError::Bound(config.start));
         }
         let pair = 2.0 * config.damping;
+        let s = config.settle * w;
         let mut observer = Observer::new(model, config.observer_rate, sample_time);
         observer.set_start(config.start, config.slow);
         Ok(Self {
             observer,
             wanted: [w * w * w, (1.0 + pair) * w * w, (1.0 + pair) * w],
+            settle: [s * s * s, (1.0 + pair) * s * s, (1.0 + pair) * s],
+            slow: config.slow,
+            creep_growth: config.creep * sample_time,
+            stribeck: config.stribeck,
             inverse_gain: 1.0 / model.b0,
             blend: config.blend,
             flow: model.flow(0.0),
@@ -336,7 +351,12 @@ impl Controller {
             velocity: v,
             acceleration: a,
         } = self.observer.motion();
-        let [p0, p1, p2] = self.wanted;
+        let slow = self.slow;
+        let [p0, p1, p2] = if r.is_rest() && within(v, slow) == v {
+            self.settle
+        } else {
+            self.wanted
+        };
         // About to reverse: the drive has to bring up friction in the other direction.
         let direction = self.wanted_direction(r);
         let reversal = if direction == 0.0 || model.friction == 0.0 {
@@ -345,7 +365,7 @@ impl Controller {
             self.observer.drive() - model.friction * direction - a
         };
         let jerk = r.jerk
-            + self.stribeck(r)
+            + self.extra_friction(r)
             + p2 * (r.acceleration - a - reversal)
             + p1 * (r.velocity - v)
             + p0 * (r.position - x)
@@ -358,8 +378,8 @@ impl Controller {
     ///
     /// `f = (breakaway - friction) sgn(v) / (1 + (v/slow)^2)`, along the reference.
     #[inline]
-    fn stribeck(&self, r: &Setpoint) -> f32 {
-        let extra = STRIBECK * self.observer.model().friction;
+    fn extra_friction(&self, r: &Setpoint) -> f32 {
+        let extra = self.stribeck * self.observer.model().friction;
         let ratio = r.velocity * self.inverse_slow;
         let magnitude = if ratio < 0.0 { -ratio } else { ratio };
         let share = 1.0 / (1.0 + ratio * ratio);
@@ -407,7 +427,8 @@ impl Controller {
     fn rest(&mut self, r: &Setpoint) {
         let sticks = self.observer.sticks();
         self.creep = if sticks && r.is_rest() {
-            let next = self.creep + CREEP_GROWTH;
+            self.observer.doubt_drive();
+            let next = self.creep + self.creep_growth;
             if next < CREEP_MOST { next } else { CREEP_MOST }
         } else {
             CREEP_LEAST

@@ -41,6 +41,10 @@ pub struct Observer {
     direction: f32,
     /// The drive p while it sticks.
     drive: f32,
+    /// Samples since it began to stick, or to move.
+    since: u16,
+    /// Mean rate of the drive while it sticks.
+    ramp: f32,
     /// Mean innovation while it sticks.
     creep: f32,
     /// Mean innovation at which it starts to move.
@@ -68,11 +72,17 @@ const HOLD: f32 = 1.2;
 /// Drive over Coulomb friction that no resting axis is believed to have: the dead zone is not known so well.
 const BREAK: f32 = 2.0;
 
-/// Largest excess of the drive over friction, in parts of friction, with which an axis starts.
-const EXCESS: f32 = 0.3;
-
 /// Share of a new innovation in the mean while it sticks.
 const CREEP: f32 = 0.2;
+
+/// Samples in which the place of rest is found.
+const SETTLING: u16 = 6;
+
+/// Samples within which a start that ends is taken for none.
+const FALSE_START: u16 = 25;
+
+/// Movement over its mean when it is noticed.
+const LAG: f32 = 2.0;
 
 impl Observer {
     /// An observer at rest in zero with three poles at `-rate` (rad/s) and that of the disturbance at 0.3 of it.
@@ -94,6 +104,8 @@ impl Observer {
             disturbance: 0.0,
             direction: 0.0,
             drive: 0.0,
+            since: 0,
+            ramp: 0.0,
             creep: 0.0,
             start: f32::INFINITY,
             slow: 0.0,
@@ -143,6 +155,7 @@ impl Observer {
         self.motion = motion;
         self.disturbance = 0.0;
         self.creep = 0.0;
+        self.ramp = 0.0;
         self.drive = 0.0;
         self.direction = if motion.velocity > 0.0 {
             1.0
@@ -169,11 +182,20 @@ impl Observer {
         }
     }
 
+    /// Believes no more of the drive than friction itself, while the valve creeps about its dead zone.
+    #[inline]
+    pub fn doubt_drive(&mut self) {
+        self.drive = within(self.drive, self.model.friction);
+    }
+
     /// One sample on under the flow that was in force. Cost: about 50 instructions.
     #[inline]
     pub fn predict(&mut self, flow: f32) {
+        self.since = self.since.saturating_add(1);
         if self.sticks() {
-            self.drive += self.sample_time * self.model.b0 * flow;
+            let rate = self.model.b0 * flow;
+            self.drive += self.sample_time * rate;
+            self.ramp += CREEP * (rate - self.ramp);
             if self.start == f32::INFINITY {
                 // By itself, without measurements, it can only start by force.
                 let breakaway = HOLD * self.model.friction;
@@ -185,6 +207,8 @@ impl Observer {
             self.drive = within(self.drive, BREAK * self.model.friction);
             return;
         }
+        // Goes on beside the motion: should the start turn out to be none, the drive is still known.
+        self.drive += self.sample_time * self.model.b0 * flow;
         self.model
             .advance(&mut self.motion, flow + self.disturbance, self.sample_time);
         self.turn();
@@ -197,31 +221,64 @@ impl Observer {
         if !(friction > 0.0 && self.motion.velocity * self.direction <= 0.0) {
             return;
         }
-        let drive = self.drive();
+        let false_start = self.since < FALSE_START && self.start != f32::INFINITY;
+        let drive = if false_start {
+            within(self.drive, BREAK * friction)
+        } else {
+            self.drive()
+        };
         let hold = HOLD * friction;
-        if drive > hold || drive < -hold {
+        self.since = 0;
+        if false_start {
+            self.stick(drive);
+        } else if drive > hold || drive < -hold {
             self.direction = if drive > 0.0 { 1.0 } else { -1.0 };
             self.motion.acceleration = drive - friction * self.direction;
         } else {
-            self.drive = drive;
-            self.direction = 0.0;
-            self.creep = 0.0;
-            self.motion.velocity = 0.0;
-            self.motion.acceleration = 0.0;
+            self.stick(drive);
         }
     }
 
-    /// Begins to move in `direction`.
+    /// Sticks from now on, under `drive`.
+    #[inline]
+    fn stick(&mut self, drive: f32) {
+        self.drive = drive;
+        self.direction = 0.0;
+        self.creep = 0.0;
+        self.ramp = 0.0;
+        self.motion.velocity = 0.0;
+        self.motion.acceleration = 0.0;
+    }
+
+    /// Begins to move in `direction` by force.
     #[inline]
     fn move_off(&mut self, direction: f32) {
         self.direction = direction;
-        let excess = self.drive * direction - self.model.friction;
-        let excess = if excess > 0.0 {
-            within(excess, EXCESS * self.model.friction)
-        } else {
-            0.0
+        self.motion.acceleration = self.drive - self.model.friction * direction;
+    }
+
+    /// Has begun to move, and is seen `distance` from its place.
+    ///
+    /// The drive exceeds the breakaway, which is not known, since a time t and by `ramp t`, which is:
+    /// `x = ramp t^3 / 6`. Newton's method for t is + - x / only.
+    #[inline(never)]
+    fn moved_off(&mut self, distance: f32) {
+        self.since = 0;
+        let direction = if distance > 0.0 { 1.0 } else { -1.0 };
+        let ramp = self.ramp * direction;
+        let least = self.model.friction;
+        let ramp = if ramp > least { ramp } else { least };
+        let cube = 6.0 * distance * direction / ramp;
+        let mut t = 0.02;
+        for _ in 0..8 {
+            t = (2.0 * t + cube / (t * t)) * (1.0 / 3.0);
+        }
+        self.direction = direction;
+        self.motion = Motion {
+            position: self.motion.position + distance,
+            velocity: 0.5 * direction * ramp * t * t,
+            acceleration: direction * within(ramp * t, self.model.friction),
         };
-        self.motion.acceleration = direction * excess;
     }
 
     /// Takes a measured position; gives the innovation. Cost: about 30 instructions.
@@ -229,13 +286,16 @@ impl Observer {
     pub fn correct(&mut self, y: f32) -> f32 {
         let innovation = y - self.motion.position;
         if self.sticks() {
+            if self.since < SETTLING {
+                // The place of rest is not known yet.
+                self.motion.position += 0.3 * innovation;
+                return innovation;
+            }
             self.creep += CREEP * (innovation - self.creep);
             self.motion.position += 0.02 * innovation;
             if self.creep > self.start || self.creep < -self.start {
-                let direction = if self.creep > 0.0 { 1.0 } else { -1.0 };
-                self.motion.position += self.creep;
-                self.motion.velocity = 0.3 * self.rate * self.creep;
-                self.move_off(direction);
+                // The mean lags behind a movement that grows.
+                self.moved_off(LAG * self.creep);
             }
             return innovation;
         }

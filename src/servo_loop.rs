@@ -4,7 +4,6 @@ use crate::chain::FilteredTrends;
 use crate::controller::{CommandLimiter, Controller, ControllerConfig};
 use crate::excitation::{Excitation, ExcitationConfig, Travel};
 use crate::hardware::{Axis, PositionSensor, Valve};
-use crate::identifier::{Config, Identifier, Outcome};
 use crate::inputs::{coulomb, dead_zone};
 use crate::reference::{MotionLimits, Reference, Setpoint};
 use crate::servo_error::ServoError;
@@ -14,6 +13,7 @@ use crate::supervisor::{
     Candidate, Event, Observation, Reason, State, Supervisor, SupervisorConfig,
 };
 use crate::trend::Scheme;
+use crate::{Config, Identifier, Outcome};
 
 /// The identifier of the loop: order 3, theta = (a1, a2, b0 of u, b0 of sgn u, b1 of sgn v, constant).
 pub type ServoIdentifier = Identifier<FilteredTrends<3>, 3, 6, 3, 8>;
@@ -78,7 +78,7 @@ impl LoopConfig {
             range: 1.0,
             rate: 100.0,
             delay: 2,
-            memory: 1.0,
+            memory: 3.0,
             pull: 1e-5,
             adaptive: true,
             motion: MotionLimits {
@@ -89,8 +89,8 @@ impl LoopConfig {
             controller: ControllerConfig {
                 rest_window: 1e-4 * length,
                 start: 4e-5 * length,
-                slow: 0.1 * length,
-                ..ControllerConfig::new(1.75 * bandwidth)
+                slow: 0.14 * length,
+                ..ControllerConfig::new(2.5 * bandwidth)
             },
             excitation,
             supervisor: SupervisorConfig {
@@ -441,7 +441,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         } else {
             self.supervisor.update(&seen)
         };
-        let event = if event == Event::None && self.supervisor.wants_candidate() {
+        let learns = self.adaptive || self.supervisor.state().is_commissioning();
+        let event = if learns && event == Event::None && self.supervisor.wants_candidate() {
             let candidate = self.candidate();
             self.supervisor.consider(&candidate, &seen)
         } else {

@@ -143,6 +143,8 @@ pub struct SupervisorConfig {
     pub explained: f32,
     /// A model replaces another when its squared error is below this share of the other's.
     pub better: f32,
+    /// ... and the difference is at least this share of the movement: there is something to gain.
+    pub worth: f32,
     /// Least excitation before a model is tried, in s.
     pub excite: f32,
     /// Time of free simulation in a trial, in s.
@@ -166,7 +168,8 @@ impl SupervisorConfig {
             largest_gain: 50.0 * length,
             certainty: 0.1,
             explained: 0.9,
-            better: 0.8,
+            better: 0.7,
+            worth: 0.01,
             excite: 0.26,
             window: 0.1,
             time_limit: 3.0,
@@ -184,6 +187,7 @@ impl SupervisorConfig {
             self.certainty,
             self.explained,
             self.better,
+            self.worth,
             self.slow,
             self.still,
             self.change,
@@ -603,9 +607,10 @@ impl Supervisor {
         };
         let enough = 5.0 * self.config.still;
         let moved = verdict.total > enough * enough * verdict.samples as f32;
-        let better = verdict
-            .incumbent
-            .is_none_or(|other| verdict.candidate < self.config.better * other);
+        let better = verdict.incumbent.is_none_or(|other| {
+            verdict.candidate < self.config.better * other
+                && other - verdict.candidate > self.config.worth * verdict.total
+        });
         let reason = if !moved {
             None
         } else if verdict.explained() < self.config.explained {
