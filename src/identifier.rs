@@ -8,7 +8,7 @@ use crate::math::sqrt;
 use crate::noise::NoiseLevel;
 use crate::outcome::{Outcome, Refusal};
 use crate::physical::{Physical, second_order_std};
-use crate::readout::{Evidence, Readout, in_band, read_out};
+use crate::readout::{Evidence, Readout, estimate, in_band, read_out};
 use crate::regressor::Regressor;
 use crate::sample::{DelayLine, acceptable};
 use crate::structure::{Column, Structure};
@@ -381,7 +381,13 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     ///
     /// Cost: some 100 N^2 instructions; for the loop that reports, not for every sample.
     pub fn theta(&self) -> [f32; N] {
-        self.read_out().theta
+        estimate(
+            &self.evidence(),
+            &self.noise_gain,
+            &self.regressor,
+            &self.trends,
+        )
+        .theta
     }
 
     /// Standard deviation of each parameter, in its unit, from the noise level found.
@@ -395,8 +401,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.read_out().covariance
     }
 
-    fn read_out(&self) -> Readout<N> {
-        let evidence = Evidence {
+    fn evidence(&self) -> Evidence<N> {
+        Evidence {
+            columns: self.structure.columns(),
             theta: *self.estimator.theta(),
             covariance: core::array::from_fn(|i| {
                 core::array::from_fn(|j| self.estimator.covariance(i, j))
@@ -405,9 +412,12 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             residual: self.estimator.noise_variance(),
             white: self.noise.variance(),
             prior: self.prior_noise * self.prior_noise,
-        };
+        }
+    }
+
+    fn read_out(&self) -> Readout<N> {
         read_out(
-            &evidence,
+            &self.evidence(),
             &self.noise_gain,
             &self.regressor,
             &self.trends,

@@ -96,6 +96,7 @@ mod sample;
 mod servo_error;
 mod servo_loop;
 mod servo_model;
+mod shaping;
 mod structure;
 mod supervisor;
 mod transfer;
