@@ -87,7 +87,6 @@ struct Outcome {
     different: Option<String>,
     last: Option<Reply>,
     host: Counters,
-    seconds: f64,
 }
 
 /// The lockstep: plant, target and the controller here, sample by sample.
@@ -101,14 +100,12 @@ fn compare(args: &PilArgs, line: &mut Disturbed) -> Result<Outcome, Refusal> {
         .map_or(1, |t| t.as_millis() as u32);
     let mut exchange = Exchange::new(first, ATTEMPTS);
     let bar = output::progress(u64::from(args.samples), "samples");
-    let start = Instant::now();
     let mut outcome = Outcome {
         samples: 0,
         numbers: 0,
         different: None,
         last: None,
         host: Counters::default(),
-        seconds: 0.0,
     };
     for k in 0..args.samples {
         // White noise of +-10 um on a position in mm; every 997th measurement is marked as bad.
@@ -140,7 +137,6 @@ fn compare(args: &PilArgs, line: &mut Disturbed) -> Result<Outcome, Refusal> {
     }
     bar.finish_and_clear();
     outcome.host = exchange.counters();
-    outcome.seconds = start.elapsed().as_secs_f64();
     Ok(outcome)
 }
 
@@ -184,7 +180,7 @@ fn report(args: &PilArgs, name: &str, outcome: &Outcome, injected: u32) {
         return;
     }
     let mut text = format!(
-        "{} samples on {name}: {} numbers {} ({:.0} samples/s)\n",
+        "{} samples on {name}: {} numbers {}\n",
         outcome.samples,
         outcome.numbers,
         if identical {
@@ -192,7 +188,6 @@ fn report(args: &PilArgs, name: &str, outcome: &Outcome, injected: u32) {
         } else {
             "compared, then a difference"
         },
-        f64::from(outcome.samples) / outcome.seconds,
     );
     if let [a1, a2, b0] = theta[..] {
         let [_, t1, t2] = REFERENCE.a();

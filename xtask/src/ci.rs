@@ -34,7 +34,7 @@ pub fn all() -> Done {
         ("firmware", || firmware::run(&firmware::Options::default())),
         ("icount", || icount::run(&icount::Options::default())),
         ("size", firmware::size),
-        ("pil", pil),
+        ("pil", || firmware::pil(&firmware::PilOptions::default())),
     ])
 }
 
@@ -45,7 +45,7 @@ pub fn test() -> Done {
         ("host", host),
         ("firmware", || firmware::run(&firmware::Options::default())),
         ("size", firmware::size),
-        ("pil", pil),
+        ("pil", || firmware::pil(&firmware::PilOptions::default())),
     ])
 }
 
@@ -115,26 +115,6 @@ pub fn features() -> Done {
                 .concat(),
             ))?;
         }
-    }
-    Ok(())
-}
-
-/// The processor in the loop, on a good line and on a bad one.
-pub fn pil() -> Done {
-    let image = M4F.build("pil", "firmware")?;
-    for options in [&[][..], &["--samples", "2000", "--faults", "10"]] {
-        let mut command = cargo(&[
-            "run",
-            "-q",
-            "--release",
-            "-p",
-            "trendid-cli",
-            "--",
-            "pil",
-            "--image",
-        ]);
-        command.arg(&image).args(options);
-        process::run(command)?;
     }
     Ok(())
 }

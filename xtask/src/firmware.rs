@@ -5,7 +5,8 @@ use std::time::Duration;
 use crate::Done;
 use crate::defmt::Table;
 use crate::elf::Image;
-use crate::process::{M0, M3, M4F};
+use crate::process::{M0, M3, M4F, cargo};
+use crate::quote::quote;
 
 /// Options of the task.
 #[derive(Default, clap::Args)]
@@ -13,6 +14,17 @@ pub struct Options {
     /// Only build and check, do not run.
     #[arg(long)]
     build_only: bool,
+    /// Put the output into the documents that quote it.
+    #[arg(long)]
+    quote: bool,
+}
+
+/// Options of the processor in the loop.
+#[derive(Default, clap::Args)]
+pub struct PilOptions {
+    /// Put the output into the documents that quote it.
+    #[arg(long)]
+    quote: bool,
 }
 
 /// Time after which a run in the emulator has failed.
@@ -31,15 +43,24 @@ pub fn run(options: &Options) -> Done {
         if options.build_only {
             continue;
         }
-        println!(
-            "selftest on {} ({}, {profile}):",
+        let mut text = format!(
+            "selftest on {} ({}, {profile}):\n",
             machine.name, machine.target
         );
         for line in machine.lines(&path, LIMIT)? {
-            println!("    {line}");
+            text += &format!("    {line}\n");
+        }
+        print!("{text}");
+        if options.quote && (machine.name, profile) == (M4F.name, "firmware") {
+            quote("selftest", &fenced(&text))?;
         }
     }
     servo(options)
+}
+
+/// A block of program output in a document.
+fn fenced(text: &str) -> String {
+    format!("```text\n{text}```\n")
 }
 
 /// The servo controller on its simulated drive: it must reach control, and end in the safe output after three overruns.
@@ -49,12 +70,52 @@ fn servo(options: &Options) -> Done {
     if options.build_only {
         return Ok(());
     }
-    println!("servo on {} ({}):", M4F.name, M4F.target);
-    let table = Table::read(&path)?;
-    for line in table.lines(&M4F.output(&path, LIMIT)?)? {
-        println!("    {line}");
+    let mut text = format!("servo on {} ({}):\n", M4F.name, M4F.target);
+    for line in Table::read(&path)?.lines(&M4F.output(&path, LIMIT)?)? {
+        text += &format!("    {line}\n");
     }
-    Ok(())
+    print!("{text}");
+    if options.quote {
+        quote("servo", &fenced(&text))
+    } else {
+        Ok(())
+    }
+}
+
+/// The processor in the loop, on a good line and on a bad one.
+pub fn pil(options: &PilOptions) -> Done {
+    let image = M4F.build("pil", "firmware")?;
+    let mut text = String::new();
+    for extra in [&[][..], &["--samples", "2000", "--faults", "10"]] {
+        let mut command = cargo(&[
+            "run",
+            "-q",
+            "--release",
+            "-p",
+            "trendid-cli",
+            "--",
+            "pil",
+            "--image",
+        ]);
+        command
+            .arg(&image)
+            .args(extra)
+            .stderr(std::process::Stdio::inherit());
+        let output = command
+            .output()
+            .map_err(|error| format!("cargo: {error}"))?;
+        let printed = String::from_utf8_lossy(&output.stdout);
+        print!("{printed}");
+        if !output.status.success() {
+            return Err(format!("trendid pil ended with {}", output.status));
+        }
+        text += &printed;
+    }
+    if options.quote {
+        quote("pil", &fenced(&text))
+    } else {
+        Ok(())
+    }
 }
 
 /// An image without code is what lost linker arguments give.
@@ -68,16 +129,16 @@ fn not_empty(image: &Image) -> Done {
 
 /// Prints the sizes; fails when an image is empty, too large, or can panic in an update.
 pub fn size() -> Done {
-    println!(
-        "| image | opt-level | code [B] | flash [B] | static RAM [B] |\n|---|---|---|---|---|"
+    let mut table = String::from(
+        "| image | -O | code [B] | flash [B] | static RAM [B] |\n|---|---|---|---|---|\n",
     );
     let mut faults = Vec::new();
     for (profile, opt) in [("firmware", "3"), ("firmware-size", "s")] {
         for example in ["footprint", "icount"] {
             let image = Image::read(&M4F.build(example, profile)?)?;
             not_empty(&image)?;
-            println!(
-                "| {example} | {opt} | {} | {} | {} |",
+            table += &format!(
+                "| {example} | {opt} | {} | {} | {} |\n",
                 image.text, image.flash, image.ram
             );
             let panics = |names: &[String]| -> Vec<String> {
@@ -131,8 +192,9 @@ pub fn size() -> Done {
             }
         }
     }
+    print!("{table}");
     if faults.is_empty() {
-        Ok(())
+        quote("size", &table)
     } else {
         Err(faults.join("\n"))
     }

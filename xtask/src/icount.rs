@@ -1,7 +1,6 @@
 //! The table of instruction counts.
 
 use std::fmt::Write;
-use std::path::Path;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
@@ -9,14 +8,13 @@ use serde::{Deserialize, Serialize};
 use crate::Done;
 use crate::elf::Image;
 use crate::process::{M0, M3, M4F, Machine, root};
+use crate::quote::{quote, write};
 
 /// The counts that growth is measured against.
 const BASELINE: &str = "docs/icount.json";
 
-/// The table on its own, and the file that quotes it between [`MARKS`].
+/// The table on its own.
 const TABLE: &str = "docs/icount.md";
-const QUOTING: [&str; 2] = ["README.md", "docs/firmware.md"];
-const MARKS: [&str; 2] = ["<!-- icount: begin -->\n", "<!-- icount: end -->"];
 
 /// Growth of the mean or of the worst case that fails, as a factor.
 const GROWTH: f64 = 1.02;
@@ -30,7 +28,7 @@ pub struct Options {
     /// Take the counts of this run as the ones that growth is measured against.
     #[arg(long)]
     bless: bool,
-    /// Also count on Cortex-M3 and Cortex-M0, without floating-point unit (by SysTick, 31 to 40 instructions per tick).
+    /// Also count on Cortex-M3 and Cortex-M0, without floating-point unit (by SysTick, 40 to 63 instructions per tick).
     #[arg(long)]
     all: bool,
 }
@@ -60,13 +58,19 @@ pub fn run(options: &Options) -> Done {
         print!("{}", markdown(&rows));
     }
     if options.all {
+        let mut text = String::new();
         for (machine, core) in [(M3, "Cortex-M3"), (M0, "Cortex-M0")] {
-            println!(
-                "\n{core} ({}), software floating point:\n\n{}",
-                machine.name,
-                markdown(&count(machine, "firmware", "3")?)
+            let table = markdown(&count(machine, "firmware", "3")?);
+            let _ = writeln!(
+                text,
+                "{core} (`{}`), floating point in software:\n\n{table}",
+                machine.name
             );
         }
+        if !options.json {
+            print!("\n{text}");
+        }
+        quote("icount-soft", &text)?;
     }
     let baseline = root().join(BASELINE);
     if options.bless {
@@ -80,9 +84,7 @@ pub fn run(options: &Options) -> Done {
         compare(&before, &rows)?;
     }
     write(&root().join(TABLE), &markdown(&rows))?;
-    QUOTING
-        .iter()
-        .try_for_each(|path| quote(&root().join(path), &markdown(&rows)))
+    quote("icount", &markdown(&rows))
 }
 
 /// Runs the image on a machine and joins its counts with the sizes in the ELF.
@@ -182,31 +184,6 @@ fn json(rows: &[Row]) -> Result<String, String> {
         .map_err(|error| error.to_string())
 }
 
-fn write(path: &Path, text: &str) -> Done {
-    let named = |error: std::io::Error| format!("{}: {error}", path.display());
-    path.parent()
-        .map_or(Ok(()), std::fs::create_dir_all)
-        .map_err(named)?;
-    std::fs::write(path, text).map_err(named)
-}
-
-/// Puts the table between the marks of a file, if the file has them.
-fn quote(path: &Path, table: &str) -> Done {
-    let Ok(text) = std::fs::read_to_string(path) else {
-        return Ok(());
-    };
-    match quoted(&text, table) {
-        Some(new) if new != text => write(path, &new),
-        _ => Ok(()),
-    }
-}
-
-fn quoted(text: &str, table: &str) -> Option<String> {
-    let (before, rest) = text.split_once(MARKS[0])?;
-    let (_, after) = rest.split_once(MARKS[1])?;
-    Some([before, MARKS[0], table, MARKS[1], after].concat())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -231,15 +208,5 @@ mod tests {
         assert!(compare(&[row(100.0, 100.0)], &[row(102.1, 100.0)]).is_err());
         assert!(compare(&[row(100.0, 100.0)], &[row(100.0, 103.0)]).is_err());
         assert!(compare(&[row(100.0, 100.0)], &[]).is_err());
-    }
-
-    #[test]
-    fn a_table_is_replaced_between_the_marks() {
-        let text = format!("a\n{}old\n{}\nb", MARKS[0], MARKS[1]);
-        assert_eq!(
-            quoted(&text, "new\n"),
-            Some(format!("a\n{}new\n{}\nb", MARKS[0], MARKS[1]))
-        );
-        assert_eq!(quoted("no marks", "new"), None);
     }
 }

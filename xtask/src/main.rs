@@ -8,6 +8,7 @@ mod elf;
 mod firmware;
 mod icount;
 mod process;
+mod quote;
 mod record;
 mod setup;
 
@@ -47,7 +48,7 @@ enum Task {
     /// Code size of the images; no panic may be reachable from an update.
     Size,
     /// The controller on the emulated target against the simulated plant on the host, bit for bit.
-    Pil,
+    Pil(firmware::PilOptions),
     /// Everything above.
     Ci,
     /// Writes the record of the self-test again (the same bytes on every machine).
@@ -65,7 +66,7 @@ fn main() -> ExitCode {
         Task::Firmware(options) => firmware::run(&options),
         Task::Icount(options) => icount::run(&options),
         Task::Size => firmware::size(),
-        Task::Pil => ci::pil(),
+        Task::Pil(options) => firmware::pil(&options),
         Task::Ci => ci::all(),
         Task::Record => record::write(&process::root()).map_err(|error| error.to_string()),
     };
