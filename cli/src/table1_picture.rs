@@ -123,7 +123,9 @@ impl Drawing for Picture {
                 .label_style(font(13))
                 .light_line_style(BLACK.mix(0.05))
                 .bold_line_style(BLACK.mix(0.15))
-                .x_label_formatter(&plain)
+                .x_max_light_lines(0)
+                .y_max_light_lines(0)
+                .x_label_formatter(&sparse)
                 .y_label_formatter(&plain)
                 .draw()?;
             for s in &self.series {
@@ -153,6 +155,15 @@ impl Drawing for Picture {
     }
 }
 
+/// 1, 2, 5, 10, ..: between them there is no room.
+fn sparse(value: &f64) -> String {
+    let text = plain(value);
+    match text.as_bytes() {
+        [b'1' | b'2' | b'5', zeros @ ..] if zeros.iter().all(|b| *b == b'0') => text,
+        _ => String::new(),
+    }
+}
+
 /// Without exponent or trailing zeros.
 fn plain(value: &f64) -> String {
     let digits = (-value.log10().floor()).max(0.0) as usize;
@@ -168,5 +179,6 @@ mod tests {
         assert_eq!(decades([0.02, 72.0].into_iter()), (0.01, 100.0));
         assert_eq!(decades([f64::INFINITY].into_iter()), (0.1, 10.0));
         assert_eq!((plain(&0.01), plain(&100.0)), ("0.01".into(), "100".into()));
+        assert_eq!((sparse(&50.0), sparse(&30.0)), ("50".into(), String::new()));
     }
 }
