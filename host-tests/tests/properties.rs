@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 use trendid::{
-    Config, ConfigError, Estimator, FilteredTrends, Identifier, Outcome, Refusal, Scheme, Structure, Terms,
+    Config, ConfigError, Estimator, FilteredTrends, Identifier, Outcome, Refusal, Scheme,
+    Structure, Terms,
 };
 
 type Servo = Identifier<FilteredTrends<3>, 3, 3>;
