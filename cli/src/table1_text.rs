@@ -175,11 +175,11 @@ pub fn markdown(args: &Table1Args, lines: &[Line]) -> String {
     text += "```text\n";
     text += DEFINITIONS;
     text += &legend();
-    text + "Columns default, level and wide are the read-outs ls+bias; diverged counts the default.\n```\n"
+    text + "Columns default, level, wide and ramp are the read-outs ls+bias; diverged counts the default.\n```\n"
 }
 
 /// The read-outs that users get: the core's own.
-fn shown(scheme: Scheme) -> [(Filter, Method); 5] {
+fn shown(scheme: Scheme) -> [(Filter, Method); 6] {
     Filter::ALL.map(|filter| {
         let compensated = !matches!(filter, Filter::None | Filter::Span);
         (

@@ -10,7 +10,7 @@ use trendid::{
 
 use crate::bound::{Coefficient, InitialState, servo_bound_pct};
 use crate::ekf::{ExtendedKalman, Prior};
-use crate::experiment::{Experiment, Record};
+use crate::experiment::{Experiment, Record, Sample};
 use crate::noise::{Condition, Reading, rms, rms_about_mean};
 use crate::output_error::output_error;
 use crate::reference::{REFERENCE, Servo};
@@ -90,17 +90,21 @@ pub enum Filter {
     Level,
     /// Five times the bandwidth, for strong drifts: `(s + 100)(s^2 + 140 s + 10000)`, with a constant input.
     Wide,
+    /// Drift as a parabola over a short record: `(s + 50)(s^2 + 70 s + 2500)`, with a constant input and the time as a
+    /// second input.
+    Ramp,
     /// Linear integral filter of Sagara and Zhao over 70 ms, theta = (a1, a2, b0).
     Span,
 }
 
 impl Filter {
     /// Every filter, in the order of the table.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::None,
         Self::Default,
         Self::Level,
         Self::Wide,
+        Self::Ramp,
         Self::Span,
     ];
 
@@ -111,6 +115,7 @@ impl Filter {
             Self::Default => "default",
             Self::Level => "level",
             Self::Wide => "wide",
+            Self::Ramp => "ramp",
             Self::Span => "span",
         }
     }
@@ -124,6 +129,9 @@ impl Filter {
             }
             Self::Level => "(s + 25)(s^2 + 35 s + 625), with the start column",
             Self::Wide => "(s + 100)(s^2 + 140 s + 10000), with a constant input",
+            Self::Ramp => {
+                "(s + 50)(s^2 + 70 s + 2500), with a constant input and the time as an input: drift as a parabola"
+            }
             Self::Span => "linear integral filter (Sagara and Zhao) over 70 ms",
         }
     }
@@ -353,31 +361,36 @@ fn core(record: &Record, scheme: Scheme, filter: Filter) -> Result<[Run; 2], Con
     let dt = record.dt as f32;
     let bare = Structure::<3, 3, 1>::integrating();
     match filter {
-        Filter::None => pass(record, RawTrends::try_new(scheme, dt)?, bare),
-        Filter::Default => pass(
+        Filter::None => single(record, RawTrends::try_new(scheme, dt)?, bare),
+        Filter::Default => single(
             record,
             FilteredTrends::for_bandwidth(scheme, dt, BANDWIDTH)?,
             Structure::<3, 4, 1>::servo(),
         ),
         Filter::Level => {
             let filter = FilteredTrends::from_polynomial(scheme, dt, chain(25.0, 25.0))?;
-            pass(record, filter, Structure::<3, 4, 1>::servo())
+            single(record, filter, Structure::<3, 4, 1>::servo())
         }
         Filter::Wide => {
             let filter = FilteredTrends::from_polynomial(scheme, dt, chain(100.0, 100.0))?;
-            pass(
+            single(
                 record,
                 filter,
                 Structure::<3, 4, 1>::integrating_with_constant(),
             )
         }
+        Filter::Ramp => {
+            let filter = FilteredTrends::from_polynomial(scheme, dt, chain(50.0, 50.0))?;
+            let structure = Structure::<3, 5, 2>::integrating_with_constant();
+            pass(record, filter, structure, |s| [s.u as f32, s.t as f32])
+        }
         // The span is a size: one type per interval of the table.
         Filter::Span => match (0.07 / record.dt).round() as usize {
-            280 => pass(record, IntegralTrends::<3, 280>::try_new(scheme, dt)?, bare),
-            140 => pass(record, IntegralTrends::<3, 140>::try_new(scheme, dt)?, bare),
-            70 => pass(record, IntegralTrends::<3, 70>::try_new(scheme, dt)?, bare),
-            35 => pass(record, IntegralTrends::<3, 35>::try_new(scheme, dt)?, bare),
-            14 => pass(record, IntegralTrends::<3, 14>::try_new(scheme, dt)?, bare),
+            280 => single(record, IntegralTrends::<3, 280>::try_new(scheme, dt)?, bare),
+            140 => single(record, IntegralTrends::<3, 140>::try_new(scheme, dt)?, bare),
+            70 => single(record, IntegralTrends::<3, 70>::try_new(scheme, dt)?, bare),
+            35 => single(record, IntegralTrends::<3, 35>::try_new(scheme, dt)?, bare),
+            14 => single(record, IntegralTrends::<3, 14>::try_new(scheme, dt)?, bare),
             length => panic!("no span of {length} samples is compiled"),
         },
     }
@@ -392,21 +405,36 @@ fn chain(real: f32, corner: f32) -> [f32; 3] {
     [real * pair0, pair0 + real * pair1, real + pair1]
 }
 
-fn pass<T: TrendOperator<3>, const N: usize>(
+fn single<T: TrendOperator<3>, const N: usize>(
     record: &Record,
     trends: T,
     structure: Structure<3, N, 1>,
 ) -> Result<[Run; 2], ConfigError> {
-    let amplitude = record.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
-    let mut config = Config::new(structure, BANDWIDTH, [amplitude as f32], 50.0);
-    let mut identifier: Identifier<T, 3, N> = Identifier::try_new(&config, trends)?;
+    pass(record, trends, structure, |s| [s.u as f32])
+}
+
+fn pass<T: TrendOperator<3>, const N: usize, const I: usize>(
+    record: &Record,
+    trends: T,
+    structure: Structure<3, N, I>,
+    inputs: impl Fn(&Sample) -> [f32; I],
+) -> Result<[Run; 2], ConfigError> {
+    // The largest value of each input stands for what a user knows of its size.
+    let mut ranges = [0.0_f32; I];
+    for s in record.samples() {
+        for (range, u) in ranges.iter_mut().zip(inputs(&s)) {
+            *range = range.max(u.abs());
+        }
+    }
+    let mut config = Config::new(structure, BANDWIDTH, ranges, 50.0);
+    let mut identifier: Identifier<T, 3, N, I> = Identifier::try_new(&config, trends)?;
     // An estimate of all ones tells the unit of each normalised parameter.
     config.initial = [1.0; N];
-    let ones: Identifier<T, 3, N> = Identifier::try_new(&config, trends)?;
+    let ones: Identifier<T, 3, N, I> = Identifier::try_new(&config, trends)?;
     let units = ones.estimator().theta().map(|one| 1.0 / f64::from(one));
     let mut transients = [Transient::new(record), Transient::new(record)];
     for (k, s) in record.samples().enumerate() {
-        let _ = identifier.update(s.u as f32, s.y as f32);
+        let _ = identifier.update_inputs(inputs(&s), s.y as f32);
         if looks(record, k) {
             let bare = identifier.estimator().theta();
             transients[0].push(s.t, [0, 1, 2].map(|i| f64::from(bare[i]) * units[i]));
