@@ -115,6 +115,8 @@ pub struct ControllerConfig {
     pub stribeck: f32,
     /// Bandwidth at the end of a move over the wanted one: slow motion under friction asks for more.
     pub settle: f32,
+    /// Speed, beside that of the reference, at which a position error is worked off at most, in units of y per s.
+    pub catch_up: f32,
     /// Velocity below which friction rules the motion, in units of y per s.
     pub slow: f32,
     /// Time in which the trace of a change of gains disappears, in s.
@@ -136,6 +138,7 @@ impl ControllerConfig {
             creep: 0.06,
             stribeck: 0.8,
             settle: 2.4,
+            catch_up: f32::MAX,
             slow: 0.0,
             transition: 0.05,
         }
@@ -192,6 +195,8 @@ pub struct Controller {
     /// The same for slow motion at the target.
     settle: [f32; 3],
     slow: f32,
+    /// Speed at which a position error is worked off at most.
+    catch_up: f32,
     creep_growth: f32,
     stribeck: f32,
     inverse_gain: f32,
@@ -264,6 +269,7 @@ impl Controller {
             wanted: [w * w * w, (1.0 + pair) * w * w, (1.0 + pair) * w],
             settle: [s * s * s, (1.0 + pair) * s * s, (1.0 + pair) * s],
             slow: config.slow,
+            catch_up: config.catch_up,
             creep_growth: config.creep * sample_time,
             stribeck: config.stribeck,
             inverse_gain: 1.0 / model.b0,
@@ -357,6 +363,8 @@ impl Controller {
         } else {
             self.wanted
         };
+        // A large error is worked off at a limited speed: beyond it the valve only saturates.
+        let pull = within(p0 * (r.position - x), p1 * self.catch_up);
         // About to reverse: the drive has to bring up friction in the other direction.
         let direction = self.wanted_direction(r);
         let reversal = if direction == 0.0 || model.friction == 0.0 {
@@ -368,7 +376,7 @@ impl Controller {
             + self.extra_friction(r)
             + p2 * (r.acceleration - a - reversal)
             + p1 * (r.velocity - v)
-            + p0 * (r.position - x)
+            + pull
             + model.a1 * v
             + model.a2 * a;
         jerk * self.inverse_gain - self.observer.disturbance()

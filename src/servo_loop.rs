@@ -76,7 +76,7 @@ impl LoopConfig {
             bandwidth,
             noise: 2.5e-5 * length,
             range: 1.0,
-            rate: 100.0,
+            rate: 400.0,
             delay: 2,
             memory: 3.0,
             pull: 1e-5,
@@ -89,6 +89,7 @@ impl LoopConfig {
             controller: ControllerConfig {
                 rest_window: 1e-4 * length,
                 start: 4e-5 * length,
+                catch_up: 0.08 * length,
                 slow: 0.14 * length,
                 ..ControllerConfig::new(2.5 * bandwidth)
             },
