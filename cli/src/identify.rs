@@ -26,6 +26,9 @@ constant refitted too, the fair figure behind an integrator.";
 /// Smallest eigenvalue of the correlation of the parameters that f32 can tell from zero.
 const SINGULAR: f64 = 1e-6;
 
+/// Below this fit in percent a model says little about the drive.
+const POOR: f64 = 50.0;
+
 /// Identify a continuous-time model from a record
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
@@ -284,6 +287,9 @@ impl Report<'_> {
             ),
             None => format!("\n  free simulation of the second half ({model}): it runs away\n"),
         };
+        if x0c < POOR {
+            text += "  this is poor: the structure may be wrong, see `trendid select`\n";
+        }
         text += &format!(
             "  one-step prediction: IQ {}, IV {} over {} samples\n",
             significant(self.index.iq, 4),
