@@ -30,7 +30,8 @@
 //! | transfer, physical | [`TransferFunction`], [`Physical`] | what theta means |
 //! | evaluation | [`OutputEvaluation`], [`Quality`] | (9)-(11) |
 //! | config, outcome, identifier | [`Config`], [`Outcome`], [`Identifier`] | all of it behind one call per sample |
-//! | inputs | [`dead_zone`], [`asymmetric`], [`coulomb`] | inputs for valves and friction |
+//! | inputs | [`DeadZone`], [`asymmetric`], [`coulomb`] | inputs for valves and friction |
+//! | delay_bank | [`DelayBank`] | which delay the drive has, for commissioning |
 //! | hardware | [`hardware::PositionSensor`], [`hardware::Valve`] | the edge to sensors and valves: traits, drivers, scale |
 //!
 //! # Ten lines
@@ -74,6 +75,7 @@
 mod chain;
 mod config;
 mod controller;
+mod delay_bank;
 mod error;
 mod estimator;
 mod evaluation;
@@ -106,12 +108,13 @@ mod trial;
 pub use chain::FilteredTrends;
 pub use config::Config;
 pub use controller::{CommandLimiter, Controller, ControllerConfig};
+pub use delay_bank::DelayBank;
 pub use error::ConfigError;
 pub use estimator::Estimator;
 pub use evaluation::{OutputEvaluation, Quality};
 pub use excitation::{Excitation, ExcitationConfig, Travel};
 pub use identifier::Identifier;
-pub use inputs::{asymmetric, coulomb, dead_zone};
+pub use inputs::{DeadZone, asymmetric, coulomb, dead_zone};
 pub use integral::{IntegralTrends, Span};
 #[cfg(feature = "approximate")]
 pub use math::approximate;
