@@ -28,15 +28,16 @@ pub(crate) fn sin(x: f32) -> f32 {
 /// ```
 #[cfg(feature = "approximate")]
 pub mod approximate {
+    // Named in each call: where std is linked, its methods would be taken instead.
     use micromath::F32Ext;
 
     /// Amplitude ratio in dB, 20 log10 of the magnitude, to about 1 dB.
     pub fn decibel(ratio: f32) -> f32 {
-        20.0 * ratio.abs().log10()
+        20.0 * F32Ext::log10(ratio.abs())
     }
 
     /// Square root to a few percent, for a bar on a display.
     pub fn sqrt(x: f32) -> f32 {
-        x.sqrt()
+        F32Ext::sqrt(x)
     }
 }
