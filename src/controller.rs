@@ -151,8 +151,8 @@ const TRANSITION_STEP: f32 = 0.005;
 /// Samples within the rest window before the valve rests.
 const REST_SAMPLES: u16 = 10;
 
-/// Drive over Coulomb friction with which a reversal breaks loose.
-const BREAKAWAY: f32 = 1.3;
+/// Rate of the drive over friction, per s, with which a sticking axis is pushed behind its reference at least.
+const INSIST: f32 = 30.0;
 
 /// Flow with which a resting axis beside its target is pushed: at first and at most.
 const CREEP_LEAST: f32 = 0.01;
@@ -416,8 +416,18 @@ impl Controller {
         let direction = self.wanted_direction(r);
         if direction != 0.0 {
             let push = r.acceleration + (p1 * r.velocity + p0 * error) / p2;
-            let goal = BREAKAWAY * friction * direction + push;
-            return (goal - self.observer.drive()) * self.stick_rate * self.inverse_gain;
+            let goal = self.observer.breakaway() * friction * direction + push;
+            let rate = (goal - self.observer.drive()) * self.stick_rate;
+            // Where the drive is already there and the axis still sticks, the drive is not what it seems.
+            let least = INSIST * friction;
+            let rate = if rate * direction > least {
+                rate
+            } else if error * direction > 0.0 {
+                least * direction
+            } else {
+                rate
+            };
+            return rate * self.inverse_gain;
         }
         // At rest beside the target: quickly to the friction, then slowly until it moves.
         let direction = if error > 0.0 { 1.0 } else { -1.0 };

@@ -41,6 +41,8 @@ pub struct Observer {
     direction: f32,
     /// The drive p while it sticks.
     drive: f32,
+    /// Drive over Coulomb friction at which it broke loose, on average.
+    breakaway: f32,
     /// Samples since it began to stick, or to move.
     since: u16,
     /// Mean rate of the drive while it sticks.
@@ -70,7 +72,13 @@ const SLOWER: f32 = 0.3;
 const HOLD: f32 = 1.2;
 
 /// Drive over Coulomb friction that no resting axis is believed to have: the dead zone is not known so well.
-const BREAK: f32 = 2.0;
+const BREAK: f32 = 3.0;
+
+/// Rate of the drive over friction, per s, above which a start tells the breakaway.
+const QUICK: f32 = 10.0;
+
+/// Time in s by which valve and mean are late.
+const LATE: f32 = 0.005;
 
 /// Share of a new innovation in the mean while it sticks.
 const CREEP: f32 = 0.2;
@@ -104,6 +112,7 @@ impl Observer {
             disturbance: 0.0,
             direction: 0.0,
             drive: 0.0,
+            breakaway: HOLD,
             since: 0,
             ramp: 0.0,
             creep: 0.0,
@@ -273,6 +282,12 @@ impl Observer {
         for _ in 0..8 {
             t = (2.0 * t + cube / (t * t)) * (1.0 / 3.0);
         }
+        if ramp > QUICK * self.model.friction {
+            // Where it broke loose, as far as the drive is known; slow pushes say more about the dead zone.
+            let ratio = (self.drive * direction - ramp * (t + LATE)) / self.model.friction;
+            let ratio = if ratio > 1.0 { within(ratio, BREAK) } else { 1.0 };
+            self.breakaway += 0.3 * (ratio - self.breakaway);
+        }
         self.direction = direction;
         self.motion = Motion {
             position: self.motion.position + distance,
@@ -313,6 +328,11 @@ impl Observer {
         }
         self.turn();
         innovation
+    }
+
+    /// Drive over Coulomb friction at which the axis breaks loose: a guess, then what was seen.
+    pub const fn breakaway(&self) -> f32 {
+        self.breakaway
     }
 
     /// The observed motion.
