@@ -98,23 +98,28 @@ pub fn run(args: &Table1Args) -> Result<(), Refusal> {
         return Err(Refusal::new("--plot needs the block white"));
     }
     let lines = lines(args, &settings);
-    if args.csv {
+    let mut text = if args.csv {
         let rows: Vec<String> = lines.iter().map(Line::csv).collect();
-        output::emit(&format!("{COLUMNS}\n{}\n", rows.join("\n")));
+        format!("{COLUMNS}\n{}\n", rows.join("\n"))
     } else if args.json {
-        output::emit_json(&as_json(args, &lines));
+        format!("{}\n", as_json(args, &lines))
     } else if args.markdown {
-        output::emit(&text::markdown(args, &lines));
+        text::markdown(args, &lines)
     } else if args.check {
-        output::emit(&text::check(args, &lines));
+        text::check(args, &lines)
     } else {
-        output::emit(&text::plain(args, &lines));
-    }
+        text::plain(args, &lines)
+    };
     if let Some(dir) = &args.plot {
-        for path in picture::save(dir, args, &lines)? {
-            eprintln!("wrote {}", path.display());
+        let files = picture::save(dir, args, &lines)?;
+        // Between the lines of a table for machines there is no room for it.
+        if !(args.csv || args.json || args.markdown) {
+            for path in files {
+                text += &format!("wrote {}\n", path.display());
+            }
         }
     }
+    output::emit(&text);
     Ok(())
 }
 
