@@ -154,6 +154,9 @@ const REST_SAMPLES: u16 = 10;
 /// Rate of the drive over friction, per s, with which a sticking axis is pushed behind its reference at least.
 const INSIST: f32 = 30.0;
 
+/// Growth of that rate per sample of sticking.
+const IMPATIENCE: f32 = 0.03;
+
 /// Flow with which a resting axis beside its target is pushed: at first and at most.
 const CREEP_LEAST: f32 = 0.01;
 const CREEP_MOST: f32 = 0.05;
@@ -419,7 +422,7 @@ impl Controller {
             let goal = self.observer.breakaway() * friction * direction + push;
             let rate = (goal - self.observer.drive()) * self.stick_rate;
             // Where the drive is already there and the axis still sticks, the drive is not what it seems.
-            let least = INSIST * friction;
+            let least = INSIST * friction * (1.0 + IMPATIENCE * f32::from(self.observer.since()));
             let rate = if rate * direction > least {
                 rate
             } else if error * direction > 0.0 {

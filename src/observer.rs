@@ -72,10 +72,13 @@ const SLOWER: f32 = 0.3;
 const HOLD: f32 = 1.2;
 
 /// Drive over Coulomb friction that no resting axis is believed to have: the dead zone is not known so well.
-const BREAK: f32 = 3.0;
+const BREAK: f32 = 4.0;
 
 /// Rate of the drive over friction, per s, above which a start tells the breakaway.
 const QUICK: f32 = 10.0;
+
+/// Share of a new breakaway in the mean.
+const LEARN: f32 = 0.5;
 
 /// Time in s by which valve and mean are late.
 const LATE: f32 = 0.005;
@@ -286,7 +289,7 @@ impl Observer {
             // Where it broke loose, as far as the drive is known; slow pushes say more about the dead zone.
             let ratio = (self.drive * direction - ramp * (t + LATE)) / self.model.friction;
             let ratio = if ratio > 1.0 { within(ratio, BREAK) } else { 1.0 };
-            self.breakaway += 0.3 * (ratio - self.breakaway);
+            self.breakaway += LEARN * (ratio - self.breakaway);
         }
         self.direction = direction;
         self.motion = Motion {
@@ -328,6 +331,21 @@ impl Observer {
         }
         self.turn();
         innovation
+    }
+
+    /// Samples since the axis began to stick, or to move.
+    pub(crate) const fn since(&self) -> u16 {
+        self.since
+    }
+
+    /// Friction over Coulomb friction, with the sign of the motion that it hinders: while it sticks, all of the drive.
+    #[inline]
+    pub fn friction(&self) -> f32 {
+        if self.sticks() {
+            self.drive / self.model.friction
+        } else {
+            self.direction
+        }
     }
 
     /// Drive over Coulomb friction at which the axis breaks loose: a guess, then what was seen.

@@ -53,6 +53,8 @@ pub struct LoopConfig {
     pub memory: f32,
     /// Pull of the identifier toward the verified model.
     pub pull: f32,
+    /// Least standard deviation of the fast part of the command with which the model follows the drive.
+    pub rich: f32,
     /// Whether the model follows the drive after the commissioning.
     pub adaptive: bool,
     /// Limits of moves.
@@ -80,6 +82,7 @@ impl LoopConfig {
             delay: 2,
             memory: 3.0,
             pull: 1e-5,
+            rich: 0.05,
             adaptive: true,
             motion: MotionLimits {
                 velocity: 2.0 * length,
@@ -156,6 +159,41 @@ impl Tracker {
     }
 }
 
+/// The excitation monitor: how much the command moves within some 50 ms.
+///
+/// A slow motion fits any model of the right gain: gain, frequency and damping can
+/// grow or shrink together. Only what is fast against the drive tells them apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Richness {
+    mean: f32,
+    power: f32,
+    least: f32,
+    share: f32,
+}
+
+impl Richness {
+    fn new(least: f32, sample_time: f32) -> Self {
+        Self {
+            mean: 0.0,
+            power: 0.0,
+            least: least * least,
+            share: sample_time / 0.05,
+        }
+    }
+
+    #[inline]
+    fn update(&mut self, command: f32) {
+        let fast = command - self.mean;
+        self.mean += self.share * fast;
+        self.power += self.share * (fast * fast - self.power);
+    }
+
+    #[inline]
+    fn is_rich(&self) -> bool {
+        self.power > self.least
+    }
+}
+
 /// Errors of the sensor in a row after which the axis stops.
 const SENSOR_ERRORS: u8 = 3;
 
@@ -210,6 +248,7 @@ pub struct ServoLoop<S, V> {
     reference: Reference,
     limiter: CommandLimiter,
     tracker: Tracker,
+    richness: Richness,
     /// Dead zone by which the inputs of the identifier are switched.
     gate: f32,
     code: i32,
@@ -263,6 +302,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             reference: Reference::try_new(config.motion, time, 0.0)?,
             limiter: CommandLimiter::try_new(config.range, config.rate, time)?,
             tracker: Tracker::new(12.0 * config.bandwidth, time),
+            richness: Richness::new(config.rich, time),
             gate: 0.0,
             code: 0,
             position: 0.0,
@@ -369,13 +409,15 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             return self.report(setpoint, 0.0, None, false);
         };
         self.controller.applied(command);
-        let velocity = if state.is_controlling() {
-            self.controller.motion().velocity
-        } else {
-            self.tracker.motion.velocity
-        };
         let [active, sign] = dead_zone(command, self.gate);
-        let friction = coulomb(velocity, self.slow);
+        let friction = if state.is_controlling() && self.controller.model().friction > 0.0 {
+            self.controller.observer().friction()
+        } else if state.is_controlling() {
+            coulomb(self.controller.motion().velocity, self.slow)
+        } else {
+            coulomb(self.tracker.motion.velocity, self.slow)
+        };
+        self.richness.update(command);
         let outcome = self.identifier.update_inputs([active, sign, friction], y);
         let retuned = self.supervise(y, command, same_code, outcome);
         self.report(setpoint, command, outcome.innovation(), retuned)
@@ -434,6 +476,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             y,
             u: command,
             same_code,
+            sticks: state.is_controlling() && self.controller.observer().sticks(),
+            rich: self.richness.is_rich(),
             innovation: outcome.innovation(),
         };
         let event = if state.is_commissioning() && self.runs_away(y) {
@@ -450,7 +494,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             event
         };
         let now = self.supervisor.state();
-        let learns = now.is_commissioning() || (self.adaptive && now == State::Adapting);
+        let learns = now.is_commissioning()
+            || (self.adaptive && now == State::Adapting && self.richness.is_rich());
         self.identifier.adapt(learns);
         self.follow(event, state)
     }

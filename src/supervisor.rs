@@ -139,6 +139,8 @@ pub struct SupervisorConfig {
     pub largest_gain: f32,
     /// Largest relative standard deviation of gain and natural frequency; damping may have four times as much.
     pub certainty: f32,
+    /// The same while the model follows the drive: samples that hang together tell less than their number.
+    pub certainty_adapting: f32,
     /// Least share of the movement that a free simulation must explain, `1 - SSE/SST`.
     pub explained: f32,
     /// A model replaces another when its squared error is below this share of the other's.
@@ -167,6 +169,7 @@ impl SupervisorConfig {
             spread: 4.0,
             largest_gain: 50.0 * length,
             certainty: 0.1,
+            certainty_adapting: 0.03,
             explained: 0.9,
             better: 0.7,
             worth: 0.01,
@@ -185,6 +188,7 @@ impl SupervisorConfig {
             self.spread,
             self.largest_gain,
             self.certainty,
+            self.certainty_adapting,
             self.explained,
             self.better,
             self.worth,
@@ -216,6 +220,10 @@ pub struct Observation {
     pub u: f32,
     /// Whether the position code is the same as in the sample before.
     pub same_code: bool,
+    /// Whether the axis sticks: then a model has nothing to show.
+    pub sticks: bool,
+    /// Whether the command moves enough to tell the parameters apart.
+    pub rich: bool,
     /// Innovation of the identifier, if there was one.
     pub innovation: Option<f32>,
 }
@@ -437,16 +445,24 @@ impl Supervisor {
     fn judge(&self, candidate: &Candidate) -> Result<(), Reason> {
         let model = &candidate.model;
         let config = &self.config;
-        if !model.is_finite() || !candidate.b0_variance.is_finite() {
+        if !model.is_finite() {
             return Err(Reason::NotFinite);
         }
         let sure = model.b0 * model.b0 > 9.0 * candidate.b0_variance;
-        if model.b0 <= 0.0 {
-            return Err(if sure {
-                Reason::WrongSign
-            } else {
-                Reason::Uncertain
-            });
+        if model.b0 <= 0.0 && sure {
+            return Err(Reason::WrongSign);
+        }
+        let certainty = if self.state.is_commissioning() {
+            config.certainty
+        } else {
+            config.certainty_adapting
+        };
+        let limit = certainty * certainty;
+        let certain = candidate.gain_variance < limit
+            && candidate.frequency_variance < limit
+            && candidate.damping_variance < 16.0 * limit;
+        if !certain || model.b0 <= 0.0 {
+            return Err(Reason::Uncertain);
         }
         if !(model.a1 > 0.0 && model.a2 > 0.0) {
             return Err(Reason::Unstable);
@@ -460,13 +476,6 @@ impl Supervisor {
         let valve = model.dead_zone < 0.3 && model.offset.abs() < 0.3;
         if !(frequency && gain && damping && valve) {
             return Err(Reason::OutOfRange);
-        }
-        let limit = config.certainty * config.certainty;
-        let certain = candidate.gain_variance < limit
-            && candidate.frequency_variance < limit
-            && candidate.damping_variance < 16.0 * limit;
-        if !certain {
-            return Err(Reason::Uncertain);
         }
         Ok(())
     }
@@ -601,6 +610,10 @@ impl Supervisor {
         if self.watch(seen) {
             self.trial = None;
             return Event::Changed;
+        }
+        if seen.sticks {
+            self.trial = None;
+            return Event::None;
         }
         let Some(verdict) = self.run_trial(seen) else {
             return Event::None;
