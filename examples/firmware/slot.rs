@@ -371,6 +371,7 @@ fn main() -> ! {
 /// Logs what the interrupt hands over.
 fn idle(mut snapshots: Consumer<'static, Snapshot>, emulated: bool) -> ! {
     let mut controlled = false;
+    let mut known = None;
     loop {
         let Some(now) = snapshots.dequeue() else {
             cortex_m::asm::wfi();
@@ -387,7 +388,10 @@ fn idle(mut snapshots: Consumer<'static, Snapshot>, emulated: bool) -> ! {
             now.dropped,
             now.longest
         );
-        if let Some(model) = now.model {
+        if let Some(model) = now.model
+            && known != now.model
+        {
+            known = now.model;
             defmt::info!(
                 "model: a1 {=f32} a2 {=f32} b0 {=f32} dead zone {=f32}",
                 model.a1,

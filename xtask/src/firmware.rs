@@ -28,7 +28,7 @@ pub struct PilOptions {
 }
 
 /// Time after which a run in the emulator has failed.
-const LIMIT: Duration = Duration::from_secs(120);
+const LIMIT: Duration = Duration::from_secs(300);
 
 /// Builds all images and runs them.
 pub fn run(options: &Options) -> Done {

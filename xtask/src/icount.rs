@@ -92,7 +92,7 @@ fn count(machine: Machine, profile: &str, opt: &str) -> Result<Vec<Row>, String>
     let path = machine.build("icount", profile)?;
     let image = Image::read(&path)?;
     let mut rows = Vec::new();
-    for line in machine.lines(&path, Duration::from_secs(120))? {
+    for line in machine.lines(&path, Duration::from_secs(300))? {
         if line.starts_with('#') {
             eprintln!("{line}");
             continue;
