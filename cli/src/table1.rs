@@ -136,7 +136,15 @@ fn settings(args: &Table1Args) -> Vec<Setting> {
 }
 
 fn lines(args: &Table1Args, settings: &[Setting]) -> Vec<Line> {
-    let methods = Method::all();
+    let mut methods = Method::all();
+    if args.check {
+        // What the comparison does not show needs not run.
+        methods.retain(|m| match m {
+            Method::Core { .. } => text::checked(*m),
+            Method::Kalman => true,
+            Method::OutputError => args.plot.is_some(),
+        });
+    }
     let bar = output::progress(args.seeds * settings.len() as u64, "records");
     let lines = settings
         .iter()

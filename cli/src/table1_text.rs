@@ -226,7 +226,23 @@ fn short_row(group: &[&Line], scheme: Scheme, shown: &[(Filter, Method)]) -> Str
     format!("| {} |\n", cells.join(" | "))
 }
 
-/// Every chain behind modified Tustin against the limits, and the rms against the extended Kalman filter.
+/// Whether the comparison with the limits shows the method: modified Tustin, filtered, the core's own read-out.
+pub fn checked(method: Method) -> bool {
+    match method {
+        Method::Core {
+            scheme: Scheme::Tustin,
+            filter,
+            compensated,
+        } => match filter {
+            Filter::None => false,
+            Filter::Span => true,
+            _ => compensated,
+        },
+        _ => false,
+    }
+}
+
+/// Every filter behind modified Tustin against the limits, and the rms against the extended Kalman filter.
 pub fn check(args: &Table1Args, lines: &[Line]) -> String {
     let head = [
         "reading, condition",
@@ -244,15 +260,10 @@ pub fn check(args: &Table1Args, lines: &[Line]) -> String {
     for group in lines.chunk_by(|a, b| a.setting == b.setting) {
         let kalman = group.iter().find(|l| l.method == Method::Kalman);
         for line in group {
-            let Method::Core {
-                scheme: Scheme::Tustin,
-                filter,
-                compensated,
-            } = line.method
-            else {
+            let Method::Core { filter, .. } = line.method else {
                 continue;
             };
-            if filter == Filter::None || (filter != Filter::Span && !compensated) {
+            if !checked(line.method) {
                 continue;
             }
             let verdict = match line.beyond() {
