@@ -132,3 +132,8 @@ pub use structure::{Column, Structure, Terms};
 pub use supervisor::{Candidate, Event, Observation, Reason, State, Supervisor, SupervisorConfig};
 pub use transfer::{Pole, TransferFunction};
 pub use trend::{Hold, NoiseGain, Scheme, TrendOperator, Trends};
+
+/// The examples of the README are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;
