@@ -135,9 +135,9 @@ impl ControllerConfig {
             reversal: 0.006,
             stick_rate: 230.0,
             start: f32::MAX,
-            creep: 0.06,
+            creep: 0.045,
             stribeck: 0.8,
-            settle: 2.4,
+            settle: 2.8,
             catch_up: f32::MAX,
             slow: 0.0,
             transition: 0.05,
@@ -212,6 +212,9 @@ pub struct Controller {
     rest_window: f32,
     quiet: u16,
     creep: f32,
+    creeping: bool,
+    /// Push at which a resting axis moved, downwards and upwards.
+    edge: [f32; 2],
     inverse_slow: f32,
     /// How far ahead a reversal of the reference is prepared, in s.
     ahead: f32,
@@ -284,6 +287,8 @@ impl Controller {
             rest_window: config.rest_window,
             quiet: 0,
             creep: 0.0,
+            creeping: false,
+            edge: [CREEP_LEAST; 2],
             inverse_slow: if config.slow > 0.0 {
                 1.0 / config.slow
             } else {
@@ -447,13 +452,23 @@ impl Controller {
     #[inline]
     fn rest(&mut self, r: &Setpoint) {
         let sticks = self.observer.sticks();
-        self.creep = if sticks && r.is_rest() {
+        let error = r.position - self.observer.motion().position;
+        let side = usize::from(error > 0.0);
+        if sticks && r.is_rest() {
             self.observer.doubt_drive();
+            if !self.creeping {
+                self.creep = 0.8 * self.edge[side];
+            }
             let next = self.creep + self.creep_growth;
-            if next < CREEP_MOST { next } else { CREEP_MOST }
+            self.creep = if next < CREEP_MOST { next } else { CREEP_MOST };
+            self.creeping = true;
         } else {
-            CREEP_LEAST
-        };
+            if self.creeping && r.is_rest() {
+                // It moved: what the dead zone really is on this side, to begin there next time.
+                self.edge[side] += 0.5 * (self.creep - self.edge[side]);
+            }
+            self.creeping = false;
+        }
         let still = sticks || self.observer.model().friction == 0.0;
         if !(self.rest_window > 0.0 && r.is_rest() && still) {
             self.quiet = 0;
@@ -463,9 +478,8 @@ impl Controller {
         let window = if self.quiet >= REST_SAMPLES {
             self.rest_window
         } else {
-            0.6 * self.rest_window
+            0.9 * self.rest_window
         };
-        let error = r.position - self.observer.motion().position;
         if within(error, window) != error {
             self.quiet = 0;
         } else if self.quiet < REST_SAMPLES {

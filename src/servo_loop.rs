@@ -82,7 +82,7 @@ impl LoopConfig {
             delay: 2,
             memory: 3.0,
             pull: 1e-5,
-            rich: 0.05,
+            rich: 0.1,
             adaptive: true,
             motion: MotionLimits {
                 velocity: 2.0 * length,
@@ -90,7 +90,7 @@ impl LoopConfig {
                 jerk: 0.04 * length * bandwidth * bandwidth * bandwidth,
             },
             controller: ControllerConfig {
-                rest_window: 1e-4 * length,
+                rest_window: 1.15e-4 * length,
                 start: 4e-5 * length,
                 catch_up: 0.08 * length,
                 slow: 0.14 * length,
