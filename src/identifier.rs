@@ -21,6 +21,9 @@ const WIND_UP: f32 = 1e12;
 /// What a filter worth replacing has told is less certain than it says: its covariance counts this many times.
 const DISCOUNT: f32 = 5.0;
 
+/// A prior standard deviation of more than this many times the noise says no more than this one: its square must fit.
+const UNKNOWN: f32 = 1e8;
+
 /// Prior standard deviation of a normalised parameter whose size by design is 1.
 const PRIOR: f32 = 10.0;
 
@@ -129,7 +132,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             Some(memory) => 1.0 - sample_time / memory,
             None => 1.0,
         };
-        let (theta, std) = prior(&regressor, prior_noise, &config.initial, &config.prior_std);
+        let (theta, std) = prior(&regressor, prior_noise, &config.initial, &config.prior_std)?;
         let start = Estimator::new(theta, std, forgetting);
         let ceiling = if config.pull > 1.0 / WIND_UP {
             1.0 / config.pull
@@ -359,7 +362,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             }
         }
         check_std(&std)?;
-        let (theta, std) = prior(&self.regressor, self.prior_noise, &theta, &Some(std));
+        let (theta, std) = prior(&self.regressor, self.prior_noise, &theta, &Some(std))?;
         self.estimator = self.estimator.restarted(theta, std);
         self.trusted = theta;
         self.has_trusted = true;
@@ -526,12 +529,21 @@ fn prior<const M: usize, const N: usize>(
     noise: f32,
     initial: &[f32; N],
     std: &Option<[f32; N]>,
-) -> ([f32; N], [f32; N]) {
+) -> Result<([f32; N], [f32; N]), ConfigError> {
     let units = regressor.units();
-    let theta = core::array::from_fn(|j| initial[j] / units[j]);
-    let std = core::array::from_fn(|j| match std {
-        Some(std) => std[j] / (units[j] * noise),
-        None => PRIOR / noise,
+    let theta: [f32; N] = core::array::from_fn(|j| initial[j] / units[j]);
+    for (index, value) in theta.iter().enumerate() {
+        if !acceptable(*value, REACH) {
+            let value = initial[index];
+            return Err(ConfigError::Initial { index, value });
+        }
+    }
+    let std = core::array::from_fn(|j| {
+        let std = match std {
+            Some(std) => std[j] / (units[j] * noise),
+            None => PRIOR / noise,
+        };
+        if std < UNKNOWN { std } else { UNKNOWN }
     });
-    (theta, std)
+    Ok((theta, std))
 }

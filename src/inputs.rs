@@ -1,5 +1,7 @@
 //! Inputs made from the command: what a valve, a cylinder or friction does belongs in the regressor.
 
+use crate::error::positive;
+
 /// The two inputs that a valve with the dead zone `delta` needs beside a constant.
 ///
 /// A valve that passes `u - delta sgn(u)` for `|u| > delta` and nothing inside is
@@ -66,7 +68,7 @@ impl DeadZone {
     ///
     /// What is not a number in its range becomes 0; a block of 0 samples corrects nothing.
     pub const fn new(delta: f32, largest: f32, block: u32) -> Self {
-        let largest = if largest > 0.0 { largest } else { 0.0 };
+        let largest = if positive(largest) { largest } else { 0.0 };
         Self {
             delta: if delta >= 0.0 && delta <= largest {
                 delta
