@@ -338,3 +338,75 @@ impl<const M: usize> TrendOperator<M> for FilteredTrends<M> {
         1
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn poles_and_polynomial_say_the_same() {
+        let by_poles =
+            FilteredTrends::<3>::try_new(Scheme::Tustin, 0.001, [2.0, 3.0, 4.0]).unwrap();
+        // (s + 2)(s + 3)(s + 4)
+        assert_eq!(by_poles.filter(), [24.0, 26.0, 9.0]);
+        let again = FilteredTrends::from_polynomial(Scheme::Tustin, 0.001, [24.0, 26.0, 9.0]);
+        assert_eq!(again, Ok(by_poles));
+    }
+
+    #[test]
+    fn the_default_filter_as_documented() {
+        let trends = FilteredTrends::<3>::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
+        // (s + 2.5)(s^2 + 35 s + 625)
+        assert_eq!(trends.filter(), [1562.5, 712.5, 37.5]);
+        assert!((trends.decay() - (1.0 - 0.00125) / (1.0 + 0.00125)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn what_is_not_a_filter_is_named() {
+        let pole = |poles| FilteredTrends::<2>::try_new(Scheme::Tustin, 0.001, poles);
+        for (index, poles) in [(0, [0.0, 1.0]), (1, [1.0, -1.0]), (1, [1.0, f32::INFINITY])] {
+            match pole(poles) {
+                Err(ConfigError::FilterPole { index: found, .. }) => assert_eq!(found, index),
+                other => panic!("{other:?}"),
+            }
+        }
+        assert!(pole([f32::NAN, 1.0]).is_err());
+        // Forward rectangles are unstable above 1/Delta.
+        assert!(FilteredTrends::<1>::try_new(Scheme::Goodwin, 0.001, [1001.0]).is_err());
+        assert!(FilteredTrends::<1>::try_new(Scheme::Tustin, 0.001, [1001.0]).is_ok());
+        // (s - 1)(s^2 + 4 s + 9) fails in its own signs, s^3 + s^2 + s + 2 in the Hurwitz condition.
+        let polynomial = |f| FilteredTrends::<3>::from_polynomial(Scheme::Tustin, 0.001, f);
+        assert!(polynomial([-9.0, 5.0, 3.0]).is_err());
+        assert!(polynomial([2.0, 1.0, 1.0]).is_err());
+        assert!(polynomial([1.0, 2.0, 2.0]).is_ok());
+        assert_eq!(
+            FilteredTrends::<2>::for_bandwidth(Scheme::Tustin, 0.001, 0.0),
+            Err(ConfigError::Bandwidth(0.0))
+        );
+    }
+
+    #[test]
+    fn lead_is_the_answer_to_a_unit_sample() {
+        for scheme in [Scheme::Goodwin, Scheme::Tustin] {
+            let trends = FilteredTrends::<3>::for_bandwidth(scheme, 0.001, 20.0).unwrap();
+            let mut memory = FilteredTrends::<3>::EMPTY;
+            assert_eq!(trends.output(&mut memory, 1.0), trends.lead());
+        }
+    }
+
+    #[test]
+    fn settled_signals_stay() {
+        let trends = FilteredTrends::<3>::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
+        let mut y = trends.settled(5.0);
+        let mut u = trends.settled_input(5.0, Hold::Zero);
+        let rest = 5.0 / trends.filter()[0];
+        for _ in 0..1000 {
+            let output = trends.output(&mut y, 5.0);
+            let input = trends.input(&mut u, 5.0, Hold::Zero);
+            for found in [output.lower[0], input[0]] {
+                assert!((found / rest - 1.0).abs() < 1e-5);
+            }
+            assert!(output.top.abs() < 1e-4 && output.lower[1].abs() < 1e-4);
+        }
+    }
+}

@@ -266,3 +266,88 @@ impl<const N: usize> Estimator<N> {
         Self::new(theta, std, self.forgetting)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows that excite three parameters: a deterministic mixture, then fitted without noise by theta = (2, -1, 0.5).
+    fn row(k: usize) -> ([f32; 3], f32) {
+        let wave = |period: usize| (k % period) as f32 / period as f32 - 0.5;
+        let phi = [wave(7), wave(11), wave(5)];
+        (phi, 2.0 * phi[0] - phi[1] + 0.5 * phi[2])
+    }
+
+    fn moved(forgetting: f32, rows: usize) -> Estimator<3> {
+        let mut estimator = Estimator::new([0.0; 3], [100.0; 3], forgetting);
+        for k in 0..rows {
+            let (phi, psi) = row(k);
+            let _ = estimator.update(&phi, psi);
+        }
+        estimator
+    }
+
+    #[test]
+    fn covariance_is_the_inverse_of_the_information() {
+        let estimator = moved(1.0, 200);
+        let mut information = [[0.0_f32; 3]; 3];
+        for i in 0..3 {
+            information[i][i] = 1e-4;
+        }
+        for k in 0..200 {
+            let (phi, _) = row(k);
+            for i in 0..3 {
+                for j in 0..3 {
+                    information[i][j] += phi[i] * phi[j];
+                }
+            }
+        }
+        for i in 0..3 {
+            for j in 0..3 {
+                let product: f32 = (0..3)
+                    .map(|k| information[i][k] * estimator.covariance(k, j))
+                    .sum();
+                let unit = if i == j { 1.0 } else { 0.0 };
+                assert!((product - unit).abs() < 1e-4, "{i} {j}: {product}");
+            }
+        }
+        for (found, truth) in estimator.theta().iter().zip([2.0, -1.0, 0.5]) {
+            assert!((found - truth).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn widening_adds_to_the_last_variance_only() {
+        let before = moved(0.99, 100);
+        let mut after = before;
+        after.widen_last(3.0);
+        for i in 0..3 {
+            for j in 0..3 {
+                let added = after.covariance(i, j) - before.covariance(i, j);
+                let wanted = if (i, j) == (2, 2) { 3.0 } else { 0.0 };
+                assert!((added - wanted).abs() < 1e-5, "{i} {j}: {added}");
+            }
+        }
+        assert_eq!(before.theta(), after.theta());
+    }
+
+    #[test]
+    fn noise_variance_of_a_known_residual() {
+        // One parameter, psi = 3 phi +- 0.2 with phi = 1: the estimate is 3, the variance 0.04 n/(n - 1).
+        let mut estimator = Estimator::<1>::new([0.0], [1e3], 1.0);
+        assert_eq!(estimator.noise_variance(), None);
+        for k in 0..1000 {
+            let error = if k % 2 == 0 { 0.2 } else { -0.2 };
+            let _ = estimator.update(&[1.0], 3.0 + error);
+        }
+        let variance = estimator.noise_variance().unwrap();
+        assert!((variance / (0.04 * 1000.0 / 999.0) - 1.0).abs() < 1e-3);
+        assert_eq!(estimator.samples(), 1000.0);
+    }
+
+    #[test]
+    fn memory_is_that_of_the_forgetting() {
+        let estimator = moved(0.99, 5000);
+        assert!((estimator.samples() - 100.0).abs() < 0.1);
+    }
+}

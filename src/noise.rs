@@ -59,3 +59,52 @@ impl NoiseLevel {
         *self = Self::new(self.forgetting);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parabola_has_no_noise_but_for_its_corner() {
+        let mut level = NoiseLevel::new(1.0);
+        level.settle(5.0);
+        for k in 0..100 {
+            level.update(5.0 + (k * k) as f32);
+        }
+        // Leaving the rest makes two third differences of 1; the other 98 are zero.
+        assert!((level.variance().unwrap() - 2.0 / (20.0 * 100.0)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn where_a_settled_signal_stands_does_not_matter() {
+        let mut level = NoiseLevel::new(1.0);
+        level.settle(1e4);
+        for _ in 0..50 {
+            level.update(1e4);
+        }
+        assert_eq!(level.variance(), Some(0.0));
+    }
+
+    #[test]
+    fn nothing_is_said_of_few_samples() {
+        let mut level = NoiseLevel::new(1.0);
+        for _ in 0..9 {
+            level.update(0.0);
+            assert_eq!(level.variance(), None);
+        }
+        level.update(0.0);
+        assert_eq!(level.variance(), Some(0.0));
+        level.reset();
+        assert_eq!(level, NoiseLevel::new(1.0));
+    }
+
+    #[test]
+    fn alternating_signs_are_amplified_as_the_kernel_says() {
+        // +-1: the third difference is +-8, so the level reads 64/20 once the start is forgotten.
+        let mut level = NoiseLevel::new(0.95);
+        for k in 0..1000 {
+            level.update(if k % 2 == 0 { 1.0 } else { -1.0 });
+        }
+        assert!((level.variance().unwrap() - 3.2).abs() < 1e-4);
+    }
+}

@@ -153,3 +153,65 @@ impl<const M: usize> TrendOperator<M> for RawTrends<M> {
         M as u32
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lead_is_the_answer_to_a_unit_sample() {
+        for scheme in [Scheme::Goodwin, Scheme::Tustin] {
+            let trends = RawTrends::<4>::try_new(scheme, 0.25).unwrap();
+            let mut memory = RawTrends::<4>::EMPTY;
+            assert_eq!(trends.output(&mut memory, 1.0), trends.lead());
+        }
+    }
+
+    #[test]
+    fn a_parabola_has_its_derivatives() {
+        // y = t^2 with Delta = 0.5: mean slope over the window and curvature 2, exact in f32.
+        for scheme in [Scheme::Goodwin, Scheme::Tustin] {
+            let trends = RawTrends::<2>::try_new(scheme, 0.5).unwrap();
+            let mut memory = RawTrends::<2>::EMPTY;
+            let mut last = trends.output(&mut memory, 0.0);
+            for k in 1..5 {
+                let t = 0.5 * k as f32;
+                last = trends.output(&mut memory, t * t);
+            }
+            assert_eq!(last.top, 2.0);
+            // Goodwin looks back by two samples for y and one for y', Tustin at the middle sample.
+            let (value, slope) = match scheme {
+                Scheme::Goodwin => (1.0, 2.5),
+                Scheme::Tustin => ((1.0 + 2.0 * 2.25 + 4.0) / 4.0, 3.0),
+            };
+            assert_eq!(last.lower, [value, slope]);
+        }
+    }
+
+    #[test]
+    fn a_held_input_counts_from_the_next_sample_on() {
+        let trends = RawTrends::<2>::try_new(Scheme::Tustin, 0.5).unwrap();
+        let mut memory = RawTrends::<2>::EMPTY;
+        assert_eq!(trends.input(&mut memory, 1.0, Hold::Zero), [0.0, 0.0]);
+        assert_eq!(trends.input(&mut memory, 1.0, Hold::Zero), [0.5, 2.0]);
+        assert_eq!(trends.input(&mut memory, 1.0, Hold::Zero), [1.0, 0.0]);
+    }
+
+    #[test]
+    fn sizes_that_cannot_be() {
+        assert_eq!(
+            RawTrends::<0>::try_new(Scheme::Tustin, 0.1),
+            Err(ConfigError::Order(0))
+        );
+        assert_eq!(
+            RawTrends::<5>::try_new(Scheme::Tustin, 0.1),
+            Err(ConfigError::Order(5))
+        );
+        for time in [0.0, -1.0, f32::INFINITY] {
+            assert_eq!(
+                RawTrends::<2>::try_new(Scheme::Tustin, time),
+                Err(ConfigError::SampleTime(time))
+            );
+        }
+    }
+}

@@ -70,3 +70,37 @@ impl<const D: usize> Default for DelayLine<D> {
         Self::new()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_delay_of_a_line() {
+        for delay in 0..=6 {
+            let mut line = DelayLine::<4>::new();
+            for k in 0..20 {
+                let out = line.update(1.0 + k as f32, delay);
+                // A delay beyond the line is the line's.
+                let back = if delay < 4 { delay } else { 4 };
+                let wanted = if k >= back {
+                    (1 + k - back) as f32
+                } else {
+                    0.0
+                };
+                assert_eq!(out, wanted, "delay {delay}, sample {k}");
+            }
+        }
+        assert_eq!(DelayLine::<0>::default().update(7.0, 3), 7.0);
+    }
+
+    #[test]
+    fn only_numbers_within_reach_are_acceptable() {
+        for good in [0.0, -0.0, 1.0, -1.0, f32::MIN_POSITIVE] {
+            assert!(acceptable(good, 1.0));
+        }
+        for bad in [1.0001, -2.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            assert!(!acceptable(bad, 1.0));
+        }
+    }
+}

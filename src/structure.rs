@@ -277,3 +277,90 @@ pub enum Column {
     /// The start: minus the error of the position the trends began with.
     Start,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn theta_holds_a_then_b_of_each_input_then_constant_then_start() {
+        let structure = Structure::<3, 7, 2>::try_with_start(
+            Terms::of(&[2, 1]),
+            [Terms::of(&[2, 0]), Terms::of(&[1])],
+            true,
+        )
+        .unwrap();
+        let input = |input, power| Column::Input { input, power };
+        assert_eq!(
+            structure.columns(),
+            [
+                Column::Output { power: 1 },
+                Column::Output { power: 2 },
+                input(0, 0),
+                input(0, 2),
+                input(1, 1),
+                Column::Constant,
+                Column::Start,
+            ]
+        );
+        assert_eq!(structure.integrators(), 1);
+    }
+
+    #[test]
+    fn integrators_are_the_absent_lowest_terms() {
+        let count = |terms| {
+            let b = [Terms::of(&[0])];
+            match Structure::<3, 2, 1>::try_new(terms, b, false) {
+                Ok(structure) => structure.integrators(),
+                Err(error) => panic!("{error}"),
+            }
+        };
+        assert_eq!(count(Terms::of(&[0])), 0);
+        assert_eq!(count(Terms::of(&[1])), 1);
+        assert_eq!(count(Terms::of(&[2])), 2);
+        let none = Structure::<2, 1, 1>::new(Terms::NONE, [Terms::of(&[0])], false);
+        assert_eq!(none.integrators(), 2);
+    }
+
+    #[test]
+    fn contradictions_are_named() {
+        let one = [Terms::of(&[0])];
+        assert_eq!(
+            Structure::<0, 1, 1>::try_new(Terms::NONE, one, false),
+            Err(ConfigError::Order(0))
+        );
+        assert_eq!(
+            Structure::<5, 1, 1>::try_new(Terms::NONE, one, false),
+            Err(ConfigError::Order(5))
+        );
+        assert_eq!(
+            Structure::<2, 2, 1>::try_new(Terms::of(&[2]), one, false),
+            Err(ConfigError::Term { power: 2, order: 2 })
+        );
+        assert_eq!(
+            Structure::<2, 2, 1>::try_new(Terms::of(&[0]), [Terms::of(&[3])], false),
+            Err(ConfigError::Term { power: 3, order: 2 })
+        );
+        assert_eq!(
+            Structure::<2, 1, 1>::try_new(Terms::of(&[0]), [Terms::NONE], false),
+            Err(ConfigError::NoInput)
+        );
+        assert_eq!(
+            Structure::<2, 5, 1>::try_new(Terms::up_to(2), one, true),
+            Err(ConfigError::ParameterCount {
+                found: 4,
+                expected: 5
+            })
+        );
+    }
+
+    #[test]
+    fn terms_as_sets() {
+        assert_eq!(Terms::between(1, 4), Terms::of(&[3, 1, 2]));
+        assert_eq!(Terms::up_to(3).count(), 3);
+        assert_eq!(Terms::NONE.count(), 0);
+        assert!(!Terms::up_to(3).contains(3) && !Terms::up_to(3).contains(99));
+        // Nothing above the seventh power: it is kept as one, and refused by every structure.
+        assert!(Terms::of(&[40]).contains(7));
+    }
+}
