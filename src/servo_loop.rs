@@ -571,7 +571,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     fn runaway_reason(&self) -> Reason {
         let candidate = self.candidate();
         let b0 = candidate.model.b0;
-        if !(b0 * b0 > 9.0 * candidate.b0_variance) {
+        let sure = b0 * b0 > 9.0 * candidate.b0_variance;
+        if self.supervisor.is_one_way() || !sure {
             Reason::ValveStuck
         } else if b0 < 0.0 {
             Reason::WrongSign

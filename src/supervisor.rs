@@ -170,7 +170,7 @@ impl SupervisorConfig {
             largest_gain: 50.0 * length,
             certainty: 0.1,
             certainty_adapting: 0.015,
-            explained: 0.9,
+            explained: 0.95,
             better: 0.7,
             worth: 0.15,
             excite: 0.26,
@@ -178,7 +178,7 @@ impl SupervisorConfig {
             time_limit: 3.0,
             slow: 0.05 * length,
             still: 2e-3 * length,
-            change: 12.0,
+            change: 5.0,
         }
     }
 
@@ -296,6 +296,8 @@ pub struct Supervisor {
     same: u32,
     low: f32,
     high: f32,
+    /// Whether the axis moved downwards and upwards since the commissioning began.
+    directions: [bool; 2],
     still_for: u32,
     fast: f32,
     slow: f32,
@@ -328,6 +330,7 @@ impl Supervisor {
             same: 0,
             low: 0.0,
             high: 0.0,
+            directions: [false; 2],
             still_for: 0,
             fast: 0.0,
             slow: 0.0,
@@ -357,6 +360,11 @@ impl Supervisor {
         (self.accepted, self.refused)
     }
 
+    /// Whether the axis moved in one direction only since the commissioning began.
+    pub const fn is_one_way(&self) -> bool {
+        self.directions[0] != self.directions[1]
+    }
+
     /// The verdict of the last trial.
     pub const fn verdict(&self) -> Verdict {
         self.verdict
@@ -378,6 +386,7 @@ impl Supervisor {
         self.enter(State::Exciting);
         self.refusal = None;
         self.same = 0;
+        self.directions = [false; 2];
         self.low = position;
         self.high = position;
     }
@@ -532,6 +541,8 @@ impl Supervisor {
     }
 
     fn commission(&mut self, seen: &Observation) -> Event {
+        self.directions[0] |= seen.motion.velocity < -self.config.slow;
+        self.directions[1] |= seen.motion.velocity > self.config.slow;
         self.same = if seen.same_code { self.same + 1 } else { 0 };
         self.low = if seen.y < self.low { seen.y } else { self.low };
         self.high = if seen.y > self.high {
@@ -564,9 +575,11 @@ impl Supervisor {
     /// The end of a commissioning without a model; older good gains come back into force.
     pub fn give_up(&mut self, reason: Reason) -> Event {
         self.refusal = Some(reason);
+        // With the wrong sign the old gains would drive the axis to its end.
         let defect = matches!(
             reason,
-            Reason::SensorStuck | Reason::ValveStuck | Reason::Blocked | Reason::TravelEnd
+            Reason::WrongSign
+                | Reason::SensorStuck | Reason::ValveStuck | Reason::Blocked | Reason::TravelEnd
         );
         match self.good {
             Some(good) if !defect => {
