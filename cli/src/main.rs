@@ -3,6 +3,9 @@
 
 mod auto;
 mod demo;
+mod demo_figure;
+mod demo_linear;
+mod demo_loop;
 mod estimate;
 mod fig1;
 mod format;

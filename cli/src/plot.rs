@@ -159,7 +159,8 @@ impl Drawing for Figure {
 }
 
 impl Panel {
-    fn draw<B: DrawingBackend>(
+    /// Draws the pair of axes over the whole of `area`.
+    pub fn draw<B: DrawingBackend>(
         &self,
         area: &DrawingArea<B, Shift>,
     ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {

@@ -7,7 +7,7 @@ use clap::Args;
 use serde_json::json;
 use trendid_host_tests::reference::REFERENCE;
 
-use crate::demo::{NoiseArgs, truth_lines};
+use crate::demo_linear::{NoiseArgs, truth_lines};
 use crate::output::{Refusal, emit, emit_json, number};
 
 const EXAMPLE: &str = "\
