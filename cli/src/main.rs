@@ -25,6 +25,7 @@ mod table1;
 mod table1_picture;
 mod table1_text;
 mod table2;
+mod table2_text;
 
 use std::process::ExitCode;
 

@@ -20,6 +20,7 @@
 //! | [`ekf`] | extended Kalman filter on the joint state, for comparison |
 //! | [`scenario`] | the adaptive position loop of the core on simulated axes |
 //! | [`table1`] | the conditions and printed figures of the paper's Table 1 |
+//! | [`methods`] | conditions, filters and methods of the reproduced Table 1 |
 //! | [`montecarlo`] | one record through every method |
 //! | [`table_run`] | statistics over many records |
 
@@ -28,6 +29,7 @@ pub mod ekf;
 pub mod excitation;
 pub mod experiment;
 pub mod exponential;
+pub mod methods;
 pub mod montecarlo;
 pub mod noise;
 pub mod nonlinear;
