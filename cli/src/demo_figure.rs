@@ -57,9 +57,6 @@ pub fn save(
 /// Error beyond this is off the axis: the start of the first movement after a defect.
 const LARGEST_ERROR: f64 = 4.0;
 
-/// Where the first estimates end that would only stretch the axes \[s\].
-const EARLY: f64 = 0.4;
-
 fn panels(course: &Course) -> Vec<Panel> {
     let line = |name: &str, colour, of: &dyn Fn(&Row) -> f64| {
         let mut curve = Curve::new(
@@ -142,26 +139,19 @@ fn parameter_panel(course: &Course, j: usize, title: &str, y: &str) -> Panel {
     let used = course.used.iter().map(|(t, p)| (*t, p[j])).collect();
     let mut used = Curve::new("model in use", GREY, used);
     used.width = 1;
-    // The axis shows what was ever in use and the estimates after the first moments.
-    let shown = course
+    // At rest the free estimate may wander far; the axis is about what the controller uses.
+    let high = course
         .used
         .iter()
         .map(|(_, p)| p[j])
-        .chain(
-            course
-                .parameters
-                .iter()
-                .filter(|(t, _)| *t > EARLY)
-                .map(|(_, p)| p[j].0),
-        )
-        .filter(|v| v.is_finite());
-    let high = shown.fold(0.0_f64, f64::max);
+        .filter(|v| v.is_finite())
+        .fold(0.0_f64, f64::max);
     Panel {
         title: title.into(),
         x: String::new(),
         y: y.into(),
         curves: vec![estimate, used],
-        range: (high > 0.0).then_some(0.0..1.25 * high),
+        range: (high > 0.0).then_some(0.0..2.2 * high),
     }
 }
 

@@ -154,11 +154,11 @@ fn note(course: &mut Course, instant: &Instant, rig: &Rig) {
     if report.retuned {
         course.retuned.push(instant.t);
     }
-    if course.rows.len() % SPARSE == 0 {
+    if course.rows.len().is_multiple_of(SPARSE) {
         let identifier = rig.servo.identifier();
         let reading = identifier.physical();
         let values = [reading.gain, reading.omega0, reading.damping];
-        // Wide as the axes where there is no statement yet.
+        // What is not known yet leaves a gap in the picture.
         let sigma = identifier.physical_std();
         course.parameters.push((
             instant.t,

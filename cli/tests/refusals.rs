@@ -209,11 +209,11 @@ fn structures_that_are_none() {
 #[test]
 fn options_that_make_no_sense() {
     assert_eq!(
-        sentence(&["demo", "--eta=-1"]),
+        sentence(&["demo", "--linear", "--eta=-1"]),
         "--eta -1 is not a width of 0 um or more"
     );
     assert_eq!(
-        sentence(&["demo", "--seconds", "0"]),
+        sentence(&["demo", "--linear", "--seconds", "0"]),
         "--seconds 0 is not between 0.1 and 600 s"
     );
     let said = sentence(&["simulate", "--out", "no/such/dir/s.csv"]);
@@ -241,6 +241,6 @@ fn options_that_make_no_sense() {
 fn a_picture_that_cannot_be_written() {
     let dir = Scratch::new("blocked");
     let file = dir.file("plain", "");
-    let said = sentence(&["demo", "--json", "--out", &file]);
+    let said = sentence(&["demo", "--linear", "--json", "--out", &file]);
     assert!(said.starts_with("cannot make the directory"), "{said}");
 }
