@@ -326,9 +326,9 @@ impl Controller {
         if let Some(model) = self.arriving.take() {
             self.observer.tune(model);
             self.inverse_gain = 1.0 / model.b0;
+            // Within the full command on both sides: beyond it is saturation and no difference.
             let changed = self.law(setpoint);
-            // A difference beyond the full command is no transition but saturation.
-            self.trace = within(command - changed, 2.0);
+            self.trace = within(command, 1.0) - changed;
             command = changed + self.trace;
         }
         command
@@ -340,7 +340,7 @@ impl Controller {
         self.flow = self.observer.model().flow(command);
     }
 
-    /// The control law at the present state.
+    /// The control law at the present state, within the full command.
     #[inline]
     fn law(&self, r: &Setpoint) -> f32 {
         let model = self.observer.model();
@@ -353,7 +353,7 @@ impl Controller {
         } else {
             self.follow(r)
         };
-        model.command(flow, self.blend)
+        within(model.command(flow, self.blend), 1.0)
     }
 
     /// Pole placement while the axis moves.

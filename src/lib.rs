@@ -32,6 +32,9 @@
 //! | config, outcome, identifier | [`Config`], [`Outcome`], [`Identifier`] | all of it behind one call per sample |
 //! | inputs | [`DeadZone`], [`asymmetric`], [`coulomb`] | inputs for valves and friction |
 //! | delay_bank | [`DelayBank`] | which delay the drive has, for commissioning |
+//! | reference, observer, controller | [`Reference`], [`Observer`], [`Controller`] | jerk-limited reference, pole placement on a verified model |
+//! | excitation, trial, supervisor | [`Excitation`], [`Supervisor`] | commissioning, and which model may control |
+//! | servo_model, servo_loop | [`ServoModel`], [`ServoLoop`] | the drive as the controller sees it; the whole loop in one call per sample |
 //! | hardware | [`hardware::PositionSensor`], [`hardware::Valve`] | the edge to sensors and valves: traits, drivers, scale |
 //!
 //! # Ten lines
@@ -132,6 +135,7 @@ pub use structure::{Column, Structure, Terms};
 pub use supervisor::{Candidate, Event, Observation, Reason, State, Supervisor, SupervisorConfig};
 pub use transfer::{Pole, TransferFunction};
 pub use trend::{Hold, NoiseGain, Scheme, TrendOperator, Trends};
+pub use trial::Verdict;
 
 /// The examples of the README are tests.
 #[cfg(doctest)]

@@ -288,7 +288,11 @@ impl Observer {
         if ramp > QUICK * self.model.friction {
             // Where it broke loose, as far as the drive is known; slow pushes say more about the dead zone.
             let ratio = (self.drive * direction - ramp * (t + LATE)) / self.model.friction;
-            let ratio = if ratio > 1.0 { within(ratio, BREAK) } else { 1.0 };
+            let ratio = if ratio > 1.0 {
+                within(ratio, BREAK)
+            } else {
+                1.0
+            };
             self.breakaway += LEARN * (ratio - self.breakaway);
         }
         self.direction = direction;

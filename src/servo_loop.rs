@@ -477,7 +477,6 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             u: command,
             same_code,
             sticks: state.is_controlling() && self.controller.observer().sticks(),
-            rich: self.richness.is_rich(),
             innovation: outcome.innovation(),
         };
         let event = if state.is_commissioning() && self.runs_away(y) {

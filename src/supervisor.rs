@@ -143,6 +143,8 @@ pub struct SupervisorConfig {
     pub certainty_adapting: f32,
     /// Least share of the movement that a free simulation must explain, `1 - SSE/SST`.
     pub explained: f32,
+    /// The same while the model follows the drive, in shorter movements.
+    pub explained_adapting: f32,
     /// A model replaces another when its squared error is below this share of the other's.
     pub better: f32,
     /// ... and the difference is at least this share of the movement: there is something to gain.
@@ -170,11 +172,12 @@ impl SupervisorConfig {
             largest_gain: 50.0 * length,
             certainty: 0.1,
             certainty_adapting: 0.015,
-            explained: 0.95,
+            explained: 0.975,
+            explained_adapting: 0.9,
             better: 0.7,
             worth: 0.15,
             excite: 0.26,
-            window: 0.1,
+            window: 0.12,
             time_limit: 3.0,
             slow: 0.05 * length,
             still: 2e-3 * length,
@@ -190,6 +193,7 @@ impl SupervisorConfig {
             self.certainty,
             self.certainty_adapting,
             self.explained,
+            self.explained_adapting,
             self.better,
             self.worth,
             self.slow,
@@ -222,8 +226,6 @@ pub struct Observation {
     pub same_code: bool,
     /// Whether the axis sticks: then a model has nothing to show.
     pub sticks: bool,
-    /// Whether the command moves enough to tell the parameters apart.
-    pub rich: bool,
     /// Innovation of the identifier, if there was one.
     pub innovation: Option<f32>,
 }
@@ -260,6 +262,9 @@ pub enum Event {
 
 /// Samples between two looks at the estimate.
 const LOOK: u32 = 16;
+
+/// Trials without success that end a commissioning.
+const POOR_FITS: u32 = 2;
 
 /// Samples in which a position code that never changes is a stuck sensor.
 const STUCK: u32 = 150;
@@ -298,6 +303,8 @@ pub struct Supervisor {
     high: f32,
     /// Whether the axis moved downwards and upwards since the commissioning began.
     directions: [bool; 2],
+    /// Trials without success in this commissioning.
+    poor: u32,
     still_for: u32,
     fast: f32,
     slow: f32,
@@ -331,6 +338,7 @@ impl Supervisor {
             low: 0.0,
             high: 0.0,
             directions: [false; 2],
+            poor: 0,
             still_for: 0,
             fast: 0.0,
             slow: 0.0,
@@ -370,11 +378,6 @@ impl Supervisor {
         self.verdict
     }
 
-    /// The trial that runs, if any.
-    pub const fn trial(&self) -> Option<&Trial> {
-        self.trial.as_ref()
-    }
-
     /// Takes a model that is known to be good; the controller may start without commissioning.
     pub fn install(&mut self, model: ServoModel) {
         self.good = Some(model);
@@ -387,6 +390,7 @@ impl Supervisor {
         self.refusal = None;
         self.same = 0;
         self.directions = [false; 2];
+        self.poor = 0;
         self.low = position;
         self.high = position;
     }
@@ -565,6 +569,11 @@ impl Supervisor {
             }
             self.trial = None;
             let _ = self.refuse(Reason::PoorFit);
+            // One of many wrong models would pass in the end.
+            self.poor += 1;
+            if self.poor >= POOR_FITS {
+                return self.give_up(Reason::PoorFit);
+            }
         }
         if self.ticks >= self.limit_ticks {
             return self.give_up(self.refusal.unwrap_or(Reason::Uncertain));
@@ -579,7 +588,10 @@ impl Supervisor {
         let defect = matches!(
             reason,
             Reason::WrongSign
-                | Reason::SensorStuck | Reason::ValveStuck | Reason::Blocked | Reason::TravelEnd
+                | Reason::SensorStuck
+                | Reason::ValveStuck
+                | Reason::Blocked
+                | Reason::TravelEnd
         );
         match self.good {
             Some(good) if !defect => {
@@ -639,7 +651,7 @@ impl Supervisor {
         });
         let reason = if !moved {
             None
-        } else if verdict.explained() < self.config.explained {
+        } else if verdict.explained() < self.config.explained_adapting {
             Some(Reason::PoorFit)
         } else if !better {
             Some(Reason::NotBetter)

@@ -158,10 +158,10 @@ impl Plant {
 
     /// An axis held by a spring behind a slow valve: order 4, and no integrator.
     fn other_order(position_mm: f64, seed: u64) -> Self {
-        // (s + 15)(s + 10)(s^2 + 20 s + 400), gain as of the reference servo.
-        let a = [60_000.0, 13_000.0, 1_050.0, 45.0];
+        // (s + 60)(s + 30)(s^2 + 20 s + 400), 60 mm per unit of command.
+        let a = [720_000.0, 72_000.0, 4_000.0, 110.0];
         let constant = a[0] * position_mm;
-        let plant = LinearPlant::with_inputs(&a, &[Input::new(&[1.5e7])], constant, 1e-3);
+        let plant = LinearPlant::with_inputs(&a, &[Input::new(&[60.0 * a[0]])], constant, 1e-3);
         let Ok(mut plant) = plant else {
             panic!("a plant of order 4");
         };

@@ -1,0 +1,181 @@
+//! The adaptive loop: limits under fuzzing, changes of gains, refusals, bit-exact return of the old gains.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
+use trendid::{Controller, ControllerConfig, LoopConfig, Motion, ServoLoop, ServoModel, Setpoint};
+use trendid_host_tests::scenario::{Options, Scenario, TRAVEL, run};
+
+/// A sensor that may fail, and may give any code.
+struct WildSensor(Option<i32>);
+
+impl PositionSensor for WildSensor {
+    type Error = ();
+
+    fn counts(&mut self) -> Result<i32, ()> {
+        self.0.ok_or(())
+    }
+}
+
+struct Through;
+
+impl Valve for Through {
+    type Error = ();
+
+    fn drive(&mut self, command: f32) -> Result<f32, ()> {
+        Ok(command)
+    }
+}
+
+#[test]
+fn the_command_keeps_range_and_rate_in_a_million_wild_samples() {
+    let mut random = ChaCha8Rng::seed_from_u64(77);
+    let mut config = LoopConfig::new(25.0, TRAVEL);
+    config.range = 0.8;
+    config.rate = 150.0;
+    let axis = Axis {
+        scale: Scale::new(0.01).expect("scale"),
+        reference: 0,
+    };
+    let mut servo =
+        ServoLoop::try_new(&config, axis, WildSensor(Some(20_000)), Through).expect("settings");
+    let (mut last, mut moved) = (0.0_f32, 0_u32);
+    for k in 0..1_000_000 {
+        match random.random_range(0..400_u32) {
+            0 => servo.commission(),
+            1 => servo.abort(),
+            2 => servo.move_to(random.random_range(-1e3..1e3_f32)),
+            3 => servo.move_to(f32::NAN),
+            4 => servo.oscillate(60.0, random.random_range(0.1..5.0_f32)),
+            5 => {
+                let model = ServoModel {
+                    dead_zone: random.random_range(0.0..0.1_f32),
+                    friction: random.random_range(0.0..9e3_f32),
+                    ..ServoModel::linear(
+                        random.random_range(50.0..4e3_f32),
+                        random.random_range(1.0..80.0_f32),
+                        random.random_range(1e5..5e6_f32),
+                    )
+                };
+                servo.install(model).expect("a stable model");
+            }
+            _ => {}
+        }
+        servo.sensor_mut().0 = match random.random_range(0..1000_u32) {
+            0 => None,
+            1 => Some(random.random::<i32>()),
+            _ => Some(20_000 + random.random_range(-3000..3000_i32)),
+        };
+        let u = servo.update().command;
+        assert!(u.abs() <= 0.8, "sample {k}: command {u}");
+        // One rounding of the sum of step and last command.
+        let step = (u - last).abs();
+        assert!(step <= 0.15 + 1e-7, "sample {k}: step {step}");
+        moved += u32::from(u != last);
+        last = u;
+    }
+    assert!(moved > 100_000, "the fuzzing moved the valve {moved} times");
+}
+
+#[test]
+fn a_change_of_gains_steps_the_command_by_at_most_one_percent() {
+    let mut random = ChaCha8Rng::seed_from_u64(78);
+    let mut worst = 0.0_f32;
+    for case in 0..2000 {
+        let mut model = || ServoModel {
+            dead_zone: random.random_range(0.0..0.06_f32),
+            offset: random.random_range(-0.02..0.02_f32),
+            friction: if case % 2 == 0 { 0.0 } else { 3000.0 },
+            ..ServoModel::linear(
+                random.random_range(200.0..1500.0_f32),
+                random.random_range(5.0..40.0_f32),
+                random.random_range(3e5..3e6_f32),
+            )
+        };
+        let (plant, first, second) = (model(), model(), model());
+        let config = ControllerConfig::new(60.0);
+        let mut kept = Controller::try_new(&config, first, 1e-3).expect("settings");
+        let mut motion = Motion::default();
+        let start = random.random_range(50..400);
+        let noise: Vec<f32> = (0..400).map(|_| random.random_range(-0.01..0.01)).collect();
+        for k in 0..=start {
+            let r = Setpoint {
+                velocity: 100.0,
+                ..Setpoint::at(0.1 * k as f32)
+            };
+            let y = motion.position + noise[k % 400];
+            let mut changed = kept;
+            let u = kept.update(&r, y);
+            if k == start {
+                changed.retune(second);
+                let other = changed.update(&r, y);
+                worst = worst.max((other.clamp(-1.0, 1.0) - u.clamp(-1.0, 1.0)).abs());
+            }
+            let u = u.clamp(-1.0, 1.0);
+            kept.applied(u);
+            plant.advance(&mut motion, plant.flow(u), 1e-3);
+        }
+    }
+    assert!(
+        worst <= 0.01,
+        "a change of gains stepped the command by {worst}"
+    );
+}
+
+fn nominal(seed: u64) -> Options {
+    Options {
+        fixed: false,
+        linear: false,
+        seed,
+    }
+}
+
+#[test]
+fn faults_are_refused_for_the_right_reason_and_the_gains_are_kept() {
+    for scenario in [
+        Scenario::WrongSign,
+        Scenario::StuckSensor,
+        Scenario::StuckValve,
+        Scenario::BlockedAxis,
+    ] {
+        for seed in 1..=5 {
+            let figures = run(scenario, &nominal(seed), &mut |_, _| {});
+            let expected = scenario.expected().expect("a fault");
+            let reason = match figures.state {
+                trendid::State::Failed(reason) | trendid::State::Rejected(reason) => Some(reason),
+                _ => None,
+            };
+            assert!(
+                reason.is_some_and(|reason| expected.contains(&reason)),
+                "{} seed {seed}: {}",
+                scenario.name(),
+                figures.state
+            );
+            assert_eq!(figures.gains_kept, Some(true), "{} {seed}", scenario.name());
+        }
+    }
+}
+
+#[test]
+fn the_axis_commissions_itself_and_follows() {
+    for seed in 1..=5 {
+        let f = run(Scenario::Nominal, &nominal(seed), &mut |_, _| {});
+        let at_most = |value: Option<f64>, limit: f64, name: &str| {
+            let value = value.unwrap_or(f64::INFINITY);
+            assert!(value <= limit, "seed {seed}: {name} {value} above {limit}");
+        };
+        at_most(f.verified_at_s, 0.5, "verified");
+        at_most(f.steady_state_mm, 0.05, "steady state");
+        at_most(f.rise_ms, 200.0, "rise");
+        at_most(f.overshoot_pct, 1.0, "overshoot");
+        at_most(f.tracking_0p5hz_mm, 0.7, "0.5 Hz");
+        at_most(f.tracking_1hz_mm, 1.2, "1 Hz");
+    }
+}
+
+#[test]
+fn sixty_seconds_at_rest_move_neither_gains_nor_axis() {
+    let f = run(Scenario::Rest, &nominal(1), &mut |_, _| {});
+    assert_eq!(f.gains_kept, Some(true));
+    assert!(f.rest_range_mm.is_some_and(|range| range < 0.1));
+}
