@@ -41,7 +41,7 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     /// Time after the first sample, in s, in which trends settle and nothing is estimated; default 0.
     pub settling: f32,
     /// With a memory: information that forgetting cannot take away, in samples of full excitation. At rest the
-    /// covariance stops at its inverse, and the estimate falls back to the trusted one ([`Identifier::trust`])
+    /// covariance stops at its inverse, and the estimate falls back to the trusted one ([`Identifier::trust`](crate::Identifier::trust))
     /// within the memory. Default 5e-4: unseen in motion; 0 stops the covariance at 10^12 only.
     pub pull: f32,
 }
