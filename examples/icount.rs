@@ -8,10 +8,15 @@
 
 mod firmware;
 
+#[path = "firmware/drive.rs"]
+mod drive;
+
 use core::hint::black_box;
 
+use drive::{Drive, SimulatedValve};
 use firmware::{record, rows};
-use trendid::{Estimator, Outcome, Scheme};
+use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
+use trendid::{Estimator, LoopConfig, Outcome, Report, Scheme, ServoError, ServoLoop, Travel};
 
 /// How often the record is run: 10 000 samples.
 const ROUNDS: usize = 2;
@@ -33,6 +38,13 @@ functions! {
     row_raw(rows::Raw, f32) -> Outcome, |state, u, y| state.update(u, y);
     row_filtered(rows::Filtered, f32) -> Outcome, |state, u, y| state.update(u, y);
     row_integral(rows::Integral, f32) -> Outcome, |state, u, y| state.update(u, y);
+    row_servo(Servo<Still>, (i32, Option<f32>)) -> Report, |state, u, _y| {
+        state.sensor_mut().code = u.0;
+        if let Some(target) = u.1 {
+            state.move_to(target);
+        }
+        state.update()
+    };
     row_constant(rows::Offset, f32) -> Outcome, |state, u, y| state.update(u, y);
     row_dead_zone(rows::DeadZone, f32) -> Outcome, |state, u, y| {
         state.update_inputs(rows::dead_zone_inputs(u), y)
@@ -45,6 +57,69 @@ functions! {
     row_pulled_3(Pulled<3>, &[f32; 3]) -> f32, |state, phi, psi| state.update(phi, psi);
     row_pulled_4(Pulled<4>, &[f32; 4]) -> f32, |state, phi, psi| state.update(phi, psi);
     row_pulled_5(Pulled<5>, &[f32; 5]) -> f32, |state, phi, psi| state.update(phi, psi);
+}
+
+/// The whole position loop, from the code of the encoder to the command of the valve.
+type Servo<V> = ServoLoop<Code, V>;
+
+/// An encoder that gives the code it was told.
+#[derive(Debug, Clone, Copy)]
+struct Code {
+    code: i32,
+}
+
+impl PositionSensor for Code {
+    type Error = core::convert::Infallible;
+
+    fn counts(&mut self) -> Result<i32, Self::Error> {
+        Ok(self.code)
+    }
+}
+
+/// A valve that moves nothing.
+#[derive(Debug, Clone, Copy)]
+struct Still;
+
+impl Valve for Still {
+    type Error = core::convert::Infallible;
+
+    fn drive(&mut self, command: f32) -> Result<f32, Self::Error> {
+        Ok(command)
+    }
+}
+
+/// Code of the encoder at the begin of the travel.
+const ORIGIN: i32 = 8_000_000;
+
+/// A loop on the simulated drive of 20 rad/s and 400 mm, about to commission itself.
+fn servo<V: Valve>(valve: V) -> Result<Servo<V>, ServoError> {
+    let axis = Axis {
+        scale: const { Scale::new(0.005).unwrap() },
+        reference: ORIGIN,
+    };
+    let travel = Travel {
+        begin: 0.0,
+        end: 400.0,
+    };
+    let config = LoopConfig::new(20.0, travel);
+    let mut servo = ServoLoop::try_new(&config, axis, Code { code: ORIGIN }, valve)?;
+    servo.commission();
+    Ok(servo)
+}
+
+/// Codes of the drive under a loop of its own, and a move every second.
+fn motion(mut leader: Servo<SimulatedValve>) -> impl Iterator<Item = ((i32, Option<f32>), f32)> {
+    let mut drive = Drive::new();
+    (0..ROUNDS * record::SAMPLES).map(move |k| {
+        let code = drive.counts().unwrap_or(ORIGIN);
+        let target = (k % 1000 == 999).then_some(if k % 2000 == 999 { 250.0 } else { 150.0 });
+        leader.sensor_mut().code = code;
+        if let Some(target) = target {
+            leader.move_to(target);
+        }
+        let _ = leader.update();
+        ((code, target), 0.0)
+    })
 }
 
 /// The bare estimator with its covariance bounded at rest, one parameter per sample in turn.
@@ -155,6 +230,16 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
             integral,
             samples(),
             |s, &u, y| row_integral(s, u, y),
+        );
+    }
+    if let (Ok(leader), Ok(follower)) = (servo(SimulatedValve), servo(Still)) {
+        meter.row(
+            "whole position loop",
+            "row_servo",
+            6,
+            follower,
+            motion(leader),
+            |s, &u, y| row_servo(s, u, y),
         );
     }
     let offset = rows::offset()?;

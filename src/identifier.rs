@@ -531,19 +531,26 @@ fn prior<const M: usize, const N: usize>(
     std: &Option<[f32; N]>,
 ) -> Result<([f32; N], [f32; N]), ConfigError> {
     let units = regressor.units();
-    let theta: [f32; N] = core::array::from_fn(|j| initial[j] / units[j]);
-    for (index, value) in theta.iter().enumerate() {
+    let mut theta = *initial;
+    for (index, (value, unit)) in theta.iter_mut().zip(units).enumerate() {
+        let given = *value;
+        *value = given / unit;
         if !acceptable(*value, REACH) {
-            let value = initial[index];
-            return Err(ConfigError::Initial { index, value });
+            return Err(ConfigError::Initial {
+                index,
+                value: given,
+            });
         }
     }
-    let std = core::array::from_fn(|j| {
-        let std = match std {
-            Some(std) => std[j] / (units[j] * noise),
-            None => PRIOR / noise,
+    let mut relative = std.unwrap_or([PRIOR; N]);
+    for (value, unit) in relative.iter_mut().zip(units) {
+        *value /= match std {
+            Some(_) => unit * noise,
+            None => noise,
         };
-        if std < UNKNOWN { std } else { UNKNOWN }
-    });
-    Ok((theta, std))
+        if !(*value < UNKNOWN) {
+            *value = UNKNOWN;
+        }
+    }
+    Ok((theta, relative))
 }

@@ -231,7 +231,7 @@ const SENSOR_ERRORS: u8 = 3;
 /// assert!(matches!(state, State::Failed(_)), "a sensor that never changes is found");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub struct ServoLoop<S, V> {
     sensor: S,
     valve: V,

@@ -231,7 +231,7 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
         let mut n = 0;
         let mut power = 0;
         while power < M {
-            if self.output.contains(power) {
+            if self.output.contains(power) && n < N {
                 columns[n] = Column::Output { power };
                 n += 1;
             }
@@ -241,7 +241,7 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
         while input < I {
             let mut power = 0;
             while power < M {
-                if self.inputs[input].contains(power) {
+                if self.inputs[input].contains(power) && n < N {
                     columns[n] = Column::Input { input, power };
                     n += 1;
                 }
@@ -249,7 +249,7 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
             }
             input += 1;
         }
-        if self.constant {
+        if self.constant && n < N {
             columns[n] = Column::Constant;
         }
         columns

@@ -1,4 +1,4 @@
-//! `docs/results.md` holds what the commands in it print, and nothing typed by hand.
+//! `README.md` and `docs/results.md` hold what the commands in them print, and nothing typed by hand.
 //!
 //! `cargo test --release -p trendid-cli --test results -- --ignored` compares; with `TRENDID_WRITE=1` it writes.
 
@@ -54,17 +54,19 @@ fn renewed(document: &str) -> String {
 }
 
 #[test]
-#[ignore = "runs every table of the document again, minutes"]
+#[ignore = "runs every table of the documents again, minutes; the README needs the EMPS record"]
 fn results_are_what_the_commands_print() {
-    let path = root().join("docs/results.md");
-    let document = std::fs::read_to_string(&path).expect("docs/results.md");
-    let renewed = renewed(&document);
-    if std::env::var_os("TRENDID_WRITE").is_some() {
-        std::fs::write(&path, renewed).expect("docs/results.md is writable");
-        return;
+    for name in ["README.md", "docs/results.md"] {
+        let path = root().join(name);
+        let document = std::fs::read_to_string(&path).expect(name);
+        let renewed = renewed(&document);
+        if std::env::var_os("TRENDID_WRITE").is_some() {
+            std::fs::write(&path, renewed).expect("the document is writable");
+            continue;
+        }
+        for (k, (old, new)) in document.lines().zip(renewed.lines()).enumerate() {
+            assert_eq!(old, new, "{name}, line {}", k + 1);
+        }
+        assert_eq!(document, renewed);
     }
-    for (k, (old, new)) in document.lines().zip(renewed.lines()).enumerate() {
-        assert_eq!(old, new, "line {}", k + 1);
-    }
-    assert_eq!(document, renewed);
 }
