@@ -1,7 +1,7 @@
 //! Trends over a span: the linear integral filter, the approach the paper compares itself with.
 
 use crate::error::{ConfigError, positive};
-use crate::trend::{Hold, NoiseGain, Scheme, TrendOperator, Trends};
+use crate::trend::{Hold, Scheme, TrendOperator, Trends};
 
 /// Trends over a span of `L` samples (linear integral filter, Sagara and Zhao 1990), recursive.
 ///
@@ -265,18 +265,6 @@ impl<const M: usize, const L: usize> TrendOperator<M> for IntegralTrends<M, L> {
             gain *= each;
         }
         gain
-    }
-
-    fn filter_polynomial(&self) -> Option<[f32; M]> {
-        None
-    }
-
-    fn noise_gain(&self) -> NoiseGain<M> {
-        NoiseGain::ZERO
-    }
-
-    fn decay(&self) -> f32 {
-        0.0
     }
 
     fn warm_up(&self) -> u32 {

@@ -14,7 +14,6 @@ pub(crate) fn pow(x: f32, y: f32) -> f32 {
 }
 
 /// Sine of an angle in radians.
-#[allow(dead_code, reason = "used by the excitation of the commissioning")]
 pub(crate) fn sin(x: f32) -> f32 {
     libm::sinf(x)
 }

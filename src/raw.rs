@@ -1,7 +1,7 @@
 //! The paper's trends, straight from the last samples (equations 4 and 8).
 
 use crate::error::{ConfigError, positive};
-use crate::trend::{Hold, NoiseGain, Scheme, TrendOperator, Trends, goodwin, tustin};
+use crate::trend::{Hold, Scheme, TrendOperator, Trends, goodwin, tustin};
 
 /// Trends without a filter, exactly as in the paper.
 ///
@@ -135,18 +135,6 @@ impl<const M: usize> TrendOperator<M> for RawTrends<M> {
             gain *= bandwidth;
         }
         gain
-    }
-
-    fn filter_polynomial(&self) -> Option<[f32; M]> {
-        None
-    }
-
-    fn noise_gain(&self) -> NoiseGain<M> {
-        NoiseGain::ZERO
-    }
-
-    fn decay(&self) -> f32 {
-        0.0
     }
 
     fn warm_up(&self) -> u32 {

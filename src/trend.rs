@@ -107,11 +107,17 @@ pub trait TrendOperator<const M: usize>: Copy {
     /// Size of the highest trend of a signal of size 1 at `bandwidth` rad/s.
     fn gain(&self, bandwidth: f32) -> f32;
     /// f_0 .. f_{m-1} of the filter `A_f`; `None` where there is none.
-    fn filter_polynomial(&self) -> Option<[f32; M]>;
+    fn filter_polynomial(&self) -> Option<[f32; M]> {
+        None
+    }
     /// What white noise on y makes of the trends; zero where there is no filter.
-    fn noise_gain(&self) -> NoiseGain<M>;
+    fn noise_gain(&self) -> NoiseGain<M> {
+        NoiseGain::ZERO
+    }
     /// By what the slowest real mode of the filter decays in one sample; 0 where there is no filter.
-    fn decay(&self) -> f32;
+    fn decay(&self) -> f32 {
+        0.0
+    }
     /// Samples until the memory is full.
     fn warm_up(&self) -> u32;
 }
