@@ -375,10 +375,10 @@ impl Controller {
         let pull = within(p0 * (r.position - x), p1 * self.catch_up);
         // About to reverse: the drive has to bring up friction in the other direction.
         let direction = self.wanted_direction(r);
-        let reversal = if direction == 0.0 || model.friction == 0.0 {
+        let reversal = if direction == 0.0 || self.observer.coulomb() == 0.0 {
             0.0
         } else {
-            self.observer.drive() - model.friction * direction - a
+            self.observer.drive() - self.observer.coulomb() * direction - a
         };
         let jerk = r.jerk
             + self.extra_friction(r)
@@ -395,7 +395,7 @@ impl Controller {
     /// `f = (breakaway - friction) sgn(v) / (1 + (v/slow)^2)`, along the reference.
     #[inline]
     fn extra_friction(&self, r: &Setpoint) -> f32 {
-        let extra = self.stribeck * self.observer.model().friction;
+        let extra = self.stribeck * self.observer.coulomb();
         let ratio = r.velocity * self.inverse_slow;
         let magnitude = if ratio < 0.0 { -ratio } else { ratio };
         let share = 1.0 / (1.0 + ratio * ratio);
@@ -418,13 +418,13 @@ impl Controller {
     /// The axis sticks: the drive p is brought to where it breaks loose in the wanted direction.
     #[inline]
     fn loosen(&self, r: &Setpoint) -> f32 {
-        let friction = self.observer.model().friction;
+        let friction = self.observer.coulomb();
         let error = r.position - self.observer.motion().position;
         let [p0, p1, p2] = self.wanted;
         let direction = self.wanted_direction(r);
         if direction != 0.0 {
             let push = r.acceleration + (p1 * r.velocity + p0 * error) / p2;
-            let goal = self.observer.breakaway() * friction * direction + push;
+            let goal = self.observer.breakaway() * direction + push;
             let rate = (goal - self.observer.drive()) * self.stick_rate;
             // Where the drive is already there and the axis still sticks, the drive is not what it seems.
             let least = INSIST * friction * (1.0 + IMPATIENCE * f32::from(self.observer.since()));

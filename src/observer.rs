@@ -41,8 +41,10 @@ pub struct Observer {
     direction: f32,
     /// The drive p while it sticks.
     drive: f32,
-    /// Drive over Coulomb friction at which it broke loose, on average.
-    breakaway: f32,
+    /// Coulomb friction as it is now: that of the model, corrected by what reversals take.
+    friction: f32,
+    /// Direction of the motion that ended here, 0 when the drive since then is not known.
+    before: f32,
     /// Samples since it began to stick, or to move.
     since: u16,
     /// Mean rate of the drive while it sticks.
@@ -74,11 +76,17 @@ const HOLD: f32 = 1.2;
 /// Drive over Coulomb friction that no resting axis is believed to have: the dead zone is not known so well.
 const BREAK: f32 = 4.0;
 
-/// Rate of the drive over friction, per s, above which a start tells the breakaway.
+/// Rate of the drive over friction, per s, above which a start tells the friction.
 const QUICK: f32 = 10.0;
 
-/// Share of a new breakaway in the mean.
+/// Share of a new friction in the mean.
 const LEARN: f32 = 0.5;
+
+/// Breakaway over Coulomb friction at a reversal.
+const BREAKAWAY: f32 = 1.3;
+
+/// Friction over that of the model, at least and at most.
+const GRIP: [f32; 2] = [0.6, 4.0];
 
 /// Time in s by which valve and mean are late.
 const LATE: f32 = 0.005;
@@ -94,6 +102,19 @@ const FALSE_START: u16 = 25;
 
 /// Movement over its mean when it is noticed.
 const LAG: f32 = 2.0;
+
+/// `friction` within the shares [`GRIP`] of `nominal`.
+#[inline]
+fn bounded(friction: f32, nominal: f32) -> f32 {
+    let [least, most] = GRIP.map(|share| share * nominal);
+    if friction > most {
+        most
+    } else if friction > least {
+        friction
+    } else {
+        least
+    }
+}
 
 impl Observer {
     /// An observer at rest in zero with three poles at `-rate` (rad/s) and that of the disturbance at 0.3 of it.
@@ -115,7 +136,8 @@ impl Observer {
             disturbance: 0.0,
             direction: 0.0,
             drive: 0.0,
-            breakaway: HOLD,
+            friction: model.friction,
+            before: 0.0,
             since: 0,
             ramp: 0.0,
             creep: 0.0,
@@ -160,6 +182,11 @@ impl Observer {
         let t = self.sample_time;
         self.gain = [t * l1, t * l2, t * l3, t * l4];
         self.model = model;
+        self.friction = if self.friction > 0.0 {
+            bounded(self.friction, model.friction)
+        } else {
+            model.friction
+        };
     }
 
     /// Begins at a motion, without disturbance.
@@ -181,7 +208,7 @@ impl Observer {
     /// Whether the model has friction and the drive sticks.
     #[inline]
     pub fn sticks(&self) -> bool {
-        self.model.friction > 0.0 && self.direction == 0.0
+        self.friction > 0.0 && self.direction == 0.0
     }
 
     /// The drive p: the acceleration that the drive force alone would give.
@@ -190,14 +217,15 @@ impl Observer {
         if self.sticks() {
             self.drive
         } else {
-            self.motion.acceleration + self.model.friction * self.direction
+            self.motion.acceleration + self.friction * self.direction
         }
     }
 
     /// Believes no more of the drive than friction itself, while the valve creeps about its dead zone.
     #[inline]
     pub fn doubt_drive(&mut self) {
-        self.drive = within(self.drive, self.model.friction);
+        self.drive = within(self.drive, self.friction);
+        self.before = 0.0;
     }
 
     /// One sample on under the flow that was in force. Cost: about 50 instructions.
@@ -210,13 +238,13 @@ impl Observer {
             self.ramp += CREEP * (rate - self.ramp);
             if self.start == f32::INFINITY {
                 // By itself, without measurements, it can only start by force.
-                let breakaway = HOLD * self.model.friction;
+                let breakaway = HOLD * self.friction;
                 if within(self.drive, breakaway) != self.drive {
                     self.move_off(if self.drive > 0.0 { 1.0 } else { -1.0 });
                 }
                 return;
             }
-            self.drive = within(self.drive, BREAK * self.model.friction);
+            self.drive = within(self.drive, BREAK * self.friction);
             return;
         }
         // Goes on beside the motion: should the start turn out to be none, the drive is still known.
@@ -229,7 +257,7 @@ impl Observer {
     /// Sticks, or reverses friction, where the velocity has changed its sign.
     #[inline]
     fn turn(&mut self) {
-        let friction = self.model.friction;
+        let friction = self.friction;
         if !(friction > 0.0 && self.motion.velocity * self.direction <= 0.0) {
             return;
         }
@@ -255,6 +283,7 @@ impl Observer {
     #[inline]
     fn stick(&mut self, drive: f32) {
         self.drive = drive;
+        self.before = self.direction;
         self.direction = 0.0;
         self.creep = 0.0;
         self.ramp = 0.0;
@@ -266,7 +295,7 @@ impl Observer {
     #[inline]
     fn move_off(&mut self, direction: f32) {
         self.direction = direction;
-        self.motion.acceleration = self.drive - self.model.friction * direction;
+        self.motion.acceleration = self.drive - self.friction * direction;
     }
 
     /// Has begun to move, and is seen `distance` from its place.
@@ -278,29 +307,36 @@ impl Observer {
         self.since = 0;
         let direction = if distance > 0.0 { 1.0 } else { -1.0 };
         let ramp = self.ramp * direction;
-        let least = self.model.friction;
-        let ramp = if ramp > least { ramp } else { least };
+        let ramp = if ramp > self.friction {
+            ramp
+        } else {
+            self.friction
+        };
         let cube = 6.0 * distance * direction / ramp;
         let mut t = 0.02;
         for _ in 0..8 {
             t = (2.0 * t + cube / (t * t)) * (1.0 / 3.0);
         }
-        if ramp > QUICK * self.model.friction {
-            // Where it broke loose, as far as the drive is known; slow pushes say more about the dead zone.
-            let ratio = (self.drive * direction - ramp * (t + LATE)) / self.model.friction;
-            let ratio = if ratio > 1.0 {
-                within(ratio, BREAK)
-            } else {
-                1.0
-            };
-            self.breakaway += LEARN * (ratio - self.breakaway);
+        if self.before == -direction && ramp > QUICK * self.friction {
+            self.learn(self.drive * direction - ramp * (t + LATE));
         }
         self.direction = direction;
         self.motion = Motion {
             position: self.motion.position + distance,
             velocity: 0.5 * direction * ramp * t * t,
-            acceleration: direction * within(ramp * t, self.model.friction),
+            acceleration: direction * within(ramp * t, self.friction),
         };
+    }
+
+    /// Learns the friction from a reversal that ended at a drive of `end` in the new direction.
+    ///
+    /// The drive went from `a - friction` at the stop to `breakaway` at the start. Both ends scale with the
+    /// friction, and the way between them is known from the commands, whatever was believed before.
+    #[inline]
+    fn learn(&mut self, end: f32) {
+        let seen = (end + self.friction) * (1.0 / (1.0 + BREAKAWAY));
+        let next = self.friction + LEARN * (seen - self.friction);
+        self.friction = bounded(next, self.model.friction);
     }
 
     /// Takes a measured position; gives the innovation. Cost: about 30 instructions.
@@ -324,9 +360,7 @@ impl Observer {
         self.motion.position += self.gain[0] * innovation;
         self.motion.velocity += self.gain[1] * innovation;
         self.motion.acceleration += self.gain[2] * innovation;
-        if self.model.friction > 0.0
-            && within(self.motion.velocity, self.slow) == self.motion.velocity
-        {
+        if self.friction > 0.0 && within(self.motion.velocity, self.slow) == self.motion.velocity {
             // Slow motion is ruled by friction, which is no flow.
             self.disturbance -= self.forget * self.disturbance;
         } else {
@@ -346,15 +380,20 @@ impl Observer {
     #[inline]
     pub fn friction(&self) -> f32 {
         if self.sticks() {
-            self.drive / self.model.friction
+            self.drive / self.friction
         } else {
             self.direction
         }
     }
 
-    /// Drive over Coulomb friction at which the axis breaks loose: a guess, then what was seen.
-    pub const fn breakaway(&self) -> f32 {
-        self.breakaway
+    /// Coulomb friction as it is now, as an acceleration: the model's, corrected by what reversals take.
+    pub const fn coulomb(&self) -> f32 {
+        self.friction
+    }
+
+    /// Drive at which the axis breaks loose.
+    pub fn breakaway(&self) -> f32 {
+        BREAKAWAY * self.friction
     }
 
     /// The observed motion.

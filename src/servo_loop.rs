@@ -584,7 +584,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     ///
     /// Without the correction for noise bias of [`Identifier::theta`], which costs more
     /// than a sample has; the trial judges the model in any case.
-    fn candidate(&self) -> Candidate {
+    pub fn candidate(&self) -> Candidate {
         let units = self.identifier.units();
         let estimator = self.identifier.estimator();
         let mut theta: [f32; 6] = core::array::from_fn(|j| units[j] * estimator.theta()[j]);
