@@ -18,6 +18,7 @@
 //! | [`bound`] | Cramer-Rao bound of coefficients and of C, w0, xi |
 //! | [`output_error`] | offline fit of the free simulation, for comparison |
 //! | [`ekf`] | extended Kalman filter on the joint state, for comparison |
+//! | [`companion`] | a second loop beside the one of a scenario |
 //! | [`scenario`] | the adaptive position loop of the core on simulated axes |
 //! | [`table1`] | the conditions and printed figures of the paper's Table 1 |
 //! | [`methods`] | conditions, filters and methods of the reproduced Table 1 |
@@ -25,6 +26,7 @@
 //! | [`table_run`] | statistics over many records |
 
 pub mod bound;
+pub mod companion;
 pub mod ekf;
 pub mod excitation;
 pub mod experiment;

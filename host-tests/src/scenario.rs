@@ -6,6 +6,7 @@ use trendid::{LoopConfig, Reason, Report, ServoLoop, ServoModel, State, Travel};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::companion::{Companion, Request};
 use crate::noise::{Additive, Condition};
 use crate::nonlinear::Valve as Null;
 use crate::plant::{Input, LinearPlant};
@@ -15,15 +16,15 @@ use crate::reference::{REFERENCE, Servo};
 /// Sensor of the loop: the code that the simulation put there.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SimulatedSensor {
-    /// The code of the next reading.
-    pub code: i32,
+    /// The code of the next reading; `None` is a reading that fails.
+    pub code: Option<i32>,
 }
 
 impl PositionSensor for SimulatedSensor {
     type Error = ();
 
     fn counts(&mut self) -> Result<i32, ()> {
-        Ok(self.code)
+        self.code.ok_or(())
     }
 }
 
@@ -248,17 +249,31 @@ impl Rig {
         }
     }
 
-    /// One sample.
-    pub fn step(&mut self) -> Instant {
-        self.servo.sensor_mut().code = self.plant.code();
-        let position_mm = self.plant.position_mm();
-        let report = self.servo.update();
-        self.plant.step(f64::from(report.command));
-        self.samples += 1;
+    /// One sample of the loop; [`Rig::drive`] must follow.
+    fn sample(&mut self, reading: Option<i32>) -> Instant {
+        self.servo.sensor_mut().code = reading;
         Instant {
-            t: 1e-3 * (self.samples - 1) as f64,
-            position_mm,
-            report,
+            t: 1e-3 * self.samples as f64,
+            position_mm: self.plant.position_mm(),
+            report: self.servo.update(),
+        }
+    }
+
+    /// Moves the plant on to the next sample.
+    fn drive(&mut self, command: f32) {
+        self.plant.step(f64::from(command));
+        self.samples += 1;
+    }
+
+    fn ask(&mut self, request: Request) {
+        match request {
+            Request::Commission => self.servo.commission(),
+            Request::Abort => self.servo.abort(),
+            Request::MoveTo(target) => self.servo.move_to(target),
+            Request::Oscillate {
+                amplitude,
+                frequency,
+            } => self.servo.oscillate(amplitude, frequency),
         }
     }
 }
@@ -416,52 +431,73 @@ struct Run<'a> {
     rig: Rig,
     figures: Figures,
     watcher: Watcher<'a>,
+    /// Has the plant when it is there.
+    companion: Option<&'a mut dyn Companion>,
 }
 
+/// Everything in a run gives `None` when the companion ends it.
 impl Run<'_> {
-    fn step(&mut self) -> Instant {
-        let instant = self.rig.step();
+    fn step(&mut self) -> Option<Instant> {
+        let code = self.rig.plant.code();
+        let reading = match &mut self.companion {
+            Some(companion) => companion.reading(code),
+            None => Some(code),
+        };
+        let instant = self.rig.sample(reading);
+        let command = match &mut self.companion {
+            Some(companion) => companion.update(reading, &instant.report, &self.rig)?,
+            None => instant.report.command,
+        };
+        self.rig.drive(command);
         (self.watcher)(&instant, &self.rig);
-        instant
+        Some(instant)
     }
 
-    fn pass(&mut self, seconds: f64) {
-        for _ in 0..(1e3 * seconds) as u32 {
-            let _ = self.step();
+    fn ask(&mut self, request: Request) {
+        self.rig.ask(request);
+        if let Some(companion) = &mut self.companion {
+            companion.request(request);
         }
+    }
+
+    fn pass(&mut self, seconds: f64) -> Option<()> {
+        for _ in 0..(1e3 * seconds) as u32 {
+            let _ = self.step()?;
+        }
+        Some(())
     }
 
     /// Commissions; whether there is a model.
-    fn commission(&mut self) -> bool {
-        self.rig.servo.commission();
+    fn commission(&mut self) -> Option<bool> {
+        self.ask(Request::Commission);
         for k in 1..=4000 {
-            let state = self.step().report.state;
+            let state = self.step()?.report.state;
             if state == State::Verified {
                 self.figures.verified_at_s = Some(1e-3 * f64::from(k));
-                return true;
+                return Some(true);
             }
             if !state.is_commissioning() {
-                return false;
+                return Some(false);
             }
         }
-        false
+        Some(false)
     }
 
-    fn move_to(&mut self, target: f64, seconds: f64) {
-        self.rig.servo.move_to(target as f32);
-        self.pass(seconds);
+    fn move_to(&mut self, target: f64, seconds: f64) -> Option<()> {
+        self.ask(Request::MoveTo(target as f32));
+        self.pass(seconds)
     }
 
     /// Steps of 60 mm there and back; the worse of both counts.
-    fn steps(&mut self) {
-        self.move_to(170.0, 2.0);
+    fn steps(&mut self) -> Option<()> {
+        self.move_to(170.0, 2.0)?;
         let (mut steady, mut rise, mut over) = (0.0_f64, 0.0_f64, 0.0_f64);
         for (from, to) in [(170.0, 230.0), (230.0, 170.0)] {
-            self.rig.servo.move_to(to as f32);
+            self.ask(Request::MoveTo(to as f32));
             let share = |x: f64| (x - from) / (to - from);
             let (mut at_10, mut at_90) = (None, None);
             for k in 0..2000 {
-                let x = self.step().position_mm;
+                let x = self.step()?.position_mm;
                 let s = share(x);
                 if s >= 0.1 && at_10.is_none() {
                     at_10 = Some(k);
@@ -482,76 +518,107 @@ impl Run<'_> {
         self.figures.steady_state_mm = Some(steady);
         self.figures.rise_ms = Some(rise);
         self.figures.overshoot_pct = Some(over);
+        Some(())
+    }
+
+    /// A sine about the present reference.
+    fn oscillate(&mut self, amplitude: f32, frequency: f32) {
+        self.ask(Request::Oscillate {
+            amplitude,
+            frequency,
+        });
     }
 
     /// Largest error over `periods` of a sine about 200 mm, after one to begin.
-    fn sine(&mut self, hz: f64, periods: f64) -> f64 {
-        self.move_to(200.0, 1.5);
-        self.rig.servo.oscillate(60.0, hz as f32);
-        self.pass(1.0 / hz);
+    fn sine(&mut self, hz: f64, periods: f64) -> Option<f64> {
+        self.move_to(200.0, 1.5)?;
+        self.oscillate(60.0, hz as f32);
+        self.pass(1.0 / hz)?;
         let mut worst = 0.0_f64;
         for _ in 0..(1e3 * periods / hz) as u32 {
-            worst = worst.max(error(&self.step()).abs());
+            worst = worst.max(error(&self.step()?).abs());
         }
-        worst
+        Some(worst)
     }
 
-    fn performance(&mut self) {
-        self.steps();
-        self.figures.tracking_0p5hz_mm = Some(self.sine(0.5, 2.0));
-        self.figures.tracking_1hz_mm = Some(self.sine(1.0, 3.0));
+    fn performance(&mut self) -> Option<()> {
+        self.steps()?;
+        self.figures.tracking_0p5hz_mm = Some(self.sine(0.5, 2.0)?);
+        self.figures.tracking_1hz_mm = Some(self.sine(1.0, 3.0)?);
+        Some(())
     }
 
     /// A sine of 0.5 Hz, the change at a random time in it, and 4 s more.
-    fn change(&mut self) {
-        self.move_to(200.0, 1.5);
-        self.rig.servo.oscillate(60.0, 0.5);
+    fn change(&mut self) -> Option<()> {
+        self.move_to(200.0, 1.5)?;
+        self.oscillate(60.0, 0.5);
         let delay = ChaCha8Rng::seed_from_u64(self.figures.seed ^ 0x5eed).random_range(0.0..2.0);
-        self.pass(4.0 + delay);
+        self.pass(4.0 + delay)?;
         self.rig.plant.change(self.figures.scenario);
         let mut last_bad = 0;
         for k in 1..=4000 {
-            if error(&self.step()).abs() > 1.5 * 0.7 {
+            if error(&self.step()?).abs() > 1.5 * 0.7 {
                 last_bad = k;
             }
         }
         // Not recovered at the end of the observation is no recovery.
         self.figures.recovered_s = (last_bad < 4000).then_some(1e-3 * f64::from(last_bad));
+        Some(())
     }
 
-    fn rest(&mut self) {
-        self.move_to(230.0, 2.0);
+    fn rest(&mut self) -> Option<()> {
+        self.move_to(230.0, 2.0)?;
         let before = self.rig.servo.supervisor().good();
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for _ in 0..60_000 {
-            let x = self.step().position_mm;
+            let x = self.step()?.position_mm;
             low = low.min(x);
             high = high.max(x);
         }
         self.figures.rest_range_mm = Some(high - low);
         self.figures.gains_kept = Some(same_bits(before, self.rig.servo.supervisor().good()));
+        Some(())
     }
 
     /// The fault comes after a good commissioning, and the axis is commissioned again.
-    fn fault(&mut self) {
-        self.move_to(200.0, 1.5);
+    fn fault(&mut self) -> Option<()> {
+        self.move_to(200.0, 1.5)?;
         let before = self.rig.servo.supervisor().good();
         let scenario = self.figures.scenario;
         if scenario == Scenario::StuckValve {
             // A spool that sticks, sticks where it works and not in the middle.
-            self.rig.servo.oscillate(60.0, 1.0);
+            self.oscillate(60.0, 1.0);
             let mut k = 0;
             while k < 5000 && self.rig.plant.opening().abs() < 0.1 {
-                let _ = self.step();
+                let _ = self.step()?;
                 k += 1;
             }
         }
         self.rig.plant.change(scenario);
         let verified = self.figures.verified_at_s;
-        let _ = self.commission();
+        let _ = self.commission()?;
         self.figures.verified_at_s = verified;
-        self.pass(0.2);
+        self.pass(0.2)?;
         self.figures.gains_kept = Some(same_bits(before, self.rig.servo.supervisor().good()));
+        Some(())
+    }
+
+    /// All of the scenario.
+    fn whole(&mut self) -> Option<()> {
+        if !self.commission()? {
+            return Some(());
+        }
+        self.pass(0.5)?;
+        let scenario = self.figures.scenario;
+        if scenario.expected().is_some() {
+            return self.fault();
+        }
+        if scenario.is_change() {
+            self.change()?;
+        } else if scenario == Scenario::Rest {
+            self.rest()?;
+        }
+        self.performance()
     }
 }
 
@@ -577,12 +644,33 @@ pub fn run(scenario: Scenario, options: &Options, watcher: Watcher) -> Figures {
     run_with(scenario, options, &loop_config(options), watcher)
 }
 
+/// As [`run`] with a companion of the loop; the figures are those of the part that was run.
+pub fn run_beside<'a>(
+    scenario: Scenario,
+    options: &Options,
+    companion: &'a mut dyn Companion,
+    watcher: Watcher<'a>,
+) -> Figures {
+    let config = loop_config(options);
+    run_all(scenario, options, &config, watcher, Some(companion))
+}
+
 /// As [`run`] with other settings of the loop.
 pub fn run_with(
     scenario: Scenario,
     options: &Options,
     config: &LoopConfig,
     watcher: Watcher,
+) -> Figures {
+    run_all(scenario, options, config, watcher, None)
+}
+
+fn run_all<'a>(
+    scenario: Scenario,
+    options: &Options,
+    config: &LoopConfig,
+    watcher: Watcher<'a>,
+    companion: Option<&'a mut dyn Companion>,
 ) -> Figures {
     let plant = if options.linear {
         Plant::linear(options.seed)
@@ -607,20 +695,10 @@ pub fn run_with(
             state: State::Idle,
         },
         watcher,
+        companion,
     };
-    if run.commission() {
-        run.pass(0.5);
-        if scenario.expected().is_some() {
-            run.fault();
-        } else {
-            if scenario.is_change() {
-                run.change();
-            } else if scenario == Scenario::Rest {
-                run.rest();
-            }
-            run.performance();
-        }
-    }
+    // A run that was ended early has the figures that it came to.
+    let _ = run.whole();
     run.figures.accepted = run.rig.servo.supervisor().counts().0;
     run.figures.state = run.rig.servo.supervisor().state();
     run.figures
