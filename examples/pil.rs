@@ -1,7 +1,11 @@
-//! Processor in the loop: the controller on the target, the drive simulated on the host, one frame each way per sample.
+//! Processor in the loop: the adaptive position loop on the target, the axis simulated on the host, one frame each way per
+//! sample.
 //!
-//! USART1 (PA9 transmit, PA10 receive), 115 200 baud, 8N1; frames, lockstep and controller are in `pil-link`. The other end
+//! USART1 (PA9 transmit, PA10 receive), 115 200 baud, 8N1; frames, lockstep and loop are in `pil-link`. The other end
 //! is `trendid pil` in the emulator and `trendid pil --port PORT` with a board, which was not tried on hardware.
+//!
+//! What is asked of the loop (to commission, to move) comes with a frame and is carried out before the update, while time
+//! stands still on both sides: a move is planned outside of the 1 ms path.
 //!
 //! The processor waits for each byte. The data register of the USART is read in a loop of a few instructions, so at
 //! 87 us per byte none is lost while it waits; what comes in during an update is at most one byte, which the USART holds.
@@ -15,7 +19,7 @@ mod board;
 mod target {
     use cortex_m_rt::entry;
     use stm32f4xx_hal::{nb, pac, prelude::*, rcc};
-    use trendid_pil_link::{Controller, Incoming, Responder, flags};
+    use trendid_pil_link::{Controller, Incoming, Responder};
 
     use crate::board;
 
@@ -27,7 +31,7 @@ mod target {
 
     #[entry]
     fn main() -> ! {
-        let (Some(chip), Ok(fresh)) = (pac::Peripherals::take(), Controller::try_new()) else {
+        let Some(chip) = pac::Peripherals::take() else {
             board::exit(false)
         };
         // The internal 16 MHz oscillator: there on every board and in the emulator.
@@ -40,23 +44,19 @@ mod target {
             board::exit(false)
         };
         let (mut transmit, mut receive) = serial.split();
-        let mut controller = fresh.clone();
+        let mut controller = Controller::new();
         let mut responder = Responder::new();
+        // An empty frame says that the line is heard from now on. Cannot fail: an empty register takes a byte.
+        let _ = nb::block!(transmit.write(0));
         loop {
             // A receive error (noise, framing, overrun) is a wrong byte to the check sum.
             let byte = nb::block!(receive.read()).unwrap_or(0xFF);
             let answer = match responder.push(byte) {
-                Some(Incoming::New(sample)) => {
-                    if sample.flags & flags::RESET != 0 {
-                        controller = fresh.clone();
-                    }
-                    responder.answer(controller.update(sample.y, sample.flags))
-                }
+                Some(Incoming::New(sample)) => responder.answer(controller.update(&sample)),
                 Some(Incoming::Repeated) => responder.cached(),
                 Some(Incoming::Stale) | None => &[],
             };
             for &byte in answer {
-                // Cannot fail: an empty register takes a byte.
                 let _ = nb::block!(transmit.write(byte));
             }
         }

@@ -56,7 +56,7 @@ enum Command {
     Table2(table2::Table2Args),
     /// Fig. 1 of the paper again: transients of the coefficients
     Fig1(fig1::Fig1Args),
-    /// The controller on an emulated or real processor against the simulated servo, bit for bit
+    /// A scenario of the demonstration with the loop on an emulated or real processor, bit for bit as on the host
     Pil(pil::PilArgs),
 }
 

@@ -1,88 +1,165 @@
-//! The controller that runs on the target, and on the host beside it: one source, two processors.
+//! The loop on the target, and what it tells of itself: one source for target and host.
 
-use trendid::{Config, ConfigError, FilteredTrends, Identifier, Outcome, Scheme, Structure};
+use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
+use trendid::{LoopConfig, Reason, Report, ServoError, ServoLoop, State, Travel};
 
-use crate::{Counters, Reply, flags, status};
+use crate::{Counters, Reply, Request, Sample, Setup, code};
 
-/// Sample time in s.
-pub const SAMPLE_TIME: f32 = 0.001;
+/// The sensor behind the line: the code that came with the sample.
+#[derive(Clone, Copy, Debug, Default)]
+struct LineSensor(Option<i32>);
 
-/// Position gain in command per mm: a slow loop around the reference servo.
-const GAIN: f32 = 0.002;
+impl PositionSensor for LineSensor {
+    type Error = ();
 
-/// Stroke of the reference square in mm, and its half period in samples.
-const STROKE: f32 = 50.0;
-const HALF_PERIOD: u32 = 1000;
+    fn counts(&mut self) -> Result<i32, ()> {
+        self.0.ok_or(())
+    }
+}
 
-/// The test signal on top of the command, and its hold in samples: the loop alone does not excite the drive enough.
-const TEST_SIGNAL: f32 = 0.2;
-const HOLD: u32 = 40;
+/// The valve behind the line: the command goes back with the reply.
+#[derive(Clone, Copy, Debug)]
+struct LineValve;
 
-/// A position loop with identification: proportional controller, test signal, identifier of the reference servo.
-#[derive(Clone, Debug)]
+impl Valve for LineValve {
+    type Error = ();
+
+    fn drive(&mut self, command: f32) -> Result<f32, ()> {
+        Ok(command)
+    }
+}
+
+/// The adaptive position loop on the target, behind the line.
+///
+/// ```
+/// use trendid_pil_link::{Controller, Request, Sample, Setup, code};
+///
+/// let mut controller = Controller::new();
+/// let mut sample = Sample { code: Some(20_000), ..Sample::default() };
+/// assert_eq!(controller.update(&sample).state, code::NO_LOOP);
+/// let setup = Setup { bandwidth: 25.0, travel: [0.0, 400.0], mm_per_count: 0.01, adaptive: true };
+/// sample.requests.push(Request::Reset(setup)).map_err(|_| "full")?;
+/// sample.requests.push(Request::Commission).map_err(|_| "full")?;
+/// let reply = controller.update(&sample);
+/// assert!(reply.command != 0.0 && reply.position == 200.0);
+/// # Ok::<(), &str>(())
+/// ```
+#[derive(Clone, Debug, Default)]
 pub struct Controller {
-    identifier: Identifier<FilteredTrends<3>, 3, 3>,
-    sample: u32,
-    register: u32,
-    sign: f32,
-    command: f32,
+    servo: Option<ServoLoop<LineSensor, LineValve>>,
 }
 
 impl Controller {
-    /// A controller at rest.
-    ///
-    /// # Errors
-    /// None with the constants of this file; the constructors of the identifier say so by this type.
-    pub fn try_new() -> Result<Self, ConfigError> {
-        let mut config = Config::new(Structure::integrating(), 25.0, [1.0], 50.0);
-        config.memory = Some(2.0);
-        let trends = FilteredTrends::try_new(Scheme::Tustin, SAMPLE_TIME, [25.0; 3])?;
-        Ok(Self {
-            identifier: Identifier::try_new(&config, trends)?,
-            sample: 0,
-            register: 0x2545_F491,
-            sign: 1.0,
-            command: 0.0,
-        })
+    /// A controller that waits for its first [`Request::Reset`].
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { servo: None }
     }
 
-    /// Takes the position in mm, gives command, innovation, parameters and status; number and counters are the link's.
-    ///
-    /// A sample that is marked invalid or is no number leaves the command and the identifier as they were.
-    pub fn update(&mut self, y: f32, bits: u8) -> Reply {
-        let y = if bits & flags::INVALID == 0 {
-            y
-        } else {
-            f32::NAN
+    /// Carries out the requests of a sample, then lets the loop process it; number and counters are the link's.
+    pub fn update(&mut self, sample: &Sample) -> Reply {
+        for request in &sample.requests {
+            self.ask(request);
+        }
+        let Some(servo) = &mut self.servo else {
+            return Reply::without_loop();
         };
-        if self.sample.is_multiple_of(HOLD) {
-            // A shift register with the feedback of a maximal sequence of 32 bits (taps 32, 22, 2, 1).
-            let low = self.register & 1;
-            self.register >>= 1;
-            if low == 1 {
-                self.register ^= 0x8020_0003;
-            }
-            self.sign = if low == 1 { 1.0 } else { -1.0 };
+        servo.sensor_mut().0 = sample.code;
+        let report = servo.update();
+        Reply::of(&report, servo)
+    }
+
+    fn ask(&mut self, request: &Request) {
+        if let Request::Reset(setup) = request {
+            // A set-up that is refused leaves no loop, and the reply says so.
+            self.servo = build(setup).ok();
         }
-        let forth = (self.sample / HALF_PERIOD).is_multiple_of(2);
-        self.sample = self.sample.wrapping_add(1);
-        if y.is_finite() {
-            let reference = if forth { STROKE } else { -STROKE };
-            let wanted = GAIN * (reference - y) + TEST_SIGNAL * self.sign;
-            self.command = wanted.clamp(-1.0, 1.0);
+        let Some(servo) = &mut self.servo else { return };
+        match *request {
+            Request::Reset(_) => {}
+            Request::Commission => servo.commission(),
+            Request::Abort => servo.abort(),
+            Request::MoveTo(target) => servo.move_to(target),
+            Request::Oscillate {
+                amplitude,
+                frequency,
+            } => servo.oscillate(amplitude, frequency),
         }
-        let outcome = self.identifier.update(self.command, y);
-        Reply {
+    }
+}
+
+fn build(setup: &Setup) -> Result<ServoLoop<LineSensor, LineValve>, ServoError> {
+    let [begin, end] = setup.travel;
+    let mut config = LoopConfig::new(setup.bandwidth, Travel { begin, end });
+    config.adaptive = setup.adaptive;
+    let axis = Axis {
+        scale: Scale::new(setup.mm_per_count).ok_or(ServoError::Bound(setup.mm_per_count))?,
+        reference: 0,
+    };
+    ServoLoop::try_new(&config, axis, LineSensor::default(), LineValve)
+}
+
+/// Codes of a state and of its reason, see [`Reply::state`].
+fn codes(state: State) -> (u8, u8) {
+    let of = |reason: Reason| reason as u8;
+    match state {
+        State::Idle => (0, code::NO_REASON),
+        State::Exciting => (1, code::NO_REASON),
+        State::Identifying => (2, code::NO_REASON),
+        State::Verified => (3, code::NO_REASON),
+        State::Adapting => (4, code::NO_REASON),
+        State::Frozen => (5, code::NO_REASON),
+        State::Rejected(reason) => (6, of(reason)),
+        State::Failed(reason) => (7, of(reason)),
+    }
+}
+
+impl Reply {
+    /// What `servo` did in the sample of `report`; number and counters are the link's.
+    #[must_use]
+    pub fn of<S: PositionSensor, V: Valve>(report: &Report, servo: &ServoLoop<S, V>) -> Self {
+        let (state, reason) = codes(report.state);
+        let (r, controller) = (report.setpoint, servo.controller());
+        let (motion, model) = (controller.motion(), controller.model());
+        Self {
             seq: 0,
-            u: self.command,
-            innovation: outcome.innovation().unwrap_or(0.0),
-            parameters: self.identifier.theta().into_iter().collect(),
-            status: match outcome {
-                Outcome::WarmingUp { .. } => status::WARMING_UP,
-                Outcome::Estimated { .. } => status::ESTIMATED,
-                Outcome::Held { .. } => status::HELD,
-                Outcome::Refused(_) => status::REFUSED,
-            },
+            state,
+            reason,
+            retuned: report.retuned,
+            command: report.command,
+            position: report.position,
+            setpoint: [r.position, r.velocity, r.acceleration, r.jerk],
+            innovation: report.innovation,
+            motion: [motion.position, motion.velocity, motion.acceleration],
+            disturbance: controller.disturbance(),
+            model: [
+                model.a1,
+                model.a2,
+                model.b0,
+                model.dead_zone,
+                model.offset,
+                model.friction,
+            ],
+            theta: servo.identifier().theta(),
+            counters: Counters::default(),
+        }
+    }
+
+    /// The reply of a target that has no loop: command zero.
+    fn without_loop() -> Self {
+        Self {
+            seq: 0,
+            state: code::NO_LOOP,
+            reason: code::NO_REASON,
+            retuned: false,
+            command: 0.0,
+            position: 0.0,
+            setpoint: [0.0; 4],
+            innovation: None,
+            motion: [0.0; 3],
+            disturbance: 0.0,
+            model: [0.0; 6],
+            theta: [0.0; 6],
             counters: Counters::default(),
         }
     }

@@ -5,7 +5,10 @@ use core::marker::PhantomData;
 use crate::{Message, cobs, crc32};
 
 /// Longest body (tag, payload and check sum) in bytes.
-pub const MAX_BODY: usize = 80;
+pub const MAX_BODY: usize = 128;
+
+// Up to here the stuffing takes one byte and splits no run.
+const _: () = assert!(MAX_BODY < 254);
 
 /// Longest frame on the wire in bytes: body, one byte of stuffing, two delimiters.
 pub const MAX_WIRE: usize = MAX_BODY + 3;

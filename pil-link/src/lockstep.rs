@@ -1,6 +1,6 @@
 //! Both ends of the lockstep: retransmission on the host, the cached answer on the target.
 
-use crate::{Counters, Frame, Receiver, Reply, Sample, flags};
+use crate::{Counters, Frame, Receiver, Reply, Sample};
 
 /// What the target has to do with a sample that came in.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +32,7 @@ impl Responder {
     /// Takes one byte from the line; gives what to do when it ends an intact frame.
     pub fn push(&mut self, byte: u8) -> Option<Incoming> {
         let sample = self.receiver.push(byte)?;
-        let reset = sample.flags & flags::RESET != 0;
+        let reset = sample.is_reset();
         // Distance in serial-number arithmetic, so that the wrap of the number is no gap.
         let ahead = self
             .last
@@ -150,18 +150,18 @@ impl Exchange {
         }
     }
 
-    /// Sends `y` and gives the reply to it.
+    /// Sends `sample` and gives the reply to it; its number is filled in here.
     ///
     /// # Errors
     /// [`ExchangeError::Line`] when the line fails, [`ExchangeError::NoReply`] after the last attempt.
     pub fn exchange<L: Bytes>(
         &mut self,
         line: &mut L,
-        y: f32,
-        flags: u8,
+        mut sample: Sample,
     ) -> Result<Reply, ExchangeError<L::Error>> {
         let seq = self.seq;
-        let frame = Frame::encode(&Sample { seq, y, flags });
+        sample.seq = seq;
+        let frame = Frame::encode(&sample);
         let mut buffer = [0; 64];
         for _ in 0..self.attempts {
             line.send(frame.bytes()).map_err(ExchangeError::Line)?;

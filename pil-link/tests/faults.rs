@@ -23,7 +23,8 @@ impl Dice {
 struct Target {
     responder: Responder,
     processed: u32,
-    sum: f32,
+    /// Wraps: a sum in which every sample and their order leave a trace.
+    sum: i32,
 }
 
 impl Target {
@@ -31,8 +32,8 @@ impl Target {
         match self.responder.push(byte) {
             Some(Incoming::New(sample)) => {
                 self.processed += 1;
-                self.sum = self.sum * 0.5 + sample.y;
-                let reply = reply(0, self.sum);
+                self.sum = mix(self.sum, &sample);
+                let reply = reply(self.sum);
                 out.extend_from_slice(self.responder.answer(reply));
             }
             Some(Incoming::Repeated) => out.extend_from_slice(self.responder.cached()),
@@ -41,15 +42,49 @@ impl Target {
     }
 }
 
-fn reply(seq: u32, u: f32) -> Reply {
+fn mix(sum: i32, sample: &Sample) -> i32 {
+    sum.wrapping_mul(31).wrapping_add(sample.code.unwrap_or(7))
+}
+
+fn reply(sum: i32) -> Reply {
+    let x = f32::from_bits(sum.cast_unsigned());
     Reply {
-        seq,
-        u,
-        innovation: -u,
-        parameters: [u, 0.0, -0.0, f32::NAN].into_iter().collect(),
-        status: status::ESTIMATED,
+        seq: 0,
+        state: 1,
+        reason: code::NO_REASON,
+        retuned: true,
+        command: x,
+        position: -x,
+        setpoint: [x, 0.0, -0.0, f32::NAN],
+        innovation: (sum % 2 == 0).then_some(x),
+        motion: [x; 3],
+        disturbance: 0.0,
+        model: [x; 6],
+        theta: [-x; 6],
         counters: Counters::default(),
     }
+}
+
+/// A sample with this code and nothing asked.
+fn plain(seq: u32, code: i32) -> Sample {
+    Sample {
+        seq,
+        code: Some(code),
+        ..Sample::default()
+    }
+}
+
+/// A sample that begins a run.
+fn reset(seq: u32) -> Sample {
+    let setup = Setup {
+        bandwidth: 25.0,
+        travel: [0.0, 400.0],
+        mm_per_count: 0.01,
+        adaptive: true,
+    };
+    let mut sample = plain(seq, 1);
+    sample.requests.push(Request::Reset(setup)).expect("room");
+    sample
 }
 
 /// The line to the target, with one fault in `one_in` frames in each direction.
@@ -121,18 +156,21 @@ fn every_sample_is_processed_once_on_a_bad_line() {
         let mut line = Line::new(seed, 5);
         // Starts just before the wrap of the sequence number.
         let mut exchange = Exchange::new(u32::MAX - 500, 50);
-        let mut expected = 0.0f32;
+        let mut expected = 0;
         let mut last = None;
         for k in 0..2000u32 {
-            let y = (k as f32 * 0.37).fract() - 0.5;
-            expected = expected * 0.5 + y;
-            let reply = exchange.exchange(&mut line, y, 0).expect("a reply");
+            let mut sample = plain(0, k.wrapping_mul(0x9E37_79B9).cast_signed());
+            if k % 11 == 0 {
+                sample.code = None;
+            }
+            expected = mix(expected, &sample);
+            let got = exchange.exchange(&mut line, sample).expect("a reply");
             assert_eq!(
-                reply.u.to_bits(),
-                expected.to_bits(),
+                got.fields(),
+                reply(expected).fields(),
                 "seed {seed}, sample {k}"
             );
-            last = Some(reply);
+            last = Some(got);
         }
         let target = line.target.responder.counters();
         let host = exchange.counters();
@@ -159,7 +197,9 @@ fn a_clean_line_counts_nothing() {
     let mut line = Line::new(1, u32::MAX);
     let mut exchange = Exchange::new(0, 1);
     for k in 0..1000u32 {
-        exchange.exchange(&mut line, k as f32, 0).expect("a reply");
+        exchange
+            .exchange(&mut line, plain(0, k.cast_signed()))
+            .expect("a reply");
     }
     assert_eq!(exchange.counters(), Counters::default());
     assert_eq!(line.target.responder.counters(), Counters::default());
@@ -181,7 +221,7 @@ fn a_dead_line_is_an_error() {
     let mut line = Dead(0);
     let mut exchange = Exchange::new(9, 3);
     assert_eq!(
-        exchange.exchange(&mut line, 0.0, 0),
+        exchange.exchange(&mut line, plain(0, 0)),
         Err(ExchangeError::NoReply(9))
     );
     assert_eq!(line.0, 3);
@@ -193,13 +233,7 @@ fn a_gap_and_an_old_frame_are_counted() {
     let mut target = Target::default();
     let mut out = Vec::new();
     for seq in [10, 13, 12] {
-        for &byte in Frame::encode(&Sample {
-            seq,
-            y: 1.0,
-            flags: 0,
-        })
-        .bytes()
-        {
+        for &byte in Frame::encode(&plain(seq, 1)).bytes() {
             target.push(byte, &mut out);
         }
     }
@@ -218,8 +252,8 @@ fn a_gap_and_an_old_frame_are_counted() {
 fn a_reset_clears_the_counters_and_takes_any_number() {
     let mut target = Target::default();
     let mut out = Vec::new();
-    for (seq, flags) in [(10, 0), (13, 0), (5, flags::RESET), (5, flags::RESET)] {
-        for &byte in Frame::encode(&Sample { seq, y: 1.0, flags }).bytes() {
+    for sample in [plain(10, 1), plain(13, 1), reset(5), reset(5)] {
+        for &byte in Frame::encode(&sample).bytes() {
             target.push(byte, &mut out);
         }
     }
@@ -239,62 +273,102 @@ fn a_reset_clears_the_counters_and_takes_any_number() {
 
 #[test]
 fn the_layout_on_the_wire_is_as_documented() {
-    let frame = Frame::encode(&Sample {
-        seq: 300,
-        y: 1.0,
-        flags: 2,
-    });
-    // Body: 'S', 300 in 7-bit groups, 1.0f32 little endian, flags, check sum.
-    let mut body = vec![0x53, 0xAC, 0x02, 0x00, 0x00, 0x80, 0x3F, 0x02];
+    let mut sample = plain(300, -25);
+    sample.requests.push(Request::MoveTo(1.0)).expect("room");
+    let frame = Frame::encode(&sample);
+    // 'S', 300 in 7-bit groups, a code, -25 in zigzag, one request: the fourth, 1.0f32 little endian, check sum.
+    let mut body = vec![0x53, 0xAC, 0x02, 1, 49, 1, 3, 0x00, 0x00, 0x80, 0x3F];
     body.extend_from_slice(&crc32(&body).to_le_bytes());
-    let mut wire = vec![0, 4, 0x53, 0xAC, 0x02, 1, 8];
-    wire.extend_from_slice(&body[5..]);
+    let mut wire = vec![0, 8, 0x53, 0xAC, 0x02, 1, 49, 1, 3, 1, 7];
+    wire.extend_from_slice(&body[9..]);
     wire.push(0);
     assert!(
-        !body[8..].contains(&0),
+        !body[11..].contains(&0),
         "the example has no zero in its check sum"
     );
     assert_eq!(frame.bytes(), wire);
 }
 
+/// Encodes and decodes.
+fn there_and_back<M: Message>(message: &M) -> Option<M> {
+    let frame = Frame::encode(message);
+    let mut receiver = Receiver::new();
+    frame.bytes().iter().find_map(|&byte| receiver.push(byte))
+}
+
 #[test]
-fn the_longest_reply_fits() {
+fn the_longest_messages_fit() {
     let longest = Reply {
         seq: u32::MAX,
-        u: -1.0,
-        innovation: 1.0,
-        parameters: [1.5; PARAMETERS].into_iter().collect(),
-        status: u8::MAX,
+        innovation: Some(1.5),
         counters: Counters {
             corrupt: u32::MAX,
             lost: u32::MAX,
             repeated: u32::MAX,
         },
+        setpoint: [1.5; 4],
+        ..reply(0x3FC0_0000)
     };
-    let frame = Frame::encode(&longest);
-    assert!(!frame.bytes().is_empty());
-    let mut receiver = Receiver::new();
-    assert_eq!(
-        frame.bytes().iter().find_map(|&byte| receiver.push(byte)),
-        Some(longest)
-    );
+    assert_eq!(there_and_back(&longest), Some(longest));
+    let mut longest = reset(u32::MAX);
+    longest.code = Some(i32::MIN);
+    while longest.requests.push(longest.requests[0]).is_ok() {}
+    assert_eq!(longest.requests.len(), REQUESTS);
+    assert_eq!(there_and_back(&longest), Some(longest));
+}
+
+#[test]
+fn every_field_of_a_reply_is_compared() {
+    let base = Reply {
+        setpoint: [1.0; 4],
+        ..reply(0x3F80_0000)
+    };
+    let mut others = vec![base.clone(); FIELDS];
+    others[0].state += 1;
+    others[1].reason -= 1;
+    others[2].retuned = false;
+    others[3].command = 2.0;
+    others[4].position = 2.0;
+    for j in 0..4 {
+        others[5 + j].setpoint[j] = 2.0;
+    }
+    others[9].innovation = None;
+    for j in 0..3 {
+        others[10 + j].motion[j] = 2.0;
+    }
+    // Minus zero is another number.
+    others[13].disturbance = -0.0;
+    for j in 0..6 {
+        others[14 + j].model[j] = 2.0;
+        others[20 + j].theta[j] = f32::NAN;
+    }
+    for (j, other) in others.iter().enumerate() {
+        let differ = |k: &usize| base.fields()[*k] != other.fields()[*k];
+        let found: Vec<usize> = (0..FIELDS).filter(differ).collect();
+        assert_eq!(found, [j], "{:?}", base.fields()[j].0);
+        assert_eq!(
+            there_and_back(other).map(|r| r.fields()),
+            Some(other.fields())
+        );
+    }
 }
 
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(500) })]
 
     #[test]
-    fn every_bit_pattern_survives(seq: u32, bits: u32, flags: u8) {
-        let sent = Sample { seq, y: f32::from_bits(bits), flags };
-        let mut receiver = Receiver::<Sample>::new();
-        let frame = Frame::encode(&sent);
-        let got = frame.bytes().iter().find_map(|&byte| receiver.push(byte)).expect("a message");
-        prop_assert_eq!((got.seq, got.y.to_bits(), got.flags), (seq, bits, flags));
+    fn every_bit_pattern_survives(seq: u32, code: Option<i32>, bits: u32) {
+        let mut sent = Sample { seq, code, ..Sample::default() };
+        sent.requests.push(Request::MoveTo(f32::from_bits(bits))).expect("room");
+        let got = there_and_back(&sent).expect("a message");
+        let Some(Request::MoveTo(target)) = got.requests.first() else { panic!("{got:?}") };
+        prop_assert_eq!((got.seq, got.code, target.to_bits()), (seq, code, bits));
     }
 
     #[test]
-    fn one_or_two_wrong_bits_never_pass(seq: u32, bits: u32, first: prop::sample::Index, second: prop::sample::Index) {
-        let frame = Frame::encode(&Sample { seq, y: f32::from_bits(bits), flags: 0 });
+    fn one_or_two_wrong_bits_never_pass(seq: u32, code: Option<i32>, first: prop::sample::Index, second: prop::sample::Index) {
+        let sent = Sample { seq, code, ..Sample::default() };
+        let frame = Frame::encode(&sent);
         let mut wire = frame.bytes().to_vec();
         let count = wire.len() * 8;
         for at in [first.index(count), second.index(count)] {
@@ -305,7 +379,7 @@ proptest! {
         let got: Vec<_> = wire.iter().chain(&[0]).filter_map(|&byte| receiver.push(byte)).collect();
         // Damage of the outer delimiters alone may leave the body whole; then it must be the body that was sent.
         for sample in got {
-            prop_assert_eq!((sample.seq, sample.y.to_bits()), (seq, bits));
+            prop_assert_eq!(&sample, &sent);
         }
     }
 
@@ -315,7 +389,7 @@ proptest! {
         for byte in noise {
             let _ = receiver.push(byte);
         }
-        let sent = Sample { seq: 1, y: 2.0, flags: 0 };
+        let sent = plain(1, 2);
         let got = Frame::encode(&sent).bytes().iter().find_map(|&byte| receiver.push(byte));
         prop_assert_eq!(got, Some(sent));
     }

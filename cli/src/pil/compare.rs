@@ -1,0 +1,157 @@
+//! The loop on the target beside the one here: each sample goes to both, and what both computed is compared.
+
+use indicatif::ProgressBar;
+use trendid::Report;
+use trendid_host_tests::companion::{Companion, Request};
+use trendid_host_tests::scenario::{RESOLUTION_MM, ROUGH_BANDWIDTH, Rig, TRAVEL};
+use trendid_pil_link::{
+    Counters, Exchange, ExchangeError, FIELDS, Reply, Request as Asked, Sample, Setup,
+};
+
+use super::PilArgs;
+use super::line::Disturbed;
+use crate::output;
+
+/// How often a sample is sent before the target is given up.
+const ATTEMPTS: u32 = 20;
+
+/// The target as a companion of the scenario's loop.
+pub struct Target {
+    /// The line, with its faults.
+    pub line: Disturbed,
+    exchange: Exchange,
+    asked: Vec<Asked>,
+    end: Option<u32>,
+    failures: Option<u32>,
+    bar: ProgressBar,
+    /// Samples that were compared.
+    pub samples: u32,
+    /// Readings that failed on purpose.
+    pub failed: u32,
+    /// Numbers that were the same.
+    pub numbers: u64,
+    /// The target's newest reply.
+    pub last: Option<Reply>,
+    /// What ended the run before its time.
+    pub trouble: Option<String>,
+}
+
+impl Target {
+    /// A target on `line` that has no loop yet; `first` is the first number of a frame.
+    pub fn new(line: Disturbed, first: u32, args: &PilArgs) -> Self {
+        let bar = output::progress(u64::from(args.samples.unwrap_or(0)), "samples");
+        if args.samples.is_none() {
+            bar.unset_length();
+        }
+        Self {
+            line,
+            exchange: Exchange::new(first, ATTEMPTS),
+            asked: vec![Asked::Reset(Setup {
+                bandwidth: ROUGH_BANDWIDTH,
+                travel: [TRAVEL.begin, TRAVEL.end],
+                mm_per_count: RESOLUTION_MM as f32,
+                adaptive: !args.fixed,
+            })],
+            end: args.samples,
+            failures: args.failures,
+            bar,
+            samples: 0,
+            failed: 0,
+            numbers: 0,
+            last: None,
+            trouble: None,
+        }
+    }
+
+    /// Faults that the host saw.
+    pub fn counters(&self) -> Counters {
+        self.exchange.counters()
+    }
+
+    /// Takes the progress off the screen.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    /// Sends a sample and gives the reply, or why there is none.
+    fn reply(&mut self, code: Option<i32>) -> Result<Reply, String> {
+        let requests = std::mem::take(&mut self.asked);
+        let Ok(requests) = requests.as_slice().try_into() else {
+            return Err(format!("{} requests are too many", requests.len()));
+        };
+        let sample = Sample {
+            seq: 0,
+            code,
+            requests,
+        };
+        let number = self.samples;
+        self.exchange
+            .exchange(&mut self.line, sample)
+            .map_err(|error| match error {
+                ExchangeError::Line(error) => format!("the line to the target failed: {error}"),
+                ExchangeError::NoReply(_) => {
+                    format!("the target did not answer sample {number} in {ATTEMPTS} attempts")
+                }
+            })
+    }
+}
+
+impl Companion for Target {
+    fn reading(&mut self, code: i32) -> Option<i32> {
+        let fails = self.failures.is_some_and(|n| self.samples % n == n - 1);
+        self.failed += u32::from(fails);
+        (!fails).then_some(code)
+    }
+
+    fn request(&mut self, request: Request) {
+        self.asked.push(match request {
+            Request::Commission => Asked::Commission,
+            Request::Abort => Asked::Abort,
+            Request::MoveTo(target) => Asked::MoveTo(target),
+            Request::Oscillate {
+                amplitude,
+                frequency,
+            } => Asked::Oscillate {
+                amplitude,
+                frequency,
+            },
+        });
+    }
+
+    fn update(&mut self, reading: Option<i32>, report: &Report, rig: &Rig) -> Option<f32> {
+        let reply = match self.reply(reading) {
+            Ok(reply) => reply,
+            Err(trouble) => {
+                self.trouble = Some(trouble);
+                return None;
+            }
+        };
+        let difference = difference(&reply, &Reply::of(report, &rig.servo));
+        if let Some(difference) = difference {
+            self.trouble = Some(format!("sample {} differs: {difference}", self.samples));
+            return None;
+        }
+        self.samples += 1;
+        self.numbers += FIELDS as u64;
+        self.bar.inc(1);
+        let command = reply.command;
+        self.last = Some(reply);
+        (self.end != Some(self.samples)).then_some(command)
+    }
+}
+
+/// The first number that is not the same to the last bit.
+fn difference(target: &Reply, host: &Reply) -> Option<String> {
+    let fields = target.fields().into_iter().zip(host.fields());
+    fields
+        .into_iter()
+        .find(|(target, host)| target.1 != host.1)
+        .map(|((name, target), (_, host))| {
+            let number = |bits| format!("{bits:#010x} ({})", f32::from_bits(bits));
+            format!(
+                "{name} is {} on the target, {} here",
+                number(target),
+                number(host)
+            )
+        })
+}
