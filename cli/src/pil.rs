@@ -2,6 +2,8 @@
 
 mod compare;
 mod line;
+#[cfg(test)]
+mod tests;
 
 use std::path::PathBuf;
 use std::time::Duration;

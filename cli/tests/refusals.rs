@@ -244,3 +244,27 @@ fn a_picture_that_cannot_be_written() {
     let said = sentence(&["demo", "--linear", "--json", "--out", &file]);
     assert!(said.starts_with("cannot make the directory"), "{said}");
 }
+
+#[test]
+fn an_image_that_is_not_there() {
+    let said = sentence(&["pil", "--image", "no/image", "--samples", "5"]);
+    assert!(
+        said.starts_with("there is no image no/image; `cargo xtask pil` builds it"),
+        "{said}"
+    );
+}
+
+#[test]
+fn options_of_the_processor_in_the_loop_that_make_no_sense() {
+    for bad in [
+        ["--samples", "0"],
+        ["--faults", "0"],
+        ["--failures", "1"],
+        ["--scenario", "storm"],
+    ] {
+        let out = trendid(&["pil", bad[0], bad[1]]);
+        let said = String::from_utf8(out.stderr).unwrap();
+        assert_eq!(out.status.code(), Some(2), "{bad:?}");
+        assert!(said.contains(bad[0]) && said.contains(bad[1]), "{said}");
+    }
+}
