@@ -1,6 +1,7 @@
 //! The facade: one call per sample from (u, y) to the current model.
 
 use crate::config::{Config, REACH, check_std};
+use crate::continuous::{continuous, continuous_readout, sampled};
 use crate::error::{ConfigError, positive};
 use crate::estimator::Estimator;
 use crate::evaluation::Quality;
@@ -132,7 +133,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             Some(memory) => 1.0 - sample_time / memory,
             None => 1.0,
         };
-        let (theta, std) = prior(&regressor, prior_noise, &config.initial, &config.prior_std)?;
+        let initial = sampled(&config.initial, &config.structure, &trends);
+        let (theta, std) = prior(&regressor, prior_noise, &initial, &config.prior_std)?;
         let start = Estimator::new(theta, std, forgetting);
         let ceiling = if config.pull > 1.0 / WIND_UP {
             1.0 / config.pull
@@ -322,7 +324,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
         // The bias that the old filter made is settled now; what follows has the new one's.
         let units = *self.regressor.units();
-        let mut theta = self.theta();
+        let mut theta = self.found();
         // What was learnt weighs as much as the noise in band was smaller than it will be.
         let a = self.regressor.denominator(&theta);
         let scale = match (self.trends.filter_polynomial(), trends.filter_polynomial()) {
@@ -332,6 +334,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             _ => 1.0,
         };
         let scale = DISCOUNT * if positive(scale) { scale } else { 1.0 };
+        theta = sampled(
+            &continuous(&theta, &self.structure, &self.trends),
+            &self.structure,
+            &trends,
+        );
         for (value, unit) in theta.iter_mut().zip(units) {
             *value /= unit;
         }
@@ -362,6 +369,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             }
         }
         check_std(&std)?;
+        let theta = sampled(&theta, &self.structure, &self.trends);
         let (theta, std) = prior(&self.regressor, self.prior_noise, &theta, &Some(std))?;
         self.estimator = self.estimator.restarted(theta, std);
         self.trusted = theta;
@@ -384,6 +392,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     ///
     /// Cost: some 100 N^2 instructions; for the loop that reports, not for every sample.
     pub fn theta(&self) -> [f32; N] {
+        continuous(&self.found(), &self.structure, &self.trends)
+    }
+
+    /// The parameters as the trends have them, in the user's units.
+    fn found(&self) -> [f32; N] {
         estimate(
             &self.evidence(),
             &self.noise_gain,
@@ -419,13 +432,14 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     }
 
     fn read_out(&self) -> Readout<N> {
-        read_out(
+        let found = read_out(
             &self.evidence(),
             &self.noise_gain,
             &self.regressor,
             &self.trends,
             self.bandwidth,
-        )
+        );
+        continuous_readout(found, &self.structure, &self.trends)
     }
 
     /// Standard deviation of the innovation in the unit of y, `None` until there are more samples than parameters.

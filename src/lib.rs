@@ -23,10 +23,10 @@
 //! | room | type | what it does |
 //! |---|---|---|
 //! | sample | [`DelayLine`] | checks a value, delays an input |
-//! | trend, raw, filter, chain, integral | [`TrendOperator`], [`RawTrends`], [`FilteredTrends`], [`IntegralTrends`] | equations (4), (8) |
+//! | trend, raw, filter, chain, warp, exact, integral | [`TrendOperator`], [`RawTrends`], [`FilteredTrends`], [`ExactTrends`], [`IntegralTrends`] | equations (4), (8) |
 //! | structure, regressor | [`Structure`], [`Terms`] | which parameters, their signs, order and scales (5), (12) |
 //! | estimator | [`Estimator`] | recursive least squares |
-//! | noise, readout | [`NoiseLevel`] | noise bias out of theta, standard deviations |
+//! | noise, readout, continuous | [`NoiseLevel`] | noise bias out of theta, standard deviations |
 //! | transfer, physical | [`TransferFunction`], [`Physical`] | what theta means |
 //! | evaluation | [`OutputEvaluation`], [`Quality`] | (9)-(11) |
 //! | config, outcome, identifier | [`Config`], [`Outcome`], [`Identifier`] | all of it behind one call per sample |
@@ -77,11 +77,13 @@
 
 mod chain;
 mod config;
+mod continuous;
 mod controller;
 mod delay_bank;
 mod error;
 mod estimator;
 mod evaluation;
+mod exact;
 mod excitation;
 mod filter;
 pub mod hardware;
@@ -107,6 +109,7 @@ mod supervisor;
 mod transfer;
 mod trend;
 mod trial;
+mod warp;
 
 pub use chain::FilteredTrends;
 pub use config::Config;
@@ -115,6 +118,7 @@ pub use delay_bank::DelayBank;
 pub use error::ConfigError;
 pub use estimator::Estimator;
 pub use evaluation::{OutputEvaluation, Quality};
+pub use exact::ExactTrends;
 pub use excitation::{Excitation, ExcitationConfig, Travel};
 pub use identifier::Identifier;
 pub use inputs::{DeadZone, asymmetric, coulomb, dead_zone};
@@ -134,7 +138,7 @@ pub use servo_model::{Motion, ServoModel};
 pub use structure::{Column, Structure, Terms};
 pub use supervisor::{Candidate, Event, Observation, Reason, State, Supervisor, SupervisorConfig};
 pub use transfer::{Pole, TransferFunction};
-pub use trend::{Hold, NoiseGain, Scheme, TrendOperator, Trends};
+pub use trend::{Hold, Image, NoiseGain, Scheme, TrendOperator, Trends};
 pub use trial::Verdict;
 
 /// The examples of the README are tests.

@@ -10,6 +10,7 @@
 //! |---|---|---|
 //! | [`RawTrends`](crate::RawTrends) | `R_i`, `P_i` of (4) and (8) | the paper's trends, for data without noise |
 //! | [`FilteredTrends`](crate::FilteredTrends) | `R_i / R_A`, `P_i / R_A` | the same through one stable filter: the default |
+//! | [`ExactTrends`](crate::ExactTrends) | numerators of the hold in place of `P_i` | the same without an error of the sampling, for slow sampling |
 //! | [`IntegralTrends`](crate::IntegralTrends) | `R_i ((1-q^-L)/(1-q^-1))^m` | the same over a span of L samples |
 //!
 //! All operators give trends in the unit of the signal times s^(i-m) (filtered)
@@ -77,6 +78,15 @@ impl<const M: usize> NoiseGain<M> {
     }
 }
 
+/// A model seen in another plane: in s, or in the gamma of the samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Image<const M: usize> {
+    /// a_0 .. a_{m-1} there.
+    pub a: [f32; M],
+    /// Every b_i there, and the constant, is this many times the one here.
+    pub numerator: f32,
+}
+
 /// The step from samples to trends; one implementation per kind of trend.
 ///
 /// The operator holds coefficients only; the memory of each signal lives with
@@ -117,6 +127,14 @@ pub trait TrendOperator<const M: usize>: Copy {
     /// By what the slowest real mode of the filter decays in one sample; 0 where there is no filter.
     fn decay(&self) -> f32 {
         0.0
+    }
+    /// The continuous-time model that coefficients found with these trends stand for; `None`: these very ones.
+    fn continuous(&self, _found: &[f32; M], _integrators: usize) -> Option<Image<M>> {
+        None
+    }
+    /// The way back from [`TrendOperator::continuous`].
+    fn sampled(&self, _a: &[f32; M], _integrators: usize) -> Option<Image<M>> {
+        None
     }
     /// Samples until the memory is full.
     fn warm_up(&self) -> u32;

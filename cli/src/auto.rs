@@ -3,8 +3,11 @@
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 
-use crate::estimate::{Problem, Tuning};
+use crate::estimate::{Estimate, OwnFilter, Problem, Tuning};
 use crate::output::Refusal;
+
+/// Rounds of [`own`] at most.
+const ROUNDS: usize = 8;
 
 /// Longest delay that `auto` tries, in samples.
 pub const LONGEST_DELAY: usize = 10;
@@ -37,11 +40,43 @@ pub fn poles(samples: usize, dt: f64) -> Vec<f64> {
 /// How well the model that a tuning gives repeats the record: the mean fit of
 /// free simulations of both halves, initial state and constant refitted.
 pub fn merit(problem: &Problem, tuning: Tuning) -> Option<f64> {
+    judged(problem, tuning).map(|(merit, _)| merit)
+}
+
+/// The merit with the estimate it is of.
+fn judged(problem: &Problem, tuning: Tuning) -> Option<(f64, Estimate)> {
     let estimate = problem.run(tuning, None).ok()?.end;
     let n = problem.y.len();
     let first = problem.free_run(&estimate, tuning.delay, 0..n / 2)?;
     let second = problem.free_run(&estimate, tuning.delay, n / 2..n)?;
-    Some(0.5 * (first.fit_x0c + second.fit_x0c))
+    Some((0.5 * (first.fit_x0c + second.fit_x0c), estimate))
+}
+
+/// The tuning with the filter 1/A of its own estimate, for as long as that raises the [`merit`].
+///
+/// Behind this filter the equation error is the error of the output, and what the model
+/// does not hold (a nonlinearity between the samples) bends its parameters least.
+pub fn own(problem: &Problem, tuning: Tuning) -> Tuning {
+    let mut best = tuning;
+    let Some(pole) = tuning.pole else {
+        return best;
+    };
+    let Some((mut merit, mut estimate)) = judged(problem, tuning) else {
+        return best;
+    };
+    for _ in 0..ROUNDS {
+        let next = Tuning {
+            own: OwnFilter::of(&estimate, problem.integrator, pole),
+            ..tuning
+        };
+        match judged(problem, next) {
+            Some((better, found)) if next.own.is_some() && better > merit => {
+                (merit, estimate, best) = (better, found, next);
+            }
+            _ => break,
+        }
+    }
+    best
 }
 
 /// The filter pole and delay of the best [`merit`].
@@ -65,7 +100,13 @@ pub fn tune(problem: &Problem, freedom: Freedom, bar: &ProgressBar) -> Result<Tu
         Choice::Auto => 0..=LONGEST_DELAY,
     };
     let candidates: Vec<Tuning> = delays
-        .flat_map(|delay| poles.iter().map(move |&pole| Tuning { pole, delay }))
+        .flat_map(|delay| {
+            poles.iter().map(move |&pole| Tuning {
+                pole,
+                own: None,
+                delay,
+            })
+        })
         .collect();
     bar.set_length(candidates.len() as u64);
     let merits: Vec<Option<f64>> = candidates

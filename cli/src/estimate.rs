@@ -9,6 +9,18 @@ use crate::output::Refusal;
 /// Settling of the trends before the first estimate, in time constants of the filter.
 const SETTLING: f64 = 6.0;
 
+/// Filter poles up to this many per sample have exact trends (they end at 2).
+const FASTEST: f64 = 1.8;
+
+/// Numerators that differ by less than this from those without a hold are not worth another pass.
+const NEGLIGIBLE: f64 = 1e-5;
+
+/// Passes at most until the numerators are those of the estimate.
+const PASSES: usize = 8;
+
+/// Movement of a parameter between two passes, in standard deviations, that ends them.
+const SETTLED: f64 = 1e-3;
+
 /// An input column with what the model knows about it.
 #[derive(Debug, Clone)]
 pub struct Input {
@@ -40,8 +52,57 @@ pub struct Problem {
 pub struct Tuning {
     /// All filter poles at `-pole` rad/s; `None` for raw trends.
     pub pole: Option<f64>,
+    /// The filter 1/A of a model in place of these poles.
+    pub own: Option<OwnFilter>,
     /// Delay in samples.
     pub delay: usize,
+}
+
+/// The filter 1/A with the poles of a model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OwnFilter {
+    /// f_0 .. f_{m-1}, then zeros.
+    coefficients: [f32; 4],
+    order: usize,
+    /// Slowest decay in 1/s.
+    slowest: f64,
+    /// Largest distance of a pole from zero, in rad/s.
+    fastest: f64,
+}
+
+impl OwnFilter {
+    /// The filter of an estimate; a pole at 0 gives way to one at `-pole`.
+    ///
+    /// `None` unless all other poles are stable.
+    pub fn of(estimate: &Estimate, integrator: bool, pole: f64) -> Option<Self> {
+        let order = estimate.a.len();
+        let poles = estimate.reading.poles.as_ref()?;
+        let rates = poles.iter().skip(usize::from(integrator));
+        let slowest = rates
+            .map(|(re, _)| -f64::from(*re))
+            .chain(integrator.then_some(pole))
+            .fold(f64::INFINITY, f64::min);
+        if !(slowest > 0.0) {
+            return None;
+        }
+        let mut coefficients = [0.0; 4];
+        for (i, (slot, a)) in coefficients.iter_mut().zip(&estimate.a).enumerate() {
+            // A/s (s + pole)
+            let above = estimate.a.get(i + 1).copied().unwrap_or(1.0);
+            *slot = (if integrator { a + pole * above } else { *a }) as f32;
+        }
+        Some(Self {
+            coefficients,
+            order,
+            slowest,
+            fastest: estimate.fastest(),
+        })
+    }
+
+    /// f_0 .. f_{m-1}.
+    pub fn coefficients(&self) -> &[f32] {
+        &self.coefficients[..self.order]
+    }
 }
 
 /// The model at one moment of a run.
@@ -57,6 +118,20 @@ pub struct Estimate {
     pub constant: f64,
     pub reading: Reading,
     pub physical_std: Option<[f32; 3]>,
+}
+
+impl Estimate {
+    /// The largest distance of a pole from zero, in rad/s.
+    fn fastest(&self) -> f64 {
+        let poles = self.reading.poles.iter().flatten();
+        poles.fold(0.0, |m, (re, im)| m.max(f64::from(re.hypot(*im))))
+    }
+
+    /// The largest difference of a parameter from another estimate's, in standard deviations.
+    fn distance(&self, other: &Self) -> f64 {
+        let moved = self.theta.iter().zip(&other.theta).zip(&self.sigma);
+        moved.fold(0.0, |m, ((x, y), sigma)| m.max((x - y).abs() / sigma))
+    }
 }
 
 /// The indices of (11), summed here in f64: over a long record the first
@@ -138,11 +213,15 @@ impl Problem {
         Ok(())
     }
 
-    fn setup(&self, tuning: Tuning) -> Setup {
+    fn setup(&self, tuning: Tuning, model: Option<&[f64]>) -> Setup {
         let output_range = spread(&self.y) as f32;
         // Raw trends have no filter; their normalisation takes a decade below the sampling rate.
-        let bandwidth = tuning.pole.unwrap_or(0.1 / self.dt);
-        let settling = tuning.pole.map_or(0.0, |p| SETTLING / p);
+        let bandwidth = match tuning.own {
+            Some(own) => own.fastest,
+            None => tuning.pole.unwrap_or(0.1 / self.dt),
+        };
+        let slowest = tuning.own.map(|own| own.slowest).or(tuning.pole);
+        let settling = slowest.map_or(0.0, |rate| SETTLING / rate);
         Setup {
             order: self.order,
             output: Terms::between(usize::from(self.integrator), self.order),
@@ -168,10 +247,7 @@ impl Problem {
             start: false,
             sample_time: self.dt as f32,
             scheme: self.scheme,
-            filter: match tuning.pole {
-                Some(pole) => Filter::Polynomial(binomial(pole, self.order)),
-                None => Filter::None,
-            },
+            filter: self.filter(tuning, model),
             bandwidth: bandwidth as f32,
             output_range,
             output_noise: 1e-4 * output_range,
@@ -181,14 +257,44 @@ impl Problem {
         }
     }
 
+    /// Exact trends wherever there are any: Tustin's, poles within the sampling.
+    fn filter(&self, tuning: Tuning, model: Option<&[f64]>) -> Filter {
+        let Some(pole) = tuning.pole else {
+            return Filter::None;
+        };
+        let (filter, fastest) = match tuning.own {
+            Some(own) => (own.coefficients().to_vec(), own.fastest),
+            None => (binomial(pole, self.order), pole),
+        };
+        if self.scheme != Scheme::Tustin || fastest * self.dt > FASTEST {
+            return Filter::Polynomial(filter);
+        }
+        let model = match model {
+            Some(a) => a.iter().map(|a| *a as f32).collect(),
+            None => filter.clone(),
+        };
+        Filter::Exact { filter, model }
+    }
+
     /// Runs the core over all samples. With a trace, every so-many-th state is
     /// kept in it.
     ///
     /// # Errors
     ///
     /// A configuration that the core refuses.
-    pub fn run(&self, tuning: Tuning, trace: Option<(&mut Trace, usize)>) -> Result<Run, Refusal> {
-        self.pass(tuning, trace, false)
+    pub fn run(
+        &self,
+        tuning: Tuning,
+        mut trace: Option<(&mut Trace, usize)>,
+    ) -> Result<Run, Refusal> {
+        self.settle(
+            tuning,
+            |run| &run.end,
+            |model| {
+                let trace = trace.as_mut().map(|(trace, every)| (&mut **trace, *every));
+                self.pass(tuning, model, trace, false)
+            },
+        )
     }
 
     /// Estimates with the first half and predicts the second with the
@@ -198,16 +304,51 @@ impl Problem {
     ///
     /// A configuration that the core refuses.
     pub fn run_held(&self, tuning: Tuning) -> Result<Run, Refusal> {
-        self.pass(tuning, None, true)
+        self.settle(
+            tuning,
+            |run| &run.half,
+            |model| self.pass(tuning, model, None, true),
+        )
+    }
+
+    /// Passes until the numerators of the inputs are those of the estimate.
+    ///
+    /// At fast sampling they are so from the first.
+    fn settle(
+        &self,
+        tuning: Tuning,
+        of: impl Fn(&Run) -> &Estimate,
+        mut pass: impl FnMut(Option<&[f64]>) -> Result<Run, Refusal>,
+    ) -> Result<Run, Refusal> {
+        let mut run = pass(None)?;
+        for _ in 1..PASSES {
+            let now = of(&run);
+            let fastest = now.fastest().max(tuning.pole.unwrap_or(0.0)) * self.dt;
+            if !(fastest * fastest / 12.0 > NEGLIGIBLE) || fastest > FASTEST {
+                break;
+            }
+            let a = now.a.clone();
+            let next = pass(Some(&a))?;
+            let moved = now.distance(of(&next));
+            run = next;
+            if !(moved > SETTLED) {
+                break;
+            }
+        }
+        Ok(run)
     }
 
     fn pass(
         &self,
         tuning: Tuning,
+        model: Option<&[f64]>,
         mut trace: Option<(&mut Trace, usize)>,
         hold: bool,
     ) -> Result<Run, Refusal> {
-        let mut core = self.setup(tuning).build()?;
+        if let Some((trace, _)) = &mut trace {
+            trace.rows.clear();
+        }
+        let mut core = self.setup(tuning, model).build()?;
         // Positions are large against their increments: the reference goes before f32 (integrator only).
         let reference = if self.integrator { self.y[0] } else { 0.0 };
         let mut u = vec![0.0_f32; self.inputs.len()];

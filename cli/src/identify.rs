@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 
-use crate::auto::{Choice, Freedom, tune};
+use crate::auto::{Choice, Freedom, own, tune};
 use crate::estimate::{Estimate, Index, Problem, Run, Trace, Tuning};
 use crate::format::{polynomial, significant, table, transfer_function, with_sigma};
 use crate::freerun::FreeRun;
@@ -101,19 +101,28 @@ pub fn run(args: &IdentifyArgs) -> Result<(), Refusal> {
         delay: args.delay,
     };
     let tuning = match (args.filter, args.delay) {
-        (Choice::Given(pole), Choice::Given(delay)) => Tuning { pole, delay },
+        (Choice::Given(pole), Choice::Given(delay)) => Tuning {
+            pole,
+            own: None,
+            delay,
+        },
         _ => tune(&problem, freedom, &bar)?,
+    };
+    let tuning = match args.filter {
+        Choice::Auto => own(&problem, tuning),
+        Choice::Given(_) => tuning,
     };
     bar.finish_and_clear();
 
     let mut trace = Trace::default();
     let every = (problem.y.len() / 1000).max(1);
     let Run {
-        half,
         end: estimate,
         index,
+        ..
     } = problem.run(tuning, Some((&mut trace, every)))?;
     check(&problem, &estimate)?;
+    let half = problem.run_held(tuning)?.half;
     let range = problem.y.len() / 2..problem.y.len();
     let held_out = check(&problem, &half).is_ok();
     let judged = if held_out { &half } else { &estimate };
@@ -233,6 +242,14 @@ impl Report<'_> {
         );
         let filter = match (self.tuning.pole, args.filter) {
             (None, _) => "raw trends".into(),
+            (Some(_), Choice::Auto) if let Some(own) = &self.tuning.own => {
+                let mut f: Vec<f64> = own.coefficients().iter().copied().map(f64::from).collect();
+                f.push(1.0);
+                format!(
+                    "filter 1/({}), the poles of the model itself (auto)",
+                    polynomial(&f)
+                )
+            }
             (Some(pole), Choice::Auto) => {
                 format!("filter poles at -{} rad/s (auto)", significant(pole, 3))
             }
@@ -374,6 +391,7 @@ impl Report<'_> {
             "parameters": self.problem.parameter_names(),
             "delay_s": number(self.delay_s()),
             "filter_pole": self.tuning.pole.map(number),
+            "filter": self.tuning.own.map(|own| own.coefficients().to_vec()),
             "fit_pct": number(x0),
             "fit_x0c_pct": number(x0c),
             "fit_held_out": self.held_out,

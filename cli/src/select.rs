@@ -90,7 +90,15 @@ pub fn run(args: &SelectArgs) -> Result<(), Refusal> {
             .par_iter()
             .filter_map(|&delay| {
                 bar.inc(1);
-                candidate(&problem, structure, Tuning { pole, delay })
+                candidate(
+                    &problem,
+                    structure,
+                    Tuning {
+                        pole,
+                        own: None,
+                        delay,
+                    },
+                )
             })
             .collect();
         let best = tried

@@ -5,8 +5,9 @@
 //! offers and hides the choice behind a trait object. It computes nothing itself.
 
 use trendid::{
-    Config, ConfigError, FilteredTrends, Hold, Identifier, NoiseGain, Outcome, Physical, Quality,
-    RawTrends, Scheme, Structure, Terms, TransferFunction, TrendOperator, Trends,
+    Config, ConfigError, ExactTrends, FilteredTrends, Hold, Identifier, Image, NoiseGain, Outcome,
+    Physical, Quality, RawTrends, Scheme, Structure, Terms, TransferFunction, TrendOperator,
+    Trends,
 };
 
 /// Most inputs that a run-time structure can have.
@@ -38,6 +39,13 @@ pub enum Filter {
     None,
     /// Coefficients f_0 .. f_{m-1} of the filter polynomial.
     Polynomial(Vec<f32>),
+    /// Exact trends (Tustin) with this filter polynomial, and the numerators of this denominator.
+    Exact {
+        /// f_0 .. f_{m-1}.
+        filter: Vec<f32>,
+        /// a_0 .. a_{m-1}; the filter itself where nothing is known yet.
+        model: Vec<f32>,
+    },
 }
 
 /// Everything that [`Config`] and the trend operator need, with sizes as values.
@@ -126,11 +134,12 @@ impl Setup {
     }
 }
 
-/// Raw or filtered trends behind one type, so that each size is compiled once.
+/// Raw, filtered or exact trends behind one type, so that each size is compiled once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum AnyTrends<const M: usize> {
     Raw(RawTrends<M>),
     Filtered(FilteredTrends<M>),
+    Exact(ExactTrends<M>),
 }
 
 /// Calls the same method on whichever operator it is.
@@ -139,6 +148,7 @@ macro_rules! either {
         match $self {
             Self::Raw($trends) => $call,
             Self::Filtered($trends) => $call,
+            Self::Exact($trends) => $call,
         }
     };
 }
@@ -180,26 +190,35 @@ impl<const M: usize> TrendOperator<M> for AnyTrends<M> {
     fn decay(&self) -> f32 {
         either!(self, t => t.decay())
     }
+    fn continuous(&self, found: &[f32; M], integrators: usize) -> Option<Image<M>> {
+        either!(self, t => t.continuous(found, integrators))
+    }
+    fn sampled(&self, a: &[f32; M], integrators: usize) -> Option<Image<M>> {
+        either!(self, t => t.sampled(a, integrators))
+    }
     fn warm_up(&self) -> u32 {
         either!(self, t => t.warm_up())
     }
 }
 
+fn polynomial<const M: usize>(coefficients: &[f32]) -> Result<[f32; M], ConfigError> {
+    coefficients
+        .try_into()
+        .map_err(|_| ConfigError::Order(coefficients.len()))
+}
+
 fn sized<const M: usize>(setup: &Setup) -> Result<Box<dyn Recursion>, ConfigError> {
     let trends = match &setup.filter {
         Filter::None => AnyTrends::Raw(RawTrends::<M>::try_new(setup.scheme, setup.sample_time)?),
-        Filter::Polynomial(coefficients) => {
-            let mut filter = [0.0; M];
-            if coefficients.len() != M {
-                return Err(ConfigError::Order(coefficients.len()));
-            }
-            filter.copy_from_slice(coefficients);
-            AnyTrends::Filtered(FilteredTrends::from_polynomial(
-                setup.scheme,
-                setup.sample_time,
-                filter,
-            )?)
-        }
+        Filter::Polynomial(f) => AnyTrends::Filtered(FilteredTrends::from_polynomial(
+            setup.scheme,
+            setup.sample_time,
+            polynomial(f)?,
+        )?),
+        Filter::Exact { filter, model } => AnyTrends::Exact(
+            ExactTrends::from_polynomial(setup.sample_time, polynomial(filter)?)?
+                .with_model(polynomial(model)?)?,
+        ),
     };
     macro_rules! dispatch {
         ($($n:literal)+) => {

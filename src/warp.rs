@@ -1,0 +1,191 @@
+//! Poles between the s plane and the gamma plane of the trapezoids.
+//!
+//! ```text
+//! gamma = (2/Delta)(1-q^-1)/(1+q^-1)        gamma_p = (2/Delta) tanh(p Delta/2)
+//! ```
+//!
+//! A sampled output obeys a difference equation whose roots are the gamma_p of the
+//! true poles p, exactly. In units of 2/Delta the roots of the polynomials
+//! `x(sigma) = atanh(sqrt(sigma) g)/sqrt(sigma)` lead from g = tanh(p) at sigma = 0 to p
+//! at sigma = 1, along
+//!
+//! ```text
+//! dx/dsigma = f(x) = sum_k 4^k sigma^(k-1) x^(2k+1) / (2 (2k+1)!)       k = 1, 2, ..
+//! dA/dsigma = - f(s) A'(s) mod A(s)
+//! ```
+//!
+//! so the coefficients flow from one plane to the other without a root being
+//! computed: repeated and complex poles are nothing special, a pole at 0 stays there,
+//! and what rounds is the small difference between the planes.
+
+/// Terms of f: the last one is below 1e-9 for |x| = 1.
+const TERMS: usize = 9;
+
+/// Runge-Kutta steps from one plane to the other: 1e-6 of a coefficient for poles at |p| Delta/2 = 1.
+const STEPS: usize = 8;
+
+/// Coefficients of `gamma^m + ..` with the roots `(2/Delta) tanh(p Delta/2)` for those of `s^m + ..`.
+///
+/// `None` unless every |p| is below 2/Delta.
+pub(crate) fn to_gamma<const M: usize>(a: &[f32; M], sample_time: f32) -> Option<[f32; M]> {
+    let half = 0.5 * sample_time;
+    let scaled = scaled(a, half);
+    let found = within(&scaled).then(|| scaled_back(&flow(&scaled, 1.0, 0.0), half))?;
+    found.iter().all(|v| v.is_finite()).then_some(found)
+}
+
+/// The way back from [`to_gamma`].
+pub(crate) fn to_continuous<const M: usize>(a: &[f32; M], sample_time: f32) -> Option<[f32; M]> {
+    let half = 0.5 * sample_time;
+    let found = flow(&scaled(a, half), 0.0, 1.0);
+    // A real root beyond 2/Delta in gamma has no p; its flow ends outside, or nowhere.
+    within(&found).then(|| scaled_back(&found, half))
+}
+
+/// The polynomial of `unit` times the roots.
+pub(crate) fn scaled<const M: usize>(a: &[f32; M], unit: f32) -> [f32; M] {
+    let mut scaled = *a;
+    let mut power = 1.0;
+    for value in scaled.iter_mut().rev() {
+        power *= unit;
+        *value *= power;
+    }
+    scaled
+}
+
+fn scaled_back<const M: usize>(a: &[f32; M], unit: f32) -> [f32; M] {
+    let mut scaled = *a;
+    let mut power = 1.0;
+    for value in scaled.iter_mut().rev() {
+        power *= unit;
+        *value /= power;
+    }
+    scaled
+}
+
+/// `s r(s) mod A(s)`.
+fn shifted<const M: usize>(r: &[f32; M], a: &[f32; M]) -> [f32; M] {
+    let top = r.last().copied().unwrap_or(0.0);
+    let mut below = 0.0;
+    let mut next = [0.0; M];
+    for i in 0..M {
+        next[i] = below - top * a[i];
+        below = r[i];
+    }
+    next
+}
+
+/// dA/dsigma.
+fn slope<const M: usize>(a: &[f32; M], sigma: f32) -> [f32; M] {
+    // A'(s), then s A'(s), s^3 A'(s), ..
+    let mut r = [0.0; M];
+    for i in 0..M {
+        let above = if i + 1 < M { a[i + 1] } else { 1.0 };
+        r[i] = (i + 1) as f32 * above;
+    }
+    r = shifted(&r, a);
+    let mut weight = 0.5;
+    let mut slope = [0.0; M];
+    for k in 1..=TERMS {
+        r = shifted(&shifted(&r, a), a);
+        weight *= 4.0 / ((2 * k) * (2 * k + 1)) as f32;
+        for i in 0..M {
+            slope[i] -= weight * r[i];
+        }
+        weight *= sigma;
+    }
+    slope
+}
+
+/// The coefficients after sigma has gone from one value to another.
+fn flow<const M: usize>(a: &[f32; M], from: f32, to: f32) -> [f32; M] {
+    let step = (to - from) / STEPS as f32;
+    let ahead = |a: &[f32; M], slope: &[f32; M], step: f32| -> [f32; M] {
+        core::array::from_fn(|i| a[i] + step * slope[i])
+    };
+    let mut a = *a;
+    for n in 0..STEPS {
+        let sigma = from + n as f32 * step;
+        let first = slope(&a, sigma);
+        let second = slope(&ahead(&a, &first, 0.5 * step), sigma + 0.5 * step);
+        let third = slope(&ahead(&a, &second, 0.5 * step), sigma + 0.5 * step);
+        let fourth = slope(&ahead(&a, &third, step), sigma + step);
+        for i in 0..M {
+            a[i] += step / 6.0 * (first[i] + 2.0 * (second[i] + third[i]) + fourth[i]);
+        }
+    }
+    a
+}
+
+/// Whether all roots lie inside the unit circle (Schur and Cohn).
+fn within<const M: usize>(a: &[f32; M]) -> bool {
+    let mut a = *a;
+    for degree in (1..=M).rev() {
+        let last = a[0];
+        // Not a number fails, too.
+        if !(last > -1.0 && last < 1.0) {
+            return false;
+        }
+        // (A(s) - a_0 s^degree A(1/s)) / s, monic again.
+        let rest = 1.0 - last * last;
+        let mut next = [0.0; M];
+        for i in 1..degree {
+            next[i - 1] = (a[i] - last * a[degree - i]) / rest;
+        }
+        a = next;
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `(s^2 + 2 d s + w^2)(s + p)` and its image, from tanh of the poles by hand.
+    #[test]
+    fn known_poles() {
+        // A pole at -1 rad/s and Delta = 1 s: 2 tanh(1/2).
+        let image = to_gamma(&[1.0], 1.0).unwrap();
+        assert!((image[0] - 0.924_234_3).abs() < 5e-7, "{image:?}");
+        // +-j: 2 tan(1/2), squared; the double integrator stays.
+        let image = to_gamma(&[1.0, 0.0], 1.0).unwrap();
+        assert!((image[0] - 1.193_785_6).abs() < 1e-6 && image[1].abs() < 1e-6);
+        assert_eq!(to_gamma(&[0.0, 0.0, 0.0], 0.001), Some([0.0; 3]));
+    }
+
+    #[test]
+    fn there_and_back() {
+        for a in [
+            [0.0, 0.0, 400.0, 20.0],
+            [0.0, 1.8e5, 1.8e5, 45.0],
+            [1.6e5, 3.2e4, 2.4e3, 80.0], // (s + 20)^4
+            [1.6e9, 3.2e7, 2.4e5, 800.0],
+            [-1.0e4, 3.0e3, 200.0, 10.0],
+        ] {
+            for sample_time in [0.001, 0.002] {
+                let image = to_gamma(&a, sample_time).unwrap();
+                let back = to_continuous(&image, sample_time).unwrap();
+                for (x, y) in a.iter().zip(back) {
+                    assert!((x - y).abs() <= 3e-6 * x.abs(), "{a:?} {back:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn beyond_the_sampling_there_is_nothing() {
+        assert_eq!(to_gamma(&[2100.0], 0.001), None);
+        assert_eq!(to_gamma(&[f32::NAN, 1.0], 0.001), None);
+        // A root of gamma at -3/Delta.
+        assert_eq!(to_continuous(&[3000.0], 0.001), None);
+        assert_eq!(to_continuous(&[-3000.0], 0.001), None);
+    }
+
+    #[test]
+    fn schur_and_cohn() {
+        assert!(within(&[0.25, 1.0])); // (s + 0.5)^2
+        assert!(!within(&[1.21, 2.2])); // (s + 1.1)^2
+        assert!(within(&[-0.5]) && !within(&[-1.5]));
+        assert!(within(&[0.0, 0.0, 0.0, 0.9]) && !within(&[0.0, 0.0, 0.0, 1.1]));
+    }
+}
