@@ -6,17 +6,16 @@ use crate::math::pow;
 use crate::readout::Readout;
 use crate::structure::{Column, Structure};
 use crate::trend::{Image, TrendOperator};
+use crate::warp::largest_rate;
 
 /// Step of a difference quotient, relative to the power of the largest rate that a coefficient stands for.
 const STEP: f32 = 0.01;
 
-/// Theta with its denominator and numerators replaced by those of `image` of the denominator.
-fn replaced<const M: usize, const N: usize, const I: usize>(
+/// a_0 .. a_{m-1} of theta, absent ones 0.
+fn denominator<const M: usize, const N: usize>(
     theta: &[f32; N],
-    structure: &Structure<M, N, I>,
-    image: impl Fn(&[f32; M], usize) -> Option<Image<M>>,
-) -> [f32; N] {
-    let columns = structure.columns();
+    columns: &[Column; N],
+) -> [f32; M] {
     let mut a = [0.0; M];
     for (column, value) in columns.iter().zip(theta) {
         if let Column::Output { power } = *column
@@ -25,6 +24,17 @@ fn replaced<const M: usize, const N: usize, const I: usize>(
             *slot = *value;
         }
     }
+    a
+}
+
+/// Theta with its denominator and numerators replaced by those of `image` of the denominator.
+fn replaced<const M: usize, const N: usize, const I: usize>(
+    theta: &[f32; N],
+    structure: &Structure<M, N, I>,
+    image: impl Fn(&[f32; M], usize) -> Option<Image<M>>,
+) -> [f32; N] {
+    let columns = structure.columns();
+    let a = denominator(theta, &columns);
     let mut theta = *theta;
     if let Some(image) = image(&a, structure.integrators()) {
         for (column, value) in columns.iter().zip(&mut theta) {
@@ -86,15 +96,10 @@ where
     // Column j: how theta follows the parameter j of the trends. Only the denominator bends.
     let mut slope = [[0.0; N]; N];
     let columns = structure.columns();
-    let mut natural = 0.0_f32;
-    for (column, value) in columns.iter().zip(&found.theta) {
-        if let Column::Output { power } = *column {
-            natural = natural.max(pow(value.abs(), 1.0 / (M - power) as f32));
-        }
-    }
+    let rate = largest_rate(&denominator::<M, N>(&found.theta, &columns));
     for (j, column) in columns.into_iter().enumerate() {
         let step = match column {
-            Column::Output { power } => STEP * pow(natural, (M - power) as f32),
+            Column::Output { power } => STEP * pow(rate, (M - power) as f32),
             _ => found.theta[j].abs(),
         };
         let (mut up, mut down) = (found.theta, found.theta);

@@ -23,7 +23,7 @@
 //! | room | type | what it does |
 //! |---|---|---|
 //! | sample | [`DelayLine`] | checks a value, delays an input |
-//! | trend, raw, filter, chain, warp, exact, integral | [`TrendOperator`], [`RawTrends`], [`FilteredTrends`], [`ExactTrends`], [`IntegralTrends`] | equations (4), (8) |
+//! | trend, raw, filter, chain, warp, numerators, exact, integral | [`TrendOperator`], [`RawTrends`], [`FilteredTrends`], [`ExactTrends`], [`IntegralTrends`] | equations (4), (8) |
 //! | structure, regressor | [`Structure`], [`Terms`] | which parameters, their signs, order and scales (5), (12) |
 //! | estimator | [`Estimator`] | recursive least squares |
 //! | noise, readout, continuous | [`NoiseLevel`] | noise bias out of theta, standard deviations |
@@ -92,6 +92,7 @@ mod inputs;
 mod integral;
 mod math;
 mod noise;
+mod numerators;
 mod observer;
 mod outcome;
 mod physical;

@@ -148,9 +148,6 @@ pub(crate) fn estimate<T: TrendOperator<M>, const M: usize, const N: usize>(
 /// lag, 0.1 to 0.22 of an oscillator, the same of all parameters but for a tenth: a gain `b_0/a_nu` hardly suffers.
 const DISCRETE: f32 = 0.2;
 
-/// What numerators of the filter in place of the plant's cost, relative to a parameter, per what they differ at rest.
-const INEXACT: f32 = 0.3;
-
 /// What f32 costs, relative to a parameter.
 const ARITHMETIC: f32 = 2e-5;
 
@@ -180,14 +177,8 @@ pub(crate) fn read_out<T: TrendOperator<M>, const M: usize, const N: usize>(
             duration: evidence.samples.max(1.0) * trends.sample_time(),
             slowest: (1.0 - trends.decay()) / trends.sample_time(),
         };
-        let integrators = light.denominator.iter().take_while(|v| **v == 0.0).count();
-        floor += match trends.continuous(&light.denominator, integrators) {
-            Some(image) => INEXACT * (image.numerator - 1.0).abs(),
-            None => {
-                let angle = light.natural() * trends.sample_time();
-                DISCRETE * angle * angle
-            }
-        };
+        let angle = light.natural() * trends.sample_time();
+        floor += DISCRETE * angle * angle * trends.inexact(&light.denominator);
         let in_band = match light.transform() {
             Some(t) => product_transposed(&product(&t, &covariance), &t),
             None => covariance,

@@ -128,6 +128,10 @@ pub trait TrendOperator<const M: usize>: Copy {
     fn decay(&self) -> f32 {
         0.0
     }
+    /// Share of the error of the sampling that these trends leave to a model with the denominator `found`, 0 to 1.
+    fn inexact(&self, _found: &[f32; M]) -> f32 {
+        1.0
+    }
     /// The continuous-time model that coefficients found with these trends stand for; `None`: these very ones.
     fn continuous(&self, _found: &[f32; M], _integrators: usize) -> Option<Image<M>> {
         None

@@ -18,6 +18,8 @@
 //! computed: repeated and complex poles are nothing special, a pole at 0 stays there,
 //! and what rounds is the small difference between the planes.
 
+use crate::math::pow;
+
 /// Terms of f: the last one is below 1e-9 for |x| = 1.
 const TERMS: usize = 9;
 
@@ -40,6 +42,12 @@ pub(crate) fn to_continuous<const M: usize>(a: &[f32; M], sample_time: f32) -> O
     let found = flow(&scaled(a, half), 0.0, 1.0);
     // A real root beyond 2/Delta in gamma has no p; its flow ends outside, or nowhere.
     within(&found).then(|| scaled_back(&found, half))
+}
+
+/// The largest of |a_i|^(1/(m-i)): no root is beyond twice this.
+pub(crate) fn largest_rate<const M: usize>(a: &[f32; M]) -> f32 {
+    let rates = a.iter().enumerate();
+    rates.fold(0.0, |m, (i, v)| m.max(pow(v.abs(), 1.0 / (M - i) as f32)))
 }
 
 /// The polynomial of `unit` times the roots.

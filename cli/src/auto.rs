@@ -3,8 +3,9 @@
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 
-use crate::estimate::{Estimate, OwnFilter, Problem, Tuning};
+use crate::estimate::{Estimate, Problem};
 use crate::output::Refusal;
+use crate::tuning::{OwnFilter, Tuning};
 
 /// Rounds of [`own`] at most.
 const ROUNDS: usize = 8;

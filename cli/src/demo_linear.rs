@@ -11,11 +11,11 @@ use trendid_host_tests::noise::{Condition, Reading};
 use trendid_host_tests::reference::{REFERENCE, Servo};
 
 use crate::auto::Choice;
-use crate::estimate::binomial;
 use crate::format::{percent, significant, table, transfer_function};
 use crate::output::{Refusal, emit, emit_json, number, number32};
 use crate::plot::{COLOURS, Curve, Figure, GREY, Panel};
 use crate::signals::SchemeName;
+use crate::tuning::binomial;
 
 /// Rough design values, all that the identifier is told: rad/s, and mm of movement.
 const BANDWIDTH: f64 = 20.0;

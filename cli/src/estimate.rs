@@ -1,16 +1,14 @@
 //! The no_std core run sample by sample over recorded signals.
 
 use trendid::{Hold as CoreHold, Outcome, Scheme, Terms};
-use trendid_dynamic::{Filter, InputSetup, Reading, Recursion, Setup};
+use trendid_dynamic::{InputSetup, Reading, Recursion, Setup};
 
 use crate::freerun::{FreeRun, Hold, Model};
 use crate::output::Refusal;
+use crate::tuning::{FASTEST, Tuning};
 
 /// Settling of the trends before the first estimate, in time constants of the filter.
 const SETTLING: f64 = 6.0;
-
-/// Filter poles up to this many per sample have exact trends (they end at 2).
-const FASTEST: f64 = 1.8;
 
 /// Numerators that differ by less than this from those without a hold are not worth another pass.
 const NEGLIGIBLE: f64 = 1e-5;
@@ -47,64 +45,6 @@ pub struct Problem {
     pub memory: Option<f64>,
 }
 
-/// Filter and delay, the two choices that the signals can make.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
-    /// All filter poles at `-pole` rad/s; `None` for raw trends.
-    pub pole: Option<f64>,
-    /// The filter 1/A of a model in place of these poles.
-    pub own: Option<OwnFilter>,
-    /// Delay in samples.
-    pub delay: usize,
-}
-
-/// The filter 1/A with the poles of a model.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OwnFilter {
-    /// f_0 .. f_{m-1}, then zeros.
-    coefficients: [f32; 4],
-    order: usize,
-    /// Slowest decay in 1/s.
-    slowest: f64,
-    /// Largest distance of a pole from zero, in rad/s.
-    fastest: f64,
-}
-
-impl OwnFilter {
-    /// The filter of an estimate; a pole at 0 gives way to one at `-pole`.
-    ///
-    /// `None` unless all other poles are stable.
-    pub fn of(estimate: &Estimate, integrator: bool, pole: f64) -> Option<Self> {
-        let order = estimate.a.len();
-        let poles = estimate.reading.poles.as_ref()?;
-        let rates = poles.iter().skip(usize::from(integrator));
-        let slowest = rates
-            .map(|(re, _)| -f64::from(*re))
-            .chain(integrator.then_some(pole))
-            .fold(f64::INFINITY, f64::min);
-        if !(slowest > 0.0) {
-            return None;
-        }
-        let mut coefficients = [0.0; 4];
-        for (i, (slot, a)) in coefficients.iter_mut().zip(&estimate.a).enumerate() {
-            // A/s (s + pole)
-            let above = estimate.a.get(i + 1).copied().unwrap_or(1.0);
-            *slot = (if integrator { a + pole * above } else { *a }) as f32;
-        }
-        Some(Self {
-            coefficients,
-            order,
-            slowest,
-            fastest: estimate.fastest(),
-        })
-    }
-
-    /// f_0 .. f_{m-1}.
-    pub fn coefficients(&self) -> &[f32] {
-        &self.coefficients[..self.order]
-    }
-}
-
 /// The model at one moment of a run.
 #[derive(Debug, Clone)]
 pub struct Estimate {
@@ -122,7 +62,7 @@ pub struct Estimate {
 
 impl Estimate {
     /// The largest distance of a pole from zero, in rad/s.
-    fn fastest(&self) -> f64 {
+    pub fn fastest(&self) -> f64 {
         let poles = self.reading.poles.iter().flatten();
         poles.fold(0.0, |m, (re, im)| m.max(f64::from(re.hypot(*im))))
     }
@@ -215,13 +155,7 @@ impl Problem {
 
     fn setup(&self, tuning: Tuning, model: Option<&[f64]>) -> Setup {
         let output_range = spread(&self.y) as f32;
-        // Raw trends have no filter; their normalisation takes a decade below the sampling rate.
-        let bandwidth = match tuning.own {
-            Some(own) => own.fastest,
-            None => tuning.pole.unwrap_or(0.1 / self.dt),
-        };
-        let slowest = tuning.own.map(|own| own.slowest).or(tuning.pole);
-        let settling = slowest.map_or(0.0, |rate| SETTLING / rate);
+        let settling = tuning.slowest().map_or(0.0, |rate| SETTLING / rate);
         Setup {
             order: self.order,
             output: Terms::between(usize::from(self.integrator), self.order),
@@ -247,33 +181,15 @@ impl Problem {
             start: false,
             sample_time: self.dt as f32,
             scheme: self.scheme,
-            filter: self.filter(tuning, model),
-            bandwidth: bandwidth as f32,
+            filter: tuning.filter(self.scheme, self.order, self.dt, model),
+            // Raw trends have no filter; their normalisation takes a decade below the sampling rate.
+            bandwidth: tuning.fastest().unwrap_or(0.1 / self.dt) as f32,
             output_range,
             output_noise: 1e-4 * output_range,
             memory: self.memory.map(|m| m as f32),
             settling: settling.min(0.2 * self.y.len() as f64 * self.dt) as f32,
             pull: 0.0,
         }
-    }
-
-    /// Exact trends wherever there are any: Tustin's, poles within the sampling.
-    fn filter(&self, tuning: Tuning, model: Option<&[f64]>) -> Filter {
-        let Some(pole) = tuning.pole else {
-            return Filter::None;
-        };
-        let (filter, fastest) = match tuning.own {
-            Some(own) => (own.coefficients().to_vec(), own.fastest),
-            None => (binomial(pole, self.order), pole),
-        };
-        if self.scheme != Scheme::Tustin || fastest * self.dt > FASTEST {
-            return Filter::Polynomial(filter);
-        }
-        let model = match model {
-            Some(a) => a.iter().map(|a| *a as f32).collect(),
-            None => filter.clone(),
-        };
-        Filter::Exact { filter, model }
     }
 
     /// Runs the core over all samples. With a trace, every so-many-th state is
@@ -323,7 +239,7 @@ impl Problem {
         let mut run = pass(None)?;
         for _ in 1..PASSES {
             let now = of(&run);
-            let fastest = now.fastest().max(tuning.pole.unwrap_or(0.0)) * self.dt;
+            let fastest = now.fastest().max(tuning.fastest().unwrap_or(0.0)) * self.dt;
             if !(fastest * fastest / 12.0 > NEGLIGIBLE) || fastest > FASTEST {
                 break;
             }
@@ -438,19 +354,6 @@ impl Problem {
     }
 }
 
-/// Coefficients f_0 .. f_{m-1} of `(s + pole)^m`.
-pub fn binomial(pole: f64, m: usize) -> Vec<f32> {
-    let mut coefficient = 1.0;
-    let mut falling = Vec::new();
-    for i in 0..m {
-        // C(m, i+1) pole^(i+1), the coefficient of s^(m-1-i).
-        coefficient *= pole * (m - i) as f64 / (i + 1) as f64;
-        falling.push(coefficient as f32);
-    }
-    falling.reverse();
-    falling
-}
-
 fn wide(x: &[f32]) -> Vec<f64> {
     x.iter().copied().map(f64::from).collect()
 }
@@ -459,15 +362,4 @@ fn wide(x: &[f32]) -> Vec<f64> {
 pub fn spread(x: &[f64]) -> f64 {
     let mean = x.iter().sum::<f64>() / x.len() as f64;
     (x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / x.len() as f64).sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_filter_is_the_power_of_one_pole() {
-        assert_eq!(binomial(2.0, 3), [8.0, 12.0, 6.0]);
-        assert_eq!(binomial(5.0, 1), [5.0]);
-    }
 }

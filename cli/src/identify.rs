@@ -6,13 +6,14 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use crate::auto::{Choice, Freedom, own, tune};
-use crate::estimate::{Estimate, Index, Problem, Run, Trace, Tuning};
+use crate::estimate::{Estimate, Index, Problem, Run, Trace};
 use crate::format::{polynomial, significant, table, transfer_function, with_sigma};
 use crate::freerun::FreeRun;
 use crate::output::{Refusal, emit, emit_json, number, progress};
 use crate::plot::{COLOURS, Curve, Figure, PALE, Panel};
 use crate::signals::{SignalArgs, Signals, StructureChoice, parse_delay, parse_filter};
 use crate::symmetric::eigen;
+use crate::tuning::Tuning;
 
 const EXAMPLE: &str = "\
 Example (a drive with Coulomb friction, whose record has the columns t, u, y):

@@ -26,6 +26,7 @@ mod table1_picture;
 mod table1_text;
 mod table2;
 mod table2_text;
+mod tuning;
 
 use std::process::ExitCode;
 

@@ -5,11 +5,12 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::auto::{Choice, Freedom, LONGEST_DELAY, tune};
-use crate::estimate::{Estimate, Index, Problem, Tuning};
+use crate::estimate::{Estimate, Index, Problem};
 use crate::format::{significant, table, with_sigma};
 use crate::identify::check;
 use crate::output::{Refusal, emit, emit_json, number, progress};
 use crate::signals::{SignalArgs, Signals, StructureChoice, parse_delay, parse_filter};
+use crate::tuning::Tuning;
 
 const EXAMPLE: &str = "\
 Example:

@@ -142,58 +142,53 @@ fn dryer_has_its_static_gain_and_delay() {
     assert!((found["delay_s"].as_f64().unwrap() - 0.157).abs() < 0.02);
 }
 
-/// Not held to their references yet: printed beside them.
+/// Reference: output error, asymmetric gains of extending and retracting.
 #[test]
-fn the_other_drives_are_reported() {
-    let show = |name: &str, what: &str, found: &Value, truth: f64| {
-        println!(
-            "{name} {what}: {found}, {:+.1} % off {truth}",
-            off_percent(found, truth)
-        );
-        assert!(found.as_f64().is_some_and(f64::is_finite));
+fn cylinder_has_its_two_gains() {
+    let Some(file) = record("eha_1_4.csv") else {
+        return;
     };
-    if let Some(file) = record("eha_1_4.csv") {
-        let mut args = vec![
-            "identify",
-            &file,
-            "--order",
-            "2",
-            "--integrator",
-            "--constant",
-        ];
-        args.extend(["--input", "u1", "--input", "u2", "--hold", "foh", "--json"]);
-        let f = json(&args);
-        show("eha", "a", &f["a"][1], 9.9);
-        let gain = |i: usize| {
-            let b = f["inputs"][i]["b"][0].as_f64().unwrap();
-            Value::from(1e3 * b / f["a"][1].as_f64().unwrap())
-        };
-        show("eha", "K1 [1e-3 mm/s/rpm]", &gain(0), 11.31);
-        show("eha", "K2 [1e-3 mm/s/rpm]", &gain(1), 16.28);
-    }
-    if let Some(file) = record("silverbox_multisine.csv") {
-        let mut args = vec![
-            "identify",
-            &file,
-            "--order",
-            "2",
-            "--constant",
-            "--hold",
-            "foh",
-        ];
-        args.extend([
-            "--input", "u", "--input", "y^3", "--filter", "430", "--json",
-        ]);
-        let f = json(&args);
-        show("silverbox", "a0", &f["a"][0], 184_277.0);
-        show("silverbox", "a1", &f["a"][1], 41.82);
-        show("silverbox", "b", &f["inputs"][0]["b"][0], 193_587.0);
-        show("silverbox", "c", &f["inputs"][1]["b"][0], -7.688e5);
-    }
-    if let Some(file) = record("camber_LinD_1mm.csv") {
-        let f = json(&["identify", &file, "--order", "2", "--constant", "--json"]);
-        show("camber", "a0", &f["a"][0], 7046.0);
-        show("camber", "a1", &f["a"][1], 83.6);
-        show("camber", "b", &f["inputs"][0]["b"][0], 7134.0);
-    }
+    let mut args = vec!["identify", &file, "--order", "2", "--integrator"];
+    args.extend(["--constant", "--input", "u1", "--input", "u2"]);
+    args.extend(["--hold", "foh", "--json"]);
+    let found = json(&args);
+    within("eha a", &found["a"][1], 9.9, 25.0);
+    let gain = |i: usize| {
+        let b = found["inputs"][i]["b"][0].as_f64().unwrap();
+        Value::from(1e3 * b / found["a"][1].as_f64().unwrap())
+    };
+    within("eha K1 [1e-3 mm/s/rpm]", &gain(0), 11.31, 5.0);
+    within("eha K2 [1e-3 mm/s/rpm]", &gain(1), 16.28, 5.0);
+}
+
+/// Reference: output error with a hardening spring, nine samples in a period.
+#[test]
+fn oscillator_keeps_its_damping() {
+    let Some(file) = record("silverbox_multisine.csv") else {
+        return;
+    };
+    let mut args = vec!["identify", &file, "--order", "2", "--constant"];
+    args.extend(["--hold", "foh", "--input", "u", "--input", "y^3", "--json"]);
+    let found = json(&args);
+    within("silverbox a0", &found["a"][0], 184_277.0, 0.5);
+    within("silverbox a1", &found["a"][1], 41.82, 3.0);
+    within("silverbox b", &found["inputs"][0]["b"][0], 193_587.0, 0.5);
+    within("silverbox c", &found["inputs"][1]["b"][0], -7.688e5, 3.0);
+    println!("silverbox fit: {} % x0", found["fit_pct"]);
+    assert!(found["fit_pct"].as_f64().unwrap() > 98.0);
+    // The filter is that of the model.
+    let off = found["filter"][0].as_f64().unwrap() / found["a"][0].as_f64().unwrap() - 1.0;
+    assert!(off.abs() < 1e-3, "{off}");
+}
+
+/// Reference: output error of second order, though the drive is of third.
+#[test]
+fn linear_drive_is_of_second_order_at_first_sight() {
+    let Some(file) = record("camber_LinD_1mm.csv") else {
+        return;
+    };
+    let found = json(&["identify", &file, "--order", "2", "--constant", "--json"]);
+    within("camber a0", &found["a"][0], 7046.0, 10.0);
+    within("camber a1", &found["a"][1], 83.6, 10.0);
+    within("camber b", &found["inputs"][0]["b"][0], 7134.0, 10.0);
 }

@@ -190,6 +190,9 @@ impl<const M: usize> TrendOperator<M> for AnyTrends<M> {
     fn decay(&self) -> f32 {
         either!(self, t => t.decay())
     }
+    fn inexact(&self, found: &[f32; M]) -> f32 {
+        either!(self, t => t.inexact(found))
+    }
     fn continuous(&self, found: &[f32; M], integrators: usize) -> Option<Image<M>> {
         either!(self, t => t.continuous(found, integrators))
     }

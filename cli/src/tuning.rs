@@ -1,0 +1,126 @@
+//! What a run over a record may choose: the filter and the delay.
+
+use trendid::Scheme;
+use trendid_dynamic::Filter;
+
+use crate::estimate::Estimate;
+
+/// Rates up to this many per sample have exact trends (they end at 2).
+pub const FASTEST: f64 = 1.8;
+
+/// Filter and delay, the two choices that the signals can make.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tuning {
+    /// All filter poles at `-pole` rad/s; `None` for raw trends.
+    pub pole: Option<f64>,
+    /// The filter 1/A of a model in place of these poles.
+    pub own: Option<OwnFilter>,
+    /// Delay in samples.
+    pub delay: usize,
+}
+
+/// The filter 1/A with the poles of a model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OwnFilter {
+    /// f_0 .. f_{m-1}, then zeros.
+    coefficients: [f32; 4],
+    order: usize,
+    /// Slowest decay in 1/s.
+    slowest: f64,
+    /// Largest distance of a pole from zero, in rad/s.
+    fastest: f64,
+}
+
+impl OwnFilter {
+    /// The filter of an estimate; a pole at 0 gives way to one at `-pole`.
+    ///
+    /// `None` unless all other poles are stable.
+    pub fn of(estimate: &Estimate, integrator: bool, pole: f64) -> Option<Self> {
+        let order = estimate.a.len();
+        let poles = estimate.reading.poles.as_ref()?;
+        let rates = poles.iter().skip(usize::from(integrator));
+        let slowest = rates
+            .map(|(re, _)| -f64::from(*re))
+            .chain(integrator.then_some(pole))
+            .fold(f64::INFINITY, f64::min);
+        if !(slowest > 0.0) {
+            return None;
+        }
+        let mut coefficients = [0.0; 4];
+        for (i, (slot, a)) in coefficients.iter_mut().zip(&estimate.a).enumerate() {
+            // A/s (s + pole)
+            let above = estimate.a.get(i + 1).copied().unwrap_or(1.0);
+            *slot = (if integrator { a + pole * above } else { *a }) as f32;
+        }
+        Some(Self {
+            coefficients,
+            order,
+            slowest,
+            fastest: estimate.fastest(),
+        })
+    }
+
+    /// f_0 .. f_{m-1}.
+    pub fn coefficients(&self) -> &[f32] {
+        &self.coefficients[..self.order]
+    }
+}
+
+impl Tuning {
+    /// The slowest filter pole in rad/s; `None` for raw trends.
+    pub fn slowest(&self) -> Option<f64> {
+        self.pole
+            .map(|pole| self.own.map_or(pole, |own| own.slowest))
+    }
+
+    /// The fastest filter pole in rad/s; `None` for raw trends.
+    pub fn fastest(&self) -> Option<f64> {
+        self.pole
+            .map(|pole| self.own.map_or(pole, |own| own.fastest))
+    }
+
+    /// The trends: exact wherever there are any, that is Tustin's with poles within the sampling.
+    ///
+    /// `model` is the denominator whose numerators the inputs get, the filter itself at first.
+    pub fn filter(&self, scheme: Scheme, order: usize, dt: f64, model: Option<&[f64]>) -> Filter {
+        let (Some(pole), Some(fastest)) = (self.pole, self.fastest()) else {
+            return Filter::None;
+        };
+        let filter = match self.own {
+            Some(own) => own.coefficients().to_vec(),
+            None => binomial(pole, order),
+        };
+        if scheme != Scheme::Tustin || fastest * dt > FASTEST {
+            return Filter::Polynomial(filter);
+        }
+        let model = match model {
+            Some(a) => a.iter().map(|a| *a as f32).collect(),
+            None => filter.clone(),
+        };
+        Filter::Exact { filter, model }
+    }
+}
+
+/// Coefficients f_0 .. f_{m-1} of `(s + pole)^m`.
+pub fn binomial(pole: f64, m: usize) -> Vec<f32> {
+    let mut coefficient = 1.0;
+    let mut falling = Vec::new();
+    for i in 0..m {
+        // C(m, i+1) pole^(i+1), the coefficient of s^(m-1-i).
+        coefficient *= pole * (m - i) as f64 / (i + 1) as f64;
+        falling.push(coefficient as f32);
+    }
+    falling.reverse();
+    falling
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_filter_is_the_power_of_one_pole() {
+        assert_eq!(binomial(2.0, 3), [8.0, 12.0, 6.0]);
+        assert_eq!(binomial(5.0, 1), [5.0]);
+    }
+}
