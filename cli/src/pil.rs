@@ -75,7 +75,7 @@ pub fn run(args: &PilArgs) -> Result<(), Refusal> {
         Some(port) => (line::serial(port)?, port.clone()),
         None => {
             // Only a disturbed line loses frames; a busy machine alone must not look like one.
-            let patience = Duration::from_millis(if args.faults.is_some() { 50 } else { 1000 });
+            let patience = Duration::from_millis(if args.faults.is_some() { 20 } else { 1000 });
             let (guard, stream) = line::emulated(&args.image, patience)?;
             emulator = Some(guard);
             (Box::new(stream), "qemu-system-arm netduinoplus2".to_owned())
@@ -147,7 +147,7 @@ fn report(args: &PilArgs, name: &str, target: &Target, figures: &Figures) {
     );
     if let Some(at) = figures.verified_at_s {
         text += &format!(
-            "model verified after {at:.3} s, {} models reached the controller\n",
+            "model verified after {at:.3} s; models that reached the controller: {}\n",
             figures.accepted
         );
     }

@@ -309,7 +309,11 @@ fn the_longest_messages_fit() {
         setpoint: [1.5; 4],
         ..reply(0x3FC0_0000)
     };
+    // From this follows how many samples per second a serial line takes.
+    assert_eq!(Frame::encode(&longest).bytes().len(), 124);
     assert_eq!(there_and_back(&longest), Some(longest));
+    let asks_nothing = plain(u32::MAX, i32::MIN);
+    assert_eq!(Frame::encode(&asks_nothing).bytes().len(), 20);
     let mut longest = reset(u32::MAX);
     longest.code = Some(i32::MIN);
     while longest.requests.push(longest.requests[0]).is_ok() {}

@@ -82,11 +82,18 @@ fn servo(options: &Options) -> Done {
     }
 }
 
-/// The processor in the loop, on a good line and on a bad one.
+/// Runs of the processor in the loop: the step of a new axis, an axis that changes, and a bad line with a bad sensor.
+const PIL: [&str; 3] = [
+    "--scenario nominal --samples 4000",
+    "--scenario mass --samples 11000",
+    "--scenario nominal --samples 1500 --faults 10 --failures 700",
+];
+
+/// The processor in the loop.
 pub fn pil(options: &PilOptions) -> Done {
     let image = M4F.build("pil", "firmware")?;
     let mut text = String::new();
-    for extra in [&[][..], &["--samples", "2000", "--faults", "10"]] {
+    for extra in PIL {
         let mut command = cargo(&[
             "run",
             "-q",
@@ -99,12 +106,15 @@ pub fn pil(options: &PilOptions) -> Done {
         ]);
         command
             .arg(&image)
-            .args(extra)
+            .args(extra.split(' '))
             .stderr(std::process::Stdio::inherit());
         let output = command
             .output()
             .map_err(|error| format!("cargo: {error}"))?;
-        let printed = String::from_utf8_lossy(&output.stdout);
+        let printed = format!(
+            "$ trendid pil {extra}\n{}",
+            String::from_utf8_lossy(&output.stdout)
+        );
         print!("{printed}");
         if !output.status.success() {
             return Err(format!("trendid pil ended with {}", output.status));
