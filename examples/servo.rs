@@ -44,6 +44,10 @@ const TRAVEL: Travel = Travel {
 };
 const BANDWIDTH: f32 = 20.0;
 
+/// Samples from the command to the flow: none in the simulated drive, two with a spool valve of 100 Hz. Two that are not
+/// there cost 5 % in a1, 15 % in a2 and the dead zone.
+const DELAY: usize = 0;
+
 /// Targets of the moves in mm, and the samples between them.
 const TARGETS: [f32; 2] = [120.0, 280.0];
 const DWELL: u32 = 1500;
@@ -57,7 +61,11 @@ fn machine<S: PositionSensor, V: Valve>(
         scale: const { Scale::new(MM_PER_COUNT).unwrap() },
         reference: ORIGIN,
     };
-    let mut servo = ServoLoop::try_new(&LoopConfig::new(BANDWIDTH, TRAVEL), axis, sensor, valve)?;
+    let config = LoopConfig {
+        delay: DELAY,
+        ..LoopConfig::new(BANDWIDTH, TRAVEL)
+    };
+    let mut servo = ServoLoop::try_new(&config, axis, sensor, valve)?;
     servo.commission();
     Ok(servo)
 }
