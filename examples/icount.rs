@@ -16,7 +16,9 @@ use core::hint::black_box;
 use drive::{Drive, SimulatedValve};
 use firmware::{record, rows};
 use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
-use trendid::{Estimator, LoopConfig, Outcome, Report, Scheme, ServoError, ServoLoop, Travel};
+use trendid::{
+    Estimator, FilteredTrends, LoopConfig, Outcome, Report, Scheme, ServoError, ServoLoop, Travel,
+};
 
 /// How often the record is run: 10 000 samples.
 const ROUNDS: usize = 2;
@@ -50,6 +52,15 @@ functions! {
         state.update_inputs(rows::dead_zone_inputs(u), y)
     };
     row_full(rows::Full, f32) -> Outcome, |state, u, y| state.update(u, y);
+    row_exact(rows::Exact, f32) -> Outcome, |state, u, y| state.update(u, y);
+    row_bank(rows::Bank, f32) -> Outcome, |state, u, y| state.update_inputs([u], y);
+    row_estimate(rows::Offset, f32) -> [f32; 4], |state, _u, _y| state.theta();
+    row_std(rows::Offset, f32) -> [f32; 4], |state, _u, _y| state.std();
+    row_exact_estimate(rows::Exact, f32) -> [f32; 4], |state, _u, _y| state.theta();
+    row_retune((rows::Offset, FilteredTrends<3>), f32) -> bool, |state, _u, _y| {
+        let (identifier, trends) = state;
+        identifier.retune(*trends, 0.1).is_ok()
+    };
     row_bare_3(Estimator<3>, &[f32; 3]) -> f32, |state, phi, psi| state.update(phi, psi);
     row_bare_4(Estimator<4>, &[f32; 4]) -> f32, |state, phi, psi| state.update(phi, psi);
     row_bare_5(Estimator<5>, &[f32; 5]) -> f32, |state, phi, psi| state.update(phi, psi);
@@ -260,6 +271,26 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
         samples(),
         |s, &u, y| row_dead_zone(s, u, y),
     );
+    meter.row(
+        "default, exact hold",
+        "row_exact",
+        4,
+        rows::exact()?,
+        samples(),
+        |s, &u, y| row_exact(s, u, y),
+    );
+    // As for the span: eight identifiers are too many for the smallest memory.
+    if cfg!(target_has_atomic = "32") {
+        meter.row(
+            "delay bank of 8",
+            "row_bank",
+            4,
+            rows::bank()?,
+            samples(),
+            |s, &u, y| row_bank(s, u, y),
+        );
+    }
+    now_and_then(meter)?;
     let full = rows::full()?;
     meter.row(
         "order 3 full",
@@ -327,6 +358,54 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     );
     Ok(())
 }
+
+/// What is asked for now and then, not in every sample: each call counted, after the record has been seen once.
+fn now_and_then(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
+    let calls = || record::samples().take(CALLS);
+    let (mut default, mut exact) = (rows::default()?, rows::exact()?);
+    for (u, y) in record::samples() {
+        // The counted functions themselves: a second copy of an update would change how both are compiled.
+        let _ = row_constant(&mut default, u, y);
+        let _ = row_exact(&mut exact, u, y);
+    }
+    meter.row(
+        "estimate, per call",
+        "row_estimate",
+        4,
+        default,
+        calls(),
+        |s, &u, y| row_estimate(s, u, y),
+    );
+    meter.row(
+        "deviations, per call",
+        "row_std",
+        4,
+        default,
+        calls(),
+        |s, &u, y| row_std(s, u, y),
+    );
+    meter.row(
+        "exact estimate, per call",
+        "row_exact_estimate",
+        4,
+        exact,
+        calls(),
+        |s, &u, y| row_exact_estimate(s, u, y),
+    );
+    let nearer = FilteredTrends::for_bandwidth(Scheme::Tustin, record::SAMPLE_TIME, 22.0)?;
+    meter.row(
+        "retune, per call",
+        "row_retune",
+        4,
+        (default, nearer),
+        calls(),
+        |s, &u, y| row_retune(s, u, y),
+    );
+    Ok(())
+}
+
+/// How often a call that is not made in every sample is counted.
+const CALLS: usize = 200;
 
 fn bare<const N: usize>() -> Estimator<N> {
     Estimator::new([0.0; N], [1000.0; N], 0.999)

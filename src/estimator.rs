@@ -188,24 +188,32 @@ impl<const N: usize> Estimator<N> {
         }
         let mut vector = self.factor[last];
         let mut weight = before * (variance / after);
-        for i in 0..last {
-            self.factor[last][i] *= before / after;
+        for entry in self.factor[last].iter_mut().take(last) {
+            *entry *= before / after;
         }
         self.diagonal[last] = after;
-        for j in (0..last).rev() {
-            let v = vector[j];
-            let old = self.diagonal[j];
+        // From the last but one down, without an index that would have to be checked.
+        let mut rest = match vector.split_last_mut() {
+            Some((_, below)) => below,
+            None => return,
+        };
+        let columns = self.diagonal.iter_mut().zip(&mut self.factor);
+        for (diagonal, column) in columns.rev().skip(1) {
+            let Some((v, below)) = core::mem::take(&mut rest).split_last_mut() else {
+                break;
+            };
+            let (v, old) = (*v, *diagonal);
             let new = old + weight * v * v;
-            if !(new > 0.0) {
-                continue;
+            if new > 0.0 {
+                let share = weight * v / new;
+                for (entry, x) in column.iter_mut().zip(below.iter_mut()) {
+                    *x -= v * *entry;
+                    *entry += share * *x;
+                }
+                weight *= old / new;
+                *diagonal = new;
             }
-            let share = weight * v / new;
-            for i in 0..j {
-                vector[i] -= v * self.factor[j][i];
-                self.factor[j][i] += share * vector[i];
-            }
-            weight *= old / new;
-            self.diagonal[j] = new;
+            rest = below;
         }
     }
 

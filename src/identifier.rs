@@ -311,7 +311,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// is; the estimate is held for `settling` seconds until they no longer show that
     /// (3 over the slowest pole but the one of the start), and the start becomes
     /// uncertain again. Nothing jumps: the estimate is the same before and after.
-    /// Cost: about 5000 instructions for order 3, once; not for every sample.
+    /// Cost: about 7500 instructions for order 3, once; not for every sample.
     ///
     /// # Errors
     /// [`ConfigError::SampleTime`] for another sample time, [`ConfigError::Settling`]; nothing is changed then.

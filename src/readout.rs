@@ -235,8 +235,9 @@ fn residual_levels<T: TrendOperator<M>, const M: usize, const N: usize>(
 
 /// Mean of |A/A_f|^2 over 0.1 to 2.5 times the natural frequency, weighted by the spectrum of the regressor.
 pub(crate) fn in_band<const M: usize>(a: &[f32; M], filter: &[f32; M], bandwidth: f32) -> f32 {
-    let first = a.iter().position(|v| *v != 0.0).unwrap_or(0);
-    let natural = pow(a[first].abs(), 1.0 / (M - first) as f32);
+    let first = a.iter().enumerate().find(|(_, v)| **v != 0.0);
+    let (first, value) = first.unwrap_or((0, &0.0));
+    let natural = pow(value.abs(), 1.0 / (M - first) as f32);
     let natural = if natural > 0.1 * bandwidth && natural < 10.0 * bandwidth {
         natural
     } else {

@@ -128,19 +128,28 @@ fn flow<const M: usize>(a: &[f32; M], from: f32, to: f32) -> [f32; M] {
 /// Whether all roots lie inside the unit circle (Schur and Cohn).
 fn within<const M: usize>(a: &[f32; M]) -> bool {
     let mut a = *a;
-    for degree in (1..=M).rev() {
-        let last = a[0];
+    // No index that has to be checked: this is called from firmware, too.
+    let mut left: &mut [f32] = &mut a;
+    while let Some((last, upper)) = left.split_first_mut() {
+        let last = *last;
         // Not a number fails, too.
         if !(last > -1.0 && last < 1.0) {
             return false;
         }
-        // (A(s) - a_0 s^degree A(1/s)) / s, monic again.
+        // (A(s) - a_0 s^degree A(1/s)) / s, monic again: pairs from both ends.
         let rest = 1.0 - last * last;
-        let mut next = [0.0; M];
-        for i in 1..degree {
-            next[i - 1] = (a[i] - last * a[degree - i]) / rest;
+        let mut ends = upper.iter_mut();
+        while let Some(low) = ends.next() {
+            match ends.next_back() {
+                Some(high) => {
+                    let (l, h) = (*low, *high);
+                    *low = (l - last * h) / rest;
+                    *high = (h - last * l) / rest;
+                }
+                None => *low = (*low - last * *low) / rest,
+            }
         }
-        a = next;
+        left = upper;
     }
     true
 }

@@ -1,8 +1,8 @@
 //! The structures that are checked bit for bit and counted.
 
 use trendid::{
-    Config, ConfigError, FilteredTrends, Identifier, IntegralTrends, RawTrends, Scheme, Structure,
-    Terms, dead_zone,
+    Config, ConfigError, DelayBank, ExactTrends, FilteredTrends, Identifier, IntegralTrends,
+    RawTrends, Scheme, Structure, Terms, dead_zone,
 };
 
 use super::record::SAMPLE_TIME;
@@ -24,6 +24,11 @@ pub type Late = Identifier<FilteredTrends<3>, 3, 4, 1, 4>;
 pub type DeadZone = Identifier<FilteredTrends<3>, 3, 5, 2>;
 /// Every a_i and b_i of order three.
 pub type Full = Identifier<FilteredTrends<3>, 3, 6>;
+
+/// The default with exact trends.
+pub type Exact = Identifier<ExactTrends<3>, 3, 4>;
+/// Eight candidates for the delay of the default.
+pub type Bank = DelayBank<FilteredTrends<3>, 3, 4, 1, 7, 8>;
 
 const fn filter(scheme: Scheme) -> Result<FilteredTrends<3>, ConfigError> {
     FilteredTrends::try_new(scheme, SAMPLE_TIME, [25.0; 3])
@@ -65,6 +70,19 @@ pub fn following() -> Result<Offset, ConfigError> {
         &config,
         FilteredTrends::for_bandwidth(Scheme::Tustin, SAMPLE_TIME, 20.0)?,
     )
+}
+
+/// The default with exact trends.
+pub fn exact() -> Result<Exact, ConfigError> {
+    let config = Config::new(Structure::servo(), 20.0, [1.0], 50.0);
+    Exact::try_new(&config, ExactTrends::for_bandwidth(SAMPLE_TIME, 20.0)?)
+}
+
+/// Delays of 0 to 7 samples of the default, side by side.
+pub fn bank() -> Result<Bank, ConfigError> {
+    let config = Config::new(Structure::servo(), 20.0, [1.0], 50.0);
+    let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, SAMPLE_TIME, 20.0)?;
+    Bank::try_new(&config, trends, 0)
 }
 
 /// The reference structure over spans.
