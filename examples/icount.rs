@@ -188,174 +188,57 @@ fn rows_of_numbers<const N: usize>() -> impl Iterator<Item = ([f32; N], f32)> {
     })
 }
 
+/// The rows of a table: name, n, function, state, samples. `*` for a function that takes its input by value.
+macro_rules! rows {
+    ($meter:ident; $($name:literal, $n:literal, $by:tt $function:ident, $state:expr, $samples:expr;)*) => {$(
+        $meter.row($name, stringify!($function), $n, $state, $samples, rows!($by $function));
+    )*};
+    (* $function:ident) => { |s, &u, y| $function(s, u, y) };
+    (& $function:ident) => { $function };
+}
+
 fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
-    meter.row("nothing", "row_nothing", 0, (), samples(), |s, &u, y| {
-        row_nothing(s, u, y)
-    });
-    let (goodwin, tustin) = (rows::raw(Scheme::Goodwin)?, rows::raw(Scheme::Tustin)?);
-    meter.row(
-        "raw Goodwin",
-        "row_raw",
-        3,
-        goodwin,
-        samples(),
-        |s, &u, y| row_raw(s, u, y),
-    );
-    meter.row("raw Tustin", "row_raw", 3, tustin, samples(), |s, &u, y| {
-        row_raw(s, u, y)
-    });
-    let filtered = rows::filtered(Scheme::Tustin)?;
-    meter.row(
-        "filtered Tustin",
-        "row_filtered",
-        3,
-        filtered,
-        samples(),
-        |s, &u, y| row_filtered(s, u, y),
-    );
-    let default = rows::default()?;
-    meter.row(
-        "default (with start)",
-        "row_constant",
-        4,
-        default,
-        samples(),
-        |s, &u, y| row_constant(s, u, y),
-    );
-    let following = rows::following()?;
-    meter.row(
-        "default with memory",
-        "row_constant",
-        4,
-        following,
-        samples(),
-        |s, &u, y| row_constant(s, u, y),
-    );
+    rows! { meter;
+        "nothing", 0, *row_nothing, (), samples();
+        "raw Goodwin", 3, *row_raw, rows::raw(Scheme::Goodwin)?, samples();
+        "raw Tustin", 3, *row_raw, rows::raw(Scheme::Tustin)?, samples();
+        "filtered Tustin", 3, *row_filtered, rows::filtered(Scheme::Tustin)?, samples();
+        "default (with start)", 4, *row_constant, rows::default()?, samples();
+        "default with memory", 4, *row_constant, rows::following()?, samples();
+    }
     // A Cortex-M0 (no atomic exchange) has no room for several copies of its window.
     if cfg!(target_has_atomic = "32") {
-        let integral = rows::integral()?;
-        meter.row(
-            "over a span of 70",
-            "row_integral",
-            3,
-            integral,
-            samples(),
-            |s, &u, y| row_integral(s, u, y),
-        );
+        rows! { meter;
+            "over a span of 70", 3, *row_integral, rows::integral()?, samples();
+        }
     }
     if let (Ok(leader), Ok(follower)) = (servo(SimulatedValve), servo(Still)) {
-        meter.row(
-            "whole position loop",
-            "row_servo",
-            6,
-            follower,
-            motion(leader),
-            |s, &u, y| row_servo(s, u, y),
-        );
+        rows! { meter;
+            "whole position loop", 6, *row_servo, follower, motion(leader);
+        }
     }
-    let offset = rows::offset()?;
-    meter.row(
-        "with constant",
-        "row_constant",
-        4,
-        offset,
-        samples(),
-        |s, &u, y| row_constant(s, u, y),
-    );
-    let dead_zone = rows::dead_zoned()?;
-    meter.row(
-        "with dead zone",
-        "row_dead_zone",
-        5,
-        dead_zone,
-        samples(),
-        |s, &u, y| row_dead_zone(s, u, y),
-    );
-    meter.row(
-        "default, exact hold",
-        "row_exact",
-        4,
-        rows::exact()?,
-        samples(),
-        |s, &u, y| row_exact(s, u, y),
-    );
+    rows! { meter;
+        "with constant", 4, *row_constant, rows::offset()?, samples();
+        "with dead zone", 5, *row_dead_zone, rows::dead_zoned()?, samples();
+        "default, exact hold", 4, *row_exact, rows::exact()?, samples();
+    }
     // As for the span: eight identifiers are too many for the smallest memory.
     if cfg!(target_has_atomic = "32") {
-        meter.row(
-            "delay bank of 8",
-            "row_bank",
-            4,
-            rows::bank()?,
-            samples(),
-            |s, &u, y| row_bank(s, u, y),
-        );
+        rows! { meter;
+            "delay bank of 8", 4, *row_bank, rows::bank()?, samples();
+        }
     }
     now_and_then(meter)?;
-    let full = rows::full()?;
-    meter.row(
-        "order 3 full",
-        "row_full",
-        6,
-        full,
-        samples(),
-        |s, &u, y| row_full(s, u, y),
-    );
-    meter.row(
-        "bare estimator",
-        "row_bare_3",
-        3,
-        bare(),
-        rows_of_numbers(),
-        row_bare_3,
-    );
-    meter.row(
-        "bare estimator",
-        "row_bare_4",
-        4,
-        bare(),
-        rows_of_numbers(),
-        row_bare_4,
-    );
-    meter.row(
-        "bare estimator",
-        "row_bare_5",
-        5,
-        bare(),
-        rows_of_numbers(),
-        row_bare_5,
-    );
-    meter.row(
-        "bare estimator",
-        "row_bare_6",
-        6,
-        bare(),
-        rows_of_numbers(),
-        row_bare_6,
-    );
-    meter.row(
-        "bare, bounded at rest",
-        "row_pulled_3",
-        3,
-        pulled(),
-        rows_of_numbers(),
-        row_pulled_3,
-    );
-    meter.row(
-        "bare, bounded at rest",
-        "row_pulled_4",
-        4,
-        pulled(),
-        rows_of_numbers(),
-        row_pulled_4,
-    );
-    meter.row(
-        "bare, bounded at rest",
-        "row_pulled_5",
-        5,
-        pulled(),
-        rows_of_numbers(),
-        row_pulled_5,
-    );
+    rows! { meter;
+        "order 3 full", 6, *row_full, rows::full()?, samples();
+        "bare estimator", 3, &row_bare_3, bare(), rows_of_numbers();
+        "bare estimator", 4, &row_bare_4, bare(), rows_of_numbers();
+        "bare estimator", 5, &row_bare_5, bare(), rows_of_numbers();
+        "bare estimator", 6, &row_bare_6, bare(), rows_of_numbers();
+        "bare, bounded at rest", 3, &row_pulled_3, pulled(), rows_of_numbers();
+        "bare, bounded at rest", 4, &row_pulled_4, pulled(), rows_of_numbers();
+        "bare, bounded at rest", 5, &row_pulled_5, pulled(), rows_of_numbers();
+    }
     Ok(())
 }
 
@@ -368,39 +251,15 @@ fn now_and_then(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
         let _ = row_constant(&mut default, u, y);
         let _ = row_exact(&mut exact, u, y);
     }
-    meter.row(
-        "estimate, per call",
-        "row_estimate",
-        4,
-        default,
-        calls(),
-        |s, &u, y| row_estimate(s, u, y),
-    );
-    meter.row(
-        "deviations, per call",
-        "row_std",
-        4,
-        default,
-        calls(),
-        |s, &u, y| row_std(s, u, y),
-    );
-    meter.row(
-        "exact estimate, per call",
-        "row_exact_estimate",
-        4,
-        exact,
-        calls(),
-        |s, &u, y| row_exact_estimate(s, u, y),
-    );
+    rows! { meter;
+        "estimate, per call", 4, *row_estimate, default, calls();
+        "deviations, per call", 4, *row_std, default, calls();
+        "exact estimate, per call", 4, *row_exact_estimate, exact, calls();
+    }
     let nearer = FilteredTrends::for_bandwidth(Scheme::Tustin, record::SAMPLE_TIME, 22.0)?;
-    meter.row(
-        "retune, per call",
-        "row_retune",
-        4,
-        (default, nearer),
-        calls(),
-        |s, &u, y| row_retune(s, u, y),
-    );
+    rows! { meter;
+        "retune, per call", 4, *row_retune, (default, nearer), calls();
+    }
     Ok(())
 }
 
