@@ -277,10 +277,11 @@ impl Report<'_> {
             let mut a = e.a.clone();
             a.push(1.0);
             text += &format!(
-                "  constant: ({}) {} = .. + {}\n",
+                "  constant: ({}) {} = .. {} {}\n",
                 polynomial(&a),
                 args.signals.output,
-                significant(e.constant, 4)
+                if e.constant < 0.0 { '-' } else { '+' },
+                significant(e.constant.abs(), 4)
             );
         }
         let mut rows = vec![vec![

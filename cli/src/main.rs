@@ -12,6 +12,8 @@ mod format;
 mod freerun;
 mod friction;
 mod identify;
+mod options;
+mod options_runs;
 mod output;
 mod pil;
 mod plot;
@@ -57,6 +59,8 @@ enum Command {
     Table2(table2::Table2Args),
     /// Fig. 1 of the paper again: transients of the coefficients
     Fig1(fig1::Fig1Args),
+    /// What each option of the core costs in instructions, beside what it gains in accuracy
+    Options(options::OptionsArgs),
     /// A scenario of the demonstration with the loop on an emulated or real processor, bit for bit as on the host
     Pil(pil::PilArgs),
 }
@@ -78,6 +82,7 @@ fn main() -> ExitCode {
         Command::Table1(args) => table1::run(args),
         Command::Table2(args) => table2::run(args),
         Command::Fig1(args) => fig1::run(args),
+        Command::Options(args) => options::run(args),
         Command::Pil(args) => pil::run(args),
     };
     match done {

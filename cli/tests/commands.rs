@@ -232,3 +232,71 @@ fn delay_friction_and_several_inputs_are_found() {
         assert!(value["fit_x0c_pct"].as_f64().unwrap() > 98.0);
     }
 }
+
+/// A spring-mass-damper with few samples in a period: the damping stands, and so do the gains.
+#[test]
+fn slow_sampling_loses_no_damping() {
+    let dir = Scratch::new("slow");
+    // y'' + 30 y' + 90000 y = 90000 u, ten samples in a period, u held: exact by its two real recursions.
+    let (w, xi, dt) = (300.0_f64, 0.05_f64, 2.0e-3_f64);
+    let wd = w * (1.0 - xi * xi).sqrt();
+    let (decay, sine, cosine) = ((-xi * w * dt).exp(), (wd * dt).sin(), (wd * dt).cos());
+    let rho = xi / (1.0 - xi * xi).sqrt();
+    let (mut y, mut v) = (0.0_f64, 0.0_f64);
+    let mut table = String::from("t,u,y\n");
+    let mut state = 1_u32;
+    let mut u = 1.0;
+    for k in 0..4000 {
+        if k % 4 == 0 {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            u = if state >> 31 == 0 { 1.0 } else { -1.0 };
+        }
+        table += &format!("{:.3},{u},{y:.7}\n", f64::from(k) * dt);
+        let e = y - u;
+        y = u + decay * (e * (cosine + rho * sine) + v * sine);
+        v = decay * (v * (cosine - rho * sine) - e * (1.0 + rho * rho) * sine);
+    }
+    let file = dir.file("slow.csv", &table);
+    let value = json(&["identify", &file, "--order", "2", "--json"]);
+    near(&value["a"][0], w * w, 0.01);
+    near(&value["a"][1], 2.0 * xi * w, 0.1);
+    near(&value["inputs"][0]["b"][0], w * w, 0.05);
+    // A filter of the user's own is left alone, and is exact all the same.
+    let value = json(&[
+        "identify", &file, "--order", "2", "--filter", "200", "--json",
+    ]);
+    assert!(value["filter"].is_null() && value["filter_pole"] == 200.0);
+    near(&value["a"][1], 2.0 * xi * w, 0.1);
+    near(&value["inputs"][0]["b"][0], w * w, 0.05);
+}
+
+/// Nine options: what they cost is counted, and each gains on records it was not tuned on.
+#[test]
+fn every_option_gains() {
+    let value = json(&[
+        "options",
+        "--seeds",
+        "20",
+        "--first-seed",
+        "700000",
+        "--json",
+    ]);
+    let options = value["options"].as_array().unwrap();
+    assert_eq!(options.len(), 9);
+    for option in options {
+        let worst = |key: &str| {
+            let list = option[key].as_array().unwrap();
+            // Without a reading there is no number.
+            list.iter()
+                .map(|e| e.as_f64().unwrap_or(f64::INFINITY))
+                .fold(0.0, f64::max)
+        };
+        let (without, with) = (worst("rms_without_pct"), worst("rms_with_pct"));
+        assert!(with < 0.9 * without, "{option}");
+        let per = |key: &str| option[key].as_f64();
+        let cost = per("instructions_per_sample").or(per("instructions_per_call"));
+        assert!(cost.unwrap() > 0.0, "{option}");
+    }
+    let text = stdout(&["options", "--seeds", "2"]);
+    assert!(text.contains("| exact hold") && text.contains("seeds 500000 to 500001"));
+}

@@ -161,7 +161,7 @@ fn cylinder_has_its_two_gains() {
     within("eha K2 [1e-3 mm/s/rpm]", &gain(1), 16.28, 5.0);
 }
 
-/// Reference: output error with a hardening spring, nine samples in a period.
+/// Reference: an offline model with a hardening spring that simulates 98.3 %; nine samples in a period.
 #[test]
 fn oscillator_keeps_its_damping() {
     let Some(file) = record("silverbox_multisine.csv") else {
@@ -181,7 +181,7 @@ fn oscillator_keeps_its_damping() {
     assert!(off.abs() < 1e-3, "{off}");
 }
 
-/// Reference: output error of second order, though the drive is of third.
+/// Reference: an offline model of second order that simulates 96.6 %, though the drive is of third.
 #[test]
 fn linear_drive_is_of_second_order_at_first_sight() {
     let Some(file) = record("camber_LinD_1mm.csv") else {

@@ -1,6 +1,7 @@
 //! `README.md` and `docs/results.md` hold what the commands in them print, and nothing typed by hand.
 //!
 //! `cargo test --release -p trendid-cli --test results -- --ignored` compares; with `TRENDID_WRITE=1` it writes.
+//! `TRENDID_ONLY=TEXT` leaves out the commands that do not contain this text.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -39,6 +40,9 @@ fn renewed(document: &str) -> String {
             continue;
         };
         let (kind, command) = run.split_once(": ").expect("a kind and a command");
+        if std::env::var("TRENDID_ONLY").is_ok_and(|only| !command.contains(&only)) {
+            continue;
+        }
         let output = printed(command);
         text += &match kind {
             "markdown" => format!("\n`{command}`\n\n{}\n", output.trim_end()),

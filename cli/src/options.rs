@@ -1,0 +1,194 @@
+//! `trendid options`: what each option of the core costs beside what it gains.
+
+use clap::Args;
+use serde_json::{Value, json};
+
+use crate::format::significant;
+use crate::options_runs::{Gain, gains};
+use crate::output::{Refusal, emit, emit_json, number, progress};
+
+/// What is asked of the command.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  trendid options
+  trendid options --json --seeds 200")]
+pub struct OptionsArgs {
+    /// Records per option
+    #[arg(long, value_name = "N", default_value_t = 100)]
+    pub seeds: u64,
+    /// Seed of the first record
+    #[arg(long, value_name = "N", default_value_t = 500_000)]
+    pub first_seed: u64,
+    /// The table as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Where the instructions of an option are counted.
+pub enum Cost {
+    /// In every sample: one row of the counts with the option, one without.
+    Sample {
+        with: (&'static str, u64),
+        without: (&'static str, u64),
+    },
+    /// In every sample while the option is in use, then never again.
+    Commissioning {
+        with: (&'static str, u64),
+        without: (&'static str, u64),
+    },
+    /// In a call that is not made in every sample.
+    Call(&'static str),
+    /// In every sample one difference of rows, and in every call another row.
+    Both {
+        with: (&'static str, u64),
+        without: (&'static str, u64),
+        call: &'static str,
+    },
+}
+
+/// The counts that `cargo xtask icount --bless` has written.
+const COUNTS: &str = include_str!("../../docs/icount.json");
+
+/// Mean of a row at -O3 in instructions.
+fn count(counts: &Value, row: &str, n: Option<u64>) -> Result<f64, Refusal> {
+    counts
+        .as_array()
+        .into_iter()
+        .flatten()
+        .find(|r| r["row"] == row && r["opt"] == "3" && n.is_none_or(|n| r["n"] == n))
+        .and_then(|r| r["mean"].as_f64())
+        .ok_or_else(|| Refusal::new(format!("the counts of instructions have no row `{row}`")))
+}
+
+/// Instructions per sample, and per call.
+fn instructions(counts: &Value, cost: &Cost) -> Result<[Option<f64>; 2], Refusal> {
+    let apart = |with: (&str, u64), without: (&str, u64)| -> Result<f64, Refusal> {
+        Ok(count(counts, with.0, Some(with.1))? - count(counts, without.0, Some(without.1))?)
+    };
+    Ok(match *cost {
+        Cost::Sample { with, without } | Cost::Commissioning { with, without } => {
+            [Some(apart(with, without)?), None]
+        }
+        Cost::Call(row) => [None, Some(count(counts, row, None)?)],
+        Cost::Both {
+            with,
+            without,
+            call,
+        } => [
+            Some(apart(with, without)?),
+            Some(count(counts, call, None)?),
+        ],
+    })
+}
+
+/// Runs every option and prints the table.
+///
+/// # Errors
+///
+/// No seeds, or counts that lack a row.
+pub fn run(args: &OptionsArgs) -> Result<(), Refusal> {
+    if args.seeds == 0 {
+        return Err(Refusal::new("--seeds is 0: there is nothing to run"));
+    }
+    let counts: Value = serde_json::from_str(COUNTS)
+        .map_err(|error| Refusal::new(format!("the counts of instructions: {error}")))?;
+    let seeds = args.first_seed..args.first_seed.saturating_add(args.seeds);
+    let bar = progress(0, "options");
+    let gains = gains(&seeds, &bar);
+    bar.finish_and_clear();
+    let mut rows = Vec::new();
+    for gain in &gains {
+        rows.push((gain, instructions(&counts, &gain.cost)?));
+    }
+    if args.json {
+        let list: Vec<Value> = rows
+            .iter()
+            .map(|(gain, [sample, call])| {
+                let three = |e: [f64; 3]| e.map(number).to_vec();
+                json!({
+                    "option": gain.option,
+                    "instructions_per_sample": sample.map(number),
+                    "instructions_per_call": call.map(number),
+                    "condition": gain.condition,
+                    "rms_without_pct": three(gain.without),
+                    "rms_with_pct": three(gain.with),
+                })
+            })
+            .collect();
+        emit_json(&json!({"first_seed": args.first_seed, "seeds": args.seeds, "options": list}));
+    } else {
+        emit(&text(&rows, &seeds));
+    }
+    Ok(())
+}
+
+fn text(rows: &[(&Gain, [Option<f64>; 2])], seeds: &std::ops::Range<u64>) -> String {
+    let mut text = String::from(
+        "| option | instructions | condition | C/omega0/xi without [%] | with [%] |\n|---|---|---|---|---|\n",
+    );
+    for (gain, [sample, call]) in rows {
+        let mut cost = Vec::new();
+        if let Some(sample) = sample {
+            let while_used = match gain.cost {
+                Cost::Commissioning { .. } => " while commissioning",
+                _ => "",
+            };
+            cost.push(format!("{sample:+.0} a sample{while_used}"));
+        }
+        if let Some(call) = call {
+            cost.push(format!("{call:.0} a call"));
+        }
+        text += &format!(
+            "| {} | {} | {} | {} | {} |\n",
+            gain.option,
+            cost.join(", "),
+            gain.condition,
+            errors(gain.without),
+            errors(gain.with)
+        );
+    }
+    text += &format!(
+        "\nErrors: rms over the seeds {} to {}; `-` where a run has no reading. Instructions: means of `docs/icount.json`, -O3 on a Cortex-M4F, with the option less without it.\n",
+        seeds.start,
+        seeds.end - 1
+    );
+    text
+}
+
+fn errors(e: [f64; 3]) -> String {
+    e.map(|e| {
+        if e.is_finite() {
+            significant(e, 2)
+        } else {
+            "-".into()
+        }
+    })
+    .join(" / ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cost_is_the_difference_of_two_rows() {
+        let counts = json!([
+            {"row": "a", "n": 3, "opt": "s", "mean": 9.0},
+            {"row": "a", "n": 3, "opt": "3", "mean": 100.0},
+            {"row": "b", "n": 4, "opt": "3", "mean": 130.0},
+        ]);
+        let cost = Cost::Both {
+            with: ("b", 4),
+            without: ("a", 3),
+            call: "b",
+        };
+        let found = instructions(&counts, &cost).ok();
+        assert_eq!(found, Some([Some(30.0), Some(130.0)]));
+        assert!(instructions(&counts, &Cost::Call("c")).is_err());
+    }
+
+    #[test]
+    fn what_is_not_finite_is_a_dash() {
+        assert_eq!(errors([0.123, f64::INFINITY, 12.3]), "0.12 / - / 12");
+    }
+}

@@ -1,0 +1,359 @@
+//! What each option of the core gains: the same records with it and without it.
+
+use std::ops::Range;
+
+use indicatif::ProgressBar;
+use rayon::prelude::*;
+use trendid::{
+    Config, DeadZone, DelayBank, ExactTrends, FilteredTrends, Identifier, RawTrends, Scheme,
+    Structure, TrendOperator,
+};
+use trendid_host_tests::excitation::Excitation;
+use trendid_host_tests::experiment::{Experiment, Record};
+use trendid_host_tests::montecarlo::{Filter, Method, Setting, trial};
+use trendid_host_tests::noise::{Additive, Condition, Reading};
+use trendid_host_tests::plant::{Input, LinearPlant};
+use trendid_host_tests::reference::{REFERENCE, Servo};
+
+use crate::options::Cost;
+
+/// One option: its cost, and rms errors of C, omega0, xi in percent without it and with it.
+pub struct Gain {
+    pub option: &'static str,
+    pub cost: Cost,
+    pub condition: &'static str,
+    pub without: [f64; 3],
+    pub with: [f64; 3],
+}
+
+/// Errors of one run without and with the option.
+type Pair = [[f64; 3]; 2];
+
+/// Name, cost, condition, and one run of an option.
+type Experimented = (&'static str, Cost, &'static str, fn(u64) -> Pair);
+
+/// What is known of the reference servo \[rad/s\].
+const BANDWIDTH: f32 = 20.0;
+/// Sample time but where it is said \[s\].
+const DT: f64 = 0.001;
+
+/// Every option over the seeds.
+pub fn gains(seeds: &Range<u64>, bar: &ProgressBar) -> Vec<Gain> {
+    let options: [Experimented; 9] = [
+        (
+            "filtered trends, not raw",
+            sample(("filtered Tustin", 3), ("raw Tustin", 3)),
+            "0.1 mm of white noise, 0.5 s",
+            filtered,
+        ),
+        (
+            "noise bias out at the read-out",
+            Cost::Call("estimate, per call"),
+            "N/S 16.7 %, 3 s",
+            compensated,
+        ),
+        (
+            "start as a parameter",
+            sample(("default (with start)", 4), ("filtered Tustin", 3)),
+            "0.1 mm of white noise, 0.5 s",
+            start,
+        ),
+        (
+            "constant input",
+            sample(("with constant", 4), ("filtered Tustin", 3)),
+            "offset of 10 % of u, 10 um, 1 s",
+            constant,
+        ),
+        (
+            "inputs of a dead zone",
+            sample(("with dead zone", 5), ("with constant", 4)),
+            "dead zone of 3 %, closed loop, 20 um, 4 s",
+            dead_zone,
+        ),
+        (
+            "covariance bounded at rest",
+            sample(("bare, bounded at rest", 4), ("bare estimator", 4)),
+            "20 s at rest, 30 um, memory 0.2 s: drift",
+            bounded,
+        ),
+        (
+            "filter retuned on the way",
+            Cost::Call("retune, per call"),
+            "bandwidth given 3 times too high, N/S 16.7 %, 3 s",
+            retuned,
+        ),
+        (
+            "delay bank of 8",
+            Cost::Commissioning {
+                with: ("delay bank of 8", 4),
+                without: ("default (with start)", 4),
+            },
+            "3 samples of delay, 0.1 mm, 0.5 s",
+            banked,
+        ),
+        (
+            "exact hold, retuned on the way",
+            Cost::Both {
+                with: ("default, exact hold", 4),
+                without: ("default (with start)", 4),
+                call: "exact estimate, per call",
+            },
+            "60 rad/s, damping 0.3, sampled every 5 ms, 10 um, 4 s",
+            exact,
+        ),
+    ];
+    bar.set_length(options.len() as u64 * (seeds.end - seeds.start));
+    options
+        .into_iter()
+        .map(|(option, cost, condition, run)| {
+            let pairs: Vec<Pair> = seeds
+                .clone()
+                .into_par_iter()
+                .map(|seed| {
+                    bar.inc(1);
+                    run(seed)
+                })
+                .collect();
+            let rms = |which: usize| {
+                core::array::from_fn(|i| {
+                    let sum: f64 = pairs.iter().map(|pair| pair[which][i].powi(2)).sum();
+                    (sum / pairs.len() as f64).sqrt()
+                })
+            };
+            Gain {
+                option,
+                cost,
+                condition,
+                without: rms(0),
+                with: rms(1),
+            }
+        })
+        .collect()
+}
+
+const fn sample(with: (&'static str, u64), without: (&'static str, u64)) -> Cost {
+    Cost::Sample { with, without }
+}
+
+/// Errors of C, omega0, xi of (a1, a2, b0, ..) against a servo; infinite where there is no reading.
+fn errors(theta: &[f32], truth: &Servo) -> [f64; 3] {
+    let [a1, a2, b0] = [theta[0], theta[1], theta[2]].map(f64::from);
+    Servo::from_coefficients(a1, a2, b0).map_or([f64::INFINITY; 3], |s| s.error_pct(truth))
+}
+
+/// The default filter for the servo, or for another bandwidth given.
+fn trends(bandwidth: f32) -> FilteredTrends<3> {
+    FilteredTrends::for_bandwidth(Scheme::Tustin, DT as f32, bandwidth)
+        .expect("a bandwidth of rad/s")
+}
+
+/// An identifier of the servo under commands of 0.4 and strokes of 50 mm.
+fn identifier<T: TrendOperator<3>, const N: usize>(
+    trends: T,
+    structure: Structure<3, N, 1>,
+) -> Identifier<T, 3, N> {
+    let config = Config::new(structure, BANDWIDTH, [0.4], 50.0);
+    Identifier::try_new(&config, trends).expect("a structure of the servo")
+}
+
+/// Errors at the end of a record.
+fn ending<T: TrendOperator<3>, const N: usize>(
+    record: &Record,
+    mut identifier: Identifier<T, 3, N>,
+) -> [f64; 3] {
+    for s in record.samples() {
+        let _ = identifier.update(s.u as f32, s.y as f32);
+    }
+    errors(&identifier.theta(), &REFERENCE)
+}
+
+fn filtered(seed: u64) -> Pair {
+    let record = Experiment::reference(Condition::white(100.0), 0.5).record(seed);
+    let structure = Structure::<3, 3, 1>::integrating();
+    let raw = RawTrends::try_new(Scheme::Tustin, DT as f32).expect("1 ms");
+    let filtered = FilteredTrends::try_new(Scheme::Tustin, DT as f32, [25.0; 3]).expect("25 rad/s");
+    [
+        ending(&record, identifier(raw, structure)),
+        ending(&record, identifier(filtered, structure)),
+    ]
+}
+
+fn compensated(seed: u64) -> Pair {
+    let methods = [false, true].map(|compensated| Method::Core {
+        scheme: Scheme::Tustin,
+        filter: Filter::Default,
+        compensated,
+    });
+    let setting = Setting {
+        condition: Condition::white_relative(16.72),
+        ..Setting::all(Reading::Relative)[0]
+    };
+    let runs = trial(&setting, 3.0, seed, &methods).runs;
+    [runs[0].error_pct, runs[1].error_pct]
+}
+
+fn start(seed: u64) -> Pair {
+    let record = Experiment::reference(Condition::white(100.0), 0.5).record(seed);
+    let without = Structure::<3, 3, 1>::integrating();
+    [
+        ending(&record, identifier(trends(BANDWIDTH), without)),
+        ending(
+            &record,
+            identifier(trends(BANDWIDTH), Structure::<3, 4, 1>::servo()),
+        ),
+    ]
+}
+
+fn constant(seed: u64) -> Pair {
+    let mut experiment = Experiment::reference(Condition::white(10.0), 1.0);
+    experiment.valve.offset = 0.04;
+    let record = experiment.record(seed);
+    let without = Structure::<3, 3, 1>::integrating();
+    let with = Structure::<3, 4, 1>::integrating_with_constant();
+    [
+        ending(&record, identifier(trends(BANDWIDTH), without)),
+        ending(&record, identifier(trends(BANDWIDTH), with)),
+    ]
+}
+
+fn dead_zone(seed: u64) -> Pair {
+    let mut experiment = Experiment::closed_loop(Condition::white(20.0), 4.0);
+    experiment.valve.dead_zone = 0.03;
+    let record = experiment.record(seed);
+    let mut without = identifier(
+        trends(BANDWIDTH),
+        Structure::<3, 4, 1>::integrating_with_constant(),
+    );
+    let structure = Structure::<3, 5, 2>::integrating_with_constant();
+    let mut config = Config::new(structure, BANDWIDTH, [0.2, 0.05], 50.0);
+    config.memory = Some(0.7);
+    let mut with: Identifier<_, 3, 5, 2> =
+        Identifier::try_new(&config, trends(BANDWIDTH)).expect("a servo with two inputs");
+    // Its width is found on the way, from two thirds of the truth.
+    let mut valve = DeadZone::new(0.02, 0.1, 300);
+    for s in record.samples() {
+        let _ = without.update(s.u as f32, s.y as f32);
+        let _ = with.update_inputs(valve.inputs(s.u as f32), s.y as f32);
+        let _ = valve.update(|| {
+            let theta = with.theta();
+            [theta[2], theta[3]]
+        });
+    }
+    [
+        errors(&without.theta(), &REFERENCE),
+        errors(&with.theta(), &REFERENCE),
+    ]
+}
+
+/// What 20 s of rest do to the reading, with the covariance growing as it likes and with it bounded.
+fn bounded(seed: u64) -> Pair {
+    let default = Config::new(Structure::<3, 4, 1>::servo(), BANDWIDTH, [0.4], 50.0);
+    [0.0, default.pull].map(|pull| {
+        let config = Config {
+            memory: Some(0.2),
+            pull,
+            ..default
+        };
+        let mut identifier: Identifier<_, 3, 4> =
+            Identifier::try_new(&config, trends(BANDWIDTH)).expect("a servo");
+        let mut noise = Additive::new(&Condition::white(30.0), seed);
+        let mut plant = REFERENCE.plant(DT);
+        let mut sample = |identifier: &mut Identifier<_, 3, 4>, u: f64| {
+            let y = plant.output() + noise.next().unwrap_or(0.0);
+            let _ = identifier.update(u as f32, y as f32);
+            plant.step(&[u]);
+        };
+        for u in Excitation::ABSOLUTE.sequence(2000, DT, seed) {
+            sample(&mut identifier, u);
+        }
+        // Without a bound there is nothing that leads back to a trusted estimate either.
+        if pull > 0.0 {
+            identifier.trust();
+        }
+        let [a1, a2, b0, _] = identifier.theta().map(f64::from);
+        let Some(before) = Servo::from_coefficients(a1, a2, b0) else {
+            return [f64::INFINITY; 3];
+        };
+        for _ in 0..20_000 {
+            sample(&mut identifier, 0.0);
+        }
+        errors(&identifier.theta(), &before)
+    })
+}
+
+fn retuned(seed: u64) -> Pair {
+    let record = Experiment::reference(Condition::white_relative(16.72), 3.0).record(seed);
+    let rough = 3.0 * BANDWIDTH;
+    let config = Config::new(Structure::<3, 4, 1>::servo(), rough, [1.0], 50.0);
+    let mut fixed: Identifier<_, 3, 4> =
+        Identifier::try_new(&config, trends(rough)).expect("a servo");
+    let mut tuned = fixed;
+    for (k, s) in record.samples().enumerate() {
+        let _ = fixed.update(s.u as f32, s.y as f32);
+        let _ = tuned.update(s.u as f32, s.y as f32);
+        if (k == 700 || k == 1400)
+            && let (Some(omega0), Some(sigma)) = (tuned.physical().omega0, tuned.physical_std())
+            && sigma[1] < 0.2 * omega0
+        {
+            let omega0 = omega0.clamp(2.0, 200.0);
+            // Three time constants of the pair of the new filter.
+            let _ = tuned.retune(trends(omega0), 3.0 / (0.7 * 1.25 * omega0));
+        }
+    }
+    [fixed, tuned].map(|identifier| errors(&identifier.theta(), &REFERENCE))
+}
+
+fn banked(seed: u64) -> Pair {
+    const DELAY: usize = 3;
+    let mut experiment = Experiment::reference(Condition::white(100.0), 0.5);
+    let inputs = [Input::delayed(&[REFERENCE.b0()], DELAY)];
+    experiment.plant = LinearPlant::with_inputs(&REFERENCE.a(), &inputs, 0.0, DT).expect("a servo");
+    let record = experiment.record(seed);
+    let config = Config::new(Structure::<3, 4, 1>::servo(), BANDWIDTH, [0.4], 50.0);
+    let mut bank: DelayBank<_, 3, 4, 1, 7, 8> =
+        DelayBank::try_new(&config, trends(BANDWIDTH), 0).expect("a bank");
+    for s in record.samples() {
+        let _ = bank.update_inputs([s.u as f32], s.y as f32);
+    }
+    let read = |identifier: Option<Identifier<_, 3, 4, 1, 7>>| {
+        identifier.map_or([f64::INFINITY; 3], |i| errors(&i.theta(), &REFERENCE))
+    };
+    [read(bank.candidate(0).copied()), read(bank.chosen())]
+}
+
+fn exact(seed: u64) -> Pair {
+    const SLOW: f64 = 0.005;
+    let truth = Servo {
+        c: 2500.0,
+        omega0: 60.0,
+        xi: 0.3,
+    };
+    let bandwidth = 60.0;
+    let structure = Structure::<3, 4, 1>::servo();
+    let mut config = Config::new(structure, bandwidth, [0.4], 50.0);
+    config.memory = Some(1.0);
+    let plain = FilteredTrends::for_bandwidth(Scheme::Tustin, SLOW as f32, bandwidth);
+    let mut without: Identifier<_, 3, 4> =
+        Identifier::try_new(&config, plain.expect("5 ms")).expect("a servo");
+    let trends = ExactTrends::for_bandwidth(SLOW as f32, bandwidth).expect("5 ms");
+    let mut with: Identifier<_, 3, 4> = Identifier::try_new(&config, trends).expect("a servo");
+    let mut noise = Additive::new(&Condition::white(10.0), seed);
+    let mut plant = truth.plant(SLOW);
+    let commands = Excitation::ABSOLUTE.sequence(800, SLOW, seed);
+    for (k, u) in commands.into_iter().enumerate() {
+        let y = (plant.output() + noise.next().unwrap_or(0.0)) as f32;
+        let _ = without.update(u as f32, y);
+        let _ = with.update(u as f32, y);
+        plant.step(&[u]);
+        // The numerators become those of the model found.
+        if (k == 200 || k == 400)
+            && let Ok(own) = trends.with_model(with.transfer_function().a)
+        {
+            let _ = with.retune(own, 3.0 / (0.7 * 1.25 * bandwidth));
+        }
+    }
+    [
+        errors(&without.theta(), &truth),
+        errors(&with.theta(), &truth),
+    ]
+}
