@@ -11,14 +11,16 @@ mod firmware;
 #[path = "firmware/drive.rs"]
 mod drive;
 
-use core::hint::black_box;
+#[path = "firmware/meter.rs"]
+mod meter;
+#[path = "firmware/position_loop.rs"]
+mod position_loop;
 
-use drive::{Drive, SimulatedValve};
+use drive::SimulatedValve;
 use firmware::{record, rows};
-use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
-use trendid::{
-    Estimator, FilteredTrends, LoopConfig, Outcome, Report, Scheme, ServoError, ServoLoop, Travel,
-};
+use meter::Meter;
+use position_loop::{ORIGIN, Servo, Still, motion, servo};
+use trendid::{Estimator, FilteredTrends, Outcome, Report, Scheme};
 
 /// How often the record is run: 10 000 samples.
 const ROUNDS: usize = 2;
@@ -70,69 +72,6 @@ functions! {
     row_pulled_5(Pulled<5>, &[f32; 5]) -> f32, |state, phi, psi| state.update(phi, psi);
 }
 
-/// The whole position loop, from the code of the encoder to the command of the valve.
-type Servo<V> = ServoLoop<Code, V>;
-
-/// An encoder that gives the code it was told.
-#[derive(Debug, Clone, Copy)]
-struct Code {
-    code: i32,
-}
-
-impl PositionSensor for Code {
-    type Error = core::convert::Infallible;
-
-    fn counts(&mut self) -> Result<i32, Self::Error> {
-        Ok(self.code)
-    }
-}
-
-/// A valve that moves nothing.
-#[derive(Debug, Clone, Copy)]
-struct Still;
-
-impl Valve for Still {
-    type Error = core::convert::Infallible;
-
-    fn drive(&mut self, command: f32) -> Result<f32, Self::Error> {
-        Ok(command)
-    }
-}
-
-/// Code of the encoder at the begin of the travel.
-const ORIGIN: i32 = 8_000_000;
-
-/// A loop on the simulated drive of 20 rad/s and 400 mm, about to commission itself.
-fn servo<V: Valve>(valve: V) -> Result<Servo<V>, ServoError> {
-    let axis = Axis {
-        scale: const { Scale::new(0.005).unwrap() },
-        reference: ORIGIN,
-    };
-    let travel = Travel {
-        begin: 0.0,
-        end: 400.0,
-    };
-    let config = LoopConfig::new(20.0, travel);
-    let mut servo = ServoLoop::try_new(&config, axis, Code { code: ORIGIN }, valve)?;
-    servo.commission();
-    Ok(servo)
-}
-
-/// Codes of the drive under a loop of its own, and a move every second.
-fn motion(mut leader: Servo<SimulatedValve>) -> impl Iterator<Item = ((i32, Option<f32>), f32)> {
-    let mut drive = Drive::new();
-    (0..ROUNDS * record::SAMPLES).map(move |k| {
-        let code = drive.counts().unwrap_or(ORIGIN);
-        let target = (k % 1000 == 999).then_some(if k % 2000 == 999 { 250.0 } else { 150.0 });
-        leader.sensor_mut().code = code;
-        if let Some(target) = target {
-            leader.move_to(target);
-        }
-        let _ = leader.update();
-        ((code, target), 0.0)
-    })
-}
-
 /// The bare estimator with its covariance bounded at rest, one parameter per sample in turn.
 #[derive(Clone, Copy)]
 struct Pulled<const N: usize> {
@@ -148,20 +87,6 @@ impl<const N: usize> Pulled<N> {
         self.estimator.relax(self.turn, 0.0, 1e4, 1e-7);
         innovation
     }
-}
-
-/// Something that takes the rows one after the other: a counter on the target, a stopwatch on the host.
-trait Meter {
-    /// Runs `step` over `samples`, twice the whole record.
-    fn row<S: Copy, U: Copy, R>(
-        &mut self,
-        name: &str,
-        function: &str,
-        n: usize,
-        state: S,
-        samples: impl Iterator<Item = (U, f32)>,
-        step: impl Fn(&mut S, &U, f32) -> R,
-    );
 }
 
 /// The record as often as it is run. Each round goes on where the round before ended.
@@ -214,7 +139,7 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     }
     if let (Ok(leader), Ok(follower)) = (servo(SimulatedValve), servo(Still)) {
         rows! { meter;
-            "whole position loop", 6, *row_servo, follower, motion(leader);
+            "whole position loop", 6, *row_servo, follower, motion(leader, ROUNDS * record::SAMPLES);
         }
     }
     rows! { meter;
@@ -279,77 +204,17 @@ fn pulled<const N: usize>() -> Pulled<N> {
 
 #[cfg(target_os = "none")]
 mod target {
-    use core::mem::size_of;
-
     use cortex_m_rt::entry;
 
-    use super::{Meter, all, black_box};
+    use super::all;
     use crate::firmware::board::{exit, line};
     use crate::firmware::clock::{Clock, Unit};
-    use crate::firmware::stack;
+    use crate::meter::Counter;
 
     #[panic_handler]
     fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
         line(format_args!("{info}"));
         exit(false)
-    }
-
-    struct Counter {
-        clocks: [Clock; 2],
-        /// Ticks of a function of one instruction, its return.
-        idle: [f32; 2],
-        systick_off: bool,
-    }
-
-    impl Meter for Counter {
-        fn row<S: Copy, U: Copy, R>(
-            &mut self,
-            name: &str,
-            function: &str,
-            n: usize,
-            state: S,
-            samples: impl Iterator<Item = (U, f32)>,
-            step: impl Fn(&mut S, &U, f32) -> R,
-        ) {
-            let [fine, systick] = self.clocks;
-            let mut sums = [0.0f64; 2];
-            let (mut worst, mut peak, mut count) = (0, 0, 0);
-            let mut subject = state;
-            for (k, (u, y)) in samples.enumerate() {
-                let (u, y) = black_box((u, y));
-                // Both clocks count the same step, so one of them works on a copy.
-                let mut copy = subject;
-                sums[1] += f64::from(systick.ticks(|| step(black_box(&mut copy), &u, y)));
-                if k % 100 == 1 {
-                    let mut copy = subject;
-                    peak = peak.max(stack::peak(|| step(black_box(&mut copy), &u, y)));
-                }
-                let ticks = fine.ticks(|| step(black_box(&mut subject), &u, y));
-                sums[0] += f64::from(ticks);
-                worst = worst.max(ticks);
-                count += 1;
-            }
-            let mean = sums.map(|sum| (sum / f64::from(count)) as f32);
-            if n == 0 {
-                self.idle = mean;
-                return;
-            }
-            let units =
-                |clock: &Clock, i: usize, ticks: f32| clock.units(ticks - self.idle[i]) + 1.0;
-            let by_fine = units(&fine, 0, mean[0]);
-            let by_systick = units(&systick, 1, mean[1]);
-            // Two counters with their own calibration must tell the same story. SysTick counts in steps of
-            // six instructions, and in a repeatable run the part of a step does not average out.
-            const STEP: f32 = 6.0;
-            if (by_systick - by_fine).abs() > 0.02 * by_fine + STEP {
-                self.systick_off = true;
-            }
-            line(format_args!(
-                "{name};{function};{n};{by_fine:.1};{:.0};{by_systick:.1};{peak};{}",
-                units(&fine, 0, worst as f32),
-                size_of::<S>(),
-            ));
-        }
     }
 
     #[entry]
@@ -371,11 +236,7 @@ mod target {
                 "# a board: processor cycles, not instructions"
             ));
         }
-        let mut counter = Counter {
-            clocks,
-            idle: [0.0; 2],
-            systick_off: false,
-        };
+        let mut counter = Counter::new(clocks);
         if let Err(error) = all(&mut counter) {
             line(format_args!("{error}"));
             exit(false);
@@ -389,31 +250,8 @@ mod target {
 
 #[cfg(not(target_os = "none"))]
 fn main() -> Result<(), trendid::ConfigError> {
-    struct Stopwatch;
-    impl Meter for Stopwatch {
-        fn row<S: Copy, U: Copy, R>(
-            &mut self,
-            name: &str,
-            _function: &str,
-            n: usize,
-            mut state: S,
-            samples: impl Iterator<Item = (U, f32)>,
-            step: impl Fn(&mut S, &U, f32) -> R,
-        ) {
-            let samples: Vec<_> = samples.collect();
-            let start = std::time::Instant::now();
-            for (u, y) in &samples {
-                let _ = black_box(step(black_box(&mut state), u, *y));
-            }
-            let nanoseconds = start.elapsed().as_nanos() as f64 / samples.len() as f64;
-            println!(
-                "{name:16} n = {n}  {nanoseconds:7.1} ns per update, {} bytes",
-                size_of::<S>()
-            );
-        }
-    }
     println!(
         "this machine, wall time; `cargo xtask icount` counts instructions on the emulated target"
     );
-    all(&mut Stopwatch)
+    all(&mut meter::Stopwatch)
 }

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | SSI encoder, 24 bits Gray with alarm and parity, 500 kHz | SPI2: clock PB13, data PB14 (RS-422 transceivers) |
 //! | valve by pulse width, 20 kHz, and direction | TIM4 channel 1: PB6; direction PB7 |
-//! | valve by voltage instead ([`OUTPUT`]), DAC8551 | SPI3: clock PC10, data PC12; select PA15 |
+//! | valve by voltage instead (`OUTPUT` in `firmware/wiring.rs`), DAC8551 | SPI3: clock PC10, data PC12; select PA15 |
 //! | time slot of 1 ms | TIM2 |
 //! | watchdog | independent watchdog, 10 ms |
 //! | log | defmt over RTT (probe-rs) or semihosting (emulator) |
@@ -27,6 +27,9 @@ mod log;
 #[cfg(target_os = "none")]
 #[path = "firmware/slot.rs"]
 mod slot;
+#[cfg(target_os = "none")]
+#[path = "firmware/wiring.rs"]
+mod wiring;
 
 use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
 use trendid::{LoopConfig, ServoError, ServoLoop, State, Travel};

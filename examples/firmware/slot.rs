@@ -1,48 +1,22 @@
 //! The 1 ms slot of the servo controller and the idle loop around it.
 
 use core::cell::RefCell;
-use core::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use core::sync::atomic::{AtomicU8, Ordering};
 
 use cortex_m::interrupt::{Mutex, free};
 use cortex_m_rt::entry;
 use cortex_m_semihosting::debug;
 use heapless::spsc::{Consumer, Producer, Queue};
-use stm32f4xx_hal::gpio::{Output as PinOutput, PB7, PushPull};
-use stm32f4xx_hal::hal::digital::OutputPin;
-use stm32f4xx_hal::hal::pwm::SetDutyCycle;
-use stm32f4xx_hal::hal::spi::{self, Operation, SpiBus, SpiDevice};
 use stm32f4xx_hal::pac::{self, NVIC, TIM2};
-use stm32f4xx_hal::timer::{CounterHz, Event, Flag, PwmChannel};
+use stm32f4xx_hal::timer::{CounterHz, Event, Flag};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use stm32f4xx_hal::{ReadFlags, pac::interrupt, prelude::*, rcc};
-use trendid::hardware::{
-    DacValve, PositionSensor, PwmValve, SsiCode, SsiEncoder, SsiFormat, Valve,
-};
+use trendid::hardware::Valve;
 use trendid::{ServoLoop, ServoModel, State};
 
 use crate::drive::{Drive, SimulatedValve};
+use crate::wiring::{self, CRYSTAL_MHZ, FRESH, Output, Ports, Sensor};
 use crate::{log, machine, name, target};
-
-/// The transducer on SPI2.
-const ENCODER: SsiFormat = SsiFormat {
-    bits: 24,
-    code: SsiCode::Gray,
-    alarm: true,
-    parity: true,
-};
-
-/// Frequency of the crystal; the only number of the board here besides the pins.
-const CRYSTAL_MHZ: u32 = 8;
-
-/// How the valve is driven on a board.
-#[derive(PartialEq)]
-enum Wiring {
-    Pwm,
-    #[allow(dead_code, reason = "the alternative of the wiring table")]
-    Dac,
-}
-
-const OUTPUT: Wiring = Wiring::Pwm;
 
 /// Overruns in a row that end in the safe output.
 const LIMIT: u8 = 3;
@@ -56,85 +30,8 @@ const END: u32 = 6000;
 /// Ticks of TIM2 per second in QEMU, whatever the clock control says.
 const EMULATED_HZ: u32 = 1_000_000_000;
 
-/// Set when a reading succeeded since the last look.
-static FRESH: AtomicBool = AtomicBool::new(false);
-
 /// Overruns that the interrupt is asked to provoke.
 static PROVOKED: AtomicU8 = AtomicU8::new(0);
-
-/// A bus whose device needs no select line, or has it in `select`.
-struct Device<B, P> {
-    bus: B,
-    select: Option<P>,
-}
-
-impl<B: SpiBus, P> spi::ErrorType for Device<B, P> {
-    type Error = B::Error;
-}
-
-impl<B: SpiBus, P: OutputPin> SpiDevice for Device<B, P> {
-    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Self::Error> {
-        // A pin of this chip cannot fail.
-        let _ = self.select.as_mut().map(OutputPin::set_low);
-        let result = operations
-            .iter_mut()
-            .try_for_each(|operation| match operation {
-                Operation::Read(words) => self.bus.read(words),
-                Operation::Write(words) => self.bus.write(words),
-                Operation::Transfer(read, write) => self.bus.transfer(read, write),
-                Operation::TransferInPlace(words) => self.bus.transfer_in_place(words),
-                // Nobody here asks for a pause.
-                Operation::DelayNs(_) => Ok(()),
-            });
-        let flushed = self.bus.flush();
-        let _ = self.select.as_mut().map(OutputPin::set_high);
-        result.and(flushed)
-    }
-}
-
-type NoPin = PB7<PinOutput<PushPull>>;
-type EncoderBus = Device<stm32f4xx_hal::spi::Spi<pac::SPI2>, NoPin>;
-type DacBus =
-    Device<stm32f4xx_hal::spi::Spi<pac::SPI3>, stm32f4xx_hal::gpio::PA15<PinOutput<PushPull>>>;
-type Pulse = PwmChannel<pac::TIM4, 0>;
-
-/// The transducer, or the simulated one.
-enum Sensor {
-    Encoder(SsiEncoder<EncoderBus>),
-    Simulated(Drive),
-}
-
-impl PositionSensor for Sensor {
-    type Error = ();
-
-    fn counts(&mut self) -> Result<i32, ()> {
-        let counts = match self {
-            Self::Encoder(encoder) => encoder.counts().map_err(drop),
-            Self::Simulated(drive) => drive.counts().map_err(drop),
-        };
-        FRESH.store(counts.is_ok(), Ordering::Relaxed);
-        counts
-    }
-}
-
-/// The valve, or the simulated one.
-enum Output {
-    Pwm(PwmValve<Pulse, PB7<PinOutput<PushPull>>>),
-    Dac(DacValve<DacBus>),
-    Simulated(SimulatedValve),
-}
-
-impl Valve for Output {
-    type Error = ();
-
-    fn drive(&mut self, command: f32) -> Result<f32, ()> {
-        match self {
-            Self::Pwm(valve) => valve.drive(command).map_err(drop),
-            Self::Dac(valve) => valve.drive(command).map_err(drop),
-            Self::Simulated(valve) => valve.drive(command).map_err(drop),
-        }
-    }
-}
 
 /// What the interrupt tells the idle loop.
 #[derive(Clone, Copy)]
@@ -283,38 +180,17 @@ fn main() -> ! {
             Output::Simulated(SimulatedValve),
         )
     } else {
-        let pins_a = chip.GPIOA.split(&mut rcc);
-        let pins_b = chip.GPIOB.split(&mut rcc);
-        let pins_c = chip.GPIOC.split(&mut rcc);
-        let falling = spi::MODE_2;
-        let bus = chip.SPI2.spi(
-            (Some(pins_b.pb13), Some(pins_b.pb14), pac::SPI2::NoMosi),
-            falling,
-            500.kHz(),
+        wiring::wired(
+            Ports {
+                a: chip.GPIOA,
+                b: chip.GPIOB,
+                c: chip.GPIOC,
+                encoder: chip.SPI2,
+                dac: chip.SPI3,
+                pulse: chip.TIM4,
+            },
             &mut rcc,
-        );
-        let encoder = SsiEncoder::new(Device { bus, select: None }, ENCODER).unwrap();
-        let valve = if OUTPUT == Wiring::Pwm {
-            let (_, (channel, ..)) = chip.TIM4.pwm_hz(20.kHz(), &mut rcc);
-            let mut pulse = channel.with(pins_b.pb6);
-            let _ = pulse.set_duty_cycle(0);
-            pulse.enable();
-            Output::Pwm(PwmValve::new(pulse, pins_b.pb7.into_push_pull_output()))
-        } else {
-            let bus = chip.SPI3.spi(
-                (Some(pins_c.pc10), pac::SPI3::NoMiso, Some(pins_c.pc12)),
-                spi::MODE_1,
-                10.MHz(),
-                &mut rcc,
-            );
-            let mut select = pins_a.pa15.into_push_pull_output();
-            select.set_high();
-            Output::Dac(DacValve::new(Device {
-                bus,
-                select: Some(select),
-            }))
-        };
-        (Sensor::Encoder(encoder), valve)
+        )
     };
     let servo = machine(sensor, valve).unwrap();
 

@@ -1,0 +1,125 @@
+//! What takes the rows of the counts: a counter of instructions on the target, a stopwatch on the host.
+
+use core::hint::black_box;
+
+#[cfg(target_os = "none")]
+use crate::firmware::board::line;
+#[cfg(target_os = "none")]
+use crate::firmware::clock::Clock;
+#[cfg(target_os = "none")]
+use crate::firmware::stack;
+
+/// Something that takes the rows one after the other.
+pub trait Meter {
+    /// Runs `step` over `samples`, twice the whole record.
+    fn row<S: Copy, U: Copy, R>(
+        &mut self,
+        name: &str,
+        function: &str,
+        n: usize,
+        state: S,
+        samples: impl Iterator<Item = (U, f32)>,
+        step: impl Fn(&mut S, &U, f32) -> R,
+    );
+}
+
+/// Counts the instructions of each step with two clocks.
+#[cfg(target_os = "none")]
+pub struct Counter {
+    clocks: [Clock; 2],
+    /// Ticks of a function of one instruction, its return.
+    idle: [f32; 2],
+    /// Whether the two clocks disagreed.
+    pub systick_off: bool,
+}
+
+#[cfg(target_os = "none")]
+impl Counter {
+    /// A counter that has not yet counted the row of nothing.
+    pub fn new(clocks: [Clock; 2]) -> Self {
+        Self {
+            clocks,
+            idle: [0.0; 2],
+            systick_off: false,
+        }
+    }
+}
+
+#[cfg(target_os = "none")]
+impl Meter for Counter {
+    fn row<S: Copy, U: Copy, R>(
+        &mut self,
+        name: &str,
+        function: &str,
+        n: usize,
+        state: S,
+        samples: impl Iterator<Item = (U, f32)>,
+        step: impl Fn(&mut S, &U, f32) -> R,
+    ) {
+        let [fine, systick] = self.clocks;
+        let mut sums = [0.0f64; 2];
+        let (mut worst, mut peak, mut count) = (0, 0, 0);
+        let mut subject = state;
+        for (k, (u, y)) in samples.enumerate() {
+            let (u, y) = black_box((u, y));
+            // Both clocks count the same step, so one of them works on a copy.
+            let mut copy = subject;
+            sums[1] += f64::from(systick.ticks(|| step(black_box(&mut copy), &u, y)));
+            if k % 100 == 1 {
+                let mut copy = subject;
+                peak = peak.max(stack::peak(|| step(black_box(&mut copy), &u, y)));
+            }
+            let ticks = fine.ticks(|| step(black_box(&mut subject), &u, y));
+            sums[0] += f64::from(ticks);
+            worst = worst.max(ticks);
+            count += 1;
+        }
+        let mean = sums.map(|sum| (sum / f64::from(count)) as f32);
+        if n == 0 {
+            self.idle = mean;
+            return;
+        }
+        let units = |clock: &Clock, i: usize, ticks: f32| clock.units(ticks - self.idle[i]) + 1.0;
+        let by_fine = units(&fine, 0, mean[0]);
+        let by_systick = units(&systick, 1, mean[1]);
+        // Two counters with their own calibration must tell the same story. SysTick counts in steps of
+        // six instructions, and in a repeatable run the part of a step does not average out.
+        const STEP: f32 = 6.0;
+        if (by_systick - by_fine).abs() > 0.02 * by_fine + STEP {
+            self.systick_off = true;
+        }
+        line(format_args!(
+            "{name};{function};{n};{by_fine:.1};{:.0};{by_systick:.1};{peak};{}",
+            units(&fine, 0, worst as f32),
+            size_of::<S>(),
+        ));
+    }
+}
+
+/// Takes the wall time of a row.
+#[cfg(not(target_os = "none"))]
+pub struct Stopwatch;
+
+#[cfg(not(target_os = "none"))]
+impl Meter for Stopwatch {
+    fn row<S: Copy, U: Copy, R>(
+        &mut self,
+        name: &str,
+        _function: &str,
+        n: usize,
+        mut state: S,
+        samples: impl Iterator<Item = (U, f32)>,
+        step: impl Fn(&mut S, &U, f32) -> R,
+    ) {
+        let samples: Vec<_> = samples.collect();
+        let start = std::time::Instant::now();
+        for (u, y) in &samples {
+            let _ = black_box(step(black_box(&mut state), u, *y));
+        }
+        let nanoseconds = start.elapsed().as_nanos() as f64 / samples.len() as f64;
+        println!(
+            "{name:16} n = {n}  {nanoseconds:7.1} ns per update, {} bytes",
+            size_of::<S>()
+        );
+    }
+}

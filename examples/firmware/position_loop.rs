@@ -1,0 +1,72 @@
+//! The whole position loop as a row of the counts: it gets what a loop on the simulated drive got.
+
+use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
+use trendid::{LoopConfig, ServoError, ServoLoop, Travel};
+
+use crate::drive::{Drive, SimulatedValve};
+
+/// The whole position loop, from the code of the encoder to the command of the valve.
+pub type Servo<V> = ServoLoop<Code, V>;
+
+/// An encoder that gives the code it was told.
+#[derive(Debug, Clone, Copy)]
+pub struct Code {
+    pub code: i32,
+}
+
+impl PositionSensor for Code {
+    type Error = core::convert::Infallible;
+
+    fn counts(&mut self) -> Result<i32, Self::Error> {
+        Ok(self.code)
+    }
+}
+
+/// A valve that moves nothing.
+#[derive(Debug, Clone, Copy)]
+pub struct Still;
+
+impl Valve for Still {
+    type Error = core::convert::Infallible;
+
+    fn drive(&mut self, command: f32) -> Result<f32, Self::Error> {
+        Ok(command)
+    }
+}
+
+/// Code of the encoder at the begin of the travel.
+pub const ORIGIN: i32 = 8_000_000;
+
+/// A loop on the simulated drive of 20 rad/s and 400 mm, about to commission itself.
+pub fn servo<V: Valve>(valve: V) -> Result<Servo<V>, ServoError> {
+    let axis = Axis {
+        scale: const { Scale::new(0.005).unwrap() },
+        reference: ORIGIN,
+    };
+    let travel = Travel {
+        begin: 0.0,
+        end: 400.0,
+    };
+    let config = LoopConfig::new(20.0, travel);
+    let mut servo = ServoLoop::try_new(&config, axis, Code { code: ORIGIN }, valve)?;
+    servo.commission();
+    Ok(servo)
+}
+
+/// Codes of the drive under a loop of its own, and a move every second.
+pub fn motion(
+    mut leader: Servo<SimulatedValve>,
+    samples: usize,
+) -> impl Iterator<Item = ((i32, Option<f32>), f32)> {
+    let mut drive = Drive::new();
+    (0..samples).map(move |k| {
+        let code = drive.counts().unwrap_or(ORIGIN);
+        let target = (k % 1000 == 999).then_some(if k % 2000 == 999 { 250.0 } else { 150.0 });
+        leader.sensor_mut().code = code;
+        if let Some(target) = target {
+            leader.move_to(target);
+        }
+        let _ = leader.update();
+        ((code, target), 0.0)
+    })
+}

@@ -1,0 +1,160 @@
+//! What is wired to the chip: encoder and valve on their pins, or the simulated drive.
+
+use core::sync::atomic::{AtomicBool, Ordering};
+
+use stm32f4xx_hal::gpio::{Output as PinOutput, PA15, PB7, PushPull};
+use stm32f4xx_hal::hal::digital::OutputPin;
+use stm32f4xx_hal::hal::pwm::SetDutyCycle;
+use stm32f4xx_hal::hal::spi::{self, Operation, SpiBus, SpiDevice};
+use stm32f4xx_hal::rcc::Rcc;
+use stm32f4xx_hal::spi::Spi;
+use stm32f4xx_hal::timer::PwmChannel;
+use stm32f4xx_hal::{pac, prelude::*};
+use trendid::hardware::{
+    DacValve, PositionSensor, PwmValve, SsiCode, SsiEncoder, SsiFormat, Valve,
+};
+
+use crate::drive::{Drive, SimulatedValve};
+
+/// The transducer on SPI2.
+const ENCODER: SsiFormat = SsiFormat {
+    bits: 24,
+    code: SsiCode::Gray,
+    alarm: true,
+    parity: true,
+};
+
+/// Frequency of the crystal; the only number of the board here besides the pins.
+pub const CRYSTAL_MHZ: u32 = 8;
+
+/// How the valve is driven on a board.
+#[derive(PartialEq)]
+enum Wiring {
+    Pwm,
+    #[allow(dead_code, reason = "the alternative of the wiring table")]
+    Dac,
+}
+
+const OUTPUT: Wiring = Wiring::Pwm;
+
+/// Set when a reading succeeded since the last look.
+pub static FRESH: AtomicBool = AtomicBool::new(false);
+
+/// A bus whose device needs no select line, or has it in `select`.
+pub struct Device<B, P> {
+    bus: B,
+    select: Option<P>,
+}
+
+impl<B: SpiBus, P> spi::ErrorType for Device<B, P> {
+    type Error = B::Error;
+}
+
+impl<B: SpiBus, P: OutputPin> SpiDevice for Device<B, P> {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Self::Error> {
+        // A pin of this chip cannot fail.
+        let _ = self.select.as_mut().map(OutputPin::set_low);
+        let result = operations
+            .iter_mut()
+            .try_for_each(|operation| match operation {
+                Operation::Read(words) => self.bus.read(words),
+                Operation::Write(words) => self.bus.write(words),
+                Operation::Transfer(read, write) => self.bus.transfer(read, write),
+                Operation::TransferInPlace(words) => self.bus.transfer_in_place(words),
+                // Nobody here asks for a pause.
+                Operation::DelayNs(_) => Ok(()),
+            });
+        let flushed = self.bus.flush();
+        let _ = self.select.as_mut().map(OutputPin::set_high);
+        result.and(flushed)
+    }
+}
+
+type NoPin = PB7<PinOutput<PushPull>>;
+type EncoderBus = Device<Spi<pac::SPI2>, NoPin>;
+type DacBus = Device<Spi<pac::SPI3>, PA15<PinOutput<PushPull>>>;
+type Pulse = PwmChannel<pac::TIM4, 0>;
+
+/// The transducer, or the simulated one.
+pub enum Sensor {
+    Encoder(SsiEncoder<EncoderBus>),
+    Simulated(Drive),
+}
+
+impl PositionSensor for Sensor {
+    type Error = ();
+
+    fn counts(&mut self) -> Result<i32, ()> {
+        let counts = match self {
+            Self::Encoder(encoder) => encoder.counts().map_err(drop),
+            Self::Simulated(drive) => drive.counts().map_err(drop),
+        };
+        FRESH.store(counts.is_ok(), Ordering::Relaxed);
+        counts
+    }
+}
+
+/// The valve, or the simulated one.
+pub enum Output {
+    Pwm(PwmValve<Pulse, PB7<PinOutput<PushPull>>>),
+    Dac(DacValve<DacBus>),
+    Simulated(SimulatedValve),
+}
+
+impl Valve for Output {
+    type Error = ();
+
+    fn drive(&mut self, command: f32) -> Result<f32, ()> {
+        match self {
+            Self::Pwm(valve) => valve.drive(command).map_err(drop),
+            Self::Dac(valve) => valve.drive(command).map_err(drop),
+            Self::Simulated(valve) => valve.drive(command).map_err(drop),
+        }
+    }
+}
+
+/// The parts of the chip that the wiring needs.
+pub struct Ports {
+    pub a: pac::GPIOA,
+    pub b: pac::GPIOB,
+    pub c: pac::GPIOC,
+    pub encoder: pac::SPI2,
+    pub dac: pac::SPI3,
+    pub pulse: pac::TIM4,
+}
+
+/// Encoder and valve as [`OUTPUT`] says.
+pub fn wired(ports: Ports, rcc: &mut Rcc) -> (Sensor, Output) {
+    let pins_a = ports.a.split(rcc);
+    let pins_b = ports.b.split(rcc);
+    let pins_c = ports.c.split(rcc);
+    let falling = spi::MODE_2;
+    let bus = ports.encoder.spi(
+        (Some(pins_b.pb13), Some(pins_b.pb14), pac::SPI2::NoMosi),
+        falling,
+        500.kHz(),
+        rcc,
+    );
+    let encoder = SsiEncoder::new(Device { bus, select: None }, ENCODER).unwrap();
+    let valve = if OUTPUT == Wiring::Pwm {
+        let (_, (channel, ..)) = ports.pulse.pwm_hz(20.kHz(), rcc);
+        let mut pulse = channel.with(pins_b.pb6);
+        let _ = pulse.set_duty_cycle(0);
+        pulse.enable();
+        Output::Pwm(PwmValve::new(pulse, pins_b.pb7.into_push_pull_output()))
+    } else {
+        let bus = ports.dac.spi(
+            (Some(pins_c.pc10), pac::SPI3::NoMiso, Some(pins_c.pc12)),
+            spi::MODE_1,
+            10.MHz(),
+            rcc,
+        );
+        let mut select = pins_a.pa15.into_push_pull_output();
+        select.set_high();
+        Output::Dac(DacValve::new(Device {
+            bus,
+            select: Some(select),
+        }))
+    };
+    (Sensor::Encoder(encoder), valve)
+}
