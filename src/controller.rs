@@ -152,10 +152,15 @@ const TRANSITION_STEP: f32 = 0.005;
 const REST_SAMPLES: u16 = 10;
 
 /// Rate of the drive over friction, per s, with which a sticking axis is pushed behind its reference at least.
-const INSIST: f32 = 30.0;
+const INSIST: f32 = 25.0;
 
 /// Growth of that rate per sample of sticking.
 const IMPATIENCE: f32 = 0.03;
+
+/// Hops beside a target after which the rest window grows, growth per hop, and number of hops that count.
+const PATIENCE: u16 = 2;
+const WIDER: f32 = 0.15;
+const HUNT: u16 = 3;
 
 /// Flow with which a resting axis beside its target is pushed: at first and at most.
 const CREEP_LEAST: f32 = 0.01;
@@ -213,6 +218,8 @@ pub struct Controller {
     quiet: u16,
     creep: f32,
     creeping: bool,
+    /// How often it broke loose beside the present target.
+    hops: u16,
     /// Push at which a resting axis moved, downwards and upwards.
     edge: [f32; 2],
     inverse_slow: f32,
@@ -288,6 +295,7 @@ impl Controller {
             quiet: 0,
             creep: 0.0,
             creeping: false,
+            hops: 0,
             edge: [CREEP_LEAST; 2],
             inverse_slow: if config.slow > 0.0 {
                 1.0 / config.slow
@@ -453,6 +461,9 @@ impl Controller {
     fn rest(&mut self, r: &Setpoint) {
         let sticks = self.observer.sticks();
         let error = r.position - self.observer.motion().position;
+        if !r.is_rest() {
+            self.hops = 0;
+        }
         let side = usize::from(error > 0.0);
         if sticks && r.is_rest() {
             self.observer.doubt_drive();
@@ -464,6 +475,7 @@ impl Controller {
             self.creeping = true;
         } else {
             if self.creeping && r.is_rest() {
+                self.hops = self.hops.saturating_add(1);
                 // It moved: what the dead zone really is on this side, to begin there next time.
                 self.edge[side] += 0.5 * (self.creep - self.edge[side]);
             }
@@ -474,11 +486,14 @@ impl Controller {
             self.quiet = 0;
             return;
         }
+        // An axis whose hops are longer than the window would hunt for ever.
+        let hops = self.hops.saturating_sub(PATIENCE).min(HUNT);
+        let wide = self.rest_window * (1.0 + WIDER * f32::from(hops));
         // Wider while it rests, so that noise does not wake it.
         let window = if self.quiet >= REST_SAMPLES {
-            self.rest_window
+            wide
         } else {
-            0.9 * self.rest_window
+            0.9 * wide
         };
         if within(error, window) != error {
             self.quiet = 0;

@@ -83,10 +83,10 @@ const QUICK: f32 = 10.0;
 const LEARN: f32 = 0.5;
 
 /// Breakaway over Coulomb friction at a reversal.
-const BREAKAWAY: f32 = 1.3;
+const BREAKAWAY: f32 = 1.5;
 
 /// Friction over that of the model, at least and at most.
-const GRIP: [f32; 2] = [0.6, 4.0];
+const GRIP: [f32; 2] = [0.25, 4.0];
 
 /// Time in s by which valve and mean are late.
 const LATE: f32 = 0.005;
@@ -224,8 +224,11 @@ impl Observer {
     /// Believes no more of the drive than friction itself, while the valve creeps about its dead zone.
     #[inline]
     pub fn doubt_drive(&mut self) {
-        self.drive = within(self.drive, self.friction);
-        self.before = 0.0;
+        let believed = within(self.drive, self.friction);
+        if believed != self.drive {
+            self.drive = believed;
+            self.before = 0.0;
+        }
     }
 
     /// One sample on under the flow that was in force. Cost: about 50 instructions.
@@ -376,13 +379,13 @@ impl Observer {
         self.since
     }
 
-    /// Friction over Coulomb friction, with the sign of the motion that it hinders: while it sticks, all of the drive.
+    /// What friction takes of the acceleration, with the sign of the motion that it hinders: while it sticks, all of the drive.
     #[inline]
     pub fn friction(&self) -> f32 {
         if self.sticks() {
-            self.drive / self.friction
+            self.drive
         } else {
-            self.direction
+            self.friction * self.direction
         }
     }
 

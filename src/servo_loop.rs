@@ -80,7 +80,7 @@ impl LoopConfig {
             range: 1.0,
             rate: 400.0,
             delay: 2,
-            memory: 3.0,
+            memory: 1.5,
             pull: 1e-5,
             rich: 0.1,
             adaptive: true,
@@ -241,6 +241,8 @@ pub struct ServoLoop<S, V> {
     coast_rate: f32,
     /// Velocity below which the direction of friction is open.
     slow: f32,
+    /// Samples after a start in which the filters still tell of friction.
+    settling: u16,
     identifier: ServoIdentifier,
     supervisor: Supervisor,
     controller: Controller,
@@ -249,8 +251,6 @@ pub struct ServoLoop<S, V> {
     limiter: CommandLimiter,
     tracker: Tracker,
     richness: Richness,
-    /// Dead zone by which the inputs of the identifier are switched.
-    gate: f32,
     code: i32,
     position: f32,
     begun: bool,
@@ -295,6 +295,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             adaptive: config.adaptive,
             coast_rate: config.bandwidth,
             slow: 0.1 * config.supervisor.slow,
+            settling: (0.75 / (config.bandwidth * time)) as u16,
             identifier: Identifier::try_new(&identify, trends)?,
             supervisor: Supervisor::try_new(&config.supervisor, time)?,
             controller: Controller::try_new(&config.controller, nominal, time)?,
@@ -303,7 +304,6 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             limiter: CommandLimiter::try_new(config.range, config.rate, time)?,
             tracker: Tracker::new(12.0 * config.bandwidth, time),
             richness: Richness::new(config.rich, time),
-            gate: 0.0,
             code: 0,
             position: 0.0,
             begun: false,
@@ -324,7 +324,6 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.supervisor.install(model);
         self.controller.retune(model);
         self.open_memory(&model, 0.1);
-        self.gate = model.dead_zone;
         self.start_requested = false;
         if self.begun {
             self.take_over(Motion {
@@ -390,7 +389,6 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             self.supervisor.begin(y);
             self.excitation.begin(y);
             self.identifier.reset();
-            self.gate = 0.0;
             self.beyond = 0;
         }
         let state = self.supervisor.state();
@@ -409,18 +407,25 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             return self.report(setpoint, 0.0, None, false);
         };
         self.controller.applied(command);
-        let [active, sign] = dead_zone(command, self.gate);
-        let friction = if state.is_controlling() && self.controller.model().friction > 0.0 {
-            self.controller.observer().friction()
-        } else if state.is_controlling() {
-            coulomb(self.controller.motion().velocity, self.slow)
-        } else {
-            coulomb(self.tracker.motion.velocity, self.slow)
-        };
+        let inputs = self.inputs(command);
         self.richness.update(command);
-        let outcome = self.identifier.update_inputs([active, sign, friction], y);
-        let retuned = self.supervise(y, command, same_code, outcome);
+        let outcome = self.identifier.update_inputs(inputs, y);
+        let retuned = self.supervise(&setpoint, y, command, same_code, outcome);
         self.report(setpoint, command, outcome.innovation(), retuned)
+    }
+
+    /// The inputs of the identifier: everything is unknown while commissioning, valve and friction are known in control.
+    fn inputs(&self, command: f32) -> [f32; 3] {
+        if self.supervisor.state().is_controlling() {
+            let flow = self.controller.model().flow(command);
+            return [flow, 0.0, self.controller.observer().friction()];
+        }
+        let [active, sign] = dead_zone(command, 0.0);
+        [
+            active,
+            sign,
+            coulomb(self.tracker.motion.velocity, self.slow),
+        ]
     }
 
     fn report(
@@ -464,7 +469,14 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     }
 
     /// Everything between the identifier and the controller.
-    fn supervise(&mut self, y: f32, command: f32, same_code: bool, outcome: Outcome) -> bool {
+    fn supervise(
+        &mut self,
+        setpoint: &Setpoint,
+        y: f32,
+        command: f32,
+        same_code: bool,
+        outcome: Outcome,
+    ) -> bool {
         let state = self.supervisor.state();
         let motion = if state.is_controlling() {
             self.controller.motion()
@@ -477,6 +489,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             u: command,
             same_code,
             sticks: state.is_controlling() && self.controller.observer().sticks(),
+            error: setpoint.position - motion.position,
             innovation: outcome.innovation(),
         };
         let event = if state.is_commissioning() && self.runs_away(y) {
@@ -494,9 +507,18 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         };
         let now = self.supervisor.state();
         let learns = now.is_commissioning()
-            || (self.adaptive && now == State::Adapting && self.richness.is_rich());
+            || (self.adaptive
+                && now == State::Adapting
+                && self.richness.is_rich()
+                && self.slides());
         self.identifier.adapt(learns);
         self.follow(event, state)
+    }
+
+    /// Whether the axis slides, and has slid for a while: a start tells more of friction than of the model.
+    fn slides(&self) -> bool {
+        let observer = self.controller.observer();
+        !observer.sticks() && observer.since() > self.settling
     }
 
     /// Carries out what the supervisor decided; whether a model reached the controller.
@@ -505,17 +527,17 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             Event::None | Event::Stopped => false,
             Event::Accepted(model) => {
                 self.controller.retune(model);
-                self.gate = model.dead_zone;
-                self.identifier.trust();
                 if before.is_commissioning() {
+                    self.open_memory(&model, 0.1);
                     self.take_over(self.tracker.motion);
+                } else {
+                    self.identifier.trust();
                 }
                 true
             }
             Event::Restored(good) => {
                 self.open_memory(&good, 0.1);
                 self.controller.retune(good);
-                self.gate = good.dead_zone;
                 if before.is_commissioning() {
                     self.take_over(self.tracker.motion);
                 }
@@ -538,19 +560,16 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.reference.coast(motion, self.coast_rate);
     }
 
-    /// Identifies on from `model` with `share` of each parameter as standard deviation.
+    /// Identifies on from `model` with `share` of a1, a2 and b0 as standard deviation.
+    ///
+    /// Dead zone, offset and friction stay as they are: they enter by the inputs. In closed loop, on
+    /// slow motion, six parameters would trade places; three do not.
     fn open_memory(&mut self, model: &ServoModel, share: f32) {
-        let small = 0.02 * model.b0;
-        let std = [
-            share * model.a1,
-            share * model.a2,
-            share * model.b0,
-            small,
-            share * model.friction + 0.01 * model.b0 / self.coast_rate,
-            small,
-        ];
+        let ServoModel { a1, a2, b0, .. } = *model;
+        let theta = [a1, a2, b0, 0.0, -1.0, 0.0];
+        let std = [share * a1, share * a2, share * b0, 0.0, 0.0, 0.0];
         // The model was verified, so every number is finite and this cannot be refused.
-        let _ = self.identifier.warm_start(model.parameters(), std);
+        let _ = self.identifier.warm_start(theta, std);
     }
 
     /// Whether the axis left the band of the excitation by more than the way back takes.
@@ -591,15 +610,22 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let noise = estimator.noise_variance().unwrap_or(f32::INFINITY);
         let p = |i: usize, j: usize| noise * estimator.covariance(i, j) * units[i] * units[j];
         let [a1, a2, b0, _, coulomb, _] = theta;
-        // What is not certain is taken from the model in use, and from none as none: friction by mistake
-        // would let the observer stick without cause.
-        let known = self.supervisor.good().map(|model| model.parameters());
-        let ratio = |j: usize| known.map_or(0.0, |known| b0 * known[j] / known[2]);
         if coulomb * coulomb < 4.0 * p(4, 4) {
-            theta[4] = if known.is_some() { ratio(4) } else { 0.0 };
+            // Friction by mistake would let the observer stick without cause.
+            theta[4] = 0.0;
         }
-        if known.is_some() && p(3, 3) > 4e-4 * b0 * b0 {
-            theta[3] = ratio(3);
+        let mut model = ServoModel::from_parameters(&theta);
+        if self.supervisor.state().is_controlling() {
+            let ServoModel {
+                dead_zone, offset, ..
+            } = *self.controller.model();
+            let friction = self.controller.observer().coulomb();
+            model = ServoModel {
+                dead_zone,
+                offset,
+                friction,
+                ..model
+            };
         }
         let b0_variance = p(2, 2);
         let r11 = p(0, 0) / (a1 * a1);
@@ -608,7 +634,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let rbb = b0_variance / (b0 * b0);
         let rb1 = p(0, 2) / (a1 * b0);
         Candidate {
-            model: ServoModel::from_parameters(&theta),
+            model,
             gain_variance: rbb + r11 - 2.0 * rb1,
             frequency_variance: 0.25 * r11,
             damping_variance: r22 + 0.25 * r11 - r12,

@@ -139,7 +139,7 @@ pub struct SupervisorConfig {
     pub largest_gain: f32,
     /// Largest relative standard deviation of gain and natural frequency; damping may have four times as much.
     pub certainty: f32,
-    /// The same while the model follows the drive: samples that hang together tell less than their number.
+    /// The same while the model follows the drive; there the trial against the model in use decides.
     pub certainty_adapting: f32,
     /// Least share of the movement that a free simulation must explain, `1 - SSE/SST`.
     pub explained: f32,
@@ -161,6 +161,8 @@ pub struct SupervisorConfig {
     pub still: f32,
     /// Rise of the innovation's variance that counts as a change of the drive.
     pub change: f32,
+    /// Tracking error up to which a model in use stays in use, units of y: what works is not changed.
+    pub tolerable: f32,
 }
 
 impl SupervisorConfig {
@@ -171,17 +173,18 @@ impl SupervisorConfig {
             spread: 4.0,
             largest_gain: 50.0 * length,
             certainty: 0.1,
-            certainty_adapting: 0.015,
+            certainty_adapting: 0.2,
             explained: 0.975,
             explained_adapting: 0.9,
             better: 0.7,
-            worth: 0.15,
+            worth: 0.3,
             excite: 0.26,
             window: 0.12,
             time_limit: 3.0,
             slow: 0.05 * length,
             still: 2e-3 * length,
             change: 5.0,
+            tolerable: 5e-3 * length,
         }
     }
 
@@ -199,6 +202,7 @@ impl SupervisorConfig {
             self.slow,
             self.still,
             self.change,
+            self.tolerable,
         ] {
             if !positive(bound) {
                 return Err(ServoError::Bound(bound));
@@ -226,6 +230,8 @@ pub struct Observation {
     pub same_code: bool,
     /// Whether the axis sticks: then a model has nothing to show.
     pub sticks: bool,
+    /// Reference minus observed position; 0 without control.
+    pub error: f32,
     /// Innovation of the identifier, if there was one.
     pub innovation: Option<f32>,
 }
@@ -262,6 +268,9 @@ pub enum Event {
 
 /// Samples between two looks at the estimate.
 const LOOK: u32 = 16;
+
+/// Samples without a candidate after an estimate went astray, and of the state that says so.
+const PAUSE: u32 = 64;
 
 /// Trials without success that end a commissioning.
 const POOR_FITS: u32 = 2;
@@ -309,6 +318,8 @@ pub struct Supervisor {
     fast: f32,
     slow: f32,
     alarm_pause: u32,
+    /// Largest tracking error of late.
+    miss: f32,
     limit_ticks: u32,
     excite_ticks: u32,
 }
@@ -343,6 +354,7 @@ impl Supervisor {
             fast: 0.0,
             slow: 0.0,
             alarm_pause: 0,
+            miss: 0.0,
             limit_ticks: (config.time_limit / sample_time) as u32,
             excite_ticks: (config.excite / sample_time) as u32,
         })
@@ -421,7 +433,9 @@ impl Supervisor {
             && self.ticks % LOOK == LOOK - 1
             && match self.state {
                 State::Identifying => true,
-                State::Adapting => self.still_for == 0 && self.ticks > self.excite_ticks / 2,
+                State::Adapting => {
+                    self.still_for == 0 && self.ticks > PAUSE && self.miss > self.config.tolerable
+                }
                 _ => false,
             }
     }
@@ -536,7 +550,7 @@ impl Supervisor {
                 Event::None
             }
             State::Rejected(_) => {
-                if self.ticks > self.excite_ticks {
+                if self.ticks > PAUSE {
                     self.enter(State::Frozen);
                 }
                 Event::None
@@ -628,6 +642,9 @@ impl Supervisor {
     }
 
     fn adapt(&mut self, seen: &Observation) -> Event {
+        let error = seen.error.abs();
+        self.miss -= self.sample_time * self.miss;
+        self.miss = if error > self.miss { error } else { self.miss };
         if self.still_for > 200 {
             self.enter(State::Frozen);
             return Event::None;
