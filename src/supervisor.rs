@@ -41,6 +41,16 @@ pub enum Reason {
     Aborted,
 }
 
+impl Reason {
+    /// Whether it says that the estimate itself went astray, and must begin again.
+    const fn is_astray(self) -> bool {
+        matches!(
+            self,
+            Self::NotFinite | Self::WrongSign | Self::Unstable | Self::OutOfRange
+        )
+    }
+}
+
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -269,7 +279,7 @@ pub enum Event {
 /// Samples between two looks at the estimate.
 const LOOK: u32 = 16;
 
-/// Samples without a candidate after an estimate went astray, and of the state that says so.
+/// Samples without a candidate after an estimate went astray, and of the state that says so, lest the drive waits.
 const PAUSE: u32 = 64;
 
 /// Trials without success that end a commissioning.
@@ -475,6 +485,10 @@ impl Supervisor {
         if !model.is_finite() {
             return Err(Reason::NotFinite);
         }
+        if self.state.is_commissioning() && !(self.directions[0] && self.directions[1]) {
+            // A drift fits a model with a large offset; a drive that obeys goes both ways.
+            return Err(Reason::ValveStuck);
+        }
         let sure = model.b0 * model.b0 > 9.0 * candidate.b0_variance;
         if model.b0 <= 0.0 && sure {
             return Err(Reason::WrongSign);
@@ -510,12 +524,8 @@ impl Supervisor {
     fn refuse(&mut self, reason: Reason) -> Event {
         self.refusal = Some(reason);
         self.refused = self.refused.saturating_add(1);
-        let astray = matches!(
-            reason,
-            Reason::NotFinite | Reason::WrongSign | Reason::Unstable | Reason::OutOfRange
-        );
         match (self.state, self.good) {
-            (State::Adapting, Some(good)) if astray => {
+            (State::Adapting, Some(good)) if reason.is_astray() => {
                 self.enter(State::Rejected(reason));
                 Event::Restored(good)
             }
@@ -549,8 +559,13 @@ impl Supervisor {
                 }
                 Event::None
             }
-            State::Rejected(_) => {
-                if self.ticks > PAUSE {
+            State::Rejected(reason) => {
+                let pause = if reason.is_astray() {
+                    PAUSE
+                } else {
+                    self.excite_ticks
+                };
+                if self.ticks > pause {
                     self.enter(State::Frozen);
                 }
                 Event::None
