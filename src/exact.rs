@@ -16,7 +16,8 @@ use crate::warp::{largest_rate, to_continuous, to_gamma};
 /// not known at first: the filter stands for it until [`ExactTrends::with_model`] puts an estimate in its
 /// place. With the right A every parameter is exact, whatever Delta and the filter; with another one the
 /// numerators are wrong by its distance times `(omega Delta)^2 / 12`. The model is read in the s plane,
-/// with the gain (behind the integrators) that was found.
+/// with the gain (behind the integrators) that was found. Standard deviations that are read are those of
+/// the s plane; those of a prior are taken as they stand, which is as rough as a prior is.
 ///
 /// | symbol | argument | unit |
 /// |---|---|---|

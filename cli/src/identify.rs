@@ -48,7 +48,8 @@ pub struct IdentifyArgs {
     /// Delay of the inputs in samples, or the best of 0 to 10
     #[arg(long, value_name = "D|auto", default_value = "0", value_parser = parse_delay)]
     delay: Choice<usize>,
-    /// Filter poles in rad/s (1 to 1.5 times the bandwidth of the plant), `auto`, or `none` for raw trends
+    /// Filter poles in rad/s (1 to 1.5 times the bandwidth of the plant), `auto` (those whose model simulates the record best,
+    /// or the poles of that model itself where they do better), or `none` for raw trends
     #[arg(long, value_name = "POLE|auto|none", default_value = "auto", value_parser = parse_filter)]
     filter: Choice<Option<f64>>,
     /// Memory of the estimator; without it nothing is forgotten
