@@ -22,8 +22,8 @@ struct Case {
 }
 
 /// 420 rad/s sampled nine times a period; the servo of the paper at 5 ms and, three times as fast, at 5 ms;
-/// a pair with a zero and a lag; a lag alone.
-const CASES: [Case; 5] = [
+/// a pair with a zero and a lag; a lag alone; two pairs.
+const CASES: [Case; 6] = [
     Case {
         what: "oscillator, 9 samples a period",
         a: &[176_400.0, 42.0],
@@ -63,6 +63,15 @@ const CASES: [Case; 5] = [
         dt: 5e-2,
         every: 5,
         rough: 5.0,
+    },
+    Case {
+        what: "order 4, 60 and 150 rad/s at 5 ms",
+        // (s^2 + 12 s + 3600)(s^2 + 60 s + 22500)
+        a: &[8.1e7, 4.86e5, 26_820.0, 72.0],
+        b: &[8.1e7],
+        dt: 5e-3,
+        every: 5,
+        rough: 90.0,
     },
 ];
 
@@ -182,6 +191,7 @@ fn slow_sampling_costs_nothing() {
             compare::<3, 3>(&CASES[2], hold),
             compare::<3, 5>(&CASES[3], hold),
             compare::<1, 2>(&CASES[4], hold),
+            compare::<4, 5>(&CASES[5], hold),
         ];
         for (case, [plain, _, model]) in CASES.iter().zip(errors) {
             assert!(model < 0.05, "{}: {model} %", case.what);
