@@ -32,7 +32,7 @@
 //! | config, outcome, identifier | [`Config`], [`Outcome`], [`Identifier`] | all of it behind one call per sample |
 //! | inputs | [`DeadZone`], [`asymmetric`], [`coulomb`] | inputs for valves and friction |
 //! | delay_bank | [`DelayBank`] | which delay the drive has, for commissioning |
-//! | reference, observer, controller | [`Reference`], [`Observer`], [`Controller`] | jerk-limited reference, pole placement on a verified model |
+//! | reference, segments, observer, controller | [`Reference`], [`Observer`], [`Controller`] | jerk-limited reference, pole placement on a verified model |
 //! | excitation, trial, supervisor | [`Excitation`], [`Supervisor`] | commissioning, and which model may control |
 //! | servo_model, servo_loop | [`ServoModel`], [`ServoLoop`] | the drive as the controller sees it; the whole loop in one call per sample |
 //! | hardware | [`hardware::PositionSensor`], [`hardware::Valve`] | the edge to sensors and valves: traits, drivers, scale |
@@ -101,6 +101,7 @@ mod readout;
 mod reference;
 mod regressor;
 mod sample;
+mod segments;
 mod servo_error;
 mod servo_loop;
 mod servo_model;

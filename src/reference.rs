@@ -1,7 +1,7 @@
-//! Jerk-limited reference: moves planned once, evaluated with + - x only.
+//! Jerk-limited reference: a standstill, moves, a run-out, a sine.
 
 use crate::error::positive;
-use crate::math::sqrt;
+use crate::segments::{PLANNING, Search, Segment};
 use crate::servo_error::ServoError;
 use crate::servo_model::Motion;
 
@@ -49,28 +49,6 @@ pub struct MotionLimits {
     pub jerk: f32,
 }
 
-/// A piece of constant jerk.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Segment {
-    jerk: f32,
-    duration: f32,
-}
-
-impl Segment {
-    /// Where the piece leads after `time` seconds.
-    #[inline]
-    fn at(&self, start: &Motion, time: f32) -> Motion {
-        let half = 0.5 * time;
-        let third = time * (1.0 / 3.0);
-        let (v, a, j) = (start.velocity, start.acceleration, self.jerk);
-        Motion {
-            position: start.position + time * (v + half * (a + third * j)),
-            velocity: v + time * (a + half * j),
-            acceleration: a + time * j,
-        }
-    }
-}
-
 /// What the generator does now.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Plan {
@@ -103,8 +81,9 @@ enum Plan {
 /// Generator of the reference: standstill, jerk-limited moves, a run-out, a sine.
 ///
 /// A move has up to seven pieces of constant jerk: to the cruising velocity, cruise,
-/// to rest. [`Reference::move_to`] plans it with square roots and a bisection, once
-/// per move and from any state; [`Reference::update`] evaluates it with + - x only.
+/// to rest, from any state. Planning takes square roots and a bisection, some 10 000
+/// instructions; they are spread over the 16 samples after [`Reference::move_to`], in
+/// which the reference goes on as before.
 ///
 /// # Examples
 /// ```
@@ -127,6 +106,9 @@ pub struct Reference {
     sample_time: f32,
     setpoint: Setpoint,
     plan: Plan,
+    /// A move that is being planned, and the target that came meanwhile.
+    search: Option<Search>,
+    next: Option<f32>,
 }
 
 impl Reference {
@@ -152,13 +134,22 @@ impl Reference {
             sample_time,
             setpoint: Setpoint::at(position),
             plan: Plan::Rest,
+            search: None,
+            next: None,
         })
     }
 
     /// Stands still at `position` from now on; a jump of the reference if it was elsewhere.
     pub fn hold(&mut self, position: f32) {
         self.setpoint = Setpoint::at(position);
-        self.plan = Plan::Rest;
+        self.begin(Plan::Rest);
+    }
+
+    /// Does something else from now on, also instead of a move that is being planned.
+    fn begin(&mut self, plan: Plan) {
+        self.plan = plan;
+        self.search = None;
+        self.next = None;
     }
 
     /// Takes a motion over and lets it run out: `r''' = -2 rate r'' - rate^2 r'`, no plan and no roots.
@@ -169,29 +160,54 @@ impl Reference {
             acceleration: from.acceleration,
             jerk: 0.0,
         };
-        self.plan = Plan::Coast { rate };
+        self.begin(Plan::Coast { rate });
     }
 
-    /// Plans a move from the present state to rest at `target`; ignored unless finite.
+    /// Moves to rest at `target` as fast as the limits allow, beginning 17 samples from now; ignored unless finite.
     ///
-    /// Not for the 1 ms path: about 60 square roots in software.
+    /// Targets may come in any sample: while a move is being planned the last of them is the next one.
+    /// Cost: 16 times [`Reference::update`], to know where the move begins.
     pub fn move_to(&mut self, target: f32) {
         if !target.is_finite() {
             return;
         }
+        if self.search.is_some() {
+            self.next = Some(target);
+            return;
+        }
+        let mut ahead = *self;
+        for _ in 0..PLANNING {
+            let _ = ahead.advance();
+        }
         let start = Motion {
-            position: self.setpoint.position,
-            velocity: self.setpoint.velocity,
-            acceleration: self.setpoint.acceleration,
+            position: ahead.setpoint.position,
+            velocity: ahead.setpoint.velocity,
+            acceleration: ahead.setpoint.acceleration,
         };
-        self.plan = Plan::Move {
-            segments: plan(&start, target, &self.limits),
+        self.search = Some(Search::new(start, target, &self.limits));
+    }
+
+    /// One sample of planning; a move that is planned begins.
+    fn plan(&mut self) {
+        let Some(search) = &mut self.search else {
+            return;
+        };
+        if search.step(&self.limits) {
+            return;
+        }
+        let (start, target) = (search.start(), search.target());
+        let segments = search.segments(&self.limits);
+        let next = self.next;
+        self.begin(Plan::Move {
+            segments,
             index: 0,
             start,
             time: 0.0,
             target,
-        };
-        self.setpoint.jerk = 0.0;
+        });
+        if let Some(next) = next {
+            self.move_to(next);
+        }
     }
 
     /// Oscillates about the present position with `frequency` in Hz; the amplitude grows over one period.
@@ -203,7 +219,7 @@ impl Reference {
         }
         let omega = 2.0 * core::f32::consts::PI * frequency;
         let angle = omega * self.sample_time;
-        self.plan = Plan::Sine {
+        self.begin(Plan::Sine {
             centre: self.setpoint.position,
             amplitude,
             omega,
@@ -214,12 +230,12 @@ impl Reference {
             phase: [1.0, 0.0],
             share: 0.0,
             growth: frequency * self.sample_time,
-        };
+        });
     }
 
     /// Whether the reference stands still.
     pub fn is_finished(&self) -> bool {
-        matches!(self.plan, Plan::Rest)
+        matches!(self.plan, Plan::Rest) && self.search.is_none()
     }
 
     /// The newest setpoint.
@@ -227,8 +243,15 @@ impl Reference {
         self.setpoint
     }
 
-    /// The next setpoint, one sample on. Cost: about 60 instructions.
+    /// The next setpoint, one sample on. Cost: about 60 instructions, and 800 more while a move is being planned.
     pub fn update(&mut self) -> Setpoint {
+        let setpoint = self.advance();
+        self.plan();
+        setpoint
+    }
+
+    /// The next setpoint of the present plan.
+    fn advance(&mut self) -> Setpoint {
         let step = self.sample_time;
         match &mut self.plan {
             Plan::Rest => {
@@ -325,105 +348,84 @@ impl Reference {
     }
 }
 
-/// From velocity `v0` and acceleration `a0` to velocity `v1` and acceleration 0, as fast as the limits allow.
-fn change(v0: f32, a0: f32, v1: f32, limits: &MotionLimits) -> [Segment; 3] {
-    let j = limits.jerk;
-    let settled = v0 + 0.5 * a0 * a0.abs() / j;
-    let sign = if v1 >= settled { 1.0 } else { -1.0 };
-    let gain = sign * (v1 - v0);
-    let along = sign * a0;
-    let mut peak = sqrt(j * gain + 0.5 * a0 * a0);
-    let mut flat = 0.0;
-    let cap = if along > limits.acceleration {
-        along
-    } else {
-        limits.acceleration
-    };
-    if peak > cap {
-        peak = cap;
-        flat = (gain - (peak * peak - 0.5 * a0 * a0) / j) / peak;
-    }
-    let seconds = |t: f32| if t > 0.0 { t } else { 0.0 };
-    [
-        Segment {
-            jerk: sign * j,
-            duration: seconds((peak - along) / j),
-        },
-        Segment {
-            jerk: 0.0,
-            duration: seconds(flat),
-        },
-        Segment {
-            jerk: -sign * j,
-            duration: seconds(peak / j),
-        },
-    ]
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::sqrt;
 
-/// Where the pieces lead from `start`.
-fn end(start: &Motion, segments: &[Segment]) -> Motion {
-    let mut motion = *start;
-    for segment in segments {
-        motion = segment.at(&motion, segment.duration);
-    }
-    motion
-}
+    const LIMITS: MotionLimits = MotionLimits {
+        velocity: 800.0,
+        acceleration: 9000.0,
+        jerk: 2.5e5,
+    };
 
-/// Seven pieces from `start` to rest at `target`.
-fn plan(start: &Motion, target: f32, limits: &MotionLimits) -> [Segment; 7] {
-    // Distances relative to the start keep their digits.
-    let origin = Motion {
-        position: 0.0,
-        ..*start
-    };
-    let need = target - start.position;
-    let stop = end(
-        &origin,
-        &change(start.velocity, start.acceleration, 0.0, limits),
-    );
-    let direction = if need >= stop.position { 1.0 } else { -1.0 };
-    let pieces = |velocity: f32| {
-        let first = change(
-            start.velocity,
-            start.acceleration,
-            direction * velocity,
-            limits,
-        );
-        let last = change(direction * velocity, 0.0, 0.0, limits);
-        let between = end(&origin, &first);
-        (first, last, end(&between, &last).position)
-    };
-    let (mut low, mut high) = (0.0, limits.velocity);
-    let full = pieces(high);
-    if direction * full.2 <= direction * need {
-        low = high;
-    } else {
-        for _ in 0..30 {
-            let middle = 0.5 * (low + high);
-            if direction * pieces(middle).2 <= direction * need {
-                low = middle;
-            } else {
-                high = middle;
+    fn at_rest() -> Result<Reference, ServoError> {
+        Reference::try_new(LIMITS, 1e-3, 0.0)
+    }
+
+    /// Runs until it stands; checks that nothing jumps and nothing exceeds its limit.
+    fn run(reference: &mut Reference, samples: usize) -> usize {
+        let mut before = reference.setpoint();
+        for k in 0..samples {
+            let now = reference.update();
+            assert!(now.velocity.abs() <= 1.001 * LIMITS.velocity);
+            assert!(now.acceleration.abs() <= 1.001 * LIMITS.acceleration);
+            let step = 1e-3 * LIMITS.jerk + 1e-3 * LIMITS.acceleration;
+            assert!((now.acceleration - before.acceleration).abs() <= 1.01 * step);
+            assert!((now.position - before.position).abs() <= 1.001e-3 * LIMITS.velocity + 1e-4);
+            before = now;
+            if reference.is_finished() {
+                return k;
             }
         }
+        samples
     }
-    let (first, last, reach) = pieces(low);
-    let left = direction * (need - reach);
-    let cruise = if left > 0.0 && low > 1e-6 * limits.velocity {
-        left / low
-    } else {
-        0.0
-    };
-    [
-        first[0],
-        first[1],
-        first[2],
-        Segment {
-            jerk: 0.0,
-            duration: cruise,
-        },
-        last[0],
-        last[1],
-        last[2],
-    ]
+
+    #[test]
+    fn moves_from_rest_and_in_motion_end_at_their_targets() -> Result<(), ServoError> {
+        let mut reference = at_rest()?;
+        for (target, pause) in [
+            (60.0, 40),
+            (-3.0, 90),
+            (0.02, 10),
+            (200.0, 200),
+            (199.99, 5),
+        ] {
+            reference.move_to(target);
+            let _ = run(&mut reference, pause);
+        }
+        assert!(run(&mut reference, 2000) < 2000);
+        assert_eq!(reference.setpoint(), Setpoint::at(199.99));
+        Ok(())
+    }
+
+    #[test]
+    fn a_move_begins_after_its_planning_and_takes_the_time_of_the_limits() -> Result<(), ServoError>
+    {
+        let mut reference = at_rest()?;
+        reference.move_to(60.0);
+        for _ in 0..PLANNING {
+            assert_eq!(reference.update(), Setpoint::at(0.0));
+        }
+        // 60 units without cruise: v^2/a + v a/j = 60, and twice v/a + a/j to go up and down.
+        let (a, j) = (LIMITS.acceleration, LIMITS.jerk);
+        let v = 0.5 * (sqrt(a * a * a * a / (j * j) + 4.0 * a * 60.0) - a * a / j);
+        let time = 2.0 * (v / a + a / j);
+        let taken = 1e-3 * run(&mut reference, 2000) as f32;
+        assert!((taken - time).abs() < 2e-3, "{taken} s instead of {time} s");
+        Ok(())
+    }
+
+    #[test]
+    fn targets_in_every_sample_are_followed() -> Result<(), ServoError> {
+        let mut reference = at_rest()?;
+        for k in 0..400 {
+            reference.move_to(0.1 * k as f32);
+            let _ = reference.update();
+        }
+        assert!(reference.setpoint().position > 25.0);
+        assert!(run(&mut reference, 2000) < 2000);
+        assert_eq!(reference.setpoint(), Setpoint::at(0.1 * 399.0));
+        Ok(())
+    }
 }

@@ -345,7 +345,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.supervisor.abort();
     }
 
-    /// Plans a move to `target`, limited to the travel. Not for the 1 ms path, see [`Reference::move_to`].
+    /// Moves to `target`, limited to the travel; may be called in any sample, see [`Reference::move_to`].
     pub fn move_to(&mut self, target: f32) {
         let target = if target < self.travel.begin {
             self.travel.begin
