@@ -29,12 +29,9 @@ impl Segment {
 /// Samples that planning a move takes; the move begins with the one after them.
 pub(crate) const PLANNING: u8 = 16;
 
-/// Halvings of the cruising velocity per sample.
-const HALVINGS: u8 = 2;
-
 /// The search for the cruising velocity of a move of up to seven pieces from `start` to rest at `target`.
 ///
-/// The velocity is the largest from which the axis still stops in time: 31 bits of it, two per sample.
+/// The velocity is the largest from which the axis still stops in time: 15 bits of it, one per sample; cruising makes up for the rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Search {
     start: Motion,
@@ -56,13 +53,21 @@ impl Search {
         } else {
             -1.0
         };
+        // Without a limit of the jerk, from rest, v^2 = a d; what it has already comes on top.
+        let settled =
+            start.velocity.abs() + 0.5 * start.acceleration * start.acceleration / limits.jerk;
+        let reach = sqrt(limits.acceleration * need.abs()) + 2.0 * settled;
         Self {
             start,
             target,
             direction,
             low: 0.0,
-            // The first question is whether the largest velocity itself will do.
-            high: 2.0 * limits.velocity,
+            // Twice the largest velocity: whether that itself will do is the first question.
+            high: if 2.0 * limits.velocity < reach {
+                2.0 * limits.velocity
+            } else {
+                reach
+            },
             left: PLANNING,
         }
     }
@@ -77,22 +82,30 @@ impl Search {
         self.target
     }
 
-    /// One sample of the search; whether there is more to do. Cost: some 800 instructions.
+    /// One sample of the search; whether there is more to do. Cost: some 400 instructions.
     pub(crate) fn step(&mut self, limits: &MotionLimits) -> bool {
         self.left = self.left.saturating_sub(1);
+        if self.left == 0 {
+            // This sample has the seven pieces to compute.
+            return false;
+        }
         let need = self.direction * (self.target - self.start.position);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (self.low + self.high);
-            if self.direction * self.pieces(middle, limits).2 > need {
+        let middle = 0.5 * (self.low + self.high);
+        let middle = if middle < limits.velocity {
+            middle
+        } else {
+            limits.velocity
+        };
+        if self.direction * self.pieces(middle, limits).2 > need {
+            self.high = middle;
+        } else {
+            self.low = middle;
+            if middle >= limits.velocity {
+                // No more than that is asked for.
                 self.high = middle;
-            } else {
-                self.low = middle;
-                if middle >= limits.velocity {
-                    self.high = middle;
-                }
             }
         }
-        self.left > 0
+        true
     }
 
     /// To the cruising velocity, from it to rest, and how far that leads.
