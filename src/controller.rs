@@ -162,6 +162,9 @@ const PATIENCE: u16 = 2;
 const WIDER: f32 = 0.15;
 const HUNT: u16 = 3;
 
+/// Growth of the growth of that push per sample of sticking.
+const HASTE: f32 = 0.002;
+
 /// Flow with which a resting axis beside its target is pushed: at first and at most.
 const CREEP_LEAST: f32 = 0.01;
 const CREEP_MOST: f32 = 0.05;
@@ -470,7 +473,9 @@ impl Controller {
             if !self.creeping {
                 self.creep = 0.8 * self.edge[side];
             }
-            let next = self.creep + self.creep_growth;
+            // The longer it sticks, the less is the dead zone what it seems.
+            let haste = 1.0 + HASTE * f32::from(self.observer.since());
+            let next = self.creep + self.creep_growth * haste;
             self.creep = if next < CREEP_MOST { next } else { CREEP_MOST };
             self.creeping = true;
         } else {
