@@ -51,7 +51,7 @@ pub struct LoopConfig {
     pub delay: usize,
     /// Memory of the identifier in s.
     pub memory: f32,
-    /// Pull of the identifier toward the verified model.
+    /// Pull of the identifier toward the verified model; weaker than that of [`Config`], or a tripled mass is followed too late.
     pub pull: f32,
     /// Least standard deviation of the fast part of the command with which the model follows the drive.
     pub rich: f32,
@@ -112,7 +112,7 @@ impl LoopConfig {
 pub struct Report {
     /// State of the supervisor after the sample.
     pub state: State,
-    /// Measured position; the last one when the sensor failed.
+    /// Measured position; where the axis should be when the sensor failed.
     pub position: f32,
     /// The reference; the position outside of control.
     pub setpoint: Setpoint,
@@ -194,7 +194,7 @@ impl Richness {
     }
 }
 
-/// Errors of the sensor in a row after which the axis stops.
+/// Errors of the sensor in a row with which the axis stops; fewer are bridged by where it should be.
 const SENSOR_ERRORS: u8 = 3;
 
 /// The adaptive position loop.
@@ -366,13 +366,20 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     ///
     /// Cost: see the table of instruction counts.
     pub fn update(&mut self) -> Report {
-        let Ok(code) = self.sensor.counts() else {
-            return self.blind();
+        let code = self.sensor.counts().ok();
+        self.errors = match code {
+            Some(_) => 0,
+            None => self.errors.saturating_add(1),
         };
-        self.errors = 0;
-        let y = self.axis.position(code);
-        let same_code = self.begun && code == self.code;
-        self.code = code;
+        let same_code = self.begun && code.is_none_or(|code| code == self.code);
+        let y = match code {
+            Some(code) => {
+                self.code = code;
+                self.axis.position(code)
+            }
+            None if self.begun && self.errors < SENSOR_ERRORS => self.expected(),
+            None => return self.blind(),
+        };
         self.position = y;
         if !self.begun {
             self.begun = true;
@@ -445,19 +452,24 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
     }
 
-    /// A sample without a position: the valve goes toward zero, after three of them for good.
+    /// Where the axis should be now: what bridges a reading that failed.
+    fn expected(&self) -> f32 {
+        let m = if self.supervisor.state().is_controlling() {
+            self.controller.motion()
+        } else {
+            self.tracker.motion
+        };
+        let t = self.tracker.sample_time;
+        m.position + t * (m.velocity + 0.5 * t * m.acceleration)
+    }
+
+    /// A sample without a position and nothing to bridge it: the valve goes to zero.
     fn blind(&mut self) -> Report {
-        self.errors = self.errors.saturating_add(1);
         if self.errors >= SENSOR_ERRORS {
             self.supervisor.fail(Reason::SensorFault);
         }
-        let wish = if self.errors >= SENSOR_ERRORS {
-            0.0
-        } else {
-            self.limiter.last()
-        };
-        let command = self.limiter.update(wish);
-        let command = match self.valve.drive(command) {
+        let wish = self.limiter.update(0.0);
+        let command = match self.valve.drive(wish) {
             Ok(command) => command,
             Err(_) => {
                 self.supervisor.fail(Reason::ValveFault);

@@ -3,8 +3,11 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
-use trendid::{Controller, ControllerConfig, LoopConfig, Motion, ServoLoop, ServoModel, Setpoint};
-use trendid_host_tests::scenario::{Options, Scenario, TRAVEL, run};
+use trendid::{
+    Controller, ControllerConfig, LoopConfig, Motion, Report, ServoLoop, ServoModel, Setpoint,
+};
+use trendid_host_tests::companion::{Companion, Request};
+use trendid_host_tests::scenario::{Options, Rig, Scenario, TRAVEL, run, run_beside};
 
 /// A sensor that may fail, and may give any code.
 struct WildSensor(Option<i32>);
@@ -170,6 +173,49 @@ fn the_axis_commissions_itself_and_follows() {
         at_most(f.overshoot_pct, 1.0, "overshoot");
         at_most(f.tracking_0p5hz_mm, 0.7, "0.5 Hz");
         at_most(f.tracking_1hz_mm, 1.2, "1 Hz");
+    }
+}
+
+/// Every so many readings fail; the loop of the rig drives the plant itself.
+struct Failures {
+    every: u32,
+    readings: u32,
+    failed: u32,
+}
+
+impl Companion for Failures {
+    fn reading(&mut self, code: i32) -> Option<i32> {
+        self.readings += 1;
+        let fails = self.readings % self.every == 0;
+        self.failed += u32::from(fails);
+        (!fails).then_some(code)
+    }
+
+    fn request(&mut self, _: Request) {}
+
+    fn update(&mut self, _: Option<i32>, report: &Report, _: &Rig) -> Option<f32> {
+        Some(report.command)
+    }
+}
+
+#[test]
+fn readings_that_fail_now_and_then_are_bridged() {
+    for seed in 2001..=2020 {
+        let mut failures = Failures {
+            every: 20,
+            readings: 0,
+            failed: 0,
+        };
+        let f = run_beside(
+            Scenario::Nominal,
+            &nominal(seed),
+            &mut failures,
+            &mut |_, _| {},
+        );
+        assert!(failures.failed > 500);
+        assert!(f.verified_at_s.is_some_and(|t| t < 0.5), "seed {seed}");
+        let sine = f.tracking_0p5hz_mm.unwrap_or(f64::INFINITY);
+        assert!(sine < 1.05, "seed {seed}: 0.5 Hz {sine} mm");
     }
 }
 
