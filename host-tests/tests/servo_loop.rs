@@ -137,11 +137,12 @@ fn nominal(seed: u64) -> Options {
 fn faults_are_refused_for_the_right_reason_and_the_gains_are_kept() {
     for scenario in [
         Scenario::WrongSign,
+        Scenario::WrongOrder,
         Scenario::StuckSensor,
         Scenario::StuckValve,
         Scenario::BlockedAxis,
     ] {
-        for seed in 1..=5 {
+        for seed in 4001..=4020 {
             let figures = run(scenario, &nominal(seed), &mut |_, _| {});
             let expected = scenario.expected().expect("a fault");
             let reason = match figures.state {
@@ -176,6 +177,41 @@ fn the_axis_commissions_itself_and_follows() {
     }
 }
 
+/// Back within one and a half times the figures of the nominal axis, within 2 s; 25 seeds of each of four changes.
+#[test]
+fn changes_in_motion_are_survived_and_nearly_always_made_good_in_two_seconds() {
+    let seeds = 3001..=3025_u64;
+    let mut outside = Vec::new();
+    for scenario in [
+        Scenario::Mass,
+        Scenario::Supply,
+        Scenario::ValveGain,
+        Scenario::Friction,
+    ] {
+        for seed in seeds.clone() {
+            let f = run(scenario, &nominal(seed), &mut |_, _| {});
+            let figure = |value: Option<f64>| value.unwrap_or(f64::INFINITY);
+            let figures = [
+                (figure(f.steady_state_mm), 0.075, "steady state in mm"),
+                (figure(f.rise_ms), 300.0, "rise in ms"),
+                (figure(f.overshoot_pct), 1.5, "overshoot in %"),
+                (figure(f.tracking_0p5hz_mm), 1.05, "0.5 Hz in mm"),
+                (figure(f.tracking_1hz_mm), 1.8, "1 Hz in mm"),
+                (figure(f.recovered_s), 2.0, "recovery in s"),
+            ];
+            let missed: Vec<_> = figures.iter().filter(|(x, limit, _)| x > limit).collect();
+            if !missed.is_empty() {
+                outside.push(format!("{} seed {seed}: {missed:?}", scenario.name()));
+            }
+            // Never unstable: it stands where it should in the end, and follows.
+            assert!(f.state.is_controlling(), "{} {seed}", scenario.name());
+            assert!(figure(f.steady_state_mm) < 5.0 && figure(f.tracking_1hz_mm) < 10.0);
+        }
+    }
+    println!("seeds 3001 to 3025, outside: {outside:#?}");
+    assert!(outside.len() <= 8, "{outside:#?}");
+}
+
 /// Every so many readings fail; the loop of the rig drives the plant itself.
 struct Failures {
     every: u32,
@@ -186,7 +222,7 @@ struct Failures {
 impl Companion for Failures {
     fn reading(&mut self, code: i32) -> Option<i32> {
         self.readings += 1;
-        let fails = self.readings % self.every == 0;
+        let fails = self.readings.is_multiple_of(self.every);
         self.failed += u32::from(fails);
         (!fails).then_some(code)
     }
