@@ -175,7 +175,8 @@ fn note(course: &mut Course, instant: &Instant, rig: &Rig) {
     }
 }
 
-fn json_of(f: &Figures, fixed: bool) -> Value {
+/// A run as JSON.
+pub fn json_of(f: &Figures, fixed: bool) -> Value {
     let mut value = json!({
         "scenario": f.scenario.name(),
         "seed": f.seed,
@@ -183,21 +184,12 @@ fn json_of(f: &Figures, fixed: bool) -> Value {
         "gains_kept": f.gains_kept,
         "accepted": f.accepted,
         "state": f.state.to_string(),
-        "refused_rightly": refused_rightly(f),
+        "refused_rightly": f.scenario.expected().map(|_| f.refused_rightly()),
     });
     for column in &COLUMNS {
         value[column.key] = (column.of)(f).map_or(Value::Null, number);
     }
     value
-}
-
-/// Whether a fault was refused with the reason that belongs to it.
-fn refused_rightly(f: &Figures) -> Option<bool> {
-    let expected = f.scenario.expected()?;
-    Some(match f.state {
-        State::Rejected(reason) | State::Failed(reason) => expected.contains(&reason),
-        _ => false,
-    })
 }
 
 /// A state without its reason.
@@ -266,10 +258,7 @@ fn text(task: &Task, course: &Course, runs: &[Figures]) -> String {
         text += &format!("  gains bit for bit as before in {kept} of {seeds} runs\n");
     }
     if task.scenario.expected().is_some() {
-        let right = runs
-            .iter()
-            .filter(|f| refused_rightly(f) == Some(true))
-            .count();
+        let right = runs.iter().filter(|f| f.refused_rightly()).count();
         text += &format!("  refused with the right reason in {right} of {seeds} runs\n");
     }
     text

@@ -17,6 +17,7 @@ mod options_runs;
 mod output;
 mod pil;
 mod plot;
+mod position_loop;
 mod raster;
 mod record;
 mod select;
@@ -61,6 +62,8 @@ enum Command {
     Fig1(fig1::Fig1Args),
     /// What each option of the core costs in instructions, beside what it gains in accuracy
     Options(options::OptionsArgs),
+    /// The adaptive position loop in every scenario, with fixed gains beside
+    Loop(position_loop::LoopArgs),
     /// A scenario of the demonstration with the loop on an emulated or real processor, bit for bit as on the host
     Pil(pil::PilArgs),
 }
@@ -83,6 +86,7 @@ fn main() -> ExitCode {
         Command::Table2(args) => table2::run(args),
         Command::Fig1(args) => fig1::run(args),
         Command::Options(args) => options::run(args),
+        Command::Loop(args) => position_loop::run(args),
         Command::Pil(args) => pil::run(args),
     };
     match done {

@@ -1,4 +1,4 @@
-//! `README.md` and `docs/results.md` hold what the commands in them print, and nothing typed by hand.
+//! `README.md`, `docs/results.md` and `docs/position-loop.md` hold what the commands in them print, and nothing typed by hand.
 //!
 //! `cargo test --release -p trendid-cli --test results -- --ignored` compares; with `TRENDID_WRITE=1` it writes.
 //! `TRENDID_ONLY=TEXT` leaves out the commands that do not contain this text.
@@ -60,7 +60,7 @@ fn renewed(document: &str) -> String {
 #[test]
 #[ignore = "runs every table of the documents again, minutes; the README needs the EMPS record"]
 fn results_are_what_the_commands_print() {
-    for name in ["README.md", "docs/results.md"] {
+    for name in ["README.md", "docs/results.md", "docs/position-loop.md"] {
         let path = root().join(name);
         let document = std::fs::read_to_string(&path).expect(name);
         let renewed = renewed(&document);

@@ -423,6 +423,49 @@ pub struct Figures {
     pub state: State,
 }
 
+/// One figure of a run.
+type Figure = fn(&Figures) -> Option<f64>;
+
+impl Figures {
+    /// What is wanted of the axis, and by which factor more is granted after a change in motion.
+    const WANTED: [(&str, f64, Figure); 5] = [
+        ("steady state in mm", 0.05, |f| f.steady_state_mm),
+        ("rise in ms", 200.0, |f| f.rise_ms),
+        ("overshoot in %", 1.0, |f| f.overshoot_pct),
+        ("0.5 Hz in mm", 0.7, |f| f.tracking_0p5hz_mm),
+        ("1 Hz in mm", 1.2, |f| f.tracking_1hz_mm),
+    ];
+
+    /// The figures that are worse than wanted: name, figure, limit. After a change in motion one and
+    /// a half times the limits are granted, and 2 s until the error is as small as that again.
+    pub fn outside(&self) -> Vec<(&'static str, f64, f64)> {
+        let share = if self.scenario.is_change() { 1.5 } else { 1.0 };
+        let mut figures: Vec<_> = Self::WANTED
+            .iter()
+            .map(|(name, limit, of)| (*name, of(self), share * limit))
+            .collect();
+        if self.scenario.is_change() {
+            figures.push(("recovery in s", self.recovered_s, 2.0));
+        }
+        figures
+            .into_iter()
+            .map(|(name, figure, limit)| (name, figure.unwrap_or(f64::INFINITY), limit))
+            .filter(|(_, figure, limit)| figure > limit)
+            .collect()
+    }
+
+    /// Whether a fault was refused with the reason that belongs to it.
+    pub fn refused_rightly(&self) -> bool {
+        match self.state {
+            State::Rejected(reason) | State::Failed(reason) => self
+                .scenario
+                .expected()
+                .is_some_and(|expected| expected.contains(&reason)),
+            _ => false,
+        }
+    }
+}
+
 /// Sees every sample of a run.
 pub type Watcher<'a> = &'a mut dyn FnMut(&Instant, &Rig);
 

@@ -1,0 +1,192 @@
+//! `trendid loop`: the figures of the adaptive position loop in every scenario, with fixed gains beside.
+
+use clap::Args;
+use indicatif::ProgressBar;
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use trendid_host_tests::scenario::{Figures, Options, Scenario, run as run_scenario};
+
+use crate::demo_loop::json_of;
+use crate::format::significant;
+use crate::output::{Refusal, emit, emit_json, progress};
+
+/// What is asked of the command.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  trendid loop
+  trendid loop --linear
+  trendid loop --seeds 100 --first-seed 1000 --json
+
+One line per scenario of `trendid demo`, median and worst of the runs. The last column counts the runs within the
+figures of the project: steady state 0.05 mm, rise 200 ms, overshoot 1 %, sines 0.7 and 1.2 mm; after a change in motion
+one and a half times that and less than 2 s until the error stays below 1.05 mm.")]
+pub struct LoopArgs {
+    /// Runs of each scenario
+    #[arg(long, value_name = "N", default_value_t = 20)]
+    seeds: u64,
+    /// Seed of the first run
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    first_seed: u64,
+    /// The linear servo of Table 2 behind the same valve dead zone and sensor, instead of the pneumatic axis
+    #[arg(long)]
+    linear: bool,
+    /// One JSON object per run
+    #[arg(long)]
+    json: bool,
+}
+
+/// Scenarios in which the axis is judged by how it moves.
+const MOTION: [Scenario; 6] = [
+    Scenario::Nominal,
+    Scenario::Mass,
+    Scenario::Supply,
+    Scenario::ValveGain,
+    Scenario::Friction,
+    Scenario::Rest,
+];
+
+/// One figure of a run, for a column.
+type Figure = fn(&Figures) -> Option<f64>;
+
+const COLUMNS: [(&str, Figure); 7] = [
+    ("verified [s]", |f| f.verified_at_s),
+    ("steady state [mm]", |f| f.steady_state_mm),
+    ("rise [ms]", |f| f.rise_ms),
+    ("overshoot [%]", |f| f.overshoot_pct),
+    ("0.5 Hz [mm]", |f| f.tracking_0p5hz_mm),
+    ("1 Hz [mm]", |f| f.tracking_1hz_mm),
+    ("back after [s]", |f| f.recovered_s),
+];
+
+/// Runs every scenario and prints.
+///
+/// # Errors
+///
+/// A sentence when no run is asked for.
+pub fn run(args: &LoopArgs) -> Result<(), Refusal> {
+    if args.seeds == 0 {
+        return Err(Refusal::new("--seeds must be at least 1"));
+    }
+    let faults = Scenario::ALL.into_iter().filter(|s| s.expected().is_some());
+    let bar = progress(args.seeds * 17, "runs");
+    let moved: Vec<(Vec<Figures>, bool)> = MOTION
+        .into_iter()
+        .flat_map(|scenario| [(scenario, false), (scenario, true)])
+        .map(|(scenario, fixed)| (runs(args, scenario, fixed, &bar), fixed))
+        .collect();
+    let refused: Vec<Vec<Figures>> = faults
+        .map(|scenario| runs(args, scenario, false, &bar))
+        .collect();
+    bar.finish_and_clear();
+    if args.json {
+        let adaptive = refused.iter().map(|runs| (runs, false));
+        let values: Vec<Value> = moved
+            .iter()
+            .map(|(runs, fixed)| (runs, *fixed))
+            .chain(adaptive)
+            .flat_map(|(runs, fixed)| runs.iter().map(move |f| json_of(f, fixed)))
+            .collect();
+        emit_json(&json!(values));
+        return Ok(());
+    }
+    emit(&markdown(args, &moved, &refused));
+    Ok(())
+}
+
+fn runs(args: &LoopArgs, scenario: Scenario, fixed: bool, bar: &ProgressBar) -> Vec<Figures> {
+    (args.first_seed..args.first_seed + args.seeds)
+        .into_par_iter()
+        .map(|seed| {
+            let options = Options {
+                fixed,
+                linear: args.linear,
+                seed,
+            };
+            let figures = run_scenario(scenario, &options, &mut |_, _| {});
+            bar.inc(1);
+            figures
+        })
+        .collect()
+}
+
+/// Median and worst of a figure; a run that does not come to it counts as infinite.
+fn spread(runs: &[Figures], figure: Figure) -> String {
+    if runs.iter().all(|f| figure(f).is_none()) {
+        return if runs[0].scenario.is_change() {
+            "never".into()
+        } else {
+            String::new()
+        };
+    }
+    let mut values: Vec<f64> = runs
+        .iter()
+        .map(|f| figure(f).unwrap_or(f64::INFINITY))
+        .collect();
+    values.sort_by(f64::total_cmp);
+    let text = |value: f64| {
+        if value.is_finite() {
+            significant(value, 3)
+        } else {
+            "never".into()
+        }
+    };
+    format!(
+        "{} / {}",
+        text(values[values.len() / 2]),
+        text(values[values.len() - 1])
+    )
+}
+
+fn markdown(args: &LoopArgs, moved: &[(Vec<Figures>, bool)], refused: &[Vec<Figures>]) -> String {
+    let last = args.first_seed + args.seeds - 1;
+    let mut text = format!(
+        "Seeds {} to {last}; median / worst.\n\n| scenario | gains |",
+        args.first_seed
+    );
+    for (head, _) in COLUMNS {
+        text += &format!(" {head} |");
+    }
+    text += " within |\n|---|---|";
+    text += &"---|".repeat(COLUMNS.len() + 1);
+    text.push('\n');
+    for (runs, fixed) in moved {
+        let gains = if *fixed { "fixed" } else { "adaptive" };
+        text += &format!("| {} | {gains} |", runs[0].scenario.name());
+        for (_, figure) in COLUMNS {
+            text += &format!(" {} |", spread(runs, figure));
+        }
+        let within = runs.iter().filter(|f| f.outside().is_empty()).count();
+        text += &format!(" {within} of {} |\n", args.seeds);
+    }
+    if let Some((runs, _)) = moved
+        .iter()
+        .find(|(runs, fixed)| runs[0].scenario == Scenario::Rest && !fixed)
+    {
+        let kept = runs.iter().filter(|f| f.gains_kept == Some(true)).count();
+        text += &format!(
+            "\n60 s at rest: range of the position {} mm, gains bit for bit as before in {kept} of {}.\n",
+            spread(runs, |f| f.rest_range_mm),
+            args.seeds
+        );
+    }
+    text += "\n| fault | refused with the right reason | old gains kept | reason |\n|---|---|---|---|\n";
+    for runs in refused {
+        let scenario = runs[0].scenario;
+        let right = runs.iter().filter(|f| f.refused_rightly()).count();
+        let kept = runs.iter().filter(|f| f.gains_kept == Some(true)).count();
+        let reasons: Vec<String> = scenario
+            .expected()
+            .unwrap_or_default()
+            .iter()
+            .map(ToString::to_string)
+            .collect();
+        text += &format!(
+            "| {} | {right} of {} | {kept} of {} | {} |\n",
+            scenario.name(),
+            args.seeds,
+            args.seeds,
+            reasons.join("; ")
+        );
+    }
+    text
+}
