@@ -377,7 +377,8 @@ impl Controller {
             acceleration: a,
         } = self.observer.motion();
         let slow = self.slow;
-        let [p0, p1, p2] = if r.is_rest() && within(v, slow) == v {
+        let creeps = self.observer.coulomb() > 0.0 && within(v, slow) == v;
+        let [p0, p1, p2] = if creeps && r.is_rest() {
             self.settle
         } else {
             self.wanted
