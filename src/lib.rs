@@ -33,8 +33,8 @@
 //! | inputs | [`DeadZone`], [`asymmetric`], [`coulomb`] | inputs for valves and friction |
 //! | delay_bank | [`DelayBank`] | which delay the drive has, for commissioning |
 //! | reference, segments, observer, controller | [`Reference`], [`Observer`], [`Controller`] | jerk-limited reference, pole placement on a verified model |
-//! | excitation, trial, supervisor | [`Excitation`], [`Supervisor`] | commissioning, and which model may control |
-//! | servo_model, servo_loop | [`ServoModel`], [`ServoLoop`] | the drive as the controller sees it; the whole loop in one call per sample |
+//! | excitation, trial, state, supervisor_config, supervisor | [`Excitation`], [`Supervisor`] | commissioning, and which model may control |
+//! | servo_model, tracker, richness, loop_config, servo_loop | [`ServoModel`], [`ServoLoop`] | the drive as the controller sees it; the whole loop in one call per sample |
 //! | hardware | [`hardware::PositionSensor`], [`hardware::Valve`] | the edge to sensors and valves: traits, drivers, scale |
 //!
 //! # Ten lines
@@ -90,6 +90,7 @@ pub mod hardware;
 mod identifier;
 mod inputs;
 mod integral;
+mod loop_config;
 mod math;
 mod noise;
 mod numerators;
@@ -100,14 +101,18 @@ mod raw;
 mod readout;
 mod reference;
 mod regressor;
+mod richness;
 mod sample;
 mod segments;
 mod servo_error;
 mod servo_loop;
 mod servo_model;
 mod shaping;
+mod state;
 mod structure;
 mod supervisor;
+mod supervisor_config;
+mod tracker;
 mod transfer;
 mod trend;
 mod trial;
@@ -125,6 +130,7 @@ pub use excitation::{Excitation, ExcitationConfig, Travel};
 pub use identifier::Identifier;
 pub use inputs::{DeadZone, asymmetric, coulomb, dead_zone};
 pub use integral::{IntegralTrends, Span};
+pub use loop_config::LoopConfig;
 #[cfg(feature = "approximate")]
 pub use math::approximate;
 pub use noise::NoiseLevel;
@@ -135,10 +141,12 @@ pub use raw::RawTrends;
 pub use reference::{MotionLimits, Reference, Setpoint};
 pub use sample::DelayLine;
 pub use servo_error::ServoError;
-pub use servo_loop::{LoopConfig, Report, ServoIdentifier, ServoLoop};
+pub use servo_loop::{Report, ServoIdentifier, ServoLoop};
 pub use servo_model::{Motion, ServoModel};
+pub use state::{Reason, State};
 pub use structure::{Column, Structure, Terms};
-pub use supervisor::{Candidate, Event, Observation, Reason, State, Supervisor, SupervisorConfig};
+pub use supervisor::{Candidate, Event, Observation, Supervisor};
+pub use supervisor_config::SupervisorConfig;
 pub use transfer::{Pole, TransferFunction};
 pub use trend::{Hold, Image, NoiseGain, Scheme, TrendOperator, Trends};
 pub use trial::Verdict;

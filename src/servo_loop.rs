@@ -1,17 +1,19 @@
 //! Sensor, identifier, supervisor, controller and valve in one call per sample.
 
 use crate::chain::FilteredTrends;
-use crate::controller::{CommandLimiter, Controller, ControllerConfig};
-use crate::excitation::{Excitation, ExcitationConfig, Travel};
+use crate::controller::{CommandLimiter, Controller};
+use crate::excitation::{Excitation, Travel};
 use crate::hardware::{Axis, PositionSensor, Valve};
 use crate::inputs::{coulomb, dead_zone};
-use crate::reference::{MotionLimits, Reference, Setpoint};
+use crate::loop_config::LoopConfig;
+use crate::reference::{Reference, Setpoint};
+use crate::richness::Richness;
 use crate::servo_error::ServoError;
 use crate::servo_model::{Motion, ServoModel};
+use crate::state::{Reason, State};
 use crate::structure::{Structure, Terms};
-use crate::supervisor::{
-    Candidate, Event, Observation, Reason, State, Supervisor, SupervisorConfig,
-};
+use crate::supervisor::{Candidate, Event, Observation, Supervisor};
+use crate::tracker::Tracker;
 use crate::trend::Scheme;
 use crate::{Config, Identifier, Outcome};
 
@@ -24,86 +26,6 @@ const STRUCTURE: Structure<3, 6, 3> = Structure::new(
     [Terms::of(&[0]), Terms::of(&[0]), Terms::of(&[1])],
     true,
 );
-
-/// Everything the user says about an axis.
-///
-/// # Examples
-/// ```
-/// use trendid::{LoopConfig, Travel};
-/// let mut config = LoopConfig::new(20.0, Travel { begin: 0.0, end: 400.0 });
-/// config.controller.bandwidth = 30.0;
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LoopConfig {
-    /// Sample time in s.
-    pub sample_time: f32,
-    /// Travel of the axis.
-    pub travel: Travel,
-    /// Rough bandwidth of the plant in rad/s.
-    pub bandwidth: f32,
-    /// Standard deviation of the position noise.
-    pub noise: f32,
-    /// Largest command, within 0..=1.
-    pub range: f32,
-    /// Largest rate of the command per s.
-    pub rate: f32,
-    /// Delay of the valve in samples, at most 8.
-    pub delay: usize,
-    /// Memory of the identifier in s.
-    pub memory: f32,
-    /// Pull of the identifier toward the verified model; weaker than that of [`Config`], or a tripled mass is followed too late.
-    pub pull: f32,
-    /// Least standard deviation of the fast part of the command with which the model follows the drive.
-    pub rich: f32,
-    /// Whether the model follows the drive after the commissioning.
-    pub adaptive: bool,
-    /// Limits of moves.
-    pub motion: MotionLimits,
-    /// Wanted dynamics.
-    pub controller: ControllerConfig,
-    /// The commissioning.
-    pub excitation: ExcitationConfig,
-    /// What a model must satisfy.
-    pub supervisor: SupervisorConfig,
-}
-
-impl LoopConfig {
-    /// The defaults at 1 kHz for a plant of a rough `bandwidth` (rad/s) on a `travel`.
-    pub fn new(bandwidth: f32, travel: Travel) -> Self {
-        let length = travel.length();
-        let excitation = ExcitationConfig::new(bandwidth, travel);
-        Self {
-            sample_time: 1e-3,
-            travel,
-            bandwidth,
-            noise: 2.5e-5 * length,
-            range: 1.0,
-            rate: 400.0,
-            delay: 2,
-            memory: 1.5,
-            pull: 1e-5,
-            rich: 0.1,
-            adaptive: true,
-            motion: MotionLimits {
-                velocity: 2.0 * length,
-                acceleration: 0.04 * length * bandwidth * bandwidth,
-                jerk: 0.04 * length * bandwidth * bandwidth * bandwidth,
-            },
-            controller: ControllerConfig {
-                rest_window: 1.15e-4 * length,
-                start: 4e-5 * length,
-                catch_up: 0.08 * length,
-                slow: 0.14 * length,
-                ..ControllerConfig::new(2.5 * bandwidth)
-            },
-            excitation,
-            supervisor: SupervisorConfig {
-                time_limit: excitation.time_limit,
-                ..SupervisorConfig::new(bandwidth, length)
-            },
-        }
-    }
-}
 
 /// What one sample of the loop did.
 #[must_use]
@@ -122,76 +44,6 @@ pub struct Report {
     pub innovation: Option<f32>,
     /// Whether a model reached the controller in this sample.
     pub retuned: bool,
-}
-
-/// Tracks the motion without a model, for the time before there is one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Tracker {
-    motion: Motion,
-    gain: [f32; 3],
-    sample_time: f32,
-}
-
-impl Tracker {
-    /// Three poles at `-rate`; exact for a constant acceleration.
-    fn new(rate: f32, sample_time: f32) -> Self {
-        let x = rate * sample_time;
-        Self {
-            motion: Motion::default(),
-            gain: [
-                3.0 * x,
-                3.0 * x * x / sample_time,
-                x * x * x / (sample_time * sample_time),
-            ],
-            sample_time,
-        }
-    }
-
-    #[inline]
-    fn update(&mut self, y: f32) {
-        let m = &mut self.motion;
-        m.position += self.sample_time * (m.velocity + 0.5 * self.sample_time * m.acceleration);
-        m.velocity += self.sample_time * m.acceleration;
-        let error = y - m.position;
-        m.position += self.gain[0] * error;
-        m.velocity += self.gain[1] * error;
-        m.acceleration += self.gain[2] * error;
-    }
-}
-
-/// The excitation monitor: how much the command moves within some 50 ms.
-///
-/// A slow motion fits any model of the right gain: gain, frequency and damping can
-/// grow or shrink together. Only what is fast against the drive tells them apart.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Richness {
-    mean: f32,
-    power: f32,
-    least: f32,
-    share: f32,
-}
-
-impl Richness {
-    fn new(least: f32, sample_time: f32) -> Self {
-        Self {
-            mean: 0.0,
-            power: 0.0,
-            least: least * least,
-            share: sample_time / 0.05,
-        }
-    }
-
-    #[inline]
-    fn update(&mut self, command: f32) {
-        let fast = command - self.mean;
-        self.mean += self.share * fast;
-        self.power += self.share * (fast * fast - self.power);
-    }
-
-    #[inline]
-    fn is_rich(&self) -> bool {
-        self.power > self.least
-    }
 }
 
 /// Errors of the sensor in a row with which the axis stops; fewer are bridged by where it should be.
