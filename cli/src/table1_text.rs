@@ -160,7 +160,7 @@ pub fn markdown(args: &Table1Args, lines: &[Line]) -> String {
             );
             text += "| vary | w, eta, eps \\[um\\] | ms | N/S \\[%\\] | paper | bound | output error | EKF |";
             let shown = shown(scheme);
-            for (filter, _) in shown {
+            for (filter, _) in &shown {
                 let _ = write!(text, " {} |", filter.name());
             }
             text += " T_ss med, p95 of default \\[ms\\] | diverged |\n|";
@@ -175,22 +175,25 @@ pub fn markdown(args: &Table1Args, lines: &[Line]) -> String {
     text += "```text\n";
     text += DEFINITIONS;
     text += &legend();
-    text + "Columns default, level, wide and ramp are the read-outs ls+bias; diverged counts the default.\n```\n"
+    text + "Columns default, level, wide, ramp and exact are the read-outs ls+bias; diverged counts the default.\n```\n"
 }
 
 /// The read-outs that users get: the core's own.
-fn shown(scheme: Scheme) -> [(Filter, Method); 6] {
-    Filter::ALL.map(|filter| {
-        let compensated = !matches!(filter, Filter::None | Filter::Span);
-        (
-            filter,
-            Method::Core {
-                scheme,
+fn shown(scheme: Scheme) -> Vec<(Filter, Method)> {
+    let filters = Filter::ALL.into_iter().filter(|f| f.goes_with(scheme));
+    filters
+        .map(|filter| {
+            let compensated = !matches!(filter, Filter::None | Filter::Span);
+            (
                 filter,
-                compensated,
-            },
-        )
-    })
+                Method::Core {
+                    scheme,
+                    filter,
+                    compensated,
+                },
+            )
+        })
+        .collect()
 }
 
 fn short_row(group: &[&Line], scheme: Scheme, shown: &[(Filter, Method)]) -> String {

@@ -84,18 +84,27 @@ pub enum Filter {
     Ramp,
     /// Linear integral filter of Sagara and Zhao over 70 ms, theta = (a1, a2, b0).
     Span,
+    /// The default filter with the numerators of the hold, [`ExactTrends`](trendid::ExactTrends), for slow sampling;
+    /// behind modified Tustin only.
+    Exact,
 }
 
 impl Filter {
     /// Every filter, in the order of the table.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::None,
         Self::Default,
         Self::Level,
         Self::Wide,
         Self::Ramp,
         Self::Span,
+        Self::Exact,
     ];
+
+    /// Whether the filter goes with a scheme.
+    pub fn goes_with(self, scheme: Scheme) -> bool {
+        self != Self::Exact || scheme == Scheme::Tustin
+    }
 
     /// Name as in the file.
     pub const fn name(self) -> &'static str {
@@ -106,6 +115,7 @@ impl Filter {
             Self::Wide => "wide",
             Self::Ramp => "ramp",
             Self::Span => "span",
+            Self::Exact => "exact",
         }
     }
 
@@ -122,6 +132,9 @@ impl Filter {
                 "(s + 50)(s^2 + 70 s + 2500), with a constant input and the time as an input: drift as a parabola"
             }
             Self::Span => "linear integral filter (Sagara and Zhao) over 70 ms",
+            Self::Exact => {
+                "ExactTrends::for_bandwidth(20 rad/s): as default, with the numerators of the hold, those of the filter"
+            }
         }
     }
 }
@@ -157,6 +170,9 @@ impl Method {
         let mut methods = vec![Self::OutputError, Self::Kalman];
         for filter in Filter::ALL {
             for scheme in [Scheme::Goodwin, Scheme::Tustin] {
+                if !filter.goes_with(scheme) {
+                    continue;
+                }
                 // The core compensates behind a chain only: elsewhere both read-outs are the same numbers.
                 let chain = !matches!(filter, Filter::None | Filter::Span);
                 for compensated in [false, true].into_iter().take(1 + usize::from(chain)) {

@@ -4,8 +4,8 @@
 //! trials of many seeds give together is in [`crate::table_run`].
 
 use trendid::{
-    Config, ConfigError, FilteredTrends, Identifier, IntegralTrends, RawTrends, Scheme, Structure,
-    TrendOperator,
+    Config, ConfigError, ExactTrends, FilteredTrends, Identifier, IntegralTrends, RawTrends,
+    Scheme, Structure, TrendOperator,
 };
 
 use crate::bound::{Coefficient, InitialState, servo_bound_pct};
@@ -156,6 +156,7 @@ fn looks(record: &Record, k: usize) -> bool {
 
 /// Bare least squares and the core's read-out.
 fn core(record: &Record, scheme: Scheme, filter: Filter) -> Result<[Run; 2], ConfigError> {
+    assert!(filter.goes_with(scheme), "{filter:?} of {scheme:?}");
     let dt = record.dt as f32;
     let bare = Structure::<3, 3, 1>::integrating();
     match filter {
@@ -182,6 +183,11 @@ fn core(record: &Record, scheme: Scheme, filter: Filter) -> Result<[Run; 2], Con
             let structure = Structure::<3, 5, 2>::integrating_with_constant();
             pass(record, filter, structure, |s| [s.u as f32, s.t as f32])
         }
+        Filter::Exact => single(
+            record,
+            ExactTrends::for_bandwidth(dt, BANDWIDTH)?,
+            Structure::<3, 4, 1>::servo(),
+        ),
         // The span is a size: one type per interval of the table.
         Filter::Span => match (0.07 / record.dt).round() as usize {
             280 => single(record, IntegralTrends::<3, 280>::try_new(scheme, dt)?, bare),
