@@ -23,6 +23,7 @@
 //! | [`table1`] | the conditions and printed figures of the paper's Table 1 |
 //! | [`methods`] | conditions, filters and methods of the reproduced Table 1 |
 //! | [`montecarlo`] | one record through every method |
+//! | [`rounds`] | exact trends with the model of the round before |
 //! | [`table_run`] | statistics over many records |
 
 pub mod bound;
@@ -41,6 +42,7 @@ pub mod plant;
 pub mod pneumatic;
 pub mod polynomial;
 pub mod reference;
+pub mod rounds;
 pub mod scenario;
 pub mod table1;
 pub mod table_run;
