@@ -59,9 +59,11 @@ functions! {
     row_estimate(rows::Offset, f32) -> [f32; 4], |state, _u, _y| state.theta();
     row_std(rows::Offset, f32) -> [f32; 4], |state, _u, _y| state.std();
     row_exact_estimate(rows::Exact, f32) -> [f32; 4], |state, _u, _y| state.theta();
-    row_retune((rows::Offset, FilteredTrends<3>), f32) -> bool, |state, _u, _y| {
-        let (identifier, trends) = state;
-        identifier.retune(*trends, 0.1).is_ok()
+    row_retune((rows::Offset, [FilteredTrends<3>; 2]), f32) -> bool, |state, _u, _y| {
+        // Another filter in every call.
+        let (identifier, [next, after]) = state;
+        core::mem::swap(next, after);
+        identifier.retune(*after, 0.1).is_ok()
     };
     row_bare_3(Estimator<3>, &[f32; 3]) -> f32, |state, phi, psi| state.update(phi, psi);
     row_bare_4(Estimator<4>, &[f32; 4]) -> f32, |state, phi, psi| state.update(phi, psi);
@@ -182,9 +184,11 @@ fn now_and_then(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
         "deviations, per call", 4, *row_std, default, calls();
         "exact estimate, per call", 4, *row_exact_estimate, exact, calls();
     }
-    let nearer = FilteredTrends::for_bandwidth(Scheme::Tustin, record::SAMPLE_TIME, 22.0)?;
+    let behind =
+        |bandwidth| FilteredTrends::for_bandwidth(Scheme::Tustin, record::SAMPLE_TIME, bandwidth);
+    let filters = [behind(22.0)?, behind(18.0)?];
     rows! { meter;
-        "retune, per call", 4, *row_retune, (default, nearer), calls();
+        "retune, per call", 4, *row_retune, (default, filters), calls();
     }
     Ok(())
 }
