@@ -321,7 +321,11 @@ impl Observer {
             t = (2.0 * t + cube / (t * t)) * (1.0 / 3.0);
         }
         if self.before == -direction && ramp > QUICK * self.friction {
-            self.learn(self.drive * direction - ramp * (t + LATE));
+            let drive = self.drive * direction;
+            let end = drive - ramp * (t + LATE);
+            // At its bound the drive has long stopped to count: then friction is not less than believed.
+            let bound = drive >= BREAK * self.friction && end < self.breakaway();
+            self.learn(if bound { self.breakaway() } else { end });
         }
         self.direction = direction;
         self.motion = Motion {
