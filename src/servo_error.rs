@@ -31,6 +31,8 @@ pub enum ServoError {
         /// End of the travel.
         end: f32,
     },
+    /// Bandwidth squared times travel is beyond 1e7: the unit of y is too small for the accelerations of this axis.
+    Unit(f32),
     /// The amplitude of the excitation is not within 0..=1.
     Amplitude(f32),
     /// A time is not positive, or longer than 2^31 samples (s).
@@ -61,6 +63,10 @@ impl fmt::Display for ServoError {
             Self::CommandRate(v) => write!(f, "command rate {v} per s is not positive"),
             Self::RestWindow(v) => write!(f, "rest window {v} is not a finite number >= 0"),
             Self::Travel { begin, end } => write!(f, "travel from {begin} to {end} is empty"),
+            Self::Unit(v) => write!(
+                f,
+                "bandwidth squared times travel is {v} units of y per s^2, more than 1e7: give y in a larger unit, mm and not um"
+            ),
             Self::Amplitude(v) => write!(f, "excitation amplitude {v} is not within 0..=1"),
             Self::Time(v) => write!(f, "time {v} s is not positive or too long"),
             Self::Bound(v) => write!(f, "bound {v} of the supervisor is not positive"),

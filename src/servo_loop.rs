@@ -137,6 +137,10 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         identify.delays = [config.delay, config.delay, 0];
         identify.pull = config.pull;
         let square = config.bandwidth * config.bandwidth;
+        // Friction, as an acceleration, is an input of the identifier and must stay within its reach.
+        if square * length > 1e7 {
+            return Err(ServoError::Unit(square * length));
+        }
         // Until a model is verified the controller is never asked; any stable model will do.
         let nominal = ServoModel::linear(square, config.bandwidth, square * length);
         Ok(Self {

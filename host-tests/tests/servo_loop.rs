@@ -4,7 +4,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
 use trendid::{
-    Controller, ControllerConfig, LoopConfig, Motion, Report, ServoLoop, ServoModel, Setpoint,
+    Controller, ControllerConfig, LoopConfig, Motion, Report, ServoError, ServoLoop, ServoModel,
+    Setpoint, Travel,
 };
 use trendid_host_tests::companion::{Companion, Request};
 use trendid_host_tests::scenario::{Options, Rig, Scenario, TRAVEL, run, run_beside};
@@ -240,4 +241,20 @@ fn sixty_seconds_at_rest_move_neither_gains_nor_axis() {
     let f = run(Scenario::Rest, &nominal(1), &mut |_, _| {});
     assert_eq!(f.gains_kept, Some(true));
     assert!(f.rest_range_mm.is_some_and(|range| range < 0.1));
+}
+
+#[test]
+fn a_unit_too_small_for_the_accelerations_is_refused() {
+    // The same axis in micrometres.
+    let travel = Travel {
+        begin: 0.0,
+        end: 400e3,
+    };
+    let axis = Axis {
+        scale: Scale::new(10.0).expect("scale"),
+        reference: 0,
+    };
+    let config = LoopConfig::new(25.0, travel);
+    let refused = ServoLoop::try_new(&config, axis, WildSensor(None), Through);
+    assert!(matches!(refused, Err(ServoError::Unit(x)) if x == 2.5e8));
 }
