@@ -31,7 +31,7 @@ pub struct LoopConfig {
     pub delay: usize,
     /// Memory of the identifier in s.
     pub memory: f32,
-    /// Pull of the identifier toward the verified model; weaker than that of [`Config`], or a tripled mass is followed too late.
+    /// Pull of the identifier toward the verified model; weaker than that of [`Config`](crate::Config), or a tripled mass is followed too late.
     pub pull: f32,
     /// Least standard deviation of the fast part of the command with which the model follows the drive.
     pub rich: f32,
