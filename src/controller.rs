@@ -162,12 +162,12 @@ const PATIENCE: u16 = 2;
 const WIDER: f32 = 0.15;
 const HUNT: u16 = 3;
 
-/// Growth of the growth of that push per sample of sticking.
-const HASTE: f32 = 0.002;
-
 /// Flow with which a resting axis beside its target is pushed: at first and at most.
 const CREEP_LEAST: f32 = 0.01;
 const CREEP_MOST: f32 = 0.05;
+
+/// Growth of the growth of that push per sample of sticking.
+const HASTE: f32 = 0.002;
 
 /// Position controller by pole placement.
 ///

@@ -22,53 +22,64 @@ pub struct Task<'a> {
 }
 
 /// One figure of a run.
-struct Column {
+pub struct Column {
     /// Key in JSON.
     key: &'static str,
-    /// Head in the table.
+    /// Head in the table of one scenario.
     head: &'static str,
-    of: fn(&Figures) -> Option<f64>,
+    /// Head in the table of all scenarios.
+    pub short: &'static str,
+    pub of: fn(&Figures) -> Option<f64>,
 }
 
-const COLUMNS: [Column; 8] = [
+/// The figures of a run, the range at rest last.
+pub const COLUMNS: [Column; 8] = [
     Column {
         key: "verified_at_s",
         head: "model verified after [s]",
+        short: "verified [s]",
         of: |f| f.verified_at_s,
     },
     Column {
         key: "steady_state_mm",
         head: "60 mm step: steady state [mm]",
+        short: "steady state [mm]",
         of: |f| f.steady_state_mm,
     },
     Column {
         key: "rise_ms",
         head: "60 mm step: rise [ms]",
+        short: "rise [ms]",
         of: |f| f.rise_ms,
     },
     Column {
         key: "overshoot_pct",
         head: "60 mm step: overshoot [%]",
+        short: "overshoot [%]",
         of: |f| f.overshoot_pct,
     },
     Column {
         key: "tracking_0p5hz_mm",
         head: "sine of 60 mm, 0.5 Hz: largest error [mm]",
+        short: "0.5 Hz [mm]",
         of: |f| f.tracking_0p5hz_mm,
     },
     Column {
         key: "tracking_1hz_mm",
         head: "sine of 60 mm, 1 Hz: largest error [mm]",
+        short: "1 Hz [mm]",
         of: |f| f.tracking_1hz_mm,
     },
     Column {
         key: "recovered_s",
         head: "error below 1.05 mm again after [s]",
+        short: "back after [s]",
         of: |f| f.recovered_s,
     },
     Column {
         key: "rest_range_mm",
         head: "60 s at rest: range of the position [mm]",
+        short: "range at rest [mm]",
         of: |f| f.rest_range_mm,
     },
 ];

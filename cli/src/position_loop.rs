@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 use trendid_host_tests::scenario::{Figures, Options, Scenario, run as run_scenario};
 
-use crate::demo_loop::json_of;
+use crate::demo_loop::{COLUMNS, Column, json_of};
 use crate::format::significant;
 use crate::output::{Refusal, emit, emit_json, progress};
 
@@ -45,19 +45,6 @@ const MOTION: [Scenario; 6] = [
     Scenario::Rest,
 ];
 
-/// One figure of a run, for a column.
-type Figure = fn(&Figures) -> Option<f64>;
-
-const COLUMNS: [(&str, Figure); 7] = [
-    ("verified [s]", |f| f.verified_at_s),
-    ("steady state [mm]", |f| f.steady_state_mm),
-    ("rise [ms]", |f| f.rise_ms),
-    ("overshoot [%]", |f| f.overshoot_pct),
-    ("0.5 Hz [mm]", |f| f.tracking_0p5hz_mm),
-    ("1 Hz [mm]", |f| f.tracking_1hz_mm),
-    ("back after [s]", |f| f.recovered_s),
-];
-
 /// Runs every scenario and prints.
 ///
 /// # Errors
@@ -67,14 +54,19 @@ pub fn run(args: &LoopArgs) -> Result<(), Refusal> {
     if args.seeds == 0 {
         return Err(Refusal::new("--seeds must be at least 1"));
     }
-    let faults = Scenario::ALL.into_iter().filter(|s| s.expected().is_some());
-    let bar = progress(args.seeds * 17, "runs");
+    let faults: Vec<Scenario> = Scenario::ALL
+        .into_iter()
+        .filter(|s| s.expected().is_some())
+        .collect();
+    let lines = 2 * MOTION.len() + faults.len();
+    let bar = progress(args.seeds * lines as u64, "runs");
     let moved: Vec<(Vec<Figures>, bool)> = MOTION
         .into_iter()
         .flat_map(|scenario| [(scenario, false), (scenario, true)])
         .map(|(scenario, fixed)| (runs(args, scenario, fixed, &bar), fixed))
         .collect();
     let refused: Vec<Vec<Figures>> = faults
+        .into_iter()
         .map(|scenario| runs(args, scenario, false, &bar))
         .collect();
     bar.finish_and_clear();
@@ -110,7 +102,8 @@ fn runs(args: &LoopArgs, scenario: Scenario, fixed: bool, bar: &ProgressBar) -> 
 }
 
 /// Median and worst of a figure; a run that does not come to it counts as infinite.
-fn spread(runs: &[Figures], figure: Figure) -> String {
+fn spread(runs: &[Figures], column: &Column) -> String {
+    let figure = column.of;
     if runs.iter().all(|f| figure(f).is_none()) {
         return if runs[0].scenario.is_change() {
             "never".into()
@@ -143,17 +136,18 @@ fn markdown(args: &LoopArgs, moved: &[(Vec<Figures>, bool)], refused: &[Vec<Figu
         "Seeds {} to {last}; median / worst.\n\n| scenario | gains |",
         args.first_seed
     );
-    for (head, _) in COLUMNS {
-        text += &format!(" {head} |");
+    let [motion @ .., rest] = &COLUMNS;
+    for column in motion {
+        text += &format!(" {} |", column.short);
     }
     text += " within |\n|---|---|";
-    text += &"---|".repeat(COLUMNS.len() + 1);
+    text += &"---|".repeat(motion.len() + 1);
     text.push('\n');
     for (runs, fixed) in moved {
         let gains = if *fixed { "fixed" } else { "adaptive" };
         text += &format!("| {} | {gains} |", runs[0].scenario.name());
-        for (_, figure) in COLUMNS {
-            text += &format!(" {} |", spread(runs, figure));
+        for column in motion {
+            text += &format!(" {} |", spread(runs, column));
         }
         let within = runs.iter().filter(|f| f.outside().is_empty()).count();
         text += &format!(" {within} of {} |\n", args.seeds);
@@ -165,7 +159,7 @@ fn markdown(args: &LoopArgs, moved: &[(Vec<Figures>, bool)], refused: &[Vec<Figu
         let kept = runs.iter().filter(|f| f.gains_kept == Some(true)).count();
         text += &format!(
             "\n60 s at rest: range of the position {} mm, gains bit for bit as before in {kept} of {}.\n",
-            spread(runs, |f| f.rest_range_mm),
+            spread(runs, rest),
             args.seeds
         );
     }

@@ -1,6 +1,7 @@
 //! A second loop beside the one of a scenario: on a processor, behind a line.
 
-use trendid::Report;
+use trendid::hardware::{PositionSensor, Valve};
+use trendid::{Report, ServoLoop};
 
 use crate::scenario::Rig;
 
@@ -20,6 +21,21 @@ pub enum Request {
         /// Frequency \[Hz\].
         frequency: f32,
     },
+}
+
+impl Request {
+    /// Asks it of a loop.
+    pub fn put_to<S: PositionSensor, V: Valve>(self, servo: &mut ServoLoop<S, V>) {
+        match self {
+            Self::Commission => servo.commission(),
+            Self::Abort => servo.abort(),
+            Self::MoveTo(target) => servo.move_to(target),
+            Self::Oscillate {
+                amplitude,
+                frequency,
+            } => servo.oscillate(amplitude, frequency),
+        }
+    }
 }
 
 /// A loop that gets what the loop of the rig gets, sample by sample, and drives the plant in its place.

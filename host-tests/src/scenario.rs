@@ -266,15 +266,7 @@ impl Rig {
     }
 
     fn ask(&mut self, request: Request) {
-        match request {
-            Request::Commission => self.servo.commission(),
-            Request::Abort => self.servo.abort(),
-            Request::MoveTo(target) => self.servo.move_to(target),
-            Request::Oscillate {
-                amplitude,
-                frequency,
-            } => self.servo.oscillate(amplitude, frequency),
-        }
+        request.put_to(&mut self.servo);
     }
 }
 

@@ -56,15 +56,7 @@ impl Companion for Twin {
 
     fn request(&mut self, request: Request) {
         self.requests.push(request);
-        match request {
-            Request::Commission => self.servo.commission(),
-            Request::Abort => self.servo.abort(),
-            Request::MoveTo(target) => self.servo.move_to(target),
-            Request::Oscillate {
-                amplitude,
-                frequency,
-            } => self.servo.oscillate(amplitude, frequency),
-        }
+        request.put_to(&mut self.servo);
     }
 
     fn update(&mut self, reading: Option<i32>, report: &Report, _: &Rig) -> Option<f32> {

@@ -2,34 +2,15 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
+use trendid::hardware::{Axis, Scale};
 use trendid::{
     Controller, ControllerConfig, LoopConfig, Motion, Report, ServoError, ServoLoop, ServoModel,
     Setpoint, Travel,
 };
 use trendid_host_tests::companion::{Companion, Request};
-use trendid_host_tests::scenario::{Options, Rig, Scenario, TRAVEL, run, run_beside};
-
-/// A sensor that may fail, and may give any code.
-struct WildSensor(Option<i32>);
-
-impl PositionSensor for WildSensor {
-    type Error = ();
-
-    fn counts(&mut self) -> Result<i32, ()> {
-        self.0.ok_or(())
-    }
-}
-
-struct Through;
-
-impl Valve for Through {
-    type Error = ();
-
-    fn drive(&mut self, command: f32) -> Result<f32, ()> {
-        Ok(command)
-    }
-}
+use trendid_host_tests::scenario::{
+    Options, Rig, Scenario, SimulatedSensor, SimulatedValve, TRAVEL, run, run_beside,
+};
 
 #[test]
 fn the_command_keeps_range_and_rate_in_a_million_wild_samples() {
@@ -41,8 +22,13 @@ fn the_command_keeps_range_and_rate_in_a_million_wild_samples() {
         scale: Scale::new(0.01).expect("scale"),
         reference: 0,
     };
-    let mut servo =
-        ServoLoop::try_new(&config, axis, WildSensor(Some(20_000)), Through).expect("settings");
+    let mut servo = ServoLoop::try_new(
+        &config,
+        axis,
+        SimulatedSensor { code: Some(20_000) },
+        SimulatedValve,
+    )
+    .expect("settings");
     let (mut last, mut moved) = (0.0_f32, 0_u32);
     for k in 0..1_000_000 {
         match random.random_range(0..400_u32) {
@@ -65,7 +51,7 @@ fn the_command_keeps_range_and_rate_in_a_million_wild_samples() {
             }
             _ => {}
         }
-        servo.sensor_mut().0 = match random.random_range(0..1000_u32) {
+        servo.sensor_mut().code = match random.random_range(0..1000_u32) {
             0 => None,
             1 => Some(random.random::<i32>()),
             _ => Some(20_000 + random.random_range(-3000..3000_i32)),
@@ -255,6 +241,6 @@ fn a_unit_too_small_for_the_accelerations_is_refused() {
         reference: 0,
     };
     let config = LoopConfig::new(25.0, travel);
-    let refused = ServoLoop::try_new(&config, axis, WildSensor(None), Through);
+    let refused = ServoLoop::try_new(&config, axis, SimulatedSensor::default(), SimulatedValve);
     assert!(matches!(refused, Err(ServoError::Unit(x)) if x == 2.5e8));
 }
