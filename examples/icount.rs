@@ -50,16 +50,17 @@ functions! {
         state.update()
     };
     row_constant(rows::Offset, f32) -> Outcome, |state, u, y| state.update(u, y);
+    row_default(rows::Default, f32) -> Outcome, |state, u, y| state.update(u, y);
     row_dead_zone(rows::DeadZone, f32) -> Outcome, |state, u, y| {
         state.update_inputs(rows::dead_zone_inputs(u), y)
     };
     row_full(rows::Full, f32) -> Outcome, |state, u, y| state.update(u, y);
     row_exact(rows::Exact, f32) -> Outcome, |state, u, y| state.update(u, y);
     row_bank(rows::Bank, f32) -> Outcome, |state, u, y| state.update_inputs([u], y);
-    row_estimate(rows::Offset, f32) -> [f32; 4], |state, _u, _y| state.theta();
-    row_std(rows::Offset, f32) -> [f32; 4], |state, _u, _y| state.std();
-    row_exact_estimate(rows::Exact, f32) -> [f32; 4], |state, _u, _y| state.theta();
-    row_retune((rows::Offset, [FilteredTrends<3>; 2]), f32) -> bool, |state, _u, _y| {
+    row_estimate(rows::Default, f32) -> [f32; 5], |state, _u, _y| state.theta();
+    row_std(rows::Default, f32) -> [f32; 5], |state, _u, _y| state.std();
+    row_exact_estimate(rows::Exact, f32) -> [f32; 5], |state, _u, _y| state.theta();
+    row_retune((rows::Default, [FilteredTrends<3>; 2]), f32) -> bool, |state, _u, _y| {
         // Another filter in every call.
         let (identifier, [next, after]) = state;
         core::mem::swap(next, after);
@@ -130,8 +131,8 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
         "raw Goodwin", 3, *row_raw, rows::raw(Scheme::Goodwin)?, samples();
         "raw Tustin", 3, *row_raw, rows::raw(Scheme::Tustin)?, samples();
         "filtered Tustin", 3, *row_filtered, rows::filtered(Scheme::Tustin)?, samples();
-        "default (with start)", 4, *row_constant, rows::default()?, samples();
-        "default with memory", 4, *row_constant, rows::following()?, samples();
+        "default", 5, *row_default, rows::default()?, samples();
+        "default with memory", 5, *row_default, rows::following()?, samples();
     }
     // A Cortex-M0 (no atomic exchange) has no room for several copies of a long window, and its emulation of two loops
     // takes minutes.
@@ -146,14 +147,15 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
         }
     }
     rows! { meter;
+        "with start", 4, *row_constant, rows::started()?, samples();
         "with constant", 4, *row_constant, rows::offset()?, samples();
         "with dead zone", 5, *row_dead_zone, rows::dead_zoned()?, samples();
     }
     // As for the span: eight identifiers are too many for the smallest memory, and its emulation takes minutes as it is.
     if cfg!(target_has_atomic = "32") {
         rows! { meter;
-            "default, exact hold", 4, *row_exact, rows::exact()?, samples();
-            "delay bank of 8", 4, *row_bank, rows::bank()?, samples();
+            "default, exact hold", 5, *row_exact, rows::exact()?, samples();
+            "delay bank of 8", 5, *row_bank, rows::bank()?, samples();
         }
         now_and_then(meter)?;
     }
@@ -176,19 +178,19 @@ fn now_and_then(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     let (mut default, mut exact) = (rows::default()?, rows::exact()?);
     for (u, y) in record::samples() {
         // The counted functions themselves: a second copy of an update would change how both are compiled.
-        let _ = row_constant(&mut default, u, y);
+        let _ = row_default(&mut default, u, y);
         let _ = row_exact(&mut exact, u, y);
     }
     rows! { meter;
-        "estimate, per call", 4, *row_estimate, default, calls();
-        "deviations, per call", 4, *row_std, default, calls();
-        "exact estimate, per call", 4, *row_exact_estimate, exact, calls();
+        "estimate, per call", 5, *row_estimate, default, calls();
+        "deviations, per call", 5, *row_std, default, calls();
+        "exact estimate, per call", 5, *row_exact_estimate, exact, calls();
     }
     let behind =
         |bandwidth| FilteredTrends::for_bandwidth(Scheme::Tustin, record::SAMPLE_TIME, bandwidth);
     let filters = [behind(22.0)?, behind(18.0)?];
     rows! { meter;
-        "retune, per call", 4, *row_retune, (default, filters), calls();
+        "retune, per call", 5, *row_retune, (default, filters), calls();
     }
     Ok(())
 }

@@ -128,13 +128,12 @@ impl<const M: usize> FilteredTrends<M> {
         self.filter
     }
 
-    /// The filter for a plant of rough bandwidth omega (rad/s): `(s + 0.125 omega) (s^2 + 1.75 omega s + 1.5625 omega^2)` for m = 3.
+    /// The filter for a plant of rough bandwidth omega (rad/s): `(s + 0.11 omega) (s^2 + 1.54 omega s + 1.21 omega^2)` for m = 3.
     ///
-    /// A pair of damping 0.7 at 1.25 omega, where the noise and the dynamics part, and a
-    /// slow real pole that lets the position itself be seen (m = 1: the pole 1.25 omega;
-    /// m = 2: two real poles; m = 4: a further pole 1.25 omega): measured to be within 1.3 times the Cramer-Rao bound under white
-    /// noise. With slow drifts in the measurement take [`FilteredTrends::try_new`] with
-    /// all poles at 5 omega.
+    /// A pair of damping 0.7 at 1.1 omega, where the noise and the dynamics part, and a
+    /// slow real pole that lets the position itself be seen (m = 1: the pole 1.1 omega;
+    /// m = 2: two real poles; m = 4: a further pole 1.1 omega): measured to be within 1.4
+    /// times the Cramer-Rao bound under white noise, with [`Structure::servo`](crate::Structure::servo).
     ///
     /// # Errors
     /// As [`FilteredTrends::try_new`].
@@ -356,9 +355,11 @@ mod tests {
     #[test]
     fn the_default_filter_as_documented() {
         let trends = FilteredTrends::<3>::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
-        // (s + 2.5)(s^2 + 35 s + 625)
-        assert_eq!(trends.filter(), [1562.5, 712.5, 37.5]);
-        assert!((trends.decay() - (1.0 - 0.00125) / (1.0 + 0.00125)).abs() < 1e-6);
+        // (s + 2.2)(s^2 + 30.8 s + 484)
+        for (found, wanted) in trends.filter().into_iter().zip([1064.8, 551.76, 33.0]) {
+            assert!((found / wanted - 1.0).abs() < 1e-6, "{found}");
+        }
+        assert!((trends.decay() - (1.0 - 0.0011) / (1.0 + 0.0011)).abs() < 1e-6);
     }
 
     #[test]

@@ -36,7 +36,8 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     pub memory: Option<f32>,
     /// Estimate at the start, in the order of theta and the user's units; default 0.
     pub initial: [f32; N],
-    /// Standard deviation of `initial`, 0 for a known parameter; default `None`: ten times the design size.
+    /// Standard deviation of `initial`, 0 for a known parameter; default `None`: ten times the design size,
+    /// and 3 % of the size of the input for a constant.
     pub prior_std: Option<[f32; N]>,
     /// Time after the first sample, in s, in which trends settle and nothing is estimated; default 0.
     pub settling: f32,
@@ -44,6 +45,9 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     /// covariance stops at its inverse, and the estimate falls back to the trusted one ([`Identifier::trust`](crate::Identifier::trust))
     /// within the memory. Default 5e-4: unseen in motion; 0 stops the covariance at 10^12 only.
     pub pull: f32,
+    /// Standard deviations within which a constant is taken for none, fading out at twice as many; default 2, 0 always
+    /// keeps it.
+    pub doubt: f32,
 }
 
 impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
@@ -68,6 +72,7 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
             prior_std: None,
             settling: 0.0,
             pull: 5e-4,
+            doubt: 2.0,
         }
     }
 
@@ -122,6 +127,9 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
         }
         if !(self.pull >= 0.0 && self.pull.is_finite()) {
             return Err(ConfigError::Pull(self.pull));
+        }
+        if !(self.doubt >= 0.0 && self.doubt.is_finite()) {
+            return Err(ConfigError::Doubt(self.doubt));
         }
         Ok(())
     }

@@ -73,6 +73,8 @@ pub enum ConfigError {
     },
     /// The weight of the pull toward the trusted estimate is negative or not finite.
     Pull(f32),
+    /// The doubt of a constant is negative or not finite.
+    Doubt(f32),
     /// The settling time is negative or not finite (seconds).
     Settling(f32),
 }
@@ -117,6 +119,7 @@ impl fmt::Display for ConfigError {
                 "delay {samples} of input {input} exceeds the delay line of {capacity} samples"
             ),
             Self::Pull(v) => write!(f, "pull weight {v} is not a finite number >= 0"),
+            Self::Doubt(v) => write!(f, "doubt {v} is not a finite number >= 0"),
             Self::Settling(v) => write!(f, "settling time {v} s is not a finite number >= 0"),
         }
     }

@@ -21,7 +21,7 @@ pub(crate) const fn with_pole<const M: usize>(
 
 /// The default filter for a plant of this rough bandwidth in rad/s.
 pub(crate) const fn for_bandwidth<const M: usize>(bandwidth: f32) -> [f32; M] {
-    let corner = 1.25 * bandwidth;
+    let corner = 1.1 * bandwidth;
     let slow = if M == 1 { corner } else { 0.1 * corner };
     let mut filter = with_pole([0.0; M], 0, slow);
     if M == 2 {
@@ -101,11 +101,15 @@ mod tests {
 
     #[test]
     fn the_default_has_its_slow_pole_and_its_pair() {
-        // (s + 2.5)(s^2 + 35 s + 625) for 20 rad/s.
-        assert_eq!(for_bandwidth::<3>(20.0), [1562.5, 712.5, 37.5]);
-        assert!((slowest(&for_bandwidth::<3>(20.0)) - 2.5).abs() < 1e-4);
-        assert_eq!(for_bandwidth::<1>(20.0), [25.0]);
-        assert_eq!(for_bandwidth::<2>(20.0), [62.5, 27.5]);
+        // (s + 2.2)(s^2 + 30.8 s + 484) for 20 rad/s.
+        let wanted = [1064.8, 551.76, 33.0];
+        for (found, wanted) in for_bandwidth::<3>(20.0).into_iter().zip(wanted) {
+            assert!((found / wanted - 1.0).abs() < 1e-6, "{found}");
+        }
+        assert!((slowest(&for_bandwidth::<3>(20.0)) - 2.2).abs() < 1e-4);
+        assert_eq!(for_bandwidth::<1>(20.0), [22.0]);
+        let [low, high] = for_bandwidth::<2>(20.0);
+        assert!((low - 48.4).abs() < 1e-4 && (high - 24.2).abs() < 1e-4);
         assert!(hurwitz_violation(&for_bandwidth::<4>(20.0)).is_none());
         assert_eq!(hurwitz_violation(&[8.0, 1.0, 1.0]), Some(0));
     }

@@ -9,7 +9,7 @@ use crate::math::sqrt;
 use crate::noise::NoiseLevel;
 use crate::outcome::{Outcome, Refusal};
 use crate::physical::{Physical, second_order_std};
-use crate::readout::{Evidence, Readout, estimate, in_band, read_out};
+use crate::readout::{Estimate, Evidence, Readout, estimate, in_band, read_out};
 use crate::regressor::Regressor;
 use crate::sample::{DelayLine, acceptable};
 use crate::structure::{Column, Structure};
@@ -27,6 +27,9 @@ const UNKNOWN: f32 = 1e8;
 
 /// Prior standard deviation of a normalised parameter whose size by design is 1.
 const PRIOR: f32 = 10.0;
+
+/// The same of the constant: valves rest within some percent of their command.
+const OFFSET: f32 = 0.03;
 
 /// Recursive identifier of a continuous-time model of order `M` with `N` parameters.
 ///
@@ -94,6 +97,7 @@ pub struct Identifier<
     /// 1/pull, and the share per sample of the way back to the trusted estimate, over the ceiling.
     ceiling: f32,
     fall_back: f32,
+    doubt: f32,
     trusted: [f32; N],
     has_trusted: bool,
     turn: usize,
@@ -134,7 +138,13 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             None => 1.0,
         };
         let initial = sampled(&config.initial, &config.structure, &trends);
-        let (theta, std) = prior(&regressor, prior_noise, &initial, &config.prior_std)?;
+        let (theta, std) = prior(
+            &config.structure,
+            &regressor,
+            prior_noise,
+            &initial,
+            &config.prior_std,
+        )?;
         let start = Estimator::new(theta, std, forgetting);
         let ceiling = if config.pull > 1.0 / WIND_UP {
             1.0 / config.pull
@@ -163,6 +173,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             forgets: config.memory.is_some(),
             ceiling,
             fall_back: (1.0 - forgetting) * N as f32 / ceiling,
+            doubt: config.doubt,
             has_trusted: false,
             trusted: theta,
             turn: 0,
@@ -266,6 +277,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             0.0
         };
         self.estimator.relax(turn, trusted, self.ceiling, rate);
+        if self.structure.constant() {
+            self.estimator.loosen(turn, rate);
+        }
     }
 
     /// The plant rested at y(0) with the inputs at their rest values until this sample.
@@ -326,7 +340,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
         // The bias that the old filter made is settled now; what follows has the new one's.
         let units = *self.regressor.units();
-        let mut theta = self.found();
+        let mut theta = self.found().theta;
         // What was learnt weighs as much as the noise in band was smaller than it will be.
         let a = self.regressor.denominator(&theta);
         let scale = match (self.trends.filter_polynomial(), trends.filter_polynomial()) {
@@ -379,7 +393,13 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
         check_std(&std)?;
         let theta = sampled(&theta, &self.structure, &self.trends);
-        let (theta, std) = prior(&self.regressor, self.prior_noise, &theta, &Some(std))?;
+        let (theta, std) = prior(
+            &self.structure,
+            &self.regressor,
+            self.prior_noise,
+            &theta,
+            &Some(std),
+        )?;
         self.estimator = self.estimator.restarted(theta, std);
         self.trusted = theta;
         self.has_trusted = true;
@@ -388,7 +408,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// Makes the current estimate the one that a rest leads back to.
     pub fn trust(&mut self) {
-        self.trusted = *self.estimator.theta();
+        let theta = *self.estimator.theta();
+        self.trusted = self.found().without_doubt(theta, self.regressor.units());
         self.has_trusted = true;
     }
 
@@ -401,18 +422,18 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     ///
     /// Cost: some 100 N^2 instructions; for the loop that reports, not for every sample.
     pub fn theta(&self) -> [f32; N] {
-        continuous(&self.found(), &self.structure, &self.trends)
+        continuous(&self.found().theta, &self.structure, &self.trends)
     }
 
     /// The parameters as the trends have them, in the user's units.
-    fn found(&self) -> [f32; N] {
+    fn found(&self) -> Estimate<N> {
         estimate(
             &self.evidence(),
             &self.noise_gain,
             &self.regressor,
             &self.trends,
+            self.bandwidth,
         )
-        .theta
     }
 
     /// Standard deviation of each parameter, in its unit, from the noise level found.
@@ -437,6 +458,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             residual: self.estimator.noise_variance(),
             white: self.noise.variance(),
             prior: self.prior_noise * self.prior_noise,
+            doubt: self.doubt,
         }
     }
 
@@ -547,7 +569,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const D: usize>
 }
 
 /// The prior in normalised units, its standard deviation relative to the noise of psi.
-fn prior<const M: usize, const N: usize>(
+fn prior<const M: usize, const N: usize, const I: usize>(
+    structure: &Structure<M, N, I>,
     regressor: &Regressor<M, N>,
     noise: f32,
     initial: &[f32; N],
@@ -565,7 +588,10 @@ fn prior<const M: usize, const N: usize>(
             });
         }
     }
-    let mut relative = std.unwrap_or([PRIOR; N]);
+    let mut relative = std.unwrap_or(structure.columns().map(|column| match column {
+        Column::Constant => OFFSET,
+        _ => PRIOR,
+    }));
     for (value, unit) in relative.iter_mut().zip(units) {
         *value /= match std {
             Some(_) => unit * noise,

@@ -80,6 +80,7 @@ mod config;
 mod continuous;
 mod controller;
 mod delay_bank;
+mod doubt;
 mod error;
 mod estimator;
 mod evaluation;

@@ -183,9 +183,9 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
         Self::new(Terms::between(1, M), [Terms::of(&[0]); I], true)
     }
 
-    /// As [`Structure::integrating`], with the start: the structure to take where nothing is known against it.
+    /// As [`Structure::integrating`], with a constant and the start: the structure to take where nothing is known against it.
     pub const fn servo() -> Self {
-        match Self::try_with_start(Terms::between(1, M), [Terms::of(&[0]); I], false) {
+        match Self::try_with_start(Terms::between(1, M), [Terms::of(&[0]); I], true) {
             Ok(structure) => structure,
             Err(_) => panic!("the terms contradict the sizes M, N, I of the structure"),
         }

@@ -78,7 +78,7 @@ pub fn run(args: &Fig1Args) -> Result<(), Refusal> {
         transient(&record, RawTrends::try_new(scheme, dt)?, structure)?
     } else {
         let trends = FilteredTrends::for_bandwidth(scheme, dt, 20.0)?;
-        transient(&record, trends, Structure::<3, 4, 1>::servo())?
+        transient(&record, trends, Structure::<3, 5, 1>::servo())?
     };
     let settled = settled_ms(&points);
     if args.csv {

@@ -6,7 +6,7 @@ use indicatif::ProgressBar;
 use rayon::prelude::*;
 use trendid::{
     Config, DeadZone, DelayBank, ExactTrends, FilteredTrends, Identifier, RawTrends, Scheme,
-    Structure, TrendOperator,
+    Structure, Terms, TrendOperator,
 };
 use trendid_host_tests::excitation::Excitation;
 use trendid_host_tests::experiment::{Experiment, Record};
@@ -54,13 +54,13 @@ pub fn gains(seeds: &Range<u64>, bar: &ProgressBar) -> Vec<Gain> {
         ),
         (
             "start as a parameter",
-            sample(("default (with start)", 4), ("filtered Tustin", 3)),
+            sample(("with start", 4), ("filtered Tustin", 3)),
             "0.1 mm of white noise, 0.5 s",
             start,
         ),
         (
             "constant input",
-            sample(("with constant", 4), ("filtered Tustin", 3)),
+            sample(("default", 5), ("with start", 4)),
             "offset of 10 % of u, 10 um, 1 s",
             constant,
         ),
@@ -85,8 +85,8 @@ pub fn gains(seeds: &Range<u64>, bar: &ProgressBar) -> Vec<Gain> {
         (
             "delay bank of 8",
             Cost::Commissioning {
-                with: ("delay bank of 8", 4),
-                without: ("default (with start)", 4),
+                with: ("delay bank of 8", 5),
+                without: ("default", 5),
             },
             "3 samples of delay, 0.1 mm, 0.5 s",
             banked,
@@ -94,8 +94,8 @@ pub fn gains(seeds: &Range<u64>, bar: &ProgressBar) -> Vec<Gain> {
         (
             "exact hold, retuned on the way",
             Cost::Both {
-                with: ("default, exact hold", 4),
-                without: ("default (with start)", 4),
+                with: ("default, exact hold", 5),
+                without: ("default", 5),
                 call: "exact estimate, per call",
             },
             "60 rad/s, damping 0.3, sampled every 5 ms, 10 um, 4 s",
@@ -192,15 +192,19 @@ fn compensated(seed: u64) -> Pair {
     [runs[0].error_pct, runs[1].error_pct]
 }
 
+/// The servo with the start and without a constant.
+const STARTED: Structure<3, 4, 1> =
+    match Structure::try_with_start(Terms::between(1, 3), [Terms::of(&[0])], false) {
+        Ok(structure) => structure,
+        Err(_) => panic!("the terms contradict the sizes"),
+    };
+
 fn start(seed: u64) -> Pair {
     let record = Experiment::reference(Condition::white(100.0), 0.5).record(seed);
     let without = Structure::<3, 3, 1>::integrating();
     [
         ending(&record, identifier(trends(BANDWIDTH), without)),
-        ending(
-            &record,
-            identifier(trends(BANDWIDTH), Structure::<3, 4, 1>::servo()),
-        ),
+        ending(&record, identifier(trends(BANDWIDTH), STARTED)),
     ]
 }
 
@@ -208,10 +212,9 @@ fn constant(seed: u64) -> Pair {
     let mut experiment = Experiment::reference(Condition::white(10.0), 1.0);
     experiment.valve.offset = 0.04;
     let record = experiment.record(seed);
-    let without = Structure::<3, 3, 1>::integrating();
-    let with = Structure::<3, 4, 1>::integrating_with_constant();
+    let with = Structure::<3, 5, 1>::servo();
     [
-        ending(&record, identifier(trends(BANDWIDTH), without)),
+        ending(&record, identifier(trends(BANDWIDTH), STARTED)),
         ending(&record, identifier(trends(BANDWIDTH), with)),
     ]
 }
@@ -247,18 +250,18 @@ fn dead_zone(seed: u64) -> Pair {
 
 /// What 20 s of rest do to the reading, with the covariance growing as it likes and with it bounded.
 fn bounded(seed: u64) -> Pair {
-    let default = Config::new(Structure::<3, 4, 1>::servo(), BANDWIDTH, [0.4], 50.0);
+    let default = Config::new(Structure::<3, 5, 1>::servo(), BANDWIDTH, [0.4], 50.0);
     [0.0, default.pull].map(|pull| {
         let config = Config {
             memory: Some(0.2),
             pull,
             ..default
         };
-        let mut identifier: Identifier<_, 3, 4> =
+        let mut identifier: Identifier<_, 3, 5> =
             Identifier::try_new(&config, trends(BANDWIDTH)).expect("a servo");
         let mut noise = Additive::new(&Condition::white(30.0), seed);
         let mut plant = REFERENCE.plant(DT);
-        let mut sample = |identifier: &mut Identifier<_, 3, 4>, u: f64| {
+        let mut sample = |identifier: &mut Identifier<_, 3, 5>, u: f64| {
             let y = plant.output() + noise.next().unwrap_or(0.0);
             let _ = identifier.update(u as f32, y as f32);
             plant.step(&[u]);
@@ -270,7 +273,7 @@ fn bounded(seed: u64) -> Pair {
         if pull > 0.0 {
             identifier.trust();
         }
-        let [a1, a2, b0, _] = identifier.theta().map(f64::from);
+        let [a1, a2, b0, ..] = identifier.theta().map(f64::from);
         let Some(before) = Servo::from_coefficients(a1, a2, b0) else {
             return [f64::INFINITY; 3];
         };
@@ -284,8 +287,8 @@ fn bounded(seed: u64) -> Pair {
 fn retuned(seed: u64) -> Pair {
     let record = Experiment::reference(Condition::white_relative(16.72), 3.0).record(seed);
     let rough = 3.0 * BANDWIDTH;
-    let config = Config::new(Structure::<3, 4, 1>::servo(), rough, [1.0], 50.0);
-    let mut fixed: Identifier<_, 3, 4> =
+    let config = Config::new(Structure::<3, 5, 1>::servo(), rough, [1.0], 50.0);
+    let mut fixed: Identifier<_, 3, 5> =
         Identifier::try_new(&config, trends(rough)).expect("a servo");
     let mut tuned = fixed;
     for (k, s) in record.samples().enumerate() {
@@ -297,7 +300,7 @@ fn retuned(seed: u64) -> Pair {
         {
             let omega0 = omega0.clamp(2.0, 200.0);
             // Three time constants of the pair of the new filter.
-            let _ = tuned.retune(trends(omega0), 3.0 / (0.7 * 1.25 * omega0));
+            let _ = tuned.retune(trends(omega0), 3.0 / (0.7 * 1.1 * omega0));
         }
     }
     [fixed, tuned].map(|identifier| errors(&identifier.theta(), &REFERENCE))
@@ -309,13 +312,13 @@ fn banked(seed: u64) -> Pair {
     let inputs = [Input::delayed(&[REFERENCE.b0()], DELAY)];
     experiment.plant = LinearPlant::with_inputs(&REFERENCE.a(), &inputs, 0.0, DT).expect("a servo");
     let record = experiment.record(seed);
-    let config = Config::new(Structure::<3, 4, 1>::servo(), BANDWIDTH, [0.4], 50.0);
-    let mut bank: DelayBank<_, 3, 4, 1, 7, 8> =
+    let config = Config::new(Structure::<3, 5, 1>::servo(), BANDWIDTH, [0.4], 50.0);
+    let mut bank: DelayBank<_, 3, 5, 1, 7, 8> =
         DelayBank::try_new(&config, trends(BANDWIDTH), 0).expect("a bank");
     for s in record.samples() {
         let _ = bank.update_inputs([s.u as f32], s.y as f32);
     }
-    let read = |identifier: Option<Identifier<_, 3, 4, 1, 7>>| {
+    let read = |identifier: Option<Identifier<_, 3, 5, 1, 7>>| {
         identifier.map_or([f64::INFINITY; 3], |i| errors(&i.theta(), &REFERENCE))
     };
     [read(bank.candidate(0).copied()), read(bank.chosen())]
@@ -329,14 +332,14 @@ fn exact(seed: u64) -> Pair {
         xi: 0.3,
     };
     let bandwidth = 60.0;
-    let structure = Structure::<3, 4, 1>::servo();
+    let structure = Structure::<3, 5, 1>::servo();
     let mut config = Config::new(structure, bandwidth, [0.4], 50.0);
     config.memory = Some(1.0);
     let plain = FilteredTrends::for_bandwidth(Scheme::Tustin, SLOW as f32, bandwidth);
-    let mut without: Identifier<_, 3, 4> =
+    let mut without: Identifier<_, 3, 5> =
         Identifier::try_new(&config, plain.expect("5 ms")).expect("a servo");
     let trends = ExactTrends::for_bandwidth(SLOW as f32, bandwidth).expect("5 ms");
-    let mut with: Identifier<_, 3, 4> = Identifier::try_new(&config, trends).expect("a servo");
+    let mut with: Identifier<_, 3, 5> = Identifier::try_new(&config, trends).expect("a servo");
     let mut noise = Additive::new(&Condition::white(10.0), seed);
     let mut plant = truth.plant(SLOW);
     let commands = Excitation::ABSOLUTE.sequence(800, SLOW, seed);
@@ -349,7 +352,7 @@ fn exact(seed: u64) -> Pair {
         if (k == 200 || k == 400)
             && let Ok(own) = trends.with_model(with.transfer_function().a)
         {
-            let _ = with.retune(own, 3.0 / (0.7 * 1.25 * bandwidth));
+            let _ = with.retune(own, 3.0 / (0.7 * 1.1 * bandwidth));
         }
     }
     [

@@ -175,7 +175,7 @@ pub fn markdown(args: &Table1Args, lines: &[Line]) -> String {
     text += "```text\n";
     text += DEFINITIONS;
     text += &legend();
-    text + "Columns default, level, wide, ramp and exact are the read-outs ls+bias; diverged counts the default.\n```\n"
+    text + "Columns default, ramp and exact are the read-outs ls+bias; diverged counts the default.\n```\n"
 }
 
 /// The read-outs that users get: the core's own.

@@ -20,15 +20,17 @@ pub type Integral = Identifier<IntegralTrends<3, 70>, 3, 3>;
 pub type Offset = Identifier<FilteredTrends<3>, 3, 4>;
 /// The reference structure with a constant input and a command that is two samples late.
 pub type Late = Identifier<FilteredTrends<3>, 3, 4, 1, 4>;
+/// The default: constant and start as parameters.
+pub type Default = Identifier<FilteredTrends<3>, 3, 5>;
 /// The reference structure with both inputs of a dead zone and a constant.
 pub type DeadZone = Identifier<FilteredTrends<3>, 3, 5, 2>;
 /// Every a_i and b_i of order three.
 pub type Full = Identifier<FilteredTrends<3>, 3, 6>;
 
 /// The default with exact trends.
-pub type Exact = Identifier<ExactTrends<3>, 3, 4>;
+pub type Exact = Identifier<ExactTrends<3>, 3, 5>;
 /// Eight candidates for the delay of the default.
-pub type Bank = DelayBank<FilteredTrends<3>, 3, 4, 1, 7, 8>;
+pub type Bank = DelayBank<FilteredTrends<3>, 3, 5, 1, 7, 8>;
 
 const fn filter(scheme: Scheme) -> Result<FilteredTrends<3>, ConfigError> {
     FilteredTrends::try_new(scheme, SAMPLE_TIME, [25.0; 3])
@@ -53,20 +55,20 @@ pub fn forgetting() -> Result<Filtered, ConfigError> {
     Filtered::try_new(&config, filter(Scheme::Tustin)?)
 }
 
-/// The default: start as a parameter, slow filter pole, nothing forgotten.
-pub fn default() -> Result<Offset, ConfigError> {
+/// The default: constant and start as parameters, slow filter pole, nothing forgotten.
+pub fn default() -> Result<Default, ConfigError> {
     let config = Config::new(Structure::servo(), 20.0, [1.0], 50.0);
-    Offset::try_new(
+    Default::try_new(
         &config,
         FilteredTrends::for_bandwidth(Scheme::Tustin, SAMPLE_TIME, 20.0)?,
     )
 }
 
 /// The default with a memory of one second, and so with the pull that survives rest.
-pub fn following() -> Result<Offset, ConfigError> {
+pub fn following() -> Result<Default, ConfigError> {
     let mut config = Config::new(Structure::servo(), 20.0, [1.0], 50.0);
     config.memory = Some(1.0);
-    Offset::try_new(
+    Default::try_new(
         &config,
         FilteredTrends::for_bandwidth(Scheme::Tustin, SAMPLE_TIME, 20.0)?,
     )
@@ -91,6 +93,16 @@ pub fn integral() -> Result<Integral, ConfigError> {
     Integral::try_new(
         &config,
         IntegralTrends::try_new(Scheme::Tustin, SAMPLE_TIME)?,
+    )
+}
+
+/// With the start as a parameter.
+pub fn started() -> Result<Offset, ConfigError> {
+    let structure = Structure::try_with_start(Terms::between(1, 3), [Terms::of(&[0])], false)?;
+    let config = Config::new(structure, 20.0, [1.0], 50.0);
+    Offset::try_new(
+        &config,
+        FilteredTrends::for_bandwidth(Scheme::Tustin, SAMPLE_TIME, 20.0)?,
     )
 }
 

@@ -73,14 +73,10 @@ impl Setting {
 pub enum Filter {
     /// The paper's raw trends, theta = (a1, a2, b0).
     None,
-    /// The default of the core, [`for_bandwidth`](trendid::FilteredTrends::for_bandwidth): `(s + 2.5)(s^2 + 35 s + 625)`, with the start column.
+    /// The default of the core, [`for_bandwidth`](trendid::FilteredTrends::for_bandwidth): `(s + 2.2)(s^2 + 30.8 s + 484)`, with a constant and the start.
     Default,
-    /// The real pole at the corner, for slow drifts: `(s + 25)(s^2 + 35 s + 625)`, with the start column.
-    Level,
-    /// Five times the bandwidth, for strong drifts: `(s + 100)(s^2 + 140 s + 10000)`, with a constant input.
-    Wide,
-    /// Drift as a parabola over a short record: `(s + 50)(s^2 + 70 s + 2500)`, with a constant input and the time as a
-    /// second input.
+    /// Drift as a parabola over a short record: `(s + 3.5)(s^2 + 59.5 s + 1225)`, with a constant, the start and the time as a
+    /// second input; the constant and the slope of the drift are known to be small, and never withdrawn.
     Ramp,
     /// Linear integral filter of Sagara and Zhao over 70 ms, theta = (a1, a2, b0).
     Span,
@@ -91,11 +87,9 @@ pub enum Filter {
 
 impl Filter {
     /// Every filter, in the order of the table.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 5] = [
         Self::None,
         Self::Default,
-        Self::Level,
-        Self::Wide,
         Self::Ramp,
         Self::Span,
         Self::Exact,
@@ -111,8 +105,6 @@ impl Filter {
         match self {
             Self::None => "none",
             Self::Default => "default",
-            Self::Level => "level",
-            Self::Wide => "wide",
             Self::Ramp => "ramp",
             Self::Span => "span",
             Self::Exact => "exact",
@@ -124,12 +116,10 @@ impl Filter {
         match self {
             Self::None => "raw trends of the paper",
             Self::Default => {
-                "FilteredTrends::for_bandwidth(20 rad/s) = (s + 2.5)(s^2 + 35 s + 625), with the start column"
+                "FilteredTrends::for_bandwidth(20 rad/s) = (s + 2.2)(s^2 + 30.8 s + 484), with constant and start"
             }
-            Self::Level => "(s + 25)(s^2 + 35 s + 625), with the start column",
-            Self::Wide => "(s + 100)(s^2 + 140 s + 10000), with a constant input",
             Self::Ramp => {
-                "(s + 50)(s^2 + 70 s + 2500), with a constant input and the time as an input: drift as a parabola"
+                "(s + 3.5)(s^2 + 59.5 s + 1225), with constant, start and the time as an input: drift as a parabola"
             }
             Self::Span => "linear integral filter (Sagara and Zhao) over 70 ms",
             Self::Exact => {

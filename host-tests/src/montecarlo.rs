@@ -164,29 +164,13 @@ fn core(record: &Record, scheme: Scheme, filter: Filter) -> Result<[Run; 2], Con
         Filter::Default => single(
             record,
             FilteredTrends::for_bandwidth(scheme, dt, BANDWIDTH)?,
-            Structure::<3, 4, 1>::servo(),
+            Structure::<3, 5, 1>::servo(),
         ),
-        Filter::Level => {
-            let filter = FilteredTrends::from_polynomial(scheme, dt, chain(25.0, 25.0))?;
-            single(record, filter, Structure::<3, 4, 1>::servo())
-        }
-        Filter::Wide => {
-            let filter = FilteredTrends::from_polynomial(scheme, dt, chain(100.0, 100.0))?;
-            single(
-                record,
-                filter,
-                Structure::<3, 4, 1>::integrating_with_constant(),
-            )
-        }
-        Filter::Ramp => {
-            let filter = FilteredTrends::from_polynomial(scheme, dt, chain(50.0, 50.0))?;
-            let structure = Structure::<3, 5, 2>::integrating_with_constant();
-            pass(record, filter, structure, |s| [s.u as f32, s.t as f32])
-        }
+        Filter::Ramp => ramp(record, scheme),
         Filter::Exact => single(
             record,
             ExactTrends::for_bandwidth(dt, BANDWIDTH)?,
-            Structure::<3, 4, 1>::servo(),
+            Structure::<3, 5, 1>::servo(),
         ),
         // The span is a size: one type per interval of the table.
         Filter::Span => match (0.07 / record.dt).round() as usize {
@@ -203,10 +187,25 @@ fn core(record: &Record, scheme: Scheme, filter: Filter) -> Result<[Run; 2], Con
 /// What the user knows of the plant \[rad/s\].
 const BANDWIDTH: f32 = 20.0;
 
-/// `(s + real)(s^2 + 1.4 corner s + corner^2)`, ascending without its leading one.
-fn chain(real: f32, corner: f32) -> [f32; 3] {
-    let (pair0, pair1) = (corner * corner, 1.4 * corner);
-    [real * pair0, pair0 + real * pair1, real + pair1]
+/// The core with the time as a second input, and what is known of a slow drift.
+fn ramp(record: &Record, scheme: Scheme) -> Result<[Run; 2], ConfigError> {
+    // (s + 3.5)(s^2 + 59.5 s + 1225)
+    let filter = [4287.5, 1433.25, 63.0];
+    let trends = FilteredTrends::from_polynomial(scheme, record.dt as f32, filter)?;
+    let inputs = |s: &Sample| [s.u as f32, s.t as f32];
+    let mut config = usual(record, Structure::<3, 6, 2>::servo(), inputs);
+    // Relative to the command: 0.3 % of offset, moving by 0.7 % a second; ten times the design for the rest.
+    let [a1, a2, b0, time, constant, start] = units(&config, trends)?;
+    config.prior_std = Some([
+        10.0 * a1,
+        10.0 * a2,
+        10.0 * b0,
+        0.007 * config.input_range[1] * time,
+        0.003 * constant,
+        10.0 * start,
+    ]);
+    config.doubt = 0.0;
+    pass(record, &config, trends, inputs)
 }
 
 fn single<T: TrendOperator<3>, const N: usize>(
@@ -214,28 +213,44 @@ fn single<T: TrendOperator<3>, const N: usize>(
     trends: T,
     structure: Structure<3, N, 1>,
 ) -> Result<[Run; 2], ConfigError> {
-    pass(record, trends, structure, |s| [s.u as f32])
+    let inputs = |s: &Sample| [s.u as f32];
+    pass(record, &usual(record, structure, inputs), trends, inputs)
 }
 
-fn pass<T: TrendOperator<3>, const N: usize, const I: usize>(
+/// What a user gives; the largest value of each input stands for what is known of its size.
+fn usual<const N: usize, const I: usize>(
     record: &Record,
-    trends: T,
     structure: Structure<3, N, I>,
     inputs: impl Fn(&Sample) -> [f32; I],
-) -> Result<[Run; 2], ConfigError> {
-    // The largest value of each input stands for what a user knows of its size.
+) -> Config<3, N, I> {
     let mut ranges = [0.0_f32; I];
     for s in record.samples() {
         for (range, u) in ranges.iter_mut().zip(inputs(&s)) {
             *range = range.max(u.abs());
         }
     }
-    let mut config = Config::new(structure, BANDWIDTH, ranges, 50.0);
-    let mut identifier: Identifier<T, 3, N, I> = Identifier::try_new(&config, trends)?;
-    // An estimate of all ones tells the unit of each normalised parameter.
-    config.initial = [1.0; N];
-    let ones: Identifier<T, 3, N, I> = Identifier::try_new(&config, trends)?;
-    let units = ones.estimator().theta().map(|one| 1.0 / f64::from(one));
+    Config::new(structure, BANDWIDTH, ranges, 50.0)
+}
+
+/// The unit of each normalised parameter: what an estimate of all ones is in them.
+fn units<T: TrendOperator<3>, const N: usize, const I: usize>(
+    config: &Config<3, N, I>,
+    trends: T,
+) -> Result<[f32; N], ConfigError> {
+    let mut ones = *config;
+    ones.initial = [1.0; N];
+    let identifier: Identifier<T, 3, N, I> = Identifier::try_new(&ones, trends)?;
+    Ok(identifier.estimator().theta().map(|one| 1.0 / one))
+}
+
+fn pass<T: TrendOperator<3>, const N: usize, const I: usize>(
+    record: &Record,
+    config: &Config<3, N, I>,
+    trends: T,
+    inputs: impl Fn(&Sample) -> [f32; I],
+) -> Result<[Run; 2], ConfigError> {
+    let mut identifier: Identifier<T, 3, N, I> = Identifier::try_new(config, trends)?;
+    let units = units(config, trends)?.map(f64::from);
     let mut transients = [Transient::new(record), Transient::new(record)];
     for (k, s) in record.samples().enumerate() {
         let _ = identifier.update_inputs(inputs(&s), s.y as f32);

@@ -12,10 +12,10 @@ use crate::experiment::Record;
 /// # Errors
 /// Those of the core for the configuration, and [`ConfigError::FilterPole`] for a model beyond the sampling.
 pub fn own_numerators(
-    config: &Config<3, 4, 1>,
+    config: &Config<3, 5, 1>,
     record: &Record,
     rounds: usize,
-) -> Result<Identifier<ExactTrends<3>, 3, 4>, ConfigError> {
+) -> Result<Identifier<ExactTrends<3>, 3, 5>, ConfigError> {
     let filter = ExactTrends::for_bandwidth(record.dt as f32, config.bandwidth)?;
     let mut identifier = Identifier::try_new(config, filter)?;
     for round in 0..rounds {
@@ -45,7 +45,7 @@ mod tests {
             ..Condition::CLEAN
         };
         let record = Experiment::reference(slow, 1.0).record(4);
-        let config = Config::new(Structure::<3, 4, 1>::servo(), 20.0, [0.4], 50.0);
+        let config = Config::new(Structure::<3, 5, 1>::servo(), 20.0, [0.4], 50.0);
         let worst = [1, 2, 3].map(|rounds| {
             let theta = own_numerators(&config, &record, rounds).unwrap().theta();
             let [a1, a2, b0] = [0, 1, 2].map(|i| f64::from(theta[i]));

@@ -189,7 +189,7 @@ fn servo_with_and_without_constant_and_start() {
             &pushed,
             LIMIT,
         );
-        let config = Config::new(Structure::<3, 4, 1>::servo(), 20.0, [1.0], 50.0);
+        let config = Config::new(Structure::<3, 5, 1>::servo(), 20.0, [1.0], 50.0);
         both(
             &format!("start, {scheme:?}"),
             config,

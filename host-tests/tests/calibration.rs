@@ -14,8 +14,8 @@ type Range = (f32, f32);
 /// The scores of one record.
 type Scored = fn(&Record, Range) -> [f64; 6];
 
-fn design(range: Range) -> Config<3, 4, 1> {
-    Config::new(Structure::<3, 4, 1>::servo(), 20.0, [range.0], range.1)
+fn design(range: Range) -> Config<3, 5, 1> {
+    Config::new(Structure::<3, 5, 1>::servo(), 20.0, [range.0], range.1)
 }
 
 /// Of the default of the core.
@@ -39,7 +39,7 @@ fn own(record: &Record, range: Range) -> [f64; 6] {
 }
 
 /// Errors over reported standard deviations of a1, a2, b0, C, omega0, xi.
-fn scores<T: TrendOperator<3>>(identifier: &Identifier<T, 3, 4>) -> [f64; 6] {
+fn scores<T: TrendOperator<3>>(identifier: &Identifier<T, 3, 5>) -> [f64; 6] {
     let theta = identifier.theta();
     let std = identifier.std();
     let reading = identifier.physical();
@@ -123,6 +123,33 @@ fn closed_loop() {
         let experiment = Experiment::closed_loop(Condition::white(eta), duration);
         let name = format!("closed loop, {duration} s, eta {eta} um");
         calibrated(coverage(&name, default, &experiment, (0.4, 50.0), SEEDS));
+    }
+}
+
+/// Offsets from one that no record shows to one that every record shows; the worst lie in between, where the constant is
+/// withdrawn in some records and is about as large as its own uncertainty.
+#[test]
+fn open_loop_with_an_offset() {
+    println!("shares for a1, a2, b0, C, omega0, xi");
+    for (ns, duration) in [
+        (1.04, 1.0),
+        (8.35, 1.0),
+        (41.78, 1.0),
+        (1.04, 3.0),
+        (8.35, 3.0),
+        (41.78, 3.0),
+    ] {
+        for offset in [0.001, 0.005, 0.01, 0.02, 0.05, 0.1] {
+            let mut experiment = Experiment::reference(Condition::white_relative(ns), duration);
+            experiment.valve.offset = offset;
+            let name = format!(
+                "open loop, {duration} s, N/S {ns} %, offset {} %",
+                100.0 * offset
+            );
+            let seeds = 330_000..330_600;
+            let [_, three] = coverage(&name, default, &experiment, (1.0, 50.0), seeds);
+            assert!(three.iter().all(|share| *share >= 93.0), "{three:?}");
+        }
     }
 }
 

@@ -5,8 +5,8 @@ use trendid_host_tests::experiment::Experiment;
 use trendid_host_tests::noise::{Condition, rms};
 use trendid_host_tests::reference::{REFERENCE, Servo};
 
-fn found(theta: [f32; 4]) -> Option<Servo> {
-    let [a1, a2, b0, _] = theta.map(f64::from);
+fn found(theta: [f32; 5]) -> Option<Servo> {
+    let [a1, a2, b0, ..] = theta.map(f64::from);
     Servo::from_coefficients(a1, a2, b0)
 }
 
@@ -18,8 +18,8 @@ fn a_wrong_bandwidth_is_mended_by_retuning() {
         for seed in seeds.clone() {
             let record = Experiment::reference(Condition::white_relative(16.72), 3.0).record(seed);
             let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, rough).unwrap();
-            let config = Config::new(Structure::<3, 4, 1>::servo(), rough, [1.0], 50.0);
-            let mut plain: Identifier<_, 3, 4> = Identifier::try_new(&config, trends).unwrap();
+            let config = Config::new(Structure::<3, 5, 1>::servo(), rough, [1.0], 50.0);
+            let mut plain: Identifier<_, 3, 5> = Identifier::try_new(&config, trends).unwrap();
             let mut other = plain;
             for (k, s) in record.samples().enumerate() {
                 let _ = plain.update(s.u as f32, s.y as f32);
@@ -33,7 +33,7 @@ fn a_wrong_bandwidth_is_mended_by_retuning() {
                         let omega0 = omega0.clamp(2.0, 200.0);
                         let nearer =
                             FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, omega0).unwrap();
-                        other.retune(nearer, 3.0 / (0.7 * 1.25 * omega0)).unwrap();
+                        other.retune(nearer, 3.0 / (0.7 * 1.1 * omega0)).unwrap();
                         // Bumpless: the estimate itself did not move, and does not while it is held.
                         for (b, a) in before.iter().zip(other.theta()) {
                             assert!(

@@ -214,7 +214,7 @@ proptest! {
             .collect();
         filtered(&design, Structure::<1, 2, 1>::full(), &acts)?;
         filtered(&design, Structure::<2, 3, 1>::integrating_with_constant(), &acts)?;
-        filtered(&design, Structure::<3, 4, 1>::servo(), &acts)?;
+        filtered(&design, Structure::<3, 5, 1>::servo(), &acts)?;
         let both = [Terms::of(&[0, 1]), Terms::of(&[0])];
         filtered(&design, Structure::<3, 7, 2>::new(Terms::up_to(3), both, true), &acts)?;
         filtered(&design, Structure::<4, 8, 1>::full(), &acts)?;
@@ -281,10 +281,10 @@ fn hours_without_a_movement() {
     // Ten minutes of exact silence with a short memory: nothing winds up, nothing becomes subnormal or NaN.
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
     for pull in [0.0, 5e-4] {
-        let mut config = Config::new(Structure::<3, 4, 1>::servo(), 20.0, [0.4], 50.0);
+        let mut config = Config::new(Structure::<3, 5, 1>::servo(), 20.0, [0.4], 50.0);
         config.memory = Some(0.2);
         config.pull = pull;
-        let mut identifier: Identifier<_, 3, 4> = Identifier::try_new(&config, trends).unwrap();
+        let mut identifier: Identifier<_, 3, 5> = Identifier::try_new(&config, trends).unwrap();
         for k in 0..600_000 {
             let u = if k < 1000 { 0.4 } else { 0.0 };
             let y = if k < 1000 { 0.1 * k as f32 } else { 100.0 };
@@ -306,8 +306,8 @@ fn hours_without_a_movement() {
 #[test]
 fn a_bank_survives_too() {
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
-    let config = Config::new(Structure::<3, 4, 1>::servo(), 20.0, [0.4], 50.0);
-    let mut bank = DelayBank::<_, 3, 4, 1, 3, 4>::try_new(&config, trends, 0).unwrap();
+    let config = Config::new(Structure::<3, 5, 1>::servo(), 20.0, [0.4], 50.0);
+    let mut bank = DelayBank::<_, 3, 5, 1, 3, 4>::try_new(&config, trends, 0).unwrap();
     for value in [0.0, 1.0, f32::NAN, f32::MAX, -1e6, f32::INFINITY, 3.0] {
         let _ = bank.update_inputs([value], value);
         let _ = (bank.best(), bank.margin(), bank.errors());

@@ -285,8 +285,8 @@ fn physical_std_is_the_delta_method() {
     for (seed, eta) in [(81, 20.0), (82, 500.0)] {
         let record = Experiment::reference(Condition::white(eta), 1.0).record(seed);
         let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
-        let config = Config::new(Structure::<3, 4, 1>::servo(), 20.0, [0.4], 50.0);
-        let mut identifier: Identifier<_, 3, 4> = Identifier::try_new(&config, trends).unwrap();
+        let config = Config::new(Structure::<3, 5, 1>::servo(), 20.0, [0.4], 50.0);
+        let mut identifier: Identifier<_, 3, 5> = Identifier::try_new(&config, trends).unwrap();
         assert!(
             identifier
                 .physical_std()
@@ -297,8 +297,8 @@ fn physical_std_is_the_delta_method() {
         }
         let theta = identifier.theta().map(f64::from);
         let covariance = identifier.covariance();
-        let read = |t: [f64; 4]| [t[2] / t[0], t[0].sqrt(), t[1] / (2.0 * t[0].sqrt())];
-        let slopes: Vec<[f64; 3]> = (0..4)
+        let read = |t: [f64; 5]| [t[2] / t[0], t[0].sqrt(), t[1] / (2.0 * t[0].sqrt())];
+        let slopes: Vec<[f64; 3]> = (0..5)
             .map(|j| {
                 let (mut up, mut down) = (theta, theta);
                 let h = 1e-5 * theta[j].abs();
@@ -317,8 +317,8 @@ fn physical_std_is_the_delta_method() {
         let got = identifier.physical_std().expect("a servo");
         for q in 0..3 {
             let mut variance = 0.0;
-            for i in 0..4 {
-                for j in 0..4 {
+            for i in 0..5 {
+                for j in 0..5 {
                     variance += slopes[i][q] * f64::from(covariance[i][j]) * slopes[j][q];
                 }
             }
@@ -326,7 +326,7 @@ fn physical_std_is_the_delta_method() {
             println!("quantity {q}: {} {want:.6}", got[q]);
             assert!(want > 0.0 && (f64::from(got[q]) / want - 1.0).abs() < 1e-3);
         }
-        for i in 0..4 {
+        for i in 0..5 {
             assert!(covariance[i][i] > 0.0);
             assert!((identifier.std()[i].powi(2) / covariance[i][i] - 1.0).abs() < 1e-5);
         }
