@@ -9,7 +9,7 @@ use crate::math::sqrt;
 use crate::noise::NoiseLevel;
 use crate::outcome::{Outcome, Refusal};
 use crate::physical::{Physical, second_order_std};
-use crate::readout::{Estimate, Evidence, Readout, estimate, in_band, read_out};
+use crate::readout::{Evidence, Readout, estimate, in_band, read_out};
 use crate::regressor::Regressor;
 use crate::sample::{DelayLine, acceptable};
 use crate::structure::{Column, Structure};
@@ -340,7 +340,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
         // The bias that the old filter made is settled now; what follows has the new one's.
         let units = *self.regressor.units();
-        let mut theta = self.found().theta;
+        let mut theta = self.found();
         // What was learnt weighs as much as the noise in band was smaller than it will be.
         let a = self.regressor.denominator(&theta);
         let scale = match (self.trends.filter_polynomial(), trends.filter_polynomial()) {
@@ -408,8 +408,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// Makes the current estimate the one that a rest leads back to.
     pub fn trust(&mut self) {
-        let theta = *self.estimator.theta();
-        self.trusted = self.found().without_doubt(theta, self.regressor.units());
+        self.trusted = *self.estimator.theta();
         self.has_trusted = true;
     }
 
@@ -422,11 +421,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     ///
     /// Cost: some 100 N^2 instructions; for the loop that reports, not for every sample.
     pub fn theta(&self) -> [f32; N] {
-        continuous(&self.found().theta, &self.structure, &self.trends)
+        continuous(&self.found(), &self.structure, &self.trends)
     }
 
     /// The parameters as the trends have them, in the user's units.
-    fn found(&self) -> Estimate<N> {
+    fn found(&self) -> [f32; N] {
         estimate(
             &self.evidence(),
             &self.noise_gain,
@@ -434,6 +433,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             &self.trends,
             self.bandwidth,
         )
+        .theta
     }
 
     /// Standard deviation of each parameter, in its unit, from the noise level found.

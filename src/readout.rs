@@ -48,22 +48,6 @@ pub(crate) struct Readout<const N: usize> {
     pub(crate) covariance: Matrix<N>,
 }
 
-impl<const N: usize> Estimate<N> {
-    /// Another estimate, normalised, with the same withdrawn.
-    pub(crate) fn without_doubt(&self, mut theta: [f32; N], units: &[f32; N]) -> [f32; N] {
-        if let Some(doubt) = &self.doubt {
-            for j in 0..N {
-                theta[j] *= units[j];
-            }
-            doubt.withdraw(&mut theta);
-            for j in 0..N {
-                theta[j] /= units[j];
-            }
-        }
-        theta
-    }
-}
-
 /// The third difference counts as noise while it does not exceed what the residual allows by this factor.
 const PLAUSIBLE: f32 = 1.3;
 
