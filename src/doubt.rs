@@ -18,13 +18,6 @@ use crate::math::sqrt;
 use crate::shaping::Matrix;
 use crate::structure::Column;
 
-/// Share of its square that a small constant leaves to the variances of the parameters that stand in for it when it is
-/// withdrawn; one at the limit leaves all of it.
-///
-/// Enough for 93 % of the runs within three standard deviations where the offset is as large as its own uncertainty, and
-/// not more than keeps 75 % within one where there is none.
-const LEFT: f32 = 0.1;
-
 /// How much of the constant is withdrawn, and what the other parameters take over.
 pub(crate) struct Doubt<const N: usize> {
     index: usize,
@@ -84,7 +77,10 @@ impl<const N: usize> Doubt<N> {
         let row = covariance[self.index];
         let own = row[self.index];
         let g = self.direction.map(|direction| self.share * direction);
-        let left = own + (LEFT + (1.0 - LEFT) * self.depth) * self.value * self.value;
+        // What is withdrawn may have been there: the nearer to the limit, the more of its square stays as variance.
+        // Enough for 91 % of the runs within three standard deviations where the offset is as large as its own
+        // uncertainty, and not more than keeps 75 % within one where there is none.
+        let left = own + 0.5 * self.depth * (1.0 + self.depth) * self.value * self.value;
         for i in 0..N {
             for j in 0..N {
                 covariance[i][j] += left * g[i] * g[j] - g[i] * row[j] - g[j] * row[i];
@@ -132,7 +128,7 @@ mod tests {
         let mut covariance = P;
         doubt(3.0).unwrap().settle(&mut covariance);
         // Without the constant the variance of the gain is 2 - 1/1; 3 is three quarters of the limit.
-        let left = 9.0 * (LEFT + 0.75 * (1.0 - LEFT));
+        let left = 9.0 * 0.5 * 0.75 * 1.75;
         assert!((covariance[0][0] - (1.0 + left)).abs() < 1e-6);
         assert!((covariance[1][1] - left).abs() < 1e-6);
     }

@@ -96,8 +96,8 @@ struct Identification {
     /// Trends of Goodwin (4) or modified Tustin (8), tustin without
     #[arg(long, value_enum, requires = "linear")]
     scheme: Option<SchemeName>,
-    /// Filter poles in rad/s, or `none` for the paper's raw trends, 25 without
-    #[arg(long, value_name = "POLE|none", requires = "linear", value_parser = parse_filter)]
+    /// Filter poles in rad/s, `none` for the paper's raw trends, `auto` for the default of the core, auto without
+    #[arg(long, value_name = "POLE|none|auto", requires = "linear", value_parser = parse_filter)]
     filter: Option<Choice<Option<f64>>>,
 }
 
@@ -118,7 +118,7 @@ pub fn run(args: &DemoArgs) -> Result<(), Refusal> {
                 eps: asked.eps.unwrap_or(10.0),
             },
             scheme: asked.scheme.unwrap_or(SchemeName::Tustin),
-            filter: asked.filter.unwrap_or(Choice::Given(Some(25.0))),
+            filter: asked.filter.unwrap_or(Choice::Auto),
             out: args.out.clone(),
             json: args.json,
         });

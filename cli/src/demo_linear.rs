@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::{Value, json};
-use trendid::{Hold, Outcome, Scheme, Terms};
+use trendid::{FilteredTrends, Hold, Outcome, Scheme, Terms};
 use trendid_dynamic::{Filter, InputSetup, Recursion, Setup};
 use trendid_host_tests::experiment::{Experiment, Record};
 use trendid_host_tests::noise::{Condition, Reading};
@@ -101,16 +101,8 @@ struct Course {
 ///
 /// One sentence on an option that makes no sense or a file that cannot be written.
 pub fn run(args: &LinearArgs) -> Result<(), Refusal> {
-    let pole = match args.filter {
-        Choice::Given(pole) => pole,
-        Choice::Auto => {
-            return Err(Refusal::new(
-                "the demonstration needs a filter pole or `none`",
-            ));
-        }
-    };
     let record = args.noise.record()?;
-    let mut core = setup(&record, args.scheme.into(), pole).build()?;
+    let mut core = setup(&record, args.scheme.into(), args.filter)?.build()?;
     let mut courses = courses();
     for sample in record.samples() {
         let outcome = core.update(&[sample.u as f32], sample.y as f32);
@@ -118,14 +110,14 @@ pub fn run(args: &LinearArgs) -> Result<(), Refusal> {
             note(&mut courses, core.as_ref(), sample.t);
         }
     }
-    let [svg, png] = figure(&courses, args, pole).save(&args.out, "transients")?;
+    let [svg, png] = figure(&courses, args).save(&args.out, "transients")?;
     if args.json {
         let mut value = json_of(&courses, core.as_ref());
         value["pictures"] = json!([svg.display().to_string(), png.display().to_string()]);
         emit_json(&value);
         return Ok(());
     }
-    emit(&text(&courses, core.as_ref(), args, pole));
+    emit(&text(&courses, core.as_ref(), args));
     emit(&format!(
         "\nPictures of the transients: {} and {}\n",
         svg.display(),
@@ -134,8 +126,19 @@ pub fn run(args: &LinearArgs) -> Result<(), Refusal> {
     Ok(())
 }
 
-fn setup(record: &Record, scheme: Scheme, pole: Option<f64>) -> Setup {
-    Setup {
+/// The default of the core, or a filter of one pole without constant and start.
+fn setup(record: &Record, scheme: Scheme, choice: Choice<Option<f64>>) -> Result<Setup, Refusal> {
+    let filter = match choice {
+        Choice::Auto => {
+            let default =
+                FilteredTrends::<3>::for_bandwidth(scheme, record.dt as f32, BANDWIDTH as f32)?;
+            Filter::Polynomial(default.filter().to_vec())
+        }
+        Choice::Given(Some(pole)) => Filter::Polynomial(binomial(pole, 3)),
+        Choice::Given(None) => Filter::None,
+    };
+    let default = matches!(choice, Choice::Auto);
+    Ok(Setup {
         order: 3,
         output: Terms::between(1, 3),
         inputs: vec![InputSetup {
@@ -145,18 +148,18 @@ fn setup(record: &Record, scheme: Scheme, pole: Option<f64>) -> Setup {
             range: COMMAND,
             rest: 0.0,
         }],
-        constant: false,
-        start: false,
+        constant: default,
+        start: default,
         sample_time: record.dt as f32,
         scheme,
-        filter: pole.map_or(Filter::None, |p| Filter::Polynomial(binomial(p, 3))),
+        filter,
         bandwidth: BANDWIDTH as f32,
         output_range: MOVEMENT,
         output_noise: 1e-3 * MOVEMENT,
         memory: None,
         settling: 0.0,
         pull: 0.0,
-    }
+    })
 }
 
 fn courses() -> Vec<Course> {
@@ -206,11 +209,13 @@ fn settling_time(courses: &[Course]) -> Option<f64> {
     Some(physical[0].rows[first].0)
 }
 
-fn text(courses: &[Course], core: &dyn Recursion, args: &LinearArgs, pole: Option<f64>) -> String {
+fn text(courses: &[Course], core: &dyn Recursion, args: &LinearArgs) -> String {
     let noise = &args.noise;
-    let trends = pole.map_or("raw trends".into(), |p| {
-        format!("trends through 1/(s + {p})^3")
-    });
+    let trends = match args.filter {
+        Choice::Auto => "the default for a bandwidth of about 20 rad/s".into(),
+        Choice::Given(Some(pole)) => format!("trends through 1/(s + {pole})^3"),
+        Choice::Given(None) => "raw trends".into(),
+    };
     let scheme: Scheme = args.scheme.into();
     let mut text = format!(
         "A servo drive simulated at 1 kHz for {} s; position with {} um of white noise, {} um of drift, {} um of resolution (seed {}).\n\
@@ -301,7 +306,7 @@ fn json_of(courses: &[Course], core: &dyn Recursion) -> Value {
 /// How long the first panel of the picture looks at the start, in s.
 const START: f64 = 0.25;
 
-fn figure(courses: &[Course], args: &LinearArgs, pole: Option<f64>) -> Figure {
+fn figure(courses: &[Course], args: &LinearArgs) -> Figure {
     let panel = |title: &str, courses: &[Course], until: f64, half: f64| {
         let rows = |c: &Course| -> Vec<(f64, f64, f64)> {
             c.rows
@@ -330,7 +335,11 @@ fn figure(courses: &[Course], args: &LinearArgs, pole: Option<f64>) -> Figure {
         }
     };
     let n = &args.noise;
-    let trends = pole.map_or("raw trends".into(), |p| format!("filter poles {p} rad/s"));
+    let trends = match args.filter {
+        Choice::Auto => "the default".into(),
+        Choice::Given(Some(pole)) => format!("filter poles {pole} rad/s"),
+        Choice::Given(None) => "raw trends".into(),
+    };
     let titles = [
         "coefficients of the transfer function, the start",
         "velocity gain, natural frequency and damping, the whole run",

@@ -16,7 +16,7 @@ G = (b2 s^2 + b1 s + b0) / (s (a3 s^3 + a2 s^2 + a1 s + a0)), all related to a2 
 over the records +- half the distance of the quartiles. Truth: a1 = 20, a0 = 400, b0 = 1, all else 0.
 w = 100 um, eta = 10 um, eps = 10 um, 1 ms; readings as under Table 1.
 Parameters: of the recursion at the end of the record; raw: raw trends; filtered: FilteredTrends::for_bandwidth(20 rad/s)
-with the start column. Every structure has the integrator, so the core's order is m + 1.
+with constant and start. Every structure has the integrator, so the core's order is m + 1.
 Both indices are sums (11) of squared errors of the velocity in (m/s)^2, with these parameters over a second record of the
 same length.
 IQ(10): y^(k) by (10) from raw trends of the same scheme, (y(k) - y^(k))/Delta. An (m+1)-th difference of the noise
