@@ -35,14 +35,17 @@ pub struct Table1Args {
     #[arg(long, value_enum, value_name = "BLOCK")]
     pub vary: Vec<Block>,
     /// One line per condition and method, for machines
-    #[arg(long, conflicts_with_all = ["json", "markdown", "check"])]
+    #[arg(long, conflicts_with_all = ["json", "markdown", "brief", "check"])]
     pub csv: bool,
     /// The same as JSON; what is infinite or absent is null
-    #[arg(long, conflicts_with_all = ["markdown", "check"])]
+    #[arg(long, conflicts_with_all = ["markdown", "brief", "check"])]
     pub json: bool,
     /// The short table of the documentation
-    #[arg(long, conflicts_with = "check")]
+    #[arg(long, conflicts_with_all = ["brief", "check"])]
     pub markdown: bool,
+    /// Paper, bound, opponents and the default only, one row per condition
+    #[arg(long, conflicts_with = "check")]
+    pub brief: bool,
     /// Only the comparison with the limits that the project sets itself
     #[arg(long)]
     pub check: bool,
@@ -105,6 +108,8 @@ pub fn run(args: &Table1Args) -> Result<(), Refusal> {
         format!("{}\n", as_json(args, &lines))
     } else if args.markdown {
         text::markdown(args, &lines)
+    } else if args.brief {
+        text::brief(args, &lines)
     } else if args.check {
         text::check(args, &lines)
     } else {
@@ -113,7 +118,7 @@ pub fn run(args: &Table1Args) -> Result<(), Refusal> {
     if let Some(dir) = &args.plot {
         let files = picture::save(dir, args, &lines)?;
         // Between the lines of a table for machines there is no room for it.
-        if !(args.csv || args.json || args.markdown) {
+        if !(args.csv || args.json || args.markdown || args.brief) {
             for path in files {
                 text += &format!("wrote {}\n", path.display());
             }
@@ -137,6 +142,9 @@ fn settings(args: &Table1Args) -> Vec<Setting> {
 
 fn lines(args: &Table1Args, settings: &[Setting]) -> Vec<Line> {
     let mut methods = Method::all();
+    if args.brief {
+        methods = vec![Method::OutputError, Method::Kalman, Method::DEFAULT];
+    }
     if args.check {
         // What the comparison does not show needs not run.
         methods.retain(|m| match m {

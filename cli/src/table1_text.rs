@@ -178,6 +178,40 @@ pub fn markdown(args: &Table1Args, lines: &[Line]) -> String {
     text + "Columns default, ramp and exact are the read-outs ls+bias; diverged counts the default.\n```\n"
 }
 
+/// One row per condition: paper, bound, opponents and the default of the core.
+pub fn brief(args: &Table1Args, lines: &[Line]) -> String {
+    let mut text = format!(
+        "rms errors of C / omega0 / xi \\[%\\]; {}.\n\n\
+         | condition | N/S \\[%\\] | paper, Tustin | extended Kalman filter | trendid | offline fit | Cramér-Rao bound |\n\
+         |---|---|---|---|---|---|---|\n",
+        seeds(args)
+    );
+    for group in lines.chunk_by(|a, b| a.setting == b.setting) {
+        let first = &group[0];
+        let of = |method: Method| {
+            let line = group.iter().find(|l| l.method == method);
+            line.map_or(String::new(), |l| triple(l.rms_pct))
+        };
+        let printed = first.setting.tustin;
+        let cells = [
+            format!(
+                "{}, {}, {} s",
+                first.setting.reading().to_uppercase(),
+                condition(first),
+                first.duration_s
+            ),
+            cell(first.ns_pct),
+            triple([printed.c_pct, printed.omega0_pct, printed.xi_pct]),
+            of(Method::Kalman),
+            of(Method::DEFAULT),
+            of(Method::OutputError),
+            triple(first.bound_pct),
+        ];
+        let _ = writeln!(text, "| {} |", cells.join(" | "));
+    }
+    text
+}
+
 /// The read-outs that users get: the core's own.
 fn shown(scheme: Scheme) -> Vec<(Filter, Method)> {
     let filters = Filter::ALL.into_iter().filter(|f| f.goes_with(scheme));

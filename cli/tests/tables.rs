@@ -86,6 +86,30 @@ fn table1_says_how_the_noise_is_defined() {
     }
 }
 
+#[test]
+fn the_brief_table_has_one_row_per_condition() {
+    let text = stdout(&[
+        "table1",
+        "--brief",
+        "--seeds",
+        "1",
+        "--duration",
+        "0.3",
+        "--vary",
+        "white",
+    ]);
+    let rows: Vec<&str> = text.lines().filter(|l| l.starts_with("| ")).collect();
+    // Four widths in two readings, under a head.
+    assert_eq!(rows.len(), 9, "{text}");
+    for name in ["paper", "Kalman", "trendid", "offline", "bound"] {
+        assert!(rows[0].contains(name), "{name} in {}", rows[0]);
+    }
+    for row in rows {
+        let cells: Vec<&str> = row.split('|').collect();
+        assert!(cells.len() == 9 && cells.iter().skip(1).take(7).all(|c| !c.trim().is_empty()));
+    }
+}
+
 /// The row of modified Tustin behind the filter for a structure.
 fn row(table: &Value, m: u64, parameters: u64) -> &Value {
     table["rows"]
