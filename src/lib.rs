@@ -26,7 +26,7 @@
 //! | trend, raw, filter, chain, warp, numerators, exact, integral | [`TrendOperator`], [`RawTrends`], [`FilteredTrends`], [`ExactTrends`], [`IntegralTrends`] | equations (4), (8) |
 //! | structure, regressor | [`Structure`], [`Terms`] | which parameters, their signs, order and scales (5), (12) |
 //! | estimator | [`Estimator`] | recursive least squares |
-//! | noise, readout, continuous | [`NoiseLevel`] | noise bias out of theta, standard deviations |
+//! | noise, readout, doubt, shaping, continuous | [`NoiseLevel`] | noise bias out of theta, a constant that nothing shows withdrawn, standard deviations |
 //! | transfer, physical | [`TransferFunction`], [`Physical`] | what theta means |
 //! | evaluation | [`OutputEvaluation`], [`Quality`] | (9)-(11) |
 //! | config, outcome, identifier | [`Config`], [`Outcome`], [`Identifier`] | all of it behind one call per sample |
