@@ -78,9 +78,9 @@ impl<const N: usize> Doubt<N> {
         let own = row[self.index];
         let g = self.direction.map(|direction| self.share * direction);
         // What is withdrawn may have been there: the nearer to the limit, the more of its square stays as variance.
-        // Enough for 91 % of the runs within three standard deviations where the offset is as large as its own
+        // Enough for nine runs in ten within three standard deviations where the offset is as large as its own
         // uncertainty, and not more than keeps 75 % within one where there is none.
-        let left = own + 0.5 * self.depth * (1.0 + self.depth) * self.value * self.value;
+        let left = own + 0.6 * self.depth * (1.0 + self.depth) * self.value * self.value;
         for i in 0..N {
             for j in 0..N {
                 covariance[i][j] += left * g[i] * g[j] - g[i] * row[j] - g[j] * row[i];
@@ -128,7 +128,7 @@ mod tests {
         let mut covariance = P;
         doubt(3.0).unwrap().settle(&mut covariance);
         // Without the constant the variance of the gain is 2 - 1/1; 3 is three quarters of the limit.
-        let left = 9.0 * 0.5 * 0.75 * 1.75;
+        let left = 9.0 * 0.6 * 0.75 * 1.75;
         assert!((covariance[0][0] - (1.0 + left)).abs() < 1e-6);
         assert!((covariance[1][1] - left).abs() < 1e-6);
     }

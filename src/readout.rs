@@ -138,19 +138,24 @@ pub(crate) fn estimate<T: TrendOperator<M>, const M: usize, const N: usize>(
         }
     }
     let left = core::array::from_fn(|j| damping * (theta[j] - evidence.theta[j] * units[j]));
-    let (shaped, even) = match (trends.filter_polynomial(), white) {
+    let (shaped, even, doubtful) = match (trends.filter_polynomial(), white) {
         (Some(_), Some(white)) => {
             let scale = regressor.top_scale() * regressor.top_scale();
             // What white noise does not explain is slow (drift, friction, a wrong model): about
-            // 2/(omega Delta) samples say the same thing. Chance alone makes no excess.
+            // 2/(omega Delta) samples say the same thing.
+            let excess = |explained: f32| {
+                (residual - explained).max(0.0) * 2.0 / (bandwidth * trends.sample_time())
+            };
+            // Chance alone makes no excess; a constant may be doubted for it.
             let chance = 4.0 * sqrt(2.0 / evidence.samples.max(1.0));
-            let excess = (residual - white * spread * (1.0 + chance)).max(0.0);
+            let explained = white * spread;
             (
                 scale * white,
-                excess * 2.0 / (bandwidth * trends.sample_time()),
+                excess(explained * (1.0 + chance)),
+                residual + excess(explained),
             )
         }
-        _ => (0.0, residual),
+        _ => (0.0, residual, residual),
     };
     // As long as nothing is known of the noise there is nothing to doubt: after a retuning nothing jumps.
     let doubt = evidence.residual.and_then(|_| {
@@ -159,7 +164,7 @@ pub(crate) fn estimate<T: TrendOperator<M>, const M: usize, const N: usize>(
             &theta,
             &covariance,
             units,
-            residual.max(even),
+            doubtful,
             evidence.doubt,
         )
     });

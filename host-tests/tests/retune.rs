@@ -56,9 +56,9 @@ fn a_wrong_bandwidth_is_mended_by_retuning() {
         println!(
             "rough bandwidth {rough} rad/s for 20, N/S 16.7 %, 3 s, seeds {seeds:?}: rms of C/omega0/xi fixed {fixed:.2?} %, retuned {tuned:.2?} %"
         );
-        // C is found well by any slow filter; omega0 and xi need one near the plant.
+        // C is found by any slow filter; omega0 and xi need one near the plant.
         assert!(tuned[1] < 0.6 * fixed[1] && tuned[2] < 0.6 * fixed[2]);
-        assert!(tuned[0] < 1.5);
+        assert!(tuned[0] < 0.75 * fixed[0]);
     }
 }
 
