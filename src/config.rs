@@ -37,7 +37,7 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     /// Estimate at the start, in the order of theta and the user's units; default 0.
     pub initial: [f32; N],
     /// Standard deviation of `initial`, 0 for a known parameter; default `None`: ten times the design size,
-    /// and 3 % of the size of the input for a constant.
+    /// and 3 % of the size of the input for the constant of a drive that integrates.
     pub prior_std: Option<[f32; N]>,
     /// Time after the first sample, in s, in which trends settle and nothing is estimated; default 0.
     pub settling: f32,

@@ -78,7 +78,7 @@ impl<const N: usize> Doubt<N> {
         let own = row[self.index];
         let g = self.direction.map(|direction| self.share * direction);
         // What is withdrawn may have been there: the nearer to the limit, the more of its square stays as variance.
-        // Enough for nine runs in ten within three standard deviations where the offset is as large as its own
+        // Enough for more than nine runs in ten within three standard deviations where the offset is as large as its own
         // uncertainty, and not more than keeps 75 % within one where there is none.
         let left = own + 0.6 * self.depth * (1.0 + self.depth) * self.value * self.value;
         for i in 0..N {

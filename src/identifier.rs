@@ -28,7 +28,7 @@ const UNKNOWN: f32 = 1e8;
 /// Prior standard deviation of a normalised parameter whose size by design is 1.
 const PRIOR: f32 = 10.0;
 
-/// The same of the constant: valves rest within some percent of their command.
+/// The same of the constant of a drive that integrates: valves rest within some percent of their command.
 const OFFSET: f32 = 0.03;
 
 /// Recursive identifier of a continuous-time model of order `M` with `N` parameters.
@@ -589,7 +589,7 @@ fn prior<const M: usize, const N: usize, const I: usize>(
         }
     }
     let mut relative = std.unwrap_or(structure.columns().map(|column| match column {
-        Column::Constant => OFFSET,
+        Column::Constant if structure.integrators() > 0 => OFFSET,
         _ => PRIOR,
     }));
     for (value, unit) in relative.iter_mut().zip(units) {
