@@ -33,7 +33,7 @@ pub struct SignalArgs {
     /// Output column
     #[arg(long, value_name = "COL", default_value = "y")]
     pub output: String,
-    /// Add a constant input (offset)
+    /// Add a constant input (offset); it comes out as 0 as long as the record does not show one
     #[arg(long)]
     pub constant: bool,
     /// Add sgn(v) as an input, v from COL or from the filtered position
