@@ -46,21 +46,20 @@ impl<const N: usize> Doubt<N> {
         let index = columns
             .iter()
             .position(|column| *column == Column::Constant)?;
-        let variance = covariance[index][index];
-        let limit = doubt * units[index] * sqrt(residual * variance);
+        let row = covariance.get(index)?;
+        let (variance, value, unit) = (*row.get(index)?, *theta.get(index)?, *units.get(index)?);
+        let limit = doubt * unit * sqrt(residual * variance);
         // Also a constant that is known (variance 0), or not a number, stays.
-        if !(variance > 0.0 && theta[index].abs() < 2.0 * limit) {
+        if !(variance > 0.0 && value.abs() < 2.0 * limit) {
             return None;
         }
-        let share = 2.0 - theta[index].abs() / limit;
+        let share = 2.0 - value.abs() / limit;
         Some(Self {
             index,
             share: if share < 1.0 { share } else { 1.0 },
-            depth: (theta[index].abs() / limit).min(1.0),
-            value: theta[index],
-            direction: core::array::from_fn(|j| {
-                covariance[index][j] / variance * (units[j] / units[index])
-            }),
+            depth: (value.abs() / limit).min(1.0),
+            value,
+            direction: core::array::from_fn(|j| row[j] / variance * (units[j] / unit)),
         })
     }
 
@@ -74,8 +73,10 @@ impl<const N: usize> Doubt<N> {
 
     /// The covariance of the estimate without the share in doubt; the constant itself keeps its own.
     pub(crate) fn settle(&self, covariance: &mut Matrix<N>) {
-        let row = covariance[self.index];
-        let own = row[self.index];
+        let Some(row) = covariance.get(self.index).copied() else {
+            return;
+        };
+        let own = row.get(self.index).copied().unwrap_or(0.0);
         let g = self.direction.map(|direction| self.share * direction);
         // What is withdrawn may have been there: the nearer to the limit, the more of its square stays as variance.
         // Enough for more than nine runs in ten within three standard deviations where the offset is as large as its own
@@ -86,8 +87,10 @@ impl<const N: usize> Doubt<N> {
                 covariance[i][j] += left * g[i] * g[j] - g[i] * row[j] - g[j] * row[i];
             }
         }
-        let left = &mut covariance[self.index][self.index];
-        if *left < own {
+        let place = covariance.get_mut(self.index);
+        if let Some(left) = place.and_then(|row| row.get_mut(self.index))
+            && *left < own
+        {
             *left = own;
         }
     }

@@ -261,11 +261,19 @@ const APART: f32 = 1.5;
 /// T knows nothing of how a constant and the command resemble each other in a short record; P does.
 fn in_light<const N: usize>(t: &Matrix<N>, p: &Matrix<N>, columns: &[Column; N]) -> Matrix<N> {
     let constant = columns.iter().position(|c| *c == Column::Constant);
-    let Some(c) = constant.filter(|c| p[*c][*c] > 0.0) else {
+    let at = |matrix: &Matrix<N>, i: usize, j: usize| {
+        matrix
+            .get(i)
+            .and_then(|row| row.get(j))
+            .copied()
+            .unwrap_or(0.0)
+    };
+    let Some(c) = constant.filter(|c| at(p, *c, *c) > 0.0) else {
         return product_transposed(&product(t, p), t);
     };
+    let (own, light) = (at(p, c, c), at(t, c, c));
     let added: Matrix<N> =
-        core::array::from_fn(|i| core::array::from_fn(|j| p[i][c] * (p[c][j] / p[c][c])));
+        core::array::from_fn(|i| core::array::from_fn(|j| at(p, i, c) * (at(p, c, j) / own)));
     let mut without = *p;
     for i in 0..N {
         for j in 0..N {
@@ -275,7 +283,7 @@ fn in_light<const N: usize>(t: &Matrix<N>, p: &Matrix<N>, columns: &[Column; N])
     let mut seen = product_transposed(&product(t, &without), t);
     for i in 0..N {
         for j in 0..N {
-            seen[i][j] += APART * t[c][c] * t[c][c] * added[i][j];
+            seen[i][j] += APART * light * light * added[i][j];
         }
     }
     seen
