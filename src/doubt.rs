@@ -16,15 +16,13 @@
 
 use crate::math::sqrt;
 use crate::shaping::Matrix;
-use crate::structure::Column;
+use crate::structure::{Column, place};
 
 /// How much of the constant is withdrawn, and what the other parameters take over.
 pub(crate) struct Doubt<const N: usize> {
     index: usize,
-    /// s, in (0, 1].
-    share: f32,
-    /// |theta_c| over the limit below which all of it is withdrawn, at most 1.
-    depth: f32,
+    /// |theta_c| over the limit below which all of it is withdrawn, in [0, 2).
+    ratio: f32,
     /// The constant before, in the user's units.
     value: f32,
     /// g in the user's units: change of each parameter per unit of the constant.
@@ -43,9 +41,7 @@ impl<const N: usize> Doubt<N> {
         residual: f32,
         doubt: f32,
     ) -> Option<Self> {
-        let index = columns
-            .iter()
-            .position(|column| *column == Column::Constant)?;
+        let index = place(columns, Column::Constant)?;
         let row = covariance.get(index)?;
         let (variance, value, unit) = (*row.get(index)?, *theta.get(index)?, *units.get(index)?);
         let limit = doubt * unit * sqrt(residual * variance);
@@ -53,19 +49,22 @@ impl<const N: usize> Doubt<N> {
         if !(variance > 0.0 && value.abs() < 2.0 * limit) {
             return None;
         }
-        let share = 2.0 - value.abs() / limit;
         Some(Self {
             index,
-            share: if share < 1.0 { share } else { 1.0 },
-            depth: (value.abs() / limit).min(1.0),
+            ratio: value.abs() / limit,
             value,
             direction: core::array::from_fn(|j| row[j] / variance * (units[j] / unit)),
         })
     }
 
+    /// s, in (0, 1].
+    fn share(&self) -> f32 {
+        (2.0 - self.ratio).min(1.0)
+    }
+
     /// The estimate without the share in doubt.
     pub(crate) fn withdraw(&self, theta: &mut [f32; N]) {
-        let step = self.share * self.value;
+        let step = self.share() * self.value;
         for (value, direction) in theta.iter_mut().zip(&self.direction) {
             *value -= step * direction;
         }
@@ -77,11 +76,13 @@ impl<const N: usize> Doubt<N> {
             return;
         };
         let own = row.get(self.index).copied().unwrap_or(0.0);
-        let g = self.direction.map(|direction| self.share * direction);
+        let share = self.share();
+        let g = self.direction.map(|direction| share * direction);
         // What is withdrawn may have been there: the nearer to the limit, the more of its square stays as variance.
         // Enough for more than nine runs in ten within three standard deviations where the offset is as large as its own
         // uncertainty, and not more than keeps 75 % within one where there is none.
-        let left = own + 0.6 * self.depth * (1.0 + self.depth) * self.value * self.value;
+        let depth = self.ratio.min(1.0);
+        let left = own + 0.6 * depth * (1.0 + depth) * self.value * self.value;
         for i in 0..N {
             for j in 0..N {
                 covariance[i][j] += left * g[i] * g[j] - g[i] * row[j] - g[j] * row[i];

@@ -22,7 +22,7 @@ use crate::doubt::Doubt;
 use crate::math::{pow, sqrt};
 use crate::regressor::Regressor;
 use crate::shaping::{Light, Matrix};
-use crate::structure::Column;
+use crate::structure::{Column, place};
 use crate::trend::{NoiseGain, TrendOperator};
 
 /// What the read-out needs of the estimator's state; everything normalised.
@@ -199,9 +199,13 @@ pub(crate) fn read_out<T: TrendOperator<M>, const M: usize, const N: usize>(
     bandwidth: f32,
 ) -> Readout<N> {
     let estimate = estimate(evidence, gain, regressor, trends, bandwidth);
-    let theta = estimate.theta;
+    let Estimate {
+        theta,
+        shaped,
+        even,
+        ..
+    } = estimate;
     let units = regressor.units();
-    let (shaped, even) = (estimate.shaped, estimate.even);
     let mut covariance = estimate.covariance;
     let mut floor = ARITHMETIC;
     if let Some(filter) = trends.filter_polynomial() {
@@ -260,7 +264,7 @@ const APART: f32 = 1.5;
 ///
 /// T knows nothing of how a constant and the command resemble each other in a short record; P does.
 fn in_light<const N: usize>(t: &Matrix<N>, p: &Matrix<N>, columns: &[Column; N]) -> Matrix<N> {
-    let constant = columns.iter().position(|c| *c == Column::Constant);
+    let constant = place(columns, Column::Constant);
     let at = |matrix: &Matrix<N>, i: usize, j: usize| {
         matrix
             .get(i)

@@ -99,7 +99,12 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
     /// Where [`Structure::try_new`] gives an error; in a constant that is a compile error.
     #[track_caller]
     pub const fn new(output: Terms, inputs: [Terms; I], constant: bool) -> Self {
-        match Self::try_new(output, inputs, constant) {
+        Self::sound(Self::try_new(output, inputs, constant))
+    }
+
+    #[track_caller]
+    const fn sound(structure: Result<Self, ConfigError>) -> Self {
+        match structure {
             Ok(structure) => structure,
             Err(_) => panic!("the terms contradict the sizes M, N, I of the structure"),
         }
@@ -183,12 +188,16 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
         Self::new(Terms::between(1, M), [Terms::of(&[0]); I], true)
     }
 
+    /// As [`Structure::integrating`], with the start.
+    pub const fn integrating_with_start() -> Self {
+        let b0 = [Terms::of(&[0]); I];
+        Self::sound(Self::try_with_start(Terms::between(1, M), b0, false))
+    }
+
     /// As [`Structure::integrating`], with a constant and the start: the structure to take where nothing is known against it.
     pub const fn servo() -> Self {
-        match Self::try_with_start(Terms::between(1, M), [Terms::of(&[0]); I], true) {
-            Ok(structure) => structure,
-            Err(_) => panic!("the terms contradict the sizes M, N, I of the structure"),
-        }
+        let b0 = [Terms::of(&[0]); I];
+        Self::sound(Self::try_with_start(Terms::between(1, M), b0, true))
     }
 
     /// Every a_i and every b_i.
@@ -276,6 +285,11 @@ pub enum Column {
     Constant,
     /// The start: minus the error of the position the trends began with.
     Start,
+}
+
+/// The place of a column in theta.
+pub(crate) fn place<const N: usize>(columns: &[Column; N], wanted: Column) -> Option<usize> {
+    columns.iter().position(|column| *column == wanted)
 }
 
 #[cfg(test)]

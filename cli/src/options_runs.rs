@@ -6,7 +6,7 @@ use indicatif::ProgressBar;
 use rayon::prelude::*;
 use trendid::{
     Config, DeadZone, DelayBank, ExactTrends, FilteredTrends, Identifier, RawTrends, Scheme,
-    Structure, Terms, TrendOperator,
+    Structure, TrendOperator,
 };
 use trendid_host_tests::excitation::Excitation;
 use trendid_host_tests::experiment::{Experiment, Record};
@@ -14,6 +14,7 @@ use trendid_host_tests::montecarlo::{Filter, Method, Setting, trial};
 use trendid_host_tests::noise::{Additive, Condition, Reading};
 use trendid_host_tests::plant::{Input, LinearPlant};
 use trendid_host_tests::reference::{REFERENCE, Servo};
+use trendid_host_tests::rounds::settling;
 
 use crate::options::Cost;
 
@@ -193,11 +194,7 @@ fn compensated(seed: u64) -> Pair {
 }
 
 /// The servo with the start and without a constant.
-const STARTED: Structure<3, 4, 1> =
-    match Structure::try_with_start(Terms::between(1, 3), [Terms::of(&[0])], false) {
-        Ok(structure) => structure,
-        Err(_) => panic!("the terms contradict the sizes"),
-    };
+const STARTED: Structure<3, 4, 1> = Structure::integrating_with_start();
 
 fn start(seed: u64) -> Pair {
     let record = Experiment::reference(Condition::white(100.0), 0.5).record(seed);
@@ -299,8 +296,7 @@ fn retuned(seed: u64) -> Pair {
             && sigma[1] < 0.2 * omega0
         {
             let omega0 = omega0.clamp(2.0, 200.0);
-            // Three time constants of the pair of the new filter.
-            let _ = tuned.retune(trends(omega0), 3.0 / (0.7 * 1.1 * omega0));
+            let _ = tuned.retune(trends(omega0), settling(omega0));
         }
     }
     [fixed, tuned].map(|identifier| errors(&identifier.theta(), &REFERENCE))
@@ -352,7 +348,7 @@ fn exact(seed: u64) -> Pair {
         if (k == 200 || k == 400)
             && let Ok(own) = trends.with_model(with.transfer_function().a)
         {
-            let _ = with.retune(own, 3.0 / (0.7 * 1.1 * bandwidth));
+            let _ = with.retune(own, settling(bandwidth));
         }
     }
     [

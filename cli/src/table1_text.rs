@@ -192,7 +192,6 @@ pub fn brief(args: &Table1Args, lines: &[Line]) -> String {
             let line = group.iter().find(|l| l.method == method);
             line.map_or(String::new(), |l| triple(l.rms_pct))
         };
-        let printed = first.setting.tustin;
         let cells = [
             format!(
                 "{}, {}, {} s",
@@ -201,7 +200,7 @@ pub fn brief(args: &Table1Args, lines: &[Line]) -> String {
                 first.duration_s
             ),
             cell(first.ns_pct),
-            triple([printed.c_pct, printed.omega0_pct, printed.xi_pct]),
+            triple(first.paper_pct()),
             of(Method::Kalman),
             of(Method::DEFAULT),
             of(Method::OutputError),

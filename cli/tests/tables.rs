@@ -62,19 +62,21 @@ fn table1_has_a_line_for_every_condition_and_method() {
     }
 }
 
+/// The shortest run of Table 1.
+const FEW: [&str; 7] = [
+    "table1",
+    "--seeds",
+    "1",
+    "--duration",
+    "0.3",
+    "--vary",
+    "white",
+];
+
 #[test]
 fn table1_says_how_the_noise_is_defined() {
-    let few = [
-        "table1",
-        "--seeds",
-        "1",
-        "--duration",
-        "0.3",
-        "--vary",
-        "white",
-    ];
     for form in [&[][..], &["--markdown"], &["--check"], &["--json"]] {
-        let text = stdout(&[&few[..], form].concat());
+        let text = stdout(&[&FEW[..], form].concat());
         for word in [
             "ABSOLUTE",
             "RELATIVE",
@@ -88,16 +90,7 @@ fn table1_says_how_the_noise_is_defined() {
 
 #[test]
 fn the_brief_table_has_one_row_per_condition() {
-    let text = stdout(&[
-        "table1",
-        "--brief",
-        "--seeds",
-        "1",
-        "--duration",
-        "0.3",
-        "--vary",
-        "white",
-    ]);
+    let text = stdout(&[&FEW[..], &["--brief"]].concat());
     let rows: Vec<&str> = text.lines().filter(|l| l.starts_with("| ")).collect();
     // Four widths in two readings, under a head.
     assert_eq!(rows.len(), 9, "{text}");

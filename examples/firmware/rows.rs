@@ -98,8 +98,7 @@ pub fn integral() -> Result<Integral, ConfigError> {
 
 /// With the start as a parameter.
 pub fn started() -> Result<Offset, ConfigError> {
-    let structure = Structure::try_with_start(Terms::between(1, 3), [Terms::of(&[0])], false)?;
-    let config = Config::new(structure, 20.0, [1.0], 50.0);
+    let config = Config::new(Structure::integrating_with_start(), 20.0, [1.0], 50.0);
     Offset::try_new(
         &config,
         FilteredTrends::for_bandwidth(Scheme::Tustin, SAMPLE_TIME, 20.0)?,

@@ -23,7 +23,7 @@
 //! | [`table1`] | the conditions and printed figures of the paper's Table 1 |
 //! | [`methods`] | conditions, filters and methods of the reproduced Table 1 |
 //! | [`montecarlo`] | one record through every method |
-//! | [`rounds`] | exact trends with the model of the round before |
+//! | [`rounds`] | exact trends with the model of the round before, settling of a new filter |
 //! | [`table_run`] | statistics over many records |
 
 pub mod bound;

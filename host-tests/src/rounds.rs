@@ -1,4 +1,4 @@
-//! Exact trends whose numerators are those of the model that the same record gave in the round before.
+//! From an estimate to the next trends: numerators from the round before, and how long a new filter settles.
 
 use trendid::{Config, ConfigError, ExactTrends, Identifier};
 
@@ -30,13 +30,27 @@ pub fn own_numerators(
     Ok(identifier)
 }
 
+/// Three time constants of the pair of the default filter for a bandwidth of `omega0` (rad/s), in s.
+pub fn settling(omega0: f32) -> f32 {
+    3.0 / (0.7 * 1.1 * omega0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::experiment::Experiment;
     use crate::noise::Condition;
     use crate::reference::{REFERENCE, Servo};
-    use trendid::Structure;
+    use trendid::{FilteredTrends, Scheme, Structure, TrendOperator};
+
+    #[test]
+    fn settling_is_that_of_the_pair() {
+        let trends = FilteredTrends::<3>::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
+        // (s + a)(s^2 + b s + c) with a known from the slow pole: half of b is the decay of the pair.
+        let slow = (1.0 - trends.decay()) / 0.001;
+        let decay = 0.5 * (trends.filter()[2] - slow);
+        assert!((settling(20.0) * decay - 3.0).abs() < 0.01);
+    }
 
     #[test]
     fn every_round_is_nearer_without_noise() {

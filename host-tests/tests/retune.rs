@@ -4,6 +4,7 @@ use trendid::{Config, Estimator, FilteredTrends, Identifier, Scheme, Structure};
 use trendid_host_tests::experiment::Experiment;
 use trendid_host_tests::noise::{Condition, rms};
 use trendid_host_tests::reference::{REFERENCE, Servo};
+use trendid_host_tests::rounds::settling;
 
 fn found(theta: [f32; 5]) -> Option<Servo> {
     let [a1, a2, b0, ..] = theta.map(f64::from);
@@ -33,7 +34,7 @@ fn a_wrong_bandwidth_is_mended_by_retuning() {
                         let omega0 = omega0.clamp(2.0, 200.0);
                         let nearer =
                             FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, omega0).unwrap();
-                        other.retune(nearer, 3.0 / (0.7 * 1.1 * omega0)).unwrap();
+                        other.retune(nearer, settling(omega0)).unwrap();
                         // Bumpless: the estimate itself did not move, and does not while it is held.
                         for (b, a) in before.iter().zip(other.theta()) {
                             assert!(
