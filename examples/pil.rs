@@ -1,7 +1,7 @@
 //! Processor in the loop: the adaptive position loop on the target, the axis simulated on the host, one frame each way per
 //! sample.
 //!
-//! USART1 (PA9 transmit, PA10 receive), 115 200 baud, 8N1; frames, lockstep and loop are in `pil-link`. The other end
+//! USART1 (PA9 transmit, PA10 receive), 115 200 baud, 8N1; frames, lockstep and loop are in `link`. The other end
 //! is `trendid pil` in the emulator and `trendid pil --port PORT` with a board, which was not tried on hardware.
 //!
 //! What is asked of the loop (to commission, to move) comes with a frame and is carried out before the update, while time
@@ -19,7 +19,7 @@ mod board;
 mod target {
     use cortex_m_rt::entry;
     use stm32f4xx_hal::{nb, pac, prelude::*, rcc};
-    use trendid_pil_link::{Controller, Incoming, Responder};
+    use trendid_link::{Controller, Incoming, Responder};
 
     use crate::board;
 

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 use trendid::{FilteredTrends, Hold, Outcome, Scheme, Terms};
-use trendid_dynamic::{Filter, InputSetup, Recursion, Setup};
 use trendid_host_tests::experiment::{Experiment, Record};
 use trendid_host_tests::noise::{Condition, Reading};
 use trendid_host_tests::reference::{REFERENCE, Servo};
+use trendid_identify::{Filter, InputSetup, Recursion, Setup};
 
 use crate::auto::Choice;
 use crate::format::{percent, significant, table, transfer_function};

@@ -1,7 +1,7 @@
 //! The no_std core run sample by sample over recorded signals.
 
 use trendid::{Hold as CoreHold, Outcome, Scheme, Terms};
-use trendid_dynamic::{InputSetup, Reading, Recursion, Setup};
+use trendid_identify::{InputSetup, Reading, Recursion, Setup};
 
 use crate::freerun::{FreeRun, Hold, Model};
 use crate::output::Refusal;

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 use trendid_host_tests::scenario::{Figures, Options, Scenario, run_beside};
-use trendid_pil_link::Counters;
+use trendid_link::Counters;
 
 use crate::output::{self, Refusal};
 

@@ -13,10 +13,10 @@ use crate::output::Refusal;
 use crate::record::Record;
 
 /// Most input columns beside each other that the run-time core offers.
-const INPUTS: usize = trendid_dynamic::INPUTS;
+const INPUTS: usize = trendid_identify::INPUTS;
 
 /// Most parameters that it offers.
-const PARAMETERS: usize = trendid_dynamic::PARAMETERS;
+const PARAMETERS: usize = trendid_identify::PARAMETERS;
 
 /// Record, columns and span.
 #[derive(Debug, Args)]
@@ -235,7 +235,7 @@ pub fn parse_filter(text: &str) -> Result<Choice<Option<f64>>, String> {
 
 /// `--delay D|auto` for clap.
 pub fn parse_delay(text: &str) -> Result<Choice<usize>, String> {
-    let longest = trendid_dynamic::DELAY;
+    let longest = trendid_identify::DELAY;
     match (text, text.parse::<usize>()) {
         ("auto", _) => Ok(Choice::Auto),
         (_, Ok(delay)) if delay <= longest => Ok(Choice::Given(delay)),

@@ -5,11 +5,11 @@ use rayon::prelude::*;
 use trendid::{
     ConfigError, FilteredTrends, Hold, OutputEvaluation, RawTrends, Scheme, Terms, TransferFunction,
 };
-use trendid_dynamic::{Filter, InputSetup, Recursion, Setup};
 use trendid_host_tests::experiment::{Experiment, Record};
 use trendid_host_tests::noise::{Condition, Reading};
 use trendid_host_tests::plant::LinearPlant;
 use trendid_host_tests::table_run::quantile;
+use trendid_identify::{Filter, InputSetup, Recursion, Setup};
 
 use crate::output::{self, Refusal};
 use crate::table1::ReadingName;

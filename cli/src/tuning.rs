@@ -1,7 +1,7 @@
 //! What a run over a record may choose: the filter and the delay.
 
 use trendid::Scheme;
-use trendid_dynamic::Filter;
+use trendid_identify::Filter;
 
 use crate::estimate::Estimate;
 

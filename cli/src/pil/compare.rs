@@ -4,7 +4,7 @@ use indicatif::ProgressBar;
 use trendid::Report;
 use trendid_host_tests::companion::{Companion, Request};
 use trendid_host_tests::scenario::{RESOLUTION_MM, ROUGH_BANDWIDTH, Rig, TRAVEL};
-use trendid_pil_link::{
+use trendid_link::{
     Counters, Exchange, ExchangeError, FIELDS, Reply, Request as Asked, Sample, Setup,
 };
 

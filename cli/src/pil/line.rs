@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use trendid_pil_link::Bytes;
+use trendid_link::Bytes;
 
 use crate::output::Refusal;
 

@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Read, Write};
 
 use clap::Parser;
 use trendid_host_tests::scenario::{Figures, Options, Scenario, run_beside};
-use trendid_pil_link::{Controller, FIELDS, Incoming, Responder};
+use trendid_link::{Controller, FIELDS, Incoming, Responder};
 
 use super::PilArgs;
 use super::compare::Target;

@@ -1,0 +1,191 @@
+//! The regressor: signs, order of the parameters and normalisation are decided here and nowhere else.
+//!
+//! ```text
+//! paper, (5), (12):  R_m y = - sum a_i R_i y + sum b_i P_i u      v theta, theta = (-a .., b ..)
+//! here:              psi   = phi' theta                           theta = (a .., b .., c)
+//! psi = s_m R_m y,   phi_j = -s_j R_i y for a_i,  +s_j P_i u for b_i,  +s_j P_0 1 for the constant,
+//!                                                  +s_j rho^k for the start
+//! ```
+//!
+//! The minus sign is in phi, so theta holds a_i and b_i as they stand in the
+//! transfer function. The scales s make every entry of order 1: the recursion sees
+//! no units.
+
+use crate::estimation::structure::{Column, Structure};
+use crate::trends::{TrendOperator, Trends};
+
+/// Where the values of one column come from, as an index that is cheap to use.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Source {
+    /// 0..M: trend of y; M..M+M*I: trends of the inputs one after the other; then constant and start.
+    index: u8,
+    /// The signed scale of phi.
+    scale: f32,
+}
+
+/// Turns trends into the normalised regressor, and normalised parameters back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Regressor<const M: usize, const N: usize> {
+    sources: [Source; N],
+    /// s_m, the scale of the left-hand side.
+    top_scale: f32,
+    /// unit_j = s_j / s_m: theta_j in the user's unit is unit_j times the normalised one.
+    units: [f32; N],
+    /// Weight of y(k) in the equation error: constant part and the part of each parameter.
+    lead_top: f32,
+    lead: [f32; N],
+    /// Below this beta is not divided by: a tenth of what a model without feedback has.
+    lead_floor: f32,
+}
+
+impl<const M: usize, const N: usize> Regressor<M, N> {
+    /// Scales from the design values: a signal of `output_range` and `input_range[i]` at `bandwidth`.
+    pub(crate) fn new<T: TrendOperator<M>, const I: usize>(
+        structure: &Structure<M, N, I>,
+        trends: &T,
+        bandwidth: f32,
+        input_range: &[f32; I],
+        output_range: f32,
+    ) -> Self {
+        // gain[i]: size of the trend of order i of a signal of size 1.
+        let mut gain = [0.0; M];
+        let mut size = trends.gain(bandwidth);
+        let top_scale = 1.0 / (size * output_range);
+        for g in gain.iter_mut().rev() {
+            size /= bandwidth;
+            *g = size;
+        }
+        let mut regressor = Self {
+            sources: [Source {
+                index: 0,
+                scale: 0.0,
+            }; N],
+            top_scale,
+            units: [0.0; N],
+            lead_top: 0.0,
+            lead: [0.0; N],
+            lead_floor: 0.0,
+        };
+        for (j, column) in structure.columns().into_iter().enumerate() {
+            let (index, scale, sign) = match column {
+                Column::Output { power } => (power, 1.0 / (gain[power] * output_range), -1.0),
+                Column::Input { input, power } => (
+                    M + input * M + power,
+                    1.0 / (gain[power] * input_range[input]),
+                    1.0,
+                ),
+                Column::Constant => (M + I * M, 1.0 / gain[0], 1.0),
+                Column::Start => (M + I * M + 1, 1.0 / trends.gain(bandwidth), 1.0),
+            };
+            regressor.sources[j] = Source {
+                index: index as u8,
+                scale: sign * scale,
+            };
+            regressor.units[j] = scale / top_scale;
+        }
+        regressor.set_lead(&trends.lead());
+        regressor
+    }
+
+    /// Takes the weights of y(k) from other trends with the same scales.
+    pub(crate) fn set_lead(&mut self, lead: &Trends<M>) {
+        self.lead_top = lead.top * self.top_scale;
+        self.lead_floor = 0.1 * self.lead_top;
+        for (weight, source) in self.lead.iter_mut().zip(&self.sources) {
+            *weight = match lead.lower.get(source.index as usize) {
+                Some(lower) => -source.scale * lower,
+                None => 0.0,
+            };
+        }
+    }
+
+    /// The normalised regressor phi and the normalised left-hand side psi. Cost: 9 instructions a column.
+    #[inline(always)]
+    pub(crate) fn assemble<const I: usize>(
+        &self,
+        output: &Trends<M>,
+        inputs: &[[f32; M]; I],
+        extra: &[f32; 2],
+    ) -> ([f32; N], f32) {
+        let inputs = inputs.as_flattened();
+        let mut phi = [0.0; N];
+        for (entry, source) in phi.iter_mut().zip(&self.sources) {
+            let index = source.index as usize;
+            let trend = match output.lower.get(index) {
+                Some(y) => *y,
+                None => {
+                    let index = index - M;
+                    match inputs.get(index) {
+                        Some(u) => *u,
+                        None => extra.get(index - inputs.len()).copied().unwrap_or(0.0),
+                    }
+                }
+            };
+            *entry = source.scale * trend;
+        }
+        (phi, self.top_scale * output.top)
+    }
+
+    /// beta > 0: by how much the normalised equation error grows per unit of y(k); alpha of (10) in scaled form.
+    #[inline(always)]
+    pub(crate) fn lead(&self, theta: &[f32; N]) -> f32 {
+        let mut beta = self.lead_top;
+        for (weight, parameter) in self.lead.iter().zip(theta) {
+            beta += weight * parameter;
+        }
+        if beta > self.lead_floor {
+            beta
+        } else {
+            self.lead_floor
+        }
+    }
+
+    /// Unit of each parameter: user's value = unit times normalised value.
+    pub(crate) fn units(&self) -> &[f32; N] {
+        &self.units
+    }
+
+    /// s_m.
+    pub(crate) fn top_scale(&self) -> f32 {
+        self.top_scale
+    }
+
+    /// a_0 .. a_{m-1} of theta in the user's units, absent ones 0.
+    pub(crate) fn denominator(&self, theta: &[f32; N]) -> [f32; M] {
+        let mut a = [0.0; M];
+        for (source, value) in self.sources.iter().zip(theta) {
+            if let Some(slot) = a.get_mut(source.index as usize) {
+                *slot = *value;
+            }
+        }
+        a
+    }
+
+    /// Moments of phi phi', phi psi and psi psi per sample of white noise of variance 1 on y.
+    pub(crate) fn noise_moments(
+        &self,
+        lower: &[[f32; M]; M],
+        mixed: &[f32; M],
+        top: f32,
+    ) -> ([[f32; N]; N], [f32; N], f32) {
+        let mut matrix = [[0.0; N]; N];
+        let mut vector = [0.0; N];
+        for (i, row) in self.sources.iter().enumerate() {
+            let Some(gains) = lower.get(row.index as usize) else {
+                continue;
+            };
+            for (j, column) in self.sources.iter().enumerate() {
+                if let Some(gain) = gains.get(column.index as usize) {
+                    matrix[i][j] = row.scale * column.scale * gain;
+                }
+            }
+            vector[i] = row.scale * self.top_scale * mixed[row.index as usize];
+        }
+        (matrix, vector, self.top_scale * self.top_scale * top)
+    }
+
+    /// Size of the normalised left-hand side that `output_std` of noise on y makes.
+    pub(crate) fn noise(&self, output_std: f32) -> f32 {
+        self.lead_top * output_std
+    }
+}

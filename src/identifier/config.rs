@@ -1,0 +1,149 @@
+//! What the user knows before the first sample.
+
+use crate::error::{ConfigError, positive};
+use crate::estimation::structure::Structure;
+use crate::trends::Hold;
+use crate::trends::delay_line::acceptable;
+
+/// What the user knows before the first sample; the rest follows from it.
+///
+/// # Examples
+/// ```
+/// use trendid::{Config, Structure};
+/// // A servo: about 20 rad/s, commands around 1, strokes around 50 mm.
+/// let mut config = Config::new(Structure::<3, 3, 1>::integrating(), 20.0, [1.0], 50.0);
+/// config.memory = Some(2.0); // follow changes within seconds
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Config<const M: usize, const N: usize, const I: usize> {
+    /// Which parameters the model has.
+    pub structure: Structure<M, N, I>,
+    /// Rough bandwidth of the plant in rad/s; normalises, within a factor of three is good enough.
+    pub bandwidth: f32,
+    /// Typical size of each input, in its unit.
+    pub input_range: [f32; I],
+    /// Typical movement of the output, in its unit.
+    pub output_range: f32,
+    /// Expected standard deviation of the noise of one output sample; weighs the prior, default `output_range / 1000`.
+    pub output_noise: f32,
+    /// What each input does between samples; default held.
+    pub holds: [Hold; I],
+    /// Delay of each input in samples, at most `D`; default 0.
+    pub delays: [usize; I],
+    /// Input at which the plant rested before the first sample; default 0.
+    pub rest: [f32; I],
+    /// Memory of the estimator in s, `None` forgets nothing (default).
+    pub memory: Option<f32>,
+    /// Estimate at the start, in the order of theta and the user's units; default 0.
+    pub initial: [f32; N],
+    /// Standard deviation of `initial`, 0 for a known parameter; default `None`: ten times the design size,
+    /// and 3 % of the size of the input for the constant of a drive that integrates.
+    pub prior_std: Option<[f32; N]>,
+    /// Time after the first sample, in s, in which trends settle and nothing is estimated; default 0.
+    pub settling: f32,
+    /// With a memory: information that forgetting cannot take away, in samples of full excitation. At rest the
+    /// covariance stops at its inverse, and the estimate falls back to the trusted one ([`Identifier::trust`](crate::Identifier::trust))
+    /// within the memory. Default 5e-4: unseen in motion; 0 stops the covariance at 10^12 only.
+    pub pull: f32,
+    /// Standard deviations within which a constant is taken for none, fading out at twice as many; default 2, 0 always
+    /// keeps it.
+    pub doubt: f32,
+}
+
+impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
+    /// The defaults for a plant of this structure, bandwidth (rad/s) and size of signals.
+    pub const fn new(
+        structure: Structure<M, N, I>,
+        bandwidth: f32,
+        input_range: [f32; I],
+        output_range: f32,
+    ) -> Self {
+        Self {
+            structure,
+            bandwidth,
+            input_range,
+            output_range,
+            output_noise: output_range * 1e-3,
+            holds: [Hold::Zero; I],
+            delays: [0; I],
+            rest: [0.0; I],
+            memory: None,
+            initial: [0.0; N],
+            prior_std: None,
+            settling: 0.0,
+            pull: 5e-4,
+            doubt: 2.0,
+        }
+    }
+
+    /// Checks every value; `capacity` is the length D of the delay lines.
+    pub(crate) fn check(&self, sample_time: f32, capacity: usize) -> Result<(), ConfigError> {
+        if !positive(sample_time) {
+            return Err(ConfigError::SampleTime(sample_time));
+        }
+        if !positive(self.bandwidth) {
+            return Err(ConfigError::Bandwidth(self.bandwidth));
+        }
+        if !positive(self.output_range) {
+            return Err(ConfigError::OutputRange(self.output_range));
+        }
+        if !positive(self.output_noise) {
+            return Err(ConfigError::NoiseStd(self.output_noise));
+        }
+        for input in 0..I {
+            let value = self.input_range[input];
+            if !positive(value) {
+                return Err(ConfigError::InputRange { input, value });
+            }
+            if !acceptable(self.rest[input], REACH * value) {
+                let value = self.rest[input];
+                return Err(ConfigError::InputRange { input, value });
+            }
+            let samples = self.delays[input];
+            if samples > capacity {
+                return Err(ConfigError::Delay {
+                    input,
+                    samples,
+                    capacity,
+                });
+            }
+        }
+        if let Some(memory) = self.memory
+            && !(memory > 2.0 * sample_time && memory.is_finite())
+        {
+            return Err(ConfigError::Memory(memory));
+        }
+        for index in 0..N {
+            let value = self.initial[index];
+            if !value.is_finite() {
+                return Err(ConfigError::Initial { index, value });
+            }
+        }
+        if let Some(std) = self.prior_std {
+            check_std(&std)?;
+        }
+        if !(self.settling >= 0.0 && self.settling.is_finite()) {
+            return Err(ConfigError::Settling(self.settling));
+        }
+        if !(self.pull >= 0.0 && self.pull.is_finite()) {
+            return Err(ConfigError::Pull(self.pull));
+        }
+        if !(self.doubt >= 0.0 && self.doubt.is_finite()) {
+            return Err(ConfigError::Doubt(self.doubt));
+        }
+        Ok(())
+    }
+}
+
+/// A prior standard deviation is a finite number >= 0.
+pub(crate) fn check_std<const N: usize>(std: &[f32; N]) -> Result<(), ConfigError> {
+    for (index, value) in std.iter().copied().enumerate() {
+        if !(value >= 0.0 && value.is_finite()) {
+            return Err(ConfigError::PriorStd { index, value });
+        }
+    }
+    Ok(())
+}
+
+/// A sample this many times its range away from zero is no measurement; it would also let sums overflow.
+pub(crate) const REACH: f32 = 1e6;

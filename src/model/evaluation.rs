@@ -1,0 +1,150 @@
+//! Output evaluation (9)-(10), one step ahead, and the indices IQ and IV (11).
+
+use crate::model::transfer_function::TransferFunction;
+use crate::trends::raw::RawTrends;
+use crate::trends::{Hold, TrendOperator};
+
+/// The running indices IQ and IV of equation (11).
+///
+/// # Examples
+/// ```
+/// let mut quality = trendid::Quality::new();
+/// quality.update(3.0);
+/// quality.update(-4.0);
+/// assert_eq!((quality.iq(), quality.iv(), quality.samples()), (25.0, 7.0, 2));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Quality {
+    iq: f32,
+    iv: f32,
+    samples: u32,
+}
+
+impl Quality {
+    /// Nothing evaluated yet.
+    pub const fn new() -> Self {
+        Self {
+            iq: 0.0,
+            iv: 0.0,
+            samples: 0,
+        }
+    }
+
+    /// Adds one prediction error `y(k) - y^(k)`, in the unit of y. Cost: 10 instructions.
+    #[inline(always)]
+    pub fn update(&mut self, error: f32) {
+        self.iq += error * error;
+        self.iv += error.abs();
+        self.samples = self.samples.saturating_add(1);
+    }
+
+    /// IQ, the sum of squared errors, in the unit of y squared.
+    pub const fn iq(&self) -> f32 {
+        self.iq
+    }
+
+    /// IV, the sum of absolute errors, in the unit of y.
+    pub const fn iv(&self) -> f32 {
+        self.iv
+    }
+
+    /// How many errors were added.
+    pub const fn samples(&self) -> u32 {
+        self.samples
+    }
+}
+
+/// Evaluates y(k) one step ahead from past samples and any parameters, as in the paper.
+///
+/// ```text
+/// y^(k) = ( - sum_{i=0}^{m} a_i R~_i y(k) + sum_{i=0}^{m-1} b_i P_i u(k) ) / alpha     (10)
+/// alpha = sum_{i=0}^{m} r_0^i a_i,   a_m = 1,   R~_i without its newest sample (9)
+/// ```
+///
+/// Because R_i = r_0^i + R~_i, this is `y(k)` minus the equation error over alpha.
+/// The indices judge structure, order and delay.
+///
+/// # Examples
+/// ```
+/// use trendid::{OutputEvaluation, RawTrends, Scheme, TransferFunction};
+/// let mut evaluation = OutputEvaluation::<1, 1>::new(RawTrends::try_new(Scheme::Tustin, 0.1)?);
+/// let model = TransferFunction { a: [0.0], b: [[2.0]], constant: 0.0, integrators: 1 };
+/// assert_eq!(evaluation.update(&model, [1.0], 0.0), None); // the window fills
+/// let error = evaluation.update(&model, [1.0], 0.2).unwrap();
+/// assert!(error.abs() < 1e-6); // dy/dt = 2 u
+/// # Ok::<(), trendid::ConfigError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OutputEvaluation<const M: usize, const I: usize> {
+    trends: RawTrends<M>,
+    holds: [Hold; I],
+    output: [f32; M],
+    inputs: [[f32; M]; I],
+    filled: u32,
+    quality: Quality,
+}
+
+impl<const M: usize, const I: usize> OutputEvaluation<M, I> {
+    /// Evaluation with the trends of the scheme and sample time of `trends`; all inputs held.
+    pub const fn new(trends: RawTrends<M>) -> Self {
+        Self::with_holds(trends, [Hold::Zero; I])
+    }
+
+    /// As [`OutputEvaluation::new`] with the hold of each input.
+    pub const fn with_holds(trends: RawTrends<M>, holds: [Hold; I]) -> Self {
+        Self {
+            trends,
+            holds,
+            output: [0.0; M],
+            inputs: [[0.0; M]; I],
+            filled: 0,
+            quality: Quality::new(),
+        }
+    }
+
+    /// Takes u(k), already delayed, and y(k); gives `y(k) - y^(k)` and adds it to the indices.
+    ///
+    /// `None` while the window fills, for a sample that is not finite (which is
+    /// dropped), and where alpha vanishes.
+    pub fn update(&mut self, model: &TransferFunction<M, I>, u: [f32; I], y: f32) -> Option<f32> {
+        if !y.is_finite() || !u.iter().all(|u| u.is_finite()) {
+            return None;
+        }
+        let trends = self.trends.output(&mut self.output, y);
+        let lead = self.trends.lead();
+        let mut error = trends.top;
+        let mut alpha = lead.top;
+        for i in 0..M {
+            error += model.a[i] * trends.lower[i];
+            alpha += model.a[i] * lead.lower[i];
+        }
+        for (c, u) in u.into_iter().enumerate() {
+            let lower = self.trends.input(&mut self.inputs[c], u, self.holds[c]);
+            for i in 0..M {
+                error -= model.b[c][i] * lower[i];
+            }
+        }
+        error -= model.constant;
+        if self.filled < self.trends.warm_up() {
+            self.filled += 1;
+            return None;
+        }
+        let error = error / alpha;
+        if !error.is_finite() {
+            return None;
+        }
+        self.quality.update(error);
+        Some(error)
+    }
+
+    /// The indices so far.
+    pub const fn quality(&self) -> Quality {
+        self.quality
+    }
+
+    /// Begins the indices anew and keeps the window.
+    pub fn restart(&mut self) {
+        self.quality = Quality::new();
+    }
+}

@@ -1,0 +1,123 @@
+//! The physical reading of a transfer function: gain, natural frequency, damping, time constants.
+
+use crate::math::sqrt;
+use crate::model::transfer_function::TransferFunction;
+
+/// What an engineer reads from the parameters; `None` where a quantity does not exist.
+///
+/// | quantity | equation | unit |
+/// |---|---|---|
+/// | gain | b_0 / a_nu, nu integrators | y per u (nu = 0), y/s per u (nu = 1) |
+/// | omega0 | sqrt(a_nu) | rad/s |
+/// | damping | a_{nu+1} / (2 omega0) | 1 |
+/// | time constants | -1 / real pole | s |
+///
+/// omega0 and damping are given for the oscillating pair: with two poles behind the
+/// integrators in closed form (also when it is overdamped), with more poles from the
+/// complex pair nearest to zero.
+///
+/// # Examples
+/// ```
+/// use trendid::{Physical, TransferFunction};
+/// let servo = TransferFunction::<3, 1> {
+///     a: [0.0, 400.0, 20.0],
+///     b: [[1.0e6, 0.0, 0.0]],
+///     constant: 0.0,
+///     integrators: 1,
+/// };
+/// let reading = Physical::of(&servo, 0);
+/// assert_eq!(reading.omega0, Some(20.0));
+/// assert_eq!(reading.damping, Some(0.5));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Physical<const M: usize> {
+    /// Static gain, or velocity gain C behind one integrator.
+    pub gain: Option<f32>,
+    /// Natural frequency in rad/s.
+    pub omega0: Option<f32>,
+    /// Damping ratio xi.
+    pub damping: Option<f32>,
+    /// Time constants of the real poles, longest first, in s.
+    pub time_constants: [Option<f32>; M],
+    /// Whether the poles behind the integrators are all stable.
+    pub stable: bool,
+}
+
+impl<const M: usize> Physical<M> {
+    /// Reads the transfer function from `input` to the output.
+    pub fn of<const I: usize>(transfer: &TransferFunction<M, I>, input: usize) -> Self {
+        let mut reading = Self {
+            gain: transfer.gain(input),
+            omega0: None,
+            damping: None,
+            time_constants: [None; M],
+            stable: transfer.is_stable(),
+        };
+        let behind = transfer.a.get(transfer.integrators..).unwrap_or(&[]);
+        if let [a0, a1] = *behind
+            && a0 > 0.0
+            && a0.is_finite()
+            && a1.is_finite()
+        {
+            let omega0 = sqrt(a0);
+            reading.omega0 = finite(omega0);
+            reading.damping = finite(0.5 * a1 / omega0);
+        }
+        let Some(poles) = transfer.poles() else {
+            return reading;
+        };
+        let mut n = 0;
+        for pole in poles.iter().skip(transfer.integrators) {
+            if pole.im == 0.0 && pole.re < 0.0 {
+                if let Some(slot) = reading.time_constants.get_mut(n) {
+                    *slot = finite(-1.0 / pole.re);
+                    n += 1;
+                }
+            } else if pole.im != 0.0 && reading.omega0.is_none() {
+                let omega0 = sqrt(pole.re * pole.re + pole.im * pole.im);
+                reading.omega0 = finite(omega0);
+                reading.damping = finite(-pole.re / omega0);
+            }
+        }
+        reading
+    }
+}
+
+/// `value`, if it is a number: quotients of very small coefficients overflow.
+fn finite(value: f32) -> Option<f32> {
+    value.is_finite().then_some(value)
+}
+
+/// Standard deviations of gain, omega0 and damping, first order in the covariance of theta.
+///
+/// For two poles behind the integrators; `p` are the positions of b_0, a_nu, a_{nu+1}
+/// in theta and `covariance` gives the entries in the user's units.
+pub(crate) fn second_order_std(
+    b0: f32,
+    a_nu: f32,
+    a_next: f32,
+    p: [usize; 3],
+    covariance: impl Fn(usize, usize) -> f32,
+) -> Option<[f32; 3]> {
+    if !(a_nu > 0.0) {
+        return None;
+    }
+    let omega0 = sqrt(a_nu);
+    let slopes = [
+        [1.0 / a_nu, -b0 / (a_nu * a_nu), 0.0],
+        [0.0, 0.5 / omega0, 0.0],
+        [0.0, -0.25 * a_next / (a_nu * omega0), 0.5 / omega0],
+    ];
+    let mut std = [0.0; 3];
+    for (std, slope) in std.iter_mut().zip(&slopes) {
+        let mut variance = 0.0;
+        for i in 0..3 {
+            for j in 0..3 {
+                variance += slope[i] * covariance(p[i], p[j]) * slope[j];
+            }
+        }
+        *std = sqrt(variance);
+    }
+    std.iter().all(|s| s.is_finite()).then_some(std)
+}

@@ -1,0 +1,135 @@
+//! From the coefficients that the trends have found to those of the s plane, and back.
+//!
+//! Only trends that know their own plane ([`TrendOperator::continuous`]) change anything here.
+
+use crate::estimation::structure::{Column, Structure};
+use crate::math::pow;
+use crate::readout::Readout;
+use crate::trends::bilinear::largest_rate;
+use crate::trends::{Image, TrendOperator};
+
+/// Step of a difference quotient, relative to the power of the largest rate that a coefficient stands for.
+const STEP: f32 = 0.01;
+
+/// a_0 .. a_{m-1} of theta, absent ones 0.
+fn denominator<const M: usize, const N: usize>(
+    theta: &[f32; N],
+    columns: &[Column; N],
+) -> [f32; M] {
+    let mut a = [0.0; M];
+    for (column, value) in columns.iter().zip(theta) {
+        if let Column::Output { power } = *column
+            && let Some(slot) = a.get_mut(power)
+        {
+            *slot = *value;
+        }
+    }
+    a
+}
+
+/// Theta with its denominator and numerators replaced by those of `image` of the denominator.
+fn replaced<const M: usize, const N: usize, const I: usize>(
+    theta: &[f32; N],
+    structure: &Structure<M, N, I>,
+    image: impl Fn(&[f32; M], usize) -> Option<Image<M>>,
+) -> [f32; N] {
+    let columns = structure.columns();
+    let a = denominator(theta, &columns);
+    let mut theta = *theta;
+    if let Some(image) = image(&a, structure.integrators()) {
+        for (column, value) in columns.iter().zip(&mut theta) {
+            match *column {
+                Column::Output { power } => *value = image.a.get(power).copied().unwrap_or(0.0),
+                Column::Input { .. } | Column::Constant => *value *= image.numerator,
+                Column::Start => {}
+            }
+        }
+    }
+    theta
+}
+
+/// Parameters of the trends as parameters of the s plane, in the user's units.
+///
+/// Where there is none (a pole beyond the sampling) they stay as they are. A term that the
+/// structure does not have is not made; between terms that exist it would be of the size of
+/// `(omega Delta)^2`.
+pub(crate) fn continuous<T, const M: usize, const N: usize, const I: usize>(
+    theta: &[f32; N],
+    structure: &Structure<M, N, I>,
+    trends: &T,
+) -> [f32; N]
+where
+    T: TrendOperator<M>,
+{
+    replaced(theta, structure, |a, integrators| {
+        trends.continuous(a, integrators)
+    })
+}
+
+/// The way back from [`continuous`].
+pub(crate) fn sampled<T, const M: usize, const N: usize, const I: usize>(
+    theta: &[f32; N],
+    structure: &Structure<M, N, I>,
+    trends: &T,
+) -> [f32; N]
+where
+    T: TrendOperator<M>,
+{
+    replaced(theta, structure, |a, integrators| {
+        trends.sampled(a, integrators)
+    })
+}
+
+/// Estimate and covariance in the s plane, the covariance through the slope of the map.
+pub(crate) fn continuous_readout<T, const M: usize, const N: usize, const I: usize>(
+    found: Readout<N>,
+    structure: &Structure<M, N, I>,
+    trends: &T,
+) -> Readout<N>
+where
+    T: TrendOperator<M>,
+{
+    let theta = continuous(&found.theta, structure, trends);
+    if theta == found.theta {
+        return found;
+    }
+    // Column j: how theta follows the parameter j of the trends. Only the denominator bends.
+    let mut slope = [[0.0; N]; N];
+    let columns = structure.columns();
+    let rate = largest_rate(&denominator::<M, N>(&found.theta, &columns));
+    for (j, column) in columns.into_iter().enumerate() {
+        let step = match column {
+            Column::Output { power } => STEP * pow(rate, (M - power) as f32),
+            _ => found.theta[j].abs(),
+        };
+        let (mut up, mut down) = (found.theta, found.theta);
+        up[j] += step;
+        down[j] -= step;
+        let (up, down) = (
+            continuous(&up, structure, trends),
+            continuous(&down, structure, trends),
+        );
+        for i in 0..N {
+            slope[i][j] = if step > 0.0 {
+                (up[i] - down[i]) / (2.0 * step)
+            } else if i == j {
+                1.0
+            } else {
+                0.0
+            };
+        }
+    }
+    let mut covariance = [[0.0; N]; N];
+    for i in 0..N {
+        for j in 0..N {
+            let mut sum = 0.0;
+            for k in 0..N {
+                for l in 0..N {
+                    sum += slope[i][k] * found.covariance[k][l] * slope[j][l];
+                }
+            }
+            covariance[i][j] = sum;
+        }
+    }
+    Readout { theta, covariance }
+}

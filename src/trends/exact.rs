@@ -1,0 +1,217 @@
+//! Trends that are exact at any sample time: the numerators of the hold and the poles of the s plane.
+
+use crate::error::{ConfigError, positive};
+use crate::trends::bilinear::{largest_rate, to_continuous, to_gamma};
+use crate::trends::filter;
+use crate::trends::filtered::FilteredTrends;
+use crate::trends::hold::Numerators;
+use crate::trends::{Hold, Image, NoiseGain, Scheme, TrendOperator, Trends};
+
+/// [`FilteredTrends`] for signals that are sampled slowly: a dozen samples per period and fewer.
+///
+/// `Departs from (8):` nothing of y is interpolated in the equation
+/// `A_g(gamma) y = N(gamma) u` that the samples of y obey. Its poles are
+/// `gamma_p = (2/Delta) tanh(p Delta/2)` for the poles p of the plant, its numerators those of the hold.
+/// The trend j of an input is replaced by `N_j(gamma)` of `s^j/A(s)` over the filter. The plant's own A is
+/// not known at first: the filter stands for it until [`ExactTrends::with_model`] puts an estimate in its
+/// place. With the right A every parameter is exact, whatever Delta and the filter; with another one the
+/// numerators are wrong by its distance times `(omega Delta)^2 / 12`. The model is read in the s plane,
+/// with the gain (behind the integrators) that was found. Standard deviations that are read are those of
+/// the s plane; those of a prior are taken as they stand, which is as rough as a prior is.
+///
+/// | symbol | argument | unit |
+/// |---|---|---|
+/// | Delta | `sample_time` | s |
+/// | `A_f` | `filter`, every pole below 2/Delta | rad^(m-i)/s^(m-i) |
+///
+/// Cost: m^2 multiplications for each input more than [`FilteredTrends`], which is the
+/// one to take at 1 kHz.
+///
+/// # Examples
+/// ```
+/// use trendid::{Config, ExactTrends, Identifier, Structure};
+/// // A lag of 8 rad/s and static gain 2, sampled every 50 ms, with a filter of 5 rad/s.
+/// let trends = ExactTrends::from_polynomial(0.05, [5.0])?;
+/// let config = Config::new(Structure::<1, 2, 1>::full(), 5.0, [1.0], 1.0);
+/// let mut identifier: Identifier<_, 1, 2> = Identifier::try_new(&config, trends)?;
+/// let (mut y, decay) = (0.0_f32, (-8.0 * 0.05_f32).exp());
+/// for k in 0..200 {
+///     let u = if (k / 7) % 2 == 0 { 1.0 } else { -1.0 };
+///     let _ = identifier.update(u, y);
+///     y = 2.0 * u + (y - 2.0 * u) * decay;
+/// }
+/// // Plain trends are 1 % off here.
+/// let model = identifier.transfer_function();
+/// assert!((model.a[0] - 8.0).abs() < 1e-4 && (model.b[0][0] - 16.0).abs() < 2e-4);
+/// # Ok::<(), trendid::ConfigError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExactTrends<const M: usize> {
+    chain: FilteredTrends<M>,
+    /// a_0 .. a_{m-1} of A in gamma.
+    model: [f32; M],
+    numerators: Numerators<M>,
+}
+
+impl<const M: usize> ExactTrends<M> {
+    /// Trends behind `1/A_f(s)`, `A_f = s^m + filter[m-1] s^{m-1} + .. + filter[0]`, with the numerators of A = `A_f`.
+    ///
+    /// # Errors
+    /// [`ConfigError::Order`], [`ConfigError::SampleTime`], [`ConfigError::FilterPole`] where `A_f` is not
+    /// stable or has a pole at 2/Delta or above.
+    pub fn from_polynomial(sample_time: f32, filter: [f32; M]) -> Result<Self, ConfigError> {
+        if !positive(sample_time) {
+            return Err(ConfigError::SampleTime(sample_time));
+        }
+        // The map of the poles keeps their half plane: what is refused there is unstable here.
+        let image = to_gamma(&filter, sample_time).ok_or(beyond(&filter))?;
+        let chain = FilteredTrends::from_polynomial(Scheme::Tustin, sample_time, image)?;
+        Ok(Self {
+            chain,
+            model: image,
+            numerators: Numerators::new(&filter, &image, &image, sample_time),
+        })
+    }
+
+    /// The same filter with the numerators of a plant `A = s^m + a[m-1] s^{m-1} + .. + a[0]`, stable or not.
+    ///
+    /// # Errors
+    /// [`ConfigError::FilterPole`] where A has a pole at 2/Delta or above.
+    pub fn with_model(self, a: [f32; M]) -> Result<Self, ConfigError> {
+        let sample_time = self.chain.sample_time();
+        let image = to_gamma(&a, sample_time).ok_or(beyond(&a))?;
+        Ok(Self {
+            chain: self.chain,
+            model: image,
+            numerators: Numerators::new(&a, &image, &self.chain.filter(), sample_time),
+        })
+    }
+
+    /// Trends behind the default filter for a plant of rough bandwidth omega (rad/s), see [`FilteredTrends::for_bandwidth`].
+    ///
+    /// # Errors
+    /// As [`ExactTrends::from_polynomial`], [`ConfigError::Bandwidth`].
+    pub fn for_bandwidth(sample_time: f32, bandwidth: f32) -> Result<Self, ConfigError> {
+        if M == 0 || M > 4 {
+            return Err(ConfigError::Order(M));
+        }
+        if !positive(bandwidth) {
+            return Err(ConfigError::Bandwidth(bandwidth));
+        }
+        Self::from_polynomial(sample_time, filter::for_bandwidth(bandwidth))
+    }
+
+    /// Factor from the numerators found to those of a model with denominator a in the s plane, a_g in gamma.
+    ///
+    /// The gain behind the integrators is what the samples have told, so it stands.
+    fn numerator(&self, a: &[f32; M], image: &[f32; M], integrators: usize) -> f32 {
+        let own = self.numerators.at_rest();
+        match (a.get(integrators), image.get(integrators)) {
+            (Some(a), Some(image)) if *image != 0.0 => own * a / image,
+            _ => own,
+        }
+    }
+}
+
+/// The error that names a polynomial with a pole beyond the sampling.
+fn beyond<const M: usize>(a: &[f32; M]) -> ConfigError {
+    ConfigError::FilterPole {
+        index: 0,
+        value: a.first().copied().unwrap_or(0.0),
+    }
+}
+
+impl<const M: usize> TrendOperator<M> for ExactTrends<M> {
+    type Memory = [f32; M];
+    const EMPTY: [f32; M] = [0.0; M];
+
+    fn sample_time(&self) -> f32 {
+        self.chain.sample_time()
+    }
+
+    fn settled(&self, value: f32) -> [f32; M] {
+        self.chain.settled(value)
+    }
+
+    fn settled_input(&self, value: f32, hold: Hold) -> [f32; M] {
+        self.chain.settled_input(value, hold)
+    }
+
+    #[inline]
+    fn output(&self, memory: &mut [f32; M], y: f32) -> Trends<M> {
+        self.chain.output(memory, y)
+    }
+
+    #[inline(always)]
+    fn movement(&self, memory: &mut [f32; M], y: f32, before: f32) -> Trends<M> {
+        self.chain.movement(memory, y, before)
+    }
+
+    #[inline]
+    fn input(&self, memory: &mut [f32; M], u: f32, hold: Hold) -> [f32; M] {
+        let trends = self.chain.input(memory, u, hold);
+        let (rows, direct) = match hold {
+            Hold::Zero => (&self.numerators.zero, 0.0),
+            Hold::First => (&self.numerators.first, u),
+        };
+        core::array::from_fn(|j| {
+            let mut sum = self.numerators.direct[j] * direct;
+            for i in 0..M {
+                sum += rows[j][i] * trends[i];
+            }
+            sum
+        })
+    }
+
+    fn lead(&self) -> Trends<M> {
+        self.chain.lead()
+    }
+
+    fn gain(&self, bandwidth: f32) -> f32 {
+        self.chain.gain(bandwidth)
+    }
+
+    fn filter_polynomial(&self) -> Option<[f32; M]> {
+        self.chain.filter_polynomial()
+    }
+
+    fn noise_gain(&self) -> NoiseGain<M> {
+        self.chain.noise_gain()
+    }
+
+    fn decay(&self) -> f32 {
+        self.chain.decay()
+    }
+
+    /// How far the model is from the one of the numerators, in powers of its largest rate.
+    fn inexact(&self, found: &[f32; M]) -> f32 {
+        let rate = largest_rate(found);
+        let mut far = 0.0_f32;
+        let mut power = 1.0;
+        for i in (0..M).rev() {
+            power *= rate;
+            far = far.max((found[i] - self.model[i]).abs() / power);
+        }
+        // Not a number is far.
+        if far < 1.0 { far } else { 1.0 }
+    }
+
+    fn continuous(&self, image: &[f32; M], integrators: usize) -> Option<Image<M>> {
+        let a = to_continuous(image, self.sample_time())?;
+        let numerator = self.numerator(&a, image, integrators);
+        numerator.is_finite().then_some(Image { a, numerator })
+    }
+
+    fn sampled(&self, a: &[f32; M], integrators: usize) -> Option<Image<M>> {
+        let image = to_gamma(a, self.sample_time())?;
+        let numerator = 1.0 / self.numerator(a, &image, integrators);
+        numerator.is_finite().then_some(Image {
+            a: image,
+            numerator,
+        })
+    }
+
+    fn warm_up(&self) -> u32 {
+        self.chain.warm_up()
+    }
+}

@@ -1,0 +1,273 @@
+//! Trends over a span: the linear integral filter, the approach the paper compares itself with.
+
+use crate::error::{ConfigError, positive};
+use crate::trends::{Hold, Scheme, TrendOperator, Trends};
+
+/// Trends over a span of `L` samples (linear integral filter, Sagara and Zhao 1990), recursive.
+///
+/// Both sides of (5) are multiplied by `((1-q^-L)/(1-q^-1))^m`, which turns every
+/// difference over one sample into one over L samples, and every mean into an
+/// integral over L samples:
+///
+/// ```text
+/// trend i of y = D^i S^(m-i) y         D = 1 - q^-L
+/// S = Delta/2 (1+q^-1) (1-q^-L)/(1-q^-1)        (Tustin; Goodwin: Delta q^-1 (1-q^-L)/(1-q^-1))
+/// trend i of u = D^i S^(m-1-i) S_u u,  S_u = Delta q^-1 (1-q^-L)/(1-q^-1) for a held input
+/// ```
+///
+/// It forgets everything older than m L samples, so no error of the start outlives
+/// that; its price is memory: about `4 m^2 L` bytes per signal. Best span: about
+/// 1.4/omega0 seconds. [`FilteredTrends`](crate::FilteredTrends) is more accurate under
+/// noise and needs m numbers.
+///
+/// # Examples
+/// ```
+/// use trendid::{IntegralTrends, Scheme, TrendOperator};
+/// let trends = IntegralTrends::<1, 4>::try_new(Scheme::Tustin, 0.5)?;
+/// let mut memory = trends.settled(0.0);
+/// let mut last = trends.output(&mut memory, 0.0);
+/// for k in 1..=8 {
+///     last = trends.output(&mut memory, k as f32);
+/// }
+/// assert_eq!(last.top, 4.0); // 8 - 4: the difference over four samples
+/// assert_eq!(last.lower, [12.0]); // the integral of the ramp from 4 to 8 over 2 s
+/// # Ok::<(), trendid::ConfigError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IntegralTrends<const M: usize, const L: usize> {
+    scheme: Scheme,
+    sample_time: f32,
+}
+
+/// What [`IntegralTrends`] remembers of one signal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Span<const M: usize, const L: usize> {
+    /// Ring j holds the signal integrated j times, M spans long.
+    rings: [[[f32; L]; M]; M],
+    /// The running sums, and the sums that replace them once per span so that rounding does not pile up.
+    sums: [f32; M],
+    fresh: [f32; M],
+    /// The value of each ring that the newest one has overwritten, M spans old.
+    oldest: [f32; M],
+    newest: usize,
+    age: usize,
+}
+
+impl<const M: usize, const L: usize> Span<M, L> {
+    const EMPTY: Self = Self {
+        rings: [[[0.0; L]; M]; M],
+        sums: [0.0; M],
+        fresh: [0.0; M],
+        oldest: [0.0; M],
+        newest: 0,
+        age: 0,
+    };
+
+    /// Value of ring `j`, `lag` samples before the newest.
+    #[inline(always)]
+    fn past(&self, j: usize, lag: usize) -> f32 {
+        let length = M * L;
+        if lag >= length {
+            return self.oldest.get(j).copied().unwrap_or(0.0);
+        }
+        let index = if self.newest >= lag {
+            self.newest - lag
+        } else {
+            (self.newest + length).saturating_sub(lag)
+        };
+        self.rings
+            .get(j)
+            .and_then(|ring| ring.as_flattened().get(index))
+            .copied()
+            .unwrap_or(0.0)
+    }
+
+    /// Moves every ring one sample on.
+    #[inline(always)]
+    fn advance(&mut self) {
+        self.newest = if self.newest + 1 < M * L {
+            self.newest + 1
+        } else {
+            0
+        };
+        self.age = if self.age + 1 < L { self.age + 1 } else { 0 };
+    }
+
+    /// Puts the newest value of ring `j`.
+    #[inline(always)]
+    fn put(&mut self, j: usize, value: f32) {
+        let newest = self.newest;
+        if let (Some(slot), Some(oldest)) = (
+            self.rings
+                .get_mut(j)
+                .and_then(|ring| ring.as_flattened_mut().get_mut(newest)),
+            self.oldest.get_mut(j),
+        ) {
+            *oldest = *slot;
+            *slot = value;
+        }
+    }
+
+    /// Sum of the last L values of ring j.
+    #[inline(always)]
+    fn slide(&mut self, j: usize, entering: f32, leaving: f32) -> f32 {
+        let (Some(sum), Some(fresh)) = (self.sums.get_mut(j), self.fresh.get_mut(j)) else {
+            return 0.0;
+        };
+        *sum += entering - leaving;
+        *fresh += entering;
+        if self.age == 0 {
+            *sum = *fresh;
+            *fresh = 0.0;
+        }
+        *sum
+    }
+}
+
+impl<const M: usize, const L: usize> IntegralTrends<M, L> {
+    /// Trends of order `M` over spans of `L` samples taken every `sample_time` seconds.
+    ///
+    /// # Errors
+    /// [`ConfigError::Order`], [`ConfigError::SampleTime`].
+    pub const fn try_new(scheme: Scheme, sample_time: f32) -> Result<Self, ConfigError> {
+        const { assert!(L > 1, "a span is at least two samples") };
+        if M == 0 || M > 4 {
+            return Err(ConfigError::Order(M));
+        }
+        if !positive(sample_time) {
+            return Err(ConfigError::SampleTime(sample_time));
+        }
+        Ok(Self {
+            scheme,
+            sample_time,
+        })
+    }
+
+    /// The integral over the last span of ring j, whose newest value has just been put.
+    #[inline(always)]
+    fn integrate(&self, memory: &mut Span<M, L>, j: usize, held: bool) -> f32 {
+        let (newest, leaving) = (memory.past(j, 0), memory.past(j, L));
+        let sum = memory.slide(j, newest, leaving);
+        // Forward rectangles leave out the newest value, trapezoids half of it.
+        let share = if held || matches!(self.scheme, Scheme::Goodwin) {
+            1.0
+        } else {
+            0.5
+        };
+        self.sample_time * (sum + share * (leaving - newest))
+    }
+
+    /// D^i of ring j: the alternating binomial sum over spans.
+    #[inline(always)]
+    fn difference(memory: &Span<M, L>, j: usize, i: usize, newest: f32) -> f32 {
+        let mut sum = newest;
+        let mut weight = 1.0;
+        for k in 1..=i {
+            weight *= -((i + 1 - k) as f32) / k as f32;
+            sum += weight * memory.past(j, k * L);
+        }
+        sum
+    }
+}
+
+impl<const M: usize, const L: usize> TrendOperator<M> for IntegralTrends<M, L> {
+    type Memory = Span<M, L>;
+    const EMPTY: Span<M, L> = Span::EMPTY;
+
+    fn sample_time(&self) -> f32 {
+        self.sample_time
+    }
+
+    fn settled(&self, value: f32) -> Span<M, L> {
+        let mut memory = Span::EMPTY;
+        if value == 0.0 {
+            return memory; // behind an integrator, where the first sample is the origin
+        }
+        for _ in 0..(M + 1) * L {
+            let _ = self.output(&mut memory, value);
+        }
+        memory
+    }
+
+    fn settled_input(&self, value: f32, hold: Hold) -> Span<M, L> {
+        let mut memory = Span::EMPTY;
+        if value == 0.0 {
+            return memory;
+        }
+        for _ in 0..(M + 1) * L {
+            let _ = self.input(&mut memory, value, hold);
+        }
+        memory
+    }
+
+    fn output(&self, memory: &mut Span<M, L>, y: f32) -> Trends<M> {
+        memory.advance();
+        let mut value = y;
+        let mut trends = Trends {
+            lower: [0.0; M],
+            top: 0.0,
+        };
+        for j in 0..M {
+            memory.put(j, value);
+            let trend = Self::difference(memory, j, M - j, value);
+            if j == 0 {
+                trends.top = trend;
+            } else {
+                trends.lower[M - j] = trend;
+            }
+            value = self.integrate(memory, j, false);
+        }
+        trends.lower[0] = value;
+        trends
+    }
+
+    fn movement(&self, memory: &mut Span<M, L>, y: f32, _before: f32) -> Trends<M> {
+        self.output(memory, y)
+    }
+
+    fn input(&self, memory: &mut Span<M, L>, u: f32, hold: Hold) -> [f32; M] {
+        if let (Hold::First, Scheme::Tustin) = (hold, self.scheme) {
+            return self.output(memory, u).lower;
+        }
+        memory.advance();
+        memory.put(0, u);
+        let mut lower = [0.0; M];
+        let mut value = self.integrate(memory, 0, true);
+        for j in 1..M {
+            memory.put(j, value);
+            lower[M - j] = Self::difference(memory, j, M - j, value);
+            value = self.integrate(memory, j, false);
+        }
+        lower[0] = value;
+        lower
+    }
+
+    fn lead(&self) -> Trends<M> {
+        let share = match self.scheme {
+            Scheme::Tustin => 0.5 * self.sample_time,
+            Scheme::Goodwin => 0.0,
+        };
+        let mut lower = [0.0; M];
+        let mut weight = 1.0;
+        for w in lower.iter_mut().rev() {
+            weight *= share;
+            *w = weight;
+        }
+        Trends { lower, top: 1.0 }
+    }
+
+    fn gain(&self, bandwidth: f32) -> f32 {
+        let span = bandwidth * self.sample_time * L as f32;
+        // A difference over a long span is at most twice the signal.
+        let each = if span < 1.5 { span } else { 1.5 };
+        let mut gain = 1.0;
+        for _ in 0..M {
+            gain *= each;
+        }
+        gain
+    }
+
+    fn warm_up(&self) -> u32 {
+        (M * L) as u32 + 1
+    }
+}
