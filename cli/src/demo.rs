@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use trendid_host_tests::scenario::Scenario;
+use trendid_host_tests::servo::scenario::Scenario;
 
 use crate::auto::Choice;
 use crate::demo_linear::{self, LinearArgs, NoiseArgs};

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 use trendid::{FilteredTrends, Hold, Outcome, Scheme, Terms};
-use trendid_host_tests::experiment::{Experiment, Record};
-use trendid_host_tests::noise::{Condition, Reading};
-use trendid_host_tests::reference::{REFERENCE, Servo};
+use trendid_host_tests::plants::servo::{REFERENCE, Servo};
+use trendid_host_tests::signals::experiment::{Experiment, Record};
+use trendid_host_tests::signals::noise::{Condition, Reading};
 use trendid_identify::{Filter, InputSetup, Recursion, Setup};
 
 use crate::auto::Choice;

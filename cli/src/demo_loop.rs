@@ -6,7 +6,9 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use trendid::State;
-use trendid_host_tests::scenario::{Figures, Instant, Options, Rig, Scenario, run as run_scenario};
+use trendid_host_tests::servo::scenario::{
+    Figures, Instant, Options, Rig, Scenario, run as run_scenario,
+};
 
 use crate::demo_figure::{self, Course, Row};
 use crate::format::{significant, table};

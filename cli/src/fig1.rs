@@ -7,8 +7,8 @@ use serde_json::json;
 use trendid::{
     Config, ConfigError, FilteredTrends, Identifier, RawTrends, Scheme, Structure, TrendOperator,
 };
-use trendid_host_tests::experiment::{Experiment, Record};
-use trendid_host_tests::noise::{Condition, Reading};
+use trendid_host_tests::signals::experiment::{Experiment, Record};
+use trendid_host_tests::signals::noise::{Condition, Reading};
 
 use crate::output::{self, Refusal};
 use crate::plot::{COLOURS, Curve, Figure, GREY, Panel};

@@ -1,6 +1,6 @@
 //! Free simulation of an identified model in f64, the judge of its fit.
 
-use trendid_host_tests::plant::{Input, LinearPlant};
+use trendid_host_tests::plants::linear::{Input, LinearPlant};
 
 use crate::symmetric::nearest;
 

@@ -8,13 +8,13 @@ use trendid::{
     Config, DeadZone, DelayBank, ExactTrends, FilteredTrends, Identifier, RawTrends, Scheme,
     Structure, TrendOperator,
 };
-use trendid_host_tests::excitation::Excitation;
-use trendid_host_tests::experiment::{Experiment, Record};
-use trendid_host_tests::montecarlo::{Filter, Method, Setting, trial};
-use trendid_host_tests::noise::{Additive, Condition, Reading};
-use trendid_host_tests::plant::{Input, LinearPlant};
-use trendid_host_tests::reference::{REFERENCE, Servo};
-use trendid_host_tests::rounds::settling;
+use trendid_host_tests::paper::iterations::settling;
+use trendid_host_tests::paper::trial::{Filter, Method, Setting, trial};
+use trendid_host_tests::plants::linear::{Input, LinearPlant};
+use trendid_host_tests::plants::servo::{REFERENCE, Servo};
+use trendid_host_tests::signals::excitation::Excitation;
+use trendid_host_tests::signals::experiment::{Experiment, Record};
+use trendid_host_tests::signals::noise::{Additive, Condition, Reading};
 
 use crate::options::Cost;
 

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use serde_json::{Value, json};
-use trendid_host_tests::scenario::{Figures, Options, Scenario, run_beside};
+use trendid_host_tests::servo::scenario::{Figures, Options, Scenario, run_beside};
 use trendid_link::Counters;
 
 use crate::output::{self, Refusal};

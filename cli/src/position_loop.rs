@@ -4,7 +4,7 @@ use clap::Args;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use trendid_host_tests::scenario::{Figures, Options, Scenario, run as run_scenario};
+use trendid_host_tests::servo::scenario::{Figures, Options, Scenario, run as run_scenario};
 
 use crate::demo_loop::{COLUMNS, Column, json_of};
 use crate::format::significant;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::json;
-use trendid_host_tests::reference::REFERENCE;
+use trendid_host_tests::plants::servo::REFERENCE;
 
 use crate::demo_linear::{NoiseArgs, truth_lines};
 use crate::output::{Refusal, emit, emit_json, number};

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use trendid_host_tests::montecarlo::{Filter, Method, Setting, Trial, trial};
-use trendid_host_tests::noise::Reading;
-use trendid_host_tests::table_run::{COLUMNS, Line, summary};
+use trendid_host_tests::paper::statistics::{COLUMNS, Line, summary};
+use trendid_host_tests::paper::trial::{Filter, Method, Setting, Trial, trial};
+use trendid_host_tests::signals::noise::Reading;
 
 use crate::output::{self, Refusal};
 use crate::{table1_picture as picture, table1_text as text};

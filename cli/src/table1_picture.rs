@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use trendid_host_tests::montecarlo::Method;
-use trendid_host_tests::noise::Reading;
-use trendid_host_tests::table_run::Line;
+use trendid_host_tests::paper::statistics::Line;
+use trendid_host_tests::paper::trial::Method;
+use trendid_host_tests::signals::noise::Reading;
 
 use crate::plot::{COLOURS, Drawing, GREY, font, px, save as save_drawing};
 use crate::table1::Table1Args;

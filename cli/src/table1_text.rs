@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use trendid::Scheme;
-use trendid_host_tests::montecarlo::{Filter, Method};
-use trendid_host_tests::noise::Reading;
-use trendid_host_tests::table_run::Line;
+use trendid_host_tests::paper::statistics::Line;
+use trendid_host_tests::paper::trial::{Filter, Method};
+use trendid_host_tests::signals::noise::Reading;
 
 use crate::format::{significant, table};
 use crate::table1::Table1Args;

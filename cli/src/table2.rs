@@ -5,10 +5,10 @@ use rayon::prelude::*;
 use trendid::{
     ConfigError, FilteredTrends, Hold, OutputEvaluation, RawTrends, Scheme, Terms, TransferFunction,
 };
-use trendid_host_tests::experiment::{Experiment, Record};
-use trendid_host_tests::noise::{Condition, Reading};
-use trendid_host_tests::plant::LinearPlant;
-use trendid_host_tests::table_run::quantile;
+use trendid_host_tests::paper::statistics::quantile;
+use trendid_host_tests::plants::linear::LinearPlant;
+use trendid_host_tests::signals::experiment::{Experiment, Record};
+use trendid_host_tests::signals::noise::{Condition, Reading};
 use trendid_identify::{Filter, InputSetup, Recursion, Setup};
 
 use crate::output::{self, Refusal};

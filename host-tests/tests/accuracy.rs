@@ -5,12 +5,12 @@ mod common;
 use common::{core_scheme, recursion, rounded, rows};
 use proptest::prelude::*;
 use trendid::{Config, FilteredTrends, Identifier, RawTrends, TrendOperator};
-use trendid_host_tests::experiment::{Experiment, Record};
-use trendid_host_tests::noise::Condition;
-use trendid_host_tests::oracle::{Structure, least_squares, recursive_equivalent};
-use trendid_host_tests::polynomial::{delayed, moving_sum, power, scaled};
-use trendid_host_tests::reference::{REFERENCE, Servo};
-use trendid_host_tests::trends::{Hold, Scheme, input_trend, output_trend};
+use trendid_host_tests::oracles::least_squares::{Structure, least_squares, recursive_equivalent};
+use trendid_host_tests::oracles::trends::{Hold, Scheme, input_trend, output_trend};
+use trendid_host_tests::plants::polynomial::{delayed, moving_sum, power, scaled};
+use trendid_host_tests::plants::servo::{REFERENCE, Servo};
+use trendid_host_tests::signals::experiment::{Experiment, Record};
+use trendid_host_tests::signals::noise::Condition;
 
 /// Relative errors of C, omega0 and xi in percent after the whole record.
 fn errors<T: TrendOperator<3>>(trends: T, record: &Record) -> [f64; 3] {

@@ -4,14 +4,14 @@ mod common;
 
 use common::{core_scheme, design_units, recursion, rounded, rows};
 use trendid::{Config, FilteredTrends, Identifier, RawTrends, Structure, Terms, TrendOperator};
-use trendid_host_tests::excitation::Excitation;
-use trendid_host_tests::experiment::Experiment;
-use trendid_host_tests::noise::{Condition, Stream, generator};
-use trendid_host_tests::oracle::{self, InputTerms, recursive_equivalent};
-use trendid_host_tests::plant::{Input, LinearPlant};
-use trendid_host_tests::trends::{
+use trendid_host_tests::oracles::least_squares::{self, InputTerms, recursive_equivalent};
+use trendid_host_tests::oracles::trends::{
     Hold, Scheme, applied, chain_held, chain_output, filter_denominator, input_trend, output_trend,
 };
+use trendid_host_tests::plants::linear::{Input, LinearPlant};
+use trendid_host_tests::signals::excitation::Excitation;
+use trendid_host_tests::signals::experiment::Experiment;
+use trendid_host_tests::signals::noise::{Condition, Stream, generator};
 
 use rand::RngExt;
 
@@ -81,7 +81,7 @@ fn gap<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
         .map(|f| f.iter().map(|c| f64::from(*c)).chain([1.0]).collect());
     let model = &config.structure;
     let powers = |terms: Terms| (0..M).filter(|i| terms.contains(*i)).collect();
-    let structure = oracle::Structure {
+    let structure = least_squares::Structure {
         m: M,
         a: powers(model.output()),
         inputs: (0..I)

@@ -1,9 +1,9 @@
 //! The Cramer-Rao bound against figures obtained by another program for the same experiments.
 
-use trendid_host_tests::bound::{InitialState, servo_bound_pct};
-use trendid_host_tests::experiment::Experiment;
-use trendid_host_tests::noise::{Condition, rms_about_mean};
-use trendid_host_tests::reference::REFERENCE;
+use trendid_host_tests::oracles::cramer_rao::{InitialState, servo_bound_pct};
+use trendid_host_tests::plants::servo::REFERENCE;
+use trendid_host_tests::signals::experiment::Experiment;
+use trendid_host_tests::signals::noise::{Condition, rms_about_mean};
 
 /// Root mean square of the bound over the binary sequences of 100 seeds.
 fn bound(ns_pct: f64, duration_s: f64, initial: InitialState) -> [f64; 3] {

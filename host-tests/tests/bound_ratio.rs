@@ -1,10 +1,10 @@
 //! White noise in the RELATIVE reading, against the Cramer-Rao bound, and the coverage of the reported sigma.
 
 use trendid::{Config, FilteredTrends, Identifier, Scheme, Structure};
-use trendid_host_tests::bound::{InitialState, servo_bound_pct};
-use trendid_host_tests::experiment::Experiment;
-use trendid_host_tests::noise::{Condition, rms};
-use trendid_host_tests::reference::{REFERENCE, Servo};
+use trendid_host_tests::oracles::cramer_rao::{InitialState, servo_bound_pct};
+use trendid_host_tests::plants::servo::{REFERENCE, Servo};
+use trendid_host_tests::signals::experiment::Experiment;
+use trendid_host_tests::signals::noise::{Condition, rms};
 
 #[test]
 fn white_rows_stay_near_the_bound_and_sigma_covers() {

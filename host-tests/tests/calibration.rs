@@ -1,9 +1,9 @@
 //! Whether the reported standard deviations tell the truth: how often the true value lies within 1 and 3 of them.
 
 use trendid::{Config, FilteredTrends, Identifier, NoiseLevel, Scheme, Structure, TrendOperator};
-use trendid_host_tests::experiment::{Experiment, Record};
-use trendid_host_tests::noise::Condition;
-use trendid_host_tests::rounds::own_numerators;
+use trendid_host_tests::paper::iterations::own_numerators;
+use trendid_host_tests::signals::experiment::{Experiment, Record};
+use trendid_host_tests::signals::noise::Condition;
 
 /// a1, a2, b0, C, omega0, xi of the reference servo.
 const TRUTH: [f64; 6] = [400.0, 20.0, 1e6, 2500.0, 20.0, 0.5];

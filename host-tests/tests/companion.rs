@@ -2,11 +2,11 @@
 
 use trendid::hardware::{Axis, Scale};
 use trendid::{Reason, Report, ServoLoop, State};
-use trendid_host_tests::companion::{Companion, Request};
-use trendid_host_tests::scenario::{
+use trendid_host_tests::servo::scenario::{
     Figures, Options, RESOLUTION_MM, Rig, Scenario, SimulatedSensor, SimulatedValve, loop_config,
     run, run_beside,
 };
+use trendid_host_tests::servo::shadow::{Companion, Request};
 
 const OPTIONS: Options = Options {
     fixed: false,

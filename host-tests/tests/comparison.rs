@@ -2,15 +2,15 @@
 //!
 //! `cargo test -p trendid-host-tests --test comparison -- --nocapture` prints the table. Signal: position about its mean.
 
-use trendid_host_tests::bound::{Coefficient, InitialState, servo_bound_pct};
-use trendid_host_tests::ekf::{ExtendedKalman, Prior};
-use trendid_host_tests::experiment::{Experiment, Record};
-use trendid_host_tests::noise::{Condition, rms};
-use trendid_host_tests::oracle::{Regression, Structure, least_squares};
-use trendid_host_tests::output_error::output_error;
-use trendid_host_tests::polynomial::monic;
-use trendid_host_tests::reference::{REFERENCE, Servo};
-use trendid_host_tests::trends::Scheme;
+use trendid_host_tests::oracles::cramer_rao::{Coefficient, InitialState, servo_bound_pct};
+use trendid_host_tests::oracles::ekf::{ExtendedKalman, Prior};
+use trendid_host_tests::oracles::least_squares::{Regression, Structure, least_squares};
+use trendid_host_tests::oracles::output_error::output_error;
+use trendid_host_tests::oracles::trends::Scheme;
+use trendid_host_tests::plants::polynomial::monic;
+use trendid_host_tests::plants::servo::{REFERENCE, Servo};
+use trendid_host_tests::signals::experiment::{Experiment, Record};
+use trendid_host_tests::signals::noise::{Condition, rms};
 
 const SEEDS: std::ops::Range<u64> = 5000..5100;
 

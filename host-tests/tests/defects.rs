@@ -1,12 +1,14 @@
 //! What defects of valve and delay do to batch least squares of filtered trends, and which inputs cure them.
 
-use trendid_host_tests::experiment::{Experiment, Record};
-use trendid_host_tests::noise::Condition;
-use trendid_host_tests::oracle::{InputTerms, Regression, Structure, least_squares};
-use trendid_host_tests::plant::{Input, LinearPlant};
-use trendid_host_tests::polynomial::monic;
-use trendid_host_tests::reference::{REFERENCE, Servo};
-use trendid_host_tests::trends::Scheme;
+use trendid_host_tests::oracles::least_squares::{
+    InputTerms, Regression, Structure, least_squares,
+};
+use trendid_host_tests::oracles::trends::Scheme;
+use trendid_host_tests::plants::linear::{Input, LinearPlant};
+use trendid_host_tests::plants::polynomial::monic;
+use trendid_host_tests::plants::servo::{REFERENCE, Servo};
+use trendid_host_tests::signals::experiment::{Experiment, Record};
+use trendid_host_tests::signals::noise::Condition;
 
 /// Parameters `a1, a2`, one `b0` per input, and the constant when there is one.
 fn parameters(record: &Record, u: &[&[f64]], delay: usize, constant: bool) -> Vec<f64> {

@@ -3,10 +3,10 @@
 use trendid::{
     Config, ConfigError, DelayBank, FilteredTrends, Outcome, Refusal, Scheme, Structure,
 };
-use trendid_host_tests::experiment::Experiment;
-use trendid_host_tests::noise::Condition;
-use trendid_host_tests::plant::{Input, LinearPlant};
-use trendid_host_tests::reference::REFERENCE;
+use trendid_host_tests::plants::linear::{Input, LinearPlant};
+use trendid_host_tests::plants::servo::REFERENCE;
+use trendid_host_tests::signals::experiment::Experiment;
+use trendid_host_tests::signals::noise::Condition;
 
 type Bank = DelayBank<FilteredTrends<3>, 3, 5, 1, 7, 8>;
 

@@ -1,10 +1,10 @@
 //! What any unbiased estimate can reach in the drift rows of RELATIVE, the colour of the drift known.
 
-use trendid_host_tests::bound::{Coefficient, Sensitivity, servo_deviation_pct};
-use trendid_host_tests::experiment::Experiment;
-use trendid_host_tests::montecarlo::Setting;
-use trendid_host_tests::noise::{Reading, rms};
-use trendid_host_tests::reference::REFERENCE;
+use trendid_host_tests::oracles::cramer_rao::{Coefficient, Sensitivity, servo_deviation_pct};
+use trendid_host_tests::paper::trial::Setting;
+use trendid_host_tests::plants::servo::REFERENCE;
+use trendid_host_tests::signals::experiment::Experiment;
+use trendid_host_tests::signals::noise::{Reading, rms};
 
 /// Bound of C, omega0, xi \[%\] over 3 s for Gaussian noise with the spectrum of the drift, rms over 100 records.
 ///

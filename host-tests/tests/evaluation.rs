@@ -7,10 +7,10 @@ use trendid::{
     Config, Identifier, OutputEvaluation, RawTrends, Scheme as CoreScheme, Structure,
     TransferFunction,
 };
-use trendid_host_tests::experiment::Experiment;
-use trendid_host_tests::noise::Condition;
-use trendid_host_tests::oracle::{self, InputTerms, evaluated_output};
-use trendid_host_tests::trends::{Hold, Scheme};
+use trendid_host_tests::oracles::least_squares::{self, InputTerms, evaluated_output};
+use trendid_host_tests::oracles::trends::{Hold, Scheme};
+use trendid_host_tests::signals::experiment::Experiment;
+use trendid_host_tests::signals::noise::Condition;
 
 const DT: f32 = 0.001;
 
@@ -36,7 +36,7 @@ fn distances(
             Some(y - f64::from(error))
         })
         .collect();
-    let structure = oracle::Structure {
+    let structure = least_squares::Structure {
         m: 3,
         a: vec![0, 1, 2],
         inputs: vec![InputTerms {

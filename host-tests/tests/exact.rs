@@ -6,8 +6,8 @@ use rand_chacha::ChaCha8Rng;
 use trendid::{
     Config, ExactTrends, FilteredTrends, Hold, Identifier, Scheme, Structure, Terms, TrendOperator,
 };
-use trendid_host_tests::plant::{Input, LinearPlant};
-use trendid_host_tests::polynomial::product;
+use trendid_host_tests::plants::linear::{Input, LinearPlant};
+use trendid_host_tests::plants::polynomial::product;
 
 /// A plant `B(s)/A(s)` and how it is sampled.
 struct Case {

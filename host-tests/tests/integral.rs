@@ -1,9 +1,9 @@
 //! Trends over a span: exact against the definition, and on the reference servo.
 
 use trendid::{Config, Hold, Identifier, IntegralTrends, Scheme, Structure, TrendOperator};
-use trendid_host_tests::experiment::Experiment;
-use trendid_host_tests::noise::Condition;
-use trendid_host_tests::reference::{REFERENCE, Servo};
+use trendid_host_tests::plants::servo::{REFERENCE, Servo};
+use trendid_host_tests::signals::experiment::Experiment;
+use trendid_host_tests::signals::noise::Condition;
 
 /// `((1-q^-L)/(1-q^-1))^m` applied to the raw trends in f64 is what the operator gives, up to the factor of the raw ones.
 fn against_the_definition<const M: usize>(scheme: Scheme) {

@@ -1,14 +1,16 @@
 //! What the trends give on a noise-free record, and that the two ways to a filtered trend are one.
 
-use trendid_host_tests::excitation::Excitation;
-use trendid_host_tests::experiment::{Experiment, Record};
-use trendid_host_tests::noise::Condition;
-use trendid_host_tests::oracle::{Regression, Structure, evaluated_output, least_squares};
-use trendid_host_tests::polynomial::monic;
-use trendid_host_tests::reference::{REFERENCE, Servo};
-use trendid_host_tests::trends::{
+use trendid_host_tests::oracles::least_squares::{
+    Regression, Structure, evaluated_output, least_squares,
+};
+use trendid_host_tests::oracles::trends::{
     Hold, Scheme, applied, chain_held, chain_output, input_trend, output_trend,
 };
+use trendid_host_tests::plants::polynomial::monic;
+use trendid_host_tests::plants::servo::{REFERENCE, Servo};
+use trendid_host_tests::signals::excitation::Excitation;
+use trendid_host_tests::signals::experiment::{Experiment, Record};
+use trendid_host_tests::signals::noise::Condition;
 
 /// Errors of C, w0, xi \[%\] of batch least squares.
 fn errors(record: &Record, scheme: Scheme, f: Option<&[f64]>) -> [f64; 3] {

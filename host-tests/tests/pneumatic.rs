@@ -1,7 +1,7 @@
 //! The pneumatic axis: convergence, rest, end stops, sensor and faults.
 
-use trendid_host_tests::excitation::Excitation;
-use trendid_host_tests::pneumatic::{Axis, AxisParameters, Fault};
+use trendid_host_tests::plants::pneumatic::{Axis, AxisParameters, Fault};
+use trendid_host_tests::signals::excitation::Excitation;
 
 const SERVO: AxisParameters = AxisParameters::SERVO;
 

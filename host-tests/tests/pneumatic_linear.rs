@@ -1,10 +1,12 @@
 //! The linear model of the pneumatic axis against identifications by the f64 oracle.
 
-use trendid_host_tests::excitation::Excitation;
-use trendid_host_tests::oracle::{InputTerms, Regression, Structure, least_squares};
-use trendid_host_tests::pneumatic::{Axis, AxisParameters, Friction};
-use trendid_host_tests::polynomial::monic;
-use trendid_host_tests::trends::{Hold, Scheme};
+use trendid_host_tests::oracles::least_squares::{
+    InputTerms, Regression, Structure, least_squares,
+};
+use trendid_host_tests::oracles::trends::{Hold, Scheme};
+use trendid_host_tests::plants::pneumatic::{Axis, AxisParameters, Friction};
+use trendid_host_tests::plants::polynomial::monic;
+use trendid_host_tests::signals::excitation::Excitation;
 
 const SERVO: AxisParameters = AxisParameters::SERVO;
 

@@ -2,9 +2,9 @@
 
 use rand::RngExt;
 use trendid::{Config, FilteredTrends, Identifier, Scheme, Structure};
-use trendid_host_tests::excitation::Excitation;
-use trendid_host_tests::noise::{Stream, generator};
-use trendid_host_tests::reference::{REFERENCE, Servo};
+use trendid_host_tests::plants::servo::{REFERENCE, Servo};
+use trendid_host_tests::signals::excitation::Excitation;
+use trendid_host_tests::signals::noise::{Stream, generator};
 
 const DT: f64 = 0.001;
 

@@ -1,10 +1,10 @@
 //! Filter poles from the estimate: a rough bandwidth three times off is mended on the way.
 
 use trendid::{Config, Estimator, FilteredTrends, Identifier, Scheme, Structure};
-use trendid_host_tests::experiment::Experiment;
-use trendid_host_tests::noise::{Condition, rms};
-use trendid_host_tests::reference::{REFERENCE, Servo};
-use trendid_host_tests::rounds::settling;
+use trendid_host_tests::paper::iterations::settling;
+use trendid_host_tests::plants::servo::{REFERENCE, Servo};
+use trendid_host_tests::signals::experiment::Experiment;
+use trendid_host_tests::signals::noise::{Condition, rms};
 
 fn found(theta: [f32; 5]) -> Option<Servo> {
     let [a1, a2, b0, ..] = theta.map(f64::from);

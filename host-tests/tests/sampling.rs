@@ -1,11 +1,11 @@
 //! Sampling every 5 ms instead of every millisecond: what the default loses of the damping, and the exact hold does not.
 
 use trendid::{Config, Scheme, Structure};
-use trendid_host_tests::experiment::Experiment;
-use trendid_host_tests::montecarlo::{Filter, Method, Setting, trial};
-use trendid_host_tests::noise::{Condition, Reading};
-use trendid_host_tests::reference::{REFERENCE, Servo};
-use trendid_host_tests::rounds::own_numerators;
+use trendid_host_tests::paper::iterations::own_numerators;
+use trendid_host_tests::paper::trial::{Filter, Method, Setting, trial};
+use trendid_host_tests::plants::servo::{REFERENCE, Servo};
+use trendid_host_tests::signals::experiment::Experiment;
+use trendid_host_tests::signals::noise::{Condition, Reading};
 
 /// Seeds that chose nothing.
 const SEEDS: std::ops::Range<u64> = 920_000..920_100;

@@ -7,10 +7,10 @@ use trendid::{
     Controller, ControllerConfig, LoopConfig, Motion, Report, ServoError, ServoLoop, ServoModel,
     Setpoint, Travel,
 };
-use trendid_host_tests::companion::{Companion, Request};
-use trendid_host_tests::scenario::{
+use trendid_host_tests::servo::scenario::{
     Options, Rig, Scenario, SimulatedSensor, SimulatedValve, TRAVEL, run, run_beside,
 };
+use trendid_host_tests::servo::shadow::{Companion, Request};
 
 #[test]
 fn the_command_keeps_range_and_rate_in_a_million_wild_samples() {

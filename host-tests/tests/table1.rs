@@ -4,9 +4,9 @@
 //! chose the filter (below 60000) and from the table's own (100000).
 
 use trendid::Scheme;
-use trendid_host_tests::montecarlo::{Filter, Method, Setting, trial};
-use trendid_host_tests::noise::Reading;
-use trendid_host_tests::table_run::{Line, summary};
+use trendid_host_tests::paper::statistics::{Line, summary};
+use trendid_host_tests::paper::trial::{Filter, Method, Setting, trial};
+use trendid_host_tests::signals::noise::Reading;
 
 const FIRST: u64 = 200_000;
 

@@ -4,9 +4,9 @@ use proptest::prelude::*;
 use trendid::{
     Config, FilteredTrends, Identifier, Physical, Pole, Scheme, Structure, TransferFunction,
 };
-use trendid_host_tests::experiment::Experiment;
-use trendid_host_tests::noise::Condition;
-use trendid_host_tests::polynomial::product;
+use trendid_host_tests::plants::polynomial::product;
+use trendid_host_tests::signals::experiment::Experiment;
+use trendid_host_tests::signals::noise::Condition;
 
 /// A real root or a pair, in rad/s.
 #[derive(Clone, Copy, Debug, PartialEq)]

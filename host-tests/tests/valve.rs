@@ -4,11 +4,11 @@ use trendid::{
     Config, DeadZone, FilteredTrends, Identifier, Scheme, Structure, Terms, asymmetric, coulomb,
     dead_zone,
 };
-use trendid_host_tests::excitation::Excitation;
-use trendid_host_tests::experiment::{Experiment, Record};
-use trendid_host_tests::noise::{Condition, Stream, generator};
-use trendid_host_tests::nonlinear::FrictionDrive;
-use trendid_host_tests::reference::{REFERENCE, Servo};
+use trendid_host_tests::plants::servo::{REFERENCE, Servo};
+use trendid_host_tests::plants::valve::FrictionDrive;
+use trendid_host_tests::signals::excitation::Excitation;
+use trendid_host_tests::signals::experiment::{Experiment, Record};
+use trendid_host_tests::signals::noise::{Condition, Stream, generator};
 
 use rand::RngExt;
 

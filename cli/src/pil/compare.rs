@@ -2,8 +2,8 @@
 
 use indicatif::ProgressBar;
 use trendid::Report;
-use trendid_host_tests::companion::{Companion, Request};
-use trendid_host_tests::scenario::{RESOLUTION_MM, ROUGH_BANDWIDTH, Rig, TRAVEL};
+use trendid_host_tests::servo::scenario::{RESOLUTION_MM, ROUGH_BANDWIDTH, Rig, TRAVEL};
+use trendid_host_tests::servo::shadow::{Companion, Request};
 use trendid_link::{
     Counters, Exchange, ExchangeError, FIELDS, Reply, Request as Asked, Sample, Setup,
 };

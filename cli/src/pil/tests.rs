@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Write};
 
 use clap::Parser;
-use trendid_host_tests::scenario::{Figures, Options, Scenario, run_beside};
+use trendid_host_tests::servo::scenario::{Figures, Options, Scenario, run_beside};
 use trendid_link::{Controller, FIELDS, Incoming, Responder};
 
 use super::PilArgs;

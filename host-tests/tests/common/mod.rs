@@ -4,9 +4,9 @@
 
 use nalgebra::{DMatrix, DVector};
 use trendid::{Column, Config, Identifier, TrendOperator};
-use trendid_host_tests::oracle::Structure;
-use trendid_host_tests::polynomial::delayed;
-use trendid_host_tests::trends::{Hold, Scheme, applied, input_trend, output_trend};
+use trendid_host_tests::oracles::least_squares::Structure;
+use trendid_host_tests::oracles::trends::{Hold, Scheme, applied, input_trend, output_trend};
+use trendid_host_tests::plants::polynomial::delayed;
 
 /// The core's name of a scheme.
 pub fn core_scheme(scheme: Scheme) -> trendid::Scheme {

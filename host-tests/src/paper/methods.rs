@@ -2,8 +2,8 @@
 
 use trendid::Scheme;
 
-use crate::noise::{Condition, Reading};
-use crate::table1::{Printed, TABLE1, Varied};
+use crate::paper::table1::{Printed, TABLE1, Varied};
+use crate::signals::noise::{Condition, Reading};
 
 /// One condition of the table in one reading, with the paper's figures for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -141,9 +141,9 @@ pub enum Method {
         /// Whether the noise bias is taken out at the read-out, as the core does; otherwise bare least squares.
         compensated: bool,
     },
-    /// [`ExtendedKalman`](crate::ekf::ExtendedKalman) that knows the noise level.
+    /// [`ExtendedKalman`](crate::oracles::ekf::ExtendedKalman) that knows the noise level.
     Kalman,
-    /// [`output_error`](crate::output_error::output_error) over the whole record, started 20 % off.
+    /// [`output_error`](crate::oracles::output_error::output_error) over the whole record, started 20 % off.
     OutputError,
 }
 

@@ -2,11 +2,11 @@
 //!
 //! Positions are in mm (the widths of [`Condition`] are in um and converted), commands in units, time in s.
 
-use crate::excitation::{Controller, Excitation};
-use crate::noise::{Additive, Condition, Reading, quantised};
-use crate::nonlinear::Valve;
-use crate::plant::LinearPlant;
-use crate::reference::REFERENCE;
+use crate::plants::linear::LinearPlant;
+use crate::plants::servo::REFERENCE;
+use crate::plants::valve::Valve;
+use crate::signals::excitation::{Controller, Excitation};
+use crate::signals::noise::{Additive, Condition, Reading, quantised};
 
 /// What there is at one instant: `y` is sampled, then `u` is held until the next.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,9 +2,9 @@
 
 use trendid::Scheme;
 
-use crate::montecarlo::{Method, Run, Setting, Trial};
-use crate::noise::Reading;
-use crate::table1::Printed;
+use crate::paper::table1::Printed;
+use crate::paper::trial::{Method, Run, Setting, Trial};
+use crate::signals::noise::Reading;
 
 /// The columns of the file.
 pub const COLUMNS: &str = "vary,w_um,eta_um,eps_um,dt_ms,reading,scheme,filter,estimator,duration_s,seeds,ns_pct,rms_c_pct,rms_omega0_pct,rms_xi_pct,med_c_pct,med_omega0_pct,med_xi_pct,bound_c_pct,bound_omega0_pct,bound_xi_pct,paper_c_pct,paper_omega0_pct,paper_xi_pct,conv,tss_med_ms,tss_p95_ms,diverged";

@@ -4,7 +4,9 @@
 //! of order `m`, the filtered trend `F R_i` is exactly `z^i / A_f(z)`, where `z` is the scheme's derivative: a chain of `m`
 //! discrete integrators, see [`chain_output`] and [`chain_held`].
 
-use crate::polynomial::{delayed, difference_equation, moving_sum, power, product, scaled, sum};
+use crate::plants::polynomial::{
+    delayed, difference_equation, moving_sum, power, product, scaled, sum,
+};
 
 /// Scheme of discretisation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use rand::RngExt;
 
-use crate::noise::{Stream, generator};
+use crate::signals::noise::{Stream, generator};
 
 /// Feedback taps of primitive polynomials for registers of 3 to 16 bits (Xilinx application note XAPP052, table 3).
 const TAPS: [&[u32]; 14] = [
@@ -313,7 +313,7 @@ mod tests {
 
     #[test]
     fn controller_brings_the_servo_to_its_reference() {
-        let mut plant = crate::reference::REFERENCE.plant(1e-3);
+        let mut plant = crate::plants::servo::REFERENCE.plant(1e-3);
         let mut controller = Controller::SERVO;
         for _ in 0..4000 {
             let u = controller.command(50.0, plant.output(), 1e-3);

@@ -9,9 +9,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::exponential::{companion, discretise};
-use crate::plant::{Input, LinearPlant};
-use crate::reference::Servo;
+use crate::plants::exponential::{companion_matrix, discretise};
+use crate::plants::linear::{Input, LinearPlant};
+use crate::plants::servo::Servo;
 
 /// A free coefficient of a plant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -59,7 +59,7 @@ impl Sensitivity {
         assert!(u.iter().all(|s| s.len() == n), "sequences of one length");
         assert_eq!(initial.len(), m, "one initial derivative per order");
         let columns = inputs.len() + 1;
-        let full = companion(a);
+        let full = companion_matrix(a);
         let mut drive = DMatrix::zeros(m, columns);
         for (j, Input { b, .. }) in inputs.iter().enumerate() {
             for (i, &b) in b.iter().enumerate() {
@@ -230,8 +230,8 @@ pub fn servo_deviation_pct(servo: &Servo, covariance: &DMatrix<f64>) -> [f64; 3]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::Excitation;
-    use crate::reference::REFERENCE;
+    use crate::plants::servo::REFERENCE;
+    use crate::signals::excitation::Excitation;
 
     #[test]
     fn sensitivities_agree_with_central_differences() {

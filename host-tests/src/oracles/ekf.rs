@@ -6,7 +6,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::reference::Servo;
+use crate::plants::servo::Servo;
 
 type Joint = SMatrix<f64, 6, 6>;
 /// Columns: state, its derivatives by the initial state, its derivatives by the logarithms.
@@ -161,9 +161,9 @@ impl ExtendedKalman {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::Experiment;
-    use crate::noise::Condition;
-    use crate::reference::REFERENCE;
+    use crate::plants::servo::REFERENCE;
+    use crate::signals::experiment::Experiment;
+    use crate::signals::noise::Condition;
 
     #[test]
     fn propagation_is_that_of_the_exact_plant() {
@@ -232,7 +232,7 @@ mod tests {
     #[test]
     fn finds_the_servo_under_mild_noise() {
         let record = Experiment::reference(Condition::white_relative(1.2), 1.0).record(4);
-        let sigma = crate::noise::rms(&record.noise());
+        let sigma = crate::signals::noise::rms(&record.noise());
         let mut filter = ExtendedKalman::new(&Prior::tuned(sigma), sigma, record.dt);
         for s in record.samples() {
             filter.update(s.u, s.y);

@@ -15,7 +15,7 @@
 //! | `linear` | C, omega0, xi over the position, for checking an identification |
 //!
 //! ```
-//! use trendid_host_tests::pneumatic::{Axis, AxisParameters};
+//! use trendid_host_tests::plants::pneumatic::{Axis, AxisParameters};
 //!
 //! let mut axis = Axis::new(&AxisParameters::SERVO, 1);
 //! let start = axis.measure();

@@ -1,20 +1,20 @@
 //! One record of Table 1 through every method: the core with each trend filter, and the opponents.
 //!
 //! A *trial* is one seed of one setting. All methods see the same record, and the bound is that of this record. What the
-//! trials of many seeds give together is in [`crate::table_run`].
+//! trials of many seeds give together is in [`crate::paper::statistics`].
 
 use trendid::{
     Config, ConfigError, ExactTrends, FilteredTrends, Identifier, IntegralTrends, RawTrends,
     Scheme, Structure, TrendOperator,
 };
 
-use crate::bound::{Coefficient, InitialState, servo_bound_pct};
-use crate::ekf::{ExtendedKalman, Prior};
-use crate::experiment::{Experiment, Record, Sample};
-pub use crate::methods::{Filter, Method, Setting};
-use crate::noise::{rms, rms_about_mean};
-use crate::output_error::output_error;
-use crate::reference::{REFERENCE, Servo};
+use crate::oracles::cramer_rao::{Coefficient, InitialState, servo_bound_pct};
+use crate::oracles::ekf::{ExtendedKalman, Prior};
+use crate::oracles::output_error::output_error;
+pub use crate::paper::methods::{Filter, Method, Setting};
+use crate::plants::servo::{REFERENCE, Servo};
+use crate::signals::experiment::{Experiment, Record, Sample};
+use crate::signals::noise::{rms, rms_about_mean};
 
 /// What one method made of one record.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -299,7 +299,7 @@ fn offline(record: &Record) -> Run {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::{Condition, Reading};
+    use crate::signals::noise::{Condition, Reading};
 
     #[test]
     fn settling_begins_after_the_last_excursion() {

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 /// Observer-form system matrix of the monic denominator `a`.
-pub(crate) fn companion(a: &[f64]) -> DMatrix<f64> {
+pub(crate) fn companion_matrix(a: &[f64]) -> DMatrix<f64> {
     let m = a.len();
     let mut full = DMatrix::zeros(m, m);
     for i in 0..m {
@@ -113,7 +113,7 @@ mod tests {
     #[test]
     fn badly_scaled_matrices_lose_no_digits() {
         // Companion of (s + 1000)^2 by columns: exp(A t) = e^(-1000 t) (I + (A + 1000 I) t).
-        let a = companion(&[1e6, 2e3]);
+        let a = companion_matrix(&[1e6, 2e3]);
         let t = 0.01;
         let shifted = &a + DMatrix::identity(2, 2) * 1e3;
         let want = (DMatrix::identity(2, 2) + shifted * t) * (-1e3 * t).exp();

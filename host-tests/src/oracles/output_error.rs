@@ -6,8 +6,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::bound::{Coefficient, Sensitivity};
-use crate::plant::{Input, LinearPlant};
+use crate::oracles::cramer_rao::{Coefficient, Sensitivity};
+use crate::plants::linear::{Input, LinearPlant};
 
 /// Result of an output-error fit.
 #[derive(Clone, Debug)]
@@ -148,9 +148,9 @@ pub fn output_error(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::Experiment;
-    use crate::noise::Condition;
-    use crate::reference::Servo;
+    use crate::plants::servo::Servo;
+    use crate::signals::experiment::Experiment;
+    use crate::signals::noise::Condition;
 
     const SERVO: [Coefficient; 3] = [
         Coefficient::A(1),
@@ -182,7 +182,7 @@ mod tests {
         let inputs = [Input::delayed(&[50.0, 2.0], 3)];
         let mut plant = LinearPlant::with_inputs(&[90.0, 6.0], &inputs, 4.0, 2e-3).unwrap();
         plant.place(&[0.4, -2.0]);
-        let u = crate::excitation::Excitation::ABSOLUTE.sequence(2000, 2e-3, 4);
+        let u = crate::signals::excitation::Excitation::ABSOLUTE.sequence(2000, 2e-3, 4);
         let y = plant.clone().response(&u);
         let guess = [Input::delayed(&[40.0, 1.0], 3)];
         let guess = LinearPlant::with_inputs(&[80.0, 8.0], &guess, 0.0, 2e-3).unwrap();

@@ -15,7 +15,7 @@ use std::collections::VecDeque;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::exponential::{companion, discretise};
+use crate::plants::exponential::{companion_matrix, discretise};
 
 /// Highest order of [`LinearPlant`].
 pub const MAX_ORDER: usize = 4;
@@ -132,7 +132,7 @@ impl LinearPlant {
             }
         }
         columns[(m - 1, n - 1)] = constant;
-        let (phi, gamma, ramp) = discretise(&companion(a), &columns, dt);
+        let (phi, gamma, ramp) = discretise(&companion_matrix(a), &columns, dt);
         Ok(Self {
             a: a.to_vec(),
             inputs: inputs.to_vec(),
@@ -185,7 +185,7 @@ impl LinearPlant {
         // y^(n) = C A^n x + sum_j C A^(n-1) B_j u_j while the inputs are held.
         let mut row = DVector::zeros(m).transpose();
         row[0] = 1.0;
-        let full = companion(&self.a);
+        let full = companion_matrix(&self.a);
         let mut value = 0.0;
         for i in 0..n {
             if i + 1 == n {

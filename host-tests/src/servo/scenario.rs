@@ -6,12 +6,12 @@ use trendid::{LoopConfig, Reason, Report, ServoLoop, ServoModel, State, Travel};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::companion::{Companion, Request};
-use crate::noise::{Additive, Condition};
-use crate::nonlinear::Valve as Null;
-use crate::plant::{Input, LinearPlant};
-use crate::pneumatic::{Axis, AxisParameters, Fault};
-use crate::reference::{REFERENCE, Servo};
+use crate::plants::linear::{Input, LinearPlant};
+use crate::plants::pneumatic::{Axis, AxisParameters, Fault};
+use crate::plants::servo::{REFERENCE, Servo};
+use crate::plants::valve::Valve as Null;
+use crate::servo::shadow::{Companion, Request};
+use crate::signals::noise::{Additive, Condition};
 
 /// Sensor of the loop: the code that the simulation put there.
 #[derive(Clone, Copy, Debug, Default)]

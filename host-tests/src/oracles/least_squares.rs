@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::polynomial::delayed;
-use crate::trends::{Hold, Scheme, applied, input_trend, output_trend};
+use crate::oracles::trends::{Hold, Scheme, applied, input_trend, output_trend};
+use crate::plants::polynomial::delayed;
 
 /// Terms of one input in a structure.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use trendid::hardware::{PositionSensor, Valve};
 use trendid::{Report, ServoLoop};
 
-use crate::scenario::Rig;
+use crate::servo::scenario::Rig;
 
 /// What the user of a loop asks of it between two samples.
 #[derive(Clone, Copy, Debug, PartialEq)]

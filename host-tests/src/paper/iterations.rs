@@ -2,7 +2,7 @@
 
 use trendid::{Config, ConfigError, ExactTrends, Identifier};
 
-use crate::experiment::Record;
+use crate::signals::experiment::Record;
 
 /// The servo identified with [`ExactTrends`] in several rounds over a record.
 ///
@@ -38,9 +38,9 @@ pub fn settling(omega0: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::Experiment;
-    use crate::noise::Condition;
-    use crate::reference::{REFERENCE, Servo};
+    use crate::plants::servo::{REFERENCE, Servo};
+    use crate::signals::experiment::Experiment;
+    use crate::signals::noise::Condition;
     use trendid::{FilteredTrends, Scheme, Structure, TrendOperator};
 
     #[test]

@@ -4,7 +4,7 @@
 //! measurements", Table 1, parts I and II. Table 2 of the same paper suggests that the heads of the columns C and xi
 //! are swapped in print; the printed order is kept here.
 
-use crate::noise::{Condition, Reading};
+use crate::signals::noise::{Condition, Reading};
 
 /// Printed figures of one scheme in one row.
 #[derive(Clone, Copy, Debug, PartialEq)]

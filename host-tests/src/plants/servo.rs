@@ -1,6 +1,6 @@
 //! The reference servo of the paper's Table 2 and its physical reading.
 
-use crate::plant::LinearPlant;
+use crate::plants::linear::LinearPlant;
 
 /// Position servo `x/u = C w0^2 / (s (s^2 + 2 xi w0 s + w0^2)) = b0 / (s (s^2 + a2 s + a1))`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,0 +1,15 @@
+//! The paper's Table 1, reproduced with the core and its opponents.
+//!
+//! | file | what |
+//! |---|---|
+//! | [`mod@table1`] | the conditions and printed figures of the table |
+//! | [`methods`] | conditions, filters and methods of the reproduction |
+//! | [`mod@trial`] | one record through every method |
+//! | [`statistics`] | statistics over many records |
+//! | [`iterations`] | exact trends with the model of the iteration before, settling of a new filter |
+
+pub mod iterations;
+pub mod methods;
+pub mod statistics;
+pub mod table1;
+pub mod trial;
