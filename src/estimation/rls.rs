@@ -285,11 +285,6 @@ impl<const N: usize> Estimator<N> {
         self.squares = 0.0;
         self.samples = 0.0;
     }
-
-    /// A new start at `theta` and `std` with the same forgetting.
-    pub const fn restarted(&self, theta: [f32; N], std: [f32; N]) -> Self {
-        Self::new(theta, std, self.forgetting)
-    }
 }
 
 #[cfg(test)]

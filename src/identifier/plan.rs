@@ -1,0 +1,204 @@
+//! The plan of an identifier: everything that follows from its configuration and its trends.
+//!
+//! A sample never changes it; only a change of the filter does, and a reset undoes that.
+
+use crate::error::ConfigError;
+use crate::estimation::regressor::Regressor;
+use crate::estimation::structure::{Column, Structure};
+use crate::identifier::config::{Config, REACH, check_std};
+use crate::readout::s_plane::sampled;
+use crate::trends::delay_line::acceptable;
+use crate::trends::{Hold, NoiseGain, TrendOperator};
+
+/// Covariance limit where the configuration asks for none, relative to the noise variance.
+const WIND_UP: f32 = 1e12;
+
+/// Upper limit of the relative prior standard deviation; its square must fit f32.
+const UNKNOWN: f32 = 1e8;
+
+/// Prior standard deviation of a normalised parameter whose size by design is 1.
+const PRIOR: f32 = 10.0;
+
+/// The same of the constant of a drive that integrates: valves rest within some percent of their command.
+const OFFSET: f32 = 0.03;
+
+/// Mean and standard deviation of the parameters before the first sample, normalised.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Prior<const N: usize> {
+    pub(crate) theta: [f32; N],
+    /// Relative to the noise of psi.
+    pub(crate) std: [f32; N],
+}
+
+/// What every sample needs and no sample changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> {
+    /// The trends in use.
+    pub(crate) trends: T,
+    /// The trends of the construction while others are in use.
+    configured: Option<T>,
+    pub(crate) structure: Structure<M, N, I>,
+    pub(crate) regressor: Regressor<M, N>,
+    pub(crate) noise_gain: NoiseGain<M>,
+    /// By what the slowest mode of the trends decays in one sample.
+    pub(crate) decay: f32,
+    pub(crate) prior: Prior<N>,
+    /// lambda.
+    pub(crate) forgetting: f32,
+    pub(crate) holds: [Hold; I],
+    pub(crate) delays: [usize; I],
+    pub(crate) initial_inputs: [f32; I],
+    pub(crate) input_limit: [f32; I],
+    pub(crate) output_limit: f32,
+    /// Standard deviation of psi from the noise expected on the output.
+    pub(crate) prior_noise: f32,
+    pub(crate) bandwidth: f32,
+    pub(crate) forgets: bool,
+    /// Where the factors D of the covariance stop, and the leakage per sample over this limit.
+    pub(crate) covariance_limit: f32,
+    pub(crate) leakage: f32,
+    pub(crate) doubt: f32,
+    /// Samples between the first one and the first estimate.
+    pub(crate) warm_up: u32,
+}
+
+impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T, M, N, I> {
+    /// The plan for `config` with `trends`; `capacity` is the length D of the delay lines.
+    pub(crate) fn new(
+        config: &Config<M, N, I>,
+        trends: T,
+        capacity: usize,
+    ) -> Result<Self, ConfigError> {
+        let sample_time = trends.sample_time();
+        config.check(sample_time, capacity)?;
+        let regressor = Regressor::new(
+            &config.structure,
+            &trends,
+            config.bandwidth,
+            &config.input_range,
+            config.output_range,
+        );
+        let prior_noise = regressor.noise(config.output_noise);
+        let forgetting = match config.memory {
+            Some(memory) => 1.0 - sample_time / memory,
+            None => 1.0,
+        };
+        let covariance_limit = if config.pull > 1.0 / WIND_UP {
+            1.0 / config.pull
+        } else {
+            WIND_UP
+        };
+        let mut plan = Self {
+            trends,
+            configured: None,
+            structure: config.structure,
+            regressor,
+            noise_gain: trends.noise_gain(),
+            decay: trends.decay(),
+            prior: Prior {
+                theta: [0.0; N],
+                std: [0.0; N],
+            },
+            forgetting,
+            holds: config.holds,
+            delays: config.delays,
+            initial_inputs: config.rest,
+            input_limit: config.input_range.map(|range| REACH * range),
+            output_limit: REACH * config.output_range,
+            prior_noise,
+            bandwidth: config.bandwidth,
+            forgets: config.memory.is_some(),
+            covariance_limit,
+            leakage: (1.0 - forgetting) * N as f32 / covariance_limit,
+            doubt: config.doubt,
+            warm_up: trends.warm_up().max((config.settling / sample_time) as u32),
+        };
+        plan.prior = match config.prior_std {
+            Some(std) => plan.prior_of(&config.initial, &std)?,
+            None => Prior {
+                theta: plan.normalised(&config.initial)?,
+                std: plan.default_std(),
+            },
+        };
+        Ok(plan)
+    }
+
+    /// The prior with this mean and these standard deviations, both in the user's units.
+    ///
+    /// # Errors
+    /// [`ConfigError::Initial`], [`ConfigError::PriorStd`].
+    pub(crate) fn prior_of(
+        &self,
+        theta: &[f32; N],
+        std: &[f32; N],
+    ) -> Result<Prior<N>, ConfigError> {
+        check_std(std)?;
+        let theta = self.normalised(theta)?;
+        let units = self.regressor.units();
+        let std = core::array::from_fn(|j| bounded(std[j] / (units[j] * self.prior_noise)));
+        Ok(Prior { theta, std })
+    }
+
+    /// Parameters of the s plane in the user's units as the recursion has them.
+    fn normalised(&self, theta: &[f32; N]) -> Result<[f32; N], ConfigError> {
+        let given = sampled(theta, &self.structure, &self.trends);
+        let units = self.regressor.units();
+        let theta: [f32; N] = core::array::from_fn(|j| given[j] / units[j]);
+        match theta.iter().position(|value| !acceptable(*value, REACH)) {
+            None => Ok(theta),
+            Some(index) => Err(ConfigError::Initial {
+                index,
+                value: given[index],
+            }),
+        }
+    }
+
+    /// Relative prior standard deviations where the configuration names none.
+    fn default_std(&self) -> [f32; N] {
+        let integrates = self.structure.integrators() > 0;
+        self.structure.columns().map(|column| {
+            let std = match column {
+                Column::Constant if integrates => OFFSET,
+                _ => PRIOR,
+            };
+            bounded(std / self.prior_noise)
+        })
+    }
+
+    /// Whether `trends` differ from those in use in their numerators only: every signal then is already what it would be.
+    pub(crate) fn same_filter(&self, trends: &T) -> bool {
+        let filter = trends.filter_polynomial();
+        filter.is_some()
+            && filter == self.trends.filter_polynomial()
+            && trends.lead() == self.trends.lead()
+    }
+
+    /// The same plan with other trends; those of the construction are kept.
+    pub(crate) fn retuned(mut self, trends: T) -> Self {
+        self.configured = Some(self.configured.unwrap_or(self.trends));
+        self.with_trends(trends)
+    }
+
+    /// The plan as constructed.
+    pub(crate) fn restored(mut self) -> Self {
+        match self.configured.take() {
+            Some(trends) => self.with_trends(trends),
+            None => self,
+        }
+    }
+
+    fn with_trends(mut self, trends: T) -> Self {
+        if !self.same_filter(&trends) {
+            self.regressor.set_lead(&trends.lead());
+            self.noise_gain = trends.noise_gain();
+            self.decay = trends.decay();
+        }
+        self.trends = trends;
+        self
+    }
+}
+
+/// A relative standard deviation within its limit.
+fn bounded(std: f32) -> f32 {
+    if std < UNKNOWN { std } else { UNKNOWN }
+}

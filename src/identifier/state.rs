@@ -1,0 +1,243 @@
+//! The state of an identifier: everything that a sample changes.
+
+use crate::estimation::noise_level::NoiseLevel;
+use crate::estimation::rls::Estimator;
+use crate::identifier::outcome::{Outcome, Refusal};
+use crate::identifier::plan::{Plan, Prior};
+use crate::model::evaluation::Quality;
+use crate::trends::delay_line::{DelayLine, acceptable};
+use crate::trends::{Hold, TrendOperator, Trends};
+
+/// What has to be remembered of the signals; begun anew after a gap in the samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Signals<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> {
+    output: T::Memory,
+    inputs: [T::Memory; I],
+    constant: T::Memory,
+    lines: [DelayLine<D>; I],
+    /// What the initial state still contributes to the trends.
+    initial: f32,
+    /// Zero of the output, and the output one sample before relative to it.
+    reference: f32,
+    before: f32,
+    /// Samples until the trends have settled.
+    remaining: u32,
+    begun: bool,
+}
+
+impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signals<T, M, I, D> {
+    fn new(warm_up: u32) -> Self {
+        Self {
+            output: T::EMPTY,
+            inputs: [T::EMPTY; I],
+            constant: T::EMPTY,
+            lines: [DelayLine::new(); I],
+            initial: 0.0,
+            reference: 0.0,
+            before: 0.0,
+            remaining: warm_up,
+            begun: false,
+        }
+    }
+}
+
+/// Everything that a sample changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct State<
+    T: TrendOperator<M>,
+    const M: usize,
+    const N: usize,
+    const I: usize,
+    const D: usize,
+> {
+    pub(crate) estimator: Estimator<N>,
+    pub(crate) noise: NoiseLevel,
+    pub(crate) prediction: f32,
+    pub(crate) quality: Quality,
+    pub(crate) adapting: bool,
+    signals: Signals<T, M, I, D>,
+    trusted: [f32; N],
+    has_trusted: bool,
+    turn: usize,
+}
+
+impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
+    State<T, M, N, I, D>
+{
+    /// The state before the first sample.
+    pub(crate) fn new(plan: &Plan<T, M, N, I>) -> Self {
+        let Prior { theta, std } = plan.prior;
+        Self {
+            estimator: Estimator::new(theta, std, plan.forgetting),
+            noise: NoiseLevel::new(plan.forgetting),
+            prediction: 0.0,
+            quality: Quality::new(),
+            adapting: true,
+            signals: Signals::new(plan.warm_up),
+            trusted: theta,
+            has_trusted: false,
+            turn: 0,
+        }
+    }
+
+    /// Takes u(k) and y(k).
+    #[inline(always)]
+    pub(crate) fn update(&mut self, plan: &Plan<T, M, N, I>, u: [f32; I], y: f32) -> Outcome {
+        if let Some(refusal) = refused(plan, &u, y) {
+            return Outcome::Refused(refusal);
+        }
+        if !self.signals.begun {
+            self.begin(plan, y);
+        }
+        let y = y - self.signals.reference;
+        self.noise.update(y);
+        let output = self.output_trends(plan, y);
+        let inputs = self.input_trends(plan, u);
+        let extra = self.extra_columns(plan);
+        let reference = self.signals.reference;
+        if self.signals.remaining > 0 {
+            self.signals.remaining -= 1;
+            self.prediction = y + reference;
+            return Outcome::WarmingUp {
+                remaining: self.signals.remaining,
+            };
+        }
+        let (phi, psi) = plan.regressor.assemble(&output, &inputs, &extra);
+        let error = self.estimator.innovation(&phi, psi);
+        // (10): y minus its evaluation is the equation error over the weight of y(k) in it.
+        let beta = plan.regressor.lead(self.estimator.theta());
+        let innovation = error / beta;
+        self.prediction = y - innovation + reference;
+        self.quality.update(innovation);
+        if !self.adapting {
+            return Outcome::Held { innovation };
+        }
+        self.estimator.correct(&phi, error);
+        if plan.forgets {
+            self.keep_bounded(plan);
+        }
+        Outcome::Estimated { innovation }
+    }
+
+    #[inline(always)]
+    fn output_trends(&mut self, plan: &Plan<T, M, N, I>, y: f32) -> Trends<M> {
+        let signals = &mut self.signals;
+        let output = if plan.structure.output().contains(0) {
+            plan.trends.output(&mut signals.output, y)
+        } else {
+            plan.trends.movement(&mut signals.output, y, signals.before)
+        };
+        signals.before = y;
+        output
+    }
+
+    #[inline(always)]
+    fn input_trends(&mut self, plan: &Plan<T, M, N, I>, u: [f32; I]) -> [[f32; M]; I] {
+        let signals = &mut self.signals;
+        let mut inputs = [[0.0; M]; I];
+        for c in 0..I {
+            let delayed = if D > 0 {
+                signals.lines[c].update(u[c], plan.delays[c])
+            } else {
+                u[c]
+            };
+            inputs[c] = plan
+                .trends
+                .input(&mut signals.inputs[c], delayed, plan.holds[c]);
+        }
+        inputs
+    }
+
+    /// What the constant and the initial state contribute.
+    #[inline(always)]
+    fn extra_columns(&mut self, plan: &Plan<T, M, N, I>) -> [f32; 2] {
+        let signals = &mut self.signals;
+        let constant = if plan.structure.constant() {
+            let trends = plan.trends.input(&mut signals.constant, 1.0, Hold::Zero);
+            trends[0]
+        } else {
+            0.0
+        };
+        let initial = signals.initial;
+        if initial > 0.0 {
+            // Below a millionth it is nothing, and would end in subnormal numbers.
+            let next = initial * plan.decay;
+            signals.initial = if next > 1e-6 { next } else { 0.0 };
+        }
+        [constant, initial]
+    }
+
+    /// One parameter per sample in turn: its covariance bounded, its value let fall back at rest.
+    #[inline(always)]
+    fn keep_bounded(&mut self, plan: &Plan<T, M, N, I>) {
+        let turn = if self.turn < N { self.turn } else { 0 };
+        self.turn = turn + 1;
+        let trusted = self.trusted.get(turn).copied().unwrap_or(0.0);
+        let rate = if self.has_trusted { plan.leakage } else { 0.0 };
+        self.estimator
+            .relax(turn, trusted, plan.covariance_limit, rate);
+        if plan.structure.constant() {
+            self.estimator.loosen(turn, rate);
+        }
+    }
+
+    /// The plant rested at y(0) with the inputs at their initial values until this sample.
+    #[inline(never)]
+    fn begin(&mut self, plan: &Plan<T, M, N, I>, y: f32) {
+        let signals = &mut self.signals;
+        let integrates = plan.structure.integrators() > 0;
+        // Behind an integrator only movements count; small numbers keep their digits.
+        signals.reference = if integrates { y } else { 0.0 };
+        signals.before = y - signals.reference;
+        self.noise.settle(signals.before);
+        signals.output = plan.trends.settled(signals.before);
+        for c in 0..I {
+            signals.inputs[c] = plan
+                .trends
+                .settled_input(plan.initial_inputs[c], plan.holds[c]);
+        }
+        signals.constant = if integrates {
+            T::EMPTY
+        } else {
+            plan.trends.settled_input(1.0, Hold::Zero)
+        };
+        signals.initial = if plan.structure.start() { 1.0 } else { 0.0 };
+        signals.begun = true;
+    }
+
+    /// Forgets the signals; the next `warm_up` samples are not estimated from.
+    pub(crate) fn restart_signals(&mut self, warm_up: u32) {
+        self.signals = Signals::new(warm_up);
+    }
+
+    /// Begins the recursion again from `prior`, which a rest then leads back to.
+    pub(crate) fn warm_start(&mut self, plan: &Plan<T, M, N, I>, prior: Prior<N>) {
+        self.estimator = Estimator::new(prior.theta, prior.std, plan.forgetting);
+        self.trusted = prior.theta;
+        self.has_trusted = true;
+    }
+
+    /// Makes the current estimate the one that a rest leads back to.
+    pub(crate) fn trust(&mut self) {
+        self.trusted = *self.estimator.theta();
+        self.has_trusted = true;
+    }
+}
+
+/// Why this sample may not enter any buffer, if so.
+#[inline(always)]
+fn refused<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
+    plan: &Plan<T, M, N, I>,
+    u: &[f32; I],
+    y: f32,
+) -> Option<Refusal> {
+    if !acceptable(y, plan.output_limit) {
+        return Some(Refusal::Output);
+    }
+    for (input, (u, limit)) in u.iter().zip(&plan.input_limit).enumerate() {
+        if !acceptable(*u, *limit) {
+            return Some(Refusal::Input(input));
+        }
+    }
+    None
+}
