@@ -6,9 +6,10 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use trendid::State;
-use trendid_host_tests::servo::scenario::{
-    Figures, Instant, Options, Rig, Scenario, run as run_scenario,
-};
+use trendid_host_tests::servo::figures::Figures;
+use trendid_host_tests::servo::rig::{Instant, Rig};
+use trendid_host_tests::servo::run::{Options, run as run_scenario};
+use trendid_host_tests::servo::scenario::Scenario;
 
 use crate::demo_figure::{self, Course, Row};
 use crate::format::{significant, table};

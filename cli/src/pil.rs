@@ -9,7 +9,9 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use serde_json::{Value, json};
-use trendid_host_tests::servo::scenario::{Figures, Options, Scenario, run_beside};
+use trendid_host_tests::servo::figures::Figures;
+use trendid_host_tests::servo::run::{Options, run_with_shadow};
+use trendid_host_tests::servo::scenario::Scenario;
 use trendid_link::Counters;
 
 use crate::output::{self, Refusal};
@@ -92,7 +94,7 @@ pub fn run(args: &PilArgs) -> Result<(), Refusal> {
         .elapsed()
         .map_or(1, |t| t.as_millis() as u32);
     let mut target = Target::new(Disturbed::new(line, args.faults, args.seed), first, args);
-    let figures = run_beside(scenario, &options, &mut target, &mut |_, _| {});
+    let figures = run_with_shadow(scenario, &options, &mut target, &mut |_, _| {});
     drop(emulator);
     target.finish();
     report(args, &name, &target, &figures);

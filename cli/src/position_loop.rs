@@ -4,7 +4,9 @@ use clap::Args;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use trendid_host_tests::servo::scenario::{Figures, Options, Scenario, run as run_scenario};
+use trendid_host_tests::servo::figures::Figures;
+use trendid_host_tests::servo::run::{Options, run as run_scenario};
+use trendid_host_tests::servo::scenario::Scenario;
 
 use crate::demo_loop::{COLUMNS, Column, json_of};
 use crate::format::significant;

@@ -1,6 +1,6 @@
 //! The pneumatic axis: convergence, rest, end stops, sensor and faults.
 
-use trendid_host_tests::plants::pneumatic::{Axis, AxisParameters, Fault};
+use trendid_host_tests::plants::pneumatic::{AxisParameters, Fault, PneumaticAxis};
 use trendid_host_tests::signals::excitation::Excitation;
 
 const SERVO: AxisParameters = AxisParameters::SERVO;
@@ -16,7 +16,7 @@ fn binary(amplitude: f64, n: usize, seed: u64) -> Vec<f64> {
 
 /// True positions \[mm\] under binary noise.
 fn course(p: &AxisParameters, amplitude: f64, n: usize) -> Vec<f64> {
-    let mut axis = Axis::new(p, 1);
+    let mut axis = PneumaticAxis::new(p, 1);
     binary(amplitude, n, 7)
         .into_iter()
         .map(|u| {
@@ -68,7 +68,7 @@ fn halving_the_step_changes_nothing_that_matters() {
 
 #[test]
 fn rests_exactly_and_starts_only_beyond_the_dead_zone() {
-    let mut axis = Axis::new(&SERVO, 1);
+    let mut axis = PneumaticAxis::new(&SERVO, 1);
     for k in 0..2000 {
         axis.step(if k % 2 == 0 { 0.03 } else { -0.03 });
     }
@@ -100,7 +100,7 @@ fn rests_exactly_and_starts_only_beyond_the_dead_zone() {
 
 #[test]
 fn offset_shifts_the_dead_zone() {
-    let mut axis = Axis::new(
+    let mut axis = PneumaticAxis::new(
         &AxisParameters {
             offset: 0.02,
             ..SERVO
@@ -117,7 +117,7 @@ fn offset_shifts_the_dead_zone() {
 
 #[test]
 fn stays_between_the_stops_whatever_the_command() {
-    let mut axis = Axis::new(&SERVO, 1);
+    let mut axis = PneumaticAxis::new(&SERVO, 1);
     let steps = Excitation::Steps {
         amplitude: 3.0,
         hold_s: 0.07,
@@ -143,7 +143,7 @@ fn stays_between_the_stops_whatever_the_command() {
 
 #[test]
 fn sensor_has_the_stated_noise_and_resolution() {
-    let mut axis = Axis::new(&SERVO, 1);
+    let mut axis = PneumaticAxis::new(&SERVO, 1);
     let n = 20_000;
     let (mut mean, mut square) = (0.0, 0.0);
     for _ in 0..n {
@@ -158,11 +158,12 @@ fn sensor_has_the_stated_noise_and_resolution() {
     assert!(mean.abs() < 3e-4, "mean {mean} mm");
     assert!((square / 5e-5 - 1.0).abs() < 0.05, "variance {square} mm2");
     let (mut a, mut b, mut c) = (
-        Axis::new(&SERVO, 9),
-        Axis::new(&SERVO, 9),
-        Axis::new(&SERVO, 10),
+        PneumaticAxis::new(&SERVO, 9),
+        PneumaticAxis::new(&SERVO, 9),
+        PneumaticAxis::new(&SERVO, 10),
     );
-    let course = |axis: &mut Axis| -> Vec<f64> { (0..50).map(|_| axis.measure()).collect() };
+    let course =
+        |axis: &mut PneumaticAxis| -> Vec<f64> { (0..50).map(|_| axis.measure()).collect() };
     let first = course(&mut a);
     assert_eq!(first, course(&mut b));
     assert_ne!(first, course(&mut c));
@@ -171,7 +172,7 @@ fn sensor_has_the_stated_noise_and_resolution() {
 #[test]
 fn faults_do_what_they_say() {
     let moved = |fault: Option<Fault>| {
-        let mut axis = Axis::new(&SERVO, 1);
+        let mut axis = PneumaticAxis::new(&SERVO, 1);
         for _ in 0..100 {
             axis.step(0.2);
         }
@@ -206,5 +207,5 @@ fn faults_do_what_they_say() {
 #[test]
 #[should_panic(expected = "bore")]
 fn refuses_nonsense() {
-    let _ = Axis::new(&AxisParameters { bore: 0.0, ..SERVO }, 1);
+    let _ = PneumaticAxis::new(&AxisParameters { bore: 0.0, ..SERVO }, 1);
 }

@@ -4,7 +4,7 @@ use trendid_host_tests::oracles::least_squares::{
     InputTerms, Regression, Structure, least_squares,
 };
 use trendid_host_tests::oracles::trends::{Hold, Scheme};
-use trendid_host_tests::plants::pneumatic::{Axis, AxisParameters, Friction};
+use trendid_host_tests::plants::pneumatic::{AxisParameters, Friction, PneumaticAxis};
 use trendid_host_tests::plants::polynomial::monic;
 use trendid_host_tests::signals::excitation::Excitation;
 
@@ -24,7 +24,7 @@ fn binary(amplitude: f64, n: usize, seed: u64) -> Vec<f64> {
 /// Least squares of the f64 oracle on filtered trends. The inputs are the command beyond the dead zone, delayed by the
 /// spool, the direction of motion (friction) and a constant.
 fn identified(p: &AxisParameters, amplitude: f64, seed: u64) -> ([f64; 3], f64) {
-    let mut axis = Axis::new(p, seed);
+    let mut axis = PneumaticAxis::new(p, seed);
     let n = 2000;
     let (mut u, mut y, mut direction) = (Vec::new(), Vec::new(), Vec::new());
     let mut opening = 0.0;
@@ -66,7 +66,7 @@ fn identified(p: &AxisParameters, amplitude: f64, seed: u64) -> ([f64; 3], f64) 
 /// Relative errors of C and omega0 and absolute error of xi against the linear model.
 fn against_linear(p: &AxisParameters, amplitude: f64, seed: u64) -> [f64; 3] {
     let ([gain, omega0, xi], opening) = identified(p, amplitude, seed);
-    let linear = Axis::new(p, seed).linearised(p.start_mm, opening);
+    let linear = PneumaticAxis::new(p, seed).linearised(p.start_mm, opening);
     [
         gain / linear.gain - 1.0,
         omega0 / linear.omega0 - 1.0,
@@ -153,7 +153,7 @@ fn linear_model_describes_the_full_axis() {
 
 #[test]
 fn linear_model_is_a_realistic_servo() {
-    let axis = Axis::new(&SERVO, 1);
+    let axis = PneumaticAxis::new(&SERVO, 1);
     println!("position, C, omega0, xi with the valve closed; with a mean opening of 0.3");
     for k in 0..=8 {
         let x = 50.0 * f64::from(k);

@@ -7,10 +7,10 @@ use trendid::{
     Controller, ControllerConfig, LoopConfig, Motion, Report, ServoError, ServoLoop, ServoModel,
     Setpoint, Travel,
 };
-use trendid_host_tests::servo::scenario::{
-    Options, Rig, Scenario, SimulatedSensor, SimulatedValve, TRAVEL, run, run_beside,
-};
-use trendid_host_tests::servo::shadow::{Companion, Request};
+use trendid_host_tests::servo::rig::{Request, Rig, SimulatedSensor, SimulatedValve, TRAVEL};
+use trendid_host_tests::servo::run::{Options, run, run_with_shadow};
+use trendid_host_tests::servo::scenario::Scenario;
+use trendid_host_tests::servo::shadow::Shadow;
 
 #[test]
 fn the_command_keeps_range_and_rate_in_a_million_wild_samples() {
@@ -186,7 +186,7 @@ struct Failures {
     failed: u32,
 }
 
-impl Companion for Failures {
+impl Shadow for Failures {
     fn reading(&mut self, code: i32) -> Option<i32> {
         self.readings += 1;
         let fails = self.readings.is_multiple_of(self.every);
@@ -209,7 +209,7 @@ fn readings_that_fail_now_and_then_are_bridged() {
             readings: 0,
             failed: 0,
         };
-        let f = run_beside(
+        let f = run_with_shadow(
             Scenario::Nominal,
             &nominal(seed),
             &mut failures,

@@ -2,8 +2,9 @@
 
 use indicatif::ProgressBar;
 use trendid::Report;
-use trendid_host_tests::servo::scenario::{RESOLUTION_MM, ROUGH_BANDWIDTH, Rig, TRAVEL};
-use trendid_host_tests::servo::shadow::{Companion, Request};
+use trendid_host_tests::servo::plant::RESOLUTION_MM;
+use trendid_host_tests::servo::rig::{ROUGH_BANDWIDTH, Request, Rig, TRAVEL};
+use trendid_host_tests::servo::shadow::Shadow;
 use trendid_link::{
     Counters, Exchange, ExchangeError, FIELDS, Reply, Request as Asked, Sample, Setup,
 };
@@ -15,7 +16,7 @@ use crate::output;
 /// How often a sample is sent before the target is given up.
 const ATTEMPTS: u32 = 20;
 
-/// The target as a companion of the scenario's loop.
+/// The target as the shadow of the scenario's loop.
 pub struct Target {
     /// The line, with its faults.
     pub line: Disturbed,
@@ -96,7 +97,7 @@ impl Target {
     }
 }
 
-impl Companion for Target {
+impl Shadow for Target {
     fn reading(&mut self, code: i32) -> Option<i32> {
         let fails = self.failures.is_some_and(|n| self.samples % n == n - 1);
         self.failed += u32::from(fails);

@@ -4,7 +4,9 @@ use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Write};
 
 use clap::Parser;
-use trendid_host_tests::servo::scenario::{Figures, Options, Scenario, run_beside};
+use trendid_host_tests::servo::figures::Figures;
+use trendid_host_tests::servo::run::{Options, run_with_shadow};
+use trendid_host_tests::servo::scenario::Scenario;
 use trendid_link::{Controller, FIELDS, Incoming, Responder};
 
 use super::PilArgs;
@@ -73,7 +75,7 @@ fn run(target: Here, scenario: Scenario, options: &[&str]) -> (Target, Figures) 
         linear: false,
         seed: args.pil.seed,
     };
-    let figures = run_beside(scenario, &options, &mut target, &mut |_, _| {});
+    let figures = run_with_shadow(scenario, &options, &mut target, &mut |_, _| {});
     (target, figures)
 }
 
@@ -166,7 +168,7 @@ fn a_dead_target_is_given_up() {
         linear: false,
         seed: 1,
     };
-    let _ = run_beside(Scenario::Nominal, &options, &mut target, &mut |_, _| {});
+    let _ = run_with_shadow(Scenario::Nominal, &options, &mut target, &mut |_, _| {});
     assert_eq!(
         target.trouble.as_deref(),
         Some("the target did not answer sample 0 in 20 attempts")

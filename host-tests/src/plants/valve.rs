@@ -4,7 +4,7 @@
 ///
 /// With `x = command + offset`: `flow = 0` for `|x| <= dead_zone`, else `gain (x - sgn(x) dead_zone)`, then limited.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Valve {
+pub struct StaticValve {
     /// Half width of the dead zone, in units of the command.
     pub dead_zone: f64,
     /// Offset added to the command.
@@ -17,7 +17,7 @@ pub struct Valve {
     pub limit: f64,
 }
 
-impl Valve {
+impl StaticValve {
     /// A valve without defects.
     pub const IDEAL: Self = Self {
         dead_zone: 0.0,
@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn valve_regions() {
-        let valve = Valve {
+        let valve = StaticValve {
             dead_zone: 0.03,
             offset: 0.01,
             gain_positive: 1.0,
@@ -145,7 +145,7 @@ mod tests {
         assert!((valve.flow(0.12) - 0.10).abs() < 1e-15);
         assert!((valve.flow(-0.14) + 0.08).abs() < 1e-15);
         assert_eq!(valve.flow(9.0), 0.5);
-        assert_eq!(Valve::IDEAL.flow(-0.3), -0.3);
+        assert_eq!(StaticValve::IDEAL.flow(-0.3), -0.3);
     }
 
     #[test]

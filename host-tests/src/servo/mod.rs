@@ -2,8 +2,16 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | [`scenario`] | what happens to the drive, and the figures of a run |
-//! | [`shadow`] | a second loop beside the one of a scenario |
+//! | [`scenario`] | what happens to the drive |
+//! | [`plant`] | the drive, and how a scenario changes it |
+//! | [`rig`] | the loop of the core on the drive, sample by sample |
+//! | [`shadow`] | a second loop in step with that of the rig |
+//! | [`figures`] | the figures of a run, and what is wanted of them |
+//! | [`mod@run`] | a scenario from the commissioning to its figures |
 
+pub mod figures;
+pub mod plant;
+pub mod rig;
+pub mod run;
 pub mod scenario;
 pub mod shadow;

@@ -4,7 +4,7 @@
 
 use crate::plants::linear::LinearPlant;
 use crate::plants::servo::REFERENCE;
-use crate::plants::valve::Valve;
+use crate::plants::valve::StaticValve;
 use crate::signals::excitation::{Controller, Excitation};
 use crate::signals::noise::{Additive, Condition, Reading, quantised};
 
@@ -73,7 +73,7 @@ pub struct Experiment {
     /// The plant, in its initial state; its interval must be that of the condition.
     pub plant: LinearPlant,
     /// Valve in front of the plant.
-    pub valve: Valve,
+    pub valve: StaticValve,
     /// Command, or reference position \[mm\] when a controller is given.
     pub excitation: Excitation,
     /// Controller that closes the loop on the measured position.
@@ -89,7 +89,7 @@ impl Experiment {
     pub fn reference(condition: Condition, duration_s: f64) -> Self {
         Self {
             plant: REFERENCE.plant(condition.dt()),
-            valve: Valve::IDEAL,
+            valve: StaticValve::IDEAL,
             excitation: match condition.reading {
                 Reading::Absolute => Excitation::ABSOLUTE,
                 Reading::Relative => Excitation::RELATIVE,

@@ -29,7 +29,7 @@ pub enum Fault {
 /// One sample of a loop is `y = measure()` at t, then `step(u)`, which holds u from t to t + 1 ms. A change at run time or
 /// a fault takes effect with the next step.
 #[derive(Clone, Debug)]
-pub struct Axis {
+pub struct PneumaticAxis {
     nominal: AxisParameters,
     parameters: AxisParameters,
     dynamics: Dynamics,
@@ -41,7 +41,7 @@ pub struct Axis {
     time: u64,
 }
 
-impl Axis {
+impl PneumaticAxis {
     /// An axis at rest at its starting position, chambers at the pressure that the leaking valve settles at.
     ///
     /// # Panics

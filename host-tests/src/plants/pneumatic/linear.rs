@@ -31,7 +31,7 @@ pub struct Linearised {
 }
 
 impl Linearised {
-    /// Linearises at a position \[mm\] and at a mean magnitude of `Axis::opening` (0 for the closed valve).
+    /// Linearises at a position \[mm\] and at a mean magnitude of `PneumaticAxis::opening` (0 for the closed valve).
     pub fn new(p: &AxisParameters, position_mm: f64, mean_opening: f64) -> Self {
         let supply = p.supply();
         let pb = balance(p.critical_ratio, p.linear_ratio, supply, AMBIENT);

@@ -15,9 +15,9 @@
 //! | `linear` | C, omega0, xi over the position, for checking an identification |
 //!
 //! ```
-//! use trendid_host_tests::plants::pneumatic::{Axis, AxisParameters};
+//! use trendid_host_tests::plants::pneumatic::{PneumaticAxis, AxisParameters};
 //!
-//! let mut axis = Axis::new(&AxisParameters::SERVO, 1);
+//! let mut axis = PneumaticAxis::new(&AxisParameters::SERVO, 1);
 //! let start = axis.measure();
 //! for _ in 0..100 {
 //!     axis.step(0.2);
@@ -32,7 +32,7 @@ mod friction;
 mod linear;
 mod parameters;
 
-pub use axis::{Axis, Fault};
+pub use axis::{Fault, PneumaticAxis};
 pub use flow::mass_flow;
 pub use friction::Friction;
 pub use linear::Linearised;

@@ -2,11 +2,12 @@
 
 use trendid::hardware::{Axis, Scale};
 use trendid::{Reason, Report, ServoLoop, State};
-use trendid_host_tests::servo::scenario::{
-    Figures, Options, RESOLUTION_MM, Rig, Scenario, SimulatedSensor, SimulatedValve, loop_config,
-    run, run_beside,
-};
-use trendid_host_tests::servo::shadow::{Companion, Request};
+use trendid_host_tests::servo::figures::Figures;
+use trendid_host_tests::servo::plant::RESOLUTION_MM;
+use trendid_host_tests::servo::rig::{Request, Rig, SimulatedSensor, SimulatedValve};
+use trendid_host_tests::servo::run::{Options, loop_config, run, run_with_shadow};
+use trendid_host_tests::servo::scenario::Scenario;
+use trendid_host_tests::servo::shadow::Shadow;
 
 const OPTIONS: Options = Options {
     fixed: false,
@@ -45,18 +46,18 @@ impl Twin {
     }
 
     fn run(&mut self, scenario: Scenario) -> Figures {
-        run_beside(scenario, &OPTIONS, self, &mut |_, _| {})
+        run_with_shadow(scenario, &OPTIONS, self, &mut |_, _| {})
     }
 }
 
-impl Companion for Twin {
+impl Shadow for Twin {
     fn reading(&mut self, code: i32) -> Option<i32> {
         (self.samples < self.blind).then_some(code)
     }
 
     fn request(&mut self, request: Request) {
         self.requests.push(request);
-        request.put_to(&mut self.servo);
+        request.apply_to(&mut self.servo);
     }
 
     fn update(&mut self, reading: Option<i32>, report: &Report, _: &Rig) -> Option<f32> {
@@ -84,10 +85,10 @@ fn a_twin_hears_all_and_changes_nothing() {
 }
 
 #[test]
-fn the_plant_obeys_the_companion() {
+fn the_plant_obeys_the_shadow() {
     /// Never opens the valve.
     struct Closed(f32);
-    impl Companion for Closed {
+    impl Shadow for Closed {
         fn request(&mut self, _: Request) {}
         fn update(&mut self, _: Option<i32>, report: &Report, _: &Rig) -> Option<f32> {
             self.0 = self.0.max((report.position - 200.0).abs());
@@ -95,13 +96,13 @@ fn the_plant_obeys_the_companion() {
         }
     }
     let mut closed = Closed(0.0);
-    let figures = run_beside(Scenario::Nominal, &OPTIONS, &mut closed, &mut |_, _| {});
+    let figures = run_with_shadow(Scenario::Nominal, &OPTIONS, &mut closed, &mut |_, _| {});
     assert_eq!(figures.verified_at_s, None);
     assert!(closed.0 < 0.1, "the axis moved by {} mm", closed.0);
 }
 
 #[test]
-fn a_run_ends_where_the_companion_ends_it() {
+fn a_run_ends_where_the_shadow_ends_it() {
     let mut twin = Twin::new(700, u32::MAX);
     let figures = twin.run(Scenario::Nominal);
     assert_eq!(twin.samples, 700);
