@@ -3,7 +3,7 @@ use trendid::{Config, FilteredTrends, Identifier, Scheme, Structure};
 
 fn main() -> Result<(), trendid::ConfigError> {
     let trends = FilteredTrends::try_new(Scheme::Tustin, 0.001, [30.0])?;
-    let config = Config::new(Structure::<1, 1, 1>::integrating(), 30.0, [1.0], 1.0);
+    let config = Config::new(Structure::<1, 1, 1>::INTEGRATING, 30.0, [1.0], 1.0);
     let mut identifier: Identifier<_, 1, 1> = Identifier::try_new(&config, trends)?;
     let mut y = 0.0;
     for k in 0..1000 {

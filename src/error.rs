@@ -6,8 +6,6 @@ use core::fmt;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ConfigError {
-    /// The order `m` is not in 1..=4.
-    Order(usize),
     /// The structure has `found` parameters, the type has room for exactly `expected`.
     ParameterCount {
         /// Number of parameters the terms add up to.
@@ -82,7 +80,6 @@ pub enum ConfigError {
 impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::Order(m) => write!(f, "order {m} is not in 1..=4"),
             Self::ParameterCount { found, expected } => write!(
                 f,
                 "the structure has {found} parameters, its type holds {expected}"
@@ -126,6 +123,11 @@ impl fmt::Display for ConfigError {
 }
 
 impl core::error::Error for ConfigError {}
+
+/// The orders that the trends and the structures are made for, checked at compile time.
+pub(crate) const fn assert_order(order: usize) {
+    assert!(1 <= order && order <= 4, "the order M is not in 1..=4");
+}
 
 /// Whether `value` is a finite number above zero.
 pub(crate) const fn positive(value: f32) -> bool {

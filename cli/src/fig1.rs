@@ -74,11 +74,11 @@ pub fn run(args: &Fig1Args) -> Result<(), Refusal> {
     let record = Experiment::reference(condition, args.duration).record(args.first_seed);
     let (dt, scheme) = (record.dt as f32, Scheme::from(args.scheme));
     let points = if args.raw {
-        let structure = Structure::<3, 3, 1>::integrating();
+        let structure = Structure::<3, 3, 1>::INTEGRATING;
         transient(&record, RawTrends::try_new(scheme, dt)?, structure)?
     } else {
         let trends = FilteredTrends::for_bandwidth(scheme, dt, 20.0)?;
-        transient(&record, trends, Structure::<3, 5, 1>::servo())?
+        transient(&record, trends, Structure::<3, 5, 1>::SERVO)?
     };
     let settled = settled_ms(&points);
     if args.csv {

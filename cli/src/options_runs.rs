@@ -170,7 +170,7 @@ fn ending<T: TrendOperator<3>, const N: usize>(
 
 fn filtered(seed: u64) -> Pair {
     let record = Experiment::reference(Condition::white(100.0), 0.5).record(seed);
-    let structure = Structure::<3, 3, 1>::integrating();
+    let structure = Structure::<3, 3, 1>::INTEGRATING;
     let raw = RawTrends::try_new(Scheme::Tustin, DT as f32).expect("1 ms");
     let filtered = FilteredTrends::try_new(Scheme::Tustin, DT as f32, [25.0; 3]).expect("25 rad/s");
     [
@@ -194,11 +194,11 @@ fn compensated(seed: u64) -> Pair {
 }
 
 /// The servo with the start and without a constant.
-const STARTED: Structure<3, 4, 1> = Structure::integrating_with_start();
+const STARTED: Structure<3, 4, 1> = Structure::INTEGRATING_WITH_INITIAL_STATE;
 
 fn start(seed: u64) -> Pair {
     let record = Experiment::reference(Condition::white(100.0), 0.5).record(seed);
-    let without = Structure::<3, 3, 1>::integrating();
+    let without = Structure::<3, 3, 1>::INTEGRATING;
     [
         ending(&record, identifier(trends(BANDWIDTH), without)),
         ending(&record, identifier(trends(BANDWIDTH), STARTED)),
@@ -209,7 +209,7 @@ fn constant(seed: u64) -> Pair {
     let mut experiment = Experiment::reference(Condition::white(10.0), 1.0);
     experiment.valve.offset = 0.04;
     let record = experiment.record(seed);
-    let with = Structure::<3, 5, 1>::servo();
+    let with = Structure::<3, 5, 1>::SERVO;
     [
         ending(&record, identifier(trends(BANDWIDTH), STARTED)),
         ending(&record, identifier(trends(BANDWIDTH), with)),
@@ -222,9 +222,9 @@ fn dead_zone(seed: u64) -> Pair {
     let record = experiment.record(seed);
     let mut without = identifier(
         trends(BANDWIDTH),
-        Structure::<3, 4, 1>::integrating_with_constant(),
+        Structure::<3, 4, 1>::INTEGRATING_WITH_CONSTANT,
     );
-    let structure = Structure::<3, 5, 2>::integrating_with_constant();
+    let structure = Structure::<3, 5, 2>::INTEGRATING_WITH_CONSTANT;
     let mut config = Config::new(structure, BANDWIDTH, [0.2, 0.05], 50.0);
     config.memory = Some(0.7);
     let mut with: Identifier<_, 3, 5, 2> =
@@ -247,7 +247,7 @@ fn dead_zone(seed: u64) -> Pair {
 
 /// What 20 s of rest do to the reading, with the covariance growing as it likes and with it bounded.
 fn bounded(seed: u64) -> Pair {
-    let default = Config::new(Structure::<3, 5, 1>::servo(), BANDWIDTH, [0.4], 50.0);
+    let default = Config::new(Structure::<3, 5, 1>::SERVO, BANDWIDTH, [0.4], 50.0);
     [0.0, default.pull].map(|pull| {
         let config = Config {
             memory: Some(0.2),
@@ -284,7 +284,7 @@ fn bounded(seed: u64) -> Pair {
 fn retuned(seed: u64) -> Pair {
     let record = Experiment::reference(Condition::white_relative(16.72), 3.0).record(seed);
     let rough = 3.0 * BANDWIDTH;
-    let config = Config::new(Structure::<3, 5, 1>::servo(), rough, [1.0], 50.0);
+    let config = Config::new(Structure::<3, 5, 1>::SERVO, rough, [1.0], 50.0);
     let mut fixed: Identifier<_, 3, 5> =
         Identifier::try_new(&config, trends(rough)).expect("a servo");
     let mut tuned = fixed;
@@ -308,7 +308,7 @@ fn banked(seed: u64) -> Pair {
     let inputs = [Input::delayed(&[REFERENCE.b0()], DELAY)];
     experiment.plant = LinearPlant::with_inputs(&REFERENCE.a(), &inputs, 0.0, DT).expect("a servo");
     let record = experiment.record(seed);
-    let config = Config::new(Structure::<3, 5, 1>::servo(), BANDWIDTH, [0.4], 50.0);
+    let config = Config::new(Structure::<3, 5, 1>::SERVO, BANDWIDTH, [0.4], 50.0);
     let mut bank: DelayBank<_, 3, 5, 1, 7, 8> =
         DelayBank::try_new(&config, trends(BANDWIDTH), 0).expect("a bank");
     for s in record.samples() {
@@ -328,7 +328,7 @@ fn exact(seed: u64) -> Pair {
         xi: 0.3,
     };
     let bandwidth = 60.0;
-    let structure = Structure::<3, 5, 1>::servo();
+    let structure = Structure::<3, 5, 1>::SERVO;
     let mut config = Config::new(structure, bandwidth, [0.4], 50.0);
     config.memory = Some(1.0);
     let plain = FilteredTrends::for_bandwidth(Scheme::Tustin, SLOW as f32, bandwidth);

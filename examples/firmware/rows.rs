@@ -2,7 +2,7 @@
 
 use trendid::{
     Config, ConfigError, DelayBank, ExactTrends, FilteredTrends, Identifier, IntegralTrends,
-    RawTrends, Scheme, Structure, Terms, dead_zone,
+    RawTrends, Scheme, Structure, dead_zone,
 };
 
 use super::record::SAMPLE_TIME;
@@ -38,26 +38,26 @@ const fn filter(scheme: Scheme) -> Result<FilteredTrends<3>, ConfigError> {
 
 /// The reference structure with raw trends of `scheme`.
 pub fn raw(scheme: Scheme) -> Result<Raw, ConfigError> {
-    let config = Config::new(Structure::integrating(), 25.0, [1.0], 50.0);
+    let config = Config::new(Structure::INTEGRATING, 25.0, [1.0], 50.0);
     Raw::try_new(&config, RawTrends::try_new(scheme, SAMPLE_TIME)?)
 }
 
 /// The reference structure with filtered trends of `scheme`.
 pub fn filtered(scheme: Scheme) -> Result<Filtered, ConfigError> {
-    let config = Config::new(Structure::integrating(), 25.0, [1.0], 50.0);
+    let config = Config::new(Structure::INTEGRATING, 25.0, [1.0], 50.0);
     Filtered::try_new(&config, filter(scheme)?)
 }
 
 /// The reference structure with a memory of one second.
 pub fn forgetting() -> Result<Filtered, ConfigError> {
-    let mut config = Config::new(Structure::integrating(), 25.0, [1.0], 50.0);
+    let mut config = Config::new(Structure::INTEGRATING, 25.0, [1.0], 50.0);
     config.memory = Some(1.0);
     Filtered::try_new(&config, filter(Scheme::Tustin)?)
 }
 
 /// The default: constant and start as parameters, slow filter pole, nothing forgotten.
 pub fn default() -> Result<Default, ConfigError> {
-    let config = Config::new(Structure::servo(), 20.0, [1.0], 50.0);
+    let config = Config::new(Structure::SERVO, 20.0, [1.0], 50.0);
     Default::try_new(
         &config,
         FilteredTrends::for_bandwidth(Scheme::Tustin, SAMPLE_TIME, 20.0)?,
@@ -66,7 +66,7 @@ pub fn default() -> Result<Default, ConfigError> {
 
 /// The default with a memory of one second, and so with the pull that survives rest.
 pub fn following() -> Result<Default, ConfigError> {
-    let mut config = Config::new(Structure::servo(), 20.0, [1.0], 50.0);
+    let mut config = Config::new(Structure::SERVO, 20.0, [1.0], 50.0);
     config.memory = Some(1.0);
     Default::try_new(
         &config,
@@ -76,20 +76,20 @@ pub fn following() -> Result<Default, ConfigError> {
 
 /// The default with exact trends.
 pub fn exact() -> Result<Exact, ConfigError> {
-    let config = Config::new(Structure::servo(), 20.0, [1.0], 50.0);
+    let config = Config::new(Structure::SERVO, 20.0, [1.0], 50.0);
     Exact::try_new(&config, ExactTrends::for_bandwidth(SAMPLE_TIME, 20.0)?)
 }
 
 /// Delays of 0 to 7 samples of the default, side by side.
 pub fn bank() -> Result<Bank, ConfigError> {
-    let config = Config::new(Structure::servo(), 20.0, [1.0], 50.0);
+    let config = Config::new(Structure::SERVO, 20.0, [1.0], 50.0);
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, SAMPLE_TIME, 20.0)?;
     Bank::try_new(&config, trends, 0)
 }
 
 /// The reference structure over spans.
 pub fn integral() -> Result<Integral, ConfigError> {
-    let config = Config::new(Structure::integrating(), 20.0, [1.0], 50.0);
+    let config = Config::new(Structure::INTEGRATING, 20.0, [1.0], 50.0);
     Integral::try_new(
         &config,
         IntegralTrends::try_new(Scheme::Tustin, SAMPLE_TIME)?,
@@ -98,7 +98,7 @@ pub fn integral() -> Result<Integral, ConfigError> {
 
 /// With the start as a parameter.
 pub fn started() -> Result<Offset, ConfigError> {
-    let config = Config::new(Structure::integrating_with_start(), 20.0, [1.0], 50.0);
+    let config = Config::new(Structure::INTEGRATING_WITH_INITIAL_STATE, 20.0, [1.0], 50.0);
     Offset::try_new(
         &config,
         FilteredTrends::for_bandwidth(Scheme::Tustin, SAMPLE_TIME, 20.0)?,
@@ -107,30 +107,27 @@ pub fn started() -> Result<Offset, ConfigError> {
 
 /// With a constant input.
 pub fn offset() -> Result<Offset, ConfigError> {
-    let config = Config::new(Structure::integrating_with_constant(), 25.0, [1.0], 50.0);
+    let config = Config::new(Structure::INTEGRATING_WITH_CONSTANT, 25.0, [1.0], 50.0);
     Offset::try_new(&config, filter(Scheme::Tustin)?)
 }
 
 /// With a constant input and two samples of delay.
 pub fn late() -> Result<Late, ConfigError> {
-    let mut config = Config::new(Structure::integrating_with_constant(), 25.0, [1.0], 50.0);
+    let mut config = Config::new(Structure::INTEGRATING_WITH_CONSTANT, 25.0, [1.0], 50.0);
     config.delays = [2];
     Late::try_new(&config, filter(Scheme::Tustin)?)
 }
 
 /// With the inputs of a dead zone and a constant.
 pub fn dead_zoned() -> Result<DeadZone, ConfigError> {
-    let config = Config::new(Structure::integrating_with_constant(), 25.0, [1.0; 2], 50.0);
+    let config = Config::new(Structure::INTEGRATING_WITH_CONSTANT, 25.0, [1.0; 2], 50.0);
     DeadZone::try_new(&config, filter(Scheme::Tustin)?)
 }
 
 /// Every a_i and b_i.
 pub fn full() -> Result<Full, ConfigError> {
-    let structure = Structure::new(Terms::up_to(3), [Terms::up_to(3)], false);
-    Full::try_new(
-        &Config::new(structure, 25.0, [1.0], 50.0),
-        filter(Scheme::Tustin)?,
-    )
+    let config = Config::new(Structure::FULL, 25.0, [1.0], 50.0);
+    Full::try_new(&config, filter(Scheme::Tustin)?)
 }
 
 /// The inputs of the rows with a dead zone.

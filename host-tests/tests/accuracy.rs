@@ -22,7 +22,7 @@ fn errors<T: TrendOperator<3>>(trends: T, record: &Record) -> [f64; 3] {
 }
 
 fn design() -> Config<3, 3, 1> {
-    Config::new(trendid::Structure::integrating(), 20.0, [0.4], 50.0)
+    Config::new(trendid::Structure::INTEGRATING, 20.0, [0.4], 50.0)
 }
 
 fn error_pct(theta: &[f64]) -> [f64; 3] {

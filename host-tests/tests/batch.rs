@@ -107,7 +107,7 @@ fn gap<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
     }
     let core = recursion(&identifier, &config);
 
-    let start = model.start().then(|| {
+    let start = model.initial_state().then(|| {
         let slowest = f64::from(trends.decay());
         assert!(slowest > 0.0 && slowest < 1.0);
         slowest
@@ -168,7 +168,7 @@ fn servo_with_and_without_constant_and_start() {
     for scheme in [Scheme::Tustin, Scheme::Goodwin] {
         let f = filter::<3>(scheme, 25.0);
         let slow = FilteredTrends::for_bandwidth(core_scheme(scheme), DT, 20.0).unwrap();
-        let plain = Config::new(Structure::<3, 3, 1>::integrating(), 20.0, [1.0], 50.0);
+        let plain = Config::new(Structure::<3, 3, 1>::INTEGRATING, 20.0, [1.0], 50.0);
         both(
             &format!("servo, {scheme:?}"),
             plain,
@@ -179,7 +179,7 @@ fn servo_with_and_without_constant_and_start() {
         );
         let name = format!("servo, slow pole, {scheme:?}");
         both(&name, plain, slow, scheme, &servo, LIMIT);
-        let constant = Structure::<3, 4, 1>::integrating_with_constant();
+        let constant = Structure::<3, 4, 1>::INTEGRATING_WITH_CONSTANT;
         let config = Config::new(constant, 20.0, [1.0], 50.0);
         both(
             &format!("constant, {scheme:?}"),
@@ -189,7 +189,7 @@ fn servo_with_and_without_constant_and_start() {
             &pushed,
             LIMIT,
         );
-        let config = Config::new(Structure::<3, 5, 1>::servo(), 20.0, [1.0], 50.0);
+        let config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [1.0], 50.0);
         both(
             &format!("start, {scheme:?}"),
             config,
@@ -205,7 +205,7 @@ fn servo_with_and_without_constant_and_start() {
 fn full_models_of_order_one_to_four() {
     for scheme in [Scheme::Tustin, Scheme::Goodwin] {
         let one = record(&[20.0], &[Input::new(&[100.0])], 0.0, 41);
-        let config = Config::new(Structure::<1, 2, 1>::full(), 20.0, [1.0], 5.0);
+        let config = Config::new(Structure::<1, 2, 1>::FULL, 20.0, [1.0], 5.0);
         both(
             &format!("order 1, {scheme:?}"),
             config,
@@ -216,7 +216,7 @@ fn full_models_of_order_one_to_four() {
         );
 
         let two = record(&[400.0, 16.0], &[Input::new(&[2e3, 30.0])], 0.0, 42);
-        let config = Config::new(Structure::<2, 4, 1>::full(), 20.0, [1.0], 5.0);
+        let config = Config::new(Structure::<2, 4, 1>::FULL, 20.0, [1.0], 5.0);
         both(
             &format!("order 2, {scheme:?}"),
             config,
@@ -229,7 +229,7 @@ fn full_models_of_order_one_to_four() {
         // (s + 10)(s^2 + 16 s + 400)
         let a = [4000.0, 560.0, 26.0];
         let three = record(&a, &[Input::new(&[2e4, 700.0, 10.0])], 0.0, 43);
-        let config = Config::new(Structure::<3, 6, 1>::full(), 20.0, [1.0], 5.0);
+        let config = Config::new(Structure::<3, 6, 1>::FULL, 20.0, [1.0], 5.0);
         both(
             &format!("order 3, {scheme:?}"),
             config,
@@ -242,7 +242,7 @@ fn full_models_of_order_one_to_four() {
         // (s^2 + 6 s + 144)(s^2 + 16 s + 900)
         let a = [129_600.0, 7704.0, 1140.0, 22.0];
         let four = record(&a, &[Input::new(&[5e5, 1e4, 300.0, 5.0])], 0.0, 44);
-        let config = Config::new(Structure::<4, 8, 1>::full(), 20.0, [1.0], 5.0);
+        let config = Config::new(Structure::<4, 8, 1>::FULL, 20.0, [1.0], 5.0);
         both(
             &format!("order 4, {scheme:?}"),
             config,
@@ -258,7 +258,7 @@ fn full_models_of_order_one_to_four() {
 fn subsets_of_terms() {
     // b1 without b0, and a2 alone beside two integrators.
     let two = record(&[400.0, 16.0], &[Input::new(&[0.0, 300.0])], 0.0, 45);
-    let structure = Structure::<2, 3, 1>::new(Terms::up_to(2), [Terms::of(&[1])], false);
+    let structure = const { Structure::<2, 3, 1>::new(Terms::up_to(2), [Terms::of(&[1])], false) };
     let config = Config::new(structure, 20.0, [1.0], 5.0);
     both(
         "b1 only",
@@ -269,7 +269,7 @@ fn subsets_of_terms() {
         LIMIT,
     );
     let double = record(&[0.0, 0.0, 12.0], &[Input::new(&[1e4])], 0.0, 46);
-    let structure = Structure::<3, 2, 1>::new(Terms::of(&[2]), [Terms::of(&[0])], false);
+    let structure = const { Structure::<3, 2, 1>::new(Terms::of(&[2]), [Terms::of(&[0])], false) };
     let config = Config::new(structure, 20.0, [1.0], 50.0);
     both(
         "two integrators",
@@ -288,8 +288,9 @@ fn two_genuine_inputs_with_their_own_numerators_and_delays() {
         Input::delayed(&[-1.2e3], 1),
     ];
     let data = record(&[400.0, 16.0], &inputs, 300.0, 51);
-    let structure =
-        Structure::<2, 6, 2>::new(Terms::up_to(2), [Terms::up_to(2), Terms::of(&[0])], true);
+    let structure = const {
+        Structure::<2, 6, 2>::new(Terms::up_to(2), [Terms::up_to(2), Terms::of(&[0])], true)
+    };
     let mut config = Config::new(structure, 20.0, [1.0, 1.0], 5.0);
     config.delays = [3, 1];
     for scheme in [Scheme::Tustin, Scheme::Goodwin] {
@@ -333,7 +334,7 @@ fn two_genuine_inputs_with_their_own_numerators_and_delays() {
 #[test]
 fn first_order_hold_and_raw_trends() {
     let data = record(&[400.0, 16.0], &[Input::new(&[2e3, 30.0])], 0.0, 61);
-    let mut config = Config::new(Structure::<2, 4, 1>::full(), 20.0, [1.0], 5.0);
+    let mut config = Config::new(Structure::<2, 4, 1>::FULL, 20.0, [1.0], 5.0);
     config.holds = [trendid::Hold::First];
     both(
         "first-order hold",

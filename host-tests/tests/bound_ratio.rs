@@ -17,7 +17,7 @@ fn white_rows_stay_near_the_bound_and_sigma_covers() {
                 let record =
                     Experiment::reference(Condition::white_relative(ns), duration).record(seed);
                 let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
-                let config = Config::new(Structure::<3, 5, 1>::servo(), 20.0, [1.0], 50.0);
+                let config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [1.0], 50.0);
                 let mut identifier: Identifier<_, 3, 5> =
                     Identifier::try_new(&config, trends).unwrap();
                 for s in record.samples() {

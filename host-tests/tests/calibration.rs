@@ -15,7 +15,7 @@ type Range = (f32, f32);
 type Scored = fn(&Record, Range) -> [f64; 6];
 
 fn design(range: Range) -> Config<3, 5, 1> {
-    Config::new(Structure::<3, 5, 1>::servo(), 20.0, [range.0], range.1)
+    Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [range.0], range.1)
 }
 
 /// Of the default of the core.

@@ -12,7 +12,7 @@ type Bank = DelayBank<FilteredTrends<3>, 3, 5, 1, 7, 8>;
 
 fn bank() -> Bank {
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
-    let config = Config::new(Structure::<3, 5, 1>::servo(), 20.0, [0.4], 50.0);
+    let config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
     Bank::try_new(&config, trends, 0).unwrap()
 }
 
@@ -62,7 +62,7 @@ fn refusals_and_sizes() {
     assert!(bank.candidate(7).is_some() && bank.candidate(8).is_none());
 
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
-    let config = Config::new(Structure::<3, 5, 1>::servo(), 20.0, [0.4], 50.0);
+    let config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
     let short = DelayBank::<_, 3, 5, 1, 2, 8>::try_new(&config, trends, 0);
     assert!(matches!(
         short,

@@ -104,7 +104,7 @@ fn raw_innovation_is_the_evaluation_error() {
     let record = Experiment::reference(Condition::white(20.0), 1.0).record(72);
     for scheme in [CoreScheme::Tustin, CoreScheme::Goodwin] {
         let trends = RawTrends::try_new(scheme, DT).unwrap();
-        let config = Config::new(Structure::<3, 3, 1>::integrating(), 20.0, [0.4], 50.0);
+        let config = Config::new(Structure::<3, 3, 1>::INTEGRATING, 20.0, [0.4], 50.0);
         let mut identifier: Identifier<_, 3, 3> = Identifier::try_new(&config, trends).unwrap();
         let mut evaluation = OutputEvaluation::<3, 1>::new(trends);
         let origin = record.y[0] as f32;

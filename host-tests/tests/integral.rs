@@ -94,7 +94,7 @@ fn the_reference_servo_over_spans_of_70_ms() {
         condition.w_um = 0.0;
         let record = Experiment::reference(condition, 1.0).record(seed);
         let trends = IntegralTrends::<3, 70>::try_new(Scheme::Tustin, 0.001).unwrap();
-        let config = Config::new(Structure::<3, 3, 1>::integrating(), 20.0, [0.4], 50.0);
+        let config = Config::new(Structure::<3, 3, 1>::INTEGRATING, 20.0, [0.4], 50.0);
         let mut identifier: Identifier<_, 3, 3> = Identifier::try_new(&config, trends).unwrap();
         for sample in record.samples() {
             let _ = identifier.update(sample.u as f32, sample.y as f32);

@@ -12,7 +12,7 @@ type Servo = Identifier<FilteredTrends<3>, 3, 3>;
 fn servo(memory: Option<f32>, units: (f32, f32)) -> Servo {
     let trends = FilteredTrends::try_new(Scheme::Tustin, 0.001, [25.0; 3]).unwrap();
     let mut config = Config::new(
-        Structure::<3, 3, 1>::integrating(),
+        Structure::<3, 3, 1>::INTEGRATING,
         20.0,
         [units.0],
         50.0 * units.1,
@@ -135,7 +135,9 @@ proptest! {
     #[test]
     fn a_known_parameter_is_as_if_absent(record in record()) {
         let trends = FilteredTrends::try_new(Scheme::Tustin, 0.001, [25.0; 3]).unwrap();
-        let large = Structure::<3, 5, 1>::new(Terms::between(1, 3), [Terms::up_to(3)], false);
+        let large = const {
+            Structure::<3, 5, 1>::new(Terms::between(1, 3), [Terms::up_to(3)], false)
+        };
         let mut config = Config::new(large, 20.0, [1.0], 50.0);
         let small = servo(None, (1.0, 1.0));
         config.prior_std = Some([1e5, 1e3, 1e8, 0.0, 0.0]);
@@ -282,10 +284,10 @@ proptest! {
         let filtered = |bandwidth| FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, bandwidth).unwrap();
         let exact = |bandwidth| ExactTrends::for_bandwidth(0.001, bandwidth).unwrap();
         let raw = |_| RawTrends::try_new(Scheme::Tustin, 0.001).unwrap();
-        let servo = config(Structure::<3, 5, 1>::servo(), memory, pull);
-        let drive = config(Structure::<3, 3, 1>::integrating(), memory, pull);
+        let servo = config(Structure::<3, 5, 1>::SERVO, memory, pull);
+        let drive = config(Structure::<3, 3, 1>::INTEGRATING, memory, pull);
         let b0 = [Terms::of(&[0]); 2];
-        let all_a = Structure::<3, 7, 2>::try_with_start(Terms::up_to(3), b0, true).unwrap();
+        let all_a = Structure::<3, 7, 2>::try_with_initial_state(Terms::up_to(3), b0, true).unwrap();
         let mut all_a = config(all_a, memory, pull);
         all_a.delays = [3, 1];
         all_a.rest = [0.2, -0.1];

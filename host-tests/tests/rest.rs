@@ -38,7 +38,7 @@ fn largest(errors: [f64; 3]) -> f64 {
 
 fn run(seed: u64, eta_mm: f64, means: Means) -> Run {
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, DT as f32, 20.0).unwrap();
-    let mut config = Config::new(Structure::<3, 5, 1>::servo(), 20.0, [0.4], 50.0);
+    let mut config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
     config.memory = Some(0.2);
     if let Means::Pull(pull) = means {
         config.pull = pull;
@@ -111,7 +111,7 @@ fn summary(seeds: std::ops::Range<u64>, eta_mm: f64, means: Means) -> (f64, f64,
 
 /// The pull of the configuration's default.
 fn default_pull() -> f32 {
-    Config::new(Structure::<3, 5, 1>::servo(), 20.0, [0.4], 50.0).pull
+    Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0).pull
 }
 
 #[test]

@@ -20,7 +20,7 @@ fn a_wrong_bandwidth_is_mended_by_retuning() {
         for seed in seeds.clone() {
             let record = Experiment::reference(Condition::white_relative(16.72), 3.0).record(seed);
             let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, rough).unwrap();
-            let config = Config::new(Structure::<3, 5, 1>::servo(), rough, [1.0], 50.0);
+            let config = Config::new(Structure::<3, 5, 1>::SERVO, rough, [1.0], 50.0);
             let mut plain: Identifier<_, 3, 5> = Identifier::try_new(&config, trends).unwrap();
             let mut other = plain;
             let mut retuned = false;

@@ -212,12 +212,13 @@ proptest! {
             .into_iter()
             .filter(|act| !matches!(act, Act::WarmStart(_, std) if *std > 1e3))
             .collect();
-        filtered(&design, Structure::<1, 2, 1>::full(), &acts)?;
-        filtered(&design, Structure::<2, 3, 1>::integrating_with_constant(), &acts)?;
-        filtered(&design, Structure::<3, 5, 1>::servo(), &acts)?;
-        let both = [Terms::of(&[0, 1]), Terms::of(&[0])];
-        filtered(&design, Structure::<3, 7, 2>::new(Terms::up_to(3), both, true), &acts)?;
-        filtered(&design, Structure::<4, 8, 1>::full(), &acts)?;
+        filtered(&design, Structure::<1, 2, 1>::FULL, &acts)?;
+        filtered(&design, Structure::<2, 3, 1>::INTEGRATING_WITH_CONSTANT, &acts)?;
+        filtered(&design, Structure::<3, 5, 1>::SERVO, &acts)?;
+        const BOTH: [Terms; 2] = [Terms::of(&[0, 1]), Terms::of(&[0])];
+        let two_inputs = const { Structure::<3, 7, 2>::new(Terms::up_to(3), BOTH, true) };
+        filtered(&design, two_inputs, &acts)?;
+        filtered(&design, Structure::<4, 8, 1>::FULL, &acts)?;
     }
 
     /// Any settings at all: an error that names the value, or an identifier that survives anything.
@@ -228,8 +229,9 @@ proptest! {
         some in any::<(bool, bool, bool)>(),
         acts in prop::collection::vec(act(), 1..60),
     ) {
-        let structure = Structure::<2, 4, 2>::new(
-            Terms::up_to(2), [Terms::of(&[0]), Terms::of(&[1])], false);
+        let structure = const {
+            Structure::<2, 4, 2>::new(Terms::up_to(2), [Terms::of(&[0]), Terms::of(&[1])], false)
+        };
         let mut config = Config::new(
             structure, numbers[0], [numbers[1], numbers[2]], numbers[3]);
         config.output_noise = numbers[4];
@@ -281,7 +283,7 @@ fn hours_without_a_movement() {
     // Ten minutes of exact silence with a short memory: nothing winds up, nothing becomes subnormal or NaN.
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
     for pull in [0.0, 5e-4] {
-        let mut config = Config::new(Structure::<3, 5, 1>::servo(), 20.0, [0.4], 50.0);
+        let mut config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
         config.memory = Some(0.2);
         config.pull = pull;
         let mut identifier: Identifier<_, 3, 5> = Identifier::try_new(&config, trends).unwrap();
@@ -306,7 +308,7 @@ fn hours_without_a_movement() {
 #[test]
 fn a_bank_survives_too() {
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
-    let config = Config::new(Structure::<3, 5, 1>::servo(), 20.0, [0.4], 50.0);
+    let config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
     let mut bank = DelayBank::<_, 3, 5, 1, 3, 4>::try_new(&config, trends, 0).unwrap();
     for value in [0.0, 1.0, f32::NAN, f32::MAX, -1e6, f32::INFINITY, 3.0] {
         let _ = bank.update_inputs([value], value);

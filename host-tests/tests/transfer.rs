@@ -285,7 +285,7 @@ fn physical_std_is_the_delta_method() {
     for (seed, eta) in [(81, 20.0), (82, 500.0)] {
         let record = Experiment::reference(Condition::white(eta), 1.0).record(seed);
         let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
-        let config = Config::new(Structure::<3, 5, 1>::servo(), 20.0, [0.4], 50.0);
+        let config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
         let mut identifier: Identifier<_, 3, 5> = Identifier::try_new(&config, trends).unwrap();
         assert!(
             identifier

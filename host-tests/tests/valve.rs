@@ -1,8 +1,7 @@
 //! Defects of valve and drive in the core: offset, dead zone, unequal gains, Coulomb friction.
 
 use trendid::{
-    Config, DeadZone, FilteredTrends, Identifier, Scheme, Structure, Terms, asymmetric, coulomb,
-    dead_zone,
+    Config, DeadZone, FilteredTrends, Identifier, Scheme, Structure, asymmetric, coulomb, dead_zone,
 };
 use trendid_host_tests::plants::servo::{REFERENCE, Servo};
 use trendid_host_tests::plants::valve::FrictionDrive;
@@ -29,9 +28,9 @@ fn worst(e: [f64; 3]) -> f64 {
 
 /// The servo with an offset, with and without a constant input.
 fn offset(record: &Record) -> (f64, f64, f64) {
-    let plain = Config::new(Structure::<3, 3, 1>::integrating(), 20.0, [0.4], 50.0);
+    let plain = Config::new(Structure::<3, 3, 1>::INTEGRATING, 20.0, [0.4], 50.0);
     let mut without: Identifier<_, 3, 3> = Identifier::try_new(&plain, trends()).unwrap();
-    let constant = Structure::<3, 4, 1>::integrating_with_constant();
+    let constant = Structure::<3, 4, 1>::INTEGRATING_WITH_CONSTANT;
     let config = Config::new(constant, 20.0, [0.4], 50.0);
     let mut with: Identifier<_, 3, 4> = Identifier::try_new(&config, trends()).unwrap();
     for s in record.samples() {
@@ -68,13 +67,7 @@ fn offset_of_ten_percent() {
 
 /// A dead zone found on the way: errors of C, omega0, xi \[%\] and the width at the end.
 fn dead_zone_found(record: &Record, start: f32) -> ([f64; 3], f32) {
-    let structure = Structure::<3, 6, 2>::try_with_start(
-        Terms::of(&[1, 2]),
-        [Terms::of(&[0]), Terms::of(&[0])],
-        true,
-    )
-    .unwrap();
-    let mut config = Config::new(structure, 20.0, [0.2, 0.05], 50.0);
+    let mut config = Config::new(Structure::<3, 6, 2>::SERVO, 20.0, [0.2, 0.05], 50.0);
     config.memory = Some(0.7);
     let mut identifier: Identifier<_, 3, 6, 2> = Identifier::try_new(&config, trends()).unwrap();
     let mut valve = DeadZone::new(start, 0.1, 300);
@@ -120,7 +113,7 @@ fn dead_zone_of_three_percent_in_closed_loop() {
     // What it would be without.
     let mut experiment = Experiment::closed_loop(Condition::CLEAN, 4.0);
     experiment.valve.dead_zone = 0.03;
-    let plain = Config::new(Structure::<3, 3, 1>::integrating(), 20.0, [0.2], 50.0);
+    let plain = Config::new(Structure::<3, 3, 1>::INTEGRATING, 20.0, [0.2], 50.0);
     let mut without: Identifier<_, 3, 3> = Identifier::try_new(&plain, trends()).unwrap();
     for s in experiment.record(6200).samples() {
         let _ = without.update(s.u as f32, s.y as f32);
@@ -134,12 +127,7 @@ fn dead_zone_of_three_percent_in_closed_loop() {
 fn unequal_gains_of_the_two_directions() {
     let mut experiment = Experiment::reference(Condition::white(20.0), 1.0);
     experiment.valve.gain_negative = 0.7;
-    let structure = Structure::<3, 4, 2>::new(
-        Terms::of(&[1, 2]),
-        [Terms::of(&[0]), Terms::of(&[0])],
-        false,
-    );
-    let config = Config::new(structure, 20.0, [0.4, 0.4], 50.0);
+    let config = Config::new(Structure::<3, 4, 2>::INTEGRATING, 20.0, [0.4, 0.4], 50.0);
     let (mut largest, mut ratio) = ([0.0_f64; 3], 0.0_f64);
     for seed in 6400..6500 {
         let mut identifier: Identifier<_, 3, 4, 2> =
@@ -165,11 +153,10 @@ fn coulomb_friction_is_an_input() {
     // s (s + a) y = b u - c sgn(v) + d with the figures of a ball-screw drive; the velocity is that of the drive, which
     // is never held by friction here: at rest friction is what balances the drive and no sign gives it.
     let (a, b, c, d) = (2.14, 0.37, 0.21, 0.033);
-    let structure =
-        Structure::<2, 4, 2>::new(Terms::of(&[1]), [Terms::of(&[0]), Terms::of(&[0])], true);
+    let structure = Structure::<2, 4, 2>::INTEGRATING_WITH_CONSTANT;
     let config = Config::new(structure, 10.0, [1.0, 1.0], 0.1);
     let trends = FilteredTrends::<2>::for_bandwidth(Scheme::Tustin, DT, 10.0).unwrap();
-    let plain_structure = Structure::<2, 3, 1>::integrating_with_constant();
+    let plain_structure = Structure::<2, 3, 1>::INTEGRATING_WITH_CONSTANT;
     let plain_config = Config::new(plain_structure, 10.0, [1.0], 0.1);
     let (mut largest, mut ignored) = ([0.0_f64; 4], 0.0_f64);
     for seed in 6600..6620 {

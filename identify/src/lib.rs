@@ -105,7 +105,10 @@ impl Setup {
             2 => sized::<2>(self),
             3 => sized::<3>(self),
             4 => sized::<4>(self),
-            order => Err(ConfigError::Order(order)),
+            order => Err(ConfigError::Term {
+                power: order,
+                order: 4,
+            }),
         }
     }
 
@@ -115,7 +118,7 @@ impl Setup {
             *slot = input.terms;
         }
         let structure = if self.start {
-            Structure::try_with_start(self.output, terms, self.constant)?
+            Structure::try_with_initial_state(self.output, terms, self.constant)?
         } else {
             Structure::try_new(self.output, terms, self.constant)?
         };
@@ -207,7 +210,10 @@ impl<const M: usize> TrendOperator<M> for AnyTrends<M> {
 fn polynomial<const M: usize>(coefficients: &[f32]) -> Result<[f32; M], ConfigError> {
     coefficients
         .try_into()
-        .map_err(|_| ConfigError::Order(coefficients.len()))
+        .map_err(|_| ConfigError::ParameterCount {
+            found: coefficients.len(),
+            expected: M,
+        })
 }
 
 fn sized<const M: usize>(setup: &Setup) -> Result<Box<dyn Recursion>, ConfigError> {

@@ -4,3 +4,4 @@ pub(crate) mod noise_level;
 pub(crate) mod regressor;
 pub(crate) mod rls;
 pub(crate) mod structure;
+pub(crate) mod terms;

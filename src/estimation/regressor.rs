@@ -11,7 +11,8 @@
 //! transfer function. The scales s make every entry of order 1: the recursion sees
 //! no units.
 
-use crate::estimation::structure::{Column, Structure};
+use crate::estimation::structure::Structure;
+use crate::estimation::terms::Parameter;
 use crate::trends::{TrendOperator, Trends};
 
 /// Where the values of one column come from, as an index that is cheap to use.
@@ -66,16 +67,16 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
             lead: [0.0; N],
             lead_floor: 0.0,
         };
-        for (j, column) in structure.columns().into_iter().enumerate() {
+        for (j, column) in structure.parameters().into_iter().enumerate() {
             let (index, scale, sign) = match column {
-                Column::Output { power } => (power, 1.0 / (gain[power] * output_range), -1.0),
-                Column::Input { input, power } => (
+                Parameter::Output { power } => (power, 1.0 / (gain[power] * output_range), -1.0),
+                Parameter::Input { input, power } => (
                     M + input * M + power,
                     1.0 / (gain[power] * input_range[input]),
                     1.0,
                 ),
-                Column::Constant => (M + I * M, 1.0 / gain[0], 1.0),
-                Column::Start => (M + I * M + 1, 1.0 / trends.gain(bandwidth), 1.0),
+                Parameter::Constant => (M + I * M, 1.0 / gain[0], 1.0),
+                Parameter::InitialState => (M + I * M + 1, 1.0 / trends.gain(bandwidth), 1.0),
             };
             regressor.sources[j] = Source {
                 index: index as u8,

@@ -1,87 +1,58 @@
 //! Which parameters a model has.
 
-use crate::error::ConfigError;
-
-/// A set of powers of s: which a_i, or which b_i of one input, exist.
-///
-/// # Examples
-/// ```
-/// use trendid::Terms;
-/// assert_eq!(Terms::up_to(2), Terms::of(&[0, 1]));
-/// assert!(Terms::of(&[1, 2]).contains(1) && !Terms::of(&[1, 2]).contains(0));
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Terms(u8);
-
-impl Terms {
-    /// No term at all.
-    pub const NONE: Self = Self(0);
-
-    /// The powers listed, each 0..=7; larger ones are refused by [`Structure::try_new`].
-    pub const fn of(powers: &[usize]) -> Self {
-        let mut bits = 0;
-        let mut i = 0;
-        while i < powers.len() {
-            bits |= 1 << if powers[i] < 8 { powers[i] } else { 7 };
-            i += 1;
-        }
-        Self(bits)
-    }
-
-    /// Powers 0 to `count - 1`.
-    pub const fn up_to(count: usize) -> Self {
-        Self::between(0, count)
-    }
-
-    /// Powers `first` to `end - 1`.
-    pub const fn between(first: usize, end: usize) -> Self {
-        let mut bits = 0;
-        let mut i = first;
-        while i < end && i < 8 {
-            bits |= 1 << i;
-            i += 1;
-        }
-        Self(bits)
-    }
-
-    /// Whether the power is in the set.
-    pub const fn contains(self, power: usize) -> bool {
-        power < 8 && self.0 & (1 << power) != 0
-    }
-
-    /// How many powers are in the set.
-    pub const fn count(self) -> usize {
-        self.0.count_ones() as usize
-    }
-
-    const fn highest(self) -> usize {
-        7 - self.0.leading_zeros() as usize
-    }
-}
+use crate::error::{ConfigError, assert_order};
+use crate::estimation::terms::{Parameter, Terms};
 
 /// The structure of a model of order `M` with `N` parameters and `I` inputs.
 ///
 /// Theta holds the parameters in this order, each as it stands in the transfer
 /// function: the existing a_i with i ascending, then for each input its b_i with i
-/// ascending, then the constant, then the start.
+/// ascending, then the constant, then the initial state.
 ///
-/// The *start* is the error of the position that the trends begin with: the first
+/// The *initial state* is the error of the position at which the trends begin: the first
 /// sample is noisy, and a slow filter would carry its error for seconds. As a
-/// parameter (in the unit of y, minus that error) it costs one more column.
+/// parameter (in the unit of y, minus that error) it costs one more column. See Unbehauen
+/// and Rao, Automatica 26 (1990), on initial conditions as parameters.
 ///
 /// # Examples
 /// The servo drive of the paper, `b0 / (s (s^2 + a2 s + a1))`, theta = (a1, a2, b0):
 /// ```
 /// use trendid::Structure;
-/// const SERVO: Structure<3, 3, 1> = Structure::integrating();
-/// assert!(!SERVO.output().contains(0));
+/// let servo = Structure::<3, 3, 1>::INTEGRATING;
+/// assert!(!servo.output().contains(0));
 /// ```
-/// A structure that contradicts its sizes does not compile as a constant:
-/// ```compile_fail
+/// A structure that contradicts its sizes does not compile. A number of parameters that is not `N`:
+/// ```compile_fail,E0080
+/// use trendid::Structure;
+/// let servo = Structure::<3, 4, 1>::SERVO; // a1, a2, b0, constant and initial state are 5
+/// ```
+/// An order outside 1..=4:
+/// ```compile_fail,E0080
+/// use trendid::Structure;
+/// let none = Structure::<0, 1, 1>::INTEGRATING;
+/// ```
+/// ```compile_fail,E0080
+/// use trendid::Structure;
+/// let fifth = Structure::<5, 10, 1>::FULL;
+/// ```
+/// No input:
+/// ```compile_fail,E0080
+/// use trendid::Structure;
+/// let autonomous = Structure::<3, 3, 0>::FULL;
+/// ```
+/// Other terms are checked in the same way within `const`, also in a `let`:
+/// ```
 /// use trendid::{Structure, Terms};
-/// const WRONG: Structure<3, 4, 1> = Structure::new(Terms::of(&[1, 2]), [Terms::of(&[0])], false);
-/// # let _ = WRONG;
+/// let double = const { Structure::<3, 2, 1>::new(Terms::of(&[2]), [Terms::of(&[0])], false) };
+/// assert_eq!(double.integrators(), 2);
+/// ```
+/// ```compile_fail,E0080
+/// use trendid::{Structure, Terms};
+/// let wrong = const { Structure::<3, 4, 1>::new(Terms::of(&[1, 2]), [Terms::of(&[0])], false) };
+/// ```
+/// ```compile_fail,E0080
+/// use trendid::{Structure, Terms};
+/// let power = const { Structure::<2, 2, 1>::new(Terms::of(&[2]), [Terms::of(&[0])], false) };
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -89,32 +60,60 @@ pub struct Structure<const M: usize, const N: usize, const I: usize> {
     output: Terms,
     inputs: [Terms; I],
     constant: bool,
-    start: bool,
+    initial_state: bool,
 }
 
 impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
-    /// The structure with these terms; for constants.
+    /// All a_i but a_0, and b_0 of each input: a drive that integrates.
+    pub const INTEGRATING: Self = Self::servo(false, false);
+
+    /// As [`Structure::INTEGRATING`], with a constant input for the offset of the valve.
+    pub const INTEGRATING_WITH_CONSTANT: Self = Self::servo(true, false);
+
+    /// As [`Structure::INTEGRATING`], with the initial state.
+    #[doc(alias = "integrating_with_start")]
+    pub const INTEGRATING_WITH_INITIAL_STATE: Self = Self::servo(false, true);
+
+    /// As [`Structure::INTEGRATING`], with a constant and the initial state: the structure to start with.
+    pub const SERVO: Self = Self::servo(true, true);
+
+    /// Every a_i and every b_i.
+    pub const FULL: Self = Self::new(Terms::up_to(M), [Terms::up_to(M); I], false);
+
+    /// All a_i but a_0, and b_0 of each input.
+    const fn servo(constant: bool, initial_state: bool) -> Self {
+        let b0 = [Terms::of(&[0]); I];
+        Self::expect_valid(Self::assemble(
+            Terms::between(1, M),
+            b0,
+            constant,
+            initial_state,
+        ))
+    }
+
+    /// The structure with these terms, for constants and `const` blocks.
     ///
     /// # Panics
     /// Where [`Structure::try_new`] gives an error; in a constant that is a compile error.
     #[track_caller]
     pub const fn new(output: Terms, inputs: [Terms; I], constant: bool) -> Self {
-        Self::sound(Self::try_new(output, inputs, constant))
+        Self::expect_valid(Self::try_new(output, inputs, constant))
     }
 
     #[track_caller]
-    const fn sound(structure: Result<Self, ConfigError>) -> Self {
+    const fn expect_valid(structure: Result<Self, ConfigError>) -> Self {
         match structure {
             Ok(structure) => structure,
             Err(_) => panic!("the terms contradict the sizes M, N, I of the structure"),
         }
     }
 
-    /// The structure with these terms of y and of each input, and maybe a constant input 1.
+    /// The structure with these terms of y and of each input, with or without a constant input 1.
+    ///
+    /// For terms that are known at run time only. An order outside 1..=4 does not compile.
     ///
     /// # Errors
-    /// [`ConfigError::Order`], [`ConfigError::Term`], [`ConfigError::NoInput`],
-    /// [`ConfigError::ParameterCount`].
+    /// [`ConfigError::Term`], [`ConfigError::NoInput`], [`ConfigError::ParameterCount`].
     pub const fn try_new(
         output: Terms,
         inputs: [Terms; I],
@@ -123,11 +122,12 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
         Self::assemble(output, inputs, constant, false)
     }
 
-    /// As [`Structure::try_new`], with the start as one more parameter.
+    /// As [`Structure::try_new`], with the initial state as one more parameter.
     ///
     /// # Errors
     /// As [`Structure::try_new`].
-    pub const fn try_with_start(
+    #[doc(alias = "try_with_start")]
+    pub const fn try_with_initial_state(
         output: Terms,
         inputs: [Terms; I],
         constant: bool,
@@ -139,26 +139,21 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
         output: Terms,
         inputs: [Terms; I],
         constant: bool,
-        start: bool,
+        initial_state: bool,
     ) -> Result<Self, ConfigError> {
-        if M == 0 || M > 4 {
-            return Err(ConfigError::Order(M));
-        }
-        let mut found = output.count() + constant as usize + start as usize;
-        if output.count() > 0 && output.highest() >= M {
-            return Err(ConfigError::Term {
-                power: output.highest(),
-                order: M,
-            });
+        const { assert_order(M) };
+        if let Some(power) = output.highest()
+            && power >= M
+        {
+            return Err(ConfigError::Term { power, order: M });
         }
         let mut numerators = 0;
         let mut i = 0;
         while i < I {
-            if inputs[i].count() > 0 && inputs[i].highest() >= M {
-                return Err(ConfigError::Term {
-                    power: inputs[i].highest(),
-                    order: M,
-                });
+            if let Some(power) = inputs[i].highest()
+                && power >= M
+            {
+                return Err(ConfigError::Term { power, order: M });
             }
             numerators += inputs[i].count();
             i += 1;
@@ -166,7 +161,7 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
         if numerators == 0 {
             return Err(ConfigError::NoInput);
         }
-        found += numerators;
+        let found = output.count() + numerators + constant as usize + initial_state as usize;
         if found != N {
             return Err(ConfigError::ParameterCount { found, expected: N });
         }
@@ -174,35 +169,8 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
             output,
             inputs,
             constant,
-            start,
+            initial_state,
         })
-    }
-
-    /// All a_i but a_0, and b_0 of each input: a drive that integrates.
-    pub const fn integrating() -> Self {
-        Self::new(Terms::between(1, M), [Terms::of(&[0]); I], false)
-    }
-
-    /// As [`Structure::integrating`], with a constant input for the offset of the valve.
-    pub const fn integrating_with_constant() -> Self {
-        Self::new(Terms::between(1, M), [Terms::of(&[0]); I], true)
-    }
-
-    /// As [`Structure::integrating`], with the start.
-    pub const fn integrating_with_start() -> Self {
-        let b0 = [Terms::of(&[0]); I];
-        Self::sound(Self::try_with_start(Terms::between(1, M), b0, false))
-    }
-
-    /// As [`Structure::integrating`], with a constant and the start: the structure to take where nothing is known against it.
-    pub const fn servo() -> Self {
-        let b0 = [Terms::of(&[0]); I];
-        Self::sound(Self::try_with_start(Terms::between(1, M), b0, true))
-    }
-
-    /// Every a_i and every b_i.
-    pub const fn full() -> Self {
-        Self::new(Terms::up_to(M), [Terms::up_to(M); I], false)
     }
 
     /// Which a_i exist.
@@ -220,9 +188,10 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
         self.constant
     }
 
-    /// Whether the start is a parameter.
-    pub const fn start(&self) -> bool {
-        self.start
+    /// Whether the initial state is a parameter.
+    #[doc(alias = "start")]
+    pub const fn initial_state(&self) -> bool {
+        self.initial_state
     }
 
     /// Number of integrators: how many of a_0, a_1, .. are absent before the first that exists.
@@ -234,14 +203,15 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
         count
     }
 
-    /// What stands at each place of theta.
-    pub const fn columns(&self) -> [Column; N] {
-        let mut columns = [Column::Start; N];
+    /// The meaning of each entry of theta.
+    #[doc(alias = "columns")]
+    pub const fn parameters(&self) -> [Parameter; N] {
+        let mut parameters = [Parameter::InitialState; N];
         let mut n = 0;
         let mut power = 0;
         while power < M {
             if self.output.contains(power) && n < N {
-                columns[n] = Column::Output { power };
+                parameters[n] = Parameter::Output { power };
                 n += 1;
             }
             power += 1;
@@ -251,7 +221,7 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
             let mut power = 0;
             while power < M {
                 if self.inputs[input].contains(power) && n < N {
-                    columns[n] = Column::Input { input, power };
+                    parameters[n] = Parameter::Input { input, power };
                     n += 1;
                 }
                 power += 1;
@@ -259,37 +229,10 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
             input += 1;
         }
         if self.constant && n < N {
-            columns[n] = Column::Constant;
+            parameters[n] = Parameter::Constant;
         }
-        columns
+        parameters
     }
-}
-
-/// What one place of theta means.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Column {
-    /// The parameter a_power.
-    Output {
-        /// The power of s.
-        power: usize,
-    },
-    /// The parameter b_power of an input.
-    Input {
-        /// Which input.
-        input: usize,
-        /// The power of s.
-        power: usize,
-    },
-    /// The constant: what a constant input 1 contributes.
-    Constant,
-    /// The start: minus the error of the position the trends began with.
-    Start,
-}
-
-/// The place of a column in theta.
-pub(crate) fn place<const N: usize>(columns: &[Column; N], wanted: Column) -> Option<usize> {
-    columns.iter().position(|column| *column == wanted)
 }
 
 #[cfg(test)]
@@ -297,24 +240,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn theta_holds_a_then_b_of_each_input_then_constant_then_start() {
-        let structure = Structure::<3, 7, 2>::try_with_start(
+    fn theta_holds_a_then_b_of_each_input_then_constant_then_initial_state() {
+        let structure = Structure::<3, 7, 2>::try_with_initial_state(
             Terms::of(&[2, 1]),
             [Terms::of(&[2, 0]), Terms::of(&[1])],
             true,
         )
         .unwrap();
-        let input = |input, power| Column::Input { input, power };
+        let input = |input, power| Parameter::Input { input, power };
         assert_eq!(
-            structure.columns(),
+            structure.parameters(),
             [
-                Column::Output { power: 1 },
-                Column::Output { power: 2 },
+                Parameter::Output { power: 1 },
+                Parameter::Output { power: 2 },
                 input(0, 0),
                 input(0, 2),
                 input(1, 1),
-                Column::Constant,
-                Column::Start,
+                Parameter::Constant,
+                Parameter::InitialState,
             ]
         );
         assert_eq!(structure.integrators(), 1);
@@ -332,21 +275,13 @@ mod tests {
         assert_eq!(count(Terms::of(&[0])), 0);
         assert_eq!(count(Terms::of(&[1])), 1);
         assert_eq!(count(Terms::of(&[2])), 2);
-        let none = Structure::<2, 1, 1>::new(Terms::NONE, [Terms::of(&[0])], false);
+        let none = const { Structure::<2, 1, 1>::new(Terms::NONE, [Terms::of(&[0])], false) };
         assert_eq!(none.integrators(), 2);
     }
 
     #[test]
     fn contradictions_are_named() {
         let one = [Terms::of(&[0])];
-        assert_eq!(
-            Structure::<0, 1, 1>::try_new(Terms::NONE, one, false),
-            Err(ConfigError::Order(0))
-        );
-        assert_eq!(
-            Structure::<5, 1, 1>::try_new(Terms::NONE, one, false),
-            Err(ConfigError::Order(5))
-        );
         assert_eq!(
             Structure::<2, 2, 1>::try_new(Terms::of(&[2]), one, false),
             Err(ConfigError::Term { power: 2, order: 2 })
@@ -366,15 +301,5 @@ mod tests {
                 expected: 5
             })
         );
-    }
-
-    #[test]
-    fn terms_as_sets() {
-        assert_eq!(Terms::between(1, 4), Terms::of(&[3, 1, 2]));
-        assert_eq!(Terms::up_to(3).count(), 3);
-        assert_eq!(Terms::NONE.count(), 0);
-        assert!(!Terms::up_to(3).contains(3) && !Terms::up_to(3).contains(99));
-        // Nothing above the seventh power: it is kept as one, and refused by every structure.
-        assert!(Terms::of(&[40]).contains(7));
     }
 }

@@ -11,7 +11,7 @@ use crate::trends::delay_line::acceptable;
 /// ```
 /// use trendid::{Config, Structure};
 /// // A servo: about 20 rad/s, commands around 1, strokes around 50 mm.
-/// let mut config = Config::new(Structure::<3, 3, 1>::integrating(), 20.0, [1.0], 50.0);
+/// let mut config = Config::new(Structure::<3, 3, 1>::INTEGRATING, 20.0, [1.0], 50.0);
 /// config.memory = Some(2.0); // follow changes within seconds
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]

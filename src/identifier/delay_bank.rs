@@ -24,7 +24,7 @@ use crate::trends::TrendOperator;
 /// ```
 /// use trendid::{Config, DelayBank, FilteredTrends, Scheme, Structure};
 /// let trends = FilteredTrends::try_new(Scheme::Tustin, 0.001, [25.0; 1])?;
-/// let config = Config::new(Structure::<1, 2, 1>::full(), 25.0, [1.0], 1.0);
+/// let config = Config::new(Structure::<1, 2, 1>::FULL, 25.0, [1.0], 1.0);
 /// let mut bank = DelayBank::<_, 1, 2, 1, 3, 4>::try_new(&config, trends, 0)?;
 /// // y' = -10 y + 50 u, with u two samples late.
 /// let (mut y, mut line) = (0.0_f32, [0.0_f32; 2]);

@@ -9,7 +9,8 @@ mod state;
 
 use crate::error::{ConfigError, positive};
 use crate::estimation::rls::Estimator;
-use crate::estimation::structure::{Column, Structure, place};
+use crate::estimation::structure::Structure;
+use crate::estimation::terms::{Parameter, index_of};
 use crate::identifier::config::Config;
 use crate::identifier::outcome::Outcome;
 use crate::identifier::plan::Plan;
@@ -46,7 +47,7 @@ const INFLATION: f32 = 5.0;
 /// ```
 /// use trendid::{Config, FilteredTrends, Identifier, Scheme, Structure};
 /// let trends = FilteredTrends::try_new(Scheme::Tustin, 0.001, [25.0; 2])?;
-/// let config = Config::new(Structure::<2, 2, 1>::integrating(), 25.0, [1.0], 1.0);
+/// let config = Config::new(Structure::<2, 2, 1>::INTEGRATING, 25.0, [1.0], 1.0);
 /// let mut identifier: Identifier<_, 2, 2> = Identifier::try_new(&config, trends)?;
 /// // dv/dt = -10 v + 50 u, dy/dt = v: the simplest drive, u = +-1.
 /// let (mut y, mut v) = (0.0_f32, 0.0_f32);
@@ -151,7 +152,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         if same_filter {
             return Ok(());
         }
-        if let (true, Some(std)) = (self.plan.structure.start(), self.plan.prior.std.last()) {
+        if let (true, Some(std)) = (
+            self.plan.structure.initial_state(),
+            self.plan.prior.std.last(),
+        ) {
             state.estimator.widen_last(std * std);
         }
         let settling = (settling / sample_time) as u32;
@@ -216,7 +220,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     fn evidence(&self) -> Evidence<N> {
         Evidence {
-            columns: self.plan.structure.columns(),
+            columns: self.plan.structure.parameters(),
             theta: *self.state.estimator.theta(),
             covariance: core::array::from_fn(|i| {
                 core::array::from_fn(|j| self.state.estimator.covariance(i, j))
@@ -255,12 +259,18 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             constant: 0.0,
             integrators: self.plan.structure.integrators(),
         };
-        for (column, value) in self.plan.structure.columns().into_iter().zip(self.theta()) {
+        for (column, value) in self
+            .plan
+            .structure
+            .parameters()
+            .into_iter()
+            .zip(self.theta())
+        {
             match column {
-                Column::Output { power } => transfer.a[power] = value,
-                Column::Input { input, power } => transfer.b[input][power] = value,
-                Column::Constant => transfer.constant = value,
-                Column::Start => {}
+                Parameter::Output { power } => transfer.a[power] = value,
+                Parameter::Input { input, power } => transfer.b[input][power] = value,
+                Parameter::Constant => transfer.constant = value,
+                Parameter::InitialState => {}
             }
         }
         transfer
@@ -279,10 +289,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         if M != nu + 2 {
             return None;
         }
-        let columns = self.plan.structure.columns();
-        let b0 = place(&columns, Column::Input { input: 0, power: 0 })?;
-        let a_nu = place(&columns, Column::Output { power: nu })?;
-        let a_next = place(&columns, Column::Output { power: nu + 1 })?;
+        let columns = self.plan.structure.parameters();
+        let b0 = index_of(&columns, Parameter::Input { input: 0, power: 0 })?;
+        let a_nu = index_of(&columns, Parameter::Output { power: nu })?;
+        let a_next = index_of(&columns, Parameter::Output { power: nu + 1 })?;
         let Readout { theta, covariance } = self.read_out();
         second_order_std(
             theta[b0],

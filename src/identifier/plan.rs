@@ -4,7 +4,8 @@
 
 use crate::error::ConfigError;
 use crate::estimation::regressor::Regressor;
-use crate::estimation::structure::{Column, Structure};
+use crate::estimation::structure::Structure;
+use crate::estimation::terms::Parameter;
 use crate::identifier::config::{Config, REACH, check_std};
 use crate::readout::s_plane::sampled;
 use crate::trends::delay_line::acceptable;
@@ -156,9 +157,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
     /// Relative prior standard deviations where the configuration names none.
     fn default_std(&self) -> [f32; N] {
         let integrates = self.structure.integrators() > 0;
-        self.structure.columns().map(|column| {
+        self.structure.parameters().map(|column| {
             let std = match column {
-                Column::Constant if integrates => OFFSET,
+                Parameter::Constant if integrates => OFFSET,
                 _ => PRIOR,
             };
             bounded(std / self.prior_noise)

@@ -201,7 +201,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         } else {
             plan.trends.settled_input(1.0, Hold::Zero)
         };
-        signals.initial = if plan.structure.start() { 1.0 } else { 0.0 };
+        signals.initial = if plan.structure.initial_state() {
+            1.0
+        } else {
+            0.0
+        };
         signals.begun = true;
     }
 

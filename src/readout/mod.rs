@@ -23,7 +23,7 @@ pub(crate) mod s_plane;
 pub(crate) mod significance;
 
 use crate::estimation::regressor::Regressor;
-use crate::estimation::structure::{Column, place};
+use crate::estimation::terms::{Parameter, index_of};
 use crate::math::{pow, sqrt};
 use crate::readout::residual_spectrum::{Light, Matrix};
 use crate::readout::significance::Doubt;
@@ -31,7 +31,7 @@ use crate::trends::{NoiseGain, TrendOperator};
 
 /// What the read-out needs of the estimator's state; everything normalised.
 pub(crate) struct Evidence<const N: usize> {
-    pub(crate) columns: [Column; N],
+    pub(crate) columns: [Parameter; N],
     pub(crate) theta: [f32; N],
     pub(crate) covariance: Matrix<N>,
     /// Samples in the memory.
@@ -242,7 +242,12 @@ pub(crate) fn read_out<T: TrendOperator<M>, const M: usize, const N: usize>(
             }
         }
     }
-    let coefficient = |i: usize| !matches!(evidence.columns[i], Column::Constant | Column::Start);
+    let coefficient = |i: usize| {
+        !matches!(
+            evidence.columns[i],
+            Parameter::Constant | Parameter::InitialState
+        )
+    };
     for i in 0..N {
         for j in 0..N {
             covariance[i][j] *= units[i] * units[j];
@@ -267,8 +272,8 @@ const APART: f32 = 1.5;
 /// T P T' of what least squares without the constant knows; what the constant adds is seen where the constant is.
 ///
 /// T knows nothing of how a constant and the command resemble each other in a short record; P does.
-fn in_light<const N: usize>(t: &Matrix<N>, p: &Matrix<N>, columns: &[Column; N]) -> Matrix<N> {
-    let constant = place(columns, Column::Constant);
+fn in_light<const N: usize>(t: &Matrix<N>, p: &Matrix<N>, columns: &[Parameter; N]) -> Matrix<N> {
+    let constant = index_of(columns, Parameter::Constant);
     let at = |matrix: &Matrix<N>, i: usize, j: usize| {
         matrix
             .get(i)

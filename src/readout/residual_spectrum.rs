@@ -11,7 +11,7 @@
 //! over a flat command spectrum W. With `R = L L'` and `L^-1 S L^-T = Z Z'` the matrix
 //! `T = L^-T Z L'` gives `T P T' = R^-1 S R^-1` where P is `R^-1`, and stays positive for any other P.
 
-use crate::estimation::structure::Column;
+use crate::estimation::terms::Parameter;
 use crate::math::{pow, sqrt};
 
 /// A matrix of the parameters.
@@ -20,7 +20,7 @@ pub(crate) type Matrix<const N: usize> = [[f32; N]; N];
 /// The model in whose light the residual is looked at; everything in the user's units.
 pub(crate) struct Light<'a, const M: usize, const N: usize> {
     /// What each parameter is.
-    pub(crate) columns: [Column; N],
+    pub(crate) columns: [Parameter; N],
     /// User's value of one normalised unit.
     pub(crate) units: &'a [f32; N],
     /// The parameters.
@@ -151,12 +151,12 @@ impl<const M: usize, const N: usize> Light<'_, M, N> {
             let weight = x / filter;
             for (first, column) in self.columns.iter().enumerate() {
                 let phi = match *column {
-                    Column::Input { input, power } if self.leads(first, input) => {
+                    Parameter::Input { input, power } if self.leads(first, input) => {
                         let range = raised(natural, M - power) / self.units[first];
                         self.response(input, range, x, natural, plant)
                     }
-                    Column::Constant | Column::Start => {
-                        let rate = if let Column::Start = column {
+                    Parameter::Constant | Parameter::InitialState => {
+                        let rate = if let Parameter::InitialState = column {
                             self.slowest / natural
                         } else {
                             LOWEST
@@ -202,7 +202,7 @@ impl<const M: usize, const N: usize> Light<'_, M, N> {
             .columns
             .iter()
             .take(place)
-            .any(|c| matches!(c, Column::Input { input: other, .. } if *other == input))
+            .any(|c| matches!(c, Parameter::Input { input: other, .. } if *other == input))
     }
 
     /// The normalised regressor for the input at `x` times the natural frequency, without `1/A_f`.
@@ -217,7 +217,7 @@ impl<const M: usize, const N: usize> Light<'_, M, N> {
         // G = B/A by conjugate over size.
         let mut numerator = Complex::ZERO;
         for (column, value) in self.columns.iter().zip(self.theta) {
-            if let Column::Input { input: of, power } = *column
+            if let Parameter::Input { input: of, power } = *column
                 && of == input
             {
                 let b = value / raised(natural, M - power);
@@ -233,11 +233,11 @@ impl<const M: usize, const N: usize> Light<'_, M, N> {
         let mut phi = [Complex::ZERO; N];
         for (j, column) in self.columns.iter().enumerate() {
             let value = match *column {
-                Column::Output { power } => {
+                Parameter::Output { power } => {
                     let order = Complex::power(x, power, -1.0 / raised(natural, M - power));
                     order.times(output)
                 }
-                Column::Input { input: of, power } if of == input => {
+                Parameter::Input { input: of, power } if of == input => {
                     Complex::power(x, power, 1.0 / raised(natural, M - power))
                 }
                 _ => Complex::ZERO,
@@ -355,10 +355,10 @@ mod tests {
     fn light<'a>(units: &'a [f32; 4], theta: &'a [f32; 4]) -> Light<'a, 3, 4> {
         Light {
             columns: [
-                Column::Output { power: 1 },
-                Column::Output { power: 2 },
-                Column::Input { input: 0, power: 0 },
-                Column::Start,
+                Parameter::Output { power: 1 },
+                Parameter::Output { power: 2 },
+                Parameter::Input { input: 0, power: 0 },
+                Parameter::InitialState,
             ],
             units,
             theta,

@@ -2,7 +2,8 @@
 //!
 //! Only trends that know their own plane ([`TrendOperator::continuous`]) change anything here.
 
-use crate::estimation::structure::{Column, Structure};
+use crate::estimation::structure::Structure;
+use crate::estimation::terms::Parameter;
 use crate::math::pow;
 use crate::readout::Readout;
 use crate::trends::bilinear::largest_rate;
@@ -14,11 +15,11 @@ const STEP: f32 = 0.01;
 /// a_0 .. a_{m-1} of theta, absent ones 0.
 fn denominator<const M: usize, const N: usize>(
     theta: &[f32; N],
-    columns: &[Column; N],
+    columns: &[Parameter; N],
 ) -> [f32; M] {
     let mut a = [0.0; M];
     for (column, value) in columns.iter().zip(theta) {
-        if let Column::Output { power } = *column
+        if let Parameter::Output { power } = *column
             && let Some(slot) = a.get_mut(power)
         {
             *slot = *value;
@@ -33,15 +34,15 @@ fn replaced<const M: usize, const N: usize, const I: usize>(
     structure: &Structure<M, N, I>,
     image: impl Fn(&[f32; M], usize) -> Option<Image<M>>,
 ) -> [f32; N] {
-    let columns = structure.columns();
+    let columns = structure.parameters();
     let a = denominator(theta, &columns);
     let mut theta = *theta;
     if let Some(image) = image(&a, structure.integrators()) {
         for (column, value) in columns.iter().zip(&mut theta) {
             match *column {
-                Column::Output { power } => *value = image.a.get(power).copied().unwrap_or(0.0),
-                Column::Input { .. } | Column::Constant => *value *= image.numerator,
-                Column::Start => {}
+                Parameter::Output { power } => *value = image.a.get(power).copied().unwrap_or(0.0),
+                Parameter::Input { .. } | Parameter::Constant => *value *= image.numerator,
+                Parameter::InitialState => {}
             }
         }
     }
@@ -95,11 +96,11 @@ where
     }
     // Column j: how theta follows the parameter j of the trends. Only the denominator bends.
     let mut slope = [[0.0; N]; N];
-    let columns = structure.columns();
+    let columns = structure.parameters();
     let rate = largest_rate(&denominator::<M, N>(&found.theta, &columns));
     for (j, column) in columns.into_iter().enumerate() {
         let step = match column {
-            Column::Output { power } => STEP * pow(rate, (M - power) as f32),
+            Parameter::Output { power } => STEP * pow(rate, (M - power) as f32),
             _ => found.theta[j].abs(),
         };
         let (mut up, mut down) = (found.theta, found.theta);

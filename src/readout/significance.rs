@@ -14,7 +14,7 @@
 //!
 //! Nothing of this enters the recursion, and nothing jumps when an offset shows itself.
 
-use crate::estimation::structure::{Column, place};
+use crate::estimation::terms::{Parameter, index_of};
 use crate::math::sqrt;
 use crate::readout::residual_spectrum::Matrix;
 
@@ -34,14 +34,14 @@ impl<const N: usize> Doubt<N> {
     ///
     /// `covariance` is P, normalised; `residual` the variance of the innovation, or more where it is not white.
     pub(crate) fn of(
-        columns: &[Column; N],
+        columns: &[Parameter; N],
         theta: &[f32; N],
         covariance: &Matrix<N>,
         units: &[f32; N],
         residual: f32,
         doubt: f32,
     ) -> Option<Self> {
-        let index = place(columns, Column::Constant)?;
+        let index = index_of(columns, Parameter::Constant)?;
         let row = covariance.get(index)?;
         let (variance, value, unit) = (*row.get(index)?, *theta.get(index)?, *units.get(index)?);
         let limit = doubt * unit * sqrt(residual * variance);
@@ -101,7 +101,7 @@ impl<const N: usize> Doubt<N> {
 mod tests {
     use super::*;
 
-    const COLUMNS: [Column; 2] = [Column::Input { input: 0, power: 0 }, Column::Constant];
+    const COLUMNS: [Parameter; 2] = [Parameter::Input { input: 0, power: 0 }, Parameter::Constant];
     const P: Matrix<2> = [[2.0, 1.0], [1.0, 1.0]];
 
     fn doubt(constant: f32) -> Option<Doubt<2>> {

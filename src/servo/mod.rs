@@ -7,7 +7,8 @@ pub(crate) mod model;
 pub(crate) mod motion;
 pub(crate) mod supervision;
 
-use crate::estimation::structure::{Structure, Terms};
+use crate::estimation::structure::Structure;
+use crate::estimation::terms::Terms;
 use crate::hardware::{Axis, PositionSensor, Valve};
 use crate::identifier::inputs::{coulomb, dead_zone};
 use crate::servo::config::LoopConfig;

@@ -1,6 +1,6 @@
 //! Trends that are exact at any sample time: the numerators of the hold and the poles of the s plane.
 
-use crate::error::{ConfigError, positive};
+use crate::error::{ConfigError, assert_order, positive};
 use crate::trends::bilinear::{largest_rate, to_continuous, to_gamma};
 use crate::trends::filter;
 use crate::trends::filtered::FilteredTrends;
@@ -32,7 +32,7 @@ use crate::trends::{Hold, Image, NoiseGain, Scheme, TrendOperator, Trends};
 /// use trendid::{Config, ExactTrends, Identifier, Structure};
 /// // A lag of 8 rad/s and static gain 2, sampled every 50 ms, with a filter of 5 rad/s.
 /// let trends = ExactTrends::from_polynomial(0.05, [5.0])?;
-/// let config = Config::new(Structure::<1, 2, 1>::full(), 5.0, [1.0], 1.0);
+/// let config = Config::new(Structure::<1, 2, 1>::FULL, 5.0, [1.0], 1.0);
 /// let mut identifier: Identifier<_, 1, 2> = Identifier::try_new(&config, trends)?;
 /// let (mut y, decay) = (0.0_f32, (-8.0 * 0.05_f32).exp());
 /// for k in 0..200 {
@@ -44,6 +44,11 @@ use crate::trends::{Hold, Image, NoiseGain, Scheme, TrendOperator, Trends};
 /// let model = identifier.transfer_function();
 /// assert!((model.a[0] - 8.0).abs() < 1e-4 && (model.b[0][0] - 16.0).abs() < 2e-4);
 /// # Ok::<(), trendid::ConfigError>(())
+/// ```
+/// An order outside 1..=4 does not compile:
+/// ```compile_fail,E0080
+/// use trendid::ExactTrends;
+/// let trends = ExactTrends::<5>::for_bandwidth(0.001, 20.0);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExactTrends<const M: usize> {
@@ -57,7 +62,7 @@ impl<const M: usize> ExactTrends<M> {
     /// Trends behind `1/A_f(s)`, `A_f = s^m + filter[m-1] s^{m-1} + .. + filter[0]`, with the numerators of A = `A_f`.
     ///
     /// # Errors
-    /// [`ConfigError::Order`], [`ConfigError::SampleTime`], [`ConfigError::FilterPole`] where `A_f` is not
+    /// [`ConfigError::SampleTime`], [`ConfigError::FilterPole`] where `A_f` is not
     /// stable or has a pole at 2/Delta or above.
     pub fn from_polynomial(sample_time: f32, filter: [f32; M]) -> Result<Self, ConfigError> {
         if !positive(sample_time) {
@@ -92,9 +97,7 @@ impl<const M: usize> ExactTrends<M> {
     /// # Errors
     /// As [`ExactTrends::from_polynomial`], [`ConfigError::Bandwidth`].
     pub fn for_bandwidth(sample_time: f32, bandwidth: f32) -> Result<Self, ConfigError> {
-        if M == 0 || M > 4 {
-            return Err(ConfigError::Order(M));
-        }
+        const { assert_order(M) };
         if !positive(bandwidth) {
             return Err(ConfigError::Bandwidth(bandwidth));
         }

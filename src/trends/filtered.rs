@@ -1,6 +1,6 @@
 //! Filtered trends: the state-variable chain (sections 1-2 of the paper behind one stable filter).
 
-use crate::error::{ConfigError, positive};
+use crate::error::{ConfigError, assert_order, positive};
 use crate::trends::filter::{for_bandwidth, hurwitz_violation, slowest, with_pole};
 use crate::trends::{Hold, NoiseGain, Scheme, TrendOperator, Trends};
 
@@ -39,6 +39,11 @@ use crate::trends::{Hold, NoiseGain, Scheme, TrendOperator, Trends};
 /// assert!((last[0] - 3.0 / 20.0).abs() < 1e-6); // 1/(s+20) of a constant
 /// # Ok::<(), trendid::ConfigError>(())
 /// ```
+/// An order outside 1..=4 does not compile:
+/// ```compile_fail,E0080
+/// use trendid::{FilteredTrends, Scheme};
+/// let trends = FilteredTrends::<5>::for_bandwidth(Scheme::Tustin, 0.001, 20.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FilteredTrends<const M: usize> {
     sample_time: f32,
@@ -56,7 +61,7 @@ impl<const M: usize> FilteredTrends<M> {
     /// Chain with the real poles `-poles[i]`.
     ///
     /// # Errors
-    /// [`ConfigError::Order`], [`ConfigError::SampleTime`], [`ConfigError::FilterPole`]
+    /// [`ConfigError::SampleTime`], [`ConfigError::FilterPole`]
     /// for a pole that is not positive or, with forward rectangles, not stable.
     pub const fn try_new(
         scheme: Scheme,
@@ -90,9 +95,7 @@ impl<const M: usize> FilteredTrends<M> {
         sample_time: f32,
         filter: [f32; M],
     ) -> Result<Self, ConfigError> {
-        if M == 0 || M > 4 {
-            return Err(ConfigError::Order(M));
-        }
+        const { assert_order(M) };
         if !positive(sample_time) {
             return Err(ConfigError::SampleTime(sample_time));
         }
@@ -133,7 +136,7 @@ impl<const M: usize> FilteredTrends<M> {
     /// A pair of damping 0.7 at 1.1 omega, where the noise and the dynamics part, and a
     /// slow real pole that lets the position itself be seen (m = 1: the pole 1.1 omega;
     /// m = 2: two real poles; m = 4: a further pole 1.1 omega): measured to be within 1.4
-    /// times the Cramer-Rao bound under white noise, with [`Structure::servo`](crate::Structure::servo).
+    /// times the Cramer-Rao bound under white noise, with [`Structure::SERVO`](crate::Structure::servo).
     ///
     /// # Errors
     /// As [`FilteredTrends::try_new`].
@@ -142,9 +145,7 @@ impl<const M: usize> FilteredTrends<M> {
         sample_time: f32,
         bandwidth: f32,
     ) -> Result<Self, ConfigError> {
-        if M == 0 || M > 4 {
-            return Err(ConfigError::Order(M));
-        }
+        const { assert_order(M) };
         if !positive(bandwidth) {
             return Err(ConfigError::Bandwidth(bandwidth));
         }

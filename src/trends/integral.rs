@@ -1,6 +1,6 @@
 //! Trends over a span: the linear integral filter, the approach the paper compares itself with.
 
-use crate::error::{ConfigError, positive};
+use crate::error::{ConfigError, assert_order, positive};
 use crate::trends::{Hold, Scheme, TrendOperator, Trends};
 
 /// Trends over a span of `L` samples (linear integral filter, Sagara and Zhao 1990), recursive.
@@ -32,6 +32,11 @@ use crate::trends::{Hold, Scheme, TrendOperator, Trends};
 /// assert_eq!(last.top, 4.0); // 8 - 4: the difference over four samples
 /// assert_eq!(last.lower, [12.0]); // the integral of the ramp from 4 to 8 over 2 s
 /// # Ok::<(), trendid::ConfigError>(())
+/// ```
+/// An order outside 1..=4 does not compile:
+/// ```compile_fail,E0080
+/// use trendid::{IntegralTrends, Scheme};
+/// let trends = IntegralTrends::<5, 10>::try_new(Scheme::Tustin, 0.001);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IntegralTrends<const M: usize, const L: usize> {
@@ -128,12 +133,10 @@ impl<const M: usize, const L: usize> IntegralTrends<M, L> {
     /// Trends of order `M` over spans of `L` samples taken every `sample_time` seconds.
     ///
     /// # Errors
-    /// [`ConfigError::Order`], [`ConfigError::SampleTime`].
+    /// [`ConfigError::SampleTime`].
     pub const fn try_new(scheme: Scheme, sample_time: f32) -> Result<Self, ConfigError> {
         const { assert!(L > 1, "a span is at least two samples") };
-        if M == 0 || M > 4 {
-            return Err(ConfigError::Order(M));
-        }
+        const { assert_order(M) };
         if !positive(sample_time) {
             return Err(ConfigError::SampleTime(sample_time));
         }

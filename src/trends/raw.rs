@@ -1,6 +1,6 @@
 //! The paper's trends, straight from the last samples (equations 4 and 8).
 
-use crate::error::{ConfigError, positive};
+use crate::error::{ConfigError, assert_order, positive};
 use crate::trends::{Hold, Scheme, TrendOperator, Trends, goodwin, tustin};
 
 /// Trends without a filter, exactly as in the paper.
@@ -25,6 +25,15 @@ use crate::trends::{Hold, Scheme, TrendOperator, Trends, goodwin, tustin};
 /// assert_eq!(ramp.top, 0.0); // no curvature
 /// # Ok::<(), trendid::ConfigError>(())
 /// ```
+/// An order outside 1..=4 does not compile:
+/// ```compile_fail,E0080
+/// use trendid::{RawTrends, Scheme};
+/// let trends = RawTrends::<5>::try_new(Scheme::Tustin, 0.001);
+/// ```
+/// ```compile_fail,E0080
+/// use trendid::{RawTrends, Scheme};
+/// let trends = RawTrends::<0>::try_new(Scheme::Tustin, 0.001);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RawTrends<const M: usize> {
     scheme: Scheme,
@@ -36,11 +45,9 @@ impl<const M: usize> RawTrends<M> {
     /// Trends of order `M` of samples taken every `sample_time` seconds.
     ///
     /// # Errors
-    /// [`ConfigError::Order`], [`ConfigError::SampleTime`].
+    /// [`ConfigError::SampleTime`].
     pub const fn try_new(scheme: Scheme, sample_time: f32) -> Result<Self, ConfigError> {
-        if M == 0 || M > 4 {
-            return Err(ConfigError::Order(M));
-        }
+        const { assert_order(M) };
         if !positive(sample_time) {
             return Err(ConfigError::SampleTime(sample_time));
         }
@@ -186,15 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_that_cannot_be() {
-        assert_eq!(
-            RawTrends::<0>::try_new(Scheme::Tustin, 0.1),
-            Err(ConfigError::Order(0))
-        );
-        assert_eq!(
-            RawTrends::<5>::try_new(Scheme::Tustin, 0.1),
-            Err(ConfigError::Order(5))
-        );
+    fn the_sample_time_is_positive() {
         for time in [0.0, -1.0, f32::INFINITY] {
             assert_eq!(
                 RawTrends::<2>::try_new(Scheme::Tustin, time),

@@ -59,7 +59,7 @@ mod tests {
             ..Condition::CLEAN
         };
         let record = Experiment::reference(slow, 1.0).record(4);
-        let config = Config::new(Structure::<3, 5, 1>::servo(), 20.0, [0.4], 50.0);
+        let config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
         let worst = [1, 2, 3].map(|rounds| {
             let theta = own_numerators(&config, &record, rounds).unwrap().theta();
             let [a1, a2, b0] = [0, 1, 2].map(|i| f64::from(theta[i]));

@@ -158,19 +158,19 @@ fn looks(record: &Record, k: usize) -> bool {
 fn core(record: &Record, scheme: Scheme, filter: Filter) -> Result<[Run; 2], ConfigError> {
     assert!(filter.goes_with(scheme), "{filter:?} of {scheme:?}");
     let dt = record.dt as f32;
-    let bare = Structure::<3, 3, 1>::integrating();
+    let bare = Structure::<3, 3, 1>::INTEGRATING;
     match filter {
         Filter::None => single(record, RawTrends::try_new(scheme, dt)?, bare),
         Filter::Default => single(
             record,
             FilteredTrends::for_bandwidth(scheme, dt, BANDWIDTH)?,
-            Structure::<3, 5, 1>::servo(),
+            Structure::<3, 5, 1>::SERVO,
         ),
         Filter::Ramp => ramp(record, scheme),
         Filter::Exact => single(
             record,
             ExactTrends::for_bandwidth(dt, BANDWIDTH)?,
-            Structure::<3, 5, 1>::servo(),
+            Structure::<3, 5, 1>::SERVO,
         ),
         // The span is a size: one type per interval of the table.
         Filter::Span => match (0.07 / record.dt).round() as usize {
@@ -193,7 +193,7 @@ fn ramp(record: &Record, scheme: Scheme) -> Result<[Run; 2], ConfigError> {
     let filter = [4287.5, 1433.25, 63.0];
     let trends = FilteredTrends::from_polynomial(scheme, record.dt as f32, filter)?;
     let inputs = |s: &Sample| [s.u as f32, s.t as f32];
-    let mut config = usual(record, Structure::<3, 6, 2>::servo(), inputs);
+    let mut config = usual(record, Structure::<3, 6, 2>::SERVO, inputs);
     // Relative to the command: 0.3 % of offset, moving by 0.7 % a second; ten times the design for the rest.
     let [a1, a2, b0, time, constant, start] = units(&config, trends)?;
     config.prior_std = Some([

@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 use nalgebra::{DMatrix, DVector};
-use trendid::{Column, Config, Identifier, TrendOperator};
+use trendid::{Config, Identifier, Parameter, TrendOperator};
 use trendid_host_tests::oracles::least_squares::Structure;
 use trendid_host_tests::oracles::trends::{Hold, Scheme, applied, input_trend, output_trend};
 use trendid_host_tests::plants::polynomial::delayed;
@@ -87,13 +87,13 @@ pub fn design_units<const M: usize, const N: usize, const I: usize>(
 ) -> [f64; N] {
     let omega = f64::from(config.bandwidth);
     let range = f64::from(config.output_range);
-    config.structure.columns().map(|column| match column {
-        Column::Output { power } => omega.powi((M - power) as i32),
-        Column::Input { input, power } => {
+    config.structure.parameters().map(|column| match column {
+        Parameter::Output { power } => omega.powi((M - power) as i32),
+        Parameter::Input { input, power } => {
             omega.powi((M - power) as i32) * range / f64::from(config.input_range[input])
         }
-        Column::Constant => omega.powi(M as i32) * range,
-        Column::Start => range,
+        Parameter::Constant => omega.powi(M as i32) * range,
+        Parameter::InitialState => range,
     })
 }
 
