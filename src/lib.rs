@@ -123,3 +123,8 @@ pub use trends::{Hold, Image, NoiseGain, Scheme, TrendOperator, Trends};
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct ReadmeExamples;
+
+/// The snippets of the design notes are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../DESIGN.md")]
+struct DesignExamples;
