@@ -32,7 +32,7 @@
 //! | config, outcome, identifier | [`Config`], [`Outcome`], [`Identifier`] | all of it behind one call per sample |
 //! | inputs | [`DeadZone`], [`asymmetric`], [`coulomb`] | inputs for valves and friction |
 //! | delay_bank | [`DelayBank`] | which delay the drive has, for commissioning |
-//! | reference, segments, observer, controller | [`Reference`], [`Observer`], [`Controller`] | jerk-limited reference, pole placement on a verified model |
+//! | trajectory, profile, observer, controller | [`Setpoint`], [`Observer`], [`Controller`] | jerk-limited reference, pole placement on a verified model |
 //! | excitation, trial, state, supervisor_config, supervisor | [`Excitation`], [`Supervisor`] | commissioning, and which model may control |
 //! | servo_model, tracker, richness, loop_config, servo_loop | [`ServoModel`], [`ServoLoop`] | the drive as the controller sees it; the whole loop in one call per sample |
 //! | hardware | [`hardware::PositionSensor`], [`hardware::Valve`] | the edge to sensors and valves: traits, drivers, scale |
@@ -104,10 +104,10 @@ pub use servo::config::LoopConfig;
 pub use servo::control::controller::{CommandLimiter, Controller, ControllerConfig};
 pub use servo::control::observer::Observer;
 pub use servo::error::ServoError;
-pub use servo::model::{Motion, ServoModel};
-pub use servo::motion::reference::{MotionLimits, Reference, Setpoint};
+pub use servo::model::ServoModel;
+pub use servo::motion::{Motion, MotionLimits, Setpoint, Travel};
 pub use servo::supervision::config::SupervisorConfig;
-pub use servo::supervision::excitation::{Excitation, ExcitationConfig, Travel};
+pub use servo::supervision::excitation::{Excitation, ExcitationConfig};
 pub use servo::supervision::state::{Reason, State};
 pub use servo::supervision::supervisor::{Candidate, Event, Observation, Supervisor};
 pub use servo::supervision::validation::Verdict;

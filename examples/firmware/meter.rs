@@ -12,7 +12,7 @@ use crate::firmware::stack;
 /// Something that takes the rows one after the other.
 pub trait Meter {
     /// Runs `step` over `samples`, twice the whole record.
-    fn row<S: Copy, U: Copy, R>(
+    fn row<S: Clone, U: Copy, R>(
         &mut self,
         name: &str,
         function: &str,
@@ -47,7 +47,7 @@ impl Counter {
 
 #[cfg(target_os = "none")]
 impl Meter for Counter {
-    fn row<S: Copy, U: Copy, R>(
+    fn row<S: Clone, U: Copy, R>(
         &mut self,
         name: &str,
         function: &str,
@@ -63,10 +63,10 @@ impl Meter for Counter {
         for (k, (u, y)) in samples.enumerate() {
             let (u, y) = black_box((u, y));
             // Both clocks count the same step, so one of them works on a copy.
-            let mut copy = subject;
+            let mut copy = subject.clone();
             sums[1] += f64::from(systick.ticks(|| step(black_box(&mut copy), &u, y)));
             if k % 100 == 1 {
-                let mut copy = subject;
+                let mut copy = subject.clone();
                 peak = peak.max(stack::peak(|| step(black_box(&mut copy), &u, y)));
             }
             let ticks = fine.ticks(|| step(black_box(&mut subject), &u, y));
@@ -102,7 +102,7 @@ pub struct Stopwatch;
 
 #[cfg(not(target_os = "none"))]
 impl Meter for Stopwatch {
-    fn row<S: Copy, U: Copy, R>(
+    fn row<S: Clone, U: Copy, R>(
         &mut self,
         name: &str,
         _function: &str,

@@ -18,6 +18,18 @@ pub(crate) fn sin(x: f32) -> f32 {
     libm::sinf(x)
 }
 
+/// `value` within `-bound..=bound`; no panic path, unlike `f32::clamp`. NaN passes.
+#[inline(always)]
+pub(crate) fn within(value: f32, bound: f32) -> f32 {
+    if value > bound {
+        bound
+    } else if value < -bound {
+        -bound
+    } else {
+        value
+    }
+}
+
 /// Approximations for telemetry and displays; a few percent, never the estimator.
 ///
 /// # Examples

@@ -1,9 +1,9 @@
 //! Everything that the position loop must be told.
 
 use crate::servo::control::controller::ControllerConfig;
-use crate::servo::motion::reference::MotionLimits;
+use crate::servo::motion::{MotionLimits, Travel};
 use crate::servo::supervision::config::SupervisorConfig;
-use crate::servo::supervision::excitation::{ExcitationConfig, Travel};
+use crate::servo::supervision::excitation::ExcitationConfig;
 
 /// Everything the user says about an axis.
 ///

@@ -14,10 +14,11 @@ use crate::identifier::inputs::{coulomb, dead_zone};
 use crate::servo::config::LoopConfig;
 use crate::servo::control::controller::{CommandLimiter, Controller};
 use crate::servo::error::ServoError;
-use crate::servo::model::{Motion, ServoModel};
-use crate::servo::motion::reference::{Reference, Setpoint};
-use crate::servo::motion::tracking_filter::Tracker;
-use crate::servo::supervision::excitation::{Excitation, Travel};
+use crate::servo::model::ServoModel;
+use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
+use crate::servo::motion::trajectory::Trajectory;
+use crate::servo::motion::{Motion, Setpoint, Travel};
+use crate::servo::supervision::excitation::Excitation;
 use crate::servo::supervision::excitation_monitor::Richness;
 use crate::servo::supervision::state::{Reason, State};
 use crate::servo::supervision::supervisor::{Candidate, Event, Observation, Supervisor};
@@ -91,14 +92,15 @@ const SENSOR_ERRORS: u8 = 3;
 /// assert!(matches!(state, State::Failed(_)), "a sensor that never changes is found");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct ServoLoop<S, V> {
     sensor: S,
     valve: V,
     axis: Axis,
     travel: Travel,
     adaptive: bool,
-    coast_rate: f32,
+    sample_time: f32,
+    run_out_rate: f32,
     /// Velocity below which the direction of friction is open.
     slow: f32,
     /// Samples after a start in which the filters still tell of friction.
@@ -107,9 +109,9 @@ pub struct ServoLoop<S, V> {
     supervisor: Supervisor,
     controller: Controller,
     excitation: Excitation,
-    reference: Reference,
+    trajectory: Trajectory,
     limiter: CommandLimiter,
-    tracker: Tracker,
+    tracking: AlphaBetaGamma,
     richness: Richness,
     code: i32,
     position: f32,
@@ -157,16 +159,17 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             axis,
             travel: config.travel,
             adaptive: config.adaptive,
-            coast_rate: config.bandwidth,
+            sample_time: time,
+            run_out_rate: config.bandwidth,
             slow: 0.1 * config.supervisor.slow,
             settling: (0.75 / (config.bandwidth * time)) as u16,
             identifier: Identifier::try_new(&identify, trends)?,
             supervisor: Supervisor::try_new(&config.supervisor, time)?,
             controller: Controller::try_new(&config.controller, nominal, time)?,
             excitation: Excitation::try_new(&config.excitation, config.travel, time)?,
-            reference: Reference::try_new(config.motion, time, 0.0)?,
+            trajectory: Trajectory::try_new(config.motion, time, 0.0)?,
             limiter: CommandLimiter::try_new(config.range, config.rate, time)?,
-            tracker: Tracker::new(12.0 * config.bandwidth, time),
+            tracking: AlphaBetaGamma::new(12.0 * config.bandwidth, time),
             richness: Richness::new(config.rich, time),
             code: 0,
             position: 0.0,
@@ -190,10 +193,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.open_memory(&model, 0.1);
         self.start_requested = false;
         if self.begun {
-            self.take_over(Motion {
-                position: self.position,
-                ..Motion::default()
-            });
+            self.take_over(Motion::at(self.position));
         }
         Ok(())
     }
@@ -209,7 +209,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.supervisor.abort();
     }
 
-    /// Moves to `target`, limited to the travel; may be called in any sample, see [`Reference::move_to`].
+    /// Moves to `target`, limited to the travel; may be called in any sample, as fast as the limits of motion allow.
     pub fn move_to(&mut self, target: f32) {
         let target = if target < self.travel.begin {
             self.travel.begin
@@ -218,12 +218,12 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         } else {
             target
         };
-        self.reference.move_to(target);
+        self.trajectory.move_to(target);
     }
 
-    /// Oscillates about the present reference, see [`Reference::oscillate`].
+    /// Oscillates about the present reference with `frequency` in Hz; the amplitude grows over one period.
     pub fn oscillate(&mut self, amplitude: f32, frequency: f32) {
-        self.reference.oscillate(amplitude, frequency);
+        self.trajectory.oscillate(amplitude, frequency);
     }
 
     /// One sample: reads the sensor, moves the valve, learns.
@@ -247,14 +247,11 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.position = y;
         if !self.begun {
             self.begun = true;
-            self.tracker.motion.position = y;
-            self.reference.hold(y);
-            self.controller.place(Motion {
-                position: y,
-                ..Motion::default()
-            });
+            self.tracking.place(y);
+            self.trajectory.hold(y);
+            self.controller.place(Motion::at(y));
         }
-        self.tracker.update(y);
+        self.tracking.update(y);
         if self.start_requested {
             self.start_requested = false;
             self.supervisor.begin(y);
@@ -265,9 +262,9 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let state = self.supervisor.state();
         let mut setpoint = Setpoint::at(y);
         let wish = if state.is_commissioning() {
-            self.excitation.update(y, self.tracker.motion.velocity)
+            self.excitation.update(y, self.tracking.motion().velocity)
         } else if state.is_controlling() {
-            setpoint = self.reference.update();
+            setpoint = self.trajectory.update();
             self.controller.update(&setpoint, y)
         } else {
             0.0
@@ -295,7 +292,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         [
             active,
             sign,
-            coulomb(self.tracker.motion.velocity, self.slow),
+            coulomb(self.tracking.motion().velocity, self.slow),
         ]
     }
 
@@ -321,9 +318,9 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let m = if self.supervisor.state().is_controlling() {
             self.controller.motion()
         } else {
-            self.tracker.motion
+            self.tracking.motion()
         };
-        let t = self.tracker.sample_time;
+        let t = self.sample_time;
         m.position + t * (m.velocity + 0.5 * t * m.acceleration)
     }
 
@@ -357,7 +354,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let motion = if state.is_controlling() {
             self.controller.motion()
         } else {
-            self.tracker.motion
+            self.tracking.motion()
         };
         let seen = Observation {
             motion,
@@ -405,7 +402,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 self.controller.retune(model);
                 if before.is_commissioning() {
                     self.open_memory(&model, 0.1);
-                    self.take_over(self.tracker.motion);
+                    self.take_over(self.tracking.motion());
                 } else {
                     self.identifier.trust();
                 }
@@ -415,7 +412,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 self.open_memory(&good, 0.1);
                 self.controller.retune(good);
                 if before.is_commissioning() {
-                    self.take_over(self.tracker.motion);
+                    self.take_over(self.tracking.motion());
                 }
                 true
             }
@@ -433,7 +430,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// The controller takes the axis over in motion and lets it run out.
     fn take_over(&mut self, motion: Motion) {
         self.controller.place(motion);
-        self.reference.coast(motion, self.coast_rate);
+        self.trajectory.run_out(motion, self.run_out_rate);
     }
 
     /// Identifies on from `model` with `share` of a1, a2 and b0 as standard deviation.
@@ -531,11 +528,6 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// The controller, for its model and its observer.
     pub const fn controller(&self) -> &Controller {
         &self.controller
-    }
-
-    /// The reference.
-    pub const fn reference(&self) -> &Reference {
-        &self.reference
     }
 
     /// The sensor, e.g. of a simulation.

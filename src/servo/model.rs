@@ -1,16 +1,6 @@
 //! The model that the controller works with: an integrating drive behind a valve with dead zone and offset.
 
-/// Position and its first two derivatives.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Motion {
-    /// Position, in the unit of y.
-    pub position: f32,
-    /// Velocity, in the unit of y per s.
-    pub velocity: f32,
-    /// Acceleration, in the unit of y per s^2.
-    pub acceleration: f32,
-}
+use crate::servo::motion::Motion;
 
 /// A position drive of third order behind a valve.
 ///

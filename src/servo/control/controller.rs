@@ -1,22 +1,11 @@
 //! Pole placement on a verified model, with observer, feedforward, valve inverse and limits.
 
 use crate::error::positive;
+use crate::math::within;
 use crate::servo::control::observer::Observer;
 use crate::servo::error::ServoError;
-use crate::servo::model::{Motion, ServoModel};
-use crate::servo::motion::reference::Setpoint;
-
-/// `value` within `-bound..=bound`; no panic path, unlike `f32::clamp`.
-#[inline(always)]
-pub(crate) fn within(value: f32, bound: f32) -> f32 {
-    if value > bound {
-        bound
-    } else if value < -bound {
-        -bound
-    } else {
-        value
-    }
-}
+use crate::servo::model::ServoModel;
+use crate::servo::motion::{Motion, Setpoint};
 
 /// Range and rate of a command, enforced on every sample.
 ///

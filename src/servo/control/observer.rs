@@ -1,7 +1,8 @@
 //! Observer of velocity, acceleration and disturbance on the identified model, with friction that sticks.
 
-use crate::servo::control::controller::within;
-use crate::servo::model::{Motion, ServoModel};
+use crate::math::within;
+use crate::servo::model::ServoModel;
+use crate::servo::motion::Motion;
 
 /// Luenberger observer with a constant disturbance at the input of the model.
 ///

@@ -1,5 +1,139 @@
 //! Where the axis shall be: setpoints, profiles, and the filter that follows a measured motion.
 
+pub(crate) mod alpha_beta_gamma;
 pub(crate) mod profile;
-pub(crate) mod reference;
-pub(crate) mod tracking_filter;
+pub(crate) mod run_out;
+pub(crate) mod sine;
+pub(crate) mod trajectory;
+
+use crate::error::positive;
+use crate::servo::error::ServoError;
+
+/// Position and its first two derivatives.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Motion {
+    /// Position, in the unit of y.
+    pub position: f32,
+    /// Velocity, in the unit of y per s.
+    pub velocity: f32,
+    /// Acceleration, in the unit of y per s^2.
+    pub acceleration: f32,
+}
+
+impl Motion {
+    /// A standstill at `position`.
+    pub const fn at(position: f32) -> Self {
+        Self {
+            position,
+            velocity: 0.0,
+            acceleration: 0.0,
+        }
+    }
+}
+
+/// The reference at one instant: position and its first three derivatives.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Setpoint {
+    /// r.
+    pub position: f32,
+    /// r'.
+    pub velocity: f32,
+    /// r''.
+    pub acceleration: f32,
+    /// r''', in force until the next sample.
+    pub jerk: f32,
+}
+
+impl Setpoint {
+    /// A standstill at `position`.
+    pub const fn at(position: f32) -> Self {
+        Self {
+            position,
+            velocity: 0.0,
+            acceleration: 0.0,
+            jerk: 0.0,
+        }
+    }
+
+    /// A point of a motion, with the jerk from here to the next sample.
+    pub(crate) const fn of(motion: &Motion, jerk: f32) -> Self {
+        Self {
+            position: motion.position,
+            velocity: motion.velocity,
+            acceleration: motion.acceleration,
+            jerk,
+        }
+    }
+
+    /// The motion that is asked for at this instant.
+    pub const fn motion(&self) -> Motion {
+        Motion {
+            position: self.position,
+            velocity: self.velocity,
+            acceleration: self.acceleration,
+        }
+    }
+
+    /// Whether nothing is to move.
+    #[inline]
+    pub fn is_rest(&self) -> bool {
+        self.velocity == 0.0 && self.acceleration == 0.0 && self.jerk == 0.0
+    }
+}
+
+/// Largest derivatives of a move, in units of y and s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct MotionLimits {
+    /// Largest velocity.
+    pub velocity: f32,
+    /// Largest acceleration.
+    pub acceleration: f32,
+    /// Largest jerk.
+    pub jerk: f32,
+}
+
+/// Travel of the axis, in units of y.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Travel {
+    /// Lowest position.
+    pub begin: f32,
+    /// Highest position.
+    pub end: f32,
+}
+
+impl Travel {
+    /// The travel without a tenth at each end: where an excitation may go.
+    ///
+    /// # Examples
+    /// ```
+    /// let inner = trendid::Travel { begin: 0.0, end: 400.0 }.inner();
+    /// assert_eq!((inner.begin, inner.end), (40.0, 360.0));
+    /// ```
+    pub fn inner(&self) -> Self {
+        let margin = 0.1 * self.length();
+        Self {
+            begin: self.begin + margin,
+            end: self.end - margin,
+        }
+    }
+
+    /// Distance between the ends.
+    pub fn length(&self) -> f32 {
+        self.end - self.begin
+    }
+
+    pub(crate) fn check(&self) -> Result<(), ServoError> {
+        if self.begin.is_finite() && positive(self.length()) {
+            Ok(())
+        } else {
+            Err(ServoError::Travel {
+                begin: self.begin,
+                end: self.end,
+            })
+        }
+    }
+}

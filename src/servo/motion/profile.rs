@@ -1,20 +1,19 @@
 //! Planning of a jerk-limited move, spread over samples.
 
 use crate::math::sqrt;
-use crate::servo::model::Motion;
-use crate::servo::motion::reference::MotionLimits;
+use crate::servo::motion::{Motion, MotionLimits, Setpoint};
 
 /// A piece of constant jerk.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Segment {
-    pub(crate) jerk: f32,
-    pub(crate) duration: f32,
+struct Segment {
+    jerk: f32,
+    duration: f32,
 }
 
 impl Segment {
     /// Where the piece leads after `time` seconds.
     #[inline]
-    pub(crate) fn at(&self, start: &Motion, time: f32) -> Motion {
+    fn at(&self, start: &Motion, time: f32) -> Motion {
         let half = 0.5 * time;
         let third = time * (1.0 / 3.0);
         let (v, a, j) = (start.velocity, start.acceleration, self.jerk);
@@ -22,6 +21,40 @@ impl Segment {
             position: start.position + time * (v + half * (a + third * j)),
             velocity: v + time * (a + half * j),
             acceleration: a + time * j,
+        }
+    }
+}
+
+/// A planned move: seven pieces, and where it is now.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Move {
+    segments: [Segment; 7],
+    /// The present piece, where it began, and the time since.
+    index: u8,
+    start: Motion,
+    time: f32,
+    target: f32,
+}
+
+impl Move {
+    /// The setpoint `step` seconds on, and whether the move has ended. Cost: about 40 instructions.
+    #[inline]
+    pub(crate) fn next(&mut self, step: f32) -> (Setpoint, bool) {
+        self.time += step;
+        while let Some(segment) = self.segments.get(usize::from(self.index))
+            && self.time >= segment.duration
+        {
+            self.start = segment.at(&self.start, segment.duration);
+            self.time -= segment.duration;
+            self.index += 1;
+        }
+        match self.segments.get(usize::from(self.index)) {
+            Some(segment) => {
+                let now = segment.at(&self.start, self.time);
+                (Setpoint::of(&now, segment.jerk), false)
+            }
+            // What rounding left is below the resolution of any sensor.
+            None => (Setpoint::at(self.target), true),
         }
     }
 }
@@ -72,16 +105,6 @@ impl Search {
         }
     }
 
-    /// Where the move begins.
-    pub(crate) const fn start(&self) -> Motion {
-        self.start
-    }
-
-    /// Where it ends.
-    pub(crate) const fn target(&self) -> f32 {
-        self.target
-    }
-
     /// One sample of the search; whether there is more to do. Cost: some 400 instructions.
     pub(crate) fn step(&mut self, limits: &MotionLimits) -> bool {
         self.left = self.left.saturating_sub(1);
@@ -122,8 +145,19 @@ impl Search {
         (first, last, end(&between, &last).position)
     }
 
+    /// The move that was found.
+    pub(crate) fn planned(&self, limits: &MotionLimits) -> Move {
+        Move {
+            segments: self.segments(limits),
+            index: 0,
+            start: self.start,
+            time: 0.0,
+            target: self.target,
+        }
+    }
+
     /// The seven pieces of the move.
-    pub(crate) fn segments(&self, limits: &MotionLimits) -> [Segment; 7] {
+    fn segments(&self, limits: &MotionLimits) -> [Segment; 7] {
         let (first, last, reach) = self.pieces(self.low, limits);
         let left = self.direction * (self.target - self.start.position - reach);
         let duration = if left > 0.0 && self.low > 1e-6 * limits.velocity {

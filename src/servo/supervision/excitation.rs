@@ -2,49 +2,7 @@
 
 use crate::error::positive;
 use crate::servo::error::ServoError;
-
-/// Travel of the axis, in units of y.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Travel {
-    /// Lowest position.
-    pub begin: f32,
-    /// Highest position.
-    pub end: f32,
-}
-
-impl Travel {
-    /// The travel without a tenth at each end: where an excitation may go.
-    ///
-    /// # Examples
-    /// ```
-    /// let inner = trendid::Travel { begin: 0.0, end: 400.0 }.inner();
-    /// assert_eq!((inner.begin, inner.end), (40.0, 360.0));
-    /// ```
-    pub fn inner(&self) -> Self {
-        let margin = 0.1 * self.length();
-        Self {
-            begin: self.begin + margin,
-            end: self.end - margin,
-        }
-    }
-
-    /// Distance between the ends.
-    pub fn length(&self) -> f32 {
-        self.end - self.begin
-    }
-
-    pub(crate) fn check(&self) -> Result<(), ServoError> {
-        if self.begin.is_finite() && positive(self.length()) {
-            Ok(())
-        } else {
-            Err(ServoError::Travel {
-                begin: self.begin,
-                end: self.end,
-            })
-        }
-    }
-}
+use crate::servo::motion::Travel;
 
 /// How the axis is moved to identify it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,7 +2,8 @@
 
 use crate::error::positive;
 use crate::servo::error::ServoError;
-use crate::servo::model::{Motion, ServoModel};
+use crate::servo::model::ServoModel;
+use crate::servo::motion::Motion;
 use crate::servo::supervision::config::SupervisorConfig;
 use crate::servo::supervision::state::{Reason, State};
 use crate::servo::supervision::validation::{Trial, TrialConfig, Verdict};

@@ -2,6 +2,7 @@
 
 use crate::servo::control::observer::Observer;
 use crate::servo::model::ServoModel;
+use crate::servo::motion::Motion;
 
 /// How well a model followed the drive by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -67,7 +68,7 @@ impl Trial {
         config: &TrialConfig,
         candidate: ServoModel,
         incumbent: Option<ServoModel>,
-        motion: crate::servo::model::Motion,
+        motion: Motion,
         command: f32,
     ) -> Self {
         let observed = |model: ServoModel| {

@@ -1,0 +1,57 @@
+//! The motion of the axis before there is a model of it.
+
+use crate::servo::motion::Motion;
+
+/// Position, velocity and acceleration from measured positions alone.
+///
+/// ```text
+/// x' = v   v' = a   a' = 0,   corrected by (y - x) with the gains 3 w T, 3 w^2 T, w^3 T
+/// ```
+///
+/// Known as: alpha-beta-gamma filter (Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and
+/// Navigation, 2001). Exact for a constant acceleration. Cost: about 15 instructions.
+#[derive(Debug, Clone, PartialEq)]
+#[doc(alias = "Tracker")]
+pub(crate) struct AlphaBetaGamma {
+    motion: Motion,
+    gain: [f32; 3],
+    sample_time: f32,
+}
+
+impl AlphaBetaGamma {
+    /// A filter with three poles at `-rate` (rad/s).
+    pub(crate) fn new(rate: f32, sample_time: f32) -> Self {
+        let x = rate * sample_time;
+        Self {
+            motion: Motion::default(),
+            gain: [
+                3.0 * x,
+                3.0 * x * x / sample_time,
+                x * x * x / (sample_time * sample_time),
+            ],
+            sample_time,
+        }
+    }
+
+    /// Stands at `position` from now on.
+    pub(crate) fn place(&mut self, position: f32) {
+        self.motion = Motion::at(position);
+    }
+
+    /// Takes a measured position.
+    #[inline]
+    pub(crate) fn update(&mut self, y: f32) {
+        let m = &mut self.motion;
+        m.position += self.sample_time * (m.velocity + 0.5 * self.sample_time * m.acceleration);
+        m.velocity += self.sample_time * m.acceleration;
+        let error = y - m.position;
+        m.position += self.gain[0] * error;
+        m.velocity += self.gain[1] * error;
+        m.acceleration += self.gain[2] * error;
+    }
+
+    /// The motion at the newest sample.
+    pub(crate) const fn motion(&self) -> Motion {
+        self.motion
+    }
+}

@@ -1,0 +1,29 @@
+//! A motion that is taken over runs out.
+
+use crate::servo::motion::{MotionLimits, Setpoint};
+
+/// Share of the limits of motion below which a motion that runs out has ended.
+const ENDED: f32 = 1e-4;
+
+/// Lets a motion run out: `r''' = -2 rate r'' - rate^2 r'`, no plan and no roots.
+#[derive(Debug, Clone, PartialEq)]
+#[doc(alias = "coast")]
+pub(crate) struct RunOut {
+    /// Double pole in rad/s.
+    pub(crate) rate: f32,
+}
+
+impl RunOut {
+    /// One sample of `step` seconds on from `s`; whether the motion has ended. Cost: about 25 instructions.
+    #[inline]
+    pub(crate) fn next(&self, s: &Setpoint, step: f32, limits: &MotionLimits) -> (Setpoint, bool) {
+        let mut s = *s;
+        s.jerk = -self.rate * (2.0 * s.acceleration + self.rate * s.velocity);
+        s.position += step * (s.velocity + 0.5 * step * s.acceleration);
+        s.velocity += step * (s.acceleration + 0.5 * step * s.jerk);
+        s.acceleration += step * s.jerk;
+        let ended = s.velocity.abs() < ENDED * limits.velocity
+            && s.acceleration.abs() < ENDED * limits.acceleration;
+        (if ended { Setpoint::at(s.position) } else { s }, ended)
+    }
+}
