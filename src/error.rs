@@ -1,85 +1,129 @@
-//! What can be wrong with a configuration; each value is named.
+//! What can be wrong with a configuration; the setting, its value and what was expected are named.
 
 use core::fmt;
 
-/// A configuration that cannot work, with the offending value.
+/// The name of a setting, and for a list of values the position in it.
+///
+/// # Examples
+/// ```
+/// use trendid::Setting;
+/// assert_eq!(format!("{}", Setting::from("memory")), "memory");
+/// assert_eq!(format!("{}", Setting::from(("input_range", 1))), "input_range[1]");
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Setting {
+    /// The field of the configuration, or the argument of the constructor.
+    pub name: &'static str,
+    /// The position in a list; `None` for a single value.
+    pub index: Option<usize>,
+}
+
+impl From<&'static str> for Setting {
+    fn from(name: &'static str) -> Self {
+        Self { name, index: None }
+    }
+}
+
+impl From<(&'static str, usize)> for Setting {
+    fn from((name, index): (&'static str, usize)) -> Self {
+        Self {
+            name,
+            index: Some(index),
+        }
+    }
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.index {
+            None => write!(f, "{}", self.name),
+            Some(index) => write!(f, "{}[{index}]", self.name),
+        }
+    }
+}
+
+/// A configuration that cannot work, with the offending setting.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum ConfigError {
-    /// The structure has `found` parameters, the type has room for exactly `expected`.
+    /// The value is NaN or infinite.
+    NotFinite {
+        /// The setting.
+        setting: Setting,
+        /// Its value.
+        value: f32,
+    },
+    /// The value is not a finite number above zero.
+    NotPositive {
+        /// The setting.
+        setting: Setting,
+        /// Its value.
+        value: f32,
+    },
+    /// The value is NaN or outside its limits.
+    OutOfRange {
+        /// The setting.
+        setting: Setting,
+        /// Its value.
+        value: f32,
+        /// The smallest and the largest value; where the largest is infinite, every larger finite value is good.
+        limits: [f32; 2],
+    },
+    /// The polynomial has a pole outside the left half plane.
+    Unstable {
+        /// The setting.
+        setting: Setting,
+    },
+    /// The polynomial has a pole that is too fast for the sample time.
+    TooFast {
+        /// The setting.
+        setting: Setting,
+        /// Every pole must be below this rate in rad/s.
+        limit: f32,
+    },
+    /// The terms of the structure add up to `found` parameters, its type has exactly `expected`.
     ParameterCount {
         /// Number of parameters the terms add up to.
         found: usize,
         /// The const parameter `N`.
         expected: usize,
     },
-    /// A term `a_i` or `b_i` with `i >= m` was asked for.
+    /// The structure has a term a_i or b_i with `i >= m`.
     Term {
         /// The power of s of the term.
         power: usize,
-        /// The order of the model.
+        /// The order m of the model.
         order: usize,
     },
     /// No input has a numerator term.
     NoInput,
-    /// The sample time is not a positive finite number of seconds.
-    SampleTime(f32),
-    /// A filter pole (as a positive rate in rad/s) or filter coefficient is not usable.
-    FilterPole {
-        /// Position in the list.
-        index: usize,
-        /// The value given.
-        value: f32,
-    },
-    /// The bandwidth is not a positive finite number of rad/s.
-    Bandwidth(f32),
-    /// The range of an input is not positive and finite.
-    InputRange {
-        /// Which input.
-        input: usize,
-        /// The value given.
-        value: f32,
-    },
-    /// The range of the output is not positive and finite.
-    OutputRange(f32),
-    /// The noise level expected on the output is not positive and finite.
-    NoiseStd(f32),
-    /// The memory is not longer than two samples (seconds).
-    Memory(f32),
-    /// An initial estimate is not finite.
-    Initial {
-        /// Position in theta.
-        index: usize,
-        /// The value given.
-        value: f32,
-    },
-    /// A prior standard deviation is negative or not finite.
-    PriorStd {
-        /// Position in theta.
-        index: usize,
-        /// The value given.
-        value: f32,
-    },
-    /// A delay is longer than the delay line.
-    Delay {
-        /// Which input.
-        input: usize,
-        /// Samples asked for.
-        samples: usize,
-        /// The const parameter `D`.
-        capacity: usize,
-    },
-    /// The weight of the pull toward the trusted estimate is negative or not finite.
-    Pull(f32),
-    /// The doubt of a constant is negative or not finite.
-    Doubt(f32),
-    /// The settling time is negative or not finite (seconds).
-    Settling(f32),
 }
 
 impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
+            Self::NotFinite { setting, value } => write!(f, "{setting} = {value} is not finite"),
+            Self::NotPositive { setting, value } => {
+                write!(f, "{setting} = {value} is not a finite number above 0")
+            }
+            Self::OutOfRange {
+                setting,
+                value,
+                limits: [low, high],
+            } if high == f32::INFINITY => {
+                write!(f, "{setting} = {value} is not a finite number >= {low}")
+            }
+            Self::OutOfRange {
+                setting,
+                value,
+                limits: [low, high],
+            } => write!(f, "{setting} = {value} is not within {low}..={high}"),
+            Self::Unstable { setting } => write!(f, "{setting} has a pole that is not stable"),
+            Self::TooFast { setting, limit } => {
+                write!(f, "{setting} has a pole that is not below {limit} rad/s")
+            }
             Self::ParameterCount { found, expected } => write!(
                 f,
                 "the structure has {found} parameters, its type holds {expected}"
@@ -88,43 +132,13 @@ impl fmt::Display for ConfigError {
                 write!(f, "a term of power {power} in a model of order {order}")
             }
             Self::NoInput => write!(f, "no input has a numerator term"),
-            Self::SampleTime(v) => write!(f, "sample time {v} s is not positive"),
-            Self::FilterPole { index, value } => write!(
-                f,
-                "filter pole {index} = {value} does not give a stable filter"
-            ),
-            Self::Bandwidth(v) => write!(f, "bandwidth {v} rad/s is not positive"),
-            Self::InputRange { input, value } => {
-                write!(f, "range {value} of input {input} is not positive")
-            }
-            Self::OutputRange(v) => write!(f, "output range {v} is not positive"),
-            Self::NoiseStd(v) => write!(f, "output noise {v} is not positive"),
-            Self::Memory(v) => write!(f, "memory {v} s is not longer than two samples"),
-            Self::Initial { index, value } => {
-                write!(f, "initial estimate {index} = {value} is not finite")
-            }
-            Self::PriorStd { index, value } => write!(
-                f,
-                "prior standard deviation {index} = {value} is not a finite number >= 0"
-            ),
-            Self::Delay {
-                input,
-                samples,
-                capacity,
-            } => write!(
-                f,
-                "delay {samples} of input {input} exceeds the delay line of {capacity} samples"
-            ),
-            Self::Pull(v) => write!(f, "pull weight {v} is not a finite number >= 0"),
-            Self::Doubt(v) => write!(f, "doubt {v} is not a finite number >= 0"),
-            Self::Settling(v) => write!(f, "settling time {v} s is not a finite number >= 0"),
         }
     }
 }
 
 impl core::error::Error for ConfigError {}
 
-/// The orders that the trends and the structures are made for, checked at compile time.
+/// The orders that trends and structures are made for, checked at compile time.
 pub(crate) const fn assert_order(order: usize) {
     assert!(1 <= order && order <= 4, "the order M is not in 1..=4");
 }
@@ -132,4 +146,64 @@ pub(crate) const fn assert_order(order: usize) {
 /// Whether `value` is a finite number above zero.
 pub(crate) const fn positive(value: f32) -> bool {
     value > 0.0 && value <= f32::MAX
+}
+
+/// An error unless `value` is finite.
+pub(crate) fn check_finite(setting: impl Into<Setting>, value: f32) -> Result<(), ConfigError> {
+    let setting = setting.into();
+    match value.is_finite() {
+        true => Ok(()),
+        false => Err(ConfigError::NotFinite { setting, value }),
+    }
+}
+
+/// An error unless `value` is a finite number above zero.
+pub(crate) fn check_positive(setting: impl Into<Setting>, value: f32) -> Result<(), ConfigError> {
+    let setting = setting.into();
+    match positive(value) {
+        true => Ok(()),
+        false => Err(ConfigError::NotPositive { setting, value }),
+    }
+}
+
+/// An error unless `value` is finite and within `limits`, which belong to the range.
+pub(crate) fn check_range(
+    setting: impl Into<Setting>,
+    value: f32,
+    limits: [f32; 2],
+) -> Result<(), ConfigError> {
+    let setting = setting.into();
+    match value.is_finite() && value >= limits[0] && value <= limits[1] {
+        true => Ok(()),
+        false => Err(ConfigError::OutOfRange {
+            setting,
+            value,
+            limits,
+        }),
+    }
+}
+
+/// An error unless `value` is a finite number of at least zero.
+pub(crate) fn check_not_negative(
+    setting: impl Into<Setting>,
+    value: f32,
+) -> Result<(), ConfigError> {
+    check_range(setting, value, [0.0, f32::INFINITY])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nan_and_infinity_fail_every_check() {
+        for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            assert!(check_finite("x", value).is_err());
+            assert!(check_positive("x", value).is_err());
+            assert!(check_not_negative("x", value).is_err());
+            assert!(check_range("x", value, [-1.0, 1.0]).is_err());
+        }
+        assert!(check_positive("x", 0.0).is_err() && check_not_negative("x", 0.0).is_ok());
+        assert!(check_range("x", 1.0, [-1.0, 1.0]).is_ok());
+    }
 }

@@ -85,7 +85,7 @@ mod readout;
 mod servo;
 mod trends;
 
-pub use error::ConfigError;
+pub use error::{ConfigError, Setting};
 pub use estimation::noise_level::NoiseLevel;
 pub use estimation::rls::Estimator;
 pub use estimation::structure::Structure;

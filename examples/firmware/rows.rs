@@ -32,7 +32,7 @@ pub type Exact = Identifier<ExactTrends<3>, 3, 5>;
 /// Eight candidates for the delay of the default.
 pub type Bank = DelayBank<FilteredTrends<3>, 3, 5, 1, 7, 8>;
 
-const fn filter(scheme: Scheme) -> Result<FilteredTrends<3>, ConfigError> {
+fn filter(scheme: Scheme) -> Result<FilteredTrends<3>, ConfigError> {
     FilteredTrends::try_new(scheme, SAMPLE_TIME, [25.0; 3])
 }
 

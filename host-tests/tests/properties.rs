@@ -172,7 +172,7 @@ fn reset_and_warm_start() {
     let refused = identifier.warm_start([400.0, f32::NAN, 1e6], [1.0; 3]);
     assert!(matches!(
         refused,
-        Err(ConfigError::Initial { index: 1, .. })
+        Err(ConfigError::NotFinite { setting, .. }) if setting == ("initial", 1).into()
     ));
     assert_eq!(kept.theta(), identifier.theta());
 }

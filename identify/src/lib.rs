@@ -105,9 +105,10 @@ impl Setup {
             2 => sized::<2>(self),
             3 => sized::<3>(self),
             4 => sized::<4>(self),
-            order => Err(ConfigError::Term {
-                power: order,
-                order: 4,
+            order => Err(ConfigError::OutOfRange {
+                setting: "order".into(),
+                value: order as f32,
+                limits: [1.0, 4.0],
             }),
         }
     }

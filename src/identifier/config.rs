@@ -1,9 +1,8 @@
 //! What the user knows before the first sample.
 
-use crate::error::{ConfigError, positive};
+use crate::error::{ConfigError, check_finite, check_not_negative, check_positive, check_range};
 use crate::estimation::structure::Structure;
 use crate::trends::Hold;
-use crate::trends::delay_line::acceptable;
 
 /// What the user knows before the first sample; the rest follows from it.
 ///
@@ -78,59 +77,30 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
 
     /// Checks every value; `capacity` is the length D of the delay lines.
     pub(crate) fn check(&self, sample_time: f32, capacity: usize) -> Result<(), ConfigError> {
-        if !positive(sample_time) {
-            return Err(ConfigError::SampleTime(sample_time));
-        }
-        if !positive(self.bandwidth) {
-            return Err(ConfigError::Bandwidth(self.bandwidth));
-        }
-        if !positive(self.output_range) {
-            return Err(ConfigError::OutputRange(self.output_range));
-        }
-        if !positive(self.output_noise) {
-            return Err(ConfigError::NoiseStd(self.output_noise));
-        }
+        check_positive("sample_time", sample_time)?;
+        check_positive("bandwidth", self.bandwidth)?;
+        check_positive("output_range", self.output_range)?;
+        check_positive("output_noise", self.output_noise)?;
         for input in 0..I {
-            let value = self.input_range[input];
-            if !positive(value) {
-                return Err(ConfigError::InputRange { input, value });
-            }
-            if !acceptable(self.rest[input], REACH * value) {
-                let value = self.rest[input];
-                return Err(ConfigError::InputRange { input, value });
-            }
-            let samples = self.delays[input];
-            if samples > capacity {
-                return Err(ConfigError::Delay {
-                    input,
-                    samples,
-                    capacity,
-                });
-            }
+            let range = self.input_range[input];
+            check_positive(("input_range", input), range)?;
+            let reach = REACH * range;
+            check_range(("rest", input), self.rest[input], [-reach, reach])?;
+            let delay = self.delays[input] as f32;
+            check_range(("delays", input), delay, [0.0, capacity as f32])?;
         }
-        if let Some(memory) = self.memory
-            && !(memory > 2.0 * sample_time && memory.is_finite())
-        {
-            return Err(ConfigError::Memory(memory));
+        if let Some(memory) = self.memory {
+            check_range("memory", memory, [2.0 * sample_time, f32::INFINITY])?;
         }
-        for index in 0..N {
-            let value = self.initial[index];
-            if !value.is_finite() {
-                return Err(ConfigError::Initial { index, value });
-            }
+        for (index, value) in self.initial.into_iter().enumerate() {
+            check_finite(("initial", index), value)?;
         }
         if let Some(std) = self.prior_std {
             check_std(&std)?;
         }
-        if !(self.settling >= 0.0 && self.settling.is_finite()) {
-            return Err(ConfigError::Settling(self.settling));
-        }
-        if !(self.pull >= 0.0 && self.pull.is_finite()) {
-            return Err(ConfigError::Pull(self.pull));
-        }
-        if !(self.doubt >= 0.0 && self.doubt.is_finite()) {
-            return Err(ConfigError::Doubt(self.doubt));
-        }
+        check_not_negative("settling", self.settling)?;
+        check_not_negative("pull", self.pull)?;
+        check_not_negative("doubt", self.doubt)?;
         Ok(())
     }
 }
@@ -138,9 +108,7 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
 /// A prior standard deviation is a finite number >= 0.
 pub(crate) fn check_std<const N: usize>(std: &[f32; N]) -> Result<(), ConfigError> {
     for (index, value) in std.iter().copied().enumerate() {
-        if !(value >= 0.0 && value.is_finite()) {
-            return Err(ConfigError::PriorStd { index, value });
-        }
+        check_not_negative(("prior_std", index), value)?;
     }
     Ok(())
 }

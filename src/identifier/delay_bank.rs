@@ -63,7 +63,7 @@ impl<
     /// Candidates for the delay of `input`; the other inputs keep the delays of `config`.
     ///
     /// # Errors
-    /// As [`Identifier::try_new`]; [`ConfigError::Delay`] where the delay line is shorter than the longest candidate;
+    /// As [`Identifier::try_new`]; [`ConfigError::OutOfRange`] where the delay line is shorter than the longest candidate;
     /// [`ConfigError::NoInput`] where there is no such input.
     pub fn try_new(config: &Config<M, N, I>, trends: T, input: usize) -> Result<Self, ConfigError> {
         const { assert!(K > 0, "a bank has at least one candidate") };

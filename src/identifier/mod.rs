@@ -7,7 +7,7 @@ pub(crate) mod outcome;
 mod plan;
 mod state;
 
-use crate::error::{ConfigError, positive};
+use crate::error::{ConfigError, check_finite, check_not_negative, check_range, positive};
 use crate::estimation::rls::Estimator;
 use crate::estimation::structure::Structure;
 use crate::estimation::terms::{Parameter, index_of};
@@ -119,16 +119,12 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// Cost: about 9000 instructions for order 3, once; not for every sample.
     ///
     /// # Errors
-    /// [`ConfigError::SampleTime`] for another sample time, [`ConfigError::Settling`]; nothing is changed then.
+    /// [`ConfigError::OutOfRange`] for another sample time or a negative time; nothing is changed then.
     pub fn retune(&mut self, trends: T, settling: f32) -> Result<(), ConfigError> {
         let plan = &self.plan;
         let sample_time = plan.trends.sample_time();
-        if trends.sample_time() != sample_time {
-            return Err(ConfigError::SampleTime(trends.sample_time()));
-        }
-        if !(settling >= 0.0 && settling.is_finite()) {
-            return Err(ConfigError::Settling(settling));
-        }
+        check_range("sample_time", trends.sample_time(), [sample_time; 2])?;
+        check_not_negative("settling", settling)?;
         // The bias that the old filter made is settled now; what follows has the new one's.
         let mut theta = self.found();
         // What was learnt weighs as much as the noise in band was smaller than it will be.
@@ -166,12 +162,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// Begins again from an estimate with its standard deviations, both in the user's units.
     ///
     /// # Errors
-    /// [`ConfigError::Initial`], [`ConfigError::PriorStd`]; nothing is changed then.
+    /// [`ConfigError::NotFinite`], [`ConfigError::OutOfRange`]; nothing is changed then.
     pub fn warm_start(&mut self, theta: [f32; N], std: [f32; N]) -> Result<(), ConfigError> {
         for (index, value) in theta.iter().copied().enumerate() {
-            if !value.is_finite() {
-                return Err(ConfigError::Initial { index, value });
-            }
+            check_finite(("initial", index), value)?;
         }
         let prior = self.plan.prior_of(&theta, &std)?;
         self.state.warm_start(&self.plan, prior);

@@ -127,7 +127,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
     /// The prior with this mean and these standard deviations, both in the user's units.
     ///
     /// # Errors
-    /// [`ConfigError::Initial`], [`ConfigError::PriorStd`].
+    /// [`ConfigError::OutOfRange`], naming `initial` or `prior_std`.
     pub(crate) fn prior_of(
         &self,
         theta: &[f32; N],
@@ -147,9 +147,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
         let theta: [f32; N] = core::array::from_fn(|j| given[j] / units[j]);
         match theta.iter().position(|value| !acceptable(*value, REACH)) {
             None => Ok(theta),
-            Some(index) => Err(ConfigError::Initial {
-                index,
+            Some(index) => Err(ConfigError::OutOfRange {
+                setting: ("initial", index).into(),
                 value: given[index],
+                limits: [-REACH * units[index], REACH * units[index]],
             }),
         }
     }

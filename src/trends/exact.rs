@@ -1,6 +1,6 @@
 //! Trends that are exact at any sample time: the numerators of the hold and the poles of the s plane.
 
-use crate::error::{ConfigError, assert_order, positive};
+use crate::error::{ConfigError, assert_order, check_finite, check_positive};
 use crate::trends::bilinear::{largest_rate, to_continuous, to_gamma};
 use crate::trends::filter;
 use crate::trends::filtered::FilteredTrends;
@@ -62,14 +62,11 @@ impl<const M: usize> ExactTrends<M> {
     /// Trends behind `1/A_f(s)`, `A_f = s^m + filter[m-1] s^{m-1} + .. + filter[0]`, with the numerators of A = `A_f`.
     ///
     /// # Errors
-    /// [`ConfigError::SampleTime`], [`ConfigError::FilterPole`] where `A_f` is not
-    /// stable or has a pole at 2/Delta or above.
+    /// As [`FilteredTrends::from_polynomial`]; [`ConfigError::TooFast`] where `A_f` has a pole at 2/Delta or above.
     pub fn from_polynomial(sample_time: f32, filter: [f32; M]) -> Result<Self, ConfigError> {
-        if !positive(sample_time) {
-            return Err(ConfigError::SampleTime(sample_time));
-        }
+        check_positive("sample_time", sample_time)?;
         // The map of the poles keeps their half plane: what is refused there is unstable here.
-        let image = to_gamma(&filter, sample_time).ok_or(beyond(&filter))?;
+        let image = in_gamma("filter", &filter, sample_time)?;
         let chain = FilteredTrends::from_polynomial(Scheme::Tustin, sample_time, image)?;
         Ok(Self {
             chain,
@@ -81,10 +78,10 @@ impl<const M: usize> ExactTrends<M> {
     /// The same filter with the numerators of a plant `A = s^m + a[m-1] s^{m-1} + .. + a[0]`, stable or not.
     ///
     /// # Errors
-    /// [`ConfigError::FilterPole`] where A has a pole at 2/Delta or above.
+    /// [`ConfigError::NotFinite`], [`ConfigError::TooFast`] where A has a pole at 2/Delta or above.
     pub fn with_model(self, a: [f32; M]) -> Result<Self, ConfigError> {
         let sample_time = self.chain.sample_time();
-        let image = to_gamma(&a, sample_time).ok_or(beyond(&a))?;
+        let image = in_gamma("a", &a, sample_time)?;
         Ok(Self {
             chain: self.chain,
             model: image,
@@ -95,12 +92,10 @@ impl<const M: usize> ExactTrends<M> {
     /// Trends behind the default filter for a plant of rough bandwidth omega (rad/s), see [`FilteredTrends::for_bandwidth`].
     ///
     /// # Errors
-    /// As [`ExactTrends::from_polynomial`], [`ConfigError::Bandwidth`].
+    /// As [`ExactTrends::from_polynomial`].
     pub fn for_bandwidth(sample_time: f32, bandwidth: f32) -> Result<Self, ConfigError> {
         const { assert_order(M) };
-        if !positive(bandwidth) {
-            return Err(ConfigError::Bandwidth(bandwidth));
-        }
+        check_positive("bandwidth", bandwidth)?;
         Self::from_polynomial(sample_time, filter::for_bandwidth(bandwidth))
     }
 
@@ -116,12 +111,19 @@ impl<const M: usize> ExactTrends<M> {
     }
 }
 
-/// The error that names a polynomial with a pole beyond the sampling.
-fn beyond<const M: usize>(a: &[f32; M]) -> ConfigError {
-    ConfigError::FilterPole {
-        index: 0,
-        value: a.first().copied().unwrap_or(0.0),
+/// A polynomial of the s plane in the gamma plane.
+fn in_gamma<const M: usize>(
+    name: &'static str,
+    a: &[f32; M],
+    sample_time: f32,
+) -> Result<[f32; M], ConfigError> {
+    for (i, value) in a.iter().enumerate() {
+        check_finite((name, i), *value)?;
     }
+    to_gamma(a, sample_time).ok_or(ConfigError::TooFast {
+        setting: name.into(),
+        limit: 2.0 / sample_time,
+    })
 }
 
 impl<const M: usize> TrendOperator<M> for ExactTrends<M> {

@@ -1,6 +1,6 @@
 //! Filtered trends: the state-variable chain (sections 1-2 of the paper behind one stable filter).
 
-use crate::error::{ConfigError, assert_order, positive};
+use crate::error::{ConfigError, assert_order, check_positive, check_range};
 use crate::trends::filter::{for_bandwidth, hurwitz_violation, slowest, with_pole};
 use crate::trends::{Hold, NoiseGain, Scheme, TrendOperator, Trends};
 
@@ -61,26 +61,16 @@ impl<const M: usize> FilteredTrends<M> {
     /// Chain with the real poles `-poles[i]`.
     ///
     /// # Errors
-    /// [`ConfigError::SampleTime`], [`ConfigError::FilterPole`]
-    /// for a pole that is not positive or, with forward rectangles, not stable.
-    pub const fn try_new(
-        scheme: Scheme,
-        sample_time: f32,
-        poles: [f32; M],
-    ) -> Result<Self, ConfigError> {
+    /// [`ConfigError::NotPositive`]; with forward rectangles [`ConfigError::OutOfRange`] for a pole above 1/Delta.
+    pub fn try_new(scheme: Scheme, sample_time: f32, poles: [f32; M]) -> Result<Self, ConfigError> {
         let mut filter = [0.0; M];
-        let mut i = 0;
-        while i < M {
-            let pole = poles[i];
-            let explicit = matches!(scheme, Scheme::Goodwin);
-            if !positive(pole) || (explicit && !(pole * sample_time < 1.0)) {
-                return Err(ConfigError::FilterPole {
-                    index: i,
-                    value: pole,
-                });
+        check_positive("sample_time", sample_time)?;
+        for (i, pole) in poles.into_iter().enumerate() {
+            check_positive(("poles", i), pole)?;
+            if let Scheme::Goodwin = scheme {
+                check_range(("poles", i), pole, [0.0, 1.0 / sample_time])?;
             }
             filter = with_pole(filter, i, pole);
-            i += 1;
         }
         Self::from_polynomial(scheme, sample_time, filter)
     }
@@ -88,22 +78,19 @@ impl<const M: usize> FilteredTrends<M> {
     /// Chain with `A_f = s^m + filter[m-1] s^{m-1} + .. + filter[0]`.
     ///
     /// # Errors
-    /// As [`FilteredTrends::try_new`]; the polynomial must satisfy the Hurwitz
-    /// conditions, and the first coefficient that breaks them is named.
-    pub const fn from_polynomial(
+    /// [`ConfigError::NotPositive`], also for a coefficient of the polynomial; [`ConfigError::Unstable`] where it breaks
+    /// the Hurwitz conditions.
+    pub fn from_polynomial(
         scheme: Scheme,
         sample_time: f32,
         filter: [f32; M],
     ) -> Result<Self, ConfigError> {
         const { assert_order(M) };
-        if !positive(sample_time) {
-            return Err(ConfigError::SampleTime(sample_time));
-        }
+        check_positive("sample_time", sample_time)?;
         if let Some(index) = hurwitz_violation(&filter) {
-            return Err(ConfigError::FilterPole {
-                index,
-                value: filter[index],
-            });
+            check_positive(("filter", index), filter[index])?;
+            let setting = "filter".into();
+            return Err(ConfigError::Unstable { setting });
         }
         let (ahead, behind) = match scheme {
             Scheme::Tustin => (0.5 * sample_time, 0.5 * sample_time),
@@ -140,15 +127,13 @@ impl<const M: usize> FilteredTrends<M> {
     ///
     /// # Errors
     /// As [`FilteredTrends::try_new`].
-    pub const fn for_bandwidth(
+    pub fn for_bandwidth(
         scheme: Scheme,
         sample_time: f32,
         bandwidth: f32,
     ) -> Result<Self, ConfigError> {
         const { assert_order(M) };
-        if !positive(bandwidth) {
-            return Err(ConfigError::Bandwidth(bandwidth));
-        }
+        check_positive("bandwidth", bandwidth)?;
         let filter = for_bandwidth(bandwidth);
         Self::from_polynomial(scheme, sample_time, filter)
     }
@@ -367,10 +352,9 @@ mod tests {
     fn what_is_not_a_filter_is_named() {
         let pole = |poles| FilteredTrends::<2>::try_new(Scheme::Tustin, 0.001, poles);
         for (index, poles) in [(0, [0.0, 1.0]), (1, [1.0, -1.0]), (1, [1.0, f32::INFINITY])] {
-            match pole(poles) {
-                Err(ConfigError::FilterPole { index: found, .. }) => assert_eq!(found, index),
-                other => panic!("{other:?}"),
-            }
+            let (setting, value) = (("poles", index).into(), poles[index]);
+            let expected = ConfigError::NotPositive { setting, value };
+            assert_eq!(pole(poles), Err(expected));
         }
         assert!(pole([f32::NAN, 1.0]).is_err());
         // Forward rectangles are unstable above 1/Delta.
@@ -378,12 +362,22 @@ mod tests {
         assert!(FilteredTrends::<1>::try_new(Scheme::Tustin, 0.001, [1001.0]).is_ok());
         // (s - 1)(s^2 + 4 s + 9) fails in its own signs, s^3 + s^2 + s + 2 in the Hurwitz condition.
         let polynomial = |f| FilteredTrends::<3>::from_polynomial(Scheme::Tustin, 0.001, f);
-        assert!(polynomial([-9.0, 5.0, 3.0]).is_err());
-        assert!(polynomial([2.0, 1.0, 1.0]).is_err());
+        let not_positive = ConfigError::NotPositive {
+            setting: ("filter", 0).into(),
+            value: -9.0,
+        };
+        assert_eq!(polynomial([-9.0, 5.0, 3.0]), Err(not_positive));
+        let unstable = ConfigError::Unstable {
+            setting: "filter".into(),
+        };
+        assert_eq!(polynomial([2.0, 1.0, 1.0]), Err(unstable));
         assert!(polynomial([1.0, 2.0, 2.0]).is_ok());
         assert_eq!(
             FilteredTrends::<2>::for_bandwidth(Scheme::Tustin, 0.001, 0.0),
-            Err(ConfigError::Bandwidth(0.0))
+            Err(ConfigError::NotPositive {
+                setting: "bandwidth".into(),
+                value: 0.0
+            })
         );
     }
 

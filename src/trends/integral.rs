@@ -1,6 +1,6 @@
 //! Trends over a span: the linear integral filter, the approach the paper compares itself with.
 
-use crate::error::{ConfigError, assert_order, positive};
+use crate::error::{ConfigError, assert_order, check_positive};
 use crate::trends::{Hold, Scheme, TrendOperator, Trends};
 
 /// Trends over a span of `L` samples (linear integral filter, Sagara and Zhao 1990), recursive.
@@ -133,13 +133,11 @@ impl<const M: usize, const L: usize> IntegralTrends<M, L> {
     /// Trends of order `M` over spans of `L` samples taken every `sample_time` seconds.
     ///
     /// # Errors
-    /// [`ConfigError::SampleTime`].
-    pub const fn try_new(scheme: Scheme, sample_time: f32) -> Result<Self, ConfigError> {
+    /// [`ConfigError::NotPositive`].
+    pub fn try_new(scheme: Scheme, sample_time: f32) -> Result<Self, ConfigError> {
         const { assert!(L > 1, "a span is at least two samples") };
         const { assert_order(M) };
-        if !positive(sample_time) {
-            return Err(ConfigError::SampleTime(sample_time));
-        }
+        check_positive("sample_time", sample_time)?;
         Ok(Self {
             scheme,
             sample_time,

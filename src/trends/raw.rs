@@ -1,6 +1,6 @@
 //! The paper's trends, straight from the last samples (equations 4 and 8).
 
-use crate::error::{ConfigError, assert_order, positive};
+use crate::error::{ConfigError, assert_order, check_positive};
 use crate::trends::{Hold, Scheme, TrendOperator, Trends, goodwin, tustin};
 
 /// Trends without a filter, exactly as in the paper.
@@ -45,12 +45,10 @@ impl<const M: usize> RawTrends<M> {
     /// Trends of order `M` of samples taken every `sample_time` seconds.
     ///
     /// # Errors
-    /// [`ConfigError::SampleTime`].
-    pub const fn try_new(scheme: Scheme, sample_time: f32) -> Result<Self, ConfigError> {
+    /// [`ConfigError::NotPositive`].
+    pub fn try_new(scheme: Scheme, sample_time: f32) -> Result<Self, ConfigError> {
         const { assert_order(M) };
-        if !positive(sample_time) {
-            return Err(ConfigError::SampleTime(sample_time));
-        }
+        check_positive("sample_time", sample_time)?;
         Ok(Self {
             scheme,
             sample_time,
@@ -195,9 +193,13 @@ mod tests {
     #[test]
     fn the_sample_time_is_positive() {
         for time in [0.0, -1.0, f32::INFINITY] {
+            let setting = "sample_time".into();
             assert_eq!(
                 RawTrends::<2>::try_new(Scheme::Tustin, time),
-                Err(ConfigError::SampleTime(time))
+                Err(ConfigError::NotPositive {
+                    setting,
+                    value: time
+                })
             );
         }
     }

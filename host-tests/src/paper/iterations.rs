@@ -10,7 +10,7 @@ use crate::signals::experiment::Record;
 /// `config` chooses the filter, the same in every round.
 ///
 /// # Errors
-/// Those of the core for the configuration, and [`ConfigError::FilterPole`] for a model beyond the sampling.
+/// Those of the core for the configuration, and [`ConfigError::TooFast`] for a model beyond the sampling.
 pub fn own_numerators(
     config: &Config<3, 5, 1>,
     record: &Record,
