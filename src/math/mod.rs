@@ -3,6 +3,8 @@
 //! Nothing here is called in the 1 ms path: on a Cortex-M4F these functions are
 //! software, and several go through soft doubles.
 
+pub(crate) mod polynomial;
+
 /// Square root, 0 for arguments below 0 (a variance that rounding made negative).
 pub(crate) fn sqrt(x: f32) -> f32 {
     if x > 0.0 { libm::sqrtf(x) } else { 0.0 }

@@ -1,5 +1,6 @@
 //! The transfer function that theta stands for, its poles and its stability.
 
+use crate::math::polynomial::is_hurwitz;
 use crate::math::{pow, sqrt};
 
 /// `G(s) = (b_{m-1} s^{m-1} + .. + b_0) / (s^m + a_{m-1} s^{m-1} + .. + a_0)` for each input, equation (1).
@@ -64,17 +65,7 @@ impl<const M: usize, const I: usize> TransferFunction<M, I> {
 
     /// Whether all poles but the integrators lie in the left half plane (Hurwitz conditions).
     pub fn is_stable(&self) -> bool {
-        let a = match self.a.get(self.integrators..) {
-            Some(a) => a,
-            None => return true,
-        };
-        let positive = a.iter().all(|v| *v > 0.0 && v.is_finite());
-        positive
-            && match *a {
-                [a0, a1, a2] => a2 * a1 > a0,
-                [a0, a1, a2, a3] => (a3 * a2 - a1) * a1 > a3 * a3 * a0,
-                _ => true,
-            }
+        self.a.get(self.integrators..).is_none_or(is_hurwitz)
     }
 
     /// The poles in rad/s, integrators first, then by rising distance from zero.

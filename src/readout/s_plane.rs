@@ -4,9 +4,9 @@
 
 use crate::estimation::structure::Structure;
 use crate::estimation::terms::Parameter;
+use crate::math::polynomial::largest_rate;
 use crate::math::pow;
 use crate::readout::Readout;
-use crate::trends::bilinear::largest_rate;
 use crate::trends::{Image, TrendOperator};
 
 /// Step of a difference quotient, relative to the power of the largest rate that a coefficient stands for.

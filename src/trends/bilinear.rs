@@ -18,7 +18,7 @@
 //! computed: repeated and complex poles are nothing special, a pole at 0 stays there,
 //! and what rounds is the small difference between the planes.
 
-use crate::math::pow;
+use crate::math::polynomial::{is_schur, scaled, unscaled};
 
 /// Terms of f: the last one is below 1e-9 for |x| = 1.
 const TERMS: usize = 9;
@@ -32,7 +32,7 @@ const STEPS: usize = 8;
 pub(crate) fn to_gamma<const M: usize>(a: &[f32; M], sample_time: f32) -> Option<[f32; M]> {
     let half = 0.5 * sample_time;
     let scaled = scaled(a, half);
-    let found = within(&scaled).then(|| scaled_back(&flow(&scaled, 1.0, 0.0), half))?;
+    let found = is_schur(&scaled).then(|| unscaled(&flow(&scaled, 1.0, 0.0), half))?;
     found.iter().all(|v| v.is_finite()).then_some(found)
 }
 
@@ -41,34 +41,7 @@ pub(crate) fn to_continuous<const M: usize>(a: &[f32; M], sample_time: f32) -> O
     let half = 0.5 * sample_time;
     let found = flow(&scaled(a, half), 0.0, 1.0);
     // A real root beyond 2/Delta in gamma has no p; its flow ends outside, or nowhere.
-    within(&found).then(|| scaled_back(&found, half))
-}
-
-/// The largest of |a_i|^(1/(m-i)): no root is beyond twice this.
-pub(crate) fn largest_rate<const M: usize>(a: &[f32; M]) -> f32 {
-    let rates = a.iter().enumerate();
-    rates.fold(0.0, |m, (i, v)| m.max(pow(v.abs(), 1.0 / (M - i) as f32)))
-}
-
-/// The polynomial of `unit` times the roots.
-pub(crate) fn scaled<const M: usize>(a: &[f32; M], unit: f32) -> [f32; M] {
-    let mut scaled = *a;
-    let mut power = 1.0;
-    for value in scaled.iter_mut().rev() {
-        power *= unit;
-        *value *= power;
-    }
-    scaled
-}
-
-fn scaled_back<const M: usize>(a: &[f32; M], unit: f32) -> [f32; M] {
-    let mut scaled = *a;
-    let mut power = 1.0;
-    for value in scaled.iter_mut().rev() {
-        power *= unit;
-        *value /= power;
-    }
-    scaled
+    is_schur(&found).then(|| unscaled(&found, half))
 }
 
 /// `s r(s) mod A(s)`.
@@ -125,35 +98,6 @@ fn flow<const M: usize>(a: &[f32; M], from: f32, to: f32) -> [f32; M] {
     a
 }
 
-/// Whether all roots lie inside the unit circle (Schur and Cohn).
-fn within<const M: usize>(a: &[f32; M]) -> bool {
-    let mut a = *a;
-    // No index that has to be checked: this is called from firmware, too.
-    let mut left: &mut [f32] = &mut a;
-    while let Some((last, upper)) = left.split_first_mut() {
-        let last = *last;
-        // Not a number fails, too.
-        if !(last > -1.0 && last < 1.0) {
-            return false;
-        }
-        // (A(s) - a_0 s^degree A(1/s)) / s, monic again: pairs from both ends.
-        let rest = 1.0 - last * last;
-        let mut ends = upper.iter_mut();
-        while let Some(low) = ends.next() {
-            match ends.next_back() {
-                Some(high) => {
-                    let (l, h) = (*low, *high);
-                    *low = (l - last * h) / rest;
-                    *high = (h - last * l) / rest;
-                }
-                None => *low = (*low - last * *low) / rest,
-            }
-        }
-        left = upper;
-    }
-    true
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -196,13 +140,5 @@ mod tests {
         // A root of gamma at -3/Delta.
         assert_eq!(to_continuous(&[3000.0], 0.001), None);
         assert_eq!(to_continuous(&[-3000.0], 0.001), None);
-    }
-
-    #[test]
-    fn schur_and_cohn() {
-        assert!(within(&[0.25, 1.0])); // (s + 0.5)^2
-        assert!(!within(&[1.21, 2.2])); // (s + 1.1)^2
-        assert!(within(&[-0.5]) && !within(&[-1.5]));
-        assert!(within(&[0.0, 0.0, 0.0, 0.9]) && !within(&[0.0, 0.0, 0.0, 1.1]));
     }
 }

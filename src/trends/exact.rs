@@ -1,7 +1,8 @@
 //! Trends that are exact at any sample time: the numerators of the hold and the poles of the s plane.
 
 use crate::error::{ConfigError, assert_order, check_finite, check_positive};
-use crate::trends::bilinear::{largest_rate, to_continuous, to_gamma};
+use crate::math::polynomial::largest_rate;
+use crate::trends::bilinear::{to_continuous, to_gamma};
 use crate::trends::filter;
 use crate::trends::filtered::FilteredTrends;
 use crate::trends::hold::Numerators;

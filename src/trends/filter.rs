@@ -1,26 +1,9 @@
 //! The filter polynomial `A_f = s^m + f_{m-1} s^{m-1} + .. + f_0` in front of the estimator.
 
-use crate::error::positive;
-
-/// `(s^degree + f_{degree-1} s^{degree-1} + ..)(s + pole)`.
-pub(crate) const fn with_pole<const M: usize>(
-    mut filter: [f32; M],
-    degree: usize,
-    pole: f32,
-) -> [f32; M] {
-    // From the highest power down, so that no coefficient is used after it changed.
-    let mut j = degree;
-    while j > 0 {
-        let own = if j == degree { 1.0 } else { filter[j] };
-        filter[j] = filter[j - 1] + own * pole;
-        j -= 1;
-    }
-    filter[0] = if degree == 0 { pole } else { filter[0] * pole };
-    filter
-}
+use crate::math::polynomial::with_pole;
 
 /// The default filter for a plant of this rough bandwidth in rad/s.
-pub(crate) const fn for_bandwidth<const M: usize>(bandwidth: f32) -> [f32; M] {
+pub(crate) fn for_bandwidth<const M: usize>(bandwidth: f32) -> [f32; M] {
     let corner = 1.1 * bandwidth;
     let slow = if M == 1 { corner } else { 0.1 * corner };
     let mut filter = with_pole([0.0; M], 0, slow);
@@ -40,64 +23,10 @@ pub(crate) const fn for_bandwidth<const M: usize>(bandwidth: f32) -> [f32; M] {
     filter
 }
 
-/// The first coefficient with which `s^m + .. + filter[0]` cannot be a Hurwitz polynomial, m <= 4.
-pub(crate) const fn hurwitz_violation<const M: usize>(filter: &[f32; M]) -> Option<usize> {
-    let mut i = 0;
-    while i < M {
-        if !positive(filter[i]) {
-            return Some(i);
-        }
-        i += 1;
-    }
-    let stable = match M {
-        3 => filter[2] * filter[1] > filter[0],
-        4 => {
-            let first = filter[3] * filter[2] - filter[1];
-            first * filter[1] > filter[3] * filter[3] * filter[0]
-        }
-        _ => true,
-    };
-    if stable { None } else { Some(0) }
-}
-
-/// The real root nearest to zero, as a positive rate, by Newton's method from zero.
-///
-/// Where the slowest mode is a pair there is none such; then the result is some rate
-/// of its size.
-pub(crate) fn slowest<const M: usize>(filter: &[f32; M]) -> f32 {
-    let mut rate = 0.0;
-    for _ in 0..30 {
-        // A_f(-rate) and its slope with respect to rate.
-        let (mut value, mut slope) = (1.0, 0.0);
-        for i in (0..M).rev() {
-            slope = -slope * rate - value;
-            value = filter[i] - value * rate;
-        }
-        if slope == 0.0 {
-            break;
-        }
-        let next = rate - value / slope;
-        if !(next > rate && next < 1e6) {
-            break;
-        }
-        rate = next;
-    }
-    rate
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn poles_multiply_up() {
-        let mut filter = [0.0; 4];
-        for (degree, pole) in [1.0, 2.0, 3.0, 4.0].into_iter().enumerate() {
-            filter = with_pole(filter, degree, pole);
-        }
-        assert_eq!(filter, [24.0, 50.0, 35.0, 10.0]);
-        assert!((slowest(&filter) - 1.0).abs() < 1e-5);
-    }
+    use crate::math::polynomial::{is_hurwitz, slowest_rate};
 
     #[test]
     fn the_default_has_its_slow_pole_and_its_pair() {
@@ -106,11 +35,10 @@ mod tests {
         for (found, wanted) in for_bandwidth::<3>(20.0).into_iter().zip(wanted) {
             assert!((found / wanted - 1.0).abs() < 1e-6, "{found}");
         }
-        assert!((slowest(&for_bandwidth::<3>(20.0)) - 2.2).abs() < 1e-4);
+        assert!((slowest_rate(&for_bandwidth::<3>(20.0)) - 2.2).abs() < 1e-4);
         assert_eq!(for_bandwidth::<1>(20.0), [22.0]);
         let [low, high] = for_bandwidth::<2>(20.0);
         assert!((low - 48.4).abs() < 1e-4 && (high - 24.2).abs() < 1e-4);
-        assert!(hurwitz_violation(&for_bandwidth::<4>(20.0)).is_none());
-        assert_eq!(hurwitz_violation(&[8.0, 1.0, 1.0]), Some(0));
+        assert!(is_hurwitz(&for_bandwidth::<4>(20.0)));
     }
 }

@@ -1,7 +1,8 @@
 //! Filtered trends: the state-variable chain (sections 1-2 of the paper behind one stable filter).
 
 use crate::error::{ConfigError, assert_order, check_positive, check_range};
-use crate::trends::filter::{for_bandwidth, hurwitz_violation, slowest, with_pole};
+use crate::math::polynomial::{is_hurwitz, slowest_rate, with_pole};
+use crate::trends::filter::for_bandwidth;
 use crate::trends::{Hold, NoiseGain, Scheme, TrendOperator, Trends};
 
 /// Trends through one stable filter `1/A_f`, the same for y and every u.
@@ -87,8 +88,10 @@ impl<const M: usize> FilteredTrends<M> {
     ) -> Result<Self, ConfigError> {
         const { assert_order(M) };
         check_positive("sample_time", sample_time)?;
-        if let Some(index) = hurwitz_violation(&filter) {
-            check_positive(("filter", index), filter[index])?;
+        for (i, value) in filter.into_iter().enumerate() {
+            check_positive(("filter", i), value)?;
+        }
+        if !is_hurwitz(&filter) {
             let setting = "filter".into();
             return Err(ConfigError::Unstable { setting });
         }
@@ -315,7 +318,7 @@ impl<const M: usize> TrendOperator<M> for FilteredTrends<M> {
     }
 
     fn decay(&self) -> f32 {
-        let pole = slowest(&self.filter);
+        let pole = slowest_rate(&self.filter);
         (1.0 - pole * self.behind) / (1.0 + pole * self.ahead)
     }
 

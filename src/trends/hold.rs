@@ -8,7 +8,7 @@
 //! For several poles p becomes the matrix of the state equations, so that repeated and
 //! complex ones need no care.
 
-use crate::trends::bilinear::scaled;
+use crate::math::polynomial::scaled;
 
 /// Terms of `tanh(x)/x`: the next one is below 1e-8 for |x| = 1.
 const TERMS: usize = 20;
