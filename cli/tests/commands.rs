@@ -101,6 +101,23 @@ fn demo_is_accurate_and_its_sigma_is_honest() {
 }
 
 #[test]
+fn the_record_in_the_examples_is_what_simulate_writes() {
+    let dir = Scratch::new("example");
+    let file = dir.path("servo.csv");
+    let arguments = "--seconds 4 --seed 1 --eta 500".split(' ');
+    let arguments: Vec<&str> = ["simulate", "--out", &file]
+        .into_iter()
+        .chain(arguments)
+        .collect();
+    let _said = stdout(&arguments);
+    let kept = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/data/servo.csv");
+    assert_eq!(
+        std::fs::read_to_string(file).unwrap(),
+        std::fs::read_to_string(kept).unwrap()
+    );
+}
+
+#[test]
 fn what_simulate_writes_identify_finds() {
     let dir = Scratch::new("round");
     let file = dir.path("servo.csv");

@@ -16,6 +16,16 @@ const BASELINE: &str = "docs/icount.json";
 /// The table on its own.
 const TABLE: &str = "docs/icount.md";
 
+/// Rows of the short table, with their number of parameters.
+const BRIEF: [(&str, u32); 6] = [
+    ("raw Tustin", 3),
+    ("filtered Tustin", 3),
+    ("default", 5),
+    ("default with memory", 5),
+    ("whole position loop", 6),
+    ("bare estimator", 5),
+];
+
 /// Growth of the mean or of the worst case that fails, as a factor.
 const GROWTH: f64 = 1.02;
 
@@ -84,7 +94,9 @@ pub fn run(options: &Options) -> Done {
         compare(&before, &rows)?;
     }
     write(&root().join(TABLE), &markdown(&rows))?;
-    quote("icount", &markdown(&rows))
+    quote("icount", &markdown(&rows))?;
+    rows.retain(|row| row.opt == "3" && BRIEF.contains(&(row.row.as_str(), row.n)));
+    quote("icount-brief", &markdown(&rows))
 }
 
 /// Runs the image on a machine and joins its counts with the sizes in the ELF.
