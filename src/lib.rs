@@ -62,7 +62,6 @@
 //! | feature | adds |
 //! |---|---|
 //! | `defmt` | `defmt::Format` on the public types |
-//! | `approximate` | the module `approximate` for displays (micromath) |
 //!
 //! A feature adds items and changes no number.
 //!
@@ -95,8 +94,6 @@ pub use identifier::config::Config;
 pub use identifier::delay_bank::DelayBank;
 pub use identifier::inputs::{DeadZone, asymmetric, coulomb, dead_zone};
 pub use identifier::outcome::{Outcome, Refusal};
-#[cfg(feature = "approximate")]
-pub use math::approximate;
 pub use model::evaluation::{OutputEvaluation, Quality};
 pub use model::physical::Physical;
 pub use model::transfer_function::{Pole, TransferFunction};

@@ -1,6 +1,6 @@
-//! The only file that names libm and micromath.
+//! Arithmetic below everything else; the only file that names libm.
 //!
-//! Nothing here is called in the 1 ms path: on a Cortex-M4F these functions are
+//! The functions of libm are not called in the 1 ms path: on a Cortex-M4F they are
 //! software, and several go through soft doubles.
 
 pub(crate) mod polynomial;
@@ -29,28 +29,5 @@ pub(crate) fn within(value: f32, bound: f32) -> f32 {
         -bound
     } else {
         value
-    }
-}
-
-/// Approximations for telemetry and displays; a few percent, never the estimator.
-///
-/// # Examples
-/// ```
-/// let level = trendid::approximate::decibel(100.0);
-/// assert!((level - 40.0).abs() < 1.0);
-/// ```
-#[cfg(feature = "approximate")]
-pub mod approximate {
-    // Named in each call: where std is linked, its methods would be taken instead.
-    use micromath::F32Ext;
-
-    /// Amplitude ratio in dB, 20 log10 of the magnitude, to about 1 dB.
-    pub fn decibel(ratio: f32) -> f32 {
-        20.0 * F32Ext::log10(ratio.abs())
-    }
-
-    /// Square root to a few percent, for a bar on a display.
-    pub fn sqrt(x: f32) -> f32 {
-        F32Ext::sqrt(x)
     }
 }

@@ -89,14 +89,9 @@ pub fn doc() -> Done {
     process::run(command)
 }
 
-/// The core with each feature alone, none and all, on the host and for both ends of the Cortex-M line.
+/// The core without and with its feature, on the host and for both ends of the Cortex-M line.
 pub fn features() -> Done {
-    let sets: [&[&str]; 4] = [
-        &["--no-default-features"],
-        &["--no-default-features", "--features", "defmt"],
-        &["--no-default-features", "--features", "approximate"],
-        &["--all-features"],
-    ];
+    let sets: [&[&str]; 2] = [&["--no-default-features"], &["--all-features"]];
     for set in sets {
         process::run(cargo(
             &[
