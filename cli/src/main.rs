@@ -1,35 +1,16 @@
 //! Command line of trendid.
 #![allow(missing_docs)] // a program: its documentation is `--help`
 
-mod auto;
-mod demo;
-mod demo_figure;
-mod demo_linear;
-mod demo_loop;
-mod estimate;
-mod fig1;
 mod format;
-mod freerun;
-mod friction;
 mod identify;
 mod options;
-mod options_runs;
 mod output;
+mod paper;
 mod pil;
 mod plot;
-mod position_loop;
-mod raster;
 mod record;
-mod select;
-mod signals;
+mod servo;
 mod simulate;
-mod symmetric;
-mod table1;
-mod table1_picture;
-mod table1_text;
-mod table2;
-mod table2_text;
-mod tuning;
 
 use std::process::ExitCode;
 
@@ -50,20 +31,20 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    Demo(demo::DemoArgs),
+    Demo(servo::demo::DemoArgs),
     Simulate(simulate::SimulateArgs),
-    Identify(identify::IdentifyArgs),
-    Select(select::SelectArgs),
+    Identify(identify::command::IdentifyArgs),
+    Select(identify::select::SelectArgs),
     /// Table 1 of the paper again, beside bound and opponents
-    Table1(table1::Table1Args),
+    Table1(paper::table1::Table1Args),
     /// Table 2 of the paper again: structures and what IQ says of them
-    Table2(table2::Table2Args),
+    Table2(paper::table2::Table2Args),
     /// Fig. 1 of the paper again: transients of the coefficients
-    Fig1(fig1::Fig1Args),
+    Fig1(paper::fig1::Fig1Args),
     /// What each option of the core costs in instructions, beside what it gains in accuracy
     Options(options::OptionsArgs),
     /// The adaptive position loop in every scenario, with fixed gains beside
-    Loop(position_loop::LoopArgs),
+    Loop(servo::position_loop::LoopArgs),
     /// A scenario of the demonstration with the loop on an emulated or real processor, bit for bit as on the host
     Pil(pil::PilArgs),
 }
@@ -78,15 +59,15 @@ fn main() -> ExitCode {
         _ => Cli::parse(),
     };
     let done = match &cli.command {
-        Command::Demo(args) => demo::run(args),
+        Command::Demo(args) => servo::demo::run(args),
         Command::Simulate(args) => simulate::run(args),
-        Command::Identify(args) => identify::run(args),
-        Command::Select(args) => select::run(args),
-        Command::Table1(args) => table1::run(args),
-        Command::Table2(args) => table2::run(args),
-        Command::Fig1(args) => fig1::run(args),
+        Command::Identify(args) => identify::command::run(args),
+        Command::Select(args) => identify::select::run(args),
+        Command::Table1(args) => paper::table1::run(args),
+        Command::Table2(args) => paper::table2::run(args),
+        Command::Fig1(args) => paper::fig1::run(args),
         Command::Options(args) => options::run(args),
-        Command::Loop(args) => position_loop::run(args),
+        Command::Loop(args) => servo::position_loop::run(args),
         Command::Pil(args) => pil::run(args),
     };
     match done {

@@ -30,6 +30,12 @@ impl From<crate::record::RecordError> for Refusal {
     }
 }
 
+impl From<trendid_identify::Error> for Refusal {
+    fn from(error: trendid_identify::Error) -> Self {
+        Self(error.to_string())
+    }
+}
+
 impl From<trendid::ConfigError> for Refusal {
     fn from(error: trendid::ConfigError) -> Self {
         Self(error.to_string())
@@ -70,4 +76,28 @@ pub fn progress(steps: u64, what: &'static str) -> ProgressBar {
     }
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
+}
+
+/// The progress of a search.
+pub struct Bar(ProgressBar);
+
+impl Bar {
+    pub fn new(what: &'static str) -> Self {
+        Self(progress(0, what))
+    }
+
+    pub fn finish(self) {
+        self.0.finish_and_clear();
+    }
+}
+
+impl trendid_identify::Progress for Bar {
+    fn begin(&self, steps: usize) {
+        self.0.set_position(0);
+        self.0.set_length(steps as u64);
+    }
+
+    fn step(&self) {
+        self.0.inc(1);
+    }
 }

@@ -1,10 +1,12 @@
 //! `trendid options`: what each option of the core costs beside what it gains.
 
+mod runs;
+
 use clap::Args;
 use serde_json::{Value, json};
 
 use crate::format::significant;
-use crate::options_runs::{Gain, gains};
+use crate::options::runs::{Gain, gains};
 use crate::output::{Refusal, emit, emit_json, number, progress};
 
 /// What is asked of the command.
@@ -47,7 +49,7 @@ pub enum Cost {
 }
 
 /// The counts that `cargo xtask icount --bless` has written.
-const COUNTS: &str = include_str!("../../docs/icount.json");
+const COUNTS: &str = include_str!("../../../docs/icount.json");
 
 /// Mean of a row at -O3 in instructions.
 fn count(counts: &Value, row: &str, n: Option<u64>) -> Result<f64, Refusal> {

@@ -3,20 +3,14 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use trendid::Scheme;
+use trendid_identify::dynamic::{DELAY, INPUTS};
+use trendid_identify::{Choice, Error, Hold, Input, Scheme, Signals, coulomb_input};
 
-use crate::auto::Choice;
-use crate::estimate::{Input, Problem};
-use crate::freerun::Hold;
-use crate::friction;
 use crate::output::Refusal;
 use crate::record::Record;
 
-/// Most input columns beside each other that the run-time core offers.
-const INPUTS: usize = trendid_identify::INPUTS;
-
-/// Most parameters that it offers.
-const PARAMETERS: usize = trendid_identify::PARAMETERS;
+/// Name of the Coulomb input.
+pub const COULOMB: &str = "sgn(v)";
 
 /// Record, columns and span.
 #[derive(Debug, Args)]
@@ -41,7 +35,7 @@ pub struct SignalArgs {
     pub coulomb: Option<Option<String>>,
     /// What the inputs do between samples
     #[arg(long, value_enum, default_value = "zoh")]
-    pub hold: Hold,
+    pub hold: HoldName,
     /// First time stamp used [s]
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     pub from: Option<f64>,
@@ -51,6 +45,24 @@ pub struct SignalArgs {
     /// Trends of Goodwin (4) or modified Tustin (8)
     #[arg(long, value_enum, default_value = "tustin")]
     pub scheme: SchemeName,
+}
+
+/// How an input behaves between its samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum HoldName {
+    /// Zero-order hold: constant until the next sample.
+    Zoh,
+    /// First-order hold: straight to the next sample.
+    Foh,
+}
+
+impl From<HoldName> for Hold {
+    fn from(name: HoldName) -> Self {
+        match name {
+            HoldName::Zoh => Self::Zero,
+            HoldName::Foh => Self::First,
+        }
+    }
 }
 
 /// The two schemes of the paper.
@@ -69,13 +81,39 @@ impl From<SchemeName> for Scheme {
     }
 }
 
-/// The record with its signals in the roles of a model.
-pub struct Signals {
+/// The signals of a record in the roles of a model.
+pub struct Loaded {
+    /// First time stamp \[s\].
     pub start: f64,
+    /// Sampling interval \[s\].
     pub dt: f64,
-    pub y: Vec<f64>,
+    y: Vec<f64>,
     /// Real inputs, then sgn(v) where wanted.
-    pub inputs: Vec<Input>,
+    inputs: Vec<LoadedInput>,
+}
+
+struct LoadedInput {
+    name: String,
+    samples: Vec<f64>,
+    delayed: bool,
+    hold: Hold,
+}
+
+impl Loaded {
+    /// The signals as the library takes them.
+    pub fn signals(&self) -> Signals<'_> {
+        let inputs = self.inputs.iter().map(|input| Input {
+            name: &input.name,
+            samples: &input.samples,
+            delayed: input.delayed,
+            hold: input.hold,
+        });
+        Signals {
+            dt: self.dt,
+            output: &self.y,
+            inputs: inputs.collect(),
+        }
+    }
 }
 
 impl SignalArgs {
@@ -84,12 +122,10 @@ impl SignalArgs {
     /// # Errors
     ///
     /// The first thing that is wrong with the file, a column or the span.
-    pub fn load(&self) -> Result<Signals, Refusal> {
+    pub fn load(&self) -> Result<Loaded, Refusal> {
         let count = self.input.len() + usize::from(self.coulomb.is_some());
         if count > INPUTS {
-            return Err(Refusal::new(format!(
-                "{count} inputs were asked for, at most {INPUTS} are possible"
-            )));
+            return Err(Error::Inputs(count).into());
         }
         for bound in [self.from, self.to].into_iter().flatten() {
             if !bound.is_finite() {
@@ -112,100 +148,34 @@ impl SignalArgs {
             Record::read(&self.file, &self.time, &columns)?.window(self.from, self.to, 2)?;
         let mut signals = record.signals.into_iter();
         let y = signals.next().unwrap_or_default();
-        let mut inputs: Vec<Input> = Vec::new();
+        let mut inputs = Vec::new();
         for ((name, (_, exponent)), samples) in self.input.iter().zip(&powers).zip(&mut signals) {
-            inputs.push(Input {
+            inputs.push(LoadedInput {
                 name: name.clone(),
                 samples: samples.iter().map(|v| v.powi(*exponent)).collect(),
-                terms: 1,
                 delayed: true,
-                hold: self.hold,
+                hold: self.hold.into(),
             });
         }
         if let Some(column) = &self.coulomb {
             let v = match (column, signals.next()) {
                 (Some(_), Some(v)) => v,
-                _ => friction::velocity(&y, record.dt)?,
+                _ => coulomb_input::velocity(&y, record.dt)?,
             };
-            inputs.push(Input {
-                name: "sgn(v)".into(),
-                samples: friction::signs(&v),
-                terms: 1,
+            inputs.push(LoadedInput {
+                name: COULOMB.into(),
+                samples: coulomb_input::signs(&v),
                 delayed: false,
-                hold: Hold::Zoh,
+                hold: Hold::Zero,
             });
         }
-        Ok(Signals {
+        Ok(Loaded {
             start: record.start,
             dt: record.dt,
             y,
             inputs,
         })
     }
-
-    /// The identification problem of one structure over the signals.
-    ///
-    /// # Errors
-    ///
-    /// An order or a number of zeros that is no structure, or too few samples for it.
-    pub fn problem(
-        &self,
-        signals: &Signals,
-        structure: StructureChoice,
-    ) -> Result<Problem, Refusal> {
-        let StructureChoice {
-            order,
-            integrator,
-            zeros,
-        } = structure;
-        if !(1..=4).contains(&order) {
-            return Err(Refusal::new(format!(
-                "the order {order} is not one of 1, 2, 3, 4"
-            )));
-        }
-        if zeros >= order {
-            return Err(Refusal::new(format!(
-                "{zeros} zeros need an order of at least {}, not {order}",
-                zeros + 1
-            )));
-        }
-        let mut inputs = signals.inputs.clone();
-        for input in inputs.iter_mut().filter(|i| i.delayed) {
-            input.terms = zeros + 1;
-        }
-        let problem = Problem {
-            inputs,
-            y: signals.y.clone(),
-            dt: signals.dt,
-            order,
-            integrator,
-            constant: self.constant,
-            scheme: self.scheme.into(),
-            memory: None,
-        };
-        let parameters = problem.parameter_names().len();
-        if parameters > PARAMETERS {
-            return Err(Refusal::new(format!(
-                "the structure has {parameters} parameters, at most {PARAMETERS} are possible"
-            )));
-        }
-        let (found, needed) = (problem.y.len(), problem.samples_needed());
-        if found < needed {
-            return Err(Refusal::new(format!(
-                "too few samples: {found} for {parameters} parameters, at least {needed} are needed"
-            )));
-        }
-        problem.check_excitation()?;
-        Ok(problem)
-    }
-}
-
-/// Order (integrator included), integrator, number of zeros.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct StructureChoice {
-    pub order: usize,
-    pub integrator: bool,
-    pub zeros: usize,
 }
 
 /// `y^3` is the column y and the exponent 3.
@@ -235,12 +205,11 @@ pub fn parse_filter(text: &str) -> Result<Choice<Option<f64>>, String> {
 
 /// `--delay D|auto` for clap.
 pub fn parse_delay(text: &str) -> Result<Choice<usize>, String> {
-    let longest = trendid_identify::DELAY;
     match (text, text.parse::<usize>()) {
         ("auto", _) => Ok(Choice::Auto),
-        (_, Ok(delay)) if delay <= longest => Ok(Choice::Given(delay)),
+        (_, Ok(delay)) if delay <= DELAY => Ok(Choice::Given(delay)),
         _ => Err(format!(
-            "expected a number of samples from 0 to {longest}, or `auto`"
+            "expected a number of samples from 0 to {DELAY}, or `auto`"
         )),
     }
 }

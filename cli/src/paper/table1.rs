@@ -10,7 +10,7 @@ use trendid_host_tests::paper::trial::{Filter, Method, Setting, Trial, trial};
 use trendid_host_tests::signals::noise::Reading;
 
 use crate::output::{self, Refusal};
-use crate::{table1_picture as picture, table1_text as text};
+use crate::paper::{table1_picture as picture, table1_text as text};
 
 /// What is asked of the command.
 #[derive(Debug, Args)]

@@ -8,14 +8,14 @@ use trendid::{FilteredTrends, Hold, Outcome, Scheme, Terms};
 use trendid_host_tests::plants::servo::{REFERENCE, Servo};
 use trendid_host_tests::signals::experiment::{Experiment, Record};
 use trendid_host_tests::signals::noise::{Condition, Reading};
-use trendid_identify::{Filter, InputSetup, Recursion, Setup};
+use trendid_identify::dynamic::{Filter, InputSetup, Recursion, Setup};
 
-use crate::auto::Choice;
 use crate::format::{percent, significant, table, transfer_function};
+use crate::identify::signals::SchemeName;
 use crate::output::{Refusal, emit, emit_json, number, number32};
 use crate::plot::{COLOURS, Curve, Figure, GREY, Panel};
-use crate::signals::SchemeName;
-use crate::tuning::binomial;
+use trendid_identify::Choice;
+use trendid_identify::tuning::binomial;
 
 /// Rough design values, all that the identifier is told: rad/s, and mm of movement.
 const BANDWIDTH: f64 = 20.0;
@@ -158,7 +158,6 @@ fn setup(record: &Record, scheme: Scheme, choice: Choice<Option<f64>>) -> Result
         output_noise: 1e-3 * MOVEMENT,
         memory: None,
         settling: 0.0,
-        pull: 0.0,
     })
 }
 
@@ -182,17 +181,15 @@ fn courses() -> Vec<Course> {
 }
 
 fn note(courses: &mut [Course], core: &dyn Recursion, t: f64) {
-    let (theta, std) = (core.theta(), core.std());
-    let reading = core.physical(0);
-    let physical = [reading.gain, reading.omega0, reading.damping];
-    let physical_std = core.physical_std();
+    let now = core.estimate();
+    let physical = [now.reading.gain, now.reading.omega0, now.reading.damping];
     for (j, course) in courses.iter_mut().enumerate() {
         let (value, sigma) = match j.checked_sub(3) {
-            None => (Some(theta[j]), Some(std[j])),
-            Some(p) => (physical[p], physical_std.map(|s| s[p])),
+            None => (Some(now.theta[j]), Some(now.sigma[j])),
+            Some(p) => (physical[p], now.reading_sigma.map(|s| s[p])),
         };
-        let wide = |v: Option<f32>| v.map_or(f64::NAN, f64::from);
-        course.rows.push((t, wide(value), wide(sigma)));
+        let known = |v: Option<f64>| v.unwrap_or(f64::NAN);
+        course.rows.push((t, known(value), known(sigma)));
     }
 }
 
@@ -266,9 +263,8 @@ fn text(courses: &[Course], core: &dyn Recursion, args: &LinearArgs) -> String {
     text += &format!("\nAt the end:\n{}", table(&rows));
     text +=
         "  sigma counts white noise; drift and the sampling itself (about 0.01 %) come on top\n";
-    let wide: Vec<f64> = core.a().iter().map(|v| f64::from(*v)).collect();
-    let b0 = core.b(0).first().copied().map_or(0.0, f64::from);
-    text += &format!("\n  G(s) = {}\n", transfer_function(&[b0], &wide, 0.0));
+    let end = core.estimate();
+    text += &format!("\n  G(s) = {}\n", transfer_function(&end.b[0], &end.a, 0.0));
     text += &match settling_time(courses) {
         Some(t) => format!(
             "  C, w0 and xi stay within 5 % of the truth from {:.0} ms on\n",

@@ -8,9 +8,9 @@ use trendid_host_tests::servo::figures::Figures;
 use trendid_host_tests::servo::run::{Options, run as run_scenario};
 use trendid_host_tests::servo::scenario::Scenario;
 
-use crate::demo_loop::{COLUMNS, Column, json_of};
 use crate::format::significant;
 use crate::output::{Refusal, emit, emit_json, progress};
+use crate::servo::demo_loop::{COLUMNS, Column, json_of};
 
 /// What is asked of the command.
 #[derive(Debug, Args)]

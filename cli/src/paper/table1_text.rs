@@ -8,7 +8,7 @@ use trendid_host_tests::paper::trial::{Filter, Method};
 use trendid_host_tests::signals::noise::Reading;
 
 use crate::format::{significant, table};
-use crate::table1::Table1Args;
+use crate::paper::table1::Table1Args;
 
 /// What stands under every table.
 pub const DEFINITIONS: &str = "\

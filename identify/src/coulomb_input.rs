@@ -3,6 +3,8 @@
 
 use trendid::{FilteredTrends, Scheme, TrendOperator, coulomb};
 
+use crate::error::Error;
+
 /// Poles of the velocity filter per sample: its lag, about seven samples, is
 /// small against the time between two reversals of a drive.
 const VELOCITY_POLE: f64 = 0.3;
@@ -13,7 +15,10 @@ const REST: f64 = 1e-3;
 
 /// Velocity from positions sampled every `dt` seconds, through the core's own
 /// second-order filter.
-pub fn velocity(y: &[f64], dt: f64) -> Result<Vec<f64>, trendid::ConfigError> {
+///
+/// # Errors
+/// A sampling interval that is not a positive number.
+pub fn velocity(y: &[f64], dt: f64) -> Result<Vec<f64>, Error> {
     let pole = (VELOCITY_POLE / dt) as f32;
     let trends = FilteredTrends::<2>::try_new(Scheme::Tustin, dt as f32, [pole; 2])?;
     let mut memory = FilteredTrends::<2>::EMPTY;

@@ -7,8 +7,8 @@ use trendid::Scheme;
 
 use crate::format::{significant, table};
 use crate::output;
-use crate::table1::ReadingName;
-use crate::table2::{Found, Table2Args};
+use crate::paper::table1::ReadingName;
+use crate::paper::table2::{Found, Table2Args};
 
 /// What the figures are.
 const DEFINITIONS: &str = "\

@@ -9,8 +9,8 @@ use trendid_host_tests::paper::statistics::Line;
 use trendid_host_tests::paper::trial::Method;
 use trendid_host_tests::signals::noise::Reading;
 
+use crate::paper::table1::Table1Args;
 use crate::plot::{COLOURS, Drawing, GREY, font, px, save as save_drawing};
-use crate::table1::Table1Args;
 
 /// One line of the picture: a name and its errors of C, omega0, xi at each noise level \[%\].
 struct Series {

@@ -6,11 +6,11 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use trendid_host_tests::servo::scenario::Scenario;
 
-use crate::auto::Choice;
-use crate::demo_linear::{self, LinearArgs, NoiseArgs};
-use crate::demo_loop;
+use crate::identify::signals::{SchemeName, parse_filter};
 use crate::output::Refusal;
-use crate::signals::{SchemeName, parse_filter};
+use crate::servo::demo_loop;
+use crate::servo::linear::{self, LinearArgs, NoiseArgs};
+use trendid_identify::Choice;
 
 const EXAMPLE: &str = "\
 Examples:
@@ -109,7 +109,7 @@ struct Identification {
 pub fn run(args: &DemoArgs) -> Result<(), Refusal> {
     if args.linear {
         let asked = &args.identification;
-        return demo_linear::run(&LinearArgs {
+        return linear::run(&LinearArgs {
             noise: NoiseArgs {
                 seed: args.seed,
                 seconds: asked.seconds.unwrap_or(1.0),

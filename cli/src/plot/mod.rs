@@ -1,5 +1,7 @@
 //! Pictures: one drawing routine, written as SVG and as PNG.
 
+mod raster;
+
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Once;
@@ -8,7 +10,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
 
-use crate::raster::{Raster, encode, reduced};
+use crate::plot::raster::{Raster, encode, reduced};
 
 /// Colours that stay apart for colour-blind eyes and in grey (Okabe and Ito).
 pub const COLOURS: [RGBColor; 6] = [

@@ -9,11 +9,12 @@ use trendid_host_tests::paper::statistics::quantile;
 use trendid_host_tests::plants::linear::LinearPlant;
 use trendid_host_tests::signals::experiment::{Experiment, Record};
 use trendid_host_tests::signals::noise::{Condition, Reading};
-use trendid_identify::{Filter, InputSetup, Recursion, Setup};
+use trendid_identify::Estimate;
+use trendid_identify::dynamic::{Filter, InputSetup, Setup};
 
 use crate::output::{self, Refusal};
-use crate::table1::ReadingName;
-use crate::table2_text::{as_json, csv, plain};
+use crate::paper::table1::ReadingName;
+use crate::paper::table2_text::{as_json, csv, plain};
 
 /// What is asked of the command.
 #[derive(Debug, Args)]
@@ -241,7 +242,6 @@ fn setup(
         output_noise: 0.05,
         memory: None,
         settling: 0.0,
-        pull: 0.0,
     })
 }
 
@@ -257,9 +257,9 @@ fn one(
     for s in record.samples() {
         let _ = core.update(&[s.u as f32], s.y as f32);
     }
-    let (a, b) = (core.a(), core.b(0));
+    let found = core.estimate();
     let mut values = [NO; 8];
-    let a = |i: usize| a.get(i + 1).copied().map(f64::from);
+    let a = |i: usize| found.a.get(i + 1).copied();
     let scale = if size.m == 3 { a(2).unwrap_or(NO) } else { 1.0 };
     if size.m == 3 {
         values[0] = 1.0 / scale;
@@ -271,25 +271,24 @@ fn one(
     };
     values[2] = a(0).unwrap_or(NO) / scale;
     for power in 0..size.numerators {
-        let b = b.get(power).copied().map_or(NO, f64::from);
-        values[5 - power] = 1e-6 * b / scale;
+        values[5 - power] = 1e-6 * found.b[0][power] / scale;
     }
     // mm/s to m/s.
     let unit = 1e-3 / fresh.dt;
     values[6] = unit
         * unit
         * match size.m {
-            1 => by_ten::<2>(core.as_ref(), scheme, fresh)?,
-            2 => by_ten::<3>(core.as_ref(), scheme, fresh)?,
-            _ => by_ten::<4>(core.as_ref(), scheme, fresh)?,
+            1 => by_ten::<2>(&found, scheme, fresh)?,
+            2 => by_ten::<3>(&found, scheme, fresh)?,
+            _ => by_ten::<4>(&found, scheme, fresh)?,
         };
-    values[7] = unit * unit * simulated(core.as_ref(), fresh);
+    values[7] = unit * unit * simulated(&found, fresh);
     Ok(values)
 }
 
 /// IQ by (10), in mm^2.
 fn by_ten<const M: usize>(
-    core: &dyn Recursion,
+    found: &Estimate,
     scheme: Scheme,
     fresh: &Record,
 ) -> Result<f64, ConfigError> {
@@ -299,11 +298,11 @@ fn by_ten<const M: usize>(
         constant: 0.0,
         integrators: 1,
     };
-    for (to, from) in model.a.iter_mut().zip(core.a()) {
-        *to = from;
+    for (to, from) in model.a.iter_mut().zip(&found.a) {
+        *to = *from as f32;
     }
-    for (to, from) in model.b[0].iter_mut().zip(core.b(0)) {
-        *to = from;
+    for (to, from) in model.b[0].iter_mut().zip(&found.b[0]) {
+        *to = *from as f32;
     }
     let trends = RawTrends::try_new(scheme, fresh.dt as f32)?;
     let mut evaluation = OutputEvaluation::<M, 1>::new(trends);
@@ -314,9 +313,8 @@ fn by_ten<const M: usize>(
 }
 
 /// IQ of the velocity of a free simulation from rest, in mm^2; infinite where the model cannot be simulated.
-fn simulated(core: &dyn Recursion, fresh: &Record) -> f64 {
-    let wide = |v: Vec<f32>| -> Vec<f64> { v.into_iter().map(f64::from).collect() };
-    let Ok(mut plant) = LinearPlant::new(&wide(core.a()), &wide(core.b(0)), fresh.dt) else {
+fn simulated(found: &Estimate, fresh: &Record) -> f64 {
+    let Ok(mut plant) = LinearPlant::new(&found.a, &found.b[0], fresh.dt) else {
         return f64::INFINITY;
     };
     let y = plant.response(&fresh.u);

@@ -1,8 +1,8 @@
 //! What a run over a record may choose: the filter and the delay.
 
 use trendid::Scheme;
-use trendid_identify::Filter;
 
+use crate::dynamic::Filter;
 use crate::estimate::Estimate;
 
 /// Rates up to this many per sample have exact trends (they end at 2).
@@ -14,14 +14,14 @@ pub struct Tuning {
     /// All filter poles at `-pole` rad/s; `None` for raw trends.
     pub pole: Option<f64>,
     /// The filter 1/A of a model in place of these poles.
-    pub own: Option<OwnFilter>,
+    pub model: Option<ModelFilter>,
     /// Delay in samples.
     pub delay: usize,
 }
 
 /// The filter 1/A with the poles of a model.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OwnFilter {
+pub struct ModelFilter {
     /// f_0 .. f_{m-1}, then zeros.
     coefficients: [f32; 4],
     order: usize,
@@ -31,7 +31,7 @@ pub struct OwnFilter {
     fastest: f64,
 }
 
-impl OwnFilter {
+impl ModelFilter {
     /// The filter of an estimate; a pole at 0 gives way to one at `-pole`.
     ///
     /// `None` unless all other poles are stable.
@@ -40,7 +40,7 @@ impl OwnFilter {
         let poles = estimate.reading.poles.as_ref()?;
         let rates = poles.iter().skip(usize::from(integrator));
         let slowest = rates
-            .map(|(re, _)| -f64::from(*re))
+            .map(|(re, _)| -*re)
             .chain(integrator.then_some(pole))
             .fold(f64::INFINITY, f64::min);
         if !(slowest > 0.0) {
@@ -70,34 +70,43 @@ impl Tuning {
     /// The slowest filter pole in rad/s; `None` for raw trends.
     pub fn slowest(&self) -> Option<f64> {
         self.pole
-            .map(|pole| self.own.map_or(pole, |own| own.slowest))
+            .map(|pole| self.model.map_or(pole, |filter| filter.slowest))
     }
 
     /// The fastest filter pole in rad/s; `None` for raw trends.
     pub fn fastest(&self) -> Option<f64> {
         self.pole
-            .map(|pole| self.own.map_or(pole, |own| own.fastest))
+            .map(|pole| self.model.map_or(pole, |filter| filter.fastest))
     }
 
     /// The trends: exact wherever there are any, that is Tustin's with poles within the sampling.
     ///
-    /// `model` is the denominator whose numerators the inputs get, the filter itself at first.
-    pub fn filter(&self, scheme: Scheme, order: usize, dt: f64, model: Option<&[f64]>) -> Filter {
+    /// `denominator` is the one whose numerators the inputs get; without it the filter itself.
+    pub fn filter(
+        &self,
+        scheme: Scheme,
+        order: usize,
+        dt: f64,
+        denominator: Option<&[f64]>,
+    ) -> Filter {
         let (Some(pole), Some(fastest)) = (self.pole, self.fastest()) else {
             return Filter::None;
         };
-        let filter = match self.own {
-            Some(own) => own.coefficients().to_vec(),
+        let filter = match self.model {
+            Some(filter) => filter.coefficients().to_vec(),
             None => binomial(pole, order),
         };
         if scheme != Scheme::Tustin || fastest * dt > FASTEST {
             return Filter::Polynomial(filter);
         }
-        let model = match model {
+        let denominator = match denominator {
             Some(a) => a.iter().map(|a| *a as f32).collect(),
             None => filter.clone(),
         };
-        Filter::Exact { filter, model }
+        Filter::Exact {
+            filter,
+            model: denominator,
+        }
     }
 }
 

@@ -10,9 +10,9 @@ use trendid::{
 use trendid_host_tests::signals::experiment::{Experiment, Record};
 use trendid_host_tests::signals::noise::{Condition, Reading};
 
+use crate::identify::signals::SchemeName;
 use crate::output::{self, Refusal};
 use crate::plot::{COLOURS, Curve, Figure, GREY, Panel};
-use crate::signals::SchemeName;
 
 /// What is asked of the command.
 #[derive(Debug, Args)]

@@ -11,9 +11,9 @@ use trendid_host_tests::servo::rig::{Instant, Rig};
 use trendid_host_tests::servo::run::{Options, run as run_scenario};
 use trendid_host_tests::servo::scenario::Scenario;
 
-use crate::demo_figure::{self, Course, Row};
 use crate::format::{significant, table};
 use crate::output::{Refusal, emit, emit_json, number, progress};
+use crate::servo::figure::{self, Course, Row};
 
 /// What is asked.
 pub struct Task<'a> {
@@ -123,7 +123,7 @@ pub fn run(task: &Task) -> Result<(), Refusal> {
             "adaptive"
         },
     );
-    let [svg, png] = demo_figure::save(&course, title, task.out, &name)?;
+    let [svg, png] = figure::save(&course, title, task.out, &name)?;
     if task.json {
         let mut values: Vec<Value> = runs.iter().map(|f| json_of(f, task.fixed)).collect();
         values[0]["pictures"] = json!([svg.display().to_string(), png.display().to_string()]);

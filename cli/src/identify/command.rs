@@ -1,0 +1,106 @@
+//! `trendid identify`: the core over a recorded drive.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use trendid_identify::{Choice, Freedom, Options, Problem, Structure, identify};
+
+use crate::identify::figures;
+use crate::identify::report::Report;
+use crate::identify::signals::{SignalArgs, parse_delay, parse_filter};
+use crate::output::{Bar, Refusal, emit, emit_json};
+
+const EXAMPLE: &str = "\
+Example (a drive with Coulomb friction, whose record has the columns t, u, y):
+  trendid identify emps.csv --order 2 --integrator --coulomb --constant
+
+The model is A(s) y = B(s) u(t - d dt) + c sgn(v) + constant. The fit is
+100 (1 - |y - y_sim| / |y - mean|) of a free simulation of the second half with the
+model of the first half: `x0` with the initial state refitted, `x0+c` with the
+constant refitted too, the fair figure behind an integrator.";
+
+/// Rows of the picture of the parameters, about.
+const TRACE_POINTS: usize = 1000;
+
+/// Identify a continuous-time model from a record
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub struct IdentifyArgs {
+    #[command(flatten)]
+    signals: SignalArgs,
+    /// Order of the model, 1 to 4, the integrator included
+    #[arg(long, value_name = "M")]
+    order: usize,
+    /// The plant integrates: a0 = 0
+    #[arg(long)]
+    integrator: bool,
+    /// Number of zeros: b0 .. bK of each input are estimated
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    zeros: usize,
+    /// Delay of the inputs in samples, or the best of 0 to 10
+    #[arg(long, value_name = "D|auto", default_value = "0", value_parser = parse_delay)]
+    delay: Choice<usize>,
+    /// Filter poles in rad/s (1 to 1.5 times the bandwidth of the plant), `auto` (those whose model simulates the record best,
+    /// or the poles of that model itself where they do better), or `none` for raw trends
+    #[arg(long, value_name = "POLE|auto|none", default_value = "auto", value_parser = parse_filter)]
+    filter: Choice<Option<f64>>,
+    /// Memory of the estimator; without it nothing is forgotten
+    #[arg(long, value_name = "SECONDS")]
+    memory: Option<f64>,
+    /// Write pictures (SVG and PNG) into this directory
+    #[arg(long, value_name = "DIR")]
+    plot: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+///
+/// One sentence on what is wrong with the record or the structure.
+pub fn run(args: &IdentifyArgs) -> Result<(), Refusal> {
+    let loaded = args.signals.load()?;
+    let signals = loaded.signals();
+    let structure = Structure {
+        order: args.order,
+        integrator: args.integrator,
+        zeros: args.zeros,
+        constant: args.signals.constant,
+    };
+    let options = Options {
+        scheme: args.signals.scheme.into(),
+        memory: args.memory,
+    };
+    let problem = Problem::new(&signals, structure, options)?;
+    let freedom = Freedom {
+        pole: args.filter,
+        delay: args.delay,
+    };
+    let bar = Bar::new("choosing filter and delay");
+    let trace_points = if args.plot.is_some() { TRACE_POINTS } else { 0 };
+    let found = identify(&problem, freedom, trace_points, &bar)?;
+    bar.finish();
+    let report = Report {
+        file: &args.signals.file,
+        output: &args.signals.output,
+        start: loaded.start,
+        problem: &problem,
+        freedom,
+        found: &found,
+    };
+    if args.json {
+        emit_json(&report.json());
+    } else {
+        emit(&report.text());
+    }
+    if let Some(dir) = &args.plot {
+        let written = figures::save(dir, &problem, &found, loaded.start)?;
+        if !args.json {
+            let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
+            emit(&format!("\nPictures: {}\n", names.join(", ")));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,252 @@
+//! What `trendid identify` prints, for people and as JSON.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+use trendid_identify::tuning::ModelFilter;
+use trendid_identify::{Choice, Freedom, Identification, Problem};
+
+use crate::format::{polynomial, significant, table, transfer_function, with_sigma};
+use crate::identify::signals::COULOMB;
+use crate::output::number;
+
+/// Below this fit in percent a model says little about the drive.
+const POOR: f64 = 50.0;
+
+/// Everything that is printed.
+pub struct Report<'a> {
+    pub file: &'a Path,
+    /// Name of the output column.
+    pub output: &'a str,
+    /// First time stamp \[s\].
+    pub start: f64,
+    pub problem: &'a Problem<'a>,
+    pub freedom: Freedom,
+    pub found: &'a Identification,
+}
+
+impl Report<'_> {
+    fn delay_s(&self) -> f64 {
+        self.found.tuning.delay as f64 * self.problem.signals.dt
+    }
+
+    fn fits(&self) -> [f64; 2] {
+        let free_run = self.found.free_run.as_ref();
+        free_run.map_or([f64::NAN; 2], |f| [f.fit_x0, f.fit_x0c])
+    }
+
+    /// The inverse model of a drive: what a force balance calls its parameters.
+    fn force_balance(&self) -> Vec<(&'static str, f64)> {
+        let e = &self.found.estimate;
+        let structure = self.problem.structure;
+        let [b] = e.b[0][..] else { return Vec::new() };
+        if !(structure.integrator && structure.order == 2) || b == 0.0 {
+            return Vec::new();
+        }
+        let mut balance = vec![("inertia", 1.0 / b), ("viscous", e.a[1] / b)];
+        let inputs = &self.problem.signals.inputs;
+        if let Some(c) = inputs.iter().position(|i| i.name == COULOMB) {
+            balance.push(("coulomb", -e.b[c][0] / b));
+        }
+        if structure.constant {
+            balance.push(("offset", -e.constant / b));
+        }
+        balance
+    }
+
+    /// The report for people.
+    pub fn text(&self) -> String {
+        let mut text = self.head();
+        text += &self.equations();
+        let mut rows = vec![vec![
+            "parameter".into(),
+            "value +- standard deviation".into(),
+        ]];
+        let e = &self.found.estimate;
+        let names = self.problem.parameter_names();
+        for ((name, value), sigma) in names.iter().zip(&e.theta).zip(&e.sigma) {
+            rows.push(vec![name.clone(), with_sigma(*value, *sigma)]);
+        }
+        text += &format!("\n{}\n", table(&rows));
+        text += &table(&self.physical_rows());
+        text + &self.verdict()
+    }
+
+    /// The record, the filter, the delay, the memory.
+    fn head(&self) -> String {
+        let (p, tuning) = (self.problem, &self.found.tuning);
+        let end = self.start + (p.samples() - 1) as f64 * p.signals.dt;
+        let filter = match (tuning.pole, &tuning.model) {
+            (None, _) => "raw trends".into(),
+            (Some(_), Some(model)) => format!(
+                "filter 1/({}), the poles of the model itself (auto)",
+                denominator(model)
+            ),
+            (Some(pole), None) => {
+                let auto = match self.freedom.pole {
+                    Choice::Auto => " (auto)",
+                    Choice::Given(_) => "",
+                };
+                format!("filter poles at -{} rad/s{auto}", significant(pole, 3))
+            }
+        };
+        let memory = p
+            .options
+            .memory
+            .map_or("no forgetting".into(), |m| format!("memory {m} s"));
+        format!(
+            "{}: {} samples every {} s, t = {} .. {} s\n{filter}, delay {} samples, {memory}\n\n",
+            self.file.display(),
+            p.samples(),
+            significant(p.signals.dt, 5),
+            significant(self.start, 6),
+            significant(end, 6),
+            tuning.delay
+        )
+    }
+
+    /// The transfer function of each input, and the constant.
+    fn equations(&self) -> String {
+        let (p, e) = (self.problem, &self.found.estimate);
+        let mut text = String::new();
+        for (input, b) in p.signals.inputs.iter().zip(&e.b) {
+            let delay = if input.delayed { self.delay_s() } else { 0.0 };
+            text += &format!(
+                "  {} / {:<6} = {}\n",
+                self.output,
+                input.name,
+                transfer_function(b, &e.a, delay)
+            );
+        }
+        if p.structure.constant {
+            let mut a = e.a.clone();
+            a.push(1.0);
+            text += &format!(
+                "  constant: ({}) {} = .. {} {}\n",
+                polynomial(&a),
+                self.output,
+                if e.constant < 0.0 { '-' } else { '+' },
+                significant(e.constant.abs(), 4)
+            );
+        }
+        text
+    }
+
+    /// The fits and what they say.
+    fn verdict(&self) -> String {
+        let [x0, x0c] = self.fits();
+        let model = if self.found.held_out {
+            "model of the first half"
+        } else {
+            "model of the whole record, because the first half alone cannot carry the structure"
+        };
+        let fit = match self.found.free_run {
+            Some(_) => format!("\n  fit {x0:.2} % (x0), {x0c:.2} % (x0+c)"),
+            None => " it runs away".into(),
+        };
+        let mut text = format!("\n  free simulation of the second half ({model}):{fit}\n");
+        if x0c < POOR {
+            text += "  this is poor: the structure may be wrong, see `trendid select`\n";
+        }
+        let index = self.found.index;
+        text += &format!(
+            "  one-step prediction: IQ {}, IV {} over {} samples\n",
+            significant(index.iq, 4),
+            significant(index.iv, 4),
+            index.samples
+        );
+        text
+    }
+
+    fn physical_rows(&self) -> Vec<Vec<String>> {
+        let e = &self.found.estimate;
+        let r = &e.reading;
+        let gain = match self.problem.structure.integrator {
+            true => "velocity gain C",
+            false => "static gain K",
+        };
+        let readings = [
+            (gain, r.gain),
+            ("natural frequency w0 [rad/s]", r.omega0),
+            ("damping xi", r.damping),
+        ];
+        let mut rows = Vec::new();
+        for (k, (name, value)) in readings.into_iter().enumerate() {
+            if let Some(value) = value {
+                let text = match e.reading_sigma {
+                    Some(sigma) => with_sigma(value, sigma[k]),
+                    None => significant(value, 4),
+                };
+                rows.push(vec![name.to_owned(), text]);
+            }
+        }
+        for t in &r.time_constants {
+            rows.push(vec!["time constant [s]".into(), significant(*t, 4)]);
+        }
+        for (name, value) in self.force_balance() {
+            rows.push(vec![format!("{name} [u]"), significant(value, 4)]);
+        }
+        let stable = if r.stable { "yes" } else { "no" };
+        rows.push(vec!["stable".into(), stable.into()]);
+        rows
+    }
+
+    /// The report for machines.
+    pub fn json(&self) -> Value {
+        let (p, e) = (self.problem, &self.found.estimate);
+        let list = |v: &[f64]| Value::Array(v.iter().map(|x| number(*x)).collect());
+        let columns = p.signals.inputs.iter().zip(&e.b);
+        let mut inputs: Vec<Value> = columns
+            .map(|(input, b)| json!({"name": input.name, "b": list(b)}))
+            .collect();
+        if p.structure.constant {
+            inputs.push(json!({"name": "1", "b": [number(e.constant)]}));
+        }
+        let [x0, x0c] = self.fits();
+        let (tuning, index) = (&self.found.tuning, self.found.index);
+        json!({
+            "a": list(&e.a),
+            "inputs": inputs,
+            "sigma": list(&e.sigma),
+            "parameters": p.parameter_names(),
+            "delay_s": number(self.delay_s()),
+            "filter_pole": tuning.pole.map(number),
+            "filter": tuning.model.map(|model| model.coefficients().to_vec()),
+            "fit_pct": number(x0),
+            "fit_x0c_pct": number(x0c),
+            "fit_held_out": self.found.held_out,
+            "iq": number(index.iq),
+            "iv": number(index.iv),
+            "samples": p.samples(),
+            "physical": self.physical_json(),
+        })
+    }
+
+    fn physical_json(&self) -> Value {
+        let some = |v: Option<f64>| v.map_or(Value::Null, number);
+        let r = &self.found.estimate.reading;
+        let mut physical = json!({
+            "gain": some(r.gain),
+            "omega0": some(r.omega0),
+            "damping": some(r.damping),
+            "time_constants_s": r.time_constants.iter().map(|t| number(*t)).collect::<Vec<_>>(),
+            "poles": r.poles.as_ref().map(|p| p.iter().map(|(re, im)| [*re, *im]).collect::<Vec<_>>()),
+            "stable": r.stable,
+        });
+        for (name, value) in self.force_balance() {
+            physical[name] = number(value);
+        }
+        physical
+    }
+}
+
+fn denominator(model: &ModelFilter) -> String {
+    let mut f: Vec<f64> = model
+        .coefficients()
+        .iter()
+        .copied()
+        .map(f64::from)
+        .collect();
+    f.push(1.0);
+    polynomial(&f)
+}

@@ -1,0 +1,272 @@
+//! The core behind sizes that are known only at run time.
+//!
+//! The core fixes its sizes at compile time. A program that reads records does not know
+//! them, so this file instantiates the core for every order and number of parameters it
+//! offers and hides the choice behind a trait object. It computes nothing itself.
+
+use trendid::{
+    Config, ConfigError, ExactTrends, FilteredTrends, Hold, Identifier, Outcome, Physical, Quality,
+    RawTrends, Scheme, Structure, Terms, TrendOperator,
+};
+
+use crate::estimate::{Estimate, Reading};
+use crate::operator::AnyTrends;
+
+/// Most inputs that a run-time structure can have.
+pub const INPUTS: usize = 4;
+/// Longest delay in samples.
+pub const DELAY: usize = 512;
+/// Most parameters.
+pub const PARAMETERS: usize = 10;
+
+/// One input of a run-time structure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InputSetup {
+    /// Which b_i exist.
+    pub terms: Terms,
+    /// What the input does between samples.
+    pub hold: Hold,
+    /// Delay in samples.
+    pub delay: usize,
+    /// Typical size.
+    pub range: f32,
+    /// Value at which the plant rested before the record.
+    pub rest: f32,
+}
+
+/// The trends in front of the estimator.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Filter {
+    /// The paper's raw trends.
+    None,
+    /// Coefficients f_0 .. f_{m-1} of the filter polynomial.
+    Polynomial(Vec<f32>),
+    /// Exact trends (Tustin) with this filter polynomial, and the numerators of this denominator.
+    Exact {
+        /// f_0 .. f_{m-1}.
+        filter: Vec<f32>,
+        /// a_0 .. a_{m-1}; the filter itself where nothing is known yet.
+        model: Vec<f32>,
+    },
+}
+
+/// Everything that [`Config`] and the trend operator need, with sizes as values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setup {
+    /// Order m, 1..=4.
+    pub order: usize,
+    /// Which a_i exist.
+    pub output: Terms,
+    /// The inputs, at most [`INPUTS`].
+    pub inputs: Vec<InputSetup>,
+    /// Whether there is a constant input.
+    pub constant: bool,
+    /// Whether the start is a parameter.
+    pub start: bool,
+    /// Delta in s.
+    pub sample_time: f32,
+    /// Goodwin or Tustin.
+    pub scheme: Scheme,
+    /// Raw or filtered trends.
+    pub filter: Filter,
+    /// Rough bandwidth in rad/s.
+    pub bandwidth: f32,
+    /// Typical movement of the output.
+    pub output_range: f32,
+    /// Expected noise of the output, standard deviation.
+    pub output_noise: f32,
+    /// Memory in s.
+    pub memory: Option<f32>,
+    /// Settling before the first estimate, in s.
+    pub settling: f32,
+}
+
+impl Setup {
+    /// Number of parameters.
+    pub fn parameters(&self) -> usize {
+        let numerators: usize = self.inputs.iter().map(|input| input.terms.count()).sum();
+        self.output.count() + numerators + usize::from(self.constant) + usize::from(self.start)
+    }
+
+    /// Builds the core for this setup.
+    ///
+    /// # Errors
+    /// The core's own [`ConfigError`]; more inputs or parameters than offered are
+    /// reported as a parameter count.
+    pub fn build(&self) -> Result<Box<dyn Recursion>, ConfigError> {
+        if self.inputs.len() > INPUTS {
+            return Err(ConfigError::ParameterCount {
+                found: self.inputs.len(),
+                expected: INPUTS,
+            });
+        }
+        match self.order {
+            1 => sized::<1>(self),
+            2 => sized::<2>(self),
+            3 => sized::<3>(self),
+            4 => sized::<4>(self),
+            order => Err(ConfigError::OutOfRange {
+                setting: "order".into(),
+                value: order as f32,
+                limits: [1.0, 4.0],
+            }),
+        }
+    }
+
+    fn config<const M: usize, const N: usize>(&self) -> Result<Config<M, N, INPUTS>, ConfigError> {
+        let mut terms = [Terms::NONE; INPUTS];
+        for (slot, input) in terms.iter_mut().zip(&self.inputs) {
+            *slot = input.terms;
+        }
+        let structure = if self.start {
+            Structure::try_with_initial_state(self.output, terms, self.constant)?
+        } else {
+            Structure::try_new(self.output, terms, self.constant)?
+        };
+        let mut config = Config::new(structure, self.bandwidth, [1.0; INPUTS], self.output_range);
+        for (c, input) in self.inputs.iter().enumerate() {
+            config.input_range[c] = input.range;
+            config.holds[c] = input.hold;
+            config.delays[c] = input.delay;
+            config.rest[c] = input.rest;
+        }
+        config.output_noise = self.output_noise;
+        config.memory = self.memory;
+        config.settling = self.settling;
+        config.pull = 0.0; // nothing is trusted before the record is read
+        Ok(config)
+    }
+}
+
+fn polynomial<const M: usize>(coefficients: &[f32]) -> Result<[f32; M], ConfigError> {
+    coefficients
+        .try_into()
+        .map_err(|_| ConfigError::ParameterCount {
+            found: coefficients.len(),
+            expected: M,
+        })
+}
+
+fn sized<const M: usize>(setup: &Setup) -> Result<Box<dyn Recursion>, ConfigError> {
+    let trends = match &setup.filter {
+        Filter::None => AnyTrends::Raw(RawTrends::<M>::try_new(setup.scheme, setup.sample_time)?),
+        Filter::Polynomial(f) => AnyTrends::Filtered(FilteredTrends::from_polynomial(
+            setup.scheme,
+            setup.sample_time,
+            polynomial(f)?,
+        )?),
+        Filter::Exact { filter, model } => AnyTrends::Exact(
+            ExactTrends::from_polynomial(setup.sample_time, polynomial(filter)?)?
+                .with_model(polynomial(model)?)?,
+        ),
+    };
+    macro_rules! dispatch {
+        ($($n:literal)+) => {
+            match setup.parameters() {
+                $($n => Ok(Box::new(Sized::<_, M, $n> {
+                    identifier: Identifier::try_new(&setup.config::<M, $n>()?, trends)?,
+                    numerators: setup.inputs.iter().map(|input| numerators(input.terms, M)).collect(),
+                })),)+
+                found => Err(ConfigError::ParameterCount { found, expected: PARAMETERS }),
+            }
+        };
+    }
+    dispatch!(1 2 3 4 5 6 7 8 9 10)
+}
+
+/// An [`Identifier`] of any size.
+pub trait Recursion {
+    /// Takes the inputs u(k) and y(k); missing inputs count as 0.
+    fn update(&mut self, u: &[f32], y: f32) -> Outcome;
+    /// The model at this moment.
+    fn estimate(&self) -> Estimate;
+    /// IQ and IV so far.
+    fn quality(&self) -> Quality;
+    /// Lets the estimate move or holds it.
+    fn adapt(&mut self, on: bool);
+    /// Begins again from an estimate with its standard deviations.
+    ///
+    /// # Errors
+    /// The value that is not finite, or a length that is not the structure's.
+    fn warm_start(&mut self, theta: &[f32], std: &[f32]) -> Result<(), ConfigError>;
+}
+
+/// The core with the numbers of numerator coefficients of its inputs.
+struct Sized<T: TrendOperator<M>, const M: usize, const N: usize> {
+    identifier: Identifier<T, M, N, INPUTS, DELAY>,
+    numerators: Vec<usize>,
+}
+
+impl<T: TrendOperator<M>, const M: usize, const N: usize> Recursion for Sized<T, M, N> {
+    fn update(&mut self, u: &[f32], y: f32) -> Outcome {
+        let mut inputs = [0.0; INPUTS];
+        for (slot, u) in inputs.iter_mut().zip(u) {
+            *slot = *u;
+        }
+        self.identifier.update_inputs(inputs, y)
+    }
+
+    fn estimate(&self) -> Estimate {
+        let transfer = self.identifier.transfer_function();
+        let reading = Physical::of(&transfer, 0);
+        let poles = transfer.poles();
+        Estimate {
+            theta: wide(&self.identifier.theta()),
+            sigma: wide(&self.identifier.std()),
+            covariance: self.identifier.covariance().map(|row| wide(&row)).to_vec(),
+            a: wide(&transfer.a),
+            b: transfer
+                .b
+                .iter()
+                .zip(&self.numerators)
+                .map(|(b, n)| wide(&b[..*n]))
+                .collect(),
+            constant: f64::from(transfer.constant),
+            reading: Reading {
+                gain: reading.gain.map(f64::from),
+                omega0: reading.omega0.map(f64::from),
+                damping: reading.damping.map(f64::from),
+                time_constants: wide(
+                    &reading
+                        .time_constants
+                        .into_iter()
+                        .flatten()
+                        .collect::<Vec<_>>(),
+                ),
+                poles: poles.map(|poles| {
+                    let wide = |p: &trendid::Pole| (f64::from(p.re), f64::from(p.im));
+                    poles.iter().map(wide).collect()
+                }),
+                stable: reading.stable,
+            },
+            reading_sigma: self.identifier.physical_std().map(|s| s.map(f64::from)),
+        }
+    }
+
+    fn quality(&self) -> Quality {
+        self.identifier.quality()
+    }
+
+    fn adapt(&mut self, on: bool) {
+        self.identifier.adapt(on);
+    }
+
+    fn warm_start(&mut self, theta: &[f32], std: &[f32]) -> Result<(), ConfigError> {
+        let count = |found| ConfigError::ParameterCount { found, expected: N };
+        let theta = theta.try_into().map_err(|_| count(theta.len()))?;
+        let std = std.try_into().map_err(|_| count(std.len()))?;
+        self.identifier.warm_start(theta, std)
+    }
+}
+
+/// One more than the highest power of a numerator.
+fn numerators(terms: Terms, order: usize) -> usize {
+    (0..order)
+        .rev()
+        .find(|power| terms.contains(*power))
+        .map_or(0, |power| power + 1)
+}
+
+fn wide(values: &[f32]) -> Vec<f64> {
+    values.iter().copied().map(f64::from).collect()
+}

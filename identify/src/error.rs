@@ -1,0 +1,133 @@
+//! Why a record cannot be identified, as values that name what is wrong.
+
+use thiserror::Error;
+use trendid::ConfigError;
+
+use crate::dynamic::{INPUTS, PARAMETERS};
+
+/// What is wrong with the signals, the structure or the options.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A column has not as many samples as the output.
+    #[error("`{name}` has {found} samples, the output {expected}")]
+    Length {
+        /// Name of the input.
+        name: String,
+        /// Its samples.
+        found: usize,
+        /// Samples of the output.
+        expected: usize,
+    },
+    /// A sample is NaN or infinite.
+    #[error("sample {sample} of {name} is {value}, not a finite number")]
+    NotFinite {
+        /// The input in quotation marks, or "the output".
+        name: String,
+        /// Index from 0.
+        sample: usize,
+        /// The value.
+        value: f64,
+    },
+    /// The sampling interval is not a positive number of seconds.
+    #[error("the sampling interval {0} s is not a positive number")]
+    SampleTime(f64),
+    /// The order is not offered.
+    #[error("the order {0} is not one of 1, 2, 3, 4")]
+    Order(usize),
+    /// As many zeros as poles, or more.
+    #[error("{zeros} zeros need an order of at least {}, not {order}", zeros + 1)]
+    Zeros {
+        /// Zeros asked for.
+        zeros: usize,
+        /// Order asked for.
+        order: usize,
+    },
+    /// No input, or more than [`INPUTS`].
+    #[error("{0} inputs were asked for, at most {INPUTS} are possible")]
+    Inputs(usize),
+    /// More than [`PARAMETERS`].
+    #[error("the structure has {0} parameters, at most {PARAMETERS} are possible")]
+    Parameters(usize),
+    /// Fewer than ten samples for each parameter.
+    #[error("too few samples: {found} for {parameters} parameters, at least {needed} are needed")]
+    TooFewSamples {
+        /// Samples of the record.
+        found: usize,
+        /// Parameters of the structure.
+        parameters: usize,
+        /// Samples that they need.
+        needed: usize,
+    },
+    /// An input is the same number throughout.
+    #[error(
+        "the input `{name}` never changes over the {samples} samples: nothing excites the plant"
+    )]
+    InputConstant {
+        /// Its name.
+        name: String,
+        /// Samples of the record.
+        samples: usize,
+    },
+    /// The output is the same number throughout.
+    #[error("the output never changes over the {samples} samples: there is nothing to identify")]
+    OutputConstant {
+        /// Samples of the record.
+        samples: usize,
+    },
+    /// The memory is too short or no number.
+    #[error("a memory of {memory} s is not longer than two samples ({shortest} s)")]
+    Memory {
+        /// The memory asked for \[s\].
+        memory: f64,
+        /// Two samples \[s\].
+        shortest: f64,
+    },
+    /// A sample that the core refuses.
+    #[error("sample {0} is out of all proportion to the rest of the record")]
+    Disproportionate(usize),
+    /// The samples do not tell the parameters of a structure apart.
+    #[error(
+        "the data cannot carry a model of order {order} with {parameters} parameters: {weakness}"
+    )]
+    CannotCarry {
+        /// Order of the model.
+        order: usize,
+        /// Its parameters.
+        parameters: usize,
+        /// What is missing.
+        weakness: Weakness,
+    },
+    /// No structure passed.
+    #[error(
+        "the data cannot carry any structure of order 1 to {max_order}: the first half of the record excites too little"
+    )]
+    NoStructure {
+        /// Highest order tried.
+        max_order: usize,
+    },
+    /// The core's own refusal.
+    #[error(transparent)]
+    Core(#[from] ConfigError),
+}
+
+/// How a structure fails on a record.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Weakness {
+    /// NaN or infinite parameters.
+    #[error("the estimate is not finite")]
+    NotFinite,
+    /// A parameter with an undefined correlation.
+    #[error("a parameter has no influence on the output")]
+    NoInfluence,
+    /// A singular correlation of these parameters.
+    #[error("{} cannot be told apart", .0.join(", "))]
+    Inseparable(Vec<String>),
+    /// No model of the search can be simulated.
+    #[error("none that can be simulated was found")]
+    NoSimulation,
+    /// The prediction of held-out samples is not finite.
+    #[error("its prediction of the second half is not finite")]
+    NoPrediction,
+}
