@@ -13,9 +13,6 @@ use crate::quote::{quote, write};
 /// The counts that growth is measured against.
 const BASELINE: &str = "docs/icount.json";
 
-/// The table on its own.
-const TABLE: &str = "docs/icount.md";
-
 /// Rows of the short table, with their number of parameters.
 const BRIEF: [(&str, u32); 6] = [
     ("raw Tustin", 3),
@@ -93,7 +90,6 @@ pub fn run(options: &Options) -> Done {
             serde_json::from_str(&text).map_err(|error| format!("{BASELINE}: {error}"))?;
         compare(&before, &rows)?;
     }
-    write(&root().join(TABLE), &markdown(&rows))?;
     quote("icount", &markdown(&rows))?;
     rows.retain(|row| row.opt == "3" && BRIEF.contains(&(row.row.as_str(), row.n)));
     quote("icount-brief", &markdown(&rows))
