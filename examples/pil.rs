@@ -12,16 +12,11 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-#[path = "firmware/board.rs"]
-mod board;
-
-#[cfg(target_os = "none")]
 mod target {
     use cortex_m_rt::entry;
     use stm32f4xx_hal::{nb, pac, prelude::*, rcc};
+    use trendid_example_support::board;
     use trendid_link::{Controller, Incoming, Responder};
-
-    use crate::board;
 
     #[panic_handler]
     fn panic(info: &core::panic::PanicInfo<'_>) -> ! {

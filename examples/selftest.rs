@@ -12,13 +12,11 @@
 //! ```
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-mod firmware;
-
 use core::fmt::Arguments;
 
-use firmware::hash::Hash;
-use firmware::{record, rows};
 use trendid::{ConfigError, Identifier, Outcome, Scheme, TrendOperator};
+use trendid_example_support::hash::Hash;
+use trendid_example_support::{record, rows};
 
 /// The lines that must come out.
 const EXPECTED: &str = include_str!("data/selftest.txt");
@@ -136,9 +134,10 @@ mod target {
     use core::fmt::Write;
 
     use cortex_m_rt::entry;
+    use heapless::String;
+    use trendid_example_support::board::{exit, line};
 
     use super::{Judge, all};
-    use crate::firmware::board::{exit, line};
 
     #[panic_handler]
     fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
@@ -146,35 +145,13 @@ mod target {
         exit(false)
     }
 
-    /// A line of text on the stack.
-    struct Text {
-        bytes: [u8; 64],
-        len: usize,
-    }
-
-    impl Write for Text {
-        fn write_str(&mut self, text: &str) -> core::fmt::Result {
-            let end = self.len + text.len();
-            self.bytes
-                .get_mut(self.len..end)
-                .ok_or(core::fmt::Error)?
-                .copy_from_slice(text.as_bytes());
-            self.len = end;
-            Ok(())
-        }
-    }
-
     #[entry]
     fn main() -> ! {
         let mut judge = Judge::new();
         let done = all(&mut |arguments| {
-            let mut text = Text {
-                bytes: [0; 64],
-                len: 0,
-            };
+            let mut text = String::<64>::new();
             let written = text.write_fmt(arguments).is_ok();
-            let text = core::str::from_utf8(&text.bytes[..text.len]).unwrap_or_default();
-            let same = judge.next(text) && written;
+            let same = judge.next(&text) && written;
             line(format_args!("{text}{}", if same { "" } else { " DIFFERS" }));
         });
         exit(done.is_ok() && judge.end())

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::Done;
-use crate::defmt::Table;
+use crate::defmt;
 use crate::elf::Image;
 use crate::process::{M0, M3, M4F, cargo};
 use crate::quote::quote;
@@ -71,7 +71,7 @@ fn servo(options: &Options) -> Done {
         return Ok(());
     }
     let mut text = format!("servo on {} ({}):\n", M4F.name, M4F.target);
-    for line in Table::read(&path)?.lines(&M4F.output(&path, LIMIT)?)? {
+    for line in defmt::lines(&path, &M4F.output(&path, LIMIT)?)? {
         text += &format!("    {line}\n");
     }
     print!("{text}");

@@ -14,9 +14,9 @@ use stm32f4xx_hal::{ReadFlags, pac::interrupt, prelude::*, rcc};
 use trendid::hardware::Valve;
 use trendid::{ServoLoop, ServoModel, State};
 
-use crate::drive::{Drive, SimulatedValve};
 use crate::wiring::{self, CRYSTAL_MHZ, FRESH, Output, Ports, Sensor};
-use crate::{log, machine, name, target};
+use crate::{ORIGIN, log, machine, target};
+use trendid_example_support::drive::{Drive, SimulatedValve};
 
 /// Overruns in a row that end in the safe output.
 const LIMIT: u8 = 3;
@@ -176,7 +176,7 @@ fn main() -> ! {
 
     let (sensor, valve) = if emulated {
         (
-            Sensor::Simulated(Drive::new()),
+            Sensor::Simulated(Drive::new(ORIGIN)),
             Output::Simulated(SimulatedValve),
         )
     } else {
@@ -254,9 +254,9 @@ fn idle(mut snapshots: Consumer<'static, Snapshot>, emulated: bool) -> ! {
             continue;
         };
         defmt::info!(
-            "{=u32} ms {=str}: position {=f32} mm, set {=f32} mm, command {=f32}; overruns {=u32}, dropped {=u32}, longest {=u32} us",
+            "{=u32} ms {}: position {=f32} mm, set {=f32} mm, command {=f32}; overruns {=u32}, dropped {=u32}, longest {=u32} us",
             now.tick,
-            name(now.state),
+            now.state,
             now.position,
             now.setpoint,
             now.command,
@@ -268,13 +268,7 @@ fn idle(mut snapshots: Consumer<'static, Snapshot>, emulated: bool) -> ! {
             && known != now.model
         {
             known = now.model;
-            defmt::info!(
-                "model: a1 {=f32} a2 {=f32} b0 {=f32} dead zone {=f32}",
-                model.a1,
-                model.a2,
-                model.b0,
-                model.dead_zone
-            );
+            log::model(&model);
         }
         if now.stopped {
             defmt::error!(

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | SSI encoder, 24 bits Gray with alarm and parity, 500 kHz | SPI2: clock PB13, data PB14 (RS-422 transceivers) |
 //! | valve by pulse width, 20 kHz, and direction | TIM4 channel 1: PB6; direction PB7 |
-//! | valve by voltage instead (`OUTPUT` in `firmware/wiring.rs`), DAC8551 | SPI3: clock PC10, data PC12; select PA15 |
+//! | valve by voltage instead (`OUTPUT` in `wiring.rs`), DAC8551 | SPI3: clock PC10, data PC12; select PA15 |
 //! | time slot of 1 ms | TIM2 |
 //! | watchdog | independent watchdog, 10 ms |
 //! | log | defmt over RTT (probe-rs) or semihosting (emulator) |
@@ -14,25 +14,20 @@
 //! for good. The watchdog is fed only by an update that ended in its slot and had a fresh reading; whatever stops that,
 //! the chip restarts with the valve at rest.
 //!
-//! In the emulator there is no machine. The image sees that (the clock control reads zero there) and puts the simulated
-//! drive of `firmware/drive.rs` in the place of encoder and valve; everything between them is the same. It then provokes
+//! In the emulator there is no machine. The image sees that (the clock control reads zero there) and puts a simulated
+//! drive in the place of encoder and valve; everything between them is the same. It then provokes
 //! three overruns to show that they end in the safe output, and exits. On the host the same loop runs on the same drive.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[path = "firmware/drive.rs"]
-mod drive;
 #[cfg(target_os = "none")]
-#[path = "firmware/log.rs"]
 mod log;
 #[cfg(target_os = "none")]
-#[path = "firmware/slot.rs"]
 mod slot;
 #[cfg(target_os = "none")]
-#[path = "firmware/wiring.rs"]
 mod wiring;
 
 use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
-use trendid::{LoopConfig, ServoError, ServoLoop, State, Travel};
+use trendid::{LoopConfig, ServoError, ServoLoop, Travel};
 
 /// Units of the encoder: 5 um per count.
 const MM_PER_COUNT: f32 = 0.005;
@@ -79,34 +74,25 @@ fn target(tick: u32) -> Option<f32> {
         .then(|| TARGETS[(tick / DWELL) as usize % TARGETS.len()])
 }
 
-/// Name of a state for the log.
-fn name(state: State) -> &'static str {
-    match state {
-        State::Idle => "idle",
-        State::Exciting => "exciting",
-        State::Identifying => "identifying",
-        State::Verified => "verified",
-        State::Adapting => "adapting",
-        State::Frozen => "frozen",
-        State::Rejected(_) => "rejected",
-        State::Failed(_) => "failed",
-    }
-}
-
 #[cfg(not(target_os = "none"))]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut servo = machine(drive::Drive::new(), drive::SimulatedValve)?;
-    let mut last = "";
+    use trendid_example_support::drive::{Drive, SimulatedValve};
+
+    let mut servo = machine(Drive::new(ORIGIN), SimulatedValve)?;
+    let mut last = None;
     for tick in 1..=10_000 {
         if let Some(target) = target(tick) {
             servo.move_to(target);
         }
         let report = servo.update();
-        if name(report.state) != last || tick.is_multiple_of(1000) {
-            last = name(report.state);
+        if last != Some(report.state) || tick.is_multiple_of(1000) {
+            last = Some(report.state);
             println!(
-                "{tick:5} ms {last:12} position {:8.3} mm, set {:8.3} mm, command {:6.3}",
-                report.position, report.setpoint.position, report.command
+                "{tick:5} ms {:12} position {:8.3} mm, set {:8.3} mm, command {:6.3}",
+                report.state.to_string(),
+                report.position,
+                report.setpoint.position,
+                report.command
             );
         }
     }

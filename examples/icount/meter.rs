@@ -3,11 +3,11 @@
 use core::hint::black_box;
 
 #[cfg(target_os = "none")]
-use crate::firmware::board::line;
+use trendid_example_support::board::line;
 #[cfg(target_os = "none")]
-use crate::firmware::clock::Clock;
+use trendid_example_support::clock::Clock;
 #[cfg(target_os = "none")]
-use crate::firmware::stack;
+use trendid_example_support::stack;
 
 /// Something that takes the rows one after the other.
 pub trait Meter {

@@ -6,21 +6,14 @@
 //! What is counted is the function of the row from its first instruction to its return, as a user calls it.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-mod firmware;
-
-#[path = "firmware/drive.rs"]
-mod drive;
-
-#[path = "firmware/meter.rs"]
 mod meter;
-#[path = "firmware/position_loop.rs"]
 mod position_loop;
 
-use drive::SimulatedValve;
-use firmware::{record, rows};
 use meter::Meter;
-use position_loop::{ORIGIN, Servo, Still, motion, servo};
+use position_loop::{Servo, Still, motion, servo};
 use trendid::{Estimator, FilteredTrends, Outcome, Report, Scheme};
+use trendid_example_support::drive::SimulatedValve;
+use trendid_example_support::{record, rows};
 
 /// How often the record is run: 10 000 samples.
 const ROUNDS: usize = 2;
@@ -213,9 +206,10 @@ fn pulled<const N: usize>() -> Pulled<N> {
 mod target {
     use cortex_m_rt::entry;
 
+    use trendid_example_support::board::{exit, line};
+    use trendid_example_support::clock::{Clock, Unit};
+
     use super::all;
-    use crate::firmware::board::{exit, line};
-    use crate::firmware::clock::{Clock, Unit};
     use crate::meter::Counter;
 
     #[panic_handler]

@@ -1,6 +1,7 @@
 //! What the firmware examples share. Each uses a part of it.
-#![allow(dead_code, reason = "every example takes what it needs")]
+#![no_std]
 
+pub mod drive;
 pub mod hash;
 pub mod record;
 pub mod rows;

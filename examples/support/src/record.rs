@@ -10,7 +10,7 @@ pub const SAMPLES: usize = 5000;
 pub const REFERENCE: i32 = 1_234_567;
 
 /// Six bytes a sample, little endian: command as i16 (32 768 is full), position as i32 in micrometres.
-static BYTES: &[u8; SAMPLES * 6] = include_bytes!("../data/servo.bin");
+static BYTES: &[u8; SAMPLES * 6] = include_bytes!("../../data/servo.bin");
 
 /// The samples: command -1..1 and position in mm from the reference.
 ///

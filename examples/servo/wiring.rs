@@ -14,7 +14,7 @@ use trendid::hardware::{
     DacValve, PositionSensor, PwmValve, SsiCode, SsiEncoder, SsiFormat, Valve,
 };
 
-use crate::drive::{Drive, SimulatedValve};
+use trendid_example_support::drive::{Drive, SimulatedValve};
 
 /// The transducer on SPI2.
 const ENCODER: SsiFormat = SsiFormat {

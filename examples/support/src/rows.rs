@@ -5,7 +5,7 @@ use trendid::{
     RawTrends, Scheme, Structure, dead_zone,
 };
 
-use super::record::SAMPLE_TIME;
+use crate::record::SAMPLE_TIME;
 
 /// Half-width of the dead zone in the rows with a dead zone.
 pub const DEAD_ZONE: f32 = 0.03;

@@ -4,8 +4,6 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use trendid::hardware::{PositionSensor, Valve};
 
-use crate::ORIGIN;
-
 /// Counts per mm.
 const COUNTS: f32 = 200.0;
 
@@ -20,6 +18,7 @@ static COMMAND: AtomicU32 = AtomicU32::new(0);
 /// Reading it moves the drive on by one millisecond.
 #[derive(Debug)]
 pub struct Drive {
+    origin: i32,
     position: f32,
     velocity: f32,
     acceleration: f32,
@@ -27,10 +26,12 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// A drive at rest at 200 mm.
-    pub fn new() -> Self {
+    /// A drive at rest at 200 mm whose transducer has the code `origin` at the begin of the travel.
+    #[must_use]
+    pub fn new(origin: i32) -> Self {
         COMMAND.store(0, Ordering::Relaxed);
         Self {
+            origin,
             position: 200.0,
             velocity: 0.0,
             acceleration: 0.0,
@@ -64,7 +65,7 @@ impl PositionSensor for Drive {
             .wrapping_mul(1_664_525)
             .wrapping_add(1_013_904_223);
         let noise = (self.seed >> 24) as i32 % 5 - 2;
-        Ok(ORIGIN + (self.position * COUNTS) as i32 + noise)
+        Ok(self.origin + (self.position * COUNTS) as i32 + noise)
     }
 }
 

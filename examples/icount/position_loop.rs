@@ -3,7 +3,7 @@
 use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
 use trendid::{LoopConfig, ServoError, ServoLoop, Travel};
 
-use crate::drive::{Drive, SimulatedValve};
+use trendid_example_support::drive::{Drive, SimulatedValve};
 
 /// The whole position loop, from the code of the encoder to the command of the valve.
 pub type Servo<V> = ServoLoop<Code, V>;
@@ -58,7 +58,7 @@ pub fn motion(
     mut leader: Servo<SimulatedValve>,
     samples: usize,
 ) -> impl Iterator<Item = ((i32, Option<f32>), f32)> {
-    let mut drive = Drive::new();
+    let mut drive = Drive::new(ORIGIN);
     (0..samples).map(move |k| {
         let code = drive.counts().unwrap_or(ORIGIN);
         let target = (k % 1000 == 999).then_some(if k % 2000 == 999 { 250.0 } else { 150.0 });

@@ -1,4 +1,4 @@
-//! Where the frames of defmt go: over RTT on a board, over semihosting in the emulator, from the same image.
+//! What the idle loop shows of a model, and where the frames of defmt go: over RTT on a board, over semihosting in the emulator, from the same image.
 //!
 //! Only the idle loop may log. A frame goes out with interrupts off, which on a board takes the time of a copy; in the
 //! emulator no time passes meanwhile.
@@ -8,6 +8,26 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use cortex_m::{interrupt, register::primask};
 use cortex_m_semihosting::hio;
+use micromath::F32Ext;
+use trendid::ServoModel;
+
+/// Shows a model as its parameters, and as frequency and damping of the drive behind the integrator.
+///
+/// The square root is a display value: micromath's approximation (a few per cent) in one instruction pair instead of
+/// the exact one of the library.
+pub fn model(model: &ServoModel) {
+    let frequency = model.a1.sqrt();
+    let damping = model.a2 / (2.0 * frequency);
+    defmt::info!(
+        "model: a1 {=f32} a2 {=f32} b0 {=f32} dead zone {=f32}; about {=f32} rad/s, damping {=f32}",
+        model.a1,
+        model.a2,
+        model.b0,
+        model.dead_zone,
+        frequency,
+        damping
+    );
+}
 
 /// Whether the frames go over semihosting.
 static SEMIHOSTING: AtomicBool = AtomicBool::new(false);
