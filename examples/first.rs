@@ -11,7 +11,7 @@ fn main() -> Result<(), trendid::ConfigError> {
         let _outcome = identifier.update(u, y); // your position
         y += 0.001 * 2.5 * u; // the drive itself: 2.5 m/s per unit of u
     }
-    let gain = identifier.physical().gain.unwrap_or(0.0);
+    let gain = identifier.estimate().physical().gain.unwrap_or(0.0);
     assert!((gain - 2.5).abs() < 1e-3, "velocity gain {gain}");
     Ok(())
 }

@@ -64,7 +64,7 @@ fn run<
             hash.take(number);
         }
         if k % EVERY == EVERY - 1 {
-            for number in identifier.std() {
+            for number in identifier.estimate().std() {
                 hash.take(number);
             }
         }

@@ -97,6 +97,7 @@ pub use identifier::outcome::{Outcome, Refusal};
 pub use model::evaluation::{OutputEvaluation, Quality};
 pub use model::physical::Physical;
 pub use model::transfer_function::{Pole, TransferFunction};
+pub use readout::estimate::Estimate;
 pub use servo::config::LoopConfig;
 pub use servo::control::controller::{CommandLimiter, Controller, ControllerConfig};
 pub use servo::control::observer::Observer;

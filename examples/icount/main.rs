@@ -51,7 +51,7 @@ functions! {
     row_exact(rows::Exact, f32) -> Outcome, |state, u, y| state.update(u, y);
     row_bank(rows::Bank, f32) -> Outcome, |state, u, y| state.update_inputs([u], y);
     row_estimate(rows::Default, f32) -> [f32; 5], |state, _u, _y| state.theta();
-    row_std(rows::Default, f32) -> [f32; 5], |state, _u, _y| state.std();
+    row_std(rows::Default, f32) -> [f32; 5], |state, _u, _y| state.estimate().std();
     row_exact_estimate(rows::Exact, f32) -> [f32; 5], |state, _u, _y| state.theta();
     row_retune((rows::Default, [FilteredTrends<3>; 2]), f32) -> bool, |state, _u, _y| {
         // Another filter in every call.

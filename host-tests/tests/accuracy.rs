@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{core_scheme, recursion, rounded, rows};
+use common::{core_scheme, rounded, rows};
 use proptest::prelude::*;
 use trendid::{Config, FilteredTrends, Identifier, RawTrends, TrendOperator};
 use trendid_host_tests::oracles::least_squares::{Structure, least_squares, recursive_equivalent};
@@ -97,7 +97,7 @@ fn raw_estimate_is_that_of_f64_on_the_same_samples() {
             for (u, y) in u.iter().zip(&y) {
                 let _ = identifier.update(*u as f32, *y as f32);
             }
-            let core = recursion(&identifier, &config);
+            let core = identifier.recursion().theta().map(f64::from);
             let dt = f64::from(0.001_f32);
             let (phi, target) = rows(&Structure::servo(), scheme, None, dt, &[&u], &y, None, 3);
             let sd = common::design_units(&config).map(|unit| 10.0 * unit);

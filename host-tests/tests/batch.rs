@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{core_scheme, design_units, recursion, rounded, rows};
+use common::{core_scheme, design_units, rounded, rows};
 use trendid::{Config, FilteredTrends, Identifier, RawTrends, Structure, Terms, TrendOperator};
 use trendid_host_tests::oracles::least_squares::{self, InputTerms, recursive_equivalent};
 use trendid_host_tests::oracles::trends::{
@@ -105,7 +105,7 @@ fn gap<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
     for k in 0..y.len() {
         let _ = identifier.update_inputs(core::array::from_fn(|j| u[j][k] as f32), y[k] as f32);
     }
-    let core = recursion(&identifier, &config);
+    let core = identifier.recursion().theta().map(f64::from);
 
     let start = model.initial_state().then(|| {
         let slowest = f64::from(trends.decay());
@@ -316,7 +316,7 @@ fn two_genuine_inputs_with_their_own_numerators_and_delays() {
     let clean = find(&noisy_record(&[400.0, 16.0], &inputs, 300.0, 0.0, 51));
     let theta = clean.theta();
     println!("MISO without noise: {theta:?}, truth {truth:?}");
-    let model = clean.transfer_function();
+    let model = clean.estimate().transfer_function();
     assert_eq!(model.a, [theta[0], theta[1]]);
     assert_eq!(model.b, [[theta[2], theta[3]], [theta[4], 0.0]]);
     assert_eq!(model.constant, theta[5]);
@@ -325,6 +325,7 @@ fn two_genuine_inputs_with_their_own_numerators_and_delays() {
     }
     // Noise that outweighs the discretisation (6e-5) many times.
     let noisy = find(&noisy_record(&[400.0, 16.0], &inputs, 300.0, 0.2, 51));
+    let noisy = noisy.estimate();
     println!("  with noise {:?}, sigma {:?}", noisy.theta(), noisy.std());
     for ((found, sigma), truth) in noisy.theta().iter().zip(noisy.std()).zip(truth) {
         assert!((found - truth).abs() < 3.0 * sigma && sigma < 0.1 * truth.abs());

@@ -35,7 +35,7 @@ fn white_rows_stay_near_the_bound_and_sigma_covers() {
                     InitialState::PositionUnknown,
                 )
                 .unwrap();
-                let sigma = identifier.physical_std().expect("sigma");
+                let sigma = identifier.estimate().physical_std().expect("sigma");
                 let truth = [2500.0, 20.0, 0.5];
                 for i in 0..3 {
                     ratios[i].push(error[i] / bound[i]);

@@ -40,11 +40,12 @@ fn own(record: &Record, range: Range) -> [f64; 6] {
 
 /// Errors over reported standard deviations of a1, a2, b0, C, omega0, xi.
 fn scores<T: TrendOperator<3>>(identifier: &Identifier<T, 3, 5>) -> [f64; 6] {
-    let theta = identifier.theta();
-    let std = identifier.std();
-    let reading = identifier.physical();
+    let estimate = identifier.estimate();
+    let theta = estimate.theta();
+    let std = estimate.std();
+    let reading = estimate.physical();
     let physical = [reading.gain, reading.omega0, reading.damping].map(|v| v.unwrap_or(f32::NAN));
-    let physical_std = identifier.physical_std().unwrap_or([f32::NAN; 3]);
+    let physical_std = estimate.physical_std().unwrap_or([f32::NAN; 3]);
     let found = [
         theta[0],
         theta[1],

@@ -110,7 +110,7 @@ fn raw_innovation_is_the_evaluation_error() {
         let origin = record.y[0] as f32;
         let (mut worst, mut largest) = (0.0_f32, 0.0_f32);
         for s in record.samples() {
-            let model = identifier.transfer_function();
+            let model = identifier.estimate().transfer_function();
             let (u, y) = (s.u as f32, s.y as f32);
             let innovation = identifier.update(u, y).innovation();
             let error = evaluation.update(&model, [u], y - origin);

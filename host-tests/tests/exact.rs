@@ -134,7 +134,7 @@ fn worst<T: TrendOperator<M>, const M: usize, const N: usize>(
     case: &Case,
     identifier: &Identifier<T, M, N>,
 ) -> f64 {
-    let model = identifier.transfer_function();
+    let model = identifier.estimate().transfer_function();
     let off = |found: &[f32], truth: &[f64]| {
         let pairs = found.iter().zip(truth).filter(|(_, t)| **t != 0.0);
         pairs.fold(0.0_f64, |m, (f, t)| {
@@ -170,7 +170,9 @@ fn compare<const M: usize, const N: usize>(case: &Case, hold: Hold) -> [f64; 3] 
         let mut identifier: Identifier<_, M, N> = identified(case, hold, exact, &record);
         errors[1] = errors[1].max(worst(case, &identifier));
         for _ in 0..ROUNDS {
-            let own = exact.with_model(identifier.transfer_function().a).unwrap();
+            let own = exact
+                .with_model(identifier.estimate().transfer_function().a)
+                .unwrap();
             identifier = identified(case, hold, own, &record);
         }
         errors[2] = errors[2].max(worst(case, &identifier));
@@ -222,7 +224,7 @@ fn retuning_takes_the_model_over() {
             }
             if k % 1000 == 0 && k > 0 {
                 let theta = identifier.theta();
-                let own = exact.with_model(identifier.transfer_function().a);
+                let own = exact.with_model(identifier.estimate().transfer_function().a);
                 identifier.retune(own.unwrap(), 0.3).unwrap();
                 for (b, a) in theta.iter().zip(identifier.theta()) {
                     assert!((b - a).abs() <= 1e-5 * b.abs(), "{theta:?}");
@@ -254,11 +256,12 @@ fn the_uncertainty_is_that_of_the_noise() {
         }
         let mut identifier: Identifier<_, 2, 3> = identified(case, Hold::Zero, exact, &noisy);
         for _ in 0..ROUNDS {
-            let a = identifier.transfer_function().a;
+            let a = identifier.estimate().transfer_function().a;
             let own = ExactTrends::from_polynomial(case.dt as f32, a).unwrap();
             identifier = identified(case, Hold::Zero, own, &noisy);
         }
-        let (theta, std) = (identifier.theta(), identifier.std());
+        let estimate = identifier.estimate();
+        let (theta, std) = (estimate.theta(), estimate.std());
         for i in 0..3 {
             let error = f64::from(theta[i]) - truth[i];
             rms[i] += (error / truth[i]).powi(2) / seeds.clone().count() as f64;

@@ -167,7 +167,7 @@ fn reset_and_warm_start() {
         .warm_start([400.0, 20.0, 1e6], [40.0, 2.0, 1e5])
         .unwrap();
     assert!(close(&identifier.theta(), &[400.0, 20.0, 1e6], 1e-6));
-    assert!(close(&identifier.std(), &[40.0, 2.0, 1e5], 1e-5));
+    assert!(close(&identifier.estimate().std(), &[40.0, 2.0, 1e5], 1e-5));
     let kept = identifier;
     let refused = identifier.warm_start([400.0, f32::NAN, 1e6], [1.0; 3]);
     assert!(matches!(

@@ -28,8 +28,9 @@ fn a_wrong_bandwidth_is_mended_by_retuning() {
                 let _ = plain.update(s.u as f32, s.y as f32);
                 let _ = other.update(s.u as f32, s.y as f32);
                 if k == 700 || k == 1400 {
-                    let before = other.theta();
-                    let (reading, sigma) = (other.physical().omega0, other.physical_std());
+                    let estimate = other.estimate();
+                    let before = estimate.theta();
+                    let (reading, sigma) = (estimate.physical().omega0, estimate.physical_std());
                     if let (Some(omega0), Some(sigma)) = (reading, sigma)
                         && sigma[1] < 0.2 * omega0
                     {

@@ -289,14 +289,16 @@ fn physical_std_is_the_delta_method() {
         let mut identifier: Identifier<_, 3, 5> = Identifier::try_new(&config, trends).unwrap();
         assert!(
             identifier
+                .estimate()
                 .physical_std()
                 .is_none_or(|s| s.iter().all(|v| v.is_finite()))
         );
         for s in record.samples() {
             let _ = identifier.update(s.u as f32, s.y as f32);
         }
-        let theta = identifier.theta().map(f64::from);
-        let covariance = identifier.covariance();
+        let estimate = identifier.estimate();
+        let theta = estimate.theta().map(f64::from);
+        let covariance = estimate.covariance();
         let read = |t: [f64; 5]| [t[2] / t[0], t[0].sqrt(), t[1] / (2.0 * t[0].sqrt())];
         let slopes: Vec<[f64; 3]> = (0..5)
             .map(|j| {
@@ -314,7 +316,7 @@ fn physical_std_is_the_delta_method() {
                 })
             })
             .collect();
-        let got = identifier.physical_std().expect("a servo");
+        let got = estimate.physical_std().expect("a servo");
         for q in 0..3 {
             let mut variance = 0.0;
             for i in 0..5 {
@@ -328,7 +330,7 @@ fn physical_std_is_the_delta_method() {
         }
         for i in 0..5 {
             assert!(covariance[i][i] > 0.0);
-            assert!((identifier.std()[i].powi(2) / covariance[i][i] - 1.0).abs() < 1e-5);
+            assert!((estimate.std()[i].powi(2) / covariance[i][i] - 1.0).abs() < 1e-5);
         }
     }
 }

@@ -207,13 +207,14 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize> Recursion for Sized<T,
     }
 
     fn estimate(&self) -> Estimate {
-        let transfer = self.identifier.transfer_function();
+        let found = self.identifier.estimate();
+        let transfer = found.transfer_function();
         let reading = Physical::of(&transfer, 0);
         let poles = transfer.poles();
         Estimate {
-            theta: wide(&self.identifier.theta()),
-            sigma: wide(&self.identifier.std()),
-            covariance: self.identifier.covariance().map(|row| wide(&row)).to_vec(),
+            theta: wide(&found.theta()),
+            sigma: wide(&found.std()),
+            covariance: found.covariance().map(|row| wide(&row)).to_vec(),
             a: wide(&transfer.a),
             b: transfer
                 .b
@@ -239,7 +240,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize> Recursion for Sized<T,
                 }),
                 stable: reading.stable,
             },
-            reading_sigma: self.identifier.physical_std().map(|s| s.map(f64::from)),
+            reading_sigma: found.physical_std().map(|s| s.map(f64::from)),
         }
     }
 

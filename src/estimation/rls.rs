@@ -237,7 +237,8 @@ impl<const N: usize> Estimator<N> {
     /// Entry (i, j) of P = U D U', relative to the noise variance.
     pub fn covariance(&self, i: usize, j: usize) -> f32 {
         let mut sum = 0.0;
-        for k in 0..N {
+        // U is zero below its diagonal.
+        for k in i.max(j)..N {
             sum += self.entry(i, k) * self.diagonal[k] * self.entry(j, k);
         }
         sum

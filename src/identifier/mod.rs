@@ -10,17 +10,15 @@ mod state;
 use crate::error::{ConfigError, check_finite, check_not_negative, check_range, positive};
 use crate::estimation::rls::Estimator;
 use crate::estimation::structure::Structure;
-use crate::estimation::terms::{Parameter, index_of};
 use crate::identifier::config::Config;
 use crate::identifier::outcome::Outcome;
 use crate::identifier::plan::Plan;
 use crate::identifier::state::State;
 use crate::math::sqrt;
 use crate::model::evaluation::Quality;
-use crate::model::physical::{Physical, second_order_std};
-use crate::model::transfer_function::TransferFunction;
-use crate::readout::s_plane::{continuous, continuous_readout, sampled};
-use crate::readout::{Evidence, Readout, estimate, in_band, read_out};
+use crate::readout::estimate::Estimate;
+use crate::readout::s_plane::{continuous, sampled};
+use crate::readout::{ReadOut, in_band};
 use crate::trends::TrendOperator;
 
 /// Covariance inflation at a change of the filter.
@@ -59,7 +57,7 @@ const INFLATION: f32 = 5.0;
 ///     y += 0.001 * target + (v - target) * (1.0 - decay) * 0.1;
 ///     v = target + (v - target) * decay;
 /// }
-/// let model = identifier.transfer_function();
+/// let model = identifier.estimate().transfer_function();
 /// assert!((model.a[1] - 10.0).abs() < 0.01);
 /// assert!((model.b[0][0] - 50.0).abs() < 0.05);
 /// # Ok::<(), trendid::ConfigError>(())
@@ -126,7 +124,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         check_range("sample_time", trends.sample_time(), [sample_time; 2])?;
         check_not_negative("settling", settling)?;
         // The bias that the old filter made is settled now; what follows has the new one's.
-        let mut theta = self.found();
+        let mut theta = self.read_out().trend_theta();
         // What was learnt weighs as much as the noise in band was smaller than it will be.
         let a = plan.regressor.denominator(&theta);
         let scale = match (plan.trends.filter_polynomial(), trends.filter_polynomial()) {
@@ -182,60 +180,48 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.state.adapting = on;
     }
 
-    /// The parameters in the order of [`Structure`], in the user's units, with the noise bias taken out.
+    /// The model found, with its uncertainty: noise bias taken out, an insignificant constant withdrawn.
     ///
-    /// Cost: some 100 N^2 instructions; for the loop that reports, not for every sample.
+    /// Cost: see the table of instruction counts; one call serves all numbers. For the loop that reports, not for every
+    /// sample.
+    pub fn estimate(&self) -> Estimate<M, N, I> {
+        self.read_out().estimate()
+    }
+
+    /// The parameters of [`Identifier::estimate`] alone, at about a tenth of its cost.
     pub fn theta(&self) -> [f32; N] {
-        continuous(&self.found(), &self.plan.structure, &self.plan.trends)
+        self.read_out().theta()
     }
 
-    /// The parameters as the trends have them, in the user's units.
-    fn found(&self) -> [f32; N] {
-        estimate(
-            &self.evidence(),
-            &self.plan.noise_gain,
-            &self.plan.regressor,
-            &self.plan.trends,
-            self.plan.bandwidth,
-        )
-        .theta
+    /// The recursion as it stands, in the user's units: least squares with the bias that noise makes.
+    ///
+    /// Its covariance takes the residual for white.
+    pub fn recursion(&self) -> Estimate<M, N, I> {
+        self.read_out().recursion()
     }
 
-    /// Standard deviation of each parameter, in its unit, from the noise level found.
-    pub fn std(&self) -> [f32; N] {
-        let covariance = self.read_out().covariance;
-        core::array::from_fn(|j| sqrt(covariance[j][j]))
-    }
-
-    /// Covariance of the parameters, in the products of their units.
-    pub fn covariance(&self) -> [[f32; N]; N] {
-        self.read_out().covariance
-    }
-
-    fn evidence(&self) -> Evidence<N> {
-        Evidence {
-            columns: self.plan.structure.parameters(),
-            theta: *self.state.estimator.theta(),
-            covariance: core::array::from_fn(|i| {
-                core::array::from_fn(|j| self.state.estimator.covariance(i, j))
-            }),
-            samples: self.state.estimator.samples(),
-            residual: self.state.estimator.noise_variance(),
-            white: self.state.noise.variance(),
-            prior: self.plan.prior_noise * self.plan.prior_noise,
-            doubt: self.plan.doubt,
+    fn read_out(&self) -> ReadOut<'_, T, M, N, I> {
+        let Plan {
+            structure,
+            trends,
+            regressor,
+            noise_gain,
+            bandwidth,
+            prior_noise,
+            doubt,
+            ..
+        } = &self.plan;
+        ReadOut {
+            structure,
+            trends,
+            regressor,
+            noise_gain,
+            bandwidth: *bandwidth,
+            prior_noise: *prior_noise,
+            significance: *doubt,
+            estimator: &self.state.estimator,
+            noise: &self.state.noise,
         }
-    }
-
-    fn read_out(&self) -> Readout<N> {
-        let found = read_out(
-            &self.evidence(),
-            &self.plan.noise_gain,
-            &self.plan.regressor,
-            &self.plan.trends,
-            self.plan.bandwidth,
-        );
-        continuous_readout(found, &self.plan.structure, &self.plan.trends)
     }
 
     /// Standard deviation of the innovation in the unit of y, `None` until there are more samples than parameters.
@@ -243,58 +229,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let beta = self.plan.regressor.lead(self.state.estimator.theta());
         let variance = self.state.estimator.noise_variance()?;
         Some(sqrt(variance) / beta)
-    }
-
-    /// The model that theta stands for.
-    pub fn transfer_function(&self) -> TransferFunction<M, I> {
-        let mut transfer = TransferFunction {
-            a: [0.0; M],
-            b: [[0.0; M]; I],
-            constant: 0.0,
-            integrators: self.plan.structure.integrators(),
-        };
-        for (column, value) in self
-            .plan
-            .structure
-            .parameters()
-            .into_iter()
-            .zip(self.theta())
-        {
-            match column {
-                Parameter::Output { power } => transfer.a[power] = value,
-                Parameter::Input { input, power } => transfer.b[input][power] = value,
-                Parameter::Constant => transfer.constant = value,
-                Parameter::InitialState => {}
-            }
-        }
-        transfer
-    }
-
-    /// The physical reading from the first input to y.
-    pub fn physical(&self) -> Physical<M> {
-        Physical::of(&self.transfer_function(), 0)
-    }
-
-    /// Standard deviations of gain, omega0 and damping of the first input, to first order.
-    ///
-    /// `None` unless two poles stand behind the integrators and b_0 is in the model.
-    pub fn physical_std(&self) -> Option<[f32; 3]> {
-        let nu = self.plan.structure.integrators();
-        if M != nu + 2 {
-            return None;
-        }
-        let columns = self.plan.structure.parameters();
-        let b0 = index_of(&columns, Parameter::Input { input: 0, power: 0 })?;
-        let a_nu = index_of(&columns, Parameter::Output { power: nu })?;
-        let a_next = index_of(&columns, Parameter::Output { power: nu + 1 })?;
-        let Readout { theta, covariance } = self.read_out();
-        second_order_std(
-            theta[b0],
-            theta[a_nu],
-            theta[a_next],
-            [b0, a_nu, a_next],
-            |i, j| covariance[i][j],
-        )
     }
 
     /// The evaluation of the newest y from the samples before it, in the unit of y.
@@ -305,11 +239,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// IQ and IV of the innovations so far (11).
     pub const fn quality(&self) -> Quality {
         self.state.quality
-    }
-
-    /// User's unit of each normalised parameter.
-    pub(crate) fn units(&self) -> &[f32; N] {
-        self.plan.regressor.units()
     }
 
     /// The estimator, in normalised quantities.

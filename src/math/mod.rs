@@ -3,11 +3,31 @@
 //! The functions of libm are not called in the 1 ms path: on a Cortex-M4F they are
 //! software, and several go through soft doubles.
 
+pub(crate) mod complex;
+pub(crate) mod matrix;
 pub(crate) mod polynomial;
 
 /// Square root, 0 for arguments below 0 (a variance that rounding made negative).
 pub(crate) fn sqrt(x: f32) -> f32 {
     if x > 0.0 { libm::sqrtf(x) } else { 0.0 }
+}
+
+/// Standard deviation of a variance; infinite where rounding or overflow left no variance (negative, NaN).
+pub(crate) fn deviation(variance: f32) -> f32 {
+    if variance >= 0.0 {
+        sqrt(variance)
+    } else {
+        f32::INFINITY
+    }
+}
+
+/// `value` to a whole power.
+pub(crate) fn raised(value: f32, power: usize) -> f32 {
+    let mut product = 1.0;
+    for _ in 0..power {
+        product *= value;
+    }
+    product
 }
 
 /// `x` to the power `y`, for `x >= 0`.

@@ -1,6 +1,6 @@
 //! The physical reading of a transfer function: gain, natural frequency, damping, time constants.
 
-use crate::math::sqrt;
+use crate::math::{deviation, sqrt};
 use crate::model::transfer_function::TransferFunction;
 
 /// What an engineer reads from the parameters; `None` where a quantity does not exist.
@@ -89,16 +89,12 @@ fn finite(value: f32) -> Option<f32> {
     value.is_finite().then_some(value)
 }
 
-/// Standard deviations of gain, omega0 and damping, first order in the covariance of theta.
+/// Standard deviations of gain, omega0 and damping, first order in the covariance of `[b_0, a_nu, a_{nu+1}]`.
 ///
-/// For two poles behind the integrators; `p` are the positions of b_0, a_nu, a_{nu+1}
-/// in theta and `covariance` gives the entries in the user's units.
+/// For two poles behind the integrators, in the user's units; `None` unless a_nu is positive.
 pub(crate) fn second_order_std(
-    b0: f32,
-    a_nu: f32,
-    a_next: f32,
-    p: [usize; 3],
-    covariance: impl Fn(usize, usize) -> f32,
+    [b0, a_nu, a_next]: [f32; 3],
+    covariance: &[[f32; 3]; 3],
 ) -> Option<[f32; 3]> {
     if !(a_nu > 0.0) {
         return None;
@@ -109,15 +105,13 @@ pub(crate) fn second_order_std(
         [0.0, 0.5 / omega0, 0.0],
         [0.0, -0.25 * a_next / (a_nu * omega0), 0.5 / omega0],
     ];
-    let mut std = [0.0; 3];
-    for (std, slope) in std.iter_mut().zip(&slopes) {
+    Some(slopes.map(|slope| {
         let mut variance = 0.0;
         for i in 0..3 {
             for j in 0..3 {
-                variance += slope[i] * covariance(p[i], p[j]) * slope[j];
+                variance += slope[i] * covariance[i][j] * slope[j];
             }
         }
-        *std = sqrt(variance);
-    }
-    std.iter().all(|s| s.is_finite()).then_some(std)
+        deviation(variance)
+    }))
 }

@@ -4,9 +4,10 @@
 
 use crate::estimation::structure::Structure;
 use crate::estimation::terms::Parameter;
+use crate::math::matrix::Matrix;
 use crate::math::polynomial::largest_rate;
 use crate::math::pow;
-use crate::readout::Readout;
+use crate::readout::estimate::Estimate;
 use crate::trends::{Image, TrendOperator};
 
 /// Step of a difference quotient, relative to the power of the largest rate that a coefficient stands for.
@@ -81,29 +82,55 @@ where
     })
 }
 
-/// Estimate and covariance in the s plane, the covariance through the slope of the map.
-pub(crate) fn continuous_readout<T, const M: usize, const N: usize, const I: usize>(
-    found: Readout<N>,
-    structure: &Structure<M, N, I>,
+/// The estimate in the s plane, the covariance through the slope of the map.
+pub(crate) fn estimate_in_s_plane<T, const M: usize, const N: usize, const I: usize>(
+    found: Estimate<M, N, I>,
     trends: &T,
-) -> Readout<N>
+) -> Estimate<M, N, I>
 where
     T: TrendOperator<M>,
 {
-    let theta = continuous(&found.theta, structure, trends);
+    let structure = found.structure;
+    let theta = continuous(&found.theta, &structure, trends);
     if theta == found.theta {
         return found;
     }
-    // Column j: how theta follows the parameter j of the trends. Only the denominator bends.
+    let slope = slope(&found.theta, &structure, trends);
+    let mut covariance = [[0.0; N]; N];
+    for i in 0..N {
+        for j in 0..N {
+            for k in 0..N {
+                for l in 0..N {
+                    covariance[i][j] += slope[i][k] * found.covariance[k][l] * slope[j][l];
+                }
+            }
+        }
+    }
+    Estimate {
+        structure,
+        theta,
+        covariance,
+    }
+}
+
+/// Column j: how theta of the s plane follows the parameter j of the trends. Only the denominator is not linear.
+fn slope<T, const M: usize, const N: usize, const I: usize>(
+    theta: &[f32; N],
+    structure: &Structure<M, N, I>,
+    trends: &T,
+) -> Matrix<N>
+where
+    T: TrendOperator<M>,
+{
     let mut slope = [[0.0; N]; N];
-    let columns = structure.parameters();
-    let rate = largest_rate(&denominator::<M, N>(&found.theta, &columns));
-    for (j, column) in columns.into_iter().enumerate() {
-        let step = match column {
+    let parameters = structure.parameters();
+    let rate = largest_rate(&denominator::<M, N>(theta, &parameters));
+    for (j, parameter) in parameters.into_iter().enumerate() {
+        let step = match parameter {
             Parameter::Output { power } => STEP * pow(rate, (M - power) as f32),
-            _ => found.theta[j].abs(),
+            _ => theta[j].abs(),
         };
-        let (mut up, mut down) = (found.theta, found.theta);
+        let (mut up, mut down) = (*theta, *theta);
         up[j] += step;
         down[j] -= step;
         let (up, down) = (
@@ -120,17 +147,5 @@ where
             };
         }
     }
-    let mut covariance = [[0.0; N]; N];
-    for i in 0..N {
-        for j in 0..N {
-            let mut sum = 0.0;
-            for k in 0..N {
-                for l in 0..N {
-                    sum += slope[i][k] * found.covariance[k][l] * slope[j][l];
-                }
-            }
-            covariance[i][j] = sum;
-        }
-    }
-    Readout { theta, covariance }
+    slope
 }

@@ -15,8 +15,8 @@
 //! Nothing of this enters the recursion, and nothing jumps when an offset shows itself.
 
 use crate::estimation::terms::{Parameter, index_of};
+use crate::math::matrix::Matrix;
 use crate::math::sqrt;
-use crate::readout::residual_spectrum::Matrix;
 
 /// How much of the constant is withdrawn, and what the other parameters take over.
 pub(crate) struct Doubt<const N: usize> {

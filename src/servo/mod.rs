@@ -477,11 +477,15 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// Without the correction for noise bias of [`Identifier::theta`], which costs more
     /// than a sample has; the trial judges the model in any case.
     pub fn candidate(&self) -> Candidate {
-        let units = self.identifier.units();
-        let estimator = self.identifier.estimator();
-        let mut theta: [f32; 6] = core::array::from_fn(|j| units[j] * estimator.theta()[j]);
-        let noise = estimator.noise_variance().unwrap_or(f32::INFINITY);
-        let p = |i: usize, j: usize| noise * estimator.covariance(i, j) * units[i] * units[j];
+        let found = self.identifier.recursion();
+        let mut theta = found.theta();
+        let covariance = found.covariance();
+        // Nothing is certain before the noise is known.
+        let known = match self.identifier.noise_std() {
+            Some(_) => 1.0,
+            None => f32::INFINITY,
+        };
+        let p = |i: usize, j: usize| known * covariance[i][j];
         let [a1, a2, b0, _, coulomb, _] = theta;
         if coulomb * coulomb < 4.0 * p(4, 4) {
             // Friction by mistake would let the observer stick without cause.

@@ -42,7 +42,7 @@ use crate::trends::{Hold, Image, NoiseGain, Scheme, TrendOperator, Trends};
 ///     y = 2.0 * u + (y - 2.0 * u) * decay;
 /// }
 /// // Plain trends are 1 % off here.
-/// let model = identifier.transfer_function();
+/// let model = identifier.estimate().transfer_function();
 /// assert!((model.a[0] - 8.0).abs() < 1e-4 && (model.b[0][0] - 16.0).abs() < 2e-4);
 /// # Ok::<(), trendid::ConfigError>(())
 /// ```

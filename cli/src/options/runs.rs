@@ -291,8 +291,11 @@ fn retuned(seed: u64) -> Pair {
     for (k, s) in record.samples().enumerate() {
         let _ = fixed.update(s.u as f32, s.y as f32);
         let _ = tuned.update(s.u as f32, s.y as f32);
-        if (k == 700 || k == 1400)
-            && let (Some(omega0), Some(sigma)) = (tuned.physical().omega0, tuned.physical_std())
+        if k != 700 && k != 1400 {
+            continue;
+        }
+        let estimate = tuned.estimate();
+        if let (Some(omega0), Some(sigma)) = (estimate.physical().omega0, estimate.physical_std())
             && sigma[1] < 0.2 * omega0
         {
             let omega0 = omega0.clamp(2.0, 200.0);
@@ -346,7 +349,7 @@ fn exact(seed: u64) -> Pair {
         plant.step(&[u]);
         // The numerators become those of the model found.
         if (k == 200 || k == 400)
-            && let Ok(own) = trends.with_model(with.transfer_function().a)
+            && let Ok(own) = trends.with_model(with.estimate().transfer_function().a)
         {
             let _ = with.retune(own, settling(bandwidth));
         }

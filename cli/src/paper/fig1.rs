@@ -126,7 +126,8 @@ fn transient<T: TrendOperator<3>, const N: usize>(
         .samples()
         .map(|s| {
             let _ = identifier.update(s.u as f32, s.y as f32);
-            let (theta, std) = (identifier.theta(), identifier.std());
+            let estimate = identifier.estimate();
+            let (theta, std) = (estimate.theta(), estimate.std());
             Point {
                 t: s.t,
                 ratio: [0, 1, 2].map(|i| f64::from(theta[i]) / TRUTH[i]),

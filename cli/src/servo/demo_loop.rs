@@ -170,10 +170,11 @@ fn note(course: &mut Course, instant: &Instant, rig: &Rig) {
     }
     if course.rows.len().is_multiple_of(SPARSE) {
         let identifier = rig.servo.identifier();
-        let reading = identifier.physical();
+        let estimate = identifier.estimate();
+        let reading = estimate.physical();
         let values = [reading.gain, reading.omega0, reading.damping];
         // What is not known yet leaves a gap in the picture.
-        let sigma = identifier.physical_std();
+        let sigma = estimate.physical_std();
         course.parameters.push((
             instant.t,
             [0, 1, 2].map(|j| {

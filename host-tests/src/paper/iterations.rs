@@ -20,7 +20,7 @@ pub fn own_numerators(
     let mut identifier = Identifier::try_new(config, filter)?;
     for round in 0..rounds {
         if round > 0 {
-            let own = filter.with_model(identifier.transfer_function().a)?;
+            let own = filter.with_model(identifier.estimate().transfer_function().a)?;
             identifier = Identifier::try_new(config, own)?;
         }
         for s in record.samples() {

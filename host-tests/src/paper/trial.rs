@@ -194,16 +194,13 @@ fn ramp(record: &Record, scheme: Scheme) -> Result<[Run; 2], ConfigError> {
     let trends = FilteredTrends::from_polynomial(scheme, record.dt as f32, filter)?;
     let inputs = |s: &Sample| [s.u as f32, s.t as f32];
     let mut config = usual(record, Structure::<3, 6, 2>::SERVO, inputs);
-    // Relative to the command: 0.3 % of offset, moving by 0.7 % a second; ten times the design for the rest.
-    let [a1, a2, b0, time, constant, start] = units(&config, trends)?;
-    config.prior_std = Some([
-        10.0 * a1,
-        10.0 * a2,
-        10.0 * b0,
-        0.007 * config.input_range[1] * time,
-        0.003 * constant,
-        10.0 * start,
-    ]);
+    // Relative to the command: 0.3 % of offset, moving by 0.7 % a second.
+    // The prior by default: ten times the design, and 3 % for the constant.
+    let fresh: Identifier<_, 3, 6, 2> = Identifier::try_new(&config, trends)?;
+    let mut std = fresh.recursion().std();
+    std[3] *= 0.0007 * config.input_range[1];
+    std[4] *= 0.1;
+    config.prior_std = Some(std);
     config.doubt = 0.0;
     pass(record, &config, trends, inputs)
 }
@@ -232,17 +229,6 @@ fn usual<const N: usize, const I: usize>(
     Config::new(structure, BANDWIDTH, ranges, 50.0)
 }
 
-/// The unit of each normalised parameter: what an estimate of all ones is in them.
-fn units<T: TrendOperator<3>, const N: usize, const I: usize>(
-    config: &Config<3, N, I>,
-    trends: T,
-) -> Result<[f32; N], ConfigError> {
-    let mut ones = *config;
-    ones.initial = [1.0; N];
-    let identifier: Identifier<T, 3, N, I> = Identifier::try_new(&ones, trends)?;
-    Ok(identifier.estimator().theta().map(|one| 1.0 / one))
-}
-
 fn pass<T: TrendOperator<3>, const N: usize, const I: usize>(
     record: &Record,
     config: &Config<3, N, I>,
@@ -250,13 +236,12 @@ fn pass<T: TrendOperator<3>, const N: usize, const I: usize>(
     inputs: impl Fn(&Sample) -> [f32; I],
 ) -> Result<[Run; 2], ConfigError> {
     let mut identifier: Identifier<T, 3, N, I> = Identifier::try_new(config, trends)?;
-    let units = units(config, trends)?.map(f64::from);
     let mut transients = [Transient::new(record), Transient::new(record)];
     for (k, s) in record.samples().enumerate() {
         let _ = identifier.update_inputs(inputs(&s), s.y as f32);
         if looks(record, k) {
-            let bare = identifier.estimator().theta();
-            transients[0].push(s.t, [0, 1, 2].map(|i| f64::from(bare[i]) * units[i]));
+            let bare = identifier.recursion().theta();
+            transients[0].push(s.t, [0, 1, 2].map(|i| f64::from(bare[i])));
             let read = identifier.theta();
             transients[1].push(s.t, [0, 1, 2].map(|i| f64::from(read[i])));
         }

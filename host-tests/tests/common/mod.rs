@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 use nalgebra::{DMatrix, DVector};
-use trendid::{Config, Identifier, Parameter, TrendOperator};
+use trendid::{Config, Parameter};
 use trendid_host_tests::oracles::least_squares::Structure;
 use trendid_host_tests::oracles::trends::{Hold, Scheme, applied, input_trend, output_trend};
 use trendid_host_tests::plants::polynomial::delayed;
@@ -95,19 +95,4 @@ pub fn design_units<const M: usize, const N: usize, const I: usize>(
         Parameter::Constant => omega.powi(M as i32) * range,
         Parameter::InitialState => range,
     })
-}
-
-/// Parameters of the recursion itself in the user's units, without what the read-out does to them.
-pub fn recursion<
-    T: TrendOperator<M>,
-    const M: usize,
-    const N: usize,
-    const I: usize,
-    const D: usize,
->(
-    identifier: &Identifier<T, M, N, I, D>,
-    config: &Config<M, N, I>,
-) -> [f64; N] {
-    let units = design_units(config);
-    core::array::from_fn(|j| f64::from(identifier.estimator().theta()[j]) * units[j])
 }

@@ -1,0 +1,51 @@
+//! Complex numbers.
+
+/// A complex number.
+#[derive(Clone, Copy)]
+pub(crate) struct Complex {
+    pub(crate) re: f32,
+    pub(crate) im: f32,
+}
+
+impl Complex {
+    pub(crate) const ZERO: Self = Self { re: 0.0, im: 0.0 };
+
+    pub(crate) fn times(self, other: Self) -> Self {
+        Self {
+            re: self.re * other.re - self.im * other.im,
+            im: self.re * other.im + self.im * other.re,
+        }
+    }
+
+    /// The square of the magnitude.
+    pub(crate) fn size(self) -> f32 {
+        self.re * self.re + self.im * self.im
+    }
+
+    /// (j x)^power times `factor`.
+    pub(crate) fn power(x: f32, power: usize, factor: f32) -> Self {
+        let mut value = factor;
+        for _ in 0..power {
+            value *= x;
+        }
+        match power % 4 {
+            0 => Self { re: value, im: 0.0 },
+            1 => Self { re: 0.0, im: value },
+            2 => Self {
+                re: -value,
+                im: 0.0,
+            },
+            _ => Self {
+                re: 0.0,
+                im: -value,
+            },
+        }
+    }
+
+    pub(crate) fn plus(self, other: Self) -> Self {
+        Self {
+            re: self.re + other.re,
+            im: self.im + other.im,
+        }
+    }
+}

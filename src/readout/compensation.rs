@@ -1,0 +1,173 @@
+//! The bias of white noise on y, and the step that takes it out.
+//!
+//! Known as: bias-compensated least squares. Stoica and Soderstrom, Int. J. Control 35 (1982); Zheng and Feng,
+//! IEEE Trans. Automatic Control 40 (1995).
+
+use crate::math::matrix::{Matrix, product, product_transposed};
+use crate::math::sqrt;
+use crate::readout::ReadOut;
+use crate::trends::TrendOperator;
+
+/// The third difference counts as noise while it does not exceed what the residual allows by this factor.
+const PLAUSIBLE: f32 = 1.3;
+
+/// White noise on y and what it makes of the regression.
+struct Noise<const N: usize> {
+    /// M and m: phi phi' and phi psi per sample of noise of variance 1.
+    matrix: Matrix<N>,
+    vector: [f32; N],
+    /// Variance of the residual per variance of the noise.
+    spread: f32,
+    /// Variance of the residual.
+    residual: f32,
+    /// Variance of the noise; `None` where it is unknown or no filter stands in front of the estimator.
+    white: Option<f32>,
+}
+
+impl<const N: usize> Noise<N> {
+    fn of<T: TrendOperator<M>, const M: usize, const I: usize>(
+        source: &ReadOut<'_, T, M, N, I>,
+    ) -> Self {
+        let theta = source.estimator.theta();
+        let gain = source.noise_gain;
+        let (matrix, vector, echo) =
+            source
+                .regressor
+                .noise_moments(&gain.lower, &gain.mixed, gain.top);
+        // The residual is psi - phi' theta.
+        let mut spread = echo;
+        for i in 0..N {
+            spread -= 2.0 * theta[i] * vector[i];
+            for j in 0..N {
+                spread += theta[i] * matrix[i][j] * theta[j];
+            }
+        }
+        let residual = source.residual();
+        let allowed = if spread > 0.0 { residual / spread } else { 0.0 };
+        // Where the third difference is the signal's, the noise is unknown and nothing is compensated.
+        let white = match (source.trends.filter_polynomial(), source.noise.variance()) {
+            (Some(_), Some(white)) if white <= PLAUSIBLE * allowed => {
+                Some(if white < allowed { white } else { allowed })
+            }
+            _ => None,
+        };
+        Self {
+            matrix,
+            vector,
+            spread,
+            residual,
+            white,
+        }
+    }
+
+    /// Splits the residual into what white noise explains and the rest.
+    ///
+    /// What white noise does not explain is slow (drift, friction, a wrong model): about `2/(omega Delta)` samples
+    /// say the same thing; `angle` is omega Delta.
+    fn split(&self, top_scale: f32, samples: f32, angle: f32) -> Residual {
+        let Some(white) = self.white else {
+            return Residual {
+                shaped: 0.0,
+                even: self.residual,
+                significance: self.residual,
+            };
+        };
+        let excess = |explained: f32| (self.residual - explained).max(0.0) * 2.0 / angle;
+        // Chance alone makes no excess; a constant may be doubted for it.
+        let chance = 4.0 * sqrt(2.0 / samples.max(1.0));
+        let explained = white * self.spread;
+        Residual {
+            shaped: top_scale * top_scale * white,
+            even: excess(explained * (1.0 + chance)),
+            significance: self.residual + excess(explained),
+        }
+    }
+}
+
+/// Variances of the residual.
+pub(crate) struct Residual {
+    /// Of white noise of y, to be seen through `A/A_f`.
+    pub(crate) shaped: f32,
+    /// Of the rest.
+    pub(crate) even: f32,
+    /// By which the significance of a constant is measured.
+    pub(crate) significance: f32,
+}
+
+/// The estimate with the bias of white noise taken out.
+pub(crate) struct Compensated<const N: usize> {
+    /// The parameters as the trends have them, in the user's units.
+    pub(crate) theta: [f32; N],
+    /// P_c, normalised.
+    pub(crate) covariance: Matrix<N>,
+    /// What one step of the correction leaves of each parameter, in the user's units.
+    pub(crate) left: [f32; N],
+    pub(crate) residual: Residual,
+}
+
+/// One step of the correction from the recursion with the covariance `p`.
+pub(crate) fn compensate<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
+    source: &ReadOut<'_, T, M, N, I>,
+    p: &Matrix<N>,
+) -> Compensated<N> {
+    let bare = source.estimator.theta();
+    let samples = source.estimator.samples();
+    let noise = Noise::of(source);
+    let (theta, covariance, damping) = match noise.white {
+        Some(white) => corrected(bare, p, &noise, samples * white),
+        None => (*bare, *p, 0.0),
+    };
+    let units = source.regressor.units();
+    let in_units = |theta: &[f32; N]| core::array::from_fn(|j| theta[j] * units[j]);
+    let (bare, mut theta): ([f32; N], [f32; N]) = (in_units(bare), in_units(&theta));
+    if !theta.iter().all(|value| value.is_finite()) {
+        theta = bare;
+    }
+    let angle = source.bandwidth * source.trends.sample_time();
+    Compensated {
+        left: core::array::from_fn(|j| damping * (theta[j] - bare[j])),
+        theta,
+        covariance,
+        residual: noise.split(source.regressor.top_scale(), samples, angle),
+    }
+}
+
+/// theta_c and P_c, normalised, and the damping w tr P M; `level` is n s.
+fn corrected<const N: usize>(
+    bare: &[f32; N],
+    p: &Matrix<N>,
+    noise: &Noise<N>,
+    level: f32,
+) -> ([f32; N], Matrix<N>, f32) {
+    let Noise { matrix, vector, .. } = noise;
+    let mut trace = 0.0;
+    for i in 0..N {
+        for j in 0..N {
+            trace += p[i][j] * matrix[j][i];
+        }
+    }
+    // Damped where one step is no longer small: few samples under much noise.
+    let weight = level / (1.0 + level * trace);
+    let mut bias = [0.0; N];
+    for i in 0..N {
+        bias[i] = -vector[i];
+        for j in 0..N {
+            bias[i] += matrix[i][j] * bare[j];
+        }
+    }
+    let mut theta = *bare;
+    // I + 2 w P M
+    let mut transform = [[0.0; N]; N];
+    for i in 0..N {
+        for j in 0..N {
+            let mut sum = 0.0;
+            for k in 0..N {
+                sum += p[i][k] * matrix[k][j];
+            }
+            transform[i][j] = 2.0 * weight * sum + if i == j { 1.0 } else { 0.0 };
+            theta[i] += weight * p[i][j] * bias[j];
+        }
+    }
+    let covariance = product_transposed(&product(&transform, p), &transform);
+    (theta, covariance, weight * trace)
+}
