@@ -2,7 +2,11 @@
 
 use core::marker::PhantomData;
 
-use crate::{Message, cobs, crc32};
+use crc::{CRC_32_ISO_HDLC, Crc};
+use heapless::Vec;
+use postcard::ser_flavors::{Cobs, Slice, crc::CrcModifier};
+
+use crate::Message;
 
 /// Longest body (tag, payload and check sum) in bytes.
 pub const MAX_BODY: usize = 128;
@@ -10,10 +14,13 @@ pub const MAX_BODY: usize = 128;
 // Up to here the stuffing takes one byte and splits no run.
 const _: () = assert!(MAX_BODY < 254);
 
-/// Longest frame on the wire in bytes: body, one byte of stuffing, two delimiters.
-pub const MAX_WIRE: usize = MAX_BODY + 3;
+/// Longest body with its byte of stuffing.
+const MAX_STUFFED: usize = MAX_BODY + 1;
 
-const CRC: usize = 4;
+/// Longest frame on the wire in bytes: body, one byte of stuffing, two delimiters.
+pub const MAX_WIRE: usize = MAX_STUFFED + 2;
+
+static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// One encoded frame with its delimiters.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -28,21 +35,16 @@ impl Frame {
     /// Every message of this crate fits ([`MAX_BODY`]); a longer message of another crate gives a frame without bytes.
     #[must_use]
     pub fn encode<M: Message>(message: &M) -> Self {
-        let mut body = [0; MAX_BODY];
-        body[0] = M::TAG;
-        let mut frame = Self {
-            wire: [0; MAX_WIRE],
-            len: 0,
-        };
-        let Ok(payload) = postcard::to_slice(message, &mut body[1..MAX_BODY - CRC]) else {
-            return frame;
-        };
-        let end = 1 + payload.len();
-        let crc = crc32(&body[..end]);
-        body[end..end + CRC].copy_from_slice(&crc.to_le_bytes());
-        // wire[0] and the byte after the stuffed body stay zero: the delimiters.
-        frame.len = cobs::encode(&body[..end + CRC], &mut frame.wire[1..]) + 2;
-        frame
+        // The first byte stays zero: the leading delimiter; the flavour adds the other one.
+        let mut wire = [0; MAX_WIRE];
+        let stuffed = Cobs::try_new(Slice::new(&mut wire[1..])).and_then(|cobs| {
+            postcard::serialize_with_flavor(
+                &(M::TAG, message),
+                CrcModifier::new(cobs, CRC.digest()),
+            )
+        });
+        let len = stuffed.map_or(0, |bytes| 1 + bytes.len());
+        Self { wire, len }
     }
 
     /// The bytes to send.
@@ -55,10 +57,8 @@ impl Frame {
 /// Finds the messages in a stream of bytes and counts the frames that are damaged.
 #[derive(Clone, Debug)]
 pub struct Receiver<M> {
-    body: [u8; MAX_BODY],
-    len: usize,
+    stuffed: Vec<u8, MAX_STUFFED>,
     overlong: bool,
-    stuffing: cobs::Decoder,
     corrupt: u32,
     message: PhantomData<M>,
 }
@@ -66,12 +66,10 @@ pub struct Receiver<M> {
 impl<M: Message> Receiver<M> {
     /// A receiver that has seen nothing.
     #[must_use]
-    pub fn new() -> Self {
+    pub const fn new() -> Self {
         Self {
-            body: [0; MAX_BODY],
-            len: 0,
+            stuffed: Vec::new(),
             overlong: false,
-            stuffing: cobs::Decoder::default(),
             corrupt: 0,
             message: PhantomData,
         }
@@ -80,27 +78,18 @@ impl<M: Message> Receiver<M> {
     /// Takes one byte; gives the message when the byte ends an intact frame.
     pub fn push(&mut self, byte: u8) -> Option<M> {
         if byte != 0 {
-            if let Some(byte) = self.stuffing.push(byte) {
-                match self.body.get_mut(self.len) {
-                    Some(place) => {
-                        *place = byte;
-                        self.len += 1;
-                    }
-                    None => self.overlong = true,
-                }
-            }
+            self.overlong |= self.stuffed.push(byte).is_err();
             return None;
         }
-        if self.stuffing.is_empty() {
+        if self.stuffed.is_empty() {
             return None;
         }
         let message = self.message();
         if message.is_none() {
             self.corrupt = self.corrupt.saturating_add(1);
         }
-        self.len = 0;
+        self.stuffed.clear();
         self.overlong = false;
-        self.stuffing = cobs::Decoder::default();
         message
     }
 
@@ -115,18 +104,15 @@ impl<M: Message> Receiver<M> {
         self.corrupt = 0;
     }
 
-    fn message(&self) -> Option<M> {
-        if self.overlong || !self.stuffing.complete() {
+    fn message(&mut self) -> Option<M> {
+        if self.overlong {
             return None;
         }
-        let (body, crc) = self.body[..self.len].split_last_chunk::<CRC>()?;
-        let (&tag, payload) = body.split_first()?;
-        if tag != M::TAG || crc32(body) != u32::from_le_bytes(*crc) {
-            return None;
-        }
-        // A payload with bytes left over is a frame of another version.
-        match postcard::take_from_bytes(payload) {
-            Ok((message, [])) => Some(message),
+        let len = cobs::decode_in_place(&mut self.stuffed).ok()?;
+        let body = self.stuffed.get(..len)?;
+        // A body with bytes left over is a frame of another version.
+        match postcard::take_from_bytes_crc32::<(u8, M)>(body, CRC.digest()) {
+            Ok(((tag, message), [])) if tag == M::TAG => Some(message),
             _ => None,
         }
     }

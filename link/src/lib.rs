@@ -45,15 +45,12 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-mod cobs;
 mod controller;
-mod crc;
 mod frame;
 mod lockstep;
 mod message;
 
 pub use controller::Controller;
-pub use crc::crc32;
 pub use frame::{Frame, MAX_BODY, MAX_WIRE, Receiver};
 pub use lockstep::{Bytes, Exchange, ExchangeError, Incoming, Responder};
 pub use message::{Counters, FIELDS, Message, REQUESTS, Reply, Request, Sample, Setup, code};

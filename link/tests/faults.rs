@@ -278,7 +278,8 @@ fn the_layout_on_the_wire_is_as_documented() {
     let frame = Frame::encode(&sample);
     // 'S', 300 in 7-bit groups, a code, -25 in zigzag, one request: the fourth, 1.0f32 little endian, check sum.
     let mut body = vec![0x53, 0xAC, 0x02, 1, 49, 1, 3, 0x00, 0x00, 0x80, 0x3F];
-    body.extend_from_slice(&crc32(&body).to_le_bytes());
+    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&body);
+    body.extend_from_slice(&crc.to_le_bytes());
     let mut wire = vec![0, 8, 0x53, 0xAC, 0x02, 1, 49, 1, 3, 1, 7];
     wire.extend_from_slice(&body[9..]);
     wire.push(0);
