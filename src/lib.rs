@@ -110,12 +110,11 @@ pub use servo::supervision::state::{Reason, State};
 pub use servo::supervision::supervisor::{Candidate, Event, Observation, Supervisor};
 pub use servo::supervision::validation::Verdict;
 pub use servo::{Report, ServoIdentifier, ServoLoop};
-pub use trends::delay_line::DelayLine;
-pub use trends::exact::ExactTrends;
-pub use trends::filtered::FilteredTrends;
-pub use trends::integral::{IntegralTrends, Span};
-pub use trends::raw::RawTrends;
-pub use trends::{Hold, Image, NoiseGain, Scheme, TrendOperator, Trends};
+pub use trends::{
+    AnyMemory, AnyTrends, Chain, DelayLine, Design, ExactTrends, FilteredTrends, Form, Hold,
+    IntegralTrends, Mapped, Memory, NoiseGain, RawTrends, Scheme, Span, TrendOperator, Trends,
+    Window,
+};
 
 /// The examples of the README are tests.
 #[cfg(doctest)]

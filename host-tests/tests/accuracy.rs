@@ -4,7 +4,7 @@ mod common;
 
 use common::{core_scheme, rounded, rows};
 use proptest::prelude::*;
-use trendid::{Config, FilteredTrends, Identifier, RawTrends, TrendOperator};
+use trendid::{Config, FilteredTrends, Form, Identifier, Memory, RawTrends, TrendOperator, Window};
 use trendid_host_tests::oracles::least_squares::{Structure, least_squares, recursive_equivalent};
 use trendid_host_tests::oracles::trends::{Hold, Scheme, input_trend, output_trend};
 use trendid_host_tests::plants::polynomial::{delayed, moving_sum, power, scaled};
@@ -146,8 +146,9 @@ fn raw_trends<const M: usize>(scheme: Scheme, dt: f32, x: &[f32]) -> f64 {
         Scheme::Tustin => (2.0 * step).powi(-(M as i32)),
     };
     let mut worst = 0.0_f64;
-    let mut memory = RawTrends::<M>::EMPTY;
-    let all: Vec<_> = x.iter().map(|y| trends.output(&mut memory, *y)).collect();
+    let mut memory = Window::output_at_rest(trends.design(), Form::Position, 0.0);
+    let output = |y: &f32| trends.output(&mut memory, *y, Form::Position);
+    let all: Vec<_> = x.iter().map(output).collect();
     for i in 0..=M {
         let got: Vec<f32> = all
             .iter()
@@ -161,7 +162,7 @@ fn raw_trends<const M: usize>(scheme: Scheme, dt: f32, x: &[f32]) -> f64 {
         (Hold::Zero, trendid::Hold::Zero),
         (Hold::First, trendid::Hold::First),
     ] {
-        let mut memory = RawTrends::<M>::EMPTY;
+        let mut memory = Window::input_at_rest(trends.design(), core_hold, 0.0);
         let all: Vec<_> = x
             .iter()
             .map(|u| trends.input(&mut memory, *u, core_hold))

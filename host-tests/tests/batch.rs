@@ -3,7 +3,10 @@
 mod common;
 
 use common::{core_scheme, design_units, rounded, rows};
-use trendid::{Config, FilteredTrends, Identifier, RawTrends, Structure, Terms, TrendOperator};
+use trendid::{
+    Chain, Config, FilteredTrends, Form, Identifier, Memory, RawTrends, Structure, Terms,
+    TrendOperator,
+};
 use trendid_host_tests::oracles::least_squares::{self, InputTerms, recursive_equivalent};
 use trendid_host_tests::oracles::trends::{
     Hold, Scheme, applied, chain_held, chain_output, filter_denominator, input_trend, output_trend,
@@ -77,7 +80,8 @@ fn gap<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
 ) -> f64 {
     let dt = f64::from(DT);
     let f: Option<Vec<f64>> = trends
-        .filter_polynomial()
+        .design()
+        .filter
         .map(|f| f.iter().map(|c| f64::from(*c)).chain([1.0]).collect());
     let model = &config.structure;
     let powers = |terms: Terms| (0..M).filter(|i| terms.contains(*i)).collect();
@@ -108,7 +112,7 @@ fn gap<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
     let core = identifier.recursion().theta().map(f64::from);
 
     let start = model.initial_state().then(|| {
-        let slowest = f64::from(trends.decay());
+        let slowest = f64::from(trends.design().slow_mode);
         assert!(slowest > 0.0 && slowest < 1.0);
         slowest
     });
@@ -390,29 +394,27 @@ fn chains<const M: usize>(u: &[f64], y: &[f64]) {
             .chain([1.0])
             .collect();
         let mut worst = 0.0_f64;
-        let mut memory = FilteredTrends::<M>::EMPTY;
-        let mut moved = FilteredTrends::<M>::EMPTY;
-        let mut before = 0.0;
+        let mut memory = Chain::output_at_rest(trends.design(), Form::Position, 0.0);
+        let mut moved = Chain::output_at_rest(trends.design(), Form::Increment, 0.0);
         let mut all = vec![Vec::new(); M + 1];
-        let mut movement = vec![Vec::new(); M + 1];
+        let mut increments = vec![Vec::new(); M + 1];
         for y in y {
-            let t = trends.output(&mut memory, *y as f32);
-            let d = trends.movement(&mut moved, *y as f32, before);
-            before = *y as f32;
+            let t = trends.output(&mut memory, *y as f32, Form::Position);
+            let d = trends.output(&mut moved, *y as f32, Form::Increment);
             for i in 0..M {
                 all[i].push(t.lower[i]);
-                movement[i].push(d.lower[i]);
+                increments[i].push(d.lower[i]);
             }
             all[M].push(t.top);
-            movement[M].push(d.top);
+            increments[M].push(d.top);
         }
         let chain = chain_output(scheme, &f, dt, y);
         for i in 0..=M {
             worst = worst.max(distance(&all[i], &chain[i]));
             if i > 0 {
-                worst = worst.max(distance(&movement[i], &chain[i]));
+                worst = worst.max(distance(&increments[i], &chain[i]));
             } else {
-                assert!(movement[0].iter().all(|v| *v == 0.0));
+                assert!(increments[0].iter().all(|v| *v == 0.0));
             }
             let operator = output_trend(scheme, M, i, dt);
             let filtered = applied(&operator, scheme, Some(&f), dt, y);
@@ -423,7 +425,7 @@ fn chains<const M: usize>(u: &[f64], y: &[f64]) {
                 Hold::Zero => trendid::Hold::Zero,
                 Hold::First => trendid::Hold::First,
             };
-            let mut memory = FilteredTrends::<M>::EMPTY;
+            let mut memory = Chain::input_at_rest(trends.design(), core_hold, 0.0);
             let mut all = vec![Vec::new(); M];
             for u in u {
                 let t = trends.input(&mut memory, *u as f32, core_hold);

@@ -321,8 +321,8 @@ proptest! {
         let a: [f32; 4] = core::array::from_fn(|i| a[i] as f32);
         let nu = usize::from(integrator);
         let trends = ExactTrends::<4>::for_bandwidth(dt, 100.0).unwrap();
-        let image = trends.sampled(&a, nu).expect("poles within the sampling");
-        let back = trends.continuous(&image.a, nu).expect("the way back");
+        let image = trends.design().to_gamma_plane(&a, nu).expect("poles within the sampling");
+        let back = trends.design().to_s_plane(&image.a, nu).expect("the way back");
         // The rates of the poles may differ a thousandfold: each coefficient is held to the size that they make it.
         let rate = fastest * pairs[0].0.max(pairs[1].0);
         for i in nu..4 {

@@ -1,6 +1,8 @@
 //! Trends over a span: exact against the definition, and on the reference servo.
 
-use trendid::{Config, Hold, Identifier, IntegralTrends, Scheme, Structure, TrendOperator};
+use trendid::{
+    Config, Form, Hold, Identifier, IntegralTrends, Memory, Scheme, Span, Structure, TrendOperator,
+};
 use trendid_host_tests::plants::servo::{REFERENCE, Servo};
 use trendid_host_tests::signals::experiment::Experiment;
 use trendid_host_tests::signals::noise::Condition;
@@ -46,8 +48,8 @@ fn against_the_definition<const M: usize>(scheme: Scheme) {
         t.iter().map(|v| v * DT.powi((M - i) as i32)).collect()
     };
     let operator = IntegralTrends::<M, L>::try_new(scheme, DT as f32).unwrap();
-    let (mut y_memory, mut u_memory) =
-        (IntegralTrends::<M, L>::EMPTY, IntegralTrends::<M, L>::EMPTY);
+    let mut y_memory = Span::<M, L>::output_at_rest(operator.design(), Form::Position, 0.0);
+    let mut u_memory = Span::<M, L>::input_at_rest(operator.design(), Hold::Zero, 0.0);
     let expected_y: Vec<_> = (0..=M)
         .map(|i| match scheme {
             Scheme::Tustin => span(raw(&signal, i, M - i, 0), i),
@@ -61,7 +63,7 @@ fn against_the_definition<const M: usize>(scheme: Scheme) {
         })
         .collect();
     for k in 0..signal.len() {
-        let y = operator.output(&mut y_memory, signal[k] as f32);
+        let y = operator.output(&mut y_memory, signal[k] as f32, Form::Position);
         let u = operator.input(&mut u_memory, signal[k] as f32, Hold::Zero);
         for i in 0..M {
             for (got, expected) in [(y.lower[i], expected_y[i][k]), (u[i], expected_u[i][k])] {

@@ -1,7 +1,7 @@
 //! The Coulomb input: the sign of a velocity that is measured or that the
 //! filtered position gives.
 
-use trendid::{FilteredTrends, Scheme, TrendOperator, coulomb};
+use trendid::{Chain, FilteredTrends, Form, Memory, Scheme, TrendOperator, coulomb};
 
 use crate::error::Error;
 
@@ -21,11 +21,11 @@ const REST: f64 = 1e-3;
 pub fn velocity(y: &[f64], dt: f64) -> Result<Vec<f64>, Error> {
     let pole = (VELOCITY_POLE / dt) as f32;
     let trends = FilteredTrends::<2>::try_new(Scheme::Tustin, dt as f32, [pole; 2])?;
-    let mut memory = FilteredTrends::<2>::EMPTY;
+    let mut memory = Chain::output_at_rest(trends.design(), Form::Position, 0.0);
     // Movements from the first position, so that the filter starts at rest.
     let first = y.first().copied().unwrap_or(0.0);
     let step = |y: &f64| {
-        let trends = trends.output(&mut memory, (y - first) as f32);
+        let trends = trends.output(&mut memory, (y - first) as f32, Form::Position);
         // gamma y / (gamma + p)^2 has the gain 1/p^2 of a slow velocity.
         f64::from(pole * pole * trends.lower[1])
     };

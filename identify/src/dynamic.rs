@@ -5,12 +5,11 @@
 //! offers and hides the choice behind a trait object. It computes nothing itself.
 
 use trendid::{
-    Config, ConfigError, ExactTrends, FilteredTrends, Hold, Identifier, Outcome, Physical, Quality,
-    RawTrends, Scheme, Structure, Terms, TrendOperator,
+    AnyTrends, Config, ConfigError, ExactTrends, FilteredTrends, Hold, Identifier, Outcome,
+    Physical, Quality, RawTrends, Scheme, Structure, Terms, TrendOperator,
 };
 
 use crate::estimate::{Estimate, Reading};
-use crate::operator::AnyTrends;
 
 /// Most inputs that a run-time structure can have.
 pub const INPUTS: usize = 4;

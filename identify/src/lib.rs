@@ -47,7 +47,6 @@ pub mod error;
 pub mod estimate;
 pub mod free_run;
 pub mod identification;
-mod operator;
 pub mod problem;
 pub mod run;
 pub mod search;

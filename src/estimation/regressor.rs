@@ -13,7 +13,7 @@
 
 use crate::estimation::structure::Structure;
 use crate::estimation::terms::Parameter;
-use crate::trends::{TrendOperator, Trends};
+use crate::trends::{Design, NoiseGain, Trends};
 
 /// Where the values of one column come from, as an index that is cheap to use.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,24 +33,24 @@ pub(crate) struct Regressor<const M: usize, const N: usize> {
     /// unit_j = s_j / s_m: theta_j in the user's unit is unit_j times the normalised one.
     units: [f32; N],
     /// Weight of y(k) in the equation error: constant part and the part of each parameter.
-    lead_top: f32,
-    lead: [f32; N],
+    feedthrough_top: f32,
+    feedthrough: [f32; N],
     /// Below this beta is not divided by: a tenth of what a model without feedback has.
-    lead_floor: f32,
+    feedthrough_floor: f32,
 }
 
 impl<const M: usize, const N: usize> Regressor<M, N> {
     /// Scales from the design values: a signal of `output_range` and `input_range[i]` at `bandwidth`.
-    pub(crate) fn new<T: TrendOperator<M>, const I: usize>(
+    pub(crate) fn new<const I: usize>(
         structure: &Structure<M, N, I>,
-        trends: &T,
+        design: &Design<M>,
         bandwidth: f32,
         input_range: &[f32; I],
         output_range: f32,
     ) -> Self {
         // gain[i]: size of the trend of order i of a signal of size 1.
         let mut gain = [0.0; M];
-        let mut size = trends.gain(bandwidth);
+        let mut size = design.scale(bandwidth);
         let top_scale = 1.0 / (size * output_range);
         for g in gain.iter_mut().rev() {
             size /= bandwidth;
@@ -63,9 +63,9 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
             }; N],
             top_scale,
             units: [0.0; N],
-            lead_top: 0.0,
-            lead: [0.0; N],
-            lead_floor: 0.0,
+            feedthrough_top: 0.0,
+            feedthrough: [0.0; N],
+            feedthrough_floor: 0.0,
         };
         for (j, column) in structure.parameters().into_iter().enumerate() {
             let (index, scale, sign) = match column {
@@ -76,7 +76,7 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
                     1.0,
                 ),
                 Parameter::Constant => (M + I * M, 1.0 / gain[0], 1.0),
-                Parameter::InitialState => (M + I * M + 1, 1.0 / trends.gain(bandwidth), 1.0),
+                Parameter::InitialState => (M + I * M + 1, 1.0 / design.scale(bandwidth), 1.0),
             };
             regressor.sources[j] = Source {
                 index: index as u8,
@@ -84,16 +84,16 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
             };
             regressor.units[j] = scale / top_scale;
         }
-        regressor.set_lead(&trends.lead());
+        regressor.set_feedthrough(&design.feedthrough);
         regressor
     }
 
     /// Takes the weights of y(k) from other trends with the same scales.
-    pub(crate) fn set_lead(&mut self, lead: &Trends<M>) {
-        self.lead_top = lead.top * self.top_scale;
-        self.lead_floor = 0.1 * self.lead_top;
-        for (weight, source) in self.lead.iter_mut().zip(&self.sources) {
-            *weight = match lead.lower.get(source.index as usize) {
+    pub(crate) fn set_feedthrough(&mut self, feedthrough: &Trends<M>) {
+        self.feedthrough_top = feedthrough.top * self.top_scale;
+        self.feedthrough_floor = 0.1 * self.feedthrough_top;
+        for (weight, source) in self.feedthrough.iter_mut().zip(&self.sources) {
+            *weight = match feedthrough.lower.get(source.index as usize) {
                 Some(lower) => -source.scale * lower,
                 None => 0.0,
             };
@@ -129,15 +129,15 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
 
     /// beta > 0: by how much the normalised equation error grows per unit of y(k); alpha of (10) in scaled form.
     #[inline(always)]
-    pub(crate) fn lead(&self, theta: &[f32; N]) -> f32 {
-        let mut beta = self.lead_top;
-        for (weight, parameter) in self.lead.iter().zip(theta) {
+    pub(crate) fn feedthrough(&self, theta: &[f32; N]) -> f32 {
+        let mut beta = self.feedthrough_top;
+        for (weight, parameter) in self.feedthrough.iter().zip(theta) {
             beta += weight * parameter;
         }
-        if beta > self.lead_floor {
+        if beta > self.feedthrough_floor {
             beta
         } else {
-            self.lead_floor
+            self.feedthrough_floor
         }
     }
 
@@ -151,28 +151,12 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
         self.top_scale
     }
 
-    /// a_0 .. a_{m-1} of theta in the user's units, absent ones 0.
-    pub(crate) fn denominator(&self, theta: &[f32; N]) -> [f32; M] {
-        let mut a = [0.0; M];
-        for (source, value) in self.sources.iter().zip(theta) {
-            if let Some(slot) = a.get_mut(source.index as usize) {
-                *slot = *value;
-            }
-        }
-        a
-    }
-
     /// Moments of phi phi', phi psi and psi psi per sample of white noise of variance 1 on y.
-    pub(crate) fn noise_moments(
-        &self,
-        lower: &[[f32; M]; M],
-        mixed: &[f32; M],
-        top: f32,
-    ) -> ([[f32; N]; N], [f32; N], f32) {
+    pub(crate) fn noise_moments(&self, gain: &NoiseGain<M>) -> ([[f32; N]; N], [f32; N], f32) {
         let mut matrix = [[0.0; N]; N];
         let mut vector = [0.0; N];
         for (i, row) in self.sources.iter().enumerate() {
-            let Some(gains) = lower.get(row.index as usize) else {
+            let Some(gains) = gain.lower.get(row.index as usize) else {
                 continue;
             };
             for (j, column) in self.sources.iter().enumerate() {
@@ -180,13 +164,13 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
                     matrix[i][j] = row.scale * column.scale * gain;
                 }
             }
-            vector[i] = row.scale * self.top_scale * mixed[row.index as usize];
+            vector[i] = row.scale * self.top_scale * gain.mixed[row.index as usize];
         }
-        (matrix, vector, self.top_scale * self.top_scale * top)
+        (matrix, vector, self.top_scale * self.top_scale * gain.top)
     }
 
     /// Size of the normalised left-hand side that `output_std` of noise on y makes.
     pub(crate) fn noise(&self, output_std: f32) -> f32 {
-        self.lead_top * output_std
+        self.feedthrough_top * output_std
     }
 }

@@ -194,6 +194,19 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
         self.initial_state
     }
 
+    /// a_0 .. a_{m-1} of theta, absent ones 0.
+    pub(crate) fn denominator(&self, theta: &[f32; N]) -> [f32; M] {
+        let mut a = [0.0; M];
+        for (parameter, value) in self.parameters().into_iter().zip(theta) {
+            if let Parameter::Output { power } = parameter
+                && let Some(slot) = a.get_mut(power)
+            {
+                *slot = *value;
+            }
+        }
+        a
+    }
+
     /// Number of integrators: how many of a_0, a_1, .. are absent before the first that exists.
     pub const fn integrators(&self) -> usize {
         let mut count = 0;

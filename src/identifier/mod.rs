@@ -103,7 +103,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// Forgets the signals, after a gap in the samples, and keeps the estimate.
     pub fn restart_trends(&mut self) {
-        self.state.restart_signals(self.plan.warm_up);
+        self.state.restart_signals(&self.plan, self.plan.warm_up);
     }
 
     /// Goes on with other trends: a filter nearer to the plant, from the estimate.
@@ -120,22 +120,23 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// [`ConfigError::OutOfRange`] for another sample time or a negative time; nothing is changed then.
     pub fn retune(&mut self, trends: T, settling: f32) -> Result<(), ConfigError> {
         let plan = &self.plan;
-        let sample_time = plan.trends.sample_time();
-        check_range("sample_time", trends.sample_time(), [sample_time; 2])?;
+        let (old, new) = (plan.trends.design(), trends.design());
+        let sample_time = old.sample_time;
+        check_range("sample_time", new.sample_time, [sample_time; 2])?;
         check_not_negative("settling", settling)?;
         // The bias that the old filter made is settled now; what follows has the new one's.
         let mut theta = self.read_out().trend_theta();
         // What was learnt weighs as much as the noise in band was smaller than it will be.
-        let a = plan.regressor.denominator(&theta);
-        let scale = match (plan.trends.filter_polynomial(), trends.filter_polynomial()) {
+        let a = plan.structure.denominator(&theta);
+        let scale = match (old.filter, new.filter) {
             (Some(old), Some(new)) => {
                 in_band(&a, &old, plan.bandwidth) / in_band(&a, &new, plan.bandwidth)
             }
             _ => 1.0,
         };
         let scale = INFLATION * if positive(scale) { scale } else { 1.0 };
-        let s_plane = continuous(&theta, &plan.structure, &plan.trends);
-        theta = sampled(&s_plane, &plan.structure, &trends);
+        let s_plane = continuous(&theta, &plan.structure, old);
+        theta = sampled(&s_plane, &plan.structure, new);
         for (value, unit) in theta.iter_mut().zip(plan.regressor.units()) {
             *value /= unit;
         }
@@ -153,7 +154,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             state.estimator.widen_last(std * std);
         }
         let settling = (settling / sample_time) as u32;
-        state.restart_signals(trends.warm_up().max(settling));
+        state.restart_signals(&self.plan, trends.design().warm_up.max(settling));
         Ok(())
     }
 
@@ -200,12 +201,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.read_out().recursion()
     }
 
-    fn read_out(&self) -> ReadOut<'_, T, M, N, I> {
+    fn read_out(&self) -> ReadOut<'_, M, N, I> {
         let Plan {
             structure,
             trends,
             regressor,
-            noise_gain,
             bandwidth,
             prior_noise,
             doubt,
@@ -213,9 +213,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         } = &self.plan;
         ReadOut {
             structure,
-            trends,
+            design: trends.design(),
             regressor,
-            noise_gain,
             bandwidth: *bandwidth,
             prior_noise: *prior_noise,
             significance: *doubt,
@@ -226,7 +225,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// Standard deviation of the innovation in the unit of y, `None` until there are more samples than parameters.
     pub fn noise_std(&self) -> Option<f32> {
-        let beta = self.plan.regressor.lead(self.state.estimator.theta());
+        let beta = self
+            .plan
+            .regressor
+            .feedthrough(self.state.estimator.theta());
         let variance = self.state.estimator.noise_variance()?;
         Some(sqrt(variance) / beta)
     }

@@ -9,7 +9,7 @@ use crate::estimation::terms::Parameter;
 use crate::identifier::config::{Config, REACH, check_std};
 use crate::readout::s_plane::sampled;
 use crate::trends::delay_line::acceptable;
-use crate::trends::{Hold, NoiseGain, TrendOperator};
+use crate::trends::{Form, Hold, TrendOperator};
 
 /// Covariance limit where the configuration asks for none, relative to the noise variance.
 const WIND_UP: f32 = 1e12;
@@ -40,9 +40,8 @@ pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, cons
     configured: Option<T>,
     pub(crate) structure: Structure<M, N, I>,
     pub(crate) regressor: Regressor<M, N>,
-    pub(crate) noise_gain: NoiseGain<M>,
-    /// By what the slowest mode of the trends decays in one sample.
-    pub(crate) decay: f32,
+    /// How the output enters its trends.
+    pub(crate) output_form: Form,
     pub(crate) prior: Prior<N>,
     /// lambda.
     pub(crate) forgetting: f32,
@@ -70,11 +69,12 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
         trends: T,
         capacity: usize,
     ) -> Result<Self, ConfigError> {
-        let sample_time = trends.sample_time();
+        let design = trends.design();
+        let sample_time = design.sample_time;
         config.check(sample_time, capacity)?;
         let regressor = Regressor::new(
             &config.structure,
-            &trends,
+            design,
             config.bandwidth,
             &config.input_range,
             config.output_range,
@@ -94,8 +94,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             configured: None,
             structure: config.structure,
             regressor,
-            noise_gain: trends.noise_gain(),
-            decay: trends.decay(),
+            output_form: match config.structure.integrators() {
+                0 => Form::Position,
+                _ => Form::Increment,
+            },
             prior: Prior {
                 theta: [0.0; N],
                 std: [0.0; N],
@@ -112,7 +114,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             covariance_limit,
             leakage: (1.0 - forgetting) * N as f32 / covariance_limit,
             doubt: config.doubt,
-            warm_up: trends.warm_up().max((config.settling / sample_time) as u32),
+            warm_up: design.warm_up.max((config.settling / sample_time) as u32),
         };
         plan.prior = match config.prior_std {
             Some(std) => plan.prior_of(&config.initial, &std)?,
@@ -142,7 +144,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
 
     /// Parameters of the s plane in the user's units as the recursion has them.
     fn normalised(&self, theta: &[f32; N]) -> Result<[f32; N], ConfigError> {
-        let given = sampled(theta, &self.structure, &self.trends);
+        let given = sampled(theta, &self.structure, self.trends.design());
         let units = self.regressor.units();
         let theta: [f32; N] = core::array::from_fn(|j| given[j] / units[j]);
         match theta.iter().position(|value| !acceptable(*value, REACH)) {
@@ -169,10 +171,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
 
     /// Whether `trends` differ from those in use in their numerators only: every signal then is already what it would be.
     pub(crate) fn same_filter(&self, trends: &T) -> bool {
-        let filter = trends.filter_polynomial();
-        filter.is_some()
-            && filter == self.trends.filter_polynomial()
-            && trends.lead() == self.trends.lead()
+        let (old, new) = (self.trends.design(), trends.design());
+        new.filter.is_some() && new.filter == old.filter && new.feedthrough == old.feedthrough
     }
 
     /// The same plan with other trends; those of the construction are kept.
@@ -191,9 +191,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
 
     fn with_trends(mut self, trends: T) -> Self {
         if !self.same_filter(&trends) {
-            self.regressor.set_lead(&trends.lead());
-            self.noise_gain = trends.noise_gain();
-            self.decay = trends.decay();
+            self.regressor.set_feedthrough(&trends.design().feedthrough);
         }
         self.trends = trends;
         self

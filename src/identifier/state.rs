@@ -6,7 +6,7 @@ use crate::identifier::outcome::{Outcome, Refusal};
 use crate::identifier::plan::{Plan, Prior};
 use crate::model::evaluation::Quality;
 use crate::trends::delay_line::{DelayLine, acceptable};
-use crate::trends::{Hold, TrendOperator, Trends};
+use crate::trends::{Hold, Memory, TrendOperator, Trends};
 
 /// What has to be remembered of the signals; begun anew after a gap in the samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,24 +17,25 @@ struct Signals<T: TrendOperator<M>, const M: usize, const I: usize, const D: usi
     lines: [DelayLine<D>; I],
     /// What the initial state still contributes to the trends.
     initial: f32,
-    /// Zero of the output, and the output one sample before relative to it.
+    /// Zero of the output.
     reference: f32,
-    before: f32,
     /// Samples until the trends have settled.
     remaining: u32,
     begun: bool,
 }
 
 impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signals<T, M, I, D> {
-    fn new(warm_up: u32) -> Self {
+    fn new<const N: usize>(plan: &Plan<T, M, N, I>, warm_up: u32) -> Self {
+        let design = plan.trends.design();
         Self {
-            output: T::EMPTY,
-            inputs: [T::EMPTY; I],
-            constant: T::EMPTY,
+            output: Memory::output_at_rest(design, plan.output_form, 0.0),
+            inputs: plan
+                .holds
+                .map(|hold| Memory::input_at_rest(design, hold, 0.0)),
+            constant: Memory::input_at_rest(design, Hold::Zero, 0.0),
             lines: [DelayLine::new(); I],
             initial: 0.0,
             reference: 0.0,
-            before: 0.0,
             remaining: warm_up,
             begun: false,
         }
@@ -73,7 +74,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             prediction: 0.0,
             quality: Quality::new(),
             adapting: true,
-            signals: Signals::new(plan.warm_up),
+            signals: Signals::new(plan, plan.warm_up),
             trusted: theta,
             has_trusted: false,
             turn: 0,
@@ -105,7 +106,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let (phi, psi) = plan.regressor.assemble(&output, &inputs, &extra);
         let error = self.estimator.innovation(&phi, psi);
         // (10): y minus its evaluation is the equation error over the weight of y(k) in it.
-        let beta = plan.regressor.lead(self.estimator.theta());
+        let beta = plan.regressor.feedthrough(self.estimator.theta());
         let innovation = error / beta;
         self.prediction = y - innovation + reference;
         self.quality.update(innovation);
@@ -121,14 +122,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     #[inline(always)]
     fn output_trends(&mut self, plan: &Plan<T, M, N, I>, y: f32) -> Trends<M> {
-        let signals = &mut self.signals;
-        let output = if plan.structure.output().contains(0) {
-            plan.trends.output(&mut signals.output, y)
-        } else {
-            plan.trends.movement(&mut signals.output, y, signals.before)
-        };
-        signals.before = y;
-        output
+        plan.trends
+            .output(&mut self.signals.output, y, plan.output_form)
     }
 
     #[inline(always)]
@@ -161,7 +156,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let initial = signals.initial;
         if initial > 0.0 {
             // Below a millionth it is nothing, and would end in subnormal numbers.
-            let next = initial * plan.decay;
+            let next = initial * plan.trends.design().slow_mode;
             signals.initial = if next > 1e-6 { next } else { 0.0 };
         }
         [constant, initial]
@@ -186,21 +181,18 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     fn begin(&mut self, plan: &Plan<T, M, N, I>, y: f32) {
         let signals = &mut self.signals;
         let integrates = plan.structure.integrators() > 0;
-        // Behind an integrator only movements count; small numbers keep their digits.
+        let design = plan.trends.design();
+        // Behind an integrator only increments count; small numbers keep their digits.
         signals.reference = if integrates { y } else { 0.0 };
-        signals.before = y - signals.reference;
-        self.noise.settle(signals.before);
-        signals.output = plan.trends.settled(signals.before);
+        let y = y - signals.reference;
+        self.noise.settle(y);
+        signals.output = Memory::output_at_rest(design, plan.output_form, y);
         for c in 0..I {
-            signals.inputs[c] = plan
-                .trends
-                .settled_input(plan.initial_inputs[c], plan.holds[c]);
+            let (hold, value) = (plan.holds[c], plan.initial_inputs[c]);
+            signals.inputs[c] = Memory::input_at_rest(design, hold, value);
         }
-        signals.constant = if integrates {
-            T::EMPTY
-        } else {
-            plan.trends.settled_input(1.0, Hold::Zero)
-        };
+        let constant = if integrates { 0.0 } else { 1.0 };
+        signals.constant = Memory::input_at_rest(design, Hold::Zero, constant);
         signals.initial = if plan.structure.initial_state() {
             1.0
         } else {
@@ -210,8 +202,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     }
 
     /// Forgets the signals; the next `warm_up` samples are not estimated from.
-    pub(crate) fn restart_signals(&mut self, warm_up: u32) {
-        self.signals = Signals::new(warm_up);
+    pub(crate) fn restart_signals(&mut self, plan: &Plan<T, M, N, I>, warm_up: u32) {
+        self.signals = Signals::new(plan, warm_up);
     }
 
     /// Begins the recursion again from `prior`, which a rest then leads back to.

@@ -1,8 +1,7 @@
 //! Output evaluation (9)-(10), one step ahead, and the indices IQ and IV (11).
 
 use crate::model::transfer_function::TransferFunction;
-use crate::trends::raw::RawTrends;
-use crate::trends::{Hold, TrendOperator};
+use crate::trends::{Form, Hold, Memory, RawTrends, TrendOperator, Window};
 
 /// The running indices IQ and IV of equation (11).
 ///
@@ -79,25 +78,26 @@ impl Quality {
 pub struct OutputEvaluation<const M: usize, const I: usize> {
     trends: RawTrends<M>,
     holds: [Hold; I],
-    output: [f32; M],
-    inputs: [[f32; M]; I],
+    output: Window<M>,
+    inputs: [Window<M>; I],
     filled: u32,
     quality: Quality,
 }
 
 impl<const M: usize, const I: usize> OutputEvaluation<M, I> {
     /// Evaluation with the trends of the scheme and sample time of `trends`; all inputs held.
-    pub const fn new(trends: RawTrends<M>) -> Self {
+    pub fn new(trends: RawTrends<M>) -> Self {
         Self::with_holds(trends, [Hold::Zero; I])
     }
 
     /// As [`OutputEvaluation::new`] with the hold of each input.
-    pub const fn with_holds(trends: RawTrends<M>, holds: [Hold; I]) -> Self {
+    pub fn with_holds(trends: RawTrends<M>, holds: [Hold; I]) -> Self {
+        let design = trends.design();
         Self {
             trends,
             holds,
-            output: [0.0; M],
-            inputs: [[0.0; M]; I],
+            output: Window::output_at_rest(design, Form::Position, 0.0),
+            inputs: holds.map(|hold| Window::input_at_rest(design, hold, 0.0)),
             filled: 0,
             quality: Quality::new(),
         }
@@ -111,13 +111,13 @@ impl<const M: usize, const I: usize> OutputEvaluation<M, I> {
         if !y.is_finite() || !u.iter().all(|u| u.is_finite()) {
             return None;
         }
-        let trends = self.trends.output(&mut self.output, y);
-        let lead = self.trends.lead();
+        let trends = self.trends.output(&mut self.output, y, Form::Position);
+        let feedthrough = &self.trends.design().feedthrough;
         let mut error = trends.top;
-        let mut alpha = lead.top;
+        let mut alpha = feedthrough.top;
         for i in 0..M {
             error += model.a[i] * trends.lower[i];
-            alpha += model.a[i] * lead.lower[i];
+            alpha += model.a[i] * feedthrough.lower[i];
         }
         for (c, u) in u.into_iter().enumerate() {
             let lower = self.trends.input(&mut self.inputs[c], u, self.holds[c]);
@@ -126,7 +126,7 @@ impl<const M: usize, const I: usize> OutputEvaluation<M, I> {
             }
         }
         error -= model.constant;
-        if self.filled < self.trends.warm_up() {
+        if self.filled < self.trends.design().warm_up {
             self.filled += 1;
             return None;
         }

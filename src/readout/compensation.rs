@@ -6,7 +6,6 @@
 use crate::math::matrix::{Matrix, product, product_transposed};
 use crate::math::sqrt;
 use crate::readout::ReadOut;
-use crate::trends::TrendOperator;
 
 /// The third difference counts as noise while it does not exceed what the residual allows by this factor.
 const PLAUSIBLE: f32 = 1.3;
@@ -25,15 +24,9 @@ struct Noise<const N: usize> {
 }
 
 impl<const N: usize> Noise<N> {
-    fn of<T: TrendOperator<M>, const M: usize, const I: usize>(
-        source: &ReadOut<'_, T, M, N, I>,
-    ) -> Self {
+    fn of<const M: usize, const I: usize>(source: &ReadOut<'_, M, N, I>) -> Self {
         let theta = source.estimator.theta();
-        let gain = source.noise_gain;
-        let (matrix, vector, echo) =
-            source
-                .regressor
-                .noise_moments(&gain.lower, &gain.mixed, gain.top);
+        let (matrix, vector, echo) = source.regressor.noise_moments(&source.design.noise_gain);
         // The residual is psi - phi' theta.
         let mut spread = echo;
         for i in 0..N {
@@ -45,7 +38,7 @@ impl<const N: usize> Noise<N> {
         let residual = source.residual();
         let allowed = if spread > 0.0 { residual / spread } else { 0.0 };
         // Where the third difference is the signal's, the noise is unknown and nothing is compensated.
-        let white = match (source.trends.filter_polynomial(), source.noise.variance()) {
+        let white = match (source.design.filter, source.noise.variance()) {
             (Some(_), Some(white)) if white <= PLAUSIBLE * allowed => {
                 Some(if white < allowed { white } else { allowed })
             }
@@ -106,8 +99,8 @@ pub(crate) struct Compensated<const N: usize> {
 }
 
 /// One step of the correction from the recursion with the covariance `p`.
-pub(crate) fn compensate<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
-    source: &ReadOut<'_, T, M, N, I>,
+pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
+    source: &ReadOut<'_, M, N, I>,
     p: &Matrix<N>,
 ) -> Compensated<N> {
     let bare = source.estimator.theta();
@@ -123,7 +116,7 @@ pub(crate) fn compensate<T: TrendOperator<M>, const M: usize, const N: usize, co
     if !theta.iter().all(|value| value.is_finite()) {
         theta = bare;
     }
-    let angle = source.bandwidth * source.trends.sample_time();
+    let angle = source.bandwidth * source.design.sample_time;
     Compensated {
         left: core::array::from_fn(|j| damping * (theta[j] - bare[j])),
         theta,

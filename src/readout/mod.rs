@@ -40,7 +40,7 @@ use crate::readout::residual_spectrum::{ResidualSpectrum, natural_frequency};
 use crate::readout::s_plane::{continuous, estimate_in_s_plane};
 use crate::readout::sandwich::{sandwich, transform};
 use crate::readout::significance::Doubt;
-use crate::trends::{NoiseGain, TrendOperator};
+use crate::trends::Design;
 
 /// What trends in place of derivatives cost, relative to a parameter, in units of `(omega_n Delta)^2`.
 ///
@@ -52,11 +52,10 @@ const DISCRETE: f32 = 0.2;
 const ARITHMETIC: f32 = 2e-5;
 
 /// The recursion and what it was planned with, to be read.
-pub(crate) struct ReadOut<'a, T, const M: usize, const N: usize, const I: usize> {
+pub(crate) struct ReadOut<'a, const M: usize, const N: usize, const I: usize> {
     pub(crate) structure: &'a Structure<M, N, I>,
-    pub(crate) trends: &'a T,
+    pub(crate) design: &'a Design<M>,
     pub(crate) regressor: &'a Regressor<M, N>,
-    pub(crate) noise_gain: &'a NoiseGain<M>,
     /// Rough bandwidth in rad/s.
     pub(crate) bandwidth: f32,
     /// Standard deviation of psi before there is a residual.
@@ -68,7 +67,7 @@ pub(crate) struct ReadOut<'a, T, const M: usize, const N: usize, const I: usize>
     pub(crate) noise: &'a NoiseLevel,
 }
 
-impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> ReadOut<'_, T, M, N, I> {
+impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// Variance of the innovation of psi, the prior one until there are more samples than parameters.
     fn residual(&self) -> f32 {
         self.estimator
@@ -108,7 +107,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> ReadOu
 
     /// The parameters of the s plane, in the user's units.
     pub(crate) fn theta(&self) -> [f32; N] {
-        continuous(&self.trend_theta(), self.structure, self.trends)
+        continuous(&self.trend_theta(), self.structure, self.design)
     }
 
     /// Parameters and covariance in the user's units.
@@ -142,15 +141,15 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> ReadOu
     fn shaped(&self, p: &Matrix<N>, found: &Compensated<N>) -> (Matrix<N>, f32) {
         let mut covariance = found.covariance;
         let even = found.residual.even;
-        let Some(filter) = self.trends.filter_polynomial() else {
+        let Some(filter) = self.design.filter else {
             for entry in covariance.as_flattened_mut() {
                 *entry *= even;
             }
             return (covariance, ARITHMETIC);
         };
         let parameters = self.structure.parameters();
-        let sample_time = self.trends.sample_time();
-        let denominator = self.regressor.denominator(&found.theta);
+        let sample_time = self.design.sample_time;
+        let denominator = self.structure.denominator(&found.theta);
         let spectrum = ResidualSpectrum {
             parameters,
             units: self.regressor.units(),
@@ -159,10 +158,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> ReadOu
             filter,
             natural: natural_frequency(&denominator, self.bandwidth),
             duration: self.estimator.samples().max(1.0) * sample_time,
-            slowest: (1.0 - self.trends.decay()) / sample_time,
+            slowest: (1.0 - self.design.slow_mode) / sample_time,
         };
         let angle = spectrum.natural * sample_time;
-        let floor = ARITHMETIC + DISCRETE * angle * angle * self.trends.inexact(&denominator);
+        let floor =
+            ARITHMETIC + DISCRETE * angle * angle * self.design.discretisation_share(&denominator);
         let (r, s) = spectrum.sums();
         let in_band = match transform(r, s, core::array::from_fn(|j| p[j][j] > 0.0)) {
             Some(t) => sandwich(&t, &covariance, &parameters),
@@ -198,6 +198,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> ReadOu
             theta,
             covariance,
         };
-        estimate_in_s_plane(found, self.trends)
+        estimate_in_s_plane(found, self.design)
     }
 }

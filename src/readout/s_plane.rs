@@ -1,6 +1,6 @@
 //! From the coefficients that the trends have found to those of the s plane, and back.
 //!
-//! Only trends that know their own plane ([`TrendOperator::continuous`]) change anything here.
+//! Only trends that know their own plane ([`Design::to_s_plane`]) change anything here.
 
 use crate::estimation::structure::Structure;
 use crate::estimation::terms::Parameter;
@@ -8,35 +8,19 @@ use crate::math::matrix::Matrix;
 use crate::math::polynomial::largest_rate;
 use crate::math::pow;
 use crate::readout::estimate::Estimate;
-use crate::trends::{Image, TrendOperator};
+use crate::trends::{Design, Mapped};
 
 /// Step of a difference quotient, relative to the power of the largest rate that a coefficient stands for.
 const STEP: f32 = 0.01;
-
-/// a_0 .. a_{m-1} of theta, absent ones 0.
-fn denominator<const M: usize, const N: usize>(
-    theta: &[f32; N],
-    columns: &[Parameter; N],
-) -> [f32; M] {
-    let mut a = [0.0; M];
-    for (column, value) in columns.iter().zip(theta) {
-        if let Parameter::Output { power } = *column
-            && let Some(slot) = a.get_mut(power)
-        {
-            *slot = *value;
-        }
-    }
-    a
-}
 
 /// Theta with its denominator and numerators replaced by those of `image` of the denominator.
 fn replaced<const M: usize, const N: usize, const I: usize>(
     theta: &[f32; N],
     structure: &Structure<M, N, I>,
-    image: impl Fn(&[f32; M], usize) -> Option<Image<M>>,
+    image: impl Fn(&[f32; M], usize) -> Option<Mapped<M>>,
 ) -> [f32; N] {
     let columns = structure.parameters();
-    let a = denominator(theta, &columns);
+    let a = structure.denominator(theta);
     let mut theta = *theta;
     if let Some(image) = image(&a, structure.integrators()) {
         for (column, value) in columns.iter().zip(&mut theta) {
@@ -55,47 +39,38 @@ fn replaced<const M: usize, const N: usize, const I: usize>(
 /// Where there is none (a pole beyond the sampling) they stay as they are. A term that the
 /// structure does not have is not made; between terms that exist it would be of the size of
 /// `(omega Delta)^2`.
-pub(crate) fn continuous<T, const M: usize, const N: usize, const I: usize>(
+pub(crate) fn continuous<const M: usize, const N: usize, const I: usize>(
     theta: &[f32; N],
     structure: &Structure<M, N, I>,
-    trends: &T,
-) -> [f32; N]
-where
-    T: TrendOperator<M>,
-{
+    design: &Design<M>,
+) -> [f32; N] {
     replaced(theta, structure, |a, integrators| {
-        trends.continuous(a, integrators)
+        design.to_s_plane(a, integrators)
     })
 }
 
 /// The way back from [`continuous`].
-pub(crate) fn sampled<T, const M: usize, const N: usize, const I: usize>(
+pub(crate) fn sampled<const M: usize, const N: usize, const I: usize>(
     theta: &[f32; N],
     structure: &Structure<M, N, I>,
-    trends: &T,
-) -> [f32; N]
-where
-    T: TrendOperator<M>,
-{
+    design: &Design<M>,
+) -> [f32; N] {
     replaced(theta, structure, |a, integrators| {
-        trends.sampled(a, integrators)
+        design.to_gamma_plane(a, integrators)
     })
 }
 
 /// The estimate in the s plane, the covariance through the slope of the map.
-pub(crate) fn estimate_in_s_plane<T, const M: usize, const N: usize, const I: usize>(
+pub(crate) fn estimate_in_s_plane<const M: usize, const N: usize, const I: usize>(
     found: Estimate<M, N, I>,
-    trends: &T,
-) -> Estimate<M, N, I>
-where
-    T: TrendOperator<M>,
-{
+    design: &Design<M>,
+) -> Estimate<M, N, I> {
     let structure = found.structure;
-    let theta = continuous(&found.theta, &structure, trends);
+    let theta = continuous(&found.theta, &structure, design);
     if theta == found.theta {
         return found;
     }
-    let slope = slope(&found.theta, &structure, trends);
+    let slope = slope(&found.theta, &structure, design);
     let mut covariance = [[0.0; N]; N];
     for i in 0..N {
         for j in 0..N {
@@ -114,17 +89,14 @@ where
 }
 
 /// Column j: how theta of the s plane follows the parameter j of the trends. Only the denominator is not linear.
-fn slope<T, const M: usize, const N: usize, const I: usize>(
+fn slope<const M: usize, const N: usize, const I: usize>(
     theta: &[f32; N],
     structure: &Structure<M, N, I>,
-    trends: &T,
-) -> Matrix<N>
-where
-    T: TrendOperator<M>,
-{
+    design: &Design<M>,
+) -> Matrix<N> {
     let mut slope = [[0.0; N]; N];
     let parameters = structure.parameters();
-    let rate = largest_rate(&denominator::<M, N>(theta, &parameters));
+    let rate = largest_rate(&structure.denominator(theta));
     for (j, parameter) in parameters.into_iter().enumerate() {
         let step = match parameter {
             Parameter::Output { power } => STEP * pow(rate, (M - power) as f32),
@@ -134,8 +106,8 @@ where
         up[j] += step;
         down[j] -= step;
         let (up, down) = (
-            continuous(&up, structure, trends),
-            continuous(&down, structure, trends),
+            continuous(&up, structure, design),
+            continuous(&down, structure, design),
         );
         for i in 0..N {
             slope[i][j] = if step > 0.0 {

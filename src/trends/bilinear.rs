@@ -29,15 +29,15 @@ const STEPS: usize = 8;
 /// Coefficients of `gamma^m + ..` with the roots `(2/Delta) tanh(p Delta/2)` for those of `s^m + ..`.
 ///
 /// `None` unless every |p| is below 2/Delta.
-pub(crate) fn to_gamma<const M: usize>(a: &[f32; M], sample_time: f32) -> Option<[f32; M]> {
+pub(crate) fn to_gamma_plane<const M: usize>(a: &[f32; M], sample_time: f32) -> Option<[f32; M]> {
     let half = 0.5 * sample_time;
     let scaled = scaled(a, half);
     let found = is_schur(&scaled).then(|| unscaled(&flow(&scaled, 1.0, 0.0), half))?;
     found.iter().all(|v| v.is_finite()).then_some(found)
 }
 
-/// The way back from [`to_gamma`].
-pub(crate) fn to_continuous<const M: usize>(a: &[f32; M], sample_time: f32) -> Option<[f32; M]> {
+/// The way back from [`to_gamma_plane`].
+pub(crate) fn to_s_plane<const M: usize>(a: &[f32; M], sample_time: f32) -> Option<[f32; M]> {
     let half = 0.5 * sample_time;
     let found = flow(&scaled(a, half), 0.0, 1.0);
     // A real root beyond 2/Delta in gamma has no p; its flow ends outside, or nowhere.
@@ -106,12 +106,12 @@ mod tests {
     #[test]
     fn known_poles() {
         // A pole at -1 rad/s and Delta = 1 s: 2 tanh(1/2).
-        let image = to_gamma(&[1.0], 1.0).unwrap();
+        let image = to_gamma_plane(&[1.0], 1.0).unwrap();
         assert!((image[0] - 0.924_234_3).abs() < 5e-7, "{image:?}");
         // +-j: 2 tan(1/2), squared; the double integrator stays.
-        let image = to_gamma(&[1.0, 0.0], 1.0).unwrap();
+        let image = to_gamma_plane(&[1.0, 0.0], 1.0).unwrap();
         assert!((image[0] - 1.193_785_6).abs() < 1e-6 && image[1].abs() < 1e-6);
-        assert_eq!(to_gamma(&[0.0, 0.0, 0.0], 0.001), Some([0.0; 3]));
+        assert_eq!(to_gamma_plane(&[0.0, 0.0, 0.0], 0.001), Some([0.0; 3]));
     }
 
     #[test]
@@ -124,8 +124,8 @@ mod tests {
             [-1.0e4, 3.0e3, 200.0, 10.0],
         ] {
             for sample_time in [0.001, 0.002] {
-                let image = to_gamma(&a, sample_time).unwrap();
-                let back = to_continuous(&image, sample_time).unwrap();
+                let image = to_gamma_plane(&a, sample_time).unwrap();
+                let back = to_s_plane(&image, sample_time).unwrap();
                 for (x, y) in a.iter().zip(back) {
                     assert!((x - y).abs() <= 3e-6 * x.abs(), "{a:?} {back:?}");
                 }
@@ -135,10 +135,10 @@ mod tests {
 
     #[test]
     fn beyond_the_sampling_there_is_nothing() {
-        assert_eq!(to_gamma(&[2100.0], 0.001), None);
-        assert_eq!(to_gamma(&[f32::NAN, 1.0], 0.001), None);
+        assert_eq!(to_gamma_plane(&[2100.0], 0.001), None);
+        assert_eq!(to_gamma_plane(&[f32::NAN, 1.0], 0.001), None);
         // A root of gamma at -3/Delta.
-        assert_eq!(to_continuous(&[3000.0], 0.001), None);
-        assert_eq!(to_continuous(&[-3000.0], 0.001), None);
+        assert_eq!(to_s_plane(&[3000.0], 0.001), None);
+        assert_eq!(to_s_plane(&[-3000.0], 0.001), None);
     }
 }

@@ -1,12 +1,13 @@
 //! Trends that are exact at any sample time: the numerators of the hold and the poles of the s plane.
 
 use crate::error::{ConfigError, assert_order, check_finite, check_positive};
-use crate::math::polynomial::largest_rate;
-use crate::trends::bilinear::{to_continuous, to_gamma};
-use crate::trends::filter;
-use crate::trends::filtered::FilteredTrends;
+use crate::trends::bilinear::to_gamma_plane;
+use crate::trends::design::{Design, Plane};
+use crate::trends::difference::{Scheme, Trends};
+use crate::trends::filter::for_bandwidth;
+use crate::trends::filtered::{Chain, FilteredTrends};
 use crate::trends::hold::Numerators;
-use crate::trends::{Hold, Image, NoiseGain, Scheme, TrendOperator, Trends};
+use crate::trends::operator::{Form, Hold, TrendOperator, sealed};
 
 /// [`FilteredTrends`] for signals that are sampled slowly: a dozen samples per period and fewer.
 ///
@@ -54,8 +55,6 @@ use crate::trends::{Hold, Image, NoiseGain, Scheme, TrendOperator, Trends};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExactTrends<const M: usize> {
     chain: FilteredTrends<M>,
-    /// a_0 .. a_{m-1} of A in gamma.
-    model: [f32; M],
     numerators: Numerators<M>,
 }
 
@@ -65,15 +64,12 @@ impl<const M: usize> ExactTrends<M> {
     /// # Errors
     /// As [`FilteredTrends::from_polynomial`]; [`ConfigError::TooFast`] where `A_f` has a pole at 2/Delta or above.
     pub fn from_polynomial(sample_time: f32, filter: [f32; M]) -> Result<Self, ConfigError> {
+        const { assert_order(M) };
         check_positive("sample_time", sample_time)?;
         // The map of the poles keeps their half plane: what is refused there is unstable here.
-        let image = in_gamma("filter", &filter, sample_time)?;
+        let image = in_gamma_plane("filter", &filter, sample_time)?;
         let chain = FilteredTrends::from_polynomial(Scheme::Tustin, sample_time, image)?;
-        Ok(Self {
-            chain,
-            model: image,
-            numerators: Numerators::new(&filter, &image, &image, sample_time),
-        })
+        Ok(Self::of(chain, &filter, image, &image))
     }
 
     /// The same filter with the numerators of a plant `A = s^m + a[m-1] s^{m-1} + .. + a[0]`, stable or not.
@@ -81,13 +77,8 @@ impl<const M: usize> ExactTrends<M> {
     /// # Errors
     /// [`ConfigError::NotFinite`], [`ConfigError::TooFast`] where A has a pole at 2/Delta or above.
     pub fn with_model(self, a: [f32; M]) -> Result<Self, ConfigError> {
-        let sample_time = self.chain.sample_time();
-        let image = in_gamma("a", &a, sample_time)?;
-        Ok(Self {
-            chain: self.chain,
-            model: image,
-            numerators: Numerators::new(&a, &image, &self.chain.filter(), sample_time),
-        })
+        let image = in_gamma_plane("a", &a, self.design().sample_time)?;
+        Ok(Self::of(self.chain, &a, image, &self.chain.filter()))
     }
 
     /// Trends behind the default filter for a plant of rough bandwidth omega (rad/s), see [`FilteredTrends::for_bandwidth`].
@@ -95,25 +86,26 @@ impl<const M: usize> ExactTrends<M> {
     /// # Errors
     /// As [`ExactTrends::from_polynomial`].
     pub fn for_bandwidth(sample_time: f32, bandwidth: f32) -> Result<Self, ConfigError> {
-        const { assert_order(M) };
         check_positive("bandwidth", bandwidth)?;
-        Self::from_polynomial(sample_time, filter::for_bandwidth(bandwidth))
+        Self::from_polynomial(sample_time, for_bandwidth(bandwidth))
     }
 
-    /// Factor from the numerators found to those of a model with denominator a in the s plane, a_g in gamma.
-    ///
-    /// The gain behind the integrators is what the samples have told, so it stands.
-    fn numerator(&self, a: &[f32; M], image: &[f32; M], integrators: usize) -> f32 {
-        let own = self.numerators.at_rest();
-        match (a.get(integrators), image.get(integrators)) {
-            (Some(a), Some(image)) if *image != 0.0 => own * a / image,
-            _ => own,
+    /// The numerators of a plant with denominator `a` in s, `image` in gamma, behind the filter in gamma.
+    fn of(chain: FilteredTrends<M>, a: &[f32; M], image: [f32; M], filter: &[f32; M]) -> Self {
+        let numerators = Numerators::new(a, &image, filter, chain.design().sample_time);
+        let plane = Plane::Gamma {
+            model: image,
+            numerator: numerators.at_rest(),
+        };
+        Self {
+            chain: chain.with_plane(plane),
+            numerators,
         }
     }
 }
 
 /// A polynomial of the s plane in the gamma plane.
-fn in_gamma<const M: usize>(
+fn in_gamma_plane<const M: usize>(
     name: &'static str,
     a: &[f32; M],
     sample_time: f32,
@@ -121,40 +113,24 @@ fn in_gamma<const M: usize>(
     for (i, value) in a.iter().enumerate() {
         check_finite((name, i), *value)?;
     }
-    to_gamma(a, sample_time).ok_or(ConfigError::TooFast {
+    to_gamma_plane(a, sample_time).ok_or(ConfigError::TooFast {
         setting: name.into(),
         limit: 2.0 / sample_time,
     })
 }
 
+impl<const M: usize> sealed::Sealed for ExactTrends<M> {}
+
 impl<const M: usize> TrendOperator<M> for ExactTrends<M> {
-    type Memory = [f32; M];
-    const EMPTY: [f32; M] = [0.0; M];
-
-    fn sample_time(&self) -> f32 {
-        self.chain.sample_time()
-    }
-
-    fn settled(&self, value: f32) -> [f32; M] {
-        self.chain.settled(value)
-    }
-
-    fn settled_input(&self, value: f32, hold: Hold) -> [f32; M] {
-        self.chain.settled_input(value, hold)
-    }
-
-    #[inline]
-    fn output(&self, memory: &mut [f32; M], y: f32) -> Trends<M> {
-        self.chain.output(memory, y)
-    }
+    type Memory = Chain<M>;
 
     #[inline(always)]
-    fn movement(&self, memory: &mut [f32; M], y: f32, before: f32) -> Trends<M> {
-        self.chain.movement(memory, y, before)
+    fn output(&self, memory: &mut Chain<M>, y: f32, form: Form) -> Trends<M> {
+        self.chain.output(memory, y, form)
     }
 
     #[inline]
-    fn input(&self, memory: &mut [f32; M], u: f32, hold: Hold) -> [f32; M] {
+    fn input(&self, memory: &mut Chain<M>, u: f32, hold: Hold) -> [f32; M] {
         let trends = self.chain.input(memory, u, hold);
         let (rows, direct) = match hold {
             Hold::Zero => (&self.numerators.zero, 0.0),
@@ -169,55 +145,7 @@ impl<const M: usize> TrendOperator<M> for ExactTrends<M> {
         })
     }
 
-    fn lead(&self) -> Trends<M> {
-        self.chain.lead()
-    }
-
-    fn gain(&self, bandwidth: f32) -> f32 {
-        self.chain.gain(bandwidth)
-    }
-
-    fn filter_polynomial(&self) -> Option<[f32; M]> {
-        self.chain.filter_polynomial()
-    }
-
-    fn noise_gain(&self) -> NoiseGain<M> {
-        self.chain.noise_gain()
-    }
-
-    fn decay(&self) -> f32 {
-        self.chain.decay()
-    }
-
-    /// How far the model is from the one of the numerators, in powers of its largest rate.
-    fn inexact(&self, found: &[f32; M]) -> f32 {
-        let rate = largest_rate(found);
-        let mut far = 0.0_f32;
-        let mut power = 1.0;
-        for i in (0..M).rev() {
-            power *= rate;
-            far = far.max((found[i] - self.model[i]).abs() / power);
-        }
-        // Not a number is far.
-        if far < 1.0 { far } else { 1.0 }
-    }
-
-    fn continuous(&self, image: &[f32; M], integrators: usize) -> Option<Image<M>> {
-        let a = to_continuous(image, self.sample_time())?;
-        let numerator = self.numerator(&a, image, integrators);
-        numerator.is_finite().then_some(Image { a, numerator })
-    }
-
-    fn sampled(&self, a: &[f32; M], integrators: usize) -> Option<Image<M>> {
-        let image = to_gamma(a, self.sample_time())?;
-        let numerator = 1.0 / self.numerator(a, &image, integrators);
-        numerator.is_finite().then_some(Image {
-            a: image,
-            numerator,
-        })
-    }
-
-    fn warm_up(&self) -> u32 {
-        self.chain.warm_up()
+    fn design(&self) -> &Design<M> {
+        self.chain.design()
     }
 }

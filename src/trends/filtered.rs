@@ -1,9 +1,15 @@
-//! Filtered trends: the state-variable chain (sections 1-2 of the paper behind one stable filter).
+//! Filtered trends: the state-variable filter (sections 1-2 of the paper behind one stable filter).
+//!
+//! Known as: state-variable filter (Young 1981; Garnier and Wang 2008), Poisson moment functionals where all poles are
+//! equal (Saha and Rao 1983).
 
 use crate::error::{ConfigError, assert_order, check_positive, check_range};
 use crate::math::polynomial::{is_hurwitz, slowest_rate, with_pole};
+use crate::trends::design::{Design, Plane, Size};
+use crate::trends::difference::{Scheme, Trends};
 use crate::trends::filter::for_bandwidth;
-use crate::trends::{Hold, NoiseGain, Scheme, TrendOperator, Trends};
+use crate::trends::noise_gain::NoiseGain;
+use crate::trends::operator::{Form, Hold, Memory, TrendOperator, sealed};
 
 /// Trends through one stable filter `1/A_f`, the same for y and every u.
 ///
@@ -30,9 +36,9 @@ use crate::trends::{Hold, NoiseGain, Scheme, TrendOperator, Trends};
 ///
 /// # Examples
 /// ```
-/// use trendid::{FilteredTrends, Hold, Scheme, TrendOperator};
+/// use trendid::{Chain, FilteredTrends, Hold, Memory, Scheme, TrendOperator};
 /// let trends = FilteredTrends::<1>::try_new(Scheme::Tustin, 0.001, [20.0])?;
-/// let mut memory = FilteredTrends::<1>::EMPTY;
+/// let mut memory = Chain::input_at_rest(trends.design(), Hold::Zero, 0.0);
 /// let mut last = [0.0];
 /// for _ in 0..2000 {
 ///     last = trends.input(&mut memory, 3.0, Hold::Zero);
@@ -45,9 +51,12 @@ use crate::trends::{Hold, NoiseGain, Scheme, TrendOperator, Trends};
 /// use trendid::{FilteredTrends, Scheme};
 /// let trends = FilteredTrends::<5>::for_bandwidth(Scheme::Tustin, 0.001, 20.0);
 /// ```
+#[doc(alias = "state-variable filter")]
+#[doc(alias = "SVF")]
+#[doc(alias = "Poisson moment functional")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FilteredTrends<const M: usize> {
-    sample_time: f32,
+    design: Design<M>,
     /// f_0 .. f_{m-1} of the filter.
     filter: [f32; M],
     /// Share of the newest value in one integration: Delta/2 (trapezoid) or 0 (forward rectangle).
@@ -56,6 +65,47 @@ pub struct FilteredTrends<const M: usize> {
     behind: f32,
     /// 1 / (1 + sum f_i ahead^(m-i)): solves the loop that the trapezoids close within one sample.
     loop_gain: f32,
+}
+
+/// The states of the filter for one signal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Chain<const M: usize> {
+    /// State i is the part of trend i that is known before the sample comes.
+    states: [f32; M],
+    /// y(k-1), for increments.
+    last: f32,
+}
+
+impl<const M: usize> sealed::Sealed for Chain<M> {}
+
+impl<const M: usize> Memory<M> for Chain<M> {
+    fn output_at_rest(design: &Design<M>, form: Form, value: f32) -> Self {
+        let mut states = [0.0; M];
+        if let (Form::Position, Some(filter)) = (form, &design.filter) {
+            states[0] = value / filter[0];
+        }
+        Self {
+            states,
+            last: value,
+        }
+    }
+
+    fn input_at_rest(design: &Design<M>, hold: Hold, value: f32) -> Self {
+        let mut memory = Self::output_at_rest(design, Form::Position, value);
+        if let Hold::Zero = hold {
+            // The exact integral of the last held value is already on its way in.
+            memory.states[M - 1] += shares(design.scheme, design.sample_time).0 * value;
+        }
+        memory
+    }
+}
+
+/// Shares of the newest value and of the one before in one integration.
+fn shares(scheme: Scheme, sample_time: f32) -> (f32, f32) {
+    match scheme {
+        Scheme::Tustin => (0.5 * sample_time, 0.5 * sample_time),
+        Scheme::Goodwin => (0.0, sample_time),
+    }
 }
 
 impl<const M: usize> FilteredTrends<M> {
@@ -95,30 +145,34 @@ impl<const M: usize> FilteredTrends<M> {
             let setting = "filter".into();
             return Err(ConfigError::Unstable { setting });
         }
-        let (ahead, behind) = match scheme {
-            Scheme::Tustin => (0.5 * sample_time, 0.5 * sample_time),
-            Scheme::Goodwin => (0.0, sample_time),
-        };
+        let (ahead, behind) = shares(scheme, sample_time);
         let mut sum = 1.0;
         let mut weight = ahead;
-        let mut i = M;
-        while i > 0 {
-            i -= 1;
-            sum += filter[i] * weight;
+        for f in filter.iter().rev() {
+            sum += f * weight;
             weight *= ahead;
         }
-        Ok(Self {
-            sample_time,
+        let loop_gain = 1.0 / sum;
+        let pole = slowest_rate(&filter);
+        let mut trends = Self {
+            design: Design {
+                sample_time,
+                scheme,
+                feedthrough: feedthrough(ahead, loop_gain),
+                filter: Some(filter),
+                noise_gain: NoiseGain::ZERO,
+                slow_mode: (1.0 - pole * behind) / (1.0 + pole * ahead),
+                warm_up: 1,
+                size: Size::Unit,
+                plane: Plane::S,
+            },
             filter,
             ahead,
             behind,
-            loop_gain: 1.0 / sum,
-        })
-    }
-
-    /// Coefficients f_0 .. f_{m-1} of the filter, in rad^(m-i)/s^(m-i).
-    pub const fn filter(&self) -> [f32; M] {
-        self.filter
+            loop_gain,
+        };
+        trends.design.noise_gain = NoiseGain::of(|states, y| trends.step(states, y, 0.0));
+        Ok(trends)
     }
 
     /// The filter for a plant of rough bandwidth omega (rad/s): `(s + 0.11 omega) (s^2 + 1.54 omega s + 1.21 omega^2)` for m = 3.
@@ -126,7 +180,7 @@ impl<const M: usize> FilteredTrends<M> {
     /// A pair of damping 0.7 at 1.1 omega, where the noise and the dynamics part, and a
     /// slow real pole that lets the position itself be seen (m = 1: the pole 1.1 omega;
     /// m = 2: two real poles; m = 4: a further pole 1.1 omega): measured to be within 1.4
-    /// times the Cramer-Rao bound under white noise, with [`Structure::SERVO`](crate::Structure::servo).
+    /// times the Cramer-Rao bound under white noise, with [`Structure::SERVO`](crate::Structure::SERVO).
     ///
     /// # Errors
     /// As [`FilteredTrends::try_new`].
@@ -137,86 +191,59 @@ impl<const M: usize> FilteredTrends<M> {
     ) -> Result<Self, ConfigError> {
         const { assert_order(M) };
         check_positive("bandwidth", bandwidth)?;
-        let filter = for_bandwidth(bandwidth);
-        Self::from_polynomial(scheme, sample_time, filter)
+        Self::from_polynomial(scheme, sample_time, for_bandwidth(bandwidth))
     }
 
-    /// One sample through the chain: `direct` enters at the top, `held` after the first integration.
-    ///
-    /// Memory i holds the part of trend i that is known before the sample comes.
+    /// Coefficients f_0 .. f_{m-1} of the filter, in rad^(m-i)/s^(m-i).
+    pub const fn filter(&self) -> [f32; M] {
+        self.filter
+    }
+
+    /// The same trends read in another plane.
+    pub(crate) fn with_plane(mut self, plane: Plane<M>) -> Self {
+        self.design.plane = plane;
+        self
+    }
+
+    /// One sample through the filter: `direct` enters at the top, `held` after the first integration.
     #[inline(always)]
-    fn step(&self, memory: &mut [f32; M], direct: f32, held: f32) -> Trends<M> {
-        // What the trends would be if the highest one were zero ...
-        let mut known = *memory;
+    fn step(&self, states: &mut [f32; M], direct: f32, held: f32) -> Trends<M> {
+        // The trends as if the highest one were zero ...
+        let mut known = *states;
         for i in (0..M - 1).rev() {
             known[i] += self.ahead * known[i + 1];
         }
-        // ... gives the highest one ...
+        // ... give the highest one ...
         let mut feedback = 0.0;
         for i in 0..M {
             feedback += self.filter[i] * known[i];
         }
         let top = (direct - feedback) * self.loop_gain;
         // ... and with it all the others, each the integral of the one above.
-        let mut lower = *memory;
+        let mut lower = *states;
         let mut above = top;
         let mut entering = held;
         for i in (0..M).rev() {
             lower[i] += self.ahead * above;
-            memory[i] = lower[i] + self.behind * above + entering;
+            states[i] = lower[i] + self.behind * above + entering;
             above = lower[i];
             entering = 0.0;
         }
         Trends { lower, top }
     }
-}
 
-fn multiply<const M: usize>(a: &[[f32; M]; M], b: &[[f32; M]; M]) -> [[f32; M]; M] {
-    core::array::from_fn(|i| core::array::from_fn(|j| (0..M).map(|k| a[i][k] * b[k][j]).sum()))
-}
-
-fn transpose<const M: usize>(a: &[[f32; M]; M]) -> [[f32; M]; M] {
-    core::array::from_fn(|i| core::array::from_fn(|j| a[j][i]))
-}
-
-impl<const M: usize> TrendOperator<M> for FilteredTrends<M> {
-    type Memory = [f32; M];
-    const EMPTY: [f32; M] = [0.0; M];
-
-    fn sample_time(&self) -> f32 {
-        self.sample_time
-    }
-
-    fn settled(&self, value: f32) -> [f32; M] {
-        let mut memory = [0.0; M];
-        memory[0] = value / self.filter[0];
-        memory
-    }
-
-    fn settled_input(&self, value: f32, hold: Hold) -> [f32; M] {
-        let mut memory = self.settled(value);
-        if let Hold::Zero = hold {
-            // The exact integral of the last held value is already on its way in.
-            memory[M - 1] += self.ahead * value;
-        }
-        memory
-    }
-
-    #[inline]
-    fn output(&self, memory: &mut [f32; M], y: f32) -> Trends<M> {
-        self.step(memory, y, 0.0)
-    }
-
-    /// Memory 0 holds `y - f_0 S_0` in place of S_0: what is left of the position after
-    /// the chain has followed it. At rest it goes to zero, where f32 is finest; S_0 would
-    /// stand at the position over f_0 and round every movement to its own last digit.
+    /// One increment of y through the filter.
+    ///
+    /// State 0 holds `y - f_0 S_0` in place of S_0: what is left of the position after
+    /// the filter has followed it. At rest it goes to zero, where f32 is finest; S_0 would
+    /// stand at the position over f_0 and round every increment to its own last digit.
     #[inline(always)]
-    fn movement(&self, memory: &mut [f32; M], y: f32, before: f32) -> Trends<M> {
-        let mut known = *memory;
+    fn step_increment(&self, states: &mut [f32; M], increment: f32) -> Trends<M> {
+        let mut known = *states;
         for i in (1..M - 1).rev() {
             known[i] += self.ahead * known[i + 1];
         }
-        let left = memory[0] + (y - before);
+        let left = states[0] + increment;
         let mut top = left;
         for i in 1..M {
             let weight = if i == 1 {
@@ -227,103 +254,61 @@ impl<const M: usize> TrendOperator<M> for FilteredTrends<M> {
             top -= weight * known[i];
         }
         top *= self.loop_gain;
-        let mut lower = *memory;
+        let mut lower = *states;
         let mut above = top;
         for i in (1..M).rev() {
             lower[i] += self.ahead * above;
-            memory[i] = lower[i] + self.behind * above;
+            states[i] = lower[i] + self.behind * above;
             above = lower[i];
         }
         lower[0] = 0.0;
-        memory[0] = left - self.filter[0] * (self.ahead + self.behind) * above;
+        states[0] = left - self.filter[0] * (self.ahead + self.behind) * above;
         Trends { lower, top }
+    }
+}
+
+/// Weight of the newest sample in each trend.
+fn feedthrough<const M: usize>(ahead: f32, loop_gain: f32) -> Trends<M> {
+    let mut lower = [0.0; M];
+    let mut weight = loop_gain;
+    for w in lower.iter_mut().rev() {
+        weight *= ahead;
+        *w = weight;
+    }
+    Trends {
+        lower,
+        top: loop_gain,
+    }
+}
+
+impl<const M: usize> sealed::Sealed for FilteredTrends<M> {}
+
+impl<const M: usize> TrendOperator<M> for FilteredTrends<M> {
+    type Memory = Chain<M>;
+
+    #[inline(always)]
+    fn output(&self, memory: &mut Chain<M>, y: f32, form: Form) -> Trends<M> {
+        match form {
+            Form::Position => self.step(&mut memory.states, y, 0.0),
+            Form::Increment => {
+                let increment = y - memory.last;
+                memory.last = y;
+                self.step_increment(&mut memory.states, increment)
+            }
+        }
     }
 
     #[inline]
-    fn input(&self, memory: &mut [f32; M], u: f32, hold: Hold) -> [f32; M] {
+    fn input(&self, memory: &mut Chain<M>, u: f32, hold: Hold) -> [f32; M] {
+        let states = &mut memory.states;
         match hold {
-            Hold::Zero => self.step(memory, 0.0, self.sample_time * u).lower,
-            Hold::First => self.step(memory, u, 0.0).lower,
+            Hold::Zero => self.step(states, 0.0, self.design.sample_time * u).lower,
+            Hold::First => self.step(states, u, 0.0).lower,
         }
     }
 
-    fn lead(&self) -> Trends<M> {
-        let mut lower = [0.0; M];
-        let mut weight = self.loop_gain;
-        for w in lower.iter_mut().rev() {
-            weight *= self.ahead;
-            *w = weight;
-        }
-        Trends {
-            lower,
-            top: self.loop_gain,
-        }
-    }
-
-    fn gain(&self, _bandwidth: f32) -> f32 {
-        1.0
-    }
-
-    fn filter_polynomial(&self) -> Option<[f32; M]> {
-        Some(self.filter)
-    }
-
-    /// Sum of g g' over the response g to one unit sample, in closed form.
-    ///
-    /// The memory after the sample is b, and F moves it on: X = sum F^k b b' F'^k
-    /// doubles its number of terms with `X + F^n X F^n'`, F^2n = F^n F^n.
-    fn noise_gain(&self) -> NoiseGain<M> {
-        let mut gain = NoiseGain::ZERO;
-        let mut memory = [0.0; M];
-        let first = self.output(&mut memory, 1.0);
-        gain.add(&first, 1.0);
-        // Columns of F, and the trends that each unit of memory makes.
-        let mut step = [[0.0; M]; M];
-        let mut seen = [first; M];
-        for i in 0..M {
-            let mut unit = [0.0; M];
-            unit[i] = 1.0;
-            seen[i] = self.output(&mut unit, 0.0);
-            for j in 0..M {
-                step[j][i] = unit[j];
-            }
-        }
-        let mut sum: [[f32; M]; M] =
-            core::array::from_fn(|i| core::array::from_fn(|j| memory[i] * memory[j]));
-        // 2^24 samples: longer than any filter that f32 can hold.
-        for _ in 0..24 {
-            let half = multiply(&step, &sum);
-            let turned = transpose(&step);
-            let more = multiply(&half, &turned);
-            for i in 0..M {
-                for j in 0..M {
-                    sum[i][j] += more[i][j];
-                }
-            }
-            step = multiply(&step, &step);
-        }
-        // C X C', one pair of memories at a time.
-        for i in 0..M {
-            for j in 0..M {
-                for k in 0..M {
-                    for l in 0..M {
-                        gain.lower[k][l] += seen[i].lower[k] * sum[i][j] * seen[j].lower[l];
-                    }
-                    gain.mixed[k] += seen[i].lower[k] * sum[i][j] * seen[j].top;
-                }
-                gain.top += seen[i].top * sum[i][j] * seen[j].top;
-            }
-        }
-        gain
-    }
-
-    fn decay(&self) -> f32 {
-        let pole = slowest_rate(&self.filter);
-        (1.0 - pole * self.behind) / (1.0 + pole * self.ahead)
-    }
-
-    fn warm_up(&self) -> u32 {
-        1
+    fn design(&self) -> &Design<M> {
+        &self.design
     }
 }
 
@@ -348,7 +333,7 @@ mod tests {
         for (found, wanted) in trends.filter().into_iter().zip([1064.8, 551.76, 33.0]) {
             assert!((found / wanted - 1.0).abs() < 1e-6, "{found}");
         }
-        assert!((trends.decay() - (1.0 - 0.0011) / (1.0 + 0.0011)).abs() < 1e-6);
+        assert!((trends.design().slow_mode - (1.0 - 0.0011) / (1.0 + 0.0011)).abs() < 1e-6);
     }
 
     #[test]
@@ -385,22 +370,25 @@ mod tests {
     }
 
     #[test]
-    fn lead_is_the_answer_to_a_unit_sample() {
+    fn the_feedthrough_is_the_answer_to_a_unit_sample() {
         for scheme in [Scheme::Goodwin, Scheme::Tustin] {
             let trends = FilteredTrends::<3>::for_bandwidth(scheme, 0.001, 20.0).unwrap();
-            let mut memory = FilteredTrends::<3>::EMPTY;
-            assert_eq!(trends.output(&mut memory, 1.0), trends.lead());
+            let design = trends.design();
+            let mut memory = Chain::output_at_rest(design, Form::Position, 0.0);
+            let response = trends.output(&mut memory, 1.0, Form::Position);
+            assert_eq!(response, design.feedthrough);
         }
     }
 
     #[test]
     fn settled_signals_stay() {
         let trends = FilteredTrends::<3>::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
-        let mut y = trends.settled(5.0);
-        let mut u = trends.settled_input(5.0, Hold::Zero);
+        let design = trends.design();
+        let mut y = Chain::output_at_rest(design, Form::Position, 5.0);
+        let mut u = Chain::input_at_rest(design, Hold::Zero, 5.0);
         let rest = 5.0 / trends.filter()[0];
         for _ in 0..1000 {
-            let output = trends.output(&mut y, 5.0);
+            let output = trends.output(&mut y, 5.0, Form::Position);
             let input = trends.input(&mut u, 5.0, Hold::Zero);
             for found in [output.lower[0], input[0]] {
                 assert!((found / rest - 1.0).abs() < 1e-5);

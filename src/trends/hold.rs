@@ -149,12 +149,12 @@ fn adjugate<const M: usize>(w: &[f32; M], a: &[f32; M], image: &[f32; M]) -> [[f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trends::bilinear::to_gamma;
+    use crate::trends::bilinear::to_gamma_plane;
 
     const SAMPLE_TIME: f32 = 0.02;
 
     fn numerators<const M: usize>(a: [f32; M]) -> Numerators<M> {
-        let image = to_gamma(&a, SAMPLE_TIME).unwrap();
+        let image = to_gamma_plane(&a, SAMPLE_TIME).unwrap();
         Numerators::new(&a, &image, &image, SAMPLE_TIME)
     }
 
@@ -181,7 +181,7 @@ mod tests {
     fn the_gain_at_rest_is_that_of_the_plant() {
         // (s + 20)^2 (s + 30): N_0(0)/A_g(0) = 1/A(0), for both holds.
         let a = [12_000.0, 1600.0, 70.0];
-        let (found, image) = (numerators(a), to_gamma(&a, SAMPLE_TIME).unwrap());
+        let (found, image) = (numerators(a), to_gamma_plane(&a, SAMPLE_TIME).unwrap());
         let held = found.at_rest() / image[0];
         let straight = found.first[0][0] / image[0] + found.direct[0];
         for gain in [held, straight] {
@@ -192,7 +192,7 @@ mod tests {
     #[test]
     fn fast_sampling_needs_no_numerators() {
         let a = [0.0, 400.0, 20.0];
-        let image = to_gamma(&a, 1e-4).unwrap();
+        let image = to_gamma_plane(&a, 1e-4).unwrap();
         let found = Numerators::new(&a, &image, &image, 1e-4);
         for j in 0..3 {
             for i in 0..3 {

@@ -1,7 +1,10 @@
 //! Trends over a span: the linear integral filter, the approach the paper compares itself with.
 
 use crate::error::{ConfigError, assert_order, check_positive};
-use crate::trends::{Hold, Scheme, TrendOperator, Trends};
+use crate::trends::design::{Design, Plane, Size};
+use crate::trends::difference::{Scheme, Trends};
+use crate::trends::noise_gain::NoiseGain;
+use crate::trends::operator::{Form, Hold, Memory, TrendOperator, sealed};
 
 /// Trends over a span of `L` samples (linear integral filter, Sagara and Zhao 1990), recursive.
 ///
@@ -22,12 +25,12 @@ use crate::trends::{Hold, Scheme, TrendOperator, Trends};
 ///
 /// # Examples
 /// ```
-/// use trendid::{IntegralTrends, Scheme, TrendOperator};
+/// use trendid::{Form, IntegralTrends, Memory, Scheme, Span, TrendOperator};
 /// let trends = IntegralTrends::<1, 4>::try_new(Scheme::Tustin, 0.5)?;
-/// let mut memory = trends.settled(0.0);
-/// let mut last = trends.output(&mut memory, 0.0);
+/// let mut memory = Span::output_at_rest(trends.design(), Form::Position, 0.0);
+/// let mut last = trends.output(&mut memory, 0.0, Form::Position);
 /// for k in 1..=8 {
-///     last = trends.output(&mut memory, k as f32);
+///     last = trends.output(&mut memory, k as f32, Form::Position);
 /// }
 /// assert_eq!(last.top, 4.0); // 8 - 4: the difference over four samples
 /// assert_eq!(last.lower, [12.0]); // the integral of the ramp from 4 to 8 over 2 s
@@ -40,8 +43,7 @@ use crate::trends::{Hold, Scheme, TrendOperator, Trends};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IntegralTrends<const M: usize, const L: usize> {
-    scheme: Scheme,
-    sample_time: f32,
+    design: Design<M>,
 }
 
 /// What [`IntegralTrends`] remembers of one signal.
@@ -127,6 +129,48 @@ impl<const M: usize, const L: usize> Span<M, L> {
         }
         *sum
     }
+
+    /// The memory after as many equal samples as it holds.
+    fn settled(value: f32, step: impl Fn(&mut Self)) -> Self {
+        let mut memory = Self::EMPTY;
+        if value == 0.0 {
+            return memory; // behind an integrator, where the first sample is the origin
+        }
+        for _ in 0..(M + 1) * L {
+            step(&mut memory);
+        }
+        memory
+    }
+
+    /// D^i of ring j: the alternating binomial sum over spans.
+    #[inline(always)]
+    fn difference(&self, j: usize, i: usize, newest: f32) -> f32 {
+        let mut sum = newest;
+        let mut weight = 1.0;
+        for k in 1..=i {
+            weight *= -((i + 1 - k) as f32) / k as f32;
+            sum += weight * self.past(j, k * L);
+        }
+        sum
+    }
+}
+
+impl<const M: usize, const L: usize> sealed::Sealed for Span<M, L> {}
+
+impl<const M: usize, const L: usize> Memory<M> for Span<M, L> {
+    fn output_at_rest(design: &Design<M>, form: Form, value: f32) -> Self {
+        let trends = IntegralTrends::<M, L> { design: *design };
+        Self::settled(value, |memory| {
+            trends.output(memory, value, form);
+        })
+    }
+
+    fn input_at_rest(design: &Design<M>, hold: Hold, value: f32) -> Self {
+        let trends = IntegralTrends::<M, L> { design: *design };
+        Self::settled(value, |memory| {
+            trends.input(memory, value, hold);
+        })
+    }
 }
 
 impl<const M: usize, const L: usize> IntegralTrends<M, L> {
@@ -139,8 +183,17 @@ impl<const M: usize, const L: usize> IntegralTrends<M, L> {
         const { assert_order(M) };
         check_positive("sample_time", sample_time)?;
         Ok(Self {
-            scheme,
-            sample_time,
+            design: Design {
+                sample_time,
+                scheme,
+                feedthrough: feedthrough(scheme, sample_time),
+                filter: None,
+                noise_gain: NoiseGain::ZERO,
+                slow_mode: 0.0,
+                warm_up: (M * L) as u32 + 1,
+                size: Size::Difference { samples: L as f32 },
+                plane: Plane::S,
+            },
         })
     }
 
@@ -150,58 +203,36 @@ impl<const M: usize, const L: usize> IntegralTrends<M, L> {
         let (newest, leaving) = (memory.past(j, 0), memory.past(j, L));
         let sum = memory.slide(j, newest, leaving);
         // Forward rectangles leave out the newest value, trapezoids half of it.
-        let share = if held || matches!(self.scheme, Scheme::Goodwin) {
+        let share = if held || matches!(self.design.scheme, Scheme::Goodwin) {
             1.0
         } else {
             0.5
         };
-        self.sample_time * (sum + share * (leaving - newest))
-    }
-
-    /// D^i of ring j: the alternating binomial sum over spans.
-    #[inline(always)]
-    fn difference(memory: &Span<M, L>, j: usize, i: usize, newest: f32) -> f32 {
-        let mut sum = newest;
-        let mut weight = 1.0;
-        for k in 1..=i {
-            weight *= -((i + 1 - k) as f32) / k as f32;
-            sum += weight * memory.past(j, k * L);
-        }
-        sum
+        self.design.sample_time * (sum + share * (leaving - newest))
     }
 }
 
+/// Weight of the newest sample in each trend.
+fn feedthrough<const M: usize>(scheme: Scheme, sample_time: f32) -> Trends<M> {
+    let share = match scheme {
+        Scheme::Tustin => 0.5 * sample_time,
+        Scheme::Goodwin => 0.0,
+    };
+    let mut lower = [0.0; M];
+    let mut weight = 1.0;
+    for w in lower.iter_mut().rev() {
+        weight *= share;
+        *w = weight;
+    }
+    Trends { lower, top: 1.0 }
+}
+
+impl<const M: usize, const L: usize> sealed::Sealed for IntegralTrends<M, L> {}
+
 impl<const M: usize, const L: usize> TrendOperator<M> for IntegralTrends<M, L> {
     type Memory = Span<M, L>;
-    const EMPTY: Span<M, L> = Span::EMPTY;
 
-    fn sample_time(&self) -> f32 {
-        self.sample_time
-    }
-
-    fn settled(&self, value: f32) -> Span<M, L> {
-        let mut memory = Span::EMPTY;
-        if value == 0.0 {
-            return memory; // behind an integrator, where the first sample is the origin
-        }
-        for _ in 0..(M + 1) * L {
-            let _ = self.output(&mut memory, value);
-        }
-        memory
-    }
-
-    fn settled_input(&self, value: f32, hold: Hold) -> Span<M, L> {
-        let mut memory = Span::EMPTY;
-        if value == 0.0 {
-            return memory;
-        }
-        for _ in 0..(M + 1) * L {
-            let _ = self.input(&mut memory, value, hold);
-        }
-        memory
-    }
-
-    fn output(&self, memory: &mut Span<M, L>, y: f32) -> Trends<M> {
+    fn output(&self, memory: &mut Span<M, L>, y: f32, _: Form) -> Trends<M> {
         memory.advance();
         let mut value = y;
         let mut trends = Trends {
@@ -210,7 +241,7 @@ impl<const M: usize, const L: usize> TrendOperator<M> for IntegralTrends<M, L> {
         };
         for j in 0..M {
             memory.put(j, value);
-            let trend = Self::difference(memory, j, M - j, value);
+            let trend = memory.difference(j, M - j, value);
             if j == 0 {
                 trends.top = trend;
             } else {
@@ -222,13 +253,9 @@ impl<const M: usize, const L: usize> TrendOperator<M> for IntegralTrends<M, L> {
         trends
     }
 
-    fn movement(&self, memory: &mut Span<M, L>, y: f32, _before: f32) -> Trends<M> {
-        self.output(memory, y)
-    }
-
     fn input(&self, memory: &mut Span<M, L>, u: f32, hold: Hold) -> [f32; M] {
-        if let (Hold::First, Scheme::Tustin) = (hold, self.scheme) {
-            return self.output(memory, u).lower;
+        if let (Hold::First, Scheme::Tustin) = (hold, self.design.scheme) {
+            return self.output(memory, u, Form::Position).lower;
         }
         memory.advance();
         memory.put(0, u);
@@ -236,39 +263,14 @@ impl<const M: usize, const L: usize> TrendOperator<M> for IntegralTrends<M, L> {
         let mut value = self.integrate(memory, 0, true);
         for j in 1..M {
             memory.put(j, value);
-            lower[M - j] = Self::difference(memory, j, M - j, value);
+            lower[M - j] = memory.difference(j, M - j, value);
             value = self.integrate(memory, j, false);
         }
         lower[0] = value;
         lower
     }
 
-    fn lead(&self) -> Trends<M> {
-        let share = match self.scheme {
-            Scheme::Tustin => 0.5 * self.sample_time,
-            Scheme::Goodwin => 0.0,
-        };
-        let mut lower = [0.0; M];
-        let mut weight = 1.0;
-        for w in lower.iter_mut().rev() {
-            weight *= share;
-            *w = weight;
-        }
-        Trends { lower, top: 1.0 }
-    }
-
-    fn gain(&self, bandwidth: f32) -> f32 {
-        let span = bandwidth * self.sample_time * L as f32;
-        // A difference over a long span is at most twice the signal.
-        let each = if span < 1.5 { span } else { 1.5 };
-        let mut gain = 1.0;
-        for _ in 0..M {
-            gain *= each;
-        }
-        gain
-    }
-
-    fn warm_up(&self) -> u32 {
-        (M * L) as u32 + 1
+    fn design(&self) -> &Design<M> {
+        &self.design
     }
 }

@@ -1,7 +1,11 @@
 //! The paper's trends, straight from the last samples (equations 4 and 8).
 
 use crate::error::{ConfigError, assert_order, check_positive};
-use crate::trends::{Hold, Scheme, TrendOperator, Trends, goodwin, tustin};
+use crate::math::raised;
+use crate::trends::design::{Design, Plane, Size};
+use crate::trends::difference::{Scheme, Trends, goodwin, tustin};
+use crate::trends::noise_gain::NoiseGain;
+use crate::trends::operator::{Form, Hold, Memory, TrendOperator, sealed};
 
 /// Trends without a filter, exactly as in the paper.
 ///
@@ -15,12 +19,12 @@ use crate::trends::{Hold, Scheme, TrendOperator, Trends, goodwin, tustin};
 ///
 /// # Examples
 /// ```
-/// use trendid::{RawTrends, Scheme, TrendOperator};
+/// use trendid::{Form, Memory, RawTrends, Scheme, TrendOperator, Window};
 /// let trends = RawTrends::<2>::try_new(Scheme::Tustin, 0.5)?;
-/// let mut memory = trends.settled(0.0);
-/// let _ = trends.output(&mut memory, 1.0);
-/// let _ = trends.output(&mut memory, 2.0);
-/// let ramp = trends.output(&mut memory, 3.0);
+/// let mut memory = Window::output_at_rest(trends.design(), Form::Position, 0.0);
+/// let _ = trends.output(&mut memory, 1.0, Form::Position);
+/// let _ = trends.output(&mut memory, 2.0, Form::Position);
+/// let ramp = trends.output(&mut memory, 3.0, Form::Position);
 /// assert_eq!(ramp.lower, [2.0, 2.0]); // mean (1+2*2+3)/4, slope (3-1)/1 s
 /// assert_eq!(ramp.top, 0.0); // no curvature
 /// # Ok::<(), trendid::ConfigError>(())
@@ -36,9 +40,38 @@ use crate::trends::{Hold, Scheme, TrendOperator, Trends, goodwin, tustin};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RawTrends<const M: usize> {
-    scheme: Scheme,
-    sample_time: f32,
+    design: Design<M>,
+    /// 1/Delta.
     rate: f32,
+}
+
+/// The last M samples of a signal, the newest first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Window<const M: usize> {
+    past: [f32; M],
+}
+
+impl<const M: usize> Window<M> {
+    /// Moves the window one sample on.
+    #[inline(always)]
+    fn shift(&mut self, newest: f32) {
+        for j in (1..M).rev() {
+            self.past[j] = self.past[j - 1];
+        }
+        self.past[0] = newest;
+    }
+}
+
+impl<const M: usize> sealed::Sealed for Window<M> {}
+
+impl<const M: usize> Memory<M> for Window<M> {
+    fn output_at_rest(_: &Design<M>, _: Form, value: f32) -> Self {
+        Self { past: [value; M] }
+    }
+
+    fn input_at_rest(_: &Design<M>, _: Hold, value: f32) -> Self {
+        Self { past: [value; M] }
+    }
 }
 
 impl<const M: usize> RawTrends<M> {
@@ -49,57 +82,59 @@ impl<const M: usize> RawTrends<M> {
     pub fn try_new(scheme: Scheme, sample_time: f32) -> Result<Self, ConfigError> {
         const { assert_order(M) };
         check_positive("sample_time", sample_time)?;
+        let rate = 1.0 / sample_time;
         Ok(Self {
-            scheme,
-            sample_time,
-            rate: 1.0 / sample_time,
+            design: Design {
+                sample_time,
+                scheme,
+                feedthrough: feedthrough(scheme, rate),
+                filter: None,
+                noise_gain: NoiseGain::ZERO,
+                slow_mode: 0.0,
+                warm_up: M as u32,
+                size: Size::Derivative,
+                plane: Plane::S,
+            },
+            rate,
         })
     }
 }
 
-/// Moves the window one sample on: `past[0]` becomes the newest.
-#[inline(always)]
-fn shift<const M: usize>(past: &mut [f32; M], newest: f32) {
-    for j in (1..M).rev() {
-        past[j] = past[j - 1];
+/// Weight of the newest sample in each trend.
+fn feedthrough<const M: usize>(scheme: Scheme, rate: f32) -> Trends<M> {
+    let mut lower = [0.0; M];
+    if let Scheme::Tustin = scheme {
+        let mut weight = raised(0.5, M);
+        for w in &mut lower {
+            *w = weight;
+            weight *= 2.0 * rate;
+        }
     }
-    past[0] = newest;
+    Trends {
+        lower,
+        top: raised(rate, M),
+    }
 }
 
+impl<const M: usize> sealed::Sealed for RawTrends<M> {}
+
 impl<const M: usize> TrendOperator<M> for RawTrends<M> {
-    type Memory = [f32; M];
-    const EMPTY: [f32; M] = [0.0; M];
-
-    fn sample_time(&self) -> f32 {
-        self.sample_time
-    }
-
-    fn settled(&self, value: f32) -> [f32; M] {
-        [value; M]
-    }
-
-    fn settled_input(&self, value: f32, _hold: Hold) -> [f32; M] {
-        [value; M]
-    }
+    type Memory = Window<M>;
 
     #[inline]
-    fn output(&self, past: &mut [f32; M], y: f32) -> Trends<M> {
-        let trends = match self.scheme {
-            Scheme::Goodwin => goodwin(y, past, self.rate),
-            Scheme::Tustin => tustin(y, past, M, self.rate),
+    fn output(&self, memory: &mut Window<M>, y: f32, _: Form) -> Trends<M> {
+        let trends = match self.design.scheme {
+            Scheme::Goodwin => goodwin(y, &memory.past, self.rate),
+            Scheme::Tustin => tustin(y, &memory.past, M, self.rate),
         };
-        shift(past, y);
+        memory.shift(y);
         trends
     }
 
     #[inline]
-    fn movement(&self, past: &mut [f32; M], y: f32, _before: f32) -> Trends<M> {
-        self.output(past, y)
-    }
-
-    #[inline]
-    fn input(&self, past: &mut [f32; M], u: f32, hold: Hold) -> [f32; M] {
-        let lower = match (self.scheme, hold) {
+    fn input(&self, memory: &mut Window<M>, u: f32, hold: Hold) -> [f32; M] {
+        let past = &memory.past;
+        let lower = match (self.design.scheme, hold) {
             (Scheme::Goodwin, _) => goodwin(u, past, self.rate).lower,
             (Scheme::Tustin, Hold::First) => tustin(u, past, M, self.rate).lower,
             // P_i of (8): one factor 2 q^-1/(1+q^-1) less, so one average less on past inputs.
@@ -111,39 +146,12 @@ impl<const M: usize> TrendOperator<M> for RawTrends<M> {
                 tustin(past[0], &before, M - 1, self.rate).lower
             }
         };
-        shift(past, u);
+        memory.shift(u);
         lower
     }
 
-    fn lead(&self) -> Trends<M> {
-        let mut lower = [0.0; M];
-        let mut top = 1.0;
-        for _ in 0..M {
-            top *= self.rate;
-        }
-        if let Scheme::Tustin = self.scheme {
-            let mut weight = 1.0;
-            for _ in 0..M {
-                weight *= 0.5;
-            }
-            for w in &mut lower {
-                *w = weight;
-                weight *= 2.0 * self.rate;
-            }
-        }
-        Trends { lower, top }
-    }
-
-    fn gain(&self, bandwidth: f32) -> f32 {
-        let mut gain = 1.0;
-        for _ in 0..M {
-            gain *= bandwidth;
-        }
-        gain
-    }
-
-    fn warm_up(&self) -> u32 {
-        M as u32
+    fn design(&self) -> &Design<M> {
+        &self.design
     }
 }
 
@@ -151,12 +159,17 @@ impl<const M: usize> TrendOperator<M> for RawTrends<M> {
 mod tests {
     use super::*;
 
+    fn at_rest<const M: usize>(trends: &RawTrends<M>) -> Window<M> {
+        Window::output_at_rest(trends.design(), Form::Position, 0.0)
+    }
+
     #[test]
-    fn lead_is_the_answer_to_a_unit_sample() {
+    fn the_feedthrough_is_the_answer_to_a_unit_sample() {
         for scheme in [Scheme::Goodwin, Scheme::Tustin] {
             let trends = RawTrends::<4>::try_new(scheme, 0.25).unwrap();
-            let mut memory = RawTrends::<4>::EMPTY;
-            assert_eq!(trends.output(&mut memory, 1.0), trends.lead());
+            let mut memory = at_rest(&trends);
+            let response = trends.output(&mut memory, 1.0, Form::Position);
+            assert_eq!(response, trends.design().feedthrough);
         }
     }
 
@@ -165,11 +178,11 @@ mod tests {
         // y = t^2 with Delta = 0.5: mean slope over the window and curvature 2, exact in f32.
         for scheme in [Scheme::Goodwin, Scheme::Tustin] {
             let trends = RawTrends::<2>::try_new(scheme, 0.5).unwrap();
-            let mut memory = RawTrends::<2>::EMPTY;
-            let mut last = trends.output(&mut memory, 0.0);
+            let mut memory = at_rest(&trends);
+            let mut last = trends.output(&mut memory, 0.0, Form::Position);
             for k in 1..5 {
                 let t = 0.5 * k as f32;
-                last = trends.output(&mut memory, t * t);
+                last = trends.output(&mut memory, t * t, Form::Position);
             }
             assert_eq!(last.top, 2.0);
             // Goodwin looks back by two samples for y and one for y', Tustin at the middle sample.
@@ -184,7 +197,7 @@ mod tests {
     #[test]
     fn a_held_input_counts_from_the_next_sample_on() {
         let trends = RawTrends::<2>::try_new(Scheme::Tustin, 0.5).unwrap();
-        let mut memory = RawTrends::<2>::EMPTY;
+        let mut memory = at_rest(&trends);
         assert_eq!(trends.input(&mut memory, 1.0, Hold::Zero), [0.0, 0.0]);
         assert_eq!(trends.input(&mut memory, 1.0, Hold::Zero), [0.5, 2.0]);
         assert_eq!(trends.input(&mut memory, 1.0, Hold::Zero), [1.0, 0.0]);

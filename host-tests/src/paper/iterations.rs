@@ -47,7 +47,7 @@ mod tests {
     fn settling_is_that_of_the_pair() {
         let trends = FilteredTrends::<3>::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
         // (s + a)(s^2 + b s + c) with a known from the slow pole: half of b is the decay of the pair.
-        let slow = (1.0 - trends.decay()) / 0.001;
+        let slow = (1.0 - trends.design().slow_mode) / 0.001;
         let decay = 0.5 * (trends.filter()[2] - slow);
         assert!((settling(20.0) * decay - 3.0).abs() < 0.01);
     }

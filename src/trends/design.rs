@@ -1,0 +1,154 @@
+//! What follows from the coefficients of a trend operator, computed once when it is built.
+
+use crate::math::polynomial::largest_rate;
+use crate::math::raised;
+use crate::trends::bilinear::{to_gamma_plane, to_s_plane};
+use crate::trends::difference::{Scheme, Trends};
+use crate::trends::noise_gain::NoiseGain;
+
+/// The properties of a trend operator that its owner needs beside the trends.
+///
+/// | symbol | field | unit |
+/// |---|---|---|
+/// | Delta | `sample_time` | s |
+/// | `r_0^i` of (10) | `feedthrough` | of the trend per unit of the signal |
+/// | f_0 .. f_{m-1} | `filter` | rad^(m-i)/s^(m-i) |
+/// | - | `noise_gain` | products of those of the trends |
+/// | - | `slow_mode` | 1 |
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Design<const M: usize> {
+    /// Sample time.
+    pub sample_time: f32,
+    /// Goodwin or Tustin.
+    pub scheme: Scheme,
+    /// Weight of the newest y(k) in each trend.
+    #[doc(alias = "lead")]
+    pub feedthrough: Trends<M>,
+    /// Coefficients of the filter `A_f`; `None` where there is none.
+    #[doc(alias = "filter_polynomial")]
+    pub filter: Option<[f32; M]>,
+    /// What white noise on y makes of the trends; zero where there is no filter.
+    pub noise_gain: NoiseGain<M>,
+    /// By what the slowest real mode of the filter decays in one sample; 0 where there is no filter.
+    #[doc(alias = "decay")]
+    pub slow_mode: f32,
+    /// Samples until the memory is full.
+    pub warm_up: u32,
+    pub(crate) size: Size,
+    pub(crate) plane: Plane<M>,
+}
+
+/// How the highest trend of a signal of size 1 grows with its bandwidth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Size {
+    /// Behind a filter: not at all.
+    Unit,
+    /// As the derivative of order m.
+    Derivative,
+    /// As m differences over so many samples.
+    Difference { samples: f32 },
+}
+
+/// The plane of the parameters that are found with the trends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Plane<const M: usize> {
+    /// The s plane, up to an error of discretisation.
+    S,
+    /// The gamma plane of the samples, exactly for the plant whose numerators are used.
+    Gamma {
+        /// a_0 .. a_{m-1} of that plant, in gamma.
+        model: [f32; M],
+        /// How much larger b_0 would be found with plain trends.
+        numerator: f32,
+    },
+}
+
+/// A model in another plane.
+#[doc(alias = "Image")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mapped<const M: usize> {
+    /// a_0 .. a_{m-1} there.
+    pub a: [f32; M],
+    /// Every b_i there, and the constant, is this many times the one here.
+    pub numerator: f32,
+}
+
+/// m differences over a long span are at most this to the power m, of a signal of size 1.
+const LARGEST_DIFFERENCE: f32 = 1.5;
+
+impl<const M: usize> Design<M> {
+    /// Size of the highest trend of a signal of size 1 at `bandwidth` rad/s.
+    #[doc(alias = "gain")]
+    pub fn scale(&self, bandwidth: f32) -> f32 {
+        let each = match self.size {
+            Size::Unit => 1.0,
+            Size::Derivative => bandwidth,
+            Size::Difference { samples } => {
+                let angle = bandwidth * self.sample_time * samples;
+                if angle < LARGEST_DIFFERENCE {
+                    angle
+                } else {
+                    LARGEST_DIFFERENCE
+                }
+            }
+        };
+        raised(each, M)
+    }
+
+    /// Share of the discretisation error that these trends leave to a model with the denominator `found`, 0 to 1.
+    ///
+    /// In the gamma plane: the distance to the model of the numerators, in powers of the largest rate.
+    #[doc(alias = "inexact")]
+    pub fn discretisation_share(&self, found: &[f32; M]) -> f32 {
+        let Plane::Gamma { model, .. } = self.plane else {
+            return 1.0;
+        };
+        let rate = largest_rate(found);
+        let mut far = 0.0_f32;
+        let mut power = 1.0;
+        for i in (0..M).rev() {
+            power *= rate;
+            far = far.max((found[i] - model[i]).abs() / power);
+        }
+        // NaN counts as far.
+        if far < 1.0 { far } else { 1.0 }
+    }
+
+    /// The model of the s plane for the denominator `found` with these trends, behind this many integrators.
+    ///
+    /// `None` where `found` already is of the s plane, and where a pole is beyond 2/Delta.
+    #[doc(alias = "continuous")]
+    pub fn to_s_plane(&self, found: &[f32; M], integrators: usize) -> Option<Mapped<M>> {
+        let Plane::Gamma { numerator, .. } = self.plane else {
+            return None;
+        };
+        let a = to_s_plane(found, self.sample_time)?;
+        let numerator = at_rest(numerator, &a, found, integrators);
+        numerator.is_finite().then_some(Mapped { a, numerator })
+    }
+
+    /// The inverse of [`Design::to_s_plane`].
+    #[doc(alias = "sampled")]
+    pub fn to_gamma_plane(&self, a: &[f32; M], integrators: usize) -> Option<Mapped<M>> {
+        let Plane::Gamma { numerator, .. } = self.plane else {
+            return None;
+        };
+        let image = to_gamma_plane(a, self.sample_time)?;
+        let numerator = 1.0 / at_rest(numerator, a, &image, integrators);
+        numerator.is_finite().then_some(Mapped {
+            a: image,
+            numerator,
+        })
+    }
+}
+
+/// Factor from the numerators found to those of a model with denominator `a` in the s plane, `image` in gamma.
+///
+/// The gain behind the integrators is what the samples show, so it stays.
+fn at_rest<const M: usize>(own: f32, a: &[f32; M], image: &[f32; M], integrators: usize) -> f32 {
+    match (a.get(integrators), image.get(integrators)) {
+        (Some(a), Some(image)) if *image != 0.0 => own * a / image,
+        _ => own,
+    }
+}

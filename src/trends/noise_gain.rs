@@ -1,0 +1,78 @@
+//! What white noise on y makes of the trends behind a filter.
+
+use crate::math::matrix::{Matrix, product, product_transposed};
+use crate::trends::difference::Trends;
+
+/// Covariances of the filtered trends of white noise of variance 1 on y.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NoiseGain<const M: usize> {
+    /// Between the trends of order i and j below m.
+    pub lower: [[f32; M]; M],
+    /// Between the trend of order i and the highest.
+    pub mixed: [f32; M],
+    /// Of the highest.
+    pub top: f32,
+}
+
+/// Doublings of the sum over time: 2^24 samples are longer than the memory of any filter in f32.
+const DOUBLINGS: usize = 24;
+
+impl<const M: usize> NoiseGain<M> {
+    /// No noise passes.
+    pub const ZERO: Self = Self {
+        lower: [[0.0; M]; M],
+        mixed: [0.0; M],
+        top: 0.0,
+    };
+
+    /// Sum of g g' over the response g of `chain` to one unit sample, in closed form.
+    ///
+    /// `chain` takes its memory and a sample to the trends. With b the memory after the sample and F the step of the
+    /// memory, `X = sum F^k b b' F'^k` doubles its number of terms by `X + F^n X F^n'`, `F^2n = F^n F^n`.
+    pub(crate) fn of(chain: impl Fn(&mut [f32; M], f32) -> Trends<M>) -> Self {
+        let mut gain = Self::ZERO;
+        let mut memory = [0.0; M];
+        let first = chain(&mut memory, 1.0);
+        gain.add(&first, &first, 1.0);
+        // Columns of F, and the trends of a unit in each place of the memory.
+        let mut step = [[0.0; M]; M];
+        let mut seen = [first; M];
+        for i in 0..M {
+            let mut unit = [0.0; M];
+            unit[i] = 1.0;
+            seen[i] = chain(&mut unit, 0.0);
+            for j in 0..M {
+                step[j][i] = unit[j];
+            }
+        }
+        let outer = |i: usize| core::array::from_fn(|j| memory[i] * memory[j]);
+        let mut sum: Matrix<M> = core::array::from_fn(outer);
+        for _ in 0..DOUBLINGS {
+            let more = product_transposed(&product(&step, &sum), &step);
+            for i in 0..M {
+                for j in 0..M {
+                    sum[i][j] += more[i][j];
+                }
+            }
+            step = product(&step, &step);
+        }
+        // C X C', one pair of places at a time.
+        for i in 0..M {
+            for j in 0..M {
+                gain.add(&seen[i], &seen[j], sum[i][j]);
+            }
+        }
+        gain
+    }
+
+    /// Adds the outer product of two vectors of trends, `weight` times.
+    fn add(&mut self, left: &Trends<M>, right: &Trends<M>, weight: f32) {
+        for k in 0..M {
+            for l in 0..M {
+                self.lower[k][l] += left.lower[k] * weight * right.lower[l];
+            }
+            self.mixed[k] += left.lower[k] * weight * right.top;
+        }
+        self.top += left.top * weight * right.top;
+    }
+}
