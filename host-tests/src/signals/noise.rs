@@ -17,7 +17,7 @@ pub enum Reading {
     ///
     /// The signal is the record's noise-free position about its mean (the plant integrates, so the rms about zero
     /// would measure where the drive happened to go); the noise is measured minus true position about zero, rounding
-    /// included. With this definition the Cramer-Rao bound comes out as in the prototype, see `tests/bound.rs`.
+    /// included. With this definition the Cramer-Rao bound comes out as in the prototype, see `tests/core/bound.rs`.
     Relative,
 }
 

@@ -36,6 +36,7 @@ fn rows(reading: Reading, vary: &str) -> Vec<Setting> {
 }
 
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn absolute_noise_rows_within_their_limits_and_settled_in_time_by_default() {
     for (setting, settled_ms) in
         rows(Reading::Absolute, "noise")
@@ -50,6 +51,7 @@ fn absolute_noise_rows_within_their_limits_and_settled_in_time_by_default() {
 }
 
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn absolute_white_noise_within_the_limits_by_default() {
     for setting in rows(Reading::Absolute, "white") {
         let line = lines(&setting, 0.5, 100, &[Method::DEFAULT])[0];
@@ -58,6 +60,7 @@ fn absolute_white_noise_within_the_limits_by_default() {
 }
 
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn absolute_resolution_and_sampling_within_a_tenth_of_the_paper_by_default() {
     for vary in ["resolution", "sampling"] {
         for setting in rows(Reading::Absolute, vary) {
@@ -68,6 +71,7 @@ fn absolute_resolution_and_sampling_within_a_tenth_of_the_paper_by_default() {
 }
 
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn absolute_drift_within_a_tenth_of_the_paper_with_the_drift_in_the_model() {
     for setting in rows(Reading::Absolute, "drift") {
         let line = lines(&setting, 0.5, 100, &[core(Filter::Ramp)])[0];
@@ -76,6 +80,7 @@ fn absolute_drift_within_a_tenth_of_the_paper_with_the_drift_in_the_model() {
 }
 
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn relative_white_noise_near_the_bound() {
     for setting in rows(Reading::Relative, "white") {
         let line = lines(&setting, 3.0, 100, &[Method::DEFAULT])[0];
@@ -88,6 +93,7 @@ fn relative_white_noise_near_the_bound() {
 }
 
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn relative_white_noise_better_than_a_kalman_filter_that_knows_its_level() {
     for setting in rows(Reading::Relative, "white") {
         let lines = lines(&setting, 1.0, 300, &[Method::DEFAULT, Method::Kalman]);
@@ -98,6 +104,7 @@ fn relative_white_noise_better_than_a_kalman_filter_that_knows_its_level() {
 }
 
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn raw_trends_fail_under_noise_and_the_table_says_so() {
     let setting = rows(Reading::Absolute, "white")[1];
     let lines = lines(&setting, 0.5, 100, &[core(Filter::None), Method::DEFAULT]);

@@ -76,6 +76,7 @@ fn each(condition: Condition) -> [Spread; 3] {
 
 /// The rows of Table 1 at 1 and 5 ms: with drift, noise and rounding as printed.
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn the_row_at_5_ms_is_as_good_as_the_row_at_1_ms() {
     let row = |dt_ms: f64| {
         let rows = Setting::all(Reading::Absolute);
@@ -100,6 +101,7 @@ fn the_row_at_5_ms_is_as_good_as_the_row_at_1_ms() {
 
 /// White noise alone: whatever error has a sign is the sampling's.
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn damping_has_no_bias_from_5_ms() {
     let condition = Condition {
         dt_ms: 5.0,

@@ -1,8 +1,6 @@
 //! The core on the reference servo: without noise, and with white noise of known width.
 
-mod common;
-
-use common::{core_scheme, rounded, rows};
+use crate::common::{self, core_scheme, rounded, rows};
 use proptest::prelude::*;
 use trendid::{Config, FilteredTrends, Form, Identifier, Memory, RawTrends, TrendOperator, Window};
 use trendid_host_tests::oracles::least_squares::{Structure, least_squares, recursive_equivalent};

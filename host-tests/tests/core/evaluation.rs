@@ -1,8 +1,6 @@
 //! The output evaluation (9)-(10) and the indices IQ and IV (11) of the core against the oracle.
 
-mod common;
-
-use common::{core_scheme, rounded};
+use crate::common::{core_scheme, rounded};
 use trendid::{
     Config, Identifier, OutputEvaluation, RawTrends, Scheme as CoreScheme, Structure,
     TransferFunction,

@@ -46,6 +46,7 @@ fn coloured_bound_pct(setting: &Setting) -> [f64; 3] {
 }
 
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn the_printed_damping_of_the_strong_drifts_is_below_the_bound() {
     let mut rows = Setting::all(Reading::Relative);
     rows.retain(|s| s.vary == "drift" && s.condition.w_um >= 5000.0);

@@ -1,6 +1,6 @@
 //! Online and offline opponents on the white rows of Table 1 in the reading RELATIVE, beside the bound.
 //!
-//! `cargo test -p trendid-host-tests --test comparison -- --nocapture` prints the table. Signal: position about its mean.
+//! `cargo test -p trendid-host-tests --test statistics comparison -- --ignored --nocapture` prints the table. Signal: position about its mean.
 
 use trendid_host_tests::oracles::cramer_rao::{Coefficient, InitialState, servo_bound_pct};
 use trendid_host_tests::oracles::ekf::{ExtendedKalman, Prior};
@@ -101,6 +101,7 @@ fn row(ns_pct: f64, duration_s: f64) -> Row {
 }
 
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn opponents_on_the_white_rows() {
     for ns_pct in [1.04, 8.35, 16.72, 41.78] {
         let row = row(ns_pct, 1.0);
@@ -117,6 +118,7 @@ fn opponents_on_the_white_rows() {
 }
 
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn batch_of_filtered_trends_errs_no_more_than_the_prototype() {
     // The prototype's rms of C, w0, xi [%] at 1 s.
     for (ns_pct, limit) in [

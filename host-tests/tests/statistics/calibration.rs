@@ -106,6 +106,7 @@ fn calibrated([one, three]: [[f64; 6]; 2]) {
 }
 
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn open_loop() {
     println!("shares for a1, a2, b0, C, omega0, xi");
     for duration in [1.0, 3.0] {
@@ -118,6 +119,7 @@ fn open_loop() {
 }
 
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn closed_loop() {
     println!("shares for a1, a2, b0, C, omega0, xi");
     for (duration, eta) in [(2.0, 500.0), (2.0, 5000.0), (4.0, 500.0), (4.0, 5000.0)] {
@@ -130,6 +132,7 @@ fn closed_loop() {
 /// Offsets from one that no record shows to one that every record shows; the worst lie in between, where the constant is
 /// withdrawn in some records and is about as large as its own uncertainty.
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn open_loop_with_an_offset() {
     println!("shares for a1, a2, b0, C, omega0, xi");
     for (ns, duration) in [
@@ -156,6 +159,7 @@ fn open_loop_with_an_offset() {
 
 /// Where the noise is so small that the discretisation rules, sigma must not promise more than that allows.
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn little_noise() {
     for eta in [1.0, 20.0, 100.0] {
         for duration in [1.0, 3.0] {
@@ -172,6 +176,7 @@ fn little_noise() {
 ///
 /// Below stays what f32 may cost, which is an allowance and not a noise: there sigma promises less than is kept.
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn little_noise_with_the_exact_hold() {
     let open = |duration, eta| Experiment::reference(Condition::white(eta), duration);
     let closed = |duration, eta| Experiment::closed_loop(Condition::white(eta), duration);
@@ -199,6 +204,7 @@ fn little_noise_with_the_exact_hold() {
 
 /// The level that all of it rests on: the third difference measures white noise and does not see the drive.
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn noise_level_is_unbiased() {
     for ns in [1.04, 8.35, 41.78] {
         let experiment = Experiment::reference(Condition::white_relative(ns), 1.0);

@@ -1,8 +1,6 @@
 //! The recursion of the core against the f64 oracle's batch, and its chain against the oracle's.
 
-mod common;
-
-use common::{core_scheme, design_units, rounded, rows};
+use crate::common::{core_scheme, design_units, rounded, rows};
 use trendid::{
     Chain, Config, FilteredTrends, Form, Identifier, Memory, RawTrends, Structure, Terms,
     TrendOperator,

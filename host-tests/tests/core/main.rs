@@ -1,0 +1,21 @@
+//! The core against oracles in f64 and known plants: what every change is checked by.
+//!
+//! Claims over hundreds of records are in `tests/statistics`.
+
+mod common;
+
+mod accuracy;
+mod batch;
+mod bound;
+mod defects;
+mod delay;
+mod evaluation;
+mod exact;
+mod integral;
+mod oracle;
+mod properties;
+mod rest;
+mod retune;
+mod robustness;
+mod transfer;
+mod valve;

@@ -1,0 +1,8 @@
+//! The adaptive position loop on simulated axes, and the pneumatic axis itself.
+//!
+//! Claims over many runs are in `tests/statistics`.
+
+mod pneumatic;
+mod pneumatic_linear;
+mod position_loop;
+mod shadow;
