@@ -2,8 +2,9 @@
 
 use std::time::Instant;
 
+use crate::process::Done;
 use crate::process::{self, M0, M4F, cargo};
-use crate::{Done, firmware, icount, setup};
+use crate::{firmware, icount, setup};
 
 /// The examples that are firmware; the others need an operating system.
 const FIRMWARE_EXAMPLES: [&str; 5] = ["selftest", "icount", "footprint", "servo", "pil"];

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use crate::Done;
 use crate::defmt;
 use crate::elf::Image;
+use crate::process::Done;
 use crate::process::{M0, M3, M4F, cargo};
 use crate::quote::quote;
 

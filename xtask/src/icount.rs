@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use crate::Done;
 use crate::elf::Image;
+use crate::process::Done;
 use crate::process::{M0, M3, M4F, Machine, root};
 use crate::quote::{quote, write};
 

@@ -16,9 +16,6 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// What a task ends with: nothing, or a sentence for the user.
-type Done = Result<(), String>;
-
 /// Tasks of the project. On a fresh machine: `cargo xtask test`.
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask")]

@@ -6,7 +6,8 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc;
 use std::time::Duration;
 
-use crate::Done;
+/// What a task ends with: nothing, or a sentence for the user.
+pub type Done = Result<(), String>;
 
 /// The root of the workspace.
 pub fn root() -> PathBuf {

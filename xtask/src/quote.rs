@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::Done;
+use crate::process::Done;
 use crate::process::root;
 
 /// Documents that may have marks.

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::Done;
+use crate::process::Done;
 use crate::process::{self, M0, M3, M4F, works};
 
 /// Adds what is missing, or says what to install.
