@@ -94,6 +94,7 @@ pub use identifier::config::Config;
 pub use identifier::delay_bank::DelayBank;
 pub use identifier::inputs::{DeadZone, asymmetric, coulomb, dead_zone};
 pub use identifier::outcome::{Outcome, Refusal};
+pub use identifier::servo::{Servo, ValveServo};
 pub use model::evaluation::{OutputEvaluation, Quality};
 pub use model::physical::Physical;
 pub use model::transfer_function::{Pole, TransferFunction};

@@ -4,6 +4,7 @@ use crate::error::ConfigError;
 use crate::identifier::Identifier;
 use crate::identifier::config::Config;
 use crate::identifier::outcome::Outcome;
+use crate::identifier::servo::Servo;
 use crate::trends::TrendOperator;
 
 /// Identifiers of the same structure with the delays 0, 1, .. `K-1` of one input, side by side.
@@ -12,43 +13,77 @@ use crate::trends::TrendOperator;
 /// normalised prediction error, `sqrt(sum e e_post / (n - N)) / beta` in the unit of y, has the right delay. The same
 /// noise enters all candidates, so that small differences count.
 ///
-/// | symbol | parameter | meaning |
-/// |---|---|---|
-/// | d | `K` | candidates 0..K-1, in samples |
-/// | - | `D` | length of the delay lines, at least `K - 1` |
+/// | parameter | meaning |
+/// |---|---|
+/// | `C` | the [`Identifier`]; its delay lines `D` hold at least `K - 1` samples |
+/// | `K` | number of candidates, with delays of 0 to `K-1` samples |
 ///
 /// Guarantees: as [`Identifier`]. Cost: `K` times the identifier in time and memory, for commissioning; afterwards
 /// go on with [`DelayBank::chosen`] alone.
 ///
 /// # Examples
 /// ```
-/// use trendid::{Config, DelayBank, FilteredTrends, Scheme, Structure};
-/// let trends = FilteredTrends::try_new(Scheme::Tustin, 0.001, [25.0; 1])?;
-/// let config = Config::new(Structure::<1, 2, 1>::FULL, 25.0, [1.0], 1.0);
-/// let mut bank = DelayBank::<_, 1, 2, 1, 3, 4>::try_new(&config, trends, 0)?;
-/// // y' = -10 y + 50 u, with u two samples late.
-/// let (mut y, mut line) = (0.0_f32, [0.0_f32; 2]);
-/// for k in 0..500 {
-///     let u = if (k / 70) % 2 == 0 { 1.0 } else { -1.0 };
-///     let _ = bank.update_inputs([u], y);
-///     let acting = line[1];
-///     line = [u, line[0]];
-///     let decay = (-0.01_f32).exp();
-///     y = 5.0 * acting + (y - 5.0 * acting) * decay;
+/// # let (mut y, mut v, mut a, mut line) = (0.0_f64, 0.0, 0.0, [0.0_f32; 3]);
+/// # let mut drive = |u: f32| {
+/// #     let (now, late) = (y as f32, f64::from(line[2]));
+/// #     line = [u, line[0], line[1]];
+/// #     for _ in 0..10 {
+/// #         y += 1e-4 * v;
+/// #         v += 1e-4 * a;
+/// #         a += 1e-4 * (1e6 * late - 400.0 * v - 20.0 * a);
+/// #     }
+/// #     now
+/// # };
+/// use trendid::{DelayBank, Servo};
+/// let mut bank = DelayBank::<Servo<7>, 8>::new(0.001, 20.0, 1.0, 50.0)?; // as Servo::new, for delays of 0 to 7
+/// for k in 0..1000 {
+///     let u = if k % 300 < 150 { 0.4 } else { -0.4 };
+///     let _ = bank.update(u, drive(u));
 /// }
-/// assert_eq!(bank.best(), Some(2));
+/// assert_eq!(bank.best(), Some(3));
+/// let servo = bank.chosen().unwrap();
+/// assert!((servo.estimate().physical().omega0.unwrap() - 20.0).abs() < 0.2);
 /// # Ok::<(), trendid::ConfigError>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DelayBank<
-    T: TrendOperator<M>,
-    const M: usize,
-    const N: usize,
-    const I: usize,
-    const D: usize,
-    const K: usize,
-> {
-    candidates: [Identifier<T, M, N, I, D>; K],
+#[derive(Debug, Clone, PartialEq)]
+pub struct DelayBank<C, const K: usize> {
+    candidates: [C; K],
+}
+
+impl<const D: usize, const K: usize> DelayBank<Servo<D>, K> {
+    /// A bank of [`Servo`]s, with the arguments of [`Servo::new`].
+    ///
+    /// # Errors
+    /// As [`Servo::new`]; [`ConfigError::OutOfRange`] where the delay line is shorter than the longest candidate.
+    pub fn new(
+        sample_time: f32,
+        bandwidth: f32,
+        input_range: f32,
+        output_range: f32,
+    ) -> Result<Self, ConfigError> {
+        Self::from_candidates(|delay| {
+            Servo::with_delay(sample_time, bandwidth, input_range, output_range, delay)
+        })
+    }
+
+    /// As [`DelayBank::update_inputs`] for the one input.
+    pub fn update(&mut self, u: f32, y: f32) -> Outcome {
+        self.update_inputs([u], y)
+    }
+}
+
+impl<C: Clone, const K: usize> DelayBank<C, K> {
+    fn from_candidates(
+        candidate: impl Fn(usize) -> Result<C, ConfigError>,
+    ) -> Result<Self, ConfigError> {
+        const { assert!(K > 0, "a bank has at least one candidate") };
+        let first = candidate(0)?;
+        let mut candidates = core::array::from_fn(|_| first.clone());
+        for (delay, slot) in candidates.iter_mut().enumerate() {
+            *slot = candidate(delay)?;
+        }
+        Ok(Self { candidates })
+    }
 }
 
 impl<
@@ -58,7 +93,7 @@ impl<
     const I: usize,
     const D: usize,
     const K: usize,
-> DelayBank<T, M, N, I, D, K>
+> DelayBank<Identifier<T, M, N, I, D>, K>
 {
     /// Candidates for the delay of `input`; the other inputs keep the delays of `config`.
     ///
@@ -66,20 +101,11 @@ impl<
     /// As [`Identifier::try_new`]; [`ConfigError::OutOfRange`] where the delay line is shorter than the longest candidate;
     /// [`ConfigError::NoInput`] where there is no such input.
     pub fn try_new(config: &Config<M, N, I>, trends: T, input: usize) -> Result<Self, ConfigError> {
-        const { assert!(K > 0, "a bank has at least one candidate") };
-        let with = |delay: usize| {
+        Self::from_candidates(|delay| {
             let mut config = *config;
-            match config.delays.get_mut(input) {
-                Some(slot) => *slot = delay,
-                None => return Err(ConfigError::NoInput),
-            }
+            *config.delays.get_mut(input).ok_or(ConfigError::NoInput)? = delay;
             Identifier::try_new(&config, trends)
-        };
-        let mut candidates = [with(0)?; K];
-        for (delay, candidate) in candidates.iter_mut().enumerate() {
-            *candidate = with(delay)?;
-        }
-        Ok(Self { candidates })
+        })
     }
 
     /// Takes all inputs u(k) and the output y(k); gives the outcome of the candidate without delay.
@@ -127,9 +153,9 @@ impl<
         Some(next / errors[best]?)
     }
 
-    /// The identifier with the best delay, to go on with.
-    pub fn chosen(&self) -> Option<Identifier<T, M, N, I, D>> {
-        self.candidates.get(self.best()?).copied()
+    /// The identifier with the best delay, to go on with a clone of it.
+    pub fn chosen(&self) -> Option<&Identifier<T, M, N, I, D>> {
+        self.candidates.get(self.best()?)
     }
 
     /// The candidate with this delay.

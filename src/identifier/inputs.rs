@@ -1,6 +1,10 @@
 //! Inputs made from the command: what a valve, a cylinder or friction does belongs in the regressor.
 
 use crate::error::positive;
+use crate::estimation::terms::{Parameter, index_of};
+use crate::identifier::Identifier;
+use crate::identifier::outcome::Outcome;
+use crate::trends::TrendOperator;
 
 /// The two inputs that a valve with the dead zone `delta` needs beside a constant.
 ///
@@ -25,7 +29,7 @@ pub fn dead_zone(u: f32, delta: f32) -> [f32; 2] {
     }
 }
 
-/// The inputs of a valve whose dead zone is not known, and the dead zone itself, measured on the way.
+/// The two inputs of a valve whose dead zone is not known, and its width, measured on the way.
 ///
 /// With the inputs of [`dead_zone`] for any width delta near the true one, the model measures the true one:
 ///
@@ -33,8 +37,9 @@ pub fn dead_zone(u: f32, delta: f32) -> [f32; 2] {
 /// delta <- -b_sgn / b_u          once per block
 /// ```
 ///
-/// What was learnt with the old width is wrong by what the width was wrong, so it must be forgotten: give the
-/// identifier a memory of about two blocks. Begin with a width that is too small rather than too large (0 is good).
+/// b_u and b_sgn are the b_0 of the first and the second input of the identifier. What was learnt with the old width
+/// is wrong by what the width was wrong, so it must be forgotten: give the identifier a memory of about two blocks.
+/// Begin with a width that is too small rather than too large (0 is good).
 ///
 /// | symbol | argument | unit |
 /// |---|---|---|
@@ -46,11 +51,11 @@ pub fn dead_zone(u: f32, delta: f32) -> [f32; 2] {
 /// their rms errors stay below 1 %.
 ///
 /// # Examples
+/// See [`ValveServo`](crate::ValveServo) for a whole identification.
 /// ```
 /// let mut valve = trendid::DeadZone::new(0.0, 0.1, 2);
 /// assert_eq!(valve.inputs(0.02), [0.02, 1.0]);
-/// assert!(!valve.update(|| [2.0, -0.06]));
-/// assert!(valve.update(|| [2.0, -0.06])); // the block is full: delta = 0.06 / 2
+/// assert!(valve.correct([2.0, -0.06])); // delta = 0.06 / 2
 /// assert!((valve.delta() - 0.03).abs() < 1e-7);
 /// assert_eq!(valve.inputs(0.02), [0.0, 0.0]);
 /// ```
@@ -66,15 +71,16 @@ pub struct DeadZone {
 impl DeadZone {
     /// Starts at the half width `delta`, corrected every `block` samples within 0 ..= `largest`.
     ///
-    /// What is not a number in its range becomes 0; a block of 0 samples corrects nothing.
+    /// NaN and values outside their range become 0; a block of 0 samples corrects nothing.
     pub const fn new(delta: f32, largest: f32, block: u32) -> Self {
         let largest = if positive(largest) { largest } else { 0.0 };
+        let delta = if delta >= 0.0 && delta <= largest {
+            delta
+        } else {
+            0.0
+        };
         Self {
-            delta: if delta >= 0.0 && delta <= largest {
-                delta
-            } else {
-                0.0
-            },
+            delta,
             largest,
             block,
             count: 0,
@@ -92,17 +98,54 @@ impl DeadZone {
         dead_zone(u, self.delta)
     }
 
-    /// Counts a sample; at the end of a block asks for the numerators `[b_u, b_sgn]` and corrects the width.
-    ///
-    /// Says whether it was corrected: a quotient outside 0 ..= `largest` changes nothing.
+    /// Takes u(k) and y(k) into an identifier with these two inputs and corrects the width at the end of a block.
     #[inline]
-    pub fn update(&mut self, numerators: impl FnOnce() -> [f32; 2]) -> bool {
+    pub fn identify<T: TrendOperator<M>, const M: usize, const N: usize, const D: usize>(
+        &mut self,
+        identifier: &mut Identifier<T, M, N, 2, D>,
+        u: f32,
+        y: f32,
+    ) -> Outcome {
+        let outcome = identifier.update_inputs(self.inputs(u), y);
+        let _ = self.update(identifier);
+        outcome
+    }
+
+    /// Counts a sample; at the end of a block corrects the width by the numerators of the identifier.
+    ///
+    /// Returns whether it was corrected.
+    #[inline]
+    pub fn update<
+        T: TrendOperator<M>,
+        const M: usize,
+        const N: usize,
+        const I: usize,
+        const D: usize,
+    >(
+        &mut self,
+        identifier: &Identifier<T, M, N, I, D>,
+    ) -> bool {
         self.count = self.count.saturating_add(1);
         if self.count < self.block || self.block == 0 {
             return false;
         }
         self.count = 0;
-        let [linear, sign] = numerators();
+        let theta = identifier.theta();
+        let parameters = identifier.structure().parameters();
+        let b0 = |input| {
+            let index = index_of(&parameters, Parameter::Input { input, power: 0 })?;
+            theta.get(index).copied()
+        };
+        match (b0(0), b0(1)) {
+            (Some(linear), Some(sign)) => self.correct([linear, sign]),
+            _ => false,
+        }
+    }
+
+    /// Corrects the width by the numerators `[b_u, b_sgn]`.
+    ///
+    /// Returns whether it was corrected: a quotient outside 0 ..= `largest` changes nothing.
+    pub fn correct(&mut self, [linear, sign]: [f32; 2]) -> bool {
         let delta = -sign / linear;
         let accepted = delta >= 0.0 && delta <= self.largest;
         if accepted {
@@ -144,6 +187,7 @@ pub fn coulomb(velocity: f32, rest: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::identifier::servo::ValveServo;
 
     #[test]
     fn a_dead_zone_refuses_nonsense() {
@@ -157,14 +201,18 @@ mod tests {
             [0.0, -0.1],
         ] {
             let mut valve = fresh;
-            assert!(!valve.update(|| numerators));
+            assert!(!valve.correct(numerators));
             assert_eq!(valve.delta(), 0.02);
         }
         assert_eq!(DeadZone::new(f32::NAN, 0.1, 1).delta(), 0.0);
         assert_eq!(DeadZone::new(0.2, 0.1, 1).delta(), 0.0);
         assert_eq!(DeadZone::new(0.2, f32::NAN, 1).delta(), 0.0);
-        let mut still = DeadZone::new(0.02, 0.1, 0);
-        assert!(!still.update(|| [1.0, -0.03]));
+        let mut valve = DeadZone::new(0.02, 0.1, 0);
+        let servo = ValveServo::new(0.001, 20.0, 1.0, 50.0, 0.7).unwrap();
+        for _ in 0..10 {
+            assert!(!valve.update(&servo));
+        }
+        assert_eq!(valve.delta(), 0.02);
     }
 
     #[test]

@@ -5,6 +5,7 @@ pub(crate) mod delay_bank;
 pub(crate) mod inputs;
 pub(crate) mod outcome;
 mod plan;
+pub(crate) mod servo;
 mod state;
 
 use crate::error::{ConfigError, check_finite, check_not_negative, check_range, positive};

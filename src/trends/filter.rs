@@ -2,17 +2,25 @@
 
 use crate::math::polynomial::with_pole;
 
+/// Natural frequency of the pair over the bandwidth, and its damping.
+const CORNER: f32 = 1.1;
+const DAMPING: f32 = 0.7;
+
+/// Three time constants of the pair of the default filter, in s.
+pub(crate) fn settling_time(bandwidth: f32) -> f32 {
+    3.0 / (DAMPING * CORNER * bandwidth)
+}
+
 /// The default filter for a plant of this rough bandwidth in rad/s.
 pub(crate) fn for_bandwidth<const M: usize>(bandwidth: f32) -> [f32; M] {
-    let corner = 1.1 * bandwidth;
+    let corner = CORNER * bandwidth;
     let slow = if M == 1 { corner } else { 0.1 * corner };
     let mut filter = with_pole([0.0; M], 0, slow);
     if M == 2 {
         return with_pole(filter, 1, corner);
     }
     if M >= 3 {
-        // The pair: damping 0.7 at the corner.
-        let (pair0, pair1) = (corner * corner, 1.4 * corner);
+        let (pair0, pair1) = (corner * corner, 2.0 * DAMPING * corner);
         filter[0] = slow * pair0;
         filter[1] = pair0 + slow * pair1;
         filter[2] = slow + pair1;
@@ -27,6 +35,14 @@ pub(crate) fn for_bandwidth<const M: usize>(bandwidth: f32) -> [f32; M] {
 mod tests {
     use super::*;
     use crate::math::polynomial::{is_hurwitz, slowest_rate};
+
+    #[test]
+    fn settling_is_three_time_constants_of_the_pair() {
+        let filter = for_bandwidth::<3>(20.0);
+        // (s + a)(s^2 + b s + c): b/2 is the decay of the pair.
+        let decay = 0.5 * (filter[2] - slowest_rate(&filter));
+        assert!((settling_time(20.0) * decay - 3.0).abs() < 1e-3);
+    }
 
     #[test]
     fn the_default_has_its_slow_pole_and_its_pair() {

@@ -8,7 +8,6 @@ use trendid::{
     Config, DeadZone, DelayBank, ExactTrends, FilteredTrends, Identifier, RawTrends, Scheme,
     Structure, TrendOperator,
 };
-use trendid_host_tests::paper::iterations::settling;
 use trendid_host_tests::paper::trial::{Filter, Method, Setting, trial};
 use trendid_host_tests::plants::linear::{Input, LinearPlant};
 use trendid_host_tests::plants::servo::{REFERENCE, Servo};
@@ -233,11 +232,7 @@ fn dead_zone(seed: u64) -> Pair {
     let mut valve = DeadZone::new(0.02, 0.1, 300);
     for s in record.samples() {
         let _ = without.update(s.u as f32, s.y as f32);
-        let _ = with.update_inputs(valve.inputs(s.u as f32), s.y as f32);
-        let _ = valve.update(|| {
-            let theta = with.theta();
-            [theta[2], theta[3]]
-        });
+        let _ = valve.identify(&mut with, s.u as f32, s.y as f32);
     }
     [
         errors(&without.theta(), &REFERENCE),
@@ -299,7 +294,7 @@ fn retuned(seed: u64) -> Pair {
             && sigma[1] < 0.2 * omega0
         {
             let omega0 = omega0.clamp(2.0, 200.0);
-            let _ = tuned.retune(trends(omega0), settling(omega0));
+            let _ = tuned.retune_to(omega0);
         }
     }
     [fixed, tuned].map(|identifier| errors(&identifier.theta(), &REFERENCE))
@@ -312,15 +307,15 @@ fn banked(seed: u64) -> Pair {
     experiment.plant = LinearPlant::with_inputs(&REFERENCE.a(), &inputs, 0.0, DT).expect("a servo");
     let record = experiment.record(seed);
     let config = Config::new(Structure::<3, 5, 1>::SERVO, BANDWIDTH, [0.4], 50.0);
-    let mut bank: DelayBank<_, 3, 5, 1, 7, 8> =
+    let mut bank: DelayBank<trendid::Servo<7>, 8> =
         DelayBank::try_new(&config, trends(BANDWIDTH), 0).expect("a bank");
     for s in record.samples() {
         let _ = bank.update_inputs([s.u as f32], s.y as f32);
     }
-    let read = |identifier: Option<Identifier<_, 3, 5, 1, 7>>| {
+    let read = |identifier: Option<&trendid::Servo<7>>| {
         identifier.map_or([f64::INFINITY; 3], |i| errors(&i.theta(), &REFERENCE))
     };
-    [read(bank.candidate(0).copied()), read(bank.chosen())]
+    [read(bank.candidate(0)), read(bank.chosen())]
 }
 
 fn exact(seed: u64) -> Pair {
@@ -351,7 +346,7 @@ fn exact(seed: u64) -> Pair {
         if (k == 200 || k == 400)
             && let Ok(own) = trends.with_model(with.estimate().transfer_function().a)
         {
-            let _ = with.retune(own, settling(bandwidth));
+            let _ = with.retune(own, 0.0);
         }
     }
     [

@@ -30,7 +30,7 @@ pub type Full = Identifier<FilteredTrends<3>, 3, 6>;
 /// The default with exact trends.
 pub type Exact = Identifier<ExactTrends<3>, 3, 5>;
 /// Eight candidates for the delay of the default.
-pub type Bank = DelayBank<FilteredTrends<3>, 3, 5, 1, 7, 8>;
+pub type Bank = DelayBank<trendid::Servo<7>, 8>;
 
 fn filter(scheme: Scheme) -> Result<FilteredTrends<3>, ConfigError> {
     FilteredTrends::try_new(scheme, SAMPLE_TIME, [25.0; 3])

@@ -1,4 +1,4 @@
-//! From an estimate to the next trends: numerators from the round before, and how long a new filter settles.
+//! From an estimate to the next trends: numerators from the round before.
 
 use trendid::{Config, ConfigError, ExactTrends, Identifier};
 
@@ -30,27 +30,13 @@ pub fn own_numerators(
     Ok(identifier)
 }
 
-/// Three time constants of the pair of the default filter for a bandwidth of `omega0` (rad/s), in s.
-pub fn settling(omega0: f32) -> f32 {
-    3.0 / (0.7 * 1.1 * omega0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::plants::servo::{REFERENCE, Servo};
     use crate::signals::experiment::Experiment;
     use crate::signals::noise::Condition;
-    use trendid::{FilteredTrends, Scheme, Structure, TrendOperator};
-
-    #[test]
-    fn settling_is_that_of_the_pair() {
-        let trends = FilteredTrends::<3>::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
-        // (s + a)(s^2 + b s + c) with a known from the slow pole: half of b is the decay of the pair.
-        let slow = (1.0 - trends.design().slow_mode) / 0.001;
-        let decay = 0.5 * (trends.filter()[2] - slow);
-        assert!((settling(20.0) * decay - 3.0).abs() < 0.01);
-    }
+    use trendid::Structure;
 
     #[test]
     fn every_round_is_nearer_without_noise() {

@@ -6,7 +6,7 @@
 //! | [`methods`] | conditions, filters and methods of the reproduction |
 //! | [`mod@trial`] | one record through every method |
 //! | [`statistics`] | statistics over many records |
-//! | [`iterations`] | exact trends with the model of the iteration before, settling of a new filter |
+//! | [`iterations`] | exact trends with the model of the iteration before |
 
 pub mod iterations;
 pub mod methods;

@@ -1,14 +1,14 @@
 //! The delay of the drive found by a bank of candidates.
 
 use trendid::{
-    Config, ConfigError, DelayBank, FilteredTrends, Outcome, Refusal, Scheme, Structure,
+    Config, ConfigError, DelayBank, FilteredTrends, Outcome, Refusal, Scheme, Servo, Structure,
 };
 use trendid_host_tests::plants::linear::{Input, LinearPlant};
 use trendid_host_tests::plants::servo::REFERENCE;
 use trendid_host_tests::signals::experiment::Experiment;
 use trendid_host_tests::signals::noise::Condition;
 
-type Bank = DelayBank<FilteredTrends<3>, 3, 5, 1, 7, 8>;
+type Bank = DelayBank<Servo<7>, 8>;
 
 fn bank() -> Bank {
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
@@ -55,7 +55,7 @@ fn refusals_and_sizes() {
     let mut bank = bank();
     assert_eq!(bank.best(), None);
     assert_eq!((bank.margin(), bank.chosen()), (None, None));
-    let before = bank;
+    let before = bank.clone();
     let outcome = bank.update_inputs([f32::NAN], 0.0);
     assert_eq!(outcome, Outcome::Refused(Refusal::Input(0)));
     assert_eq!(bank, before);
@@ -63,7 +63,7 @@ fn refusals_and_sizes() {
 
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
     let config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
-    let short = DelayBank::<_, 3, 5, 1, 2, 8>::try_new(&config, trends, 0);
+    let short = DelayBank::<Servo<2>, 8>::try_new(&config, trends, 0);
     assert_eq!(
         short.err(),
         Some(ConfigError::OutOfRange {

@@ -1,7 +1,6 @@
 //! Filter poles from the estimate: a rough bandwidth three times off is mended on the way.
 
 use trendid::{Config, Estimator, FilteredTrends, Identifier, Scheme, Structure};
-use trendid_host_tests::paper::iterations::settling;
 use trendid_host_tests::plants::servo::{REFERENCE, Servo};
 use trendid_host_tests::signals::experiment::Experiment;
 use trendid_host_tests::signals::noise::{Condition, rms};
@@ -35,9 +34,7 @@ fn a_wrong_bandwidth_is_mended_by_retuning() {
                         && sigma[1] < 0.2 * omega0
                     {
                         let omega0 = omega0.clamp(2.0, 200.0);
-                        let nearer =
-                            FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, omega0).unwrap();
-                        other.retune(nearer, settling(omega0)).unwrap();
+                        other.retune_to(omega0).unwrap();
                         retuned = true;
                         // Bumpless: the estimate itself did not move, and does not while it is held.
                         for (b, a) in before.iter().zip(other.theta()) {

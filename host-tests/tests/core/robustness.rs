@@ -266,7 +266,7 @@ proptest! {
         for pair in numbers.windows(3) {
             let _ = line.update(pair[0], delay);
             level.update(pair[0]);
-            let _ = valve.update(|| [pair[1], pair[2]]);
+            let _ = valve.correct([pair[1], pair[2]]);
             prop_assert!(valve.delta().is_finite() && valve.delta() >= 0.0);
             let _ = valve.inputs(pair[0]);
             let _ = estimator.update(&[pair[0], pair[1]], pair[2]);
@@ -302,7 +302,7 @@ fn hours_without_a_movement() {
 fn a_bank_survives_too() {
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
     let config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
-    let mut bank = DelayBank::<_, 3, 5, 1, 3, 4>::try_new(&config, trends, 0).unwrap();
+    let mut bank = DelayBank::<Identifier<_, 3, 5, 1, 3>, 4>::try_new(&config, trends, 0).unwrap();
     for value in [0.0, 1.0, f32::NAN, f32::MAX, -1e6, f32::INFINITY, 3.0] {
         let _ = bank.update_inputs([value], value);
         let _ = (bank.best(), bank.margin(), bank.errors());

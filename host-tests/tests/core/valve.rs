@@ -72,11 +72,7 @@ fn dead_zone_found(record: &Record, start: f32) -> ([f64; 3], f32) {
     let mut identifier: Identifier<_, 3, 6, 2> = Identifier::try_new(&config, trends()).unwrap();
     let mut valve = DeadZone::new(start, 0.1, 300);
     for s in record.samples() {
-        let _ = identifier.update_inputs(valve.inputs(s.u as f32), s.y as f32);
-        let _ = valve.update(|| {
-            let theta = identifier.theta();
-            [theta[2], theta[3]]
-        });
+        let _ = valve.identify(&mut identifier, s.u as f32, s.y as f32);
     }
     (errors(&identifier.theta()), valve.delta())
 }
