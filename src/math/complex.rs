@@ -1,7 +1,7 @@
 //! Complex numbers.
 
 /// A complex number.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Complex {
     pub(crate) re: f32,
     pub(crate) im: f32,
@@ -9,6 +9,7 @@ pub(crate) struct Complex {
 
 impl Complex {
     pub(crate) const ZERO: Self = Self { re: 0.0, im: 0.0 };
+    pub(crate) const ONE: Self = Self { re: 1.0, im: 0.0 };
 
     pub(crate) fn times(self, other: Self) -> Self {
         Self {
@@ -39,6 +40,22 @@ impl Complex {
                 re: 0.0,
                 im: -value,
             },
+        }
+    }
+
+    /// 1 over this number; not finite for zero.
+    pub(crate) fn inverse(self) -> Self {
+        let size = self.size();
+        Self {
+            re: self.re / size,
+            im: -self.im / size,
+        }
+    }
+
+    pub(crate) fn minus(self, other: Self) -> Self {
+        Self {
+            re: self.re - other.re,
+            im: self.im - other.im,
         }
     }
 

@@ -37,3 +37,57 @@ pub(crate) fn cholesky<const N: usize>(matrix: &Matrix<N>) -> Option<Matrix<N>> 
     }
     Some(l)
 }
+
+/// L^-1 b for a lower triangle L.
+pub(crate) fn forward<const N: usize>(l: &Matrix<N>, b: [f32; N]) -> [f32; N] {
+    let mut x = b;
+    for i in 0..N {
+        for k in 0..i {
+            x[i] -= l[i][k] * x[k];
+        }
+        x[i] /= l[i][i];
+    }
+    x
+}
+
+/// L^-T b for a lower triangle L.
+pub(crate) fn backward<const N: usize>(l: &Matrix<N>, b: [f32; N]) -> [f32; N] {
+    let mut x = b;
+    for i in (0..N).rev() {
+        for k in i + 1..N {
+            x[i] -= l[k][i] * x[k];
+        }
+        x[i] /= l[i][i];
+    }
+    x
+}
+
+/// Column j.
+pub(crate) fn column<const N: usize>(matrix: &Matrix<N>, j: usize) -> [f32; N] {
+    core::array::from_fn(|i| matrix[i][j])
+}
+
+/// A'.
+pub(crate) fn transposed<const N: usize>(matrix: &Matrix<N>) -> Matrix<N> {
+    core::array::from_fn(|j| column(matrix, j))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_factors_solve() {
+        let matrix = [[4.0, 2.0, 0.0], [2.0, 5.0, 2.0], [0.0, 2.0, 5.0]];
+        let l = cholesky(&matrix).unwrap();
+        assert_eq!(product_transposed(&l, &l), matrix);
+        assert_eq!(product(&l, &transposed(&l)), matrix);
+        // x = (1, 2, 3)
+        assert_eq!(
+            backward(&l, forward(&l, [8.0, 18.0, 19.0])),
+            [1.0, 2.0, 3.0]
+        );
+        assert_eq!(cholesky(&[[1.0, 2.0], [2.0, 1.0]]), None);
+        assert_eq!(cholesky(&[[f32::NAN]]), None);
+    }
+}

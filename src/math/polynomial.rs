@@ -1,5 +1,6 @@
 //! Monic polynomials `s^m + c_{m-1} s^{m-1} + .. + c_0`, given by c_0 .. c_{m-1}.
 
+use crate::math::complex::Complex;
 use crate::math::pow;
 
 /// `(s^degree + c_{degree-1} s^{degree-1} + ..)(s + pole)`.
@@ -31,6 +32,15 @@ fn rescaled<const M: usize>(c: &[f32; M], unit: f32, by: impl Fn(f32, f32) -> f3
         *value = by(*value, power);
     }
     scaled
+}
+
+/// The polynomial at s.
+pub(crate) fn value_at(c: &[f32], s: Complex) -> Complex {
+    c.iter().rev().fold(Complex::ONE, |value, c| {
+        let mut next = value.times(s);
+        next.re += c;
+        next
+    })
 }
 
 /// The largest of |c_i|^(1/(m-i)): no root is beyond twice this.

@@ -13,6 +13,7 @@
 use crate::estimation::terms::Parameter;
 use crate::math::complex::Complex;
 use crate::math::matrix::Matrix;
+use crate::math::polynomial::{unscaled, value_at};
 use crate::math::{pow, raised, sqrt};
 
 /// The model through which the residual is seen; everything in the user's units.
@@ -135,7 +136,7 @@ impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
         natural: f32,
         plant: Complex,
     ) -> [Complex; N] {
-        // G = B/A by conjugate over size.
+        // G = B/A
         let mut numerator = Complex::ZERO;
         for (parameter, value) in self.parameters.iter().zip(self.theta) {
             if let Parameter::Input { input: of, power } = *parameter
@@ -145,12 +146,7 @@ impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
                 numerator = numerator.plus(Complex::power(x, power, b));
             }
         }
-        let size = plant.size();
-        let inverse = Complex {
-            re: plant.re / size,
-            im: -plant.im / size,
-        };
-        let output = numerator.times(inverse);
+        let output = numerator.times(plant.inverse());
         let mut phi = [Complex::ZERO; N];
         for (j, parameter) in self.parameters.iter().enumerate() {
             let value = match *parameter {
@@ -186,12 +182,7 @@ pub(crate) fn natural_frequency<const M: usize>(a: &[f32; M], bandwidth: f32) ->
 
 /// Monic polynomial of order m at `s omega_n`, divided by `omega_n^m`.
 fn monic<const M: usize>(coefficients: &[f32; M], s: Complex, natural: f32) -> Complex {
-    let mut value = Complex { re: 1.0, im: 0.0 };
-    for (i, c) in coefficients.iter().enumerate().rev() {
-        value = value.times(s);
-        value.re += c / raised(natural, M - i);
-    }
-    value
+    value_at(&unscaled(coefficients, natural), s)
 }
 
 /// Mean of |A/A_f|^2 over 0.1 to 2.5 times the natural frequency, weighted by the spectrum of the regressor.

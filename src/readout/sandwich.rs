@@ -7,7 +7,9 @@
 //! positive for any other P.
 
 use crate::estimation::terms::{Parameter, index_of};
-use crate::math::matrix::{Matrix, cholesky, product, product_transposed};
+use crate::math::matrix::{
+    Matrix, backward, cholesky, column, forward, product, product_transposed, transposed,
+};
 use crate::math::sqrt;
 
 /// T; `None` where R and S have no proper factors. Parameters that are not `free` are known and stand apart.
@@ -39,8 +41,10 @@ pub(crate) fn transform<const N: usize>(
         }
     }
     let l = cholesky(&r)?;
-    let z = cholesky(&whitened(s, &l))?;
-    let mut transform = back_substituted(&z, &l);
+    let z = cholesky(&whitened(&s, &l))?;
+    let scaled = product_transposed(&z, &l);
+    let columns: Matrix<N> = core::array::from_fn(|j| backward(&l, column(&scaled, j)));
+    let mut transform = transposed(&columns);
     // T <- D T D^-1 with D = size.
     for i in 0..N {
         for j in 0..N {
@@ -51,46 +55,10 @@ pub(crate) fn transform<const N: usize>(
     finite.then_some(transform)
 }
 
-/// L^-1 S L^-T, column by column and then row by row.
-fn whitened<const N: usize>(mut s: Matrix<N>, l: &Matrix<N>) -> Matrix<N> {
-    for _ in 0..2 {
-        let mut next = [[0.0; N]; N];
-        for j in 0..N {
-            let mut column = [0.0; N];
-            for i in 0..N {
-                let mut sum = s[i][j];
-                for k in 0..i {
-                    sum -= l[i][k] * column[k];
-                }
-                column[i] = sum / l[i][i];
-            }
-            // Transposed, so that the second pass takes the other side.
-            next[j] = column;
-        }
-        s = next;
-    }
-    s
-}
-
-/// L^-T (Z L').
-fn back_substituted<const N: usize>(z: &Matrix<N>, l: &Matrix<N>) -> Matrix<N> {
-    let mut solution = [[0.0; N]; N];
-    for j in 0..N {
-        let mut column = [0.0; N];
-        for i in 0..N {
-            for k in 0..N {
-                column[i] += z[i][k] * l[j][k];
-            }
-        }
-        for i in (0..N).rev() {
-            let mut sum = column[i];
-            for k in i + 1..N {
-                sum -= l[k][i] * solution[k][j];
-            }
-            solution[i][j] = sum / l[i][i];
-        }
-    }
-    solution
+/// L^-1 S L^-T: the columns of S first, then its rows.
+fn whitened<const N: usize>(s: &Matrix<N>, l: &Matrix<N>) -> Matrix<N> {
+    let rows: Matrix<N> = core::array::from_fn(|j| forward(l, column(s, j)));
+    core::array::from_fn(|j| forward(l, column(&rows, j)))
 }
 
 /// What distinguishes a constant from the initial state and a command in a short record lies above the frequencies of the
