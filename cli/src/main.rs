@@ -35,12 +35,8 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     Identify(identify::command::IdentifyArgs),
     Select(identify::select::SelectArgs),
-    /// Table 1 of the paper again, beside bound and opponents
-    Table1(paper::table1::Table1Args),
-    /// Table 2 of the paper again: structures and what IQ says of them
-    Table2(paper::table2::Table2Args),
-    /// Fig. 1 of the paper again: transients of the coefficients
-    Fig1(paper::fig1::Fig1Args),
+    /// The tables and the figure of the paper again
+    Paper(paper::PaperArgs),
     /// What each option of the core costs in instructions, beside what it gains in accuracy
     Options(options::OptionsArgs),
     /// The adaptive position loop in every scenario, with fixed gains beside
@@ -63,9 +59,7 @@ fn main() -> ExitCode {
         Command::Simulate(args) => simulate::run(args),
         Command::Identify(args) => identify::command::run(args),
         Command::Select(args) => identify::select::run(args),
-        Command::Table1(args) => paper::table1::run(args),
-        Command::Table2(args) => paper::table2::run(args),
-        Command::Fig1(args) => paper::fig1::run(args),
+        Command::Paper(args) => paper::run(args),
         Command::Options(args) => options::run(args),
         Command::Loop(args) => servo::position_loop::run(args),
         Command::Pil(args) => pil::run(args),

@@ -47,7 +47,7 @@ pub struct IdentifyArgs {
     /// Memory of the estimator; without it nothing is forgotten
     #[arg(long, value_name = "SECONDS")]
     memory: Option<f64>,
-    /// Write pictures (SVG and PNG) into this directory
+    /// Write pictures (SVG) into this directory
     #[arg(long, value_name = "DIR")]
     plot: Option<PathBuf>,
     /// Print JSON

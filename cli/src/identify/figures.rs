@@ -16,12 +16,11 @@ pub fn save(
     problem: &Problem,
     found: &Identification,
     start: f64,
-) -> Result<Vec<PathBuf>, String> {
-    let mut written = simulation(problem, found, start)
-        .save(dir, "simulation")?
-        .to_vec();
-    written.extend(parameters(problem, found, start).save(dir, "parameters")?);
-    Ok(written)
+) -> Result<[PathBuf; 2], String> {
+    Ok([
+        simulation(problem, found, start).save(dir, "simulation")?,
+        parameters(problem, found, start).save(dir, "parameters")?,
+    ])
 }
 
 /// Measured and simulated output of the second half, and their difference.

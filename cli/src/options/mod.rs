@@ -6,7 +6,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use crate::format::significant;
-use crate::options::runs::{Gain, gains};
+use crate::options::runs::{Cost, Gain, gains};
 use crate::output::{Refusal, emit, emit_json, number, progress};
 
 /// What is asked of the command.
@@ -24,28 +24,6 @@ pub struct OptionsArgs {
     /// The table as JSON
     #[arg(long)]
     pub json: bool,
-}
-
-/// Where the instructions of an option are counted.
-pub enum Cost {
-    /// In every sample: one row of the counts with the option, one without.
-    Sample {
-        with: (&'static str, u64),
-        without: (&'static str, u64),
-    },
-    /// In every sample while the option is in use, then never again.
-    Commissioning {
-        with: (&'static str, u64),
-        without: (&'static str, u64),
-    },
-    /// In a call that is not made in every sample.
-    Call(&'static str),
-    /// In every sample one difference of rows, and in every call another row.
-    Both {
-        with: (&'static str, u64),
-        without: (&'static str, u64),
-        call: &'static str,
-    },
 }
 
 /// The counts that `cargo xtask icount --bless` has written.
@@ -100,7 +78,7 @@ pub fn run(args: &OptionsArgs) -> Result<(), Refusal> {
     bar.finish_and_clear();
     let mut rows = Vec::new();
     for gain in &gains {
-        rows.push((gain, instructions(&counts, &gain.cost)?));
+        rows.push((gain, instructions(&counts, &gain.tried.cost)?));
     }
     if args.json {
         let list: Vec<Value> = rows
@@ -108,10 +86,10 @@ pub fn run(args: &OptionsArgs) -> Result<(), Refusal> {
             .map(|(gain, [sample, call])| {
                 let three = |e: [f64; 3]| e.map(number).to_vec();
                 json!({
-                    "option": gain.option,
+                    "option": gain.tried.option,
                     "instructions_per_sample": sample.map(number),
                     "instructions_per_call": call.map(number),
-                    "condition": gain.condition,
+                    "condition": gain.tried.condition,
                     "rms_without_pct": three(gain.without),
                     "rms_with_pct": three(gain.with),
                 })
@@ -131,7 +109,7 @@ fn text(rows: &[(&Gain, [Option<f64>; 2])], seeds: &std::ops::Range<u64>) -> Str
     for (gain, [sample, call]) in rows {
         let mut cost = Vec::new();
         if let Some(sample) = sample {
-            let while_used = match gain.cost {
+            let while_used = match gain.tried.cost {
                 Cost::Commissioning { .. } => " while commissioning",
                 _ => "",
             };
@@ -142,9 +120,9 @@ fn text(rows: &[(&Gain, [Option<f64>; 2])], seeds: &std::ops::Range<u64>) -> Str
         }
         text += &format!(
             "| {} | {} | {} | {} | {} |\n",
-            gain.option,
+            gain.tried.option,
             cost.join(", "),
-            gain.condition,
+            gain.tried.condition,
             errors(gain.without),
             errors(gain.with)
         );

@@ -15,13 +15,40 @@ use trendid_host_tests::signals::excitation::Excitation;
 use trendid_host_tests::signals::experiment::{Experiment, Record};
 use trendid_host_tests::signals::noise::{Additive, Condition, Reading};
 
-use crate::options::Cost;
+/// Where the instructions of an option are counted.
+pub enum Cost {
+    /// In every sample: one row of the counts with the option, one without.
+    Sample {
+        with: (&'static str, u64),
+        without: (&'static str, u64),
+    },
+    /// In every sample while the option is in use, then never again.
+    Commissioning {
+        with: (&'static str, u64),
+        without: (&'static str, u64),
+    },
+    /// In a call that is not made in every sample.
+    Call(&'static str),
+    /// In every sample one difference of rows, and in every call another row.
+    Both {
+        with: (&'static str, u64),
+        without: (&'static str, u64),
+        call: &'static str,
+    },
+}
 
-/// One option: its cost, and rms errors of C, omega0, xi in percent without it and with it.
-pub struct Gain {
+/// One option: what it costs, and where it is tried.
+pub struct Tried {
     pub option: &'static str,
     pub cost: Cost,
     pub condition: &'static str,
+    /// Errors of one run without and with the option.
+    run: fn(u64) -> Pair,
+}
+
+/// What an option gains: rms errors of C, omega0, xi in percent without it and with it.
+pub struct Gain {
+    pub tried: &'static Tried,
     pub without: [f64; 3],
     pub with: [f64; 3],
 }
@@ -29,8 +56,70 @@ pub struct Gain {
 /// Errors of one run without and with the option.
 type Pair = [[f64; 3]; 2];
 
-/// Name, cost, condition, and one run of an option.
-type Experimented = (&'static str, Cost, &'static str, fn(u64) -> Pair);
+/// All of them.
+static OPTIONS: [Tried; 9] = [
+    Tried {
+        option: "filtered trends, not raw",
+        cost: sample(("filtered Tustin", 3), ("raw Tustin", 3)),
+        condition: "0.1 mm of white noise, 0.5 s",
+        run: filtered,
+    },
+    Tried {
+        option: "noise bias out at the read-out",
+        cost: Cost::Call("estimate, per call"),
+        condition: "N/S 16.7 %, 3 s",
+        run: compensated,
+    },
+    Tried {
+        option: "start as a parameter",
+        cost: sample(("with start", 4), ("filtered Tustin", 3)),
+        condition: "0.1 mm of white noise, 0.5 s",
+        run: start,
+    },
+    Tried {
+        option: "constant input",
+        cost: sample(("default", 5), ("with start", 4)),
+        condition: "offset of 10 % of u, 10 um, 1 s",
+        run: constant,
+    },
+    Tried {
+        option: "inputs of a dead zone",
+        cost: sample(("with dead zone", 5), ("with constant", 4)),
+        condition: "dead zone of 3 %, closed loop, 20 um, 4 s",
+        run: dead_zone,
+    },
+    Tried {
+        option: "covariance bounded at rest",
+        cost: sample(("bare, bounded at rest", 4), ("bare estimator", 4)),
+        condition: "20 s at rest, 30 um, memory 0.2 s: drift",
+        run: bounded,
+    },
+    Tried {
+        option: "filter retuned on the way",
+        cost: Cost::Call("retune, per call"),
+        condition: "bandwidth given 3 times too high, N/S 16.7 %, 3 s",
+        run: retuned,
+    },
+    Tried {
+        option: "delay bank of 8",
+        cost: Cost::Commissioning {
+            with: ("delay bank of 8", 5),
+            without: ("default", 5),
+        },
+        condition: "3 samples of delay, 0.1 mm, 0.5 s",
+        run: banked,
+    },
+    Tried {
+        option: "exact hold, retuned on the way",
+        cost: Cost::Both {
+            with: ("default, exact hold", 5),
+            without: ("default", 5),
+            call: "exact estimate, per call",
+        },
+        condition: "60 rad/s, damping 0.3, sampled every 5 ms, 10 um, 4 s",
+        run: exact,
+    },
+];
 
 /// What is known of the reference servo \[rad/s\].
 const BANDWIDTH: f32 = 20.0;
@@ -39,96 +128,29 @@ const DT: f64 = 0.001;
 
 /// Every option over the seeds.
 pub fn gains(seeds: &Range<u64>, bar: &ProgressBar) -> Vec<Gain> {
-    let options: [Experimented; 9] = [
-        (
-            "filtered trends, not raw",
-            sample(("filtered Tustin", 3), ("raw Tustin", 3)),
-            "0.1 mm of white noise, 0.5 s",
-            filtered,
-        ),
-        (
-            "noise bias out at the read-out",
-            Cost::Call("estimate, per call"),
-            "N/S 16.7 %, 3 s",
-            compensated,
-        ),
-        (
-            "start as a parameter",
-            sample(("with start", 4), ("filtered Tustin", 3)),
-            "0.1 mm of white noise, 0.5 s",
-            start,
-        ),
-        (
-            "constant input",
-            sample(("default", 5), ("with start", 4)),
-            "offset of 10 % of u, 10 um, 1 s",
-            constant,
-        ),
-        (
-            "inputs of a dead zone",
-            sample(("with dead zone", 5), ("with constant", 4)),
-            "dead zone of 3 %, closed loop, 20 um, 4 s",
-            dead_zone,
-        ),
-        (
-            "covariance bounded at rest",
-            sample(("bare, bounded at rest", 4), ("bare estimator", 4)),
-            "20 s at rest, 30 um, memory 0.2 s: drift",
-            bounded,
-        ),
-        (
-            "filter retuned on the way",
-            Cost::Call("retune, per call"),
-            "bandwidth given 3 times too high, N/S 16.7 %, 3 s",
-            retuned,
-        ),
-        (
-            "delay bank of 8",
-            Cost::Commissioning {
-                with: ("delay bank of 8", 5),
-                without: ("default", 5),
-            },
-            "3 samples of delay, 0.1 mm, 0.5 s",
-            banked,
-        ),
-        (
-            "exact hold, retuned on the way",
-            Cost::Both {
-                with: ("default, exact hold", 5),
-                without: ("default", 5),
-                call: "exact estimate, per call",
-            },
-            "60 rad/s, damping 0.3, sampled every 5 ms, 10 um, 4 s",
-            exact,
-        ),
-    ];
-    bar.set_length(options.len() as u64 * (seeds.end - seeds.start));
-    options
-        .into_iter()
-        .map(|(option, cost, condition, run)| {
-            let pairs: Vec<Pair> = seeds
-                .clone()
-                .into_par_iter()
-                .map(|seed| {
-                    bar.inc(1);
-                    run(seed)
-                })
-                .collect();
-            let rms = |which: usize| {
-                core::array::from_fn(|i| {
-                    let sum: f64 = pairs.iter().map(|pair| pair[which][i].powi(2)).sum();
-                    (sum / pairs.len() as f64).sqrt()
-                })
-            };
-            Gain {
-                option,
-                cost,
-                condition,
-                without: rms(0),
-                with: rms(1),
-            }
-        })
-        .collect()
+    bar.set_length(OPTIONS.len() as u64 * (seeds.end - seeds.start));
+    let gain = |tried: &'static Tried| {
+        let pairs: Vec<Pair> = seeds
+            .clone()
+            .into_par_iter()
+            .map(|seed| {
+                bar.inc(1);
+                (tried.run)(seed)
+            })
+            .collect();
+        let rms = |which: usize| {
+            core::array::from_fn(|i| {
+                let sum: f64 = pairs.iter().map(|pair| pair[which][i].powi(2)).sum();
+                (sum / pairs.len() as f64).sqrt()
+            })
+        };
+        Gain {
+            tried,
+            without: rms(0),
+            with: rms(1),
+        }
+    };
+    OPTIONS.iter().map(gain).collect()
 }
 
 const fn sample(with: (&'static str, u64), without: (&'static str, u64)) -> Cost {

@@ -1,4 +1,4 @@
-//! `trendid fig1`: the paper's Fig. 1 again, transients of the normalised coefficients.
+//! `trendid paper fig1`: the paper's Fig. 1 again, transients of the normalised coefficients.
 
 use std::path::PathBuf;
 
@@ -17,8 +17,8 @@ use crate::plot::{COLOURS, Curve, Figure, GREY, Panel};
 /// What is asked of the command.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
-  trendid fig1 --plot pictures
-  trendid fig1 --csv --raw")]
+  trendid paper fig1 --plot pictures
+  trendid paper fig1 --csv --raw")]
 pub struct Fig1Args {
     /// Seed of the record
     #[arg(long, value_name = "N", default_value_t = 100_000)]
@@ -32,7 +32,7 @@ pub struct Fig1Args {
     /// Raw trends, as in the paper, instead of filtered ones
     #[arg(long)]
     pub raw: bool,
-    /// Directory of fig1.svg and fig1.png
+    /// Directory of fig1.svg
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub plot: PathBuf,
     /// The transients as CSV, no picture
@@ -105,9 +105,8 @@ pub fn run(args: &Fig1Args) -> Result<(), Refusal> {
         }));
         return Ok(());
     }
-    for path in figure(args, &points).save(&args.plot, "fig1")? {
-        output::emit(&format!("wrote {}\n", path.display()));
-    }
+    let path = figure(args, &points).save(&args.plot, "fig1")?;
+    output::emit(&format!("wrote {}\n", path.display()));
     output::emit(&match settled {
         Some(ms) => format!("all three within 5 % of the truth from {ms:.0} ms on\n"),
         None => "not within 5 % of the truth at the end\n".to_owned(),

@@ -2,15 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use trendid_host_tests::paper::statistics::Line;
 use trendid_host_tests::paper::trial::Method;
 use trendid_host_tests::signals::noise::Reading;
 
-use crate::paper::table1::Table1Args;
-use crate::plot::{COLOURS, Drawing, GREY, font, px, save as save_drawing};
+use crate::paper::args::Table1Args;
+use crate::plot::{Area, COLOURS, Drawing, Drawn, GREY, font, px, save as save_drawing};
 
 /// One line of the picture: a name and its errors of C, omega0, xi at each noise level \[%\].
 struct Series {
@@ -25,8 +24,8 @@ struct Picture {
     series: Vec<Series>,
 }
 
-/// Writes `DIR/table1.svg` and `DIR/table1.png` from the block white in RELATIVE, else in ABSOLUTE.
-pub fn save(dir: &Path, args: &Table1Args, lines: &[Line]) -> Result<[PathBuf; 2], String> {
+/// Writes `DIR/table1.svg` from the block white in RELATIVE, else in ABSOLUTE.
+pub fn save(dir: &Path, args: &Table1Args, lines: &[Line]) -> Result<PathBuf, String> {
     let white = |reading| -> Vec<&Line> {
         lines
             .iter()
@@ -100,10 +99,7 @@ impl Drawing for Picture {
         (1000, 420)
     }
 
-    fn draw<B: DrawingBackend>(
-        &self,
-        area: &DrawingArea<B, Shift>,
-    ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+    fn draw(&self, area: &Area) -> Drawn {
         area.fill(&WHITE)?;
         let area = area.margin(px(8), 0, 0, 0).titled(&self.title, font(17))?;
         let (panels, legend) = area.split_vertically(px(340));

@@ -1,4 +1,4 @@
-//! Table 1 for people: the long table, the short one of the documentation, and the comparison with the limits.
+//! Table 1 for people: every filter, the brief one, and the comparison with the limits.
 
 use std::fmt::Write as _;
 
@@ -8,10 +8,10 @@ use trendid_host_tests::paper::trial::{Filter, Method};
 use trendid_host_tests::signals::noise::Reading;
 
 use crate::format::{significant, table};
-use crate::paper::table1::Table1Args;
+use crate::paper::args::Table1Args;
 
 /// What stands under every table.
-pub const DEFINITIONS: &str = "\
+const DEFINITIONS: &str = "\
 Errors are relative, in percent, of C, omega0, xi at the end of the record. Plant: b0 / (s (s^2 + 20 s + 400)), b0 = 1e6.
 ABSOLUTE: u = binary noise +-0.4 held 50 ms; w, eta, eps as printed in the paper, in um of position. The drift w is
 (w/2) sin(2 pi 0.5 Hz t + random phase), eta is uniform and white of full width eta, eps is rounding to multiples of eps.
@@ -70,75 +70,6 @@ fn seeds(args: &Table1Args) -> String {
         args.first_seed,
         args.first_seed + args.seeds
     )
-}
-
-/// Every line of the file, condition by condition, with the ratios.
-pub fn plain(args: &Table1Args, lines: &[Line]) -> String {
-    let mut text = String::new();
-    for group in lines.chunk_by(|a, b| a.setting == b.setting) {
-        let first = &group[0];
-        let _ = writeln!(
-            text,
-            "{}, {}, {} s, N/S {} % (paper {} %), {}",
-            first.setting.reading().to_uppercase(),
-            condition(first),
-            first.duration_s,
-            cell(first.ns_pct),
-            first.setting.condition.ns_pct,
-            seeds(args)
-        );
-        let head = [
-            "C/omega0/xi",
-            "rms error [%]",
-            "median [%]",
-            "rms/bound",
-            "rms/paper",
-            "T_ss med",
-            "p95 [ms]",
-            "CONV",
-            "diverged",
-        ];
-        let mut rows = vec![head.map(str::to_owned).to_vec()];
-        for (name, printed) in [
-            ("paper, Goodwin", first.setting.goodwin),
-            ("paper, Tustin", first.setting.tustin),
-        ] {
-            let errors = [printed.c_pct, printed.omega0_pct, printed.xi_pct];
-            let mut row = vec![name.to_owned(), triple(errors)];
-            row.extend(["", "", ""].map(str::to_owned));
-            row.push(cell(printed.tss_ms));
-            row.push(String::new());
-            row.push(cell(printed.conv));
-            rows.push(row);
-        }
-        rows.push(vec!["bound".to_owned(), triple(first.bound_pct)]);
-        for line in group {
-            let name = match line.method {
-                Method::Core { .. } => format!(
-                    "{} {} {}",
-                    line.method.scheme(),
-                    line.method.filter(),
-                    line.method.estimator()
-                ),
-                _ => line.method.estimator().to_owned(),
-            };
-            let optional = |v: Option<f64>| v.map_or(String::new(), cell);
-            rows.push(vec![
-                name,
-                triple(line.rms_pct),
-                triple(line.median_pct),
-                triple(line.of_bound()),
-                triple(line.of_paper()),
-                optional(line.settled_median_ms),
-                optional(line.settled_p95_ms),
-                optional(line.conv),
-                line.diverged.to_string(),
-            ]);
-        }
-        text += &table(&rows);
-        text.push('\n');
-    }
-    text + DEFINITIONS + &legend()
 }
 
 /// One line per condition, every filter in its own column.

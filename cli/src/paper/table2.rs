@@ -1,6 +1,5 @@
-//! `trendid table2`: the paper's Table 2 again, structures of every size and what IQ says of them.
+//! `trendid paper table2`: the paper's Table 2 again, structures of every size and what IQ says of them.
 
-use clap::Args;
 use rayon::prelude::*;
 use trendid::{
     ConfigError, FilteredTrends, Hold, OutputEvaluation, RawTrends, Scheme, Terms, TransferFunction,
@@ -8,128 +7,18 @@ use trendid::{
 use trendid_host_tests::paper::statistics::quantile;
 use trendid_host_tests::plants::linear::LinearPlant;
 use trendid_host_tests::signals::experiment::{Experiment, Record};
-use trendid_host_tests::signals::noise::{Condition, Reading};
+use trendid_host_tests::signals::noise::Condition;
 use trendid_identify::Estimate;
 use trendid_identify::dynamic::{Filter, InputSetup, Setup};
 
 use crate::output::{self, Refusal};
-use crate::paper::table1::ReadingName;
+use crate::paper::args::{Table2Args, check};
+use crate::paper::found::{Found, NO, SIZES, Size};
 use crate::paper::table2_text::{as_json, csv, plain};
-
-/// What is asked of the command.
-#[derive(Debug, Args)]
-#[command(after_help = "Examples:
-  trendid table2
-  trendid table2 --csv --seeds 10 --duration 1")]
-pub struct Table2Args {
-    /// Records per structure
-    #[arg(long, value_name = "N", default_value_t = 100)]
-    pub seeds: u64,
-    /// Seed of the first record; the record on which IQ is evaluated has the seed N + 500000
-    #[arg(long, value_name = "N", default_value_t = 100_000)]
-    pub first_seed: u64,
-    /// Length of each record [s]
-    #[arg(long, value_name = "S", default_value_t = 3.0)]
-    pub duration: f64,
-    /// Reading of the noise
-    #[arg(long, value_enum, default_value = "absolute")]
-    pub reading: ReadingName,
-    /// One line per structure and method, for machines
-    #[arg(long, conflicts_with = "json")]
-    pub csv: bool,
-    /// The same as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// One structure of the table: m without the integrator, M parameters.
-#[derive(Clone, Copy)]
-pub struct Size {
-    pub m: usize,
-    pub numerators: usize,
-    /// a3, a1, a0, b2, b1, b0 and IQ as printed, per scheme; what the structure lacks is NaN.
-    pub goodwin: [f64; 7],
-    pub tustin: [f64; 7],
-}
-
-const NO: f64 = f64::NAN;
-
-/// Table 2 of the paper in the order of print.
-const SIZES: [Size; 5] = [
-    Size {
-        m: 1,
-        numerators: 1,
-        goodwin: [NO, 1.0, -3.888, NO, NO, 0.125, 324.8],
-        tustin: [NO, 1.0, -4.011, NO, NO, 0.116, 340.5],
-    },
-    Size {
-        m: 2,
-        numerators: 1,
-        goodwin: [NO, 21.24, 400.6, NO, NO, 0.9937, 0.1042],
-        tustin: [NO, 19.95, 400.4, NO, NO, 0.9941, 0.1033],
-    },
-    Size {
-        m: 2,
-        numerators: 2,
-        goodwin: [NO, 20.29, 395.7, NO, 0.00051, 0.9861, 0.1033],
-        tustin: [NO, 19.95, 400.1, NO, 0.000035, 0.9935, 0.1033],
-    },
-    Size {
-        m: 3,
-        numerators: 2,
-        goodwin: [0.00133, 22.25, 392.9, NO, 0.00087, 0.9761, 0.0995],
-        tustin: [0.00102, 19.61, 396.7, NO, 0.000072, 0.9821, 0.1045],
-    },
-    Size {
-        m: 3,
-        numerators: 3,
-        goodwin: [0.00136, 20.92, 385.8, 0.65, 0.00171, 0.9639, 0.0995],
-        tustin: [0.00105, 19.58, 396.2, 0.13, 0.00031, 0.9822, 0.1054],
-    },
-];
-
-/// Medians of one structure, scheme and kind of trends.
-pub struct Found {
-    pub size: Size,
-    pub scheme: Scheme,
-    pub filtered: bool,
-    /// As in [`Size`], then IQ by (10), then IQ of the simulated velocity.
-    pub median: [f64; 8],
-    /// Half the distance of the quartiles.
-    pub spread: [f64; 8],
-}
-
-impl Found {
-    pub fn paper(&self) -> [f64; 7] {
-        match self.scheme {
-            Scheme::Goodwin => self.size.goodwin,
-            Scheme::Tustin => self.size.tustin,
-        }
-    }
-
-    pub fn kind(&self) -> &'static str {
-        if self.filtered { "filtered" } else { "raw" }
-    }
-
-    pub fn scheme(&self) -> &'static str {
-        match self.scheme {
-            Scheme::Goodwin => "goodwin",
-            Scheme::Tustin => "tustin",
-        }
-    }
-}
 
 /// Identifies every structure and prints the table.
 pub fn run(args: &Table2Args) -> Result<(), Refusal> {
-    if args.seeds == 0 {
-        return Err(Refusal::new("--seeds must be at least 1"));
-    }
-    if !(0.3..=60.0).contains(&args.duration) {
-        return Err(Refusal::new(format!(
-            "--duration is {} s, not between 0.3 and 60",
-            args.duration
-        )));
-    }
+    check(args.seeds, Some(args.duration))?;
     let found = all(args)?;
     if args.csv {
         output::emit(&csv(args, &found));
@@ -148,10 +37,7 @@ fn all(args: &Table2Args) -> Result<Vec<Found>, Refusal> {
         eps_um: 10.0,
         dt_ms: 1.0,
         ns_pct: 1.97,
-        reading: match args.reading {
-            ReadingName::Absolute => Reading::Absolute,
-            ReadingName::Relative => Reading::Relative,
-        },
+        reading: args.reading.into(),
     };
     let experiment = Experiment::reference(condition, args.duration);
     let mut kinds = Vec::new();

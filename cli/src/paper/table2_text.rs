@@ -7,8 +7,8 @@ use trendid::Scheme;
 
 use crate::format::{significant, table};
 use crate::output;
-use crate::paper::table1::ReadingName;
-use crate::paper::table2::{Found, Table2Args};
+use crate::paper::args::Table2Args;
+use crate::paper::found::Found;
 
 /// What the figures are.
 const DEFINITIONS: &str = "\
@@ -114,7 +114,7 @@ pub fn csv(args: &Table2Args, found: &[Found]) -> String {
             f.size.m + f.size.numerators,
             f.scheme(),
             f.kind(),
-            reading(args),
+            args.reading.name(),
             args.duration,
             args.seeds
         );
@@ -126,13 +126,6 @@ pub fn csv(args: &Table2Args, found: &[Found]) -> String {
         let _ = writeln!(text, ",{},{}", plain(f.median[7]), plain(f.spread[7]));
     }
     text
-}
-
-fn reading(args: &Table2Args) -> &'static str {
-    match args.reading {
-        ReadingName::Absolute => "absolute",
-        ReadingName::Relative => "relative",
-    }
 }
 
 /// The same as JSON.
@@ -157,7 +150,7 @@ pub fn as_json(args: &Table2Args, found: &[Found]) -> Value {
         })
         .collect();
     json!({
-        "first_seed": args.first_seed, "seeds": args.seeds, "duration_s": args.duration, "reading": reading(args),
+        "first_seed": args.first_seed, "seeds": args.seeds, "duration_s": args.duration, "reading": args.reading.name(),
         "definitions": DEFINITIONS, "rows": rows,
     })
 }

@@ -61,10 +61,10 @@ pub struct DemoArgs {
     /// The first seed
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Runs of as many seeds; the pictures show the first
+    /// Runs of as many seeds; the picture shows the first
     #[arg(long, value_name = "N", default_value_t = 1)]
     seeds: u64,
-    /// Directory of the pictures
+    /// Directory of the picture
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
     /// Print JSON, one object per seed

@@ -123,21 +123,17 @@ pub fn run(task: &Task) -> Result<(), Refusal> {
             "adaptive"
         },
     );
-    let [svg, png] = figure::save(&course, title, task.out, &name)?;
+    let picture = figure::save(&course, title, task.out, &name)?;
     if task.json {
         let mut values: Vec<Value> = runs.iter().map(|f| json_of(f, task.fixed)).collect();
-        values[0]["pictures"] = json!([svg.display().to_string(), png.display().to_string()]);
+        values[0]["pictures"] = json!([picture.display().to_string()]);
         for value in &values {
             emit_json(value);
         }
         return Ok(());
     }
     emit(&text(task, &course, &runs));
-    emit(&format!(
-        "\nPictures: {} and {}\n",
-        svg.display(),
-        png.display()
-    ));
+    emit(&format!("\nPicture: {}\n", picture.display()));
     Ok(())
 }
 

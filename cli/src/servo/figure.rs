@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use plotters::coord::Shift;
 use plotters::prelude::*;
 use trendid::State;
 
-use crate::plot::{COLOURS, Curve, Drawing, GREY, Panel, font, px, save as save_drawing};
+use crate::plot::{
+    Area, COLOURS, Curve, Drawing, Drawn, GREY, Panel, font, px, save as save_drawing,
+};
 
 /// One sample.
 pub struct Row {
@@ -31,17 +32,12 @@ pub struct Course {
     pub retuned: Vec<f64>,
 }
 
-/// Writes the picture as `DIR/NAME.svg` and `DIR/NAME.png`.
+/// Writes the picture as `DIR/NAME.svg`.
 ///
 /// # Errors
 ///
 /// A sentence naming the file that cannot be written.
-pub fn save(
-    course: &Course,
-    title: String,
-    dir: &Path,
-    name: &str,
-) -> Result<[PathBuf; 2], String> {
+pub fn save(course: &Course, title: String, dir: &Path, name: &str) -> Result<PathBuf, String> {
     let picture = Picture {
         title,
         panels: panels(course),
@@ -172,10 +168,7 @@ impl Drawing for Picture<'_> {
         (WIDTH, HEAD + PANEL * self.panels.len() as u32 + STRIP)
     }
 
-    fn draw<B: DrawingBackend>(
-        &self,
-        area: &DrawingArea<B, Shift>,
-    ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+    fn draw(&self, area: &Area) -> Drawn {
         area.fill(&WHITE)?;
         let area = area.margin(px(8), 0, 0, 0).titled(&self.title, font(19))?;
         let (upper, lower) = area.split_vertically(px(PANEL) * self.panels.len() as u32);
@@ -224,10 +217,7 @@ fn line_of(state: State) -> usize {
 }
 
 impl Strip<'_> {
-    fn draw<B: DrawingBackend>(
-        &self,
-        area: &DrawingArea<B, Shift>,
-    ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+    fn draw(&self, area: &Area) -> Drawn {
         let lines = LINES.len() as f64;
         let mut chart = ChartBuilder::on(area)
             .margin(px(10))

@@ -110,18 +110,17 @@ pub fn run(args: &LinearArgs) -> Result<(), Refusal> {
             note(&mut courses, core.as_ref(), sample.t);
         }
     }
-    let [svg, png] = figure(&courses, args).save(&args.out, "transients")?;
+    let picture = figure(&courses, args).save(&args.out, "transients")?;
     if args.json {
         let mut value = json_of(&courses, core.as_ref());
-        value["pictures"] = json!([svg.display().to_string(), png.display().to_string()]);
+        value["pictures"] = json!([picture.display().to_string()]);
         emit_json(&value);
         return Ok(());
     }
     emit(&text(&courses, core.as_ref(), args));
     emit(&format!(
-        "\nPictures of the transients: {} and {}\n",
-        svg.display(),
-        png.display()
+        "\nPicture of the transients: {}\n",
+        picture.display()
     ));
     Ok(())
 }

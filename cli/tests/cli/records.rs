@@ -4,12 +4,9 @@
 //! directory that holds them, by default `../shared/data` beside the checkout.
 //! Without them the tests say so and pass.
 
-#[path = "common/mod.rs"]
-mod common;
-
 use std::path::{Path, PathBuf};
 
-use common::{json, stdout};
+use crate::common::{json, stdout};
 use serde_json::Value;
 
 fn record(name: &str) -> Option<String> {

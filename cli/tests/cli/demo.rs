@@ -1,8 +1,6 @@
 //! The demonstration of the adaptive loop: keys of JSON, pictures, exit codes.
 
-mod common;
-
-use common::{Scratch, stdout, trendid};
+use crate::common::{Scratch, stdout, trendid};
 
 const KEYS: [&str; 12] = [
     "scenario",
@@ -52,8 +50,6 @@ fn one_object_per_seed_with_every_key() {
     }
     let svg = std::fs::read_to_string(format!("{out}/loop-stuck-sensor.svg")).unwrap();
     assert!(svg.contains("state of the supervisor"));
-    let png = std::fs::read(format!("{out}/loop-stuck-sensor.png")).unwrap();
-    assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
 }
 
 #[test]

@@ -1,5 +1,4 @@
-//! What the tests of the binary share; each uses a part of it.
-#![allow(dead_code)]
+//! Running the program and looking at what it prints.
 
 use std::path::PathBuf;
 use std::process::{Command, Output};

@@ -1,10 +1,7 @@
 //! Bad input ends with exit code 2, nothing on standard output and one sentence
 //! that names the place.
 
-#[path = "common/mod.rs"]
-mod common;
-
-use common::{Scratch, trendid};
+use crate::common::{Scratch, trendid};
 
 /// The sentence of a refusal, after its exit code and its shape were checked.
 fn sentence(args: &[&str]) -> String {

@@ -1,9 +1,6 @@
 //! The commands from end to end.
 
-#[path = "common/mod.rs"]
-mod common;
-
-use common::{Scratch, json, stdout};
+use crate::common::{Scratch, json, stdout};
 use serde_json::Value;
 
 fn near(value: &Value, truth: f64, percent: f64) {
@@ -47,8 +44,6 @@ fn demo_shows_truth_beside_estimate_and_draws() {
     }
     let svg = std::fs::read_to_string(format!("{out}/transients.svg")).unwrap();
     assert!(svg.contains("estimate / truth"));
-    let png = std::fs::read(format!("{out}/transients.png")).unwrap();
-    assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
 }
 
 #[test]
@@ -61,7 +56,7 @@ fn demo_without_arguments_is_the_default() {
         .unwrap();
     assert!(out.status.success());
     assert!(String::from_utf8_lossy(&out.stdout).contains("A simulated pneumatic axis"));
-    assert!(std::fs::metadata(format!("{here}/out/loop-mass.png")).is_ok());
+    assert!(std::fs::metadata(format!("{here}/out/loop-mass.svg")).is_ok());
 }
 
 #[test]
@@ -156,12 +151,7 @@ fn what_simulate_writes_identify_finds() {
     near(&value["physical"]["gain"], 2500.0, 0.5);
     near(&value["physical"]["omega0"], 20.0, 0.5);
     near(&value["physical"]["damping"], 0.5, 0.5);
-    for name in [
-        "simulation.svg",
-        "simulation.png",
-        "parameters.svg",
-        "parameters.png",
-    ] {
+    for name in ["simulation.svg", "parameters.svg"] {
         assert!(
             std::fs::metadata(format!("{pictures}/{name}"))
                 .unwrap()

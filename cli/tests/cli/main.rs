@@ -1,0 +1,8 @@
+//! The program from end to end.
+
+mod commands;
+mod common;
+mod demo;
+mod paper;
+mod records;
+mod refusals;
