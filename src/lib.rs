@@ -32,9 +32,7 @@
 //! | config, outcome, identifier | [`Config`], [`Outcome`], [`Identifier`] | all of it behind one call per sample |
 //! | inputs | [`DeadZone`], [`asymmetric`], [`coulomb`] | inputs for valves and friction |
 //! | delay_bank | [`DelayBank`] | which delay the drive has, for commissioning |
-//! | trajectory, profile, observer, controller | [`Setpoint`], [`Observer`], [`Controller`] | jerk-limited reference, pole placement on a verified model |
-//! | excitation, trial, state, supervisor_config, supervisor | [`Excitation`], [`Supervisor`] | commissioning, and which model may control |
-//! | servo_model, tracker, richness, loop_config, servo_loop | [`ServoModel`], [`ServoLoop`] | the drive as the controller sees it; the whole loop in one call per sample |
+//! | servo | [`servo::ServoLoop`], [`servo::Config`] | jerk-limited reference, pole placement on a verified model, supervision; the whole loop in one call per sample |
 //! | hardware | [`hardware::PositionSensor`], [`hardware::Valve`] | the edge to sensors and valves: traits, drivers, scale |
 //!
 //! # Ten lines
@@ -81,7 +79,7 @@ mod identifier;
 mod math;
 mod model;
 mod readout;
-mod servo;
+pub mod servo;
 mod trends;
 
 pub use error::{ConfigError, Setting};
@@ -99,18 +97,6 @@ pub use model::evaluation::{OutputEvaluation, Quality};
 pub use model::physical::Physical;
 pub use model::transfer_function::{Pole, TransferFunction};
 pub use readout::estimate::Estimate;
-pub use servo::config::LoopConfig;
-pub use servo::control::controller::{CommandLimiter, Controller, ControllerConfig};
-pub use servo::control::observer::Observer;
-pub use servo::error::ServoError;
-pub use servo::model::ServoModel;
-pub use servo::motion::{Motion, MotionLimits, Setpoint, Travel};
-pub use servo::supervision::config::SupervisorConfig;
-pub use servo::supervision::excitation::{Excitation, ExcitationConfig};
-pub use servo::supervision::state::{Reason, State};
-pub use servo::supervision::supervisor::{Candidate, Event, Observation, Supervisor};
-pub use servo::supervision::validation::Verdict;
-pub use servo::{Report, ServoIdentifier, ServoLoop};
 pub use trends::{
     AnyMemory, AnyTrends, Chain, DelayLine, Design, ExactTrends, FilteredTrends, Form, Hold,
     IntegralTrends, Mapped, Memory, NoiseGain, RawTrends, Scheme, Span, TrendOperator, Trends,

@@ -11,7 +11,8 @@ mod position_loop;
 
 use meter::Meter;
 use position_loop::{Servo, Still, motion, servo};
-use trendid::{Estimator, FilteredTrends, Outcome, Report, Scheme};
+use trendid::servo::Report;
+use trendid::{Estimator, FilteredTrends, Outcome, Scheme};
 use trendid_example_support::drive::SimulatedValve;
 use trendid_example_support::{record, rows};
 

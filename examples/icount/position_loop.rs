@@ -1,7 +1,7 @@
 //! The whole position loop as a row of the counts: it gets what a loop on the simulated drive got.
 
 use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
-use trendid::{LoopConfig, ServoError, ServoLoop, Travel};
+use trendid::servo::{self, ServoLoop, Travel};
 
 use trendid_example_support::drive::{Drive, SimulatedValve};
 
@@ -38,16 +38,16 @@ impl Valve for Still {
 pub const ORIGIN: i32 = 8_000_000;
 
 /// A loop on the simulated drive of 20 rad/s and 400 mm, about to commission itself.
-pub fn servo<V: Valve>(valve: V) -> Result<Servo<V>, ServoError> {
+pub fn servo<V: Valve>(valve: V) -> Result<Servo<V>, servo::Error> {
     let axis = Axis {
         scale: const { Scale::new(0.005).unwrap() },
         reference: ORIGIN,
     };
     let travel = Travel {
-        begin: 0.0,
-        end: 400.0,
+        min: 0.0,
+        max: 400.0,
     };
-    let config = LoopConfig::new(20.0, travel);
+    let config = servo::Config::new(1e-3, 20.0, travel);
     let mut servo = ServoLoop::try_new(&config, axis, Code { code: ORIGIN }, valve)?;
     servo.commission();
     Ok(servo)

@@ -9,13 +9,13 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use cortex_m::{interrupt, register::primask};
 use cortex_m_semihosting::hio;
 use micromath::F32Ext;
-use trendid::ServoModel;
+use trendid::servo;
 
 /// Shows a model as its parameters, and as frequency and damping of the drive behind the integrator.
 ///
 /// The square root is a display value: micromath's approximation (a few per cent) in one instruction pair instead of
 /// the exact one of the library.
-pub fn model(model: &ServoModel) {
+pub fn model(model: &servo::Model) {
     let frequency = model.a1.sqrt();
     let damping = model.a2 / (2.0 * frequency);
     defmt::info!(

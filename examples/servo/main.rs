@@ -27,7 +27,7 @@ mod slot;
 mod wiring;
 
 use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
-use trendid::{LoopConfig, ServoError, ServoLoop, Travel};
+use trendid::servo::{self, ServoLoop, Travel};
 
 /// Units of the encoder: 5 um per count.
 const MM_PER_COUNT: f32 = 0.005;
@@ -37,14 +37,17 @@ const ORIGIN: i32 = 8_000_000;
 
 /// The machine: 400 mm of travel, a valve and a cylinder of about 20 rad/s.
 const TRAVEL: Travel = Travel {
-    begin: 0.0,
-    end: 400.0,
+    min: 0.0,
+    max: 400.0,
 };
+/// The time slot in s.
+const SAMPLE_TIME: f32 = 1e-3;
+
 const BANDWIDTH: f32 = 20.0;
 
-/// Samples from the command to the flow: none in the simulated drive, two with a spool valve of 100 Hz. Two that are not
+/// Time in s from the command to the flow: none in the simulated drive, 2 ms with a spool valve of 100 Hz. Two ms that are not
 /// there cost 5 % in a1, 15 % in a2 and the dead zone.
-const DELAY: usize = 0;
+const DELAY: f32 = 0.0;
 
 /// Targets of the moves in mm, and the samples between them.
 const TARGETS: [f32; 2] = [120.0, 280.0];
@@ -54,15 +57,13 @@ const DWELL: u32 = 1500;
 fn machine<S: PositionSensor, V: Valve>(
     sensor: S,
     valve: V,
-) -> Result<ServoLoop<S, V>, ServoError> {
+) -> Result<ServoLoop<S, V>, servo::Error> {
     let axis = Axis {
         scale: const { Scale::new(MM_PER_COUNT).unwrap() },
         reference: ORIGIN,
     };
-    let config = LoopConfig {
-        delay: DELAY,
-        ..LoopConfig::new(BANDWIDTH, TRAVEL)
-    };
+    let mut config = servo::Config::new(SAMPLE_TIME, BANDWIDTH, TRAVEL);
+    config.delay = DELAY;
     let mut servo = ServoLoop::try_new(&config, axis, sensor, valve)?;
     servo.commission();
     Ok(servo)
@@ -96,7 +97,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             );
         }
     }
-    let model = servo.supervisor().good().ok_or("no model was verified")?;
+    let model = servo
+        .supervisor()
+        .verified_model()
+        .ok_or("no model was verified")?;
     println!(
         "model: a1 {:.1} a2 {:.2} b0 {:.0} dead zone {:.4}",
         model.a1, model.a2, model.b0, model.dead_zone

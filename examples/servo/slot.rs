@@ -12,7 +12,7 @@ use stm32f4xx_hal::timer::{CounterHz, Event, Flag};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use stm32f4xx_hal::{ReadFlags, pac::interrupt, prelude::*, rcc};
 use trendid::hardware::Valve;
-use trendid::{ServoLoop, ServoModel, State};
+use trendid::servo::{self, ServoLoop, State};
 
 use crate::wiring::{self, CRYSTAL_MHZ, FRESH, Output, Ports, Sensor};
 use crate::{ORIGIN, log, machine, target};
@@ -48,7 +48,7 @@ struct Snapshot {
     fed: u32,
     /// Longest update so far in us; in the emulator in thousands of instructions.
     longest: u32,
-    model: Option<ServoModel>,
+    model: Option<servo::Model>,
 }
 
 /// Everything the interrupt owns.
@@ -132,7 +132,7 @@ impl Slot {
         let us = (u64::from(ticks) * 1000 / u64::from(self.period)) as u32;
         self.now.longest = self.now.longest.max(us);
         if core::mem::discriminant(&self.now.state) != before {
-            self.now.model = self.servo.supervisor().good();
+            self.now.model = self.servo.supervisor().verified_model();
             if self.out.enqueue(self.now).is_err() {
                 self.now.dropped += 1;
             }

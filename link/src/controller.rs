@@ -1,7 +1,7 @@
 //! The loop on the target, and what it tells of itself: one source for target and host.
 
 use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
-use trendid::{LoopConfig, Reason, Report, ServoError, ServoLoop, State, Travel};
+use trendid::servo::{self, Report, ServoLoop, Travel};
 
 use crate::{Counters, Reply, Request, Sample, Setup, code};
 
@@ -88,43 +88,33 @@ impl Controller {
     }
 }
 
-fn build(setup: &Setup) -> Result<ServoLoop<LineSensor, LineValve>, ServoError> {
-    let [begin, end] = setup.travel;
-    let mut config = LoopConfig::new(setup.bandwidth, Travel { begin, end });
+fn build(setup: &Setup) -> Result<ServoLoop<LineSensor, LineValve>, servo::Error> {
+    let [min, max] = setup.travel;
+    let mut config = servo::Config::new(1e-3, setup.bandwidth, Travel { min, max });
     config.adaptive = setup.adaptive;
     let axis = Axis {
-        scale: Scale::new(setup.mm_per_count).ok_or(ServoError::Bound(setup.mm_per_count))?,
+        scale: Scale::new(setup.mm_per_count).ok_or(servo::Error::NotPositive {
+            setting: "mm_per_count",
+            value: setup.mm_per_count,
+        })?,
         reference: 0,
     };
     ServoLoop::try_new(&config, axis, LineSensor::default(), LineValve)
-}
-
-/// Codes of a state and of its reason, see [`Reply::state`].
-fn codes(state: State) -> (u8, u8) {
-    let of = |reason: Reason| reason as u8;
-    match state {
-        State::Idle => (0, code::NO_REASON),
-        State::Exciting => (1, code::NO_REASON),
-        State::Identifying => (2, code::NO_REASON),
-        State::Verified => (3, code::NO_REASON),
-        State::Adapting => (4, code::NO_REASON),
-        State::Frozen => (5, code::NO_REASON),
-        State::Rejected(reason) => (6, of(reason)),
-        State::Failed(reason) => (7, of(reason)),
-    }
 }
 
 impl Reply {
     /// What `servo` did in the sample of `report`; number and counters are the link's.
     #[must_use]
     pub fn of<S: PositionSensor, V: Valve>(report: &Report, servo: &ServoLoop<S, V>) -> Self {
-        let (state, reason) = codes(report.state);
         let (r, controller) = (report.setpoint, servo.controller());
         let (motion, model) = (controller.motion(), controller.model());
         Self {
             seq: 0,
-            state,
-            reason,
+            state: report.state.code(),
+            reason: report
+                .state
+                .reason()
+                .map_or(code::NO_REASON, |reason| reason as u8),
             retuned: report.retuned,
             command: report.command,
             position: report.position,

@@ -9,7 +9,7 @@
 //!
 //! # The loop
 //!
-//! [`Controller`] runs [`trendid::ServoLoop`] on the target behind a [`Responder`]; the same loop runs on the host beside an
+//! [`Controller`] runs [`trendid::servo::ServoLoop`] on the target behind a [`Responder`]; the same loop runs on the host beside an
 //! [`Exchange`], and [`Reply::of`] tells the same of both: every number must be the same to the last bit.
 //!
 //! # Byte layout

@@ -22,7 +22,7 @@ pub trait Message: Serialize + DeserializeOwned {
     const TAG: u8;
 }
 
-/// The machine as its user describes it; everything else has the defaults of [`trendid::LoopConfig::new`].
+/// The machine as its user describes it; everything else has the defaults of [`trendid::servo::Config::new`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Setup {
     /// Rough bandwidth of the drive in rad/s.
@@ -104,7 +104,7 @@ pub struct Reply {
     pub disturbance: f32,
     /// The model in the controller: a1, a2, b0, dead zone, offset, friction.
     pub model: [f32; 6],
-    /// The identifier's estimate theta, see [`trendid::ServoIdentifier`].
+    /// The identifier's estimate theta, see [`trendid::servo::LoopIdentifier`].
     pub theta: [f32; 6],
     /// Faults the target has seen since the start of the run.
     pub counters: Counters,

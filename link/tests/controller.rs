@@ -1,7 +1,7 @@
 //! The loop behind the line does what the loop itself does.
 
 use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
-use trendid::{LoopConfig, Reason, ServoLoop, State, Travel};
+use trendid::servo::{self, Reason, ServoLoop, State, Travel};
 use trendid_link::{Controller, Reply, Request, Sample, Setup, code};
 
 const SETUP: Setup = Setup {
@@ -31,14 +31,14 @@ impl Valve for Through {
 
 fn direct() -> ServoLoop<Code, Through> {
     let travel = Travel {
-        begin: 0.0,
-        end: 400.0,
+        min: 0.0,
+        max: 400.0,
     };
     let axis = Axis {
         scale: Scale::new(0.01).expect("scale"),
         reference: 0,
     };
-    let config = LoopConfig::new(25.0, travel);
+    let config = servo::Config::new(1e-3, 25.0, travel);
     ServoLoop::try_new(&config, axis, Code(None), Through).expect("settings")
 }
 

@@ -1,85 +1,221 @@
-//! Everything that the position loop must be told.
+//! What the user says about an axis.
 
-use crate::servo::control::controller::ControllerConfig;
 use crate::servo::motion::{MotionLimits, Travel};
-use crate::servo::supervision::config::SupervisorConfig;
-use crate::servo::supervision::excitation::ExcitationConfig;
 
-/// Everything the user says about an axis.
+/// What the user knows of an axis, and what he wants otherwise than usual.
+///
+/// A setting that is `None` follows from the others when the loop is built, so nothing that follows goes stale.
 ///
 /// # Examples
 /// ```
-/// use trendid::{LoopConfig, Travel};
-/// let mut config = LoopConfig::new(20.0, Travel { begin: 0.0, end: 400.0 });
-/// config.controller.bandwidth = 30.0;
+/// use trendid::servo::{Config, Travel};
+/// let mut config = Config::new(0.001, 20.0, Travel { min: 0.0, max: 400.0 });
+/// config.controller.bandwidth = Some(30.0); // the observer follows
+/// assert!(config.resolve().is_ok());
+/// config.sample_time = 0.01;
+/// let refused = config.resolve().unwrap_err();
+/// assert_eq!(refused.to_string(), "controller.bandwidth = 30 is not within 0 to 20");
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LoopConfig {
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+#[doc(alias = "LoopConfig")]
+pub struct Config {
     /// Sample time in s.
     pub sample_time: f32,
+    /// Rough bandwidth of the plant in rad/s; 0.8 to 1.4 times its natural frequency.
+    pub bandwidth: f32,
     /// Travel of the axis.
     pub travel: Travel,
-    /// Rough bandwidth of the plant in rad/s.
-    pub bandwidth: f32,
-    /// Standard deviation of the position noise.
-    pub noise: f32,
-    /// Largest command, within 0..=1.
+    /// Standard deviation of the position noise, in units of y; default 2.5e-5 of the travel.
+    pub noise: Option<f32>,
+    /// Largest command, within 0..=1; default 1.
     pub range: f32,
-    /// Largest rate of the command per s.
+    /// Largest rate of the command per s; default 400.
     pub rate: f32,
-    /// Delay of the valve in samples, at most 8.
-    pub delay: usize,
-    /// Memory of the identifier in s.
+    /// Delay of the valve in s, at most 8 samples; default 2 ms. It is rounded to samples.
+    pub delay: f32,
+    /// Memory of the identifier in s; default 1.5.
     pub memory: f32,
-    /// Pull of the identifier toward the verified model; weaker than that of [`Config`](crate::Config), or a tripled mass is followed too late.
-    pub pull: f32,
-    /// Least standard deviation of the fast part of the command with which the model follows the drive.
-    pub rich: f32,
-    /// Whether the model follows the drive after the commissioning.
+    /// Information that the memory keeps of the verified model, see [`Config`](crate::Config); default 1e-5, weaker than
+    /// there, or a tripled mass is followed too late.
+    #[doc(alias = "pull")]
+    pub information_floor: f32,
+    /// Least standard deviation of the fast part of the command with which the model follows the drive; default 0.1.
+    #[doc(alias = "rich")]
+    pub min_excitation: f32,
+    /// Whether the model follows the drive after the commissioning; default true.
     pub adaptive: bool,
-    /// Limits of moves.
-    pub motion: MotionLimits,
+    /// Limits of moves; default 2 travels per s, and what the bandwidth allows.
+    pub motion: Option<MotionLimits>,
     /// Wanted dynamics.
-    pub controller: ControllerConfig,
+    pub controller: ControllerSettings,
     /// The commissioning.
-    pub excitation: ExcitationConfig,
+    pub excitation: ExcitationSettings,
     /// What a model must satisfy.
-    pub supervisor: SupervisorConfig,
+    pub supervision: SupervisionSettings,
 }
 
-impl LoopConfig {
-    /// The defaults at 1 kHz for a plant of a rough `bandwidth` (rad/s) on a `travel`.
-    pub fn new(bandwidth: f32, travel: Travel) -> Self {
-        let length = travel.length();
-        let excitation = ExcitationConfig::new(bandwidth, travel);
+/// Wanted closed loop, and how friction is met.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+#[doc(alias = "ControllerConfig")]
+pub struct ControllerSettings {
+    /// Wanted bandwidth w in rad/s; default 2.5 times that of the plant.
+    pub bandwidth: Option<f32>,
+    /// Wanted damping zeta of the pair of poles; default 0.8.
+    pub damping: f32,
+    /// Rate of the observer in rad/s; default 3.5 times the wanted bandwidth.
+    pub observer_rate: Option<f32>,
+    /// Half width of the flow over which the inverse of the dead zone changes sign; default 0.005.
+    pub blend: f32,
+    /// Position error within which the valve rests at standstill, in units of y; 0 never rests, default 1.15e-4 of the travel.
+    pub rest_window: Option<f32>,
+    /// How far ahead a reversal is prepared, in s: the time in which the valve turns friction over; default 6 ms.
+    #[doc(alias = "reversal")]
+    pub reversal_lookahead: f32,
+    /// Rate at which the drive force is moved while the axis sticks, in rad/s; default 230.
+    pub stick_rate: f32,
+    /// Movement that counts as breaking away, in units of y; default 4e-5 of the travel, 1.6 times the default noise.
+    #[doc(alias = "start")]
+    pub breakaway_distance: Option<f32>,
+    /// Growth of the push beside the target, flow per s; default 0.045.
+    #[doc(alias = "creep")]
+    pub breakaway_ramp: f32,
+    /// Friction at the smallest speed beyond Coulomb friction, in parts of it; default 0.8.
+    pub stribeck: f32,
+    /// Bandwidth at the end of a move over the wanted one: slow motion under friction asks for more; default 2.8.
+    #[doc(alias = "settle")]
+    pub settling_bandwidth_ratio: f32,
+    /// Speed, beside that of the reference, at which a position error is worked off at most, in units of y per s;
+    /// default 0.08 travels per s.
+    pub catch_up: Option<f32>,
+    /// Velocity below which friction rules the motion, in units of y per s; default 0.14 travels per s.
+    #[doc(alias = "slow")]
+    pub stiction_velocity: Option<f32>,
+    /// Time in which the trace of a change of gains disappears, in s; default 50 ms.
+    pub transition: f32,
+}
+
+/// How the axis is moved to identify it.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+#[doc(alias = "ExcitationConfig")]
+pub struct ExcitationSettings {
+    /// Largest command, within 0..=1; default 0.5.
+    pub amplitude: f32,
+    /// Time for which a level is held, in s; default 1.4 over the bandwidth of the plant.
+    pub hold: Option<f32>,
+    /// How far the axis may go from where it was, in units of y; default a fifth of the travel.
+    pub stroke: Option<f32>,
+    /// Time in which the axis stops when the command reverses, in s; default 2 over the bandwidth of the plant.
+    pub stopping_time: Option<f32>,
+}
+
+/// Bounds that a model must keep.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+#[doc(alias = "SupervisorConfig")]
+pub struct SupervisionSettings {
+    /// Factor about the rough bandwidth within which the natural frequency must lie; default 4.
+    #[doc(alias = "spread")]
+    pub frequency_factor: f32,
+    /// Largest velocity gain, units of y per s and unit of u; default 50 travels.
+    pub max_gain: Option<f32>,
+    /// Largest relative standard deviation of gain and natural frequency; damping may have four times as much; default 0.1.
+    #[doc(alias = "certainty")]
+    pub max_relative_std: f32,
+    /// The same while the model follows the drive; there the comparison with the model in use decides; default 0.2.
+    pub max_relative_std_adapting: f32,
+    /// Least R^2 of a free simulation, `1 - SSE/SST`; default 0.975.
+    #[doc(alias = "explained")]
+    pub min_r_squared: f32,
+    /// The same while the model follows the drive, in shorter movements; default 0.9.
+    pub min_r_squared_adapting: f32,
+    /// A model replaces another when its squared error is below this share of the other's; default 0.7 ..
+    #[doc(alias = "better")]
+    pub replace_ratio: f32,
+    /// .. and the difference is at least this share of the movement: there is something to gain; default 0.3.
+    #[doc(alias = "worth")]
+    pub min_improvement: f32,
+    /// Least time of excitation before a model is considered, in s; default 0.26.
+    #[doc(alias = "excite")]
+    pub excite_time: f32,
+    /// Time of free simulation in a validation, in s; default 0.12.
+    #[doc(alias = "window")]
+    pub validation_time: f32,
+    /// Longest commissioning, in s; default 3.
+    pub time_limit: f32,
+    /// Velocity below which the axis does not count as moving, units of y per s; default 0.05 travels per s.
+    pub min_speed: Option<f32>,
+    /// Movement below this within the time of excitation is none, units of y; default 2e-3 of the travel.
+    #[doc(alias = "still")]
+    pub min_travel: Option<f32>,
+    /// Rise of the innovation's variance that counts as a change of the drive; default 5.
+    #[doc(alias = "change")]
+    pub alarm_ratio: f32,
+    /// Tracking error up to which a model in use stays in use, units of y; default 5e-3 of the travel.
+    #[doc(alias = "tolerable")]
+    pub error_deadband: Option<f32>,
+}
+
+impl Config {
+    /// The defaults for a `sample_time` (s) and a plant of a rough `bandwidth` (rad/s) on a `travel`.
+    pub const fn new(sample_time: f32, bandwidth: f32, travel: Travel) -> Self {
         Self {
-            sample_time: 1e-3,
-            travel,
+            sample_time,
             bandwidth,
-            noise: 2.5e-5 * length,
+            travel,
+            noise: None,
             range: 1.0,
             rate: 400.0,
-            delay: 2,
+            delay: 2e-3,
             memory: 1.5,
-            pull: 1e-5,
-            rich: 0.1,
+            information_floor: 1e-5,
+            min_excitation: 0.1,
             adaptive: true,
-            motion: MotionLimits {
-                velocity: 2.0 * length,
-                acceleration: 0.04 * length * bandwidth * bandwidth,
-                jerk: 0.04 * length * bandwidth * bandwidth * bandwidth,
+            motion: None,
+            controller: ControllerSettings {
+                bandwidth: None,
+                damping: 0.8,
+                observer_rate: None,
+                blend: 0.005,
+                rest_window: None,
+                reversal_lookahead: 0.006,
+                stick_rate: 230.0,
+                breakaway_distance: None,
+                breakaway_ramp: 0.045,
+                stribeck: 0.8,
+                settling_bandwidth_ratio: 2.8,
+                catch_up: None,
+                stiction_velocity: None,
+                transition: 0.05,
             },
-            controller: ControllerConfig {
-                rest_window: 1.15e-4 * length,
-                start: 4e-5 * length,
-                catch_up: 0.08 * length,
-                slow: 0.14 * length,
-                ..ControllerConfig::new(2.5 * bandwidth)
+            excitation: ExcitationSettings {
+                amplitude: 0.5,
+                hold: None,
+                stroke: None,
+                stopping_time: None,
             },
-            excitation,
-            supervisor: SupervisorConfig {
-                time_limit: excitation.time_limit,
-                ..SupervisorConfig::new(bandwidth, length)
+            supervision: SupervisionSettings {
+                frequency_factor: 4.0,
+                max_gain: None,
+                max_relative_std: 0.1,
+                max_relative_std_adapting: 0.2,
+                min_r_squared: 0.975,
+                min_r_squared_adapting: 0.9,
+                replace_ratio: 0.7,
+                min_improvement: 0.3,
+                excite_time: 0.26,
+                validation_time: 0.12,
+                time_limit: 3.0,
+                min_speed: None,
+                min_travel: None,
+                alarm_ratio: 5.0,
+                error_deadband: None,
             },
         }
     }

@@ -2,83 +2,99 @@
 
 use core::fmt;
 
-use crate::error::ConfigError;
+use crate::error::{ConfigError, positive};
+use crate::servo::supervision::state::Reason;
 
-/// A setting of the servo loop that cannot work; names the setting and the value.
+/// A setting of the servo loop that cannot work: its name, and the value that it has or that follows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum ServoError {
-    /// The sample time is not a positive finite number of seconds.
-    SampleTime(f32),
-    /// A limit of velocity, acceleration or jerk is not positive and finite.
-    MotionLimit(f32),
-    /// The wanted bandwidth is not positive, or above a fifth of the sample rate (rad/s).
-    Bandwidth(f32),
-    /// The wanted damping is not positive and finite.
-    Damping(f32),
-    /// The observer's rate is not positive, or above 0.3 per sample (rad/s).
-    ObserverRate(f32),
-    /// The range of the command is not within 0..=1.
-    CommandRange(f32),
-    /// The rate limit of the command is not positive and finite (per s).
-    CommandRate(f32),
-    /// The window in which the valve rests is negative or not finite.
-    RestWindow(f32),
-    /// The end of the travel is not beyond its begin, or not finite.
-    Travel {
-        /// Begin of the travel.
-        begin: f32,
-        /// End of the travel.
-        end: f32,
+#[non_exhaustive]
+#[doc(alias = "ServoError")]
+pub enum Error {
+    /// The value is not a finite number above zero.
+    NotPositive {
+        /// Name of the setting.
+        setting: &'static str,
+        /// The value given.
+        value: f32,
+    },
+    /// The value is not within `min..=max`.
+    OutOfRange {
+        /// Name of the setting.
+        setting: &'static str,
+        /// The value given.
+        value: f32,
+        /// Least value.
+        min: f32,
+        /// Largest value.
+        max: f32,
     },
     /// Bandwidth squared times travel is beyond 1e7: the unit of y is too small for the accelerations of this axis.
-    Unit(f32),
-    /// The amplitude of the excitation is not within 0..=1.
-    Amplitude(f32),
-    /// A time is not positive, or longer than 2^31 samples (s).
-    Time(f32),
-    /// A bound of the supervisor is not positive and finite.
-    Bound(f32),
-    /// The model given at the start is not finite or not stable.
-    Model,
+    Unit {
+        /// Bandwidth squared times travel, in units of y per s^2.
+        acceleration: f32,
+    },
+    /// The model to install may not control, for this reason.
+    Model(Reason),
     /// The settings of the identifier.
     Identifier(ConfigError),
 }
 
-impl fmt::Display for ServoError {
+impl Error {
+    /// Refuses what is not a finite number above zero.
+    pub(crate) const fn unless_positive(setting: &'static str, value: f32) -> Result<(), Self> {
+        if positive(value) {
+            Ok(())
+        } else {
+            Err(Self::NotPositive { setting, value })
+        }
+    }
+
+    /// Refuses what is not within `min..=max`, NaN included.
+    pub(crate) fn unless_within(
+        setting: &'static str,
+        value: f32,
+        min: f32,
+        max: f32,
+    ) -> Result<(), Self> {
+        if value >= min && value <= max {
+            Ok(())
+        } else {
+            Err(Self::OutOfRange {
+                setting,
+                value,
+                min,
+                max,
+            })
+        }
+    }
+}
+
+impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::SampleTime(v) => write!(f, "sample time {v} s is not positive"),
-            Self::MotionLimit(v) => write!(f, "motion limit {v} is not positive"),
-            Self::Bandwidth(v) => write!(
+            Self::NotPositive { setting, value } => {
+                write!(f, "{setting} = {value} is not a finite number above zero")
+            }
+            Self::OutOfRange {
+                setting,
+                value,
+                min,
+                max,
+            } => write!(f, "{setting} = {value} is not within {min} to {max}"),
+            Self::Unit { acceleration } => write!(
                 f,
-                "bandwidth {v} rad/s is not positive or too fast for the sample time"
+                "bandwidth squared times travel is {acceleration} units of y per s^2, more than 1e7: give y in a larger unit, mm and not um"
             ),
-            Self::Damping(v) => write!(f, "damping {v} is not positive"),
-            Self::ObserverRate(v) => write!(
-                f,
-                "observer rate {v} rad/s is not positive or too fast for the sample time"
-            ),
-            Self::CommandRange(v) => write!(f, "command range {v} is not within 0..=1"),
-            Self::CommandRate(v) => write!(f, "command rate {v} per s is not positive"),
-            Self::RestWindow(v) => write!(f, "rest window {v} is not a finite number >= 0"),
-            Self::Travel { begin, end } => write!(f, "travel from {begin} to {end} is empty"),
-            Self::Unit(v) => write!(
-                f,
-                "bandwidth squared times travel is {v} units of y per s^2, more than 1e7: give y in a larger unit, mm and not um"
-            ),
-            Self::Amplitude(v) => write!(f, "excitation amplitude {v} is not within 0..=1"),
-            Self::Time(v) => write!(f, "time {v} s is not positive or too long"),
-            Self::Bound(v) => write!(f, "bound {v} of the supervisor is not positive"),
-            Self::Model => write!(f, "the model to start with is not finite or not stable"),
+            Self::Model(reason) => write!(f, "the model may not control: {reason}"),
             Self::Identifier(error) => write!(f, "identifier: {error}"),
         }
     }
 }
 
-impl core::error::Error for ServoError {}
+impl core::error::Error for Error {}
 
-impl From<ConfigError> for ServoError {
+impl From<ConfigError> for Error {
     fn from(error: ConfigError) -> Self {
         Self::Identifier(error)
     }

@@ -23,13 +23,14 @@ use crate::servo::motion::Motion;
 ///
 /// # Examples
 /// ```
-/// let model = trendid::ServoModel { dead_zone: 0.03, ..trendid::ServoModel::linear(400.0, 20.0, 1.0e6) };
+/// let model = trendid::servo::Model { dead_zone: 0.03, ..trendid::servo::Model::linear(400.0, 20.0, 1.0e6) };
 /// assert!((model.flow(0.53) - 0.5).abs() < 1e-6);
 /// assert_eq!(model.flow(0.02), 0.0);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ServoModel {
+#[doc(alias = "ServoModel")]
+pub struct Model {
     /// Square of the natural frequency.
     pub a1: f32,
     /// Twice damping times natural frequency.
@@ -44,7 +45,7 @@ pub struct ServoModel {
     pub friction: f32,
 }
 
-impl ServoModel {
+impl Model {
     /// A drive without dead zone, offset and friction.
     pub const fn linear(a1: f32, a2: f32, b0: f32) -> Self {
         Self {
@@ -74,7 +75,7 @@ impl ServoModel {
         }
     }
 
-    /// Theta of this model, the inverse of [`ServoModel::from_parameters`].
+    /// Theta of this model, the inverse of [`Model::from_parameters`].
     pub fn parameters(&self) -> [f32; 6] {
         [
             self.a1,
@@ -151,10 +152,10 @@ impl ServoModel {
 mod tests {
     use super::*;
 
-    const SERVO: ServoModel = ServoModel {
+    const SERVO: Model = Model {
         dead_zone: 0.03,
         offset: 0.01,
-        ..ServoModel::linear(400.0, 20.0, 1.0e6)
+        ..Model::linear(400.0, 20.0, 1.0e6)
     };
 
     #[test]

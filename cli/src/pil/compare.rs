@@ -1,7 +1,7 @@
 //! The loop on the target beside the one here: each sample goes to both, and what both computed is compared.
 
 use indicatif::ProgressBar;
-use trendid::Report;
+use trendid::servo::Report;
 use trendid_host_tests::servo::plant::RESOLUTION_MM;
 use trendid_host_tests::servo::rig::{ROUGH_BANDWIDTH, Request, Rig, TRAVEL};
 use trendid_host_tests::servo::shadow::Shadow;
@@ -49,7 +49,7 @@ impl Target {
             exchange: Exchange::new(first, ATTEMPTS),
             asked: vec![Asked::Reset(Setup {
                 bandwidth: ROUGH_BANDWIDTH,
-                travel: [TRAVEL.begin, TRAVEL.end],
+                travel: [TRAVEL.min, TRAVEL.max],
                 mm_per_count: RESOLUTION_MM as f32,
                 adaptive: !args.fixed,
             })],

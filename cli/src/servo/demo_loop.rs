@@ -5,7 +5,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use trendid::State;
+use trendid::servo::State;
 use trendid_host_tests::servo::figures::Figures;
 use trendid_host_tests::servo::rig::{Instant, Rig};
 use trendid_host_tests::servo::run::{Options, run as run_scenario};
@@ -178,7 +178,7 @@ fn note(course: &mut Course, instant: &Instant, rig: &Rig) {
                 (wide(values[j]), wide(sigma.map(|s| s[j])))
             }),
         ));
-        let used = rig.servo.supervisor().good().map(|m| {
+        let used = rig.servo.supervisor().verified_model().map(|m| {
             let (a1, a2, b0) = (f64::from(m.a1), f64::from(m.a2), f64::from(m.b0));
             [b0 / a1, a1.sqrt(), 0.5 * a2 / a1.sqrt()]
         });

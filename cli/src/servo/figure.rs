@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use plotters::prelude::*;
-use trendid::State;
+use trendid::servo::State;
 
 use crate::plot::{
     Area, COLOURS, Curve, Drawing, Drawn, GREY, Panel, font, px, save as save_drawing,
@@ -203,17 +203,9 @@ const LINES: [&str; 8] = [
     "idle",
 ];
 
+/// Line of a state; a code beyond the lines is drawn on the lowest.
 fn line_of(state: State) -> usize {
-    match state {
-        State::Failed(_) => 0,
-        State::Rejected(_) => 1,
-        State::Frozen => 2,
-        State::Adapting => 3,
-        State::Verified => 4,
-        State::Identifying => 5,
-        State::Exciting => 6,
-        State::Idle => 7,
-    }
+    (LINES.len() - 1).saturating_sub(usize::from(state.code()))
 }
 
 impl Strip<'_> {

@@ -1,6 +1,6 @@
 //! The figures of a run, and what is wanted of them.
 
-use trendid::State;
+use trendid::servo::State;
 
 use crate::servo::scenario::Scenario;
 

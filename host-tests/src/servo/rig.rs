@@ -1,7 +1,7 @@
 //! The loop of the core on a simulated drive, sample by sample.
 
 use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
-use trendid::{LoopConfig, Report, ServoLoop, Travel};
+use trendid::servo::{self, Report, ServoLoop, Travel};
 
 use crate::servo::plant::{Plant, RESOLUTION_MM};
 
@@ -87,8 +87,8 @@ pub struct Rig {
 
 /// Travel of both plants \[mm\].
 pub const TRAVEL: Travel = Travel {
-    begin: 0.0,
-    end: 400.0,
+    min: 0.0,
+    max: 400.0,
 };
 
 /// Bandwidth that the user expects of the axis \[rad/s\]; the pneumatic axis has about 31, the linear one 20.
@@ -99,7 +99,7 @@ impl Rig {
     ///
     /// # Panics
     /// When the settings cannot work; the message names the setting.
-    pub fn new(plant: Plant, config: &LoopConfig) -> Self {
+    pub fn new(plant: Plant, config: &servo::Config) -> Self {
         let Some(scale) = Scale::new(RESOLUTION_MM as f32) else {
             panic!("resolution");
         };

@@ -1,6 +1,6 @@
 //! A scenario from the commissioning to its figures.
 
-use trendid::{LoopConfig, ServoModel, State};
+use trendid::servo::{self, State};
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -170,7 +170,7 @@ impl Run<'_> {
 
     fn rest(&mut self) -> Option<()> {
         self.move_to(230.0, 2.0)?;
-        let before = self.rig.servo.supervisor().good();
+        let before = self.rig.servo.supervisor().verified_model();
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for _ in 0..60_000 {
             let x = self.step()?.position_mm;
@@ -178,14 +178,17 @@ impl Run<'_> {
             high = high.max(x);
         }
         self.figures.rest_range_mm = Some(high - low);
-        self.figures.gains_kept = Some(same_bits(before, self.rig.servo.supervisor().good()));
+        self.figures.gains_kept = Some(same_bits(
+            before,
+            self.rig.servo.supervisor().verified_model(),
+        ));
         Some(())
     }
 
     /// The fault comes after a good commissioning, and the axis is commissioned again.
     fn fault(&mut self) -> Option<()> {
         self.move_to(200.0, 1.5)?;
-        let before = self.rig.servo.supervisor().good();
+        let before = self.rig.servo.supervisor().verified_model();
         let scenario = self.figures.scenario;
         if scenario == Scenario::StuckValve {
             // A spool that sticks, sticks where it works and not in the middle.
@@ -201,7 +204,10 @@ impl Run<'_> {
         let _ = self.commission()?;
         self.figures.verified_at_s = verified;
         self.pass(0.2)?;
-        self.figures.gains_kept = Some(same_bits(before, self.rig.servo.supervisor().good()));
+        self.figures.gains_kept = Some(same_bits(
+            before,
+            self.rig.servo.supervisor().verified_model(),
+        ));
         Some(())
     }
 
@@ -229,14 +235,14 @@ fn error(instant: &Instant) -> f64 {
     f64::from(instant.report.setpoint.position) - instant.position_mm
 }
 
-fn same_bits(a: Option<ServoModel>, b: Option<ServoModel>) -> bool {
-    let bits = |m: Option<ServoModel>| m.map(|m| m.parameters().map(f32::to_bits));
+fn same_bits(a: Option<servo::Model>, b: Option<servo::Model>) -> bool {
+    let bits = |m: Option<servo::Model>| m.map(|m| m.parameters().map(f32::to_bits));
     a.is_some() && bits(a) == bits(b)
 }
 
 /// The settings of the loop in all scenarios.
-pub fn loop_config(options: &Options) -> LoopConfig {
-    let mut config = LoopConfig::new(ROUGH_BANDWIDTH, TRAVEL);
+pub fn loop_config(options: &Options) -> servo::Config {
+    let mut config = servo::Config::new(1e-3, ROUGH_BANDWIDTH, TRAVEL);
     config.adaptive = !options.fixed;
     config
 }
@@ -261,7 +267,7 @@ pub fn run_with_shadow<'a>(
 pub fn run_with(
     scenario: Scenario,
     options: &Options,
-    config: &LoopConfig,
+    config: &servo::Config,
     watcher: Watcher,
 ) -> Figures {
     run_all(scenario, options, config, watcher, None)
@@ -270,7 +276,7 @@ pub fn run_with(
 fn run_all<'a>(
     scenario: Scenario,
     options: &Options,
-    config: &LoopConfig,
+    config: &servo::Config,
     watcher: Watcher<'a>,
     shadow: Option<&'a mut dyn Shadow>,
 ) -> Figures {

@@ -1,6 +1,6 @@
 //! What happens to the drive in a scenario, and which refusal is right for it.
 
-use trendid::Reason;
+use trendid::servo::Reason;
 
 /// What happens to the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -1,6 +1,6 @@
 //! A second loop in step with the one of a scenario: on a processor, behind a line.
 
-use trendid::Report;
+use trendid::servo::Report;
 
 use crate::servo::rig::{Request, Rig};
 

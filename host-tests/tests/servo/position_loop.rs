@@ -3,10 +3,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use trendid::hardware::{Axis, Scale};
-use trendid::{
-    Controller, ControllerConfig, LoopConfig, Motion, Report, ServoError, ServoLoop, ServoModel,
-    Setpoint, Travel,
-};
+use trendid::servo::{self, Controller, Motion, Report, ServoLoop, Setpoint, Travel};
 use trendid_host_tests::servo::rig::{Request, Rig, SimulatedSensor, SimulatedValve, TRAVEL};
 use trendid_host_tests::servo::run::{Options, run, run_with_shadow};
 use trendid_host_tests::servo::scenario::Scenario;
@@ -15,7 +12,7 @@ use trendid_host_tests::servo::shadow::Shadow;
 #[test]
 fn the_command_keeps_range_and_rate_in_a_million_wild_samples() {
     let mut random = ChaCha8Rng::seed_from_u64(77);
-    let mut config = LoopConfig::new(25.0, TRAVEL);
+    let mut config = servo::Config::new(1e-3, 25.0, TRAVEL);
     config.range = 0.8;
     config.rate = 150.0;
     let axis = Axis {
@@ -38,10 +35,10 @@ fn the_command_keeps_range_and_rate_in_a_million_wild_samples() {
             3 => servo.move_to(f32::NAN),
             4 => servo.oscillate(60.0, random.random_range(0.1..5.0_f32)),
             5 => {
-                let model = ServoModel {
+                let model = servo::Model {
                     dead_zone: random.random_range(0.0..0.1_f32),
                     friction: random.random_range(0.0..9e3_f32),
-                    ..ServoModel::linear(
+                    ..servo::Model::linear(
                         random.random_range(50.0..4e3_f32),
                         random.random_range(1.0..80.0_f32),
                         random.random_range(1e5..5e6_f32),
@@ -72,19 +69,25 @@ fn a_change_of_gains_steps_the_command_by_at_most_one_percent() {
     let mut random = ChaCha8Rng::seed_from_u64(78);
     let mut worst = 0.0_f32;
     for case in 0..2000 {
-        let mut model = || ServoModel {
+        let mut model = || servo::Model {
             dead_zone: random.random_range(0.0..0.06_f32),
             offset: random.random_range(-0.02..0.02_f32),
             friction: if case % 2 == 0 { 0.0 } else { 3000.0 },
-            ..ServoModel::linear(
+            ..servo::Model::linear(
                 random.random_range(200.0..1500.0_f32),
                 random.random_range(5.0..40.0_f32),
                 random.random_range(3e5..3e6_f32),
             )
         };
         let (plant, first, second) = (model(), model(), model());
-        let config = ControllerConfig::new(60.0);
-        let mut kept = Controller::try_new(&config, first, 1e-3).expect("settings");
+        let mut config = servo::Config::new(1e-3, 24.0, TRAVEL);
+        // No rest and no friction seen: the change of gains alone.
+        config.controller.bandwidth = Some(60.0);
+        config.controller.rest_window = Some(0.0);
+        config.controller.breakaway_distance = Some(f32::MAX);
+        config.controller.catch_up = Some(f32::MAX);
+        config.controller.stiction_velocity = Some(0.0);
+        let mut kept = Controller::new(&config.resolve().expect("settings"), first);
         let mut motion = Motion::default();
         let start = random.random_range(50..400);
         let noise: Vec<f32> = (0..400).map(|_| random.random_range(-0.01..0.01)).collect();
@@ -94,7 +97,7 @@ fn a_change_of_gains_steps_the_command_by_at_most_one_percent() {
                 ..Setpoint::at(0.1 * k as f32)
             };
             let y = motion.position + noise[k % 400];
-            let mut changed = kept;
+            let mut changed = kept.clone();
             let u = kept.update(&r, y);
             if k == start {
                 changed.retune(second);
@@ -233,14 +236,14 @@ fn sixty_seconds_at_rest_move_neither_gains_nor_axis() {
 fn a_unit_too_small_for_the_accelerations_is_refused() {
     // The same axis in micrometres.
     let travel = Travel {
-        begin: 0.0,
-        end: 400e3,
+        min: 0.0,
+        max: 400e3,
     };
     let axis = Axis {
         scale: Scale::new(10.0).expect("scale"),
         reference: 0,
     };
-    let config = LoopConfig::new(25.0, travel);
+    let config = servo::Config::new(1e-3, 25.0, travel);
     let refused = ServoLoop::try_new(&config, axis, SimulatedSensor::default(), SimulatedValve);
-    assert!(matches!(refused, Err(ServoError::Unit(x)) if x == 2.5e8));
+    assert!(matches!(refused, Err(servo::Error::Unit { acceleration }) if acceleration == 2.5e8));
 }

@@ -1,7 +1,7 @@
 //! A loop beside the one of a scenario: it hears the same, has the plant, may fail the sensor and may end the run.
 
 use trendid::hardware::{Axis, Scale};
-use trendid::{Reason, Report, ServoLoop, State};
+use trendid::servo::{Reason, Report, ServoLoop, State};
 use trendid_host_tests::servo::figures::Figures;
 use trendid_host_tests::servo::plant::RESOLUTION_MM;
 use trendid_host_tests::servo::rig::{Request, Rig, SimulatedSensor, SimulatedValve};

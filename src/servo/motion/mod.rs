@@ -6,8 +6,7 @@ pub(crate) mod run_out;
 pub(crate) mod sine;
 pub(crate) mod trajectory;
 
-use crate::error::positive;
-use crate::servo::error::ServoError;
+use crate::servo::error::Error;
 
 /// Position and its first two derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -100,9 +99,9 @@ pub struct MotionLimits {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Travel {
     /// Lowest position.
-    pub begin: f32,
+    pub min: f32,
     /// Highest position.
-    pub end: f32,
+    pub max: f32,
 }
 
 impl Travel {
@@ -110,30 +109,35 @@ impl Travel {
     ///
     /// # Examples
     /// ```
-    /// let inner = trendid::Travel { begin: 0.0, end: 400.0 }.inner();
-    /// assert_eq!((inner.begin, inner.end), (40.0, 360.0));
+    /// let inner = trendid::servo::Travel { min: 0.0, max: 400.0 }.inner();
+    /// assert_eq!((inner.min, inner.max), (40.0, 360.0));
     /// ```
     pub fn inner(&self) -> Self {
         let margin = 0.1 * self.length();
         Self {
-            begin: self.begin + margin,
-            end: self.end - margin,
+            min: self.min + margin,
+            max: self.max - margin,
         }
     }
 
     /// Distance between the ends.
     pub fn length(&self) -> f32 {
-        self.end - self.begin
+        self.max - self.min
     }
 
-    pub(crate) fn check(&self) -> Result<(), ServoError> {
-        if self.begin.is_finite() && positive(self.length()) {
-            Ok(())
+    /// The position within the travel that is nearest to `position`; NaN passes.
+    pub(crate) fn nearest(&self, position: f32) -> f32 {
+        if position < self.min {
+            self.min
+        } else if position > self.max {
+            self.max
         } else {
-            Err(ServoError::Travel {
-                begin: self.begin,
-                end: self.end,
-            })
+            position
         }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        Error::unless_within("travel.min", self.min, f32::MIN, f32::MAX)?;
+        Error::unless_positive("travel.max - travel.min", self.length())
     }
 }

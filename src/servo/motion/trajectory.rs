@@ -1,7 +1,6 @@
 //! Jerk-limited trajectory: a standstill, moves, a run-out, a sine.
 
 use crate::error::positive;
-use crate::servo::error::ServoError;
 use crate::servo::motion::profile::{Move, PLANNING, Search};
 use crate::servo::motion::run_out::RunOut;
 use crate::servo::motion::sine::Sine;
@@ -38,31 +37,16 @@ pub(crate) struct Trajectory {
 }
 
 impl Trajectory {
-    /// A generator at rest at `position`.
-    ///
-    /// # Errors
-    /// [`ServoError::SampleTime`], [`ServoError::MotionLimit`].
-    pub(crate) fn try_new(
-        limits: MotionLimits,
-        sample_time: f32,
-        position: f32,
-    ) -> Result<Self, ServoError> {
-        if !positive(sample_time) {
-            return Err(ServoError::SampleTime(sample_time));
-        }
-        for limit in [limits.velocity, limits.acceleration, limits.jerk] {
-            if !positive(limit) {
-                return Err(ServoError::MotionLimit(limit));
-            }
-        }
-        Ok(Self {
+    /// A generator at rest at `position`; the limits are positive and finite.
+    pub(crate) const fn new(limits: MotionLimits, sample_time: f32, position: f32) -> Self {
+        Self {
             limits,
             sample_time,
             setpoint: Setpoint::at(position),
             plan: Plan::Rest,
             search: None,
             next: None,
-        })
+        }
     }
 
     /// Stands still at `position` from now on; a jump of the reference if it was elsewhere.
@@ -180,8 +164,8 @@ mod tests {
         jerk: 2.5e5,
     };
 
-    fn at_rest() -> Result<Trajectory, ServoError> {
-        Trajectory::try_new(LIMITS, 1e-3, 0.0)
+    fn at_rest() -> Trajectory {
+        Trajectory::new(LIMITS, 1e-3, 0.0)
     }
 
     /// Runs until it stands; checks that nothing jumps and nothing exceeds its limit.
@@ -203,8 +187,8 @@ mod tests {
     }
 
     #[test]
-    fn moves_from_rest_and_in_motion_end_at_their_targets() -> Result<(), ServoError> {
-        let mut reference = at_rest()?;
+    fn moves_from_rest_and_in_motion_end_at_their_targets() {
+        let mut reference = at_rest();
         for (target, pause) in [
             (60.0, 40),
             (-3.0, 90),
@@ -219,13 +203,11 @@ mod tests {
         }
         assert!(run(&mut reference, 2000) < 2000);
         assert_eq!(reference.setpoint(), Setpoint::at(199.99));
-        Ok(())
     }
 
     #[test]
-    fn a_move_begins_after_its_planning_and_takes_the_time_of_the_limits() -> Result<(), ServoError>
-    {
-        let mut reference = at_rest()?;
+    fn a_move_begins_after_its_planning_and_takes_the_time_of_the_limits() {
+        let mut reference = at_rest();
         reference.move_to(60.0);
         for _ in 0..PLANNING {
             assert_eq!(reference.update(), Setpoint::at(0.0));
@@ -236,12 +218,11 @@ mod tests {
         let time = 2.0 * (v / a + a / j);
         let taken = 1e-3 * run(&mut reference, 2000) as f32;
         assert!((taken - time).abs() < 2e-3, "{taken} s instead of {time} s");
-        Ok(())
     }
 
     #[test]
-    fn targets_in_every_sample_are_followed() -> Result<(), ServoError> {
-        let mut reference = at_rest()?;
+    fn targets_in_every_sample_are_followed() {
+        let mut reference = at_rest();
         for k in 0..400 {
             reference.move_to(0.1 * k as f32);
             let _ = reference.update();
@@ -249,6 +230,5 @@ mod tests {
         assert!(reference.setpoint().position > 25.0);
         assert!(run(&mut reference, 2000) < 2000);
         assert_eq!(reference.setpoint(), Setpoint::at(0.1 * 399.0));
-        Ok(())
     }
 }

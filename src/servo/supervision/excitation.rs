@@ -1,37 +1,8 @@
-//! The movement by which a drive gets to know itself: bounded binary noise around the actual position.
+//! The movement by which a drive is identified: bounded random levels around the actual position.
 
-use crate::error::positive;
-use crate::servo::error::ServoError;
+use crate::servo::design::ExcitationDesign;
+use crate::servo::design::constants::RUNAWAY_SLACK_RATIO;
 use crate::servo::motion::Travel;
-
-/// How the axis is moved to identify it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ExcitationConfig {
-    /// Largest command, within 0..=1.
-    pub amplitude: f32,
-    /// Time for which a level is held, in s; about one over the bandwidth of the plant.
-    pub hold: f32,
-    /// How far the axis may go from where it was, in units of y.
-    pub stroke: f32,
-    /// Time in which the axis stops when the command reverses, in s.
-    pub stopping: f32,
-    /// After this time the commissioning ends without a model, in s.
-    pub time_limit: f32,
-}
-
-impl ExcitationConfig {
-    /// Levels up to 0.5 held for 1.4 over the rough `bandwidth` (rad/s), a fifth of the travel, 3 s.
-    pub fn new(bandwidth: f32, travel: Travel) -> Self {
-        Self {
-            amplitude: 0.5,
-            hold: 1.4 / bandwidth,
-            stroke: 0.2 * travel.length(),
-            stopping: 2.0 / bandwidth,
-            time_limit: 3.0,
-        }
-    }
-}
 
 /// Binary noise with random levels that turns back before it leaves its band.
 ///
@@ -42,113 +13,110 @@ impl ExcitationConfig {
 ///
 /// Guarantees: |u| <= amplitude; beyond the band the sign leads inwards.
 ///
-/// # Examples
-/// ```
-/// use trendid::{Excitation, ExcitationConfig, Travel};
-/// let travel = Travel { begin: 0.0, end: 400.0 };
-/// let mut excitation = Excitation::try_new(&ExcitationConfig::new(20.0, travel), travel, 0.001)?;
-/// excitation.begin(200.0);
-/// assert!(excitation.update(200.0, 0.0).abs() <= 0.5);
-/// assert!(excitation.update(399.0, 0.0) < 0.0);
-/// # Ok::<(), trendid::ServoError>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Excitation {
-    amplitude: f32,
-    hold: u32,
-    stroke: f32,
-    stopping: f32,
-    travel: Travel,
+/// Known as: amplitude-modulated pseudo-random binary signal, APRBS (Isermann and Munchhof 2011).
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Excitation {
+    design: ExcitationDesign,
     band: Travel,
     register: u16,
-    left: u32,
+    /// Samples of the present level that are left.
+    remaining: u32,
     level: f32,
+    /// Samples in a row outside of the band.
+    outside: u32,
 }
 
-/// Where the register begins: of some hundred places one after which signs and levels of the first 0.3 s
-/// separate gain, dead zone and friction well, for axes of several masses and frictions.
-const START: u16 = 0x1505;
+/// Seed, chosen among several hundred so that the first 0.3 s separate gain, dead zone and friction, for axes of several
+/// masses and frictions.
+const SEED: u16 = 0x1505;
 
 impl Excitation {
-    /// An excitation of an axis with this travel.
-    ///
-    /// # Errors
-    /// [`ServoError::Travel`], [`ServoError::Amplitude`], [`ServoError::Time`], [`ServoError::Bound`].
-    pub fn try_new(
-        config: &ExcitationConfig,
-        travel: Travel,
-        sample_time: f32,
-    ) -> Result<Self, ServoError> {
-        travel.check()?;
-        if !(config.amplitude > 0.0 && config.amplitude <= 1.0) {
-            return Err(ServoError::Amplitude(config.amplitude));
-        }
-        if !(positive(config.hold) && config.hold / sample_time < 1e6) {
-            return Err(ServoError::Time(config.hold));
-        }
-        if !positive(config.stopping) {
-            return Err(ServoError::Time(config.stopping));
-        }
-        if !positive(config.stroke) {
-            return Err(ServoError::Bound(config.stroke));
-        }
-        Ok(Self {
-            amplitude: config.amplitude,
-            hold: (config.hold / sample_time) as u32,
-            stroke: config.stroke,
-            stopping: config.stopping,
-            travel,
-            band: travel.inner(),
-            register: START,
-            left: 0,
+    /// An excitation that has not begun.
+    pub(crate) fn new(design: &ExcitationDesign) -> Self {
+        Self {
+            design: *design,
+            band: design.travel.inner(),
+            register: SEED,
+            remaining: 0,
             level: 0.0,
-        })
+            outside: 0,
+        }
     }
 
     /// Begins around `position`, with the same sequence every time.
-    pub fn begin(&mut self, position: f32) {
-        let inner = self.travel.inner();
-        let (low, high) = (position - self.stroke, position + self.stroke);
-        self.band = Travel {
-            begin: if low > inner.begin { low } else { inner.begin },
-            end: if high < inner.end { high } else { inner.end },
+    pub(crate) fn begin(&mut self, position: f32) {
+        let inner = self.design.travel.inner();
+        let (low, high) = (position - self.design.stroke, position + self.design.stroke);
+        let band = Travel {
+            min: if low > inner.min { low } else { inner.min },
+            max: if high < inner.max { high } else { inner.max },
         };
         // Outside the inner travel the band is the nearest part of it.
-        if !(self.band.length() > 0.0) {
-            self.band = inner;
-        }
-        self.register = START;
-        self.left = 0;
-        self.level = 0.0;
+        let band = if band.length() > 0.0 { band } else { inner };
+        *self = Self {
+            band,
+            ..Self::new(&self.design)
+        };
     }
 
     /// The next command, at `position` with about this `velocity`. Cost: about 40 instructions.
-    pub fn update(&mut self, position: f32, velocity: f32) -> f32 {
-        let ahead = position + self.stopping * velocity;
-        if self.left == 0 {
-            self.left = self.hold;
+    pub(crate) fn update(&mut self, position: f32, velocity: f32) -> f32 {
+        let ahead = position + self.design.stopping_time * velocity;
+        if self.remaining == 0 {
+            self.remaining = self.design.hold;
             let sign = if self.bit() { 1.0 } else { -1.0 };
             let bits = 2 * u8::from(self.bit()) + u8::from(self.bit());
-            self.level = sign * self.amplitude * (0.25 + 0.25 * f32::from(bits));
+            self.level = sign * self.design.amplitude * (0.25 + 0.25 * f32::from(bits));
         }
-        self.left = self.left.saturating_sub(1);
-        let outwards = (ahead > self.band.end && self.level > 0.0)
-            || (ahead < self.band.begin && self.level < 0.0);
+        self.remaining = self.remaining.saturating_sub(1);
+        let outwards = (ahead > self.band.max && self.level > 0.0)
+            || (ahead < self.band.min && self.level < 0.0);
         if outwards {
             self.level = -self.level;
-            self.left = self.hold;
+            self.remaining = self.design.hold;
         }
         self.level
     }
 
-    /// The band in which the axis is kept, without the overrun of one reversal.
-    pub const fn band(&self) -> Travel {
-        self.band
+    /// Takes a position; whether the axis has been too long beyond the band and the way back, or at an end of its travel.
+    pub(crate) fn runs_away(&mut self, y: f32) -> bool {
+        let (band, travel) = (self.band, self.design.travel);
+        let slack = RUNAWAY_SLACK_RATIO * band.length();
+        let outside = y > band.max + slack || y < band.min - slack;
+        let at_end = y >= travel.max || y <= travel.min;
+        self.outside = if outside || at_end {
+            self.outside.saturating_add(1)
+        } else {
+            0
+        };
+        self.outside > self.design.runaway
     }
 
     fn bit(&mut self) -> bool {
         let bit = ((self.register >> 14) ^ (self.register >> 13)) & 1;
         self.register = ((self.register << 1) | bit) & 0x7fff;
         bit == 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::servo::config::Config;
+    use crate::servo::error::Error;
+
+    #[test]
+    fn beyond_the_band_the_command_leads_inwards() -> Result<(), Error> {
+        let travel = Travel {
+            min: 0.0,
+            max: 400.0,
+        };
+        let design = Config::new(0.001, 20.0, travel).resolve()?;
+        let mut excitation = Excitation::new(&design.excitation);
+        excitation.begin(200.0);
+        assert!(excitation.update(200.0, 0.0).abs() <= 0.5);
+        assert!(excitation.update(399.0, 0.0) < 0.0);
+        assert!(excitation.update(1.0, 0.0) > 0.0);
+        Ok(())
     }
 }

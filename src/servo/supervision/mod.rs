@@ -1,8 +1,10 @@
-//! Which model may control: excitation, validation, states.
+//! Which model may control: excitation, screening, validation, states.
 
-pub(crate) mod config;
+pub(crate) mod change;
+pub(crate) mod commissioning;
 pub(crate) mod excitation;
 pub(crate) mod excitation_monitor;
+pub(crate) mod screening;
 pub(crate) mod state;
 pub(crate) mod supervisor;
 pub(crate) mod validation;

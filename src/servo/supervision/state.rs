@@ -3,8 +3,12 @@
 use core::fmt;
 
 /// Why a model was refused, or the drive was stopped.
+///
+/// The order is part of the link's protocol: new reasons come last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
+#[non_exhaustive]
 pub enum Reason {
     /// A parameter is not finite.
     NotFinite,
@@ -26,7 +30,7 @@ pub enum Reason {
     ValveStuck,
     /// The position code does not change at all, not even by noise.
     SensorStuck,
-    /// The sensor reported errors in three samples running.
+    /// The sensor reported errors for 3 ms running.
     SensorFault,
     /// The valve reported an error.
     ValveFault,
@@ -37,11 +41,23 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// Whether it says that the estimate itself went astray, and must begin again.
-    pub(crate) const fn is_astray(self) -> bool {
+    /// Whether the estimate itself is wrong and begins again.
+    pub(crate) const fn rejects_estimate(self) -> bool {
         matches!(
             self,
             Self::NotFinite | Self::WrongSign | Self::Unstable | Self::OutOfRange
+        )
+    }
+
+    /// Whether the machine has a fault: with a wrong sign the verified model would drive the axis to its end.
+    pub(crate) const fn is_fault(self) -> bool {
+        matches!(
+            self,
+            Self::WrongSign
+                | Self::SensorStuck
+                | Self::ValveStuck
+                | Self::Blocked
+                | Self::TravelEnd
         )
     }
 }
@@ -79,16 +95,20 @@ impl fmt::Display for Reason {
 /// Idle -> Exciting -> Identifying -> Verified -> Adapting <-> Frozen
 ///             |            |                        |
 ///             `------------+-> Failed(reason)       `-> Rejected(reason) -> Frozen
-///                          `-> Rejected(reason) when older good gains exist
+///                          `-> Rejected(reason) when an older verified model exists
 /// ```
+///
+/// The order is part of the link's protocol: new states come last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
+#[non_exhaustive]
 pub enum State {
     /// No model yet, the valve is at zero.
     Idle,
     /// The axis is moved; too early for a model.
     Exciting,
-    /// The axis is moved, and models are put to trial.
+    /// The axis is moved, and models are validated.
     Identifying,
     /// A model passed; the controller takes the axis over.
     Verified,
@@ -96,13 +116,35 @@ pub enum State {
     Adapting,
     /// The controller runs, nothing moves enough to learn from: gains stay.
     Frozen,
-    /// A model was refused, the last good gains are in force.
+    /// A model was rejected, the last verified model is in force.
     Rejected(Reason),
-    /// There is no usable model, or the machine is defect: the valve is at zero.
+    /// There is no usable model, or the machine has a fault: the valve is at zero.
     Failed(Reason),
 }
 
 impl State {
+    /// The code of the state on the link.
+    pub const fn code(self) -> u8 {
+        match self {
+            Self::Idle => 0,
+            Self::Exciting => 1,
+            Self::Identifying => 2,
+            Self::Verified => 3,
+            Self::Adapting => 4,
+            Self::Frozen => 5,
+            Self::Rejected(_) => 6,
+            Self::Failed(_) => 7,
+        }
+    }
+
+    /// Why a model was rejected or the drive failed.
+    pub const fn reason(self) -> Option<Reason> {
+        match self {
+            Self::Rejected(reason) | Self::Failed(reason) => Some(reason),
+            _ => None,
+        }
+    }
+
     /// Whether the axis is moved by the excitation.
     pub const fn is_commissioning(self) -> bool {
         matches!(self, Self::Exciting | Self::Identifying)

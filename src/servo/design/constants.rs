@@ -1,0 +1,189 @@
+//! The tuned constants of the loop: value, unit, reason, and the test that holds them.
+//!
+//! Times are in s and rates per s, so that they mean the same at every sample time; [`Config::resolve`] turns them into
+//! samples. They were found at 1 kHz on the simulated pneumatic axis of the host tests. The tests are those of the
+//! position loop in `host-tests`; a test that is named over a group holds the group as a whole.
+//!
+//! [`Config::resolve`]: crate::servo::Config::resolve
+
+// Defaults that follow from the bandwidth w of the plant (rad/s) and the travel L.
+// Held by: the_axis_commissions_itself_and_follows, changes_in_motion_are_survived_and_nearly_always_made_good_in_two_seconds.
+
+/// Noise over L: 10 um on 400 mm, a magnetostrictive transducer.
+pub(crate) const NOISE_RATIO: f32 = 2.5e-5;
+/// Bandwidth of the controller over w: what a valve of 100 Hz and 1 ms still carry.
+pub(crate) const CONTROLLER_RATIO: f32 = 2.5;
+/// Rate of the observer over the bandwidth of the controller: faster, it passes on the noise of the position.
+pub(crate) const OBSERVER_RATIO: f32 = 3.5;
+/// Velocity limit in L per s.
+pub(crate) const VELOCITY_RATIO: f32 = 2.0;
+/// Acceleration over L w^2, and jerk over L w^3: a move of some 15 % of L saturates the valve just not.
+pub(crate) const ACCELERATION_RATIO: f32 = 0.04;
+/// Rest window over L: above the noise and the resolution.
+pub(crate) const REST_WINDOW_RATIO: f32 = 1.15e-4;
+/// Breakaway distance over L, 1.6 times the noise: less wakes the axis by noise, more notices a movement too late.
+pub(crate) const BREAKAWAY_DISTANCE_RATIO: f32 = 4e-5;
+/// Speed over L per s at which a position error is worked off.
+pub(crate) const CATCH_UP_RATIO: f32 = 0.08;
+/// Velocity over L per s below which friction rules the motion.
+pub(crate) const STICTION_VELOCITY_RATIO: f32 = 0.14;
+/// Time over 1/w for which a level of the excitation is held: the spectrum then covers the resonance.
+pub(crate) const HOLD_RATIO: f32 = 1.4;
+/// Stroke of the excitation over L.
+pub(crate) const STROKE_RATIO: f32 = 0.2;
+/// Stopping time over 1/w.
+pub(crate) const STOPPING_RATIO: f32 = 2.0;
+/// Largest velocity gain over L, per s.
+pub(crate) const GAIN_MAX_RATIO: f32 = 50.0;
+/// Velocity over L per s below which the axis does not count as moving.
+pub(crate) const SPEED_MIN_RATIO: f32 = 0.05;
+/// Movement over L within the excitation below which the axis is blocked.
+pub(crate) const TRAVEL_MIN_RATIO: f32 = 2e-3;
+/// Tracking error over L up to which a model in use is not replaced.
+pub(crate) const ERROR_DEADBAND_RATIO: f32 = 5e-3;
+
+// Filters that follow from w.
+// Held by: the_axis_commissions_itself_and_follows.
+
+/// Poles of the trends over w: the filter of the identifier, twice the plant.
+pub(crate) const TRENDS_RATIO: f32 = 2.0;
+/// Typical movement of the output over L, for the scales of the identifier.
+pub(crate) const OUTPUT_RANGE_RATIO: f32 = 0.1;
+/// Poles of the alpha-beta-gamma filter over w: its lag is small against the stopping time.
+pub(crate) const TRACKING_RATIO: f32 = 12.0;
+/// Rate of the observers of a validation over w: they settle before the free simulation begins.
+pub(crate) const VALIDATION_OBSERVER_RATIO: f32 = 6.0;
+/// Time over 1/w for which these observe.
+pub(crate) const VALIDATION_OBSERVE_RATIO: f32 = 1.4;
+/// Pole over w of a motion that is taken over and runs out.
+pub(crate) const RUN_OUT_RATIO: f32 = 1.0;
+/// Time over 1/w after a breakaway in which the filtered signals still contain friction.
+pub(crate) const SETTLED_RATIO: f32 = 0.75;
+/// Velocity over the least speed below which the sign of the friction is an open question.
+pub(crate) const FRICTION_VELOCITY_RATIO: f32 = 0.1;
+/// Time constant in s of the excitation monitor: shorter than a move, longer than a level.
+pub(crate) const MONITOR_TIME: f32 = 0.05;
+/// Longest delay of the valve, in samples: the room in the identifier.
+pub(crate) const DELAY_MAX: usize = 8;
+/// Largest w^2 L: friction, as an acceleration, is an input of the identifier and must stay within its range.
+/// Held by: a_unit_too_small_for_the_accelerations_is_refused.
+pub(crate) const ACCELERATION_MAX: f32 = 1e7;
+
+// Sensor.
+// Held by: readings_that_fail_now_and_then_are_bridged, faults_are_refused_for_the_right_reason_and_the_gains_are_kept.
+
+/// Time in s of consecutive sensor errors that stops the axis; fewer are bridged by prediction.
+pub(crate) const SENSOR_ERROR_TIME: f32 = 0.003;
+/// Time in s in which a position code that never changes is a stuck sensor: noise alone changes it sooner.
+pub(crate) const STUCK_TIME: f32 = 0.15;
+
+// Observer.
+// Held by: the_axis_commissions_itself_and_follows.
+
+/// Largest disturbance, as a flow: more than the full command is no disturbance.
+pub(crate) const DISTURBANCE_MAX: f32 = 1.0;
+/// Pole of the disturbance over the three of the motion: integral action slower than the loop.
+pub(crate) const DISTURBANCE_POLE_RATIO: f32 = 0.3;
+/// Leak of the disturbance in slow motion over the rate of the observer: friction is no flow.
+pub(crate) const DISTURBANCE_LEAK_RATIO: f32 = 0.2;
+/// Largest rate of the observer per sample: the correction is a rectangle.
+pub(crate) const OBSERVER_STEP_MAX: f32 = 0.3;
+/// Largest bandwidth of the controller per sample.
+pub(crate) const BANDWIDTH_STEP_MAX: f32 = 0.2;
+/// Largest rate of the drive at rest per sample.
+pub(crate) const STICK_STEP_MAX: f32 = 0.5;
+
+// Stick-slip friction.
+// Held by: the_axis_commissions_itself_and_follows (sines through reversals), changes_in_motion_.. (doubled friction).
+
+/// Drive over friction up to which a stop ends in sticking, and at which an axis without measurements starts.
+pub(crate) const STOP_HOLD_RATIO: f32 = 1.2;
+/// Upper limit of the drive at rest over friction: the dead zone is not known so well.
+pub(crate) const REST_DRIVE_MAX_RATIO: f32 = 4.0;
+/// Breakaway over Coulomb friction at a reversal.
+pub(crate) const BREAKAWAY_RATIO: f32 = 1.5;
+/// Rate of the drive over friction, per s, above which a reversal shows the friction: slower, creep blurs it.
+pub(crate) const REVERSAL_RAMP_MIN: f32 = 10.0;
+/// Share of a new friction in the mean.
+pub(crate) const FRICTION_LEARNING_SHARE: f32 = 0.5;
+/// Friction over that of the model, at least and at most.
+pub(crate) const FRICTION_RANGE: [f32; 2] = [0.25, 4.0];
+/// Time in s by which the valve and the mean of the innovation are late when the axis is seen to start.
+pub(crate) const BREAKAWAY_LATENCY: f32 = 0.005;
+/// Rate per s of the mean innovation and of the mean ramp at rest: 5 ms.
+pub(crate) const REST_MEAN_RATE: f32 = 200.0;
+/// Movement over the mean innovation at the moment when it is noticed.
+pub(crate) const MEAN_LAG_RATIO: f32 = 2.0;
+/// Time in s in which the place of rest is found, and the rate per s at which it is.
+pub(crate) const REST_FINDING_TIME: f32 = 0.006;
+pub(crate) const REST_FINDING_RATE: f32 = 300.0;
+/// Rate per s at which the place of rest follows the measured position afterwards.
+pub(crate) const REST_DRIFT_RATE: f32 = 20.0;
+/// Time in s within which a start that ends was none.
+pub(crate) const FALSE_START_TIME: f32 = 0.025;
+
+// Standstill.
+// Held by: sixty_seconds_at_rest_move_neither_gains_nor_axis, the_axis_commissions_itself_and_follows.
+
+/// Time in s within the rest window before the valve rests.
+pub(crate) const REST_TIME: f32 = 0.01;
+/// Window that the axis must enter, over the one that it must not leave.
+pub(crate) const REST_WINDOW_ENTRY_RATIO: f32 = 0.9;
+/// Least rate of the drive over friction, per s, behind a reference that moves, and its relative growth per s of sticking.
+pub(crate) const STICTION_RAMP_MIN: f32 = 25.0;
+pub(crate) const STICTION_RAMP_GROWTH: f32 = 30.0;
+/// Hops beside a target after which the rest window grows, its growth per hop, and the number of hops that count.
+pub(crate) const HUNTING_HOPS_MIN: u16 = 2;
+pub(crate) const HUNTING_WINDOW_GROWTH: f32 = 0.15;
+pub(crate) const HUNTING_HOPS_MAX: u16 = 3;
+/// Push of an axis beside its target, as a flow: the first one, and the largest.
+pub(crate) const PUSH_START: f32 = 0.01;
+pub(crate) const PUSH_MAX: f32 = 0.05;
+/// Relative growth per s of the growth of the push.
+pub(crate) const PUSH_HASTE: f32 = 2.0;
+/// Where a push begins, over the one at which the axis moved last.
+pub(crate) const PUSH_RESTART_RATIO: f32 = 0.8;
+/// Share of a new push in the one that is remembered.
+pub(crate) const PUSH_LEARNING_SHARE: f32 = 0.5;
+
+// Change of gains.
+// Held by: a_change_of_gains_steps_the_command_by_at_most_one_percent.
+
+/// Largest rate per s at which the trace of a change of gains fades, in full commands.
+pub(crate) const TRANSITION_RATE_MAX: f32 = 5.0;
+
+// Supervision.
+// Held by: faults_are_refused_for_the_right_reason_and_the_gains_are_kept, changes_in_motion_...
+
+/// Time in s between two candidates, and the length of `Verified`.
+pub(crate) const LOOK_TIME: f32 = 0.016;
+/// Time in s after a rejected estimate without candidates; also the length of `Rejected`.
+pub(crate) const REJECTION_TIME: f32 = 0.064;
+/// Failed validations that end a commissioning: of many wrong models one would pass in the end.
+pub(crate) const FAILED_VALIDATIONS_MAX: u32 = 2;
+/// Time in s without motion after which the model is no longer adapted.
+pub(crate) const STILL_TIME: f32 = 0.2;
+/// Time in s beyond the band of the excitation, or at an end of the travel, that ends a commissioning.
+pub(crate) const RUNAWAY_TIME: f32 = 0.1;
+/// Slack of that band, over its length.
+pub(crate) const RUNAWAY_SLACK_RATIO: f32 = 0.5;
+/// Standard deviations, squared, at which the sign of b0 counts as known.
+pub(crate) const SIGN_SIGMA_SQUARED: f32 = 9.0;
+/// Standard deviations, squared, below which a friction counts as none: it would let the observer stick without cause.
+pub(crate) const FRICTION_SIGMA_SQUARED: f32 = 4.0;
+/// Variance of the damping over that of gain and frequency, at most: four times the standard deviation.
+pub(crate) const DAMPING_VARIANCE_RATIO: f32 = 16.0;
+/// Largest a2^2 / a1: a damping of 3.
+pub(crate) const DAMPING_MAX: f32 = 36.0;
+/// Largest dead zone and offset of a valve, as commands.
+pub(crate) const VALVE_MAX: f32 = 0.3;
+/// Movement, over the least, that a validation in control must have seen.
+pub(crate) const VALIDATION_TRAVEL_RATIO: f32 = 5.0;
+/// Time constants in s of the innovation's variance: of late, and usual.
+pub(crate) const INNOVATION_FAST_TIME: f32 = 0.03;
+pub(crate) const INNOVATION_SLOW_TIME: f32 = 2.0;
+/// Time constant in s in which the largest tracking error is forgotten.
+pub(crate) const PEAK_ERROR_TIME: f32 = 1.0;
+/// Relative standard deviation of a1, a2 and b0 after a verified model, and after a change of the drive.
+pub(crate) const REOPENED_STD: f32 = 0.1;
+pub(crate) const CHANGED_STD: f32 = 0.5;

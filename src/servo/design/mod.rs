@@ -1,0 +1,199 @@
+//! Every number that follows from the settings, computed once, in seconds, and turned into samples here.
+
+pub(crate) mod constants;
+mod resolve;
+
+use crate::servo::motion::{MotionLimits, Travel};
+
+/// What [`Config::resolve`](crate::servo::Config::resolve) makes of the settings: checked, in samples, ready to run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Design {
+    pub(crate) sample_time: f32,
+    pub(crate) travel: Travel,
+    pub(crate) adaptive: bool,
+    pub(crate) motion: MotionLimits,
+    /// Poles in rad/s of a motion that runs out, and of the alpha-beta-gamma filter.
+    pub(crate) run_out_rate: f32,
+    pub(crate) tracking_rate: f32,
+    /// Consecutive sensor errors that stop the axis.
+    pub(crate) sensor_errors: u32,
+    pub(crate) identification: IdentificationDesign,
+    pub(crate) limiter: LimiterDesign,
+    pub(crate) controller: ControllerDesign,
+    pub(crate) excitation: ExcitationDesign,
+    pub(crate) monitor: MonitorDesign,
+    pub(crate) supervision: SupervisionDesign,
+}
+
+/// Numbers of the identifier.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct IdentificationDesign {
+    pub(crate) bandwidth: f32,
+    /// Poles of the trends in rad/s.
+    pub(crate) trends_rate: f32,
+    pub(crate) input_range: f32,
+    pub(crate) output_range: f32,
+    pub(crate) output_noise: f32,
+    pub(crate) memory: f32,
+    pub(crate) information_floor: f32,
+    /// Samples.
+    pub(crate) delay: usize,
+    /// Velocity below which the direction of friction is open.
+    pub(crate) friction_velocity: f32,
+    /// Samples after a breakaway in which the filtered signals still contain friction.
+    pub(crate) settled: u32,
+}
+
+/// Numbers of the limiter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LimiterDesign {
+    pub(crate) range: f32,
+    /// Largest change per sample.
+    pub(crate) step: f32,
+}
+
+/// Numbers of the controller.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ControllerDesign {
+    /// p0, p1, p2.
+    pub(crate) wanted: [f32; 3],
+    /// The same for slow motion at the target.
+    pub(crate) settling: [f32; 3],
+    pub(crate) blend: f32,
+    pub(crate) catch_up: f32,
+    pub(crate) stribeck: f32,
+    pub(crate) stiction_velocity: f32,
+    pub(crate) inverse_stiction_velocity: f32,
+    pub(crate) reversal_lookahead: f32,
+    /// Share of the trace of a change of gains that fades per sample, and the most that may.
+    pub(crate) fade: f32,
+    pub(crate) transition_step: f32,
+    pub(crate) observer: ObserverDesign,
+    pub(crate) standstill: StandstillDesign,
+}
+
+/// Numbers of an observer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ObserverDesign {
+    /// Three poles, in rad/s.
+    pub(crate) rate: f32,
+    pub(crate) sample_time: f32,
+    /// Whether there is a disturbance in the model of the observer.
+    pub(crate) disturbed: bool,
+    /// Share of the disturbance that is forgotten per sample of slow motion.
+    pub(crate) disturbance_leak: f32,
+    /// Velocity below which motion is slow.
+    pub(crate) stiction_velocity: f32,
+    pub(crate) friction: StickSlipDesign,
+}
+
+/// Numbers of the friction that sticks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct StickSlipDesign {
+    pub(crate) sample_time: f32,
+    /// Mean innovation that counts as motion; infinite where nothing is measured.
+    pub(crate) breakaway_distance: f32,
+    /// Samples in which the place of rest is found.
+    pub(crate) finding: u32,
+    /// Samples within which a start that ends was none.
+    pub(crate) false_start: u32,
+    /// Shares per sample of the mean, and of the place of rest while it is found and afterwards.
+    pub(crate) mean_share: f32,
+    pub(crate) finding_share: f32,
+    pub(crate) drift_share: f32,
+}
+
+/// Numbers of the standstill.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct StandstillDesign {
+    pub(crate) rest_window: f32,
+    /// Samples in the window before the valve rests.
+    pub(crate) rest: u32,
+    /// Rate in rad/s at which the drive is moved.
+    pub(crate) stick_rate: f32,
+    /// Growth per sample of the push, and relative growth of that growth.
+    pub(crate) push_growth: f32,
+    pub(crate) push_haste: f32,
+    /// Relative growth per sample of the least ramp.
+    pub(crate) ramp_haste: f32,
+}
+
+/// Numbers of the excitation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ExcitationDesign {
+    pub(crate) amplitude: f32,
+    /// Samples of a level.
+    pub(crate) hold: u32,
+    pub(crate) stroke: f32,
+    /// Seconds to stop.
+    pub(crate) stopping_time: f32,
+    pub(crate) travel: Travel,
+    /// Samples outside of the band that end a commissioning.
+    pub(crate) runaway: u32,
+}
+
+/// Numbers of the excitation monitor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct MonitorDesign {
+    /// Share of a new sample in the means.
+    pub(crate) share: f32,
+    /// Least variance of the fast part of the command.
+    pub(crate) min_power: f32,
+}
+
+/// Numbers of the supervisor.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct SupervisionDesign {
+    pub(crate) screening: ScreeningDesign,
+    pub(crate) validation: ValidationDesign,
+    pub(crate) change: ChangeDesign,
+    pub(crate) min_r_squared: f32,
+    pub(crate) min_r_squared_adapting: f32,
+    pub(crate) replace_ratio: f32,
+    pub(crate) min_improvement: f32,
+    pub(crate) min_speed: f32,
+    pub(crate) min_travel: f32,
+    pub(crate) error_deadband: f32,
+    /// Share of the largest tracking error that is forgotten per sample.
+    pub(crate) peak_error_leak: f32,
+    /// Samples: between two candidates, after a rejected estimate, of a stuck code, without motion, of excitation, of
+    /// the whole commissioning.
+    pub(crate) look: u32,
+    pub(crate) rejection: u32,
+    pub(crate) stuck: u32,
+    pub(crate) still: u32,
+    pub(crate) excite: u32,
+    pub(crate) limit: u32,
+}
+
+/// Bounds of a candidate that need no samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ScreeningDesign {
+    /// Square of the rough bandwidth, and of the factor about it.
+    pub(crate) frequency_squared: f32,
+    pub(crate) factor_squared: f32,
+    pub(crate) max_gain: f32,
+    /// Largest relative variance while commissioning, and in control.
+    pub(crate) max_variance: f32,
+    pub(crate) max_variance_adapting: f32,
+}
+
+/// Numbers of a validation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ValidationDesign {
+    pub(crate) observer: ObserverDesign,
+    /// Samples to find the state, and of free simulation.
+    pub(crate) observe: u32,
+    pub(crate) window: u32,
+}
+
+/// Numbers of the change detection.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ChangeDesign {
+    /// Shares of a new sample in the variance of late, and in the usual one.
+    pub(crate) fast_share: f32,
+    pub(crate) slow_share: f32,
+    pub(crate) alarm_ratio: f32,
+    /// Samples after an alarm without another.
+    pub(crate) pause: u32,
+}

@@ -1,0 +1,115 @@
+//! The identifier of the loop, its inputs, and the candidates that it gives.
+
+use crate::estimation::structure::Structure;
+use crate::estimation::terms::Terms;
+use crate::identifier::inputs::{coulomb, dead_zone};
+use crate::servo::control::controller::Controller;
+use crate::servo::design::IdentificationDesign;
+use crate::servo::design::constants::FRICTION_SIGMA_SQUARED;
+use crate::servo::error::Error;
+use crate::servo::model::Model;
+use crate::servo::supervision::screening::Candidate;
+use crate::trends::Scheme;
+use crate::trends::filtered::FilteredTrends;
+use crate::{Config, Identifier};
+
+/// The identifier of the loop: order 3, theta = (a1, a2, b0 of u, b0 of sgn u, b1 of sgn v, constant).
+#[doc(alias = "ServoIdentifier")]
+pub type LoopIdentifier = Identifier<FilteredTrends<3>, 3, 6, 3, 8>;
+
+/// The third input is sgn v times s: Coulomb friction acts on the acceleration, one integration behind the valve.
+const STRUCTURE: Structure<3, 6, 3> = Structure::new(
+    Terms::of(&[1, 2]),
+    [Terms::of(&[0]), Terms::of(&[0]), Terms::of(&[1])],
+    true,
+);
+
+/// An identifier for this axis.
+pub(crate) fn identifier(
+    design: &IdentificationDesign,
+    sample_time: f32,
+) -> Result<LoopIdentifier, Error> {
+    let trends = FilteredTrends::try_new(Scheme::Tustin, sample_time, [design.trends_rate; 3])?;
+    let mut config = Config::new(
+        STRUCTURE,
+        design.bandwidth,
+        [design.input_range, 1.0, 1.0],
+        design.output_range,
+    );
+    config.output_noise = design.output_noise;
+    config.memory = Some(design.memory);
+    config.delays = [design.delay, design.delay, 0];
+    config.pull = design.information_floor;
+    Ok(Identifier::try_new(&config, trends)?)
+}
+
+/// The inputs while commissioning: dead zone and friction are unknown.
+pub(crate) fn inputs_of_unknown(command: f32, velocity: f32, friction_velocity: f32) -> [f32; 3] {
+    let [active, sign] = dead_zone(command, 0.0);
+    [active, sign, coulomb(velocity, friction_velocity)]
+}
+
+/// The inputs in control: valve and friction are those of the controller.
+pub(crate) fn inputs_of_known(command: f32, controller: &Controller) -> [f32; 3] {
+    let flow = controller.model().flow(command);
+    [flow, 0.0, controller.observer().friction().force()]
+}
+
+/// Identifies on from `model` with `share` of a1, a2 and b0 as standard deviation.
+///
+/// Dead zone, offset and friction stay as they are: they enter by the inputs. In closed loop, on
+/// slow motion, six parameters would trade places; three do not.
+pub(crate) fn reopen(identifier: &mut LoopIdentifier, model: &Model, share: f32) {
+    let Model { a1, a2, b0, .. } = *model;
+    let theta = [a1, a2, b0, 0.0, -1.0, 0.0];
+    let std = [share * a1, share * a2, share * b0, 0.0, 0.0, 0.0];
+    // The model was verified, so every number is finite and this cannot be refused.
+    let _ = identifier.warm_start(theta, std);
+}
+
+/// The present estimate with its relative variances, to first order and as the recursion has them.
+///
+/// Without the correction for noise bias of [`Identifier::theta`], which costs more than a sample has; the validation
+/// compares the model with the axis in any case. In control the valve and the friction are those of `controller`.
+pub(crate) fn candidate(identifier: &LoopIdentifier, controller: Option<&Controller>) -> Candidate {
+    let found = identifier.recursion();
+    let mut theta = found.theta();
+    let covariance = found.covariance();
+    // Nothing is certain before the noise is known.
+    let known = match identifier.noise_std() {
+        Some(_) => 1.0,
+        None => f32::INFINITY,
+    };
+    let p = |i: usize, j: usize| known * covariance[i][j];
+    let [a1, a2, b0, _, friction, _] = theta;
+    if friction * friction < FRICTION_SIGMA_SQUARED * p(4, 4) {
+        // Friction by mistake would let the observer stick without cause.
+        theta[4] = 0.0;
+    }
+    let mut model = Model::from_parameters(&theta);
+    if let Some(controller) = controller {
+        let Model {
+            dead_zone, offset, ..
+        } = *controller.model();
+        let friction = controller.observer().friction().coulomb();
+        model = Model {
+            dead_zone,
+            offset,
+            friction,
+            ..model
+        };
+    }
+    let b0_variance = p(2, 2);
+    let r11 = p(0, 0) / (a1 * a1);
+    let r22 = p(1, 1) / (a2 * a2);
+    let r12 = p(0, 1) / (a1 * a2);
+    let rbb = b0_variance / (b0 * b0);
+    let rb1 = p(0, 2) / (a1 * b0);
+    Candidate {
+        model,
+        gain_variance: rbb + r11 - 2.0 * rb1,
+        frequency_variance: 0.25 * r11,
+        damping_variance: r22 + 0.25 * r11 - r12,
+        b0_variance,
+    }
+}

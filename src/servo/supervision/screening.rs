@@ -1,0 +1,64 @@
+//! The tests of a candidate that need no samples.
+
+use crate::servo::design::ScreeningDesign;
+use crate::servo::design::constants::{
+    DAMPING_MAX, DAMPING_VARIANCE_RATIO, SIGN_SIGMA_SQUARED, VALVE_MAX,
+};
+use crate::servo::model::Model;
+use crate::servo::supervision::state::Reason;
+
+/// A model with the variances of its parameters, as the identifier gives it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Candidate {
+    pub(crate) model: Model,
+    /// Relative variance of the velocity gain b0/a1.
+    pub(crate) gain_variance: f32,
+    /// Relative variance of the natural frequency.
+    pub(crate) frequency_variance: f32,
+    /// Relative variance of the damping.
+    pub(crate) damping_variance: f32,
+    /// Variance of b0.
+    pub(crate) b0_variance: f32,
+}
+
+impl Candidate {
+    /// Whether the sign of b0 is certain.
+    pub(crate) fn has_certain_sign(&self) -> bool {
+        let b0 = self.model.b0;
+        b0 * b0 > SIGN_SIGMA_SQUARED * self.b0_variance
+    }
+}
+
+impl ScreeningDesign {
+    /// Whether a candidate is of the right sign, certain, stable and in range; w0, C and xi by their squares, no roots.
+    pub(crate) fn screen(&self, candidate: &Candidate, commissioning: bool) -> Result<(), Reason> {
+        let model = &candidate.model;
+        if model.b0 <= 0.0 && candidate.has_certain_sign() {
+            return Err(Reason::WrongSign);
+        }
+        let limit = if commissioning {
+            self.max_variance
+        } else {
+            self.max_variance_adapting
+        };
+        let certain = candidate.gain_variance < limit
+            && candidate.frequency_variance < limit
+            && candidate.damping_variance < DAMPING_VARIANCE_RATIO * limit;
+        if !certain || model.b0 <= 0.0 {
+            return Err(Reason::Uncertain);
+        }
+        if !(model.a1 > 0.0 && model.a2 > 0.0) {
+            return Err(Reason::Unstable);
+        }
+        let square = self.frequency_squared;
+        let frequency =
+            model.a1 < self.factor_squared * square && model.a1 * self.factor_squared > square;
+        let gain = model.b0 < self.max_gain * model.a1;
+        let damping = model.a2 * model.a2 < DAMPING_MAX * model.a1;
+        let valve = model.dead_zone < VALVE_MAX && model.offset.abs() < VALVE_MAX;
+        if !(frequency && gain && damping && valve) {
+            return Err(Reason::OutOfRange);
+        }
+        Ok(())
+    }
+}
