@@ -28,7 +28,7 @@
 //! | estimator | [`Estimator`] | recursive least squares |
 //! | noise, readout, doubt, shaping, continuous | [`NoiseLevel`] | noise bias out of theta, a constant that nothing shows withdrawn, standard deviations |
 //! | transfer, physical | [`TransferFunction`], [`Physical`] | what theta means |
-//! | evaluation | [`OutputEvaluation`], [`Quality`] | (9)-(11) |
+//! | evaluation | [`OutputEvaluation`], [`PredictionError`] | (9)-(11) |
 //! | config, outcome, identifier | [`Config`], [`Outcome`], [`Identifier`] | all of it behind one call per sample |
 //! | inputs | [`DeadZone`], [`asymmetric`], [`coulomb`] | inputs for valves and friction |
 //! | delay_bank | [`DelayBank`] | which delay the drive has, for commissioning |
@@ -93,7 +93,7 @@ pub use identifier::delay_bank::DelayBank;
 pub use identifier::inputs::{DeadZone, asymmetric, coulomb, dead_zone};
 pub use identifier::outcome::{Outcome, Refusal};
 pub use identifier::servo::{Servo, ValveServo};
-pub use model::evaluation::{OutputEvaluation, Quality};
+pub use model::evaluation::{OutputEvaluation, PredictionError};
 pub use model::physical::Physical;
 pub use model::transfer_function::{Pole, TransferFunction};
 pub use readout::estimate::Estimate;

@@ -6,7 +6,7 @@
 
 use trendid::{
     AnyTrends, Config, ConfigError, ExactTrends, FilteredTrends, Hold, Identifier, Outcome,
-    Physical, Quality, RawTrends, Scheme, Structure, Terms, TrendOperator,
+    Physical, PredictionError, RawTrends, Scheme, Structure, Terms, TrendOperator,
 };
 
 use crate::estimate::{Estimate, Reading};
@@ -29,8 +29,8 @@ pub struct InputSetup {
     pub delay: usize,
     /// Typical size.
     pub range: f32,
-    /// Value at which the plant rested before the record.
-    pub rest: f32,
+    /// Value in equilibrium before the record.
+    pub initial: f32,
 }
 
 /// The trends in front of the estimator.
@@ -127,7 +127,7 @@ impl Setup {
             config.input_range[c] = input.range;
             config.holds[c] = input.hold;
             config.delays[c] = input.delay;
-            config.rest[c] = input.rest;
+            config.initial_input[c] = input.initial;
         }
         config.output_noise = self.output_noise;
         config.memory = self.memory;
@@ -180,7 +180,7 @@ pub trait Recursion {
     /// The model at this moment.
     fn estimate(&self) -> Estimate;
     /// IQ and IV so far.
-    fn quality(&self) -> Quality;
+    fn prediction_error(&self) -> PredictionError;
     /// Lets the estimate move or holds it.
     fn adapt(&mut self, on: bool);
     /// Begins again from an estimate with its standard deviations.
@@ -243,8 +243,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize> Recursion for Sized<T,
         }
     }
 
-    fn quality(&self) -> Quality {
-        self.identifier.quality()
+    fn prediction_error(&self) -> PredictionError {
+        self.identifier.prediction_error()
     }
 
     fn adapt(&mut self, on: bool) {

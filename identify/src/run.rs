@@ -182,7 +182,7 @@ impl Problem<'_> {
             hold: input.hold,
             delay: if input.delayed { tuning.delay } else { 0 },
             range: spread(input.samples) as f32,
-            rest: match structure.integrator {
+            initial: match structure.integrator {
                 true => 0.0,
                 false => input.samples[0] as f32,
             },

@@ -29,8 +29,9 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     pub holds: [Hold; I],
     /// Delay of each input in samples, at most `D`; default 0.
     pub delays: [usize; I],
-    /// Input at which the plant rested before the first sample; default 0.
-    pub rest: [f32; I],
+    /// Input in equilibrium before the first sample; default 0.
+    #[doc(alias = "rest")]
+    pub initial_input: [f32; I],
     /// Memory of the estimator in s, `None` forgets nothing (default).
     pub memory: Option<f32>,
     /// Estimate at the start, in the order of theta and the user's units; default 0.
@@ -44,9 +45,10 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     /// covariance stops at its inverse, and the estimate falls back to the trusted one ([`Identifier::trust`](crate::Identifier::trust))
     /// within the memory. Default 5e-4: unseen in motion; 0 stops the covariance at 10^12 only.
     pub pull: f32,
-    /// Standard deviations within which a constant is taken for none, fading out at twice as many; default 2, 0 always
-    /// keeps it.
-    pub doubt: f32,
+    /// Standard deviations below which a constant is insignificant and withdrawn from the reading, fading out at twice as
+    /// many; default 2, 0 always keeps it.
+    #[doc(alias = "doubt")]
+    pub offset_significance: f32,
 }
 
 impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
@@ -65,13 +67,13 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
             output_noise: output_range * 1e-3,
             holds: [Hold::Zero; I],
             delays: [0; I],
-            rest: [0.0; I],
+            initial_input: [0.0; I],
             memory: None,
             initial: [0.0; N],
             prior_std: None,
             settling: 0.0,
             pull: 5e-4,
-            doubt: 2.0,
+            offset_significance: 2.0,
         }
     }
 
@@ -85,7 +87,11 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
             let range = self.input_range[input];
             check_positive(("input_range", input), range)?;
             let reach = REACH * range;
-            check_range(("rest", input), self.rest[input], [-reach, reach])?;
+            check_range(
+                ("initial_input", input),
+                self.initial_input[input],
+                [-reach, reach],
+            )?;
             let delay = self.delays[input] as f32;
             check_range(("delays", input), delay, [0.0, capacity as f32])?;
         }
@@ -100,7 +106,7 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
         }
         check_not_negative("settling", self.settling)?;
         check_not_negative("pull", self.pull)?;
-        check_not_negative("doubt", self.doubt)?;
+        check_not_negative("offset_significance", self.offset_significance)?;
         Ok(())
     }
 }

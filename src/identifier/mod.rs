@@ -16,7 +16,7 @@ use crate::identifier::outcome::Outcome;
 use crate::identifier::plan::Plan;
 use crate::identifier::state::State;
 use crate::math::sqrt;
-use crate::model::evaluation::Quality;
+use crate::model::evaluation::PredictionError;
 use crate::readout::estimate::Estimate;
 use crate::readout::s_plane::{continuous, sampled};
 use crate::readout::{ReadOut, in_band};
@@ -29,7 +29,7 @@ const INFLATION: f32 = 5.0;
 ///
 /// ```text
 /// (u, y) -> trends T -> regressor -> estimator -> theta -> transfer function -> physical reading
-///                                        `-> innovation, IQ, IV
+///                                        `-> innovation and its sums
 /// ```
 ///
 /// | symbol | const parameter | meaning |
@@ -209,7 +209,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             regressor,
             bandwidth,
             prior_noise,
-            doubt,
+            offset_significance,
             ..
         } = &self.plan;
         ReadOut {
@@ -218,7 +218,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             regressor,
             bandwidth: *bandwidth,
             prior_noise: *prior_noise,
-            significance: *doubt,
+            significance: *offset_significance,
             estimator: &self.state.estimator,
             noise: &self.state.noise,
         }
@@ -239,9 +239,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.state.prediction
     }
 
-    /// IQ and IV of the innovations so far (11).
-    pub const fn quality(&self) -> Quality {
-        self.state.quality
+    /// Sums of the squared and absolute innovations so far (11).
+    pub const fn prediction_error(&self) -> PredictionError {
+        self.state.errors
     }
 
     /// The estimator, in normalised quantities.

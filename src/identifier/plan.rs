@@ -57,7 +57,7 @@ pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, cons
     /// Where the factors D of the covariance stop, and the leakage per sample over this limit.
     pub(crate) covariance_limit: f32,
     pub(crate) leakage: f32,
-    pub(crate) doubt: f32,
+    pub(crate) offset_significance: f32,
     /// Samples between the first one and the first estimate.
     pub(crate) warm_up: u32,
 }
@@ -105,7 +105,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             forgetting,
             holds: config.holds,
             delays: config.delays,
-            initial_inputs: config.rest,
+            initial_inputs: config.initial_input,
             input_limit: config.input_range.map(|range| REACH * range),
             output_limit: REACH * config.output_range,
             prior_noise,
@@ -113,7 +113,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             forgets: config.memory.is_some(),
             covariance_limit,
             leakage: (1.0 - forgetting) * N as f32 / covariance_limit,
-            doubt: config.doubt,
+            offset_significance: config.offset_significance,
             warm_up: design.warm_up.max((config.settling / sample_time) as u32),
         };
         plan.prior = match config.prior_std {

@@ -4,7 +4,7 @@ use crate::estimation::noise_level::NoiseLevel;
 use crate::estimation::rls::Estimator;
 use crate::identifier::outcome::{Outcome, Refusal};
 use crate::identifier::plan::{Plan, Prior};
-use crate::model::evaluation::Quality;
+use crate::model::evaluation::PredictionError;
 use crate::trends::delay_line::{DelayLine, acceptable};
 use crate::trends::{Hold, Memory, TrendOperator, Trends};
 
@@ -54,7 +54,7 @@ pub(crate) struct State<
     pub(crate) estimator: Estimator<N>,
     pub(crate) noise: NoiseLevel,
     pub(crate) prediction: f32,
-    pub(crate) quality: Quality,
+    pub(crate) errors: PredictionError,
     pub(crate) adapting: bool,
     signals: Signals<T, M, I, D>,
     trusted: [f32; N],
@@ -72,7 +72,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             estimator: Estimator::new(theta, std, plan.forgetting),
             noise: NoiseLevel::new(plan.forgetting),
             prediction: 0.0,
-            quality: Quality::new(),
+            errors: PredictionError::new(),
             adapting: true,
             signals: Signals::new(plan, plan.warm_up),
             trusted: theta,
@@ -109,7 +109,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let beta = plan.regressor.feedthrough(self.estimator.theta());
         let innovation = error / beta;
         self.prediction = y - innovation + reference;
-        self.quality.update(innovation);
+        self.errors.update(innovation);
         if !self.adapting {
             return Outcome::Held { innovation };
         }

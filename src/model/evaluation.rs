@@ -1,31 +1,32 @@
-//! Output evaluation (9)-(10), one step ahead, and the indices IQ and IV (11).
+//! Output evaluation (9)-(10), one step ahead, and the sums of its errors (11).
 
 use crate::model::transfer_function::TransferFunction;
 use crate::trends::{Form, Hold, Memory, RawTrends, TrendOperator, Window};
 
-/// The running indices IQ and IV of equation (11).
+/// Sums of the prediction errors: the indices IQ and IV of equation (11), elsewhere ISE and IAE.
 ///
 /// # Examples
 /// ```
-/// let mut quality = trendid::Quality::new();
-/// quality.update(3.0);
-/// quality.update(-4.0);
-/// assert_eq!((quality.iq(), quality.iv(), quality.samples()), (25.0, 7.0, 2));
+/// let mut errors = trendid::PredictionError::new();
+/// errors.update(3.0);
+/// errors.update(-4.0);
+/// assert_eq!((errors.ise(), errors.iae(), errors.samples()), (25.0, 7.0, 2));
 /// ```
+#[doc(alias = "Quality")]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Quality {
-    iq: f32,
-    iv: f32,
+pub struct PredictionError {
+    squared: f32,
+    absolute: f32,
     samples: u32,
 }
 
-impl Quality {
+impl PredictionError {
     /// Nothing evaluated yet.
     pub const fn new() -> Self {
         Self {
-            iq: 0.0,
-            iv: 0.0,
+            squared: 0.0,
+            absolute: 0.0,
             samples: 0,
         }
     }
@@ -33,22 +34,24 @@ impl Quality {
     /// Adds one prediction error `y(k) - y^(k)`, in the unit of y. Cost: 10 instructions.
     #[inline(always)]
     pub fn update(&mut self, error: f32) {
-        self.iq += error * error;
-        self.iv += error.abs();
+        self.squared += error * error;
+        self.absolute += error.abs();
         self.samples = self.samples.saturating_add(1);
     }
 
-    /// IQ, the sum of squared errors, in the unit of y squared.
-    pub const fn iq(&self) -> f32 {
-        self.iq
+    /// Sum of squared errors, IQ, in the unit of y squared.
+    #[doc(alias = "iq")]
+    pub const fn ise(&self) -> f32 {
+        self.squared
     }
 
-    /// IV, the sum of absolute errors, in the unit of y.
-    pub const fn iv(&self) -> f32 {
-        self.iv
+    /// Sum of absolute errors, IV, in the unit of y.
+    #[doc(alias = "iv")]
+    pub const fn iae(&self) -> f32 {
+        self.absolute
     }
 
-    /// How many errors were added.
+    /// Number of errors in the sums.
     pub const fn samples(&self) -> u32 {
         self.samples
     }
@@ -81,7 +84,7 @@ pub struct OutputEvaluation<const M: usize, const I: usize> {
     output: Window<M>,
     inputs: [Window<M>; I],
     filled: u32,
-    quality: Quality,
+    errors: PredictionError,
 }
 
 impl<const M: usize, const I: usize> OutputEvaluation<M, I> {
@@ -99,7 +102,7 @@ impl<const M: usize, const I: usize> OutputEvaluation<M, I> {
             output: Window::output_at_rest(design, Form::Position, 0.0),
             inputs: holds.map(|hold| Window::input_at_rest(design, hold, 0.0)),
             filled: 0,
-            quality: Quality::new(),
+            errors: PredictionError::new(),
         }
     }
 
@@ -134,17 +137,17 @@ impl<const M: usize, const I: usize> OutputEvaluation<M, I> {
         if !error.is_finite() {
             return None;
         }
-        self.quality.update(error);
+        self.errors.update(error);
         Some(error)
     }
 
     /// The indices so far.
-    pub const fn quality(&self) -> Quality {
-        self.quality
+    pub const fn prediction_error(&self) -> PredictionError {
+        self.errors
     }
 
     /// Begins the indices anew and keeps the window.
     pub fn restart(&mut self) {
-        self.quality = Quality::new();
+        self.errors = PredictionError::new();
     }
 }

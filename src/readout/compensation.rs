@@ -66,7 +66,7 @@ impl<const N: usize> Noise<N> {
             };
         };
         let excess = |explained: f32| (self.residual - explained).max(0.0) * 2.0 / angle;
-        // Chance alone makes no excess; a constant may be doubted for it.
+        // Chance alone makes no excess; the significance of a constant allows for it.
         let chance = 4.0 * sqrt(2.0 / samples.max(1.0));
         let explained = white * self.spread;
         Residual {

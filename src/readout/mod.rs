@@ -39,7 +39,7 @@ use crate::readout::estimate::Estimate;
 use crate::readout::residual_spectrum::{ResidualSpectrum, natural_frequency};
 use crate::readout::s_plane::{continuous, estimate_in_s_plane};
 use crate::readout::sandwich::{sandwich, transform};
-use crate::readout::significance::Doubt;
+use crate::readout::significance::Withdrawal;
 use crate::trends::Design;
 
 /// What trends in place of derivatives cost, relative to a parameter, in units of `(omega_n Delta)^2`.
@@ -80,12 +80,12 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         core::array::from_fn(|i| core::array::from_fn(|j| self.estimator.covariance(i, j)))
     }
 
-    /// The estimate without its noise bias, and the doubtful constant withdrawn from theta.
-    fn compensated(&self, p: &Matrix<N>) -> (Compensated<N>, Option<Doubt<N>>) {
+    /// The estimate without its noise bias, an insignificant constant withdrawn from theta.
+    fn compensated(&self, p: &Matrix<N>) -> (Compensated<N>, Option<Withdrawal<N>>) {
         let mut found = compensate(self, p);
-        // As long as nothing is known of the noise there is nothing to doubt: after a retuning nothing jumps.
-        let doubt = self.estimator.noise_variance().and_then(|_| {
-            Doubt::of(
+        // Before the noise is known every constant counts: after a change of the filter nothing jumps.
+        let withdrawal = self.estimator.noise_variance().and_then(|_| {
+            Withdrawal::of(
                 &self.structure.parameters(),
                 &found.theta,
                 &found.covariance,
@@ -94,10 +94,10 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
                 self.significance,
             )
         });
-        if let Some(doubt) = &doubt {
-            doubt.withdraw(&mut found.theta);
+        if let Some(withdrawal) = &withdrawal {
+            withdrawal.apply(&mut found.theta);
         }
-        (found, doubt)
+        (found, withdrawal)
     }
 
     /// The parameters as the trends have them, in the user's units.
@@ -113,7 +113,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// Parameters and covariance in the user's units.
     pub(crate) fn estimate(&self) -> Estimate<M, N, I> {
         let p = self.covariance();
-        let (found, doubt) = self.compensated(&p);
+        let (found, withdrawal) = self.compensated(&p);
         let (mut covariance, floor) = self.shaped(&p, &found);
         let units = self.regressor.units();
         let parameters = self.structure.parameters();
@@ -130,8 +130,8 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
                 }
             }
         }
-        if let Some(doubt) = &doubt {
-            doubt.settle(&mut covariance);
+        if let Some(withdrawal) = &withdrawal {
+            withdrawal.apply_to_covariance(&mut covariance);
         }
         let theta = found.theta;
         self.in_s_plane(theta, covariance)

@@ -1,25 +1,28 @@
-//! A constant that the data do not show is taken for none.
+//! A constant that the data do not show is withdrawn.
+//!
+//! Known as: pre-test estimator. Judge and Bock, The Statistical Implications of Pre-Test and Stein-Rule Estimators
+//! (1978).
 //!
 //! The offset of a valve belongs in the model: left out, an offset of 10 % of the command
 //! spoils the estimate by tens of percent. Estimated where there is none, it makes the gain
 //! twice as uncertain within a second. So it is always estimated, and withdrawn at the
 //! read-out while it lies within its own uncertainty. With P of the recursion and c the
-//! place of the constant,
+//! index of the constant,
 //!
 //! ```text
 //! z = |theta_c| / sigma_c              sigma_c^2 = P_cc times the variance of the innovation, or more where it is not white
 //! g = P_c / P_cc                       theta - g theta_c is least squares without the constant
-//! theta <- theta - s g theta_c         s = 1 for z <= doubt, 0 for z >= 2 doubt, a line between
+//! theta <- theta - s g theta_c         s = 1 for z <= limit, 0 for z >= 2 limit, a line between
 //! ```
 //!
-//! Nothing of this enters the recursion, and nothing jumps when an offset shows itself.
+//! The recursion is not changed by it, and nothing jumps when an offset shows itself.
 
 use crate::estimation::terms::{Parameter, index_of};
 use crate::math::matrix::Matrix;
 use crate::math::sqrt;
 
 /// How much of the constant is withdrawn, and what the other parameters take over.
-pub(crate) struct Doubt<const N: usize> {
+pub(crate) struct Withdrawal<const N: usize> {
     index: usize,
     /// |theta_c| over the limit below which all of it is withdrawn, in [0, 2).
     ratio: f32,
@@ -29,23 +32,24 @@ pub(crate) struct Doubt<const N: usize> {
     direction: [f32; N],
 }
 
-impl<const N: usize> Doubt<N> {
-    /// What the estimate `theta`, in the user's units, leaves in doubt; `None` when nothing.
+impl<const N: usize> Withdrawal<N> {
+    /// What to withdraw from the estimate `theta`, in the user's units; `None` for a significant constant.
     ///
-    /// `covariance` is P, normalised; `residual` the variance of the innovation, or more where it is not white.
+    /// `covariance` is P, normalised; `residual` the variance of the innovation, or more where it is not white;
+    /// `limit` the number of standard deviations.
     pub(crate) fn of(
         columns: &[Parameter; N],
         theta: &[f32; N],
         covariance: &Matrix<N>,
         units: &[f32; N],
         residual: f32,
-        doubt: f32,
+        limit: f32,
     ) -> Option<Self> {
         let index = index_of(columns, Parameter::Constant)?;
         let row = covariance.get(index)?;
         let (variance, value, unit) = (*row.get(index)?, *theta.get(index)?, *units.get(index)?);
-        let limit = doubt * unit * sqrt(residual * variance);
-        // Also a constant that is known (variance 0), or not a number, stays.
+        let limit = limit * unit * sqrt(residual * variance);
+        // A known constant (variance 0) and NaN stay, too.
         if !(variance > 0.0 && value.abs() < 2.0 * limit) {
             return None;
         }
@@ -62,25 +66,24 @@ impl<const N: usize> Doubt<N> {
         (2.0 - self.ratio).min(1.0)
     }
 
-    /// The estimate without the share in doubt.
-    pub(crate) fn withdraw(&self, theta: &mut [f32; N]) {
+    /// Takes the share out of the estimate.
+    pub(crate) fn apply(&self, theta: &mut [f32; N]) {
         let step = self.share() * self.value;
         for (value, direction) in theta.iter_mut().zip(&self.direction) {
             *value -= step * direction;
         }
     }
 
-    /// The covariance of the estimate without the share in doubt; the constant itself keeps its own.
-    pub(crate) fn settle(&self, covariance: &mut Matrix<N>) {
+    /// Takes the share out of the covariance; the constant itself keeps its own.
+    pub(crate) fn apply_to_covariance(&self, covariance: &mut Matrix<N>) {
         let Some(row) = covariance.get(self.index).copied() else {
             return;
         };
         let own = row.get(self.index).copied().unwrap_or(0.0);
         let share = self.share();
         let g = self.direction.map(|direction| share * direction);
-        // What is withdrawn may have been there: the nearer to the limit, the more of its square stays as variance.
-        // Enough for more than nine runs in ten within three standard deviations where the offset is as large as its own
-        // uncertainty, and not more than keeps 75 % within one where there is none.
+        // Part of the withdrawn value stays as variance. The factor 0.6 keeps 3-sigma coverage above 90 % for offsets of
+        // one sigma, and 1-sigma coverage below 75 % for none.
         let depth = self.ratio.min(1.0);
         let left = own + 0.6 * depth * (1.0 + depth) * self.value * self.value;
         for i in 0..N {
@@ -88,8 +91,8 @@ impl<const N: usize> Doubt<N> {
                 covariance[i][j] += left * g[i] * g[j] - g[i] * row[j] - g[j] * row[i];
             }
         }
-        let place = covariance.get_mut(self.index);
-        if let Some(left) = place.and_then(|row| row.get_mut(self.index))
+        let own_row = covariance.get_mut(self.index);
+        if let Some(left) = own_row.and_then(|row| row.get_mut(self.index))
             && *left < own
         {
             *left = own;
@@ -104,8 +107,8 @@ mod tests {
     const COLUMNS: [Parameter; 2] = [Parameter::Input { input: 0, power: 0 }, Parameter::Constant];
     const P: Matrix<2> = [[2.0, 1.0], [1.0, 1.0]];
 
-    fn doubt(constant: f32) -> Option<Doubt<2>> {
-        Doubt::of(&COLUMNS, &[10.0, constant], &P, &[1.0; 2], 4.0, 2.0)
+    fn withdrawal(constant: f32) -> Option<Withdrawal<2>> {
+        Withdrawal::of(&COLUMNS, &[10.0, constant], &P, &[1.0; 2], 4.0, 2.0)
     }
 
     #[test]
@@ -113,24 +116,26 @@ mod tests {
         // sigma_c = 2: all is withdrawn up to 4, nothing from 8 on, half of it at 6.
         for (constant, gain, left) in [(3.0, 7.0, 0.0), (-4.0, 14.0, 0.0), (6.0, 7.0, 3.0)] {
             let mut theta = [10.0, constant];
-            doubt(constant).unwrap().withdraw(&mut theta);
+            withdrawal(constant).unwrap().apply(&mut theta);
             assert_eq!(theta, [gain, left]);
         }
-        assert!(doubt(8.0).is_none() && doubt(f32::NAN).is_none());
+        assert!(withdrawal(8.0).is_none() && withdrawal(f32::NAN).is_none());
     }
 
     #[test]
     fn a_known_constant_stays() {
         let known = [[2.0, 0.0], [0.0, 0.0]];
-        let found = Doubt::of(&COLUMNS, &[10.0, 0.1], &known, &[1.0; 2], 4.0, 2.0);
+        let found = Withdrawal::of(&COLUMNS, &[10.0, 0.1], &known, &[1.0; 2], 4.0, 2.0);
         assert!(found.is_none());
-        assert!(Doubt::of(&COLUMNS, &[10.0, 0.0], &P, &[1.0; 2], 0.0, 2.0).is_none());
+        assert!(Withdrawal::of(&COLUMNS, &[10.0, 0.0], &P, &[1.0; 2], 0.0, 2.0).is_none());
     }
 
     #[test]
     fn the_covariance_is_that_without_the_constant_and_a_part_of_it() {
         let mut covariance = P;
-        doubt(3.0).unwrap().settle(&mut covariance);
+        withdrawal(3.0)
+            .unwrap()
+            .apply_to_covariance(&mut covariance);
         // Without the constant the variance of the gain is 2 - 1/1; 3 is three quarters of the limit.
         let left = 9.0 * 0.6 * 0.75 * 1.75;
         assert!((covariance[0][0] - (1.0 + left)).abs() < 1e-6);

@@ -112,7 +112,7 @@ fn setup(
             hold: Hold::Zero,
             delay: 0,
             range: amplitude as f32,
-            rest: 0.0,
+            initial: 0.0,
         }],
         constant: false,
         start: filtered,
@@ -195,7 +195,7 @@ fn by_ten<const M: usize>(
     for s in fresh.samples() {
         let _ = evaluation.update(&model, [s.u as f32], (s.y - fresh.y[0]) as f32);
     }
-    Ok(f64::from(evaluation.quality().iq()))
+    Ok(f64::from(evaluation.prediction_error().ise()))
 }
 
 /// IQ of the velocity of a free simulation from rest, in mm^2; infinite where the model cannot be simulated.

@@ -145,7 +145,7 @@ fn setup(record: &Record, scheme: Scheme, choice: Choice<Option<f64>>) -> Result
             hold: Hold::Zero,
             delay: 0,
             range: COMMAND,
-            rest: 0.0,
+            initial: 0.0,
         }],
         constant: default,
         start: default,
@@ -288,12 +288,12 @@ fn json_of(courses: &[Course], core: &dyn Recursion) -> Value {
             }),
         );
     }
-    let quality = core.quality();
+    let quality = core.prediction_error();
     json!({
         "parameters": parameters,
         "tss_ms": settling_time(courses).map(|t| number(1e3 * t)),
-        "iq": number32(quality.iq()),
-        "iv": number32(quality.iv()),
+        "iq": number32(quality.ise()),
+        "iv": number32(quality.iae()),
         "samples": quality.samples(),
     })
 }

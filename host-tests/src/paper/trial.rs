@@ -201,7 +201,7 @@ fn ramp(record: &Record, scheme: Scheme) -> Result<[Run; 2], ConfigError> {
     std[3] *= 0.0007 * config.input_range[1];
     std[4] *= 0.1;
     config.prior_std = Some(std);
-    config.doubt = 0.0;
+    config.offset_significance = 0.0;
     pass(record, &config, trends, inputs)
 }
 

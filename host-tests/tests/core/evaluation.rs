@@ -52,12 +52,12 @@ fn distances(
         .iter()
         .zip(&y_hat)
         .fold(0.0_f64, |w, (p, o)| w.max((p - o).abs()));
-    let quality = evaluation.quality();
+    let quality = evaluation.prediction_error();
     assert_eq!(quality.samples() as usize, y_hat.len());
     [
         worst,
-        f64::from(quality.iq()) / iq - 1.0,
-        f64::from(quality.iv()) / iv - 1.0,
+        f64::from(quality.ise()) / iq - 1.0,
+        f64::from(quality.iae()) / iv - 1.0,
     ]
 }
 
@@ -122,9 +122,9 @@ fn raw_innovation_is_the_evaluation_error() {
         }
         println!("{scheme:?}: innovations up to {largest:.3} mm, worst difference {worst:.1e} mm");
         assert!(largest > 0.01 && worst < 2e-7);
-        let (a, b) = (identifier.quality(), evaluation.quality());
+        let (a, b) = (identifier.prediction_error(), evaluation.prediction_error());
         assert_eq!(a.samples(), b.samples());
-        assert!((a.iq() / b.iq() - 1.0).abs() < 1e-3 && (a.iv() / b.iv() - 1.0).abs() < 1e-3);
+        assert!((a.ise() / b.ise() - 1.0).abs() < 1e-3 && (a.iae() / b.iae() - 1.0).abs() < 1e-3);
     }
 }
 
@@ -165,5 +165,5 @@ fn evaluation_keeps_its_indices_through_bad_samples() {
     let _ = first.update(&zero, [0.0], 0.0);
     assert_eq!(first.update(&zero, [0.0], 1.0), None);
     evaluation.restart();
-    assert_eq!(evaluation.quality().samples(), 0);
+    assert_eq!(evaluation.prediction_error().samples(), 0);
 }

@@ -162,7 +162,7 @@ fn reset_and_warm_start() {
     }
     identifier.reset();
     assert_eq!(identifier.theta(), fresh.theta());
-    assert_eq!(identifier.quality(), fresh.quality());
+    assert_eq!(identifier.prediction_error(), fresh.prediction_error());
     identifier
         .warm_start([400.0, 20.0, 1e6], [40.0, 2.0, 1e5])
         .unwrap();
@@ -290,7 +290,7 @@ proptest! {
         let all_a = Structure::<3, 7, 2>::try_with_initial_state(Terms::up_to(3), b0, true).unwrap();
         let mut all_a = config(all_a, memory, pull);
         all_a.delays = [3, 1];
-        all_a.rest = [0.2, -0.1];
+        all_a.initial_input = [0.2, -0.1];
 
         let fresh = Identifier::<_, 3, 5>::try_new(&servo, filtered(20.0)).unwrap();
         reset_is_construction(fresh, filtered, &history, &record)?;

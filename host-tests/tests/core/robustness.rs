@@ -98,7 +98,7 @@ fn survive<
         let (reading, deviations) = (estimate.physical(), estimate.physical_std());
         let recursion = identifier.recursion();
         prop_assert!(recursion.std().iter().all(|v| *v >= 0.0));
-        let _ = (identifier.noise_std(), identifier.quality());
+        let _ = (identifier.noise_std(), identifier.prediction_error());
         if sound {
             prop_assert!(
                 theta.iter().all(|v| v.is_finite()),
@@ -233,7 +233,7 @@ proptest! {
             structure, numbers[0], [numbers[1], numbers[2]], numbers[3]);
         config.output_noise = numbers[4];
         config.delays = delays;
-        config.rest = [numbers[5], numbers[6]];
+        config.initial_input = [numbers[5], numbers[6]];
         config.memory = some.0.then_some(numbers[7]);
         config.initial = [numbers[8]; 4];
         config.prior_std = some.1.then_some([numbers[9]; 4]);
