@@ -16,12 +16,28 @@ mod target {
     use cortex_m_rt::entry;
     use stm32f4xx_hal::{nb, pac, prelude::*, rcc};
     use trendid_example_support::board;
-    use trendid_link::{Controller, Incoming, Responder};
+    use trendid_link::{Controller, Incoming, Reply, Responder};
 
     #[panic_handler]
     fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
         board::line(format_args!("{info}"));
         board::exit(false)
+    }
+
+    /// What a byte from the line sets off; found in the image by its name.
+    #[inline(never)]
+    // SAFETY: the name is used once in this image.
+    #[unsafe(no_mangle)]
+    fn link_push(responder: &mut Responder, byte: u8) -> Option<Incoming> {
+        responder.push(byte)
+    }
+
+    /// The frame of a reply; found in the image by its name.
+    #[inline(never)]
+    // SAFETY: the name is used once in this image.
+    #[unsafe(no_mangle)]
+    fn link_answer(responder: &mut Responder, reply: Reply) -> &[u8] {
+        responder.answer(reply)
     }
 
     #[entry]
@@ -46,8 +62,11 @@ mod target {
         loop {
             // A receive error (noise, framing, overrun) is a wrong byte to the check sum.
             let byte = nb::block!(receive.read()).unwrap_or(0xFF);
-            let answer = match responder.push(byte) {
-                Some(Incoming::New(sample)) => responder.answer(controller.update(&sample)),
+            let answer = match link_push(&mut responder, byte) {
+                Some(Incoming::New(sample)) => {
+                    let reply = controller.update(&sample);
+                    link_answer(&mut responder, reply)
+                }
                 Some(Incoming::Repeated) => responder.cached(),
                 Some(Incoming::Stale) | None => &[],
             };

@@ -2,12 +2,15 @@
 
 use std::time::Instant;
 
-use crate::process::Done;
-use crate::process::{self, M0, M4F, cargo};
-use crate::{firmware, icount, setup};
+use crate::printed::Task;
+use crate::process::{self, Done, M0, M4F, cargo};
+use crate::{docs, setup};
 
 /// The examples that are firmware; the others need an operating system.
 const FIRMWARE_EXAMPLES: [&str; 5] = ["selftest", "icount", "footprint", "servo", "pil"];
+
+/// What is published.
+const PUBLISHED: [&str; 2] = ["trendid", "trendid-link"];
 
 /// A step and the name of its task.
 type Step = (&'static str, fn() -> Done);
@@ -24,29 +27,44 @@ fn steps(steps: &[Step]) -> Done {
     Ok(())
 }
 
-/// Every step.
+/// The steps of [`test`].
+const TESTS: [Step; 5] = [
+    ("setup", setup::run),
+    ("host", host),
+    ("firmware", || Task::Firmware(Default::default()).print()),
+    ("size", || Task::Size.print()),
+    ("pil", || Task::Pil.print()),
+];
+
+/// What is checked beside the tests.
+const CHECKS: [Step; 6] = [
+    ("lint", lint),
+    ("doc", doc),
+    ("features", features),
+    ("package", package),
+    ("icount", || Task::Icount(Default::default()).print()),
+    ("docs", || docs::run(&docs::Options::default())),
+];
+
+/// Every step but the long ones.
 pub fn all() -> Done {
-    steps(&[
-        ("setup", setup::run),
-        ("lint", lint),
-        ("host", host),
-        ("doc", doc),
-        ("features", features),
-        ("firmware", || firmware::run(&firmware::Options::default())),
-        ("icount", || icount::run(&icount::Options::default())),
-        ("size", firmware::size),
-        ("pil", || firmware::pil(&firmware::PilOptions::default())),
-    ])
+    steps(&TESTS)?;
+    steps(&CHECKS)
 }
 
 /// Set-up and all tests.
 pub fn test() -> Done {
+    steps(&TESTS)
+}
+
+/// The claims over hundreds of seeds, then the quotations that take minutes.
+pub fn statistics() -> Done {
     steps(&[
-        ("setup", setup::run),
-        ("host", host),
-        ("firmware", || firmware::run(&firmware::Options::default())),
-        ("size", firmware::size),
-        ("pil", || firmware::pil(&firmware::PilOptions::default())),
+        ("statistics: tests", || {
+            let arguments = ["test", "-q", "--release", "-p", "trendid-host-tests"];
+            process::run(cargo(&[&arguments[..], &["--", "--ignored"]].concat()))
+        }),
+        ("docs --long", || docs::run(&docs::Options::long())),
     ])
 }
 
@@ -76,10 +94,32 @@ pub fn lint() -> Done {
     process::run(cargo(&arguments))
 }
 
-/// Tests on the host.
+/// Tests on the host: with overflow checks, and the bits of the self-test as the optimiser makes them, too.
 pub fn host() -> Done {
     process::run(cargo(&["test", "-q", "--workspace", "--all-features"]))?;
-    process::run(cargo(&["test", "-q", "--workspace", "--release"]))
+    process::run(cargo(&["test", "-q", "--release", "--example", "selftest"]))
+}
+
+/// Every package with the oldest compiler that `Cargo.toml` promises.
+pub fn msrv() -> Done {
+    let version = format!("+{}", env!("CARGO_PKG_RUST_VERSION"));
+    let mut command = std::process::Command::new("cargo");
+    // Without the variables of the compiler that built this task.
+    command
+        .current_dir(process::root())
+        .args([&version, "check", "--workspace", "--target-dir"])
+        .arg(process::target_directory()?.join("msrv"))
+        .env_remove("RUSTFLAGS")
+        .env_remove("RUSTC")
+        .env_remove("RUSTUP_TOOLCHAIN");
+    process::run(command)
+}
+
+/// Packs and builds what is published.
+pub fn package() -> Done {
+    let mut arguments = vec!["package", "-q", "--allow-dirty"];
+    arguments.extend(PUBLISHED.iter().flat_map(|name| ["-p", name]));
+    process::run(cargo(&arguments))
 }
 
 /// Documentation.

@@ -4,82 +4,80 @@ use std::time::Duration;
 
 use crate::defmt;
 use crate::elf::Image;
-use crate::process::Done;
-use crate::process::{M0, M3, M4F, cargo};
-use crate::quote::quote;
+use crate::process::{Done, M0, M3, M4F, Machine, cargo};
 
 /// Options of the task.
 #[derive(Default, clap::Args)]
 pub struct Options {
+    /// Only this one, on the Cortex-M4F.
+    #[arg(value_enum)]
+    program: Option<Program>,
     /// Only build and check, do not run.
     #[arg(long)]
     build_only: bool,
-    /// Put the output into the documents that quote it.
-    #[arg(long)]
-    quote: bool,
 }
 
-/// Options of the processor in the loop.
-#[derive(Default, clap::Args)]
-pub struct PilOptions {
-    /// Put the output into the documents that quote it.
-    #[arg(long)]
-    quote: bool,
+/// What runs in the emulator on its own.
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+enum Program {
+    /// The hashes of the record.
+    Selftest,
+    /// The servo controller on its simulated drive.
+    Servo,
 }
 
 /// Time after which a run in the emulator has failed.
 const LIMIT: Duration = Duration::from_secs(300);
 
-/// Builds all images and runs them.
-pub fn run(options: &Options) -> Done {
-    for (machine, profile) in [
-        (M4F, "dev"),
-        (M4F, "firmware"),
-        (M3, "firmware"),
-        (M0, "firmware"),
-    ] {
+/// Builds all images and runs them; gives what they print.
+pub fn run(options: &Options) -> Result<String, String> {
+    let mut text = String::new();
+    let machines: &[(Machine, &str)] = match options.program {
+        None => &[
+            (M4F, "dev"),
+            (M4F, "firmware"),
+            (M3, "firmware"),
+            (M0, "firmware"),
+        ],
+        Some(Program::Selftest) => &[(M4F, "firmware")],
+        Some(Program::Servo) => &[],
+    };
+    for &(machine, profile) in machines {
         let path = machine.build("selftest", profile)?;
         not_empty(&Image::read(&path)?)?;
         if options.build_only {
             continue;
         }
-        let mut text = format!(
+        text += &format!(
             "selftest on {} ({}, {profile}):\n",
             machine.name, machine.target
         );
-        for line in machine.lines(&path, LIMIT)? {
-            text += &format!("    {line}\n");
-        }
-        print!("{text}");
-        if options.quote && (machine.name, profile) == (M4F.name, "firmware") {
-            quote("selftest", &fenced(&text))?;
-        }
+        text += &indented(machine.lines(&path, LIMIT)?);
     }
-    servo(options)
+    if options.program != Some(Program::Selftest) {
+        text += &servo(options.build_only)?;
+    }
+    Ok(text)
 }
 
-/// A block of program output in a document.
-fn fenced(text: &str) -> String {
-    format!("```text\n{text}```\n")
+fn indented(lines: Vec<String>) -> String {
+    lines.iter().map(|line| format!("    {line}\n")).collect()
 }
 
 /// The servo controller on its simulated drive: it must reach control, and end in the safe output after three overruns.
-fn servo(options: &Options) -> Done {
+fn servo(build_only: bool) -> Result<String, String> {
     let path = M4F.build("servo", "firmware")?;
     not_empty(&Image::read(&path)?)?;
-    if options.build_only {
-        return Ok(());
+    if build_only {
+        return Ok(String::new());
     }
-    let mut text = format!("servo on {} ({}):\n", M4F.name, M4F.target);
-    for line in defmt::lines(&path, &M4F.output(&path, LIMIT)?)? {
-        text += &format!("    {line}\n");
-    }
-    print!("{text}");
-    if options.quote {
-        quote("servo", &fenced(&text))
-    } else {
-        Ok(())
-    }
+    let lines = defmt::lines(&path, &M4F.output(&path, LIMIT)?)?;
+    Ok(format!(
+        "servo on {} ({}):\n{}",
+        M4F.name,
+        M4F.target,
+        indented(lines)
+    ))
 }
 
 /// Runs of the processor in the loop: the step of a new axis, an axis that changes, and a bad line with a bad sensor.
@@ -89,43 +87,29 @@ const PIL: [&str; 3] = [
     "--scenario nominal --samples 1500 --faults 10 --failures 700",
 ];
 
-/// The processor in the loop.
-pub fn pil(options: &PilOptions) -> Done {
+/// The processor in the loop; gives what the runs print.
+pub fn pil() -> Result<String, String> {
     let image = M4F.build("pil", "firmware")?;
     let mut text = String::new();
     for extra in PIL {
-        let mut command = cargo(&[
-            "run",
-            "-q",
-            "--release",
-            "-p",
-            "trendid-cli",
-            "--",
-            "pil",
-            "--image",
-        ]);
+        let mut command = cargo(&["run", "-q", "--release", "-p", "trendid-cli", "--", "pil"]);
         command
+            .arg("--image")
             .arg(&image)
             .args(extra.split(' '))
             .stderr(std::process::Stdio::inherit());
         let output = command
             .output()
             .map_err(|error| format!("cargo: {error}"))?;
-        let printed = format!(
+        text += &format!(
             "$ trendid pil {extra}\n{}",
             String::from_utf8_lossy(&output.stdout)
         );
-        print!("{printed}");
         if !output.status.success() {
-            return Err(format!("trendid pil ended with {}", output.status));
+            return Err(format!("{text}trendid pil ended with {}", output.status));
         }
-        text += &printed;
     }
-    if options.quote {
-        quote("pil", &fenced(&text))
-    } else {
-        Ok(())
-    }
+    Ok(text)
 }
 
 /// An image without code is what lost linker arguments give.
@@ -137,78 +121,85 @@ fn not_empty(image: &Image) -> Done {
     }
 }
 
-/// Prints the sizes; fails when an image is empty, too large, or can panic in an update.
-pub fn size() -> Done {
+/// Code in bytes that the image with one update of three parameters may have.
+const BUDGET: u64 = 6 * 1024;
+
+/// Images of which functions are called in the 1 ms path, and how the names of these begin.
+const CALLED: [(&str, &str); 2] = [("icount", "row_"), ("pil", "link_")];
+
+/// The sizes; fails when an image is empty, too large, or can panic in an update or on a frame.
+pub fn size() -> Result<String, String> {
     let mut table = String::from(
         "| image | -O | code [B] | flash [B] | static RAM [B] |\n|---|---|---|---|---|\n",
     );
     let mut faults = Vec::new();
     for (profile, opt) in [("firmware", "3"), ("firmware-size", "s")] {
-        for example in ["footprint", "icount"] {
+        for example in ["footprint", "icount", "pil"] {
             let image = Image::read(&M4F.build(example, profile)?)?;
             not_empty(&image)?;
             table += &format!(
                 "| {example} | {opt} | {} | {} | {} |\n",
                 image.text, image.flash, image.ram
             );
-            let panics = |names: &[String]| -> Vec<String> {
-                names
-                    .iter()
-                    .filter(|name| name.contains("panic"))
-                    .cloned()
-                    .collect()
+            let found = match CALLED.iter().find(|(name, _)| *name == example) {
+                Some((_, prefix)) => reaching(&image, prefix)?,
+                None => alone(&image),
             };
-            if example == "footprint" {
-                let found = panics(&image.names);
-                if !found.is_empty() {
-                    faults.push(format!(
-                        "footprint (opt-level {opt}) contains {}",
-                        found.join(", ")
-                    ));
-                }
-                if image.text > BUDGET {
-                    faults.push(format!(
-                        "footprint (opt-level {opt}) has more than {BUDGET} bytes of code"
-                    ));
-                }
-                continue;
-            }
-            // The image around the functions can panic: so a name that is looked for would be found.
-            if panics(&image.names).is_empty() {
-                faults.push(
-                    "no panic is found in an image that has one: the search is broken".into(),
-                );
-            }
-            let functions: Vec<_> = image
-                .names
-                .iter()
-                .filter(|name| name.starts_with("row_"))
-                .collect();
-            if functions.is_empty() {
-                faults.push("the image icount has no row".into());
-            }
-            for function in functions {
-                let reach = image.reach(function)?;
-                let found = panics(&reach.names);
-                if !found.is_empty() {
-                    faults.push(format!(
-                        "{function} (opt-level {opt}) reaches {}",
-                        found.join(", ")
-                    ));
-                }
-                if reach.indirect {
-                    faults.push(format!("{function} (opt-level {opt}) calls through a pointer: not all calls are known"));
-                }
-            }
+            faults.extend(
+                found
+                    .into_iter()
+                    .map(|fault| format!("{example} (opt-level {opt}): {fault}")),
+            );
         }
     }
-    print!("{table}");
     if faults.is_empty() {
-        quote("size", &table)
+        Ok(table)
     } else {
-        Err(faults.join("\n"))
+        Err(format!("{table}{}", faults.join("\n")))
     }
 }
 
-/// Code in bytes that the image with one update of three parameters may have.
-const BUDGET: u64 = 6 * 1024;
+/// The names that belong to the panic machinery.
+fn panics(names: &[String]) -> Vec<&str> {
+    let names = names.iter().map(String::as_str);
+    names.filter(|name| name.contains("panic")).collect()
+}
+
+/// Faults of an image that is nothing but an update.
+fn alone(image: &Image) -> Vec<String> {
+    let mut faults = Vec::new();
+    let found = panics(&image.names);
+    if !found.is_empty() {
+        faults.push(format!("contains {}", found.join(", ")));
+    }
+    if image.text > BUDGET {
+        faults.push(format!("has more than {BUDGET} bytes of code"));
+    }
+    faults
+}
+
+/// Faults of the functions of an image whose names begin with `prefix`.
+fn reaching(image: &Image, prefix: &str) -> Result<Vec<String>, String> {
+    let mut faults = Vec::new();
+    // The image around the functions can panic: so a name that is looked for would be found.
+    if panics(&image.names).is_empty() {
+        faults.push("no panic is found in an image that has one: the search is broken".into());
+    }
+    let functions = || image.names.iter().filter(|name| name.starts_with(prefix));
+    if functions().next().is_none() {
+        faults.push(format!("has no function {prefix}*"));
+    }
+    for function in functions() {
+        let reach = image.reach(function)?;
+        let found = panics(&reach.names);
+        if !found.is_empty() {
+            faults.push(format!("{function} reaches {}", found.join(", ")));
+        }
+        if reach.indirect {
+            faults.push(format!(
+                "{function} calls through a pointer: not all calls are known"
+            ));
+        }
+    }
+    Ok(faults)
+}

@@ -1,17 +1,16 @@
 //! The table of instruction counts.
 
 use std::fmt::Write;
+use std::sync::OnceLock;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
 use crate::elf::Image;
-use crate::process::Done;
-use crate::process::{M0, M3, M4F, Machine, root};
-use crate::quote::{quote, write};
+use crate::process::{Done, M0, M3, M4F, Machine, root};
 
 /// The counts that growth is measured against.
-const BASELINE: &str = "docs/icount.json";
+pub const BASELINE: &str = "docs/icount.json";
 
 /// Rows of the short table, with their number of parameters.
 const BRIEF: [(&str, u32); 6] = [
@@ -32,12 +31,12 @@ pub struct Options {
     /// Print JSON: an array of {row, n, mean, worst, text, ram, stack, opt}.
     #[arg(long)]
     json: bool,
-    /// Take the counts of this run as the ones that growth is measured against.
-    #[arg(long)]
-    bless: bool,
-    /// Also count on Cortex-M3 and Cortex-M0, without floating-point unit (by SysTick, 40 to 63 instructions per tick).
-    #[arg(long)]
-    all: bool,
+    /// Only the rows of the front page.
+    #[arg(long, conflicts_with = "json")]
+    brief: bool,
+    /// Count on Cortex-M3 and Cortex-M0, without floating-point unit (by SysTick, 40 to 63 instructions per tick); compares nothing.
+    #[arg(long, conflicts_with_all = ["json", "brief"])]
+    soft: bool,
 }
 
 /// One line of the table.
@@ -53,46 +52,59 @@ struct Row {
     opt: String,
 }
 
-/// Counts, prints, compares, writes.
-pub fn run(options: &Options) -> Done {
-    let mut rows = Vec::new();
-    for (profile, opt) in [("firmware", "3"), ("firmware-size", "s")] {
-        rows.extend(count(M4F, profile, opt)?);
+/// Counts and compares; gives the table.
+pub fn run(options: &Options) -> Result<String, String> {
+    if options.soft {
+        return soft();
     }
+    let rows = rows()?;
+    let text = std::fs::read_to_string(root().join(BASELINE))
+        .map_err(|error| format!("{BASELINE}: {error}"))?;
+    let before: Vec<Row> =
+        serde_json::from_str(&text).map_err(|error| format!("{BASELINE}: {error}"))?;
+    compare(&before, &rows).map_err(|error| {
+        format!("{error}(`cargo xtask docs --write {BASELINE}` takes the new counts)")
+    })?;
     if options.json {
-        println!("{}", json(&rows)?);
+        json(&rows)
+    } else if options.brief {
+        let brief = |row: &&Row| row.opt == "3" && BRIEF.contains(&(row.row.as_str(), row.n));
+        Ok(markdown(
+            &rows.iter().filter(brief).cloned().collect::<Vec<_>>(),
+        ))
     } else {
-        print!("{}", markdown(&rows));
+        Ok(markdown(&rows))
     }
-    if options.all {
-        let mut text = String::new();
-        for (machine, core) in [(M3, "Cortex-M3"), (M0, "Cortex-M0")] {
-            let table = markdown(&count(machine, "firmware", "3")?);
-            let _ = writeln!(
-                text,
-                "{core} (`{}`), floating point in software:\n\n{table}",
-                machine.name
-            );
-        }
-        if !options.json {
-            print!("\n{text}");
-        }
-        quote("icount-soft", &text)?;
+}
+
+/// What [`BASELINE`] holds after a change on purpose.
+pub fn baseline() -> Result<String, String> {
+    json(&rows()?)
+}
+
+/// Every row on the Cortex-M4F, counted once per process.
+fn rows() -> Result<Vec<Row>, String> {
+    static ROWS: OnceLock<Result<Vec<Row>, String>> = OnceLock::new();
+    let count = || {
+        let mut rows = count(M4F, "firmware", "3")?;
+        rows.extend(count(M4F, "firmware-size", "s")?);
+        Ok(rows)
+    };
+    ROWS.get_or_init(count).clone()
+}
+
+/// The tables of the cores without floating-point unit.
+fn soft() -> Result<String, String> {
+    let mut text = String::new();
+    for (machine, core) in [(M3, "Cortex-M3"), (M0, "Cortex-M0")] {
+        let table = markdown(&count(machine, "firmware", "3")?);
+        let _ = writeln!(
+            text,
+            "{core} (`{}`), floating point in software:\n\n{table}",
+            machine.name
+        );
     }
-    let baseline = root().join(BASELINE);
-    if options.bless {
-        write(&baseline, &json(&rows)?)?;
-    } else {
-        let text = std::fs::read_to_string(&baseline).map_err(|error| {
-            format!("{BASELINE}: {error}; `cargo xtask icount --bless` writes it")
-        })?;
-        let before: Vec<Row> =
-            serde_json::from_str(&text).map_err(|error| format!("{BASELINE}: {error}"))?;
-        compare(&before, &rows)?;
-    }
-    quote("icount", &markdown(&rows))?;
-    rows.retain(|row| row.opt == "3" && BRIEF.contains(&(row.row.as_str(), row.n)));
-    quote("icount-brief", &markdown(&rows))
+    Ok(text)
 }
 
 /// Runs the image on a machine and joins its counts with the sizes in the ELF.

@@ -4,13 +4,17 @@
 
 mod ci;
 mod defmt;
+mod docs;
 mod elf;
 mod firmware;
+mod golden;
 mod icount;
+mod printed;
 mod process;
 mod quote;
 mod record;
 mod setup;
+mod soak;
 
 use std::process::ExitCode;
 
@@ -28,28 +32,30 @@ struct Arguments {
 enum Task {
     /// Adds what is missing: thumb targets by rustup, qemu-system-arm by apt where it may; else says what to install.
     Setup,
-    /// Sets up, then runs every test, on the host and on the emulated targets.
+    /// Sets up, then runs every test, on the host and on the emulated targets; what takes long is in `statistics`.
     Test,
     /// Formatting and lints, on the host and on the target.
     Lint,
-    /// The tests on the host, in debug and release.
+    /// The tests on the host.
     Host,
     /// The documentation, with warnings as errors.
     Doc,
+    /// What the documents quote: compares it with what the commands print now, or writes it.
+    Docs(docs::Options),
     /// Each feature of the core alone, none and all; the core for Cortex-M4F and Cortex-M0.
     Features,
-    /// Builds the firmware images, checks them and runs them in the emulator.
-    Firmware(firmware::Options),
-    /// Instructions per update on the emulated Cortex-M4F, with code size, memory and stack.
-    Icount(icount::Options),
-    /// Code size of the images; no panic may be reachable from an update.
-    Size,
-    /// The controller on the emulated target against the simulated plant on the host, bit for bit.
-    Pil(firmware::PilOptions),
-    /// Everything above.
+    /// Every package with the oldest compiler that is promised.
+    Msrv,
+    /// What would be published, built from the package.
+    Package,
+    #[command(flatten)]
+    Printed(printed::Task),
+    /// The claims that need hundreds of runs, and the quotations that take minutes.
+    Statistics,
+    /// Simulated hours of the identifier and of the loop.
+    Soak(soak::Options),
+    /// Every test and check but `msrv`, `statistics` and `soak`.
     Ci,
-    /// Writes the record of the self-test again (the same bytes on every machine).
-    Record,
 }
 
 fn main() -> ExitCode {
@@ -59,13 +65,14 @@ fn main() -> ExitCode {
         Task::Lint => ci::lint(),
         Task::Host => ci::host(),
         Task::Doc => ci::doc(),
+        Task::Docs(options) => docs::run(&options),
         Task::Features => ci::features(),
-        Task::Firmware(options) => firmware::run(&options),
-        Task::Icount(options) => icount::run(&options),
-        Task::Size => firmware::size(),
-        Task::Pil(options) => firmware::pil(&options),
+        Task::Msrv => ci::msrv(),
+        Task::Package => ci::package(),
+        Task::Printed(task) => task.print(),
+        Task::Statistics => ci::statistics(),
+        Task::Soak(options) => soak::run(&options),
         Task::Ci => ci::all(),
-        Task::Record => record::write(&process::root()).map_err(|error| error.to_string()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

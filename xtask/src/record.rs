@@ -1,11 +1,5 @@
 //! The record that host and target both run: a servo in integer arithmetic, the same bytes on every machine.
 
-use std::io;
-use std::path::Path;
-
-/// Where the record is kept.
-pub const PATH: &str = "examples/data/servo.bin";
-
 const SAMPLES: usize = 5000;
 const REFERENCE: i64 = 1_234_567;
 
@@ -17,11 +11,6 @@ const FULL: i64 = 32_768;
 
 /// Steps of the simulation per millisecond.
 const STEPS: i64 = 64;
-
-/// Writes the record.
-pub fn write(root: &Path) -> io::Result<()> {
-    std::fs::write(root.join(PATH), bytes())
-}
 
 /// Six bytes a sample, little endian: command as i16, position as i32 in micrometres.
 ///

@@ -3,8 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::process::Done;
-use crate::process::{self, M0, M3, M4F, works};
+use crate::process::{self, Done, M0, M3, M4F, works};
 
 /// Adds what is missing, or says what to install.
 pub fn run() -> Done {

@@ -1,4 +1,4 @@
-//! The record of 5 000 samples that host and target both run; `cargo xtask record` writes it again, byte for byte.
+//! The record of 5 000 samples that host and target both run; `cargo xtask docs` holds it against its generator, byte for byte.
 
 /// Sample time in s.
 pub const SAMPLE_TIME: f32 = 0.001;

@@ -1,0 +1,47 @@
+//! The tasks whose output documents quote.
+
+use clap::{Parser, Subcommand};
+
+use crate::{firmware, icount};
+
+/// A task that gives text.
+#[derive(Subcommand)]
+pub enum Task {
+    /// Builds the firmware images, checks them and runs them in the emulator.
+    Firmware(firmware::Options),
+    /// Instructions per update on the emulated Cortex-M4F, with code size, memory and stack.
+    Icount(icount::Options),
+    /// Code size of the images; no panic may be reachable from an update or from a frame.
+    Size,
+    /// The controller on the emulated target against the simulated plant on the host, bit for bit.
+    Pil,
+}
+
+impl Task {
+    /// What it prints.
+    pub fn text(&self) -> Result<String, String> {
+        match self {
+            Self::Firmware(options) => firmware::run(options),
+            Self::Icount(options) => icount::run(options),
+            Self::Size => firmware::size(),
+            Self::Pil => firmware::pil(),
+        }
+    }
+
+    /// Runs it and prints.
+    pub fn print(&self) -> Result<(), String> {
+        self.text().map(|text| print!("{text}"))
+    }
+}
+
+#[derive(Parser)]
+struct Line {
+    #[command(subcommand)]
+    task: Task,
+}
+
+/// What the task `words` prints; the first word is the program.
+pub fn text(words: &[&str]) -> Result<String, String> {
+    let line = Line::try_parse_from(words).map_err(|error| error.to_string())?;
+    line.task.text()
+}
