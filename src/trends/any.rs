@@ -1,9 +1,10 @@
 //! One of several kinds of trends, chosen at run time.
 
+use crate::trends::chain::Chain;
 use crate::trends::design::Design;
 use crate::trends::difference::Trends;
 use crate::trends::exact::ExactTrends;
-use crate::trends::filtered::{Chain, FilteredTrends};
+use crate::trends::filtered::FilteredTrends;
 use crate::trends::operator::{Form, Hold, Memory, TrendOperator, sealed};
 use crate::trends::raw::{RawTrends, Window};
 

@@ -2,10 +2,11 @@
 
 use crate::error::{ConfigError, assert_order, check_finite, check_positive};
 use crate::trends::bilinear::to_gamma_plane;
+use crate::trends::chain::Chain;
 use crate::trends::design::{Design, Plane};
 use crate::trends::difference::{Scheme, Trends};
 use crate::trends::filter::for_bandwidth;
-use crate::trends::filtered::{Chain, FilteredTrends};
+use crate::trends::filtered::FilteredTrends;
 use crate::trends::hold::Numerators;
 use crate::trends::operator::{Form, Hold, TrendOperator, sealed};
 

@@ -5,11 +5,12 @@
 
 use crate::error::{ConfigError, assert_order, check_positive, check_range};
 use crate::math::polynomial::{is_hurwitz, slowest_rate, with_pole};
+use crate::trends::chain::{Chain, Integrators};
 use crate::trends::design::{Design, Plane, Size};
 use crate::trends::difference::{Scheme, Trends};
 use crate::trends::filter::for_bandwidth;
 use crate::trends::noise_gain::NoiseGain;
-use crate::trends::operator::{Form, Hold, Memory, TrendOperator, sealed};
+use crate::trends::operator::{Form, Hold, TrendOperator, sealed};
 
 /// Trends through one stable filter `1/A_f`, the same for y and every u.
 ///
@@ -57,55 +58,7 @@ use crate::trends::operator::{Form, Hold, Memory, TrendOperator, sealed};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FilteredTrends<const M: usize> {
     design: Design<M>,
-    /// f_0 .. f_{m-1} of the filter.
-    filter: [f32; M],
-    /// Share of the newest value in one integration: Delta/2 (trapezoid) or 0 (forward rectangle).
-    ahead: f32,
-    /// Share of the value before: Delta/2 or Delta.
-    behind: f32,
-    /// 1 / (1 + sum f_i ahead^(m-i)): solves the loop that the trapezoids close within one sample.
-    loop_gain: f32,
-}
-
-/// The states of the filter for one signal.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Chain<const M: usize> {
-    /// State i is the part of trend i that is known before the sample comes.
-    states: [f32; M],
-    /// y(k-1), for increments.
-    last: f32,
-}
-
-impl<const M: usize> sealed::Sealed for Chain<M> {}
-
-impl<const M: usize> Memory<M> for Chain<M> {
-    fn output_at_rest(design: &Design<M>, form: Form, value: f32) -> Self {
-        let mut states = [0.0; M];
-        if let (Form::Position, Some(filter)) = (form, &design.filter) {
-            states[0] = value / filter[0];
-        }
-        Self {
-            states,
-            last: value,
-        }
-    }
-
-    fn input_at_rest(design: &Design<M>, hold: Hold, value: f32) -> Self {
-        let mut memory = Self::output_at_rest(design, Form::Position, value);
-        if let Hold::Zero = hold {
-            // The exact integral of the last held value is already on its way in.
-            memory.states[M - 1] += shares(design.scheme, design.sample_time).0 * value;
-        }
-        memory
-    }
-}
-
-/// Shares of the newest value and of the one before in one integration.
-fn shares(scheme: Scheme, sample_time: f32) -> (f32, f32) {
-    match scheme {
-        Scheme::Tustin => (0.5 * sample_time, 0.5 * sample_time),
-        Scheme::Goodwin => (0.0, sample_time),
-    }
+    integrators: Integrators<M>,
 }
 
 impl<const M: usize> FilteredTrends<M> {
@@ -145,34 +98,23 @@ impl<const M: usize> FilteredTrends<M> {
             let setting = "filter".into();
             return Err(ConfigError::Unstable { setting });
         }
-        let (ahead, behind) = shares(scheme, sample_time);
-        let mut sum = 1.0;
-        let mut weight = ahead;
-        for f in filter.iter().rev() {
-            sum += f * weight;
-            weight *= ahead;
-        }
-        let loop_gain = 1.0 / sum;
+        let integrators = Integrators::new(scheme, sample_time, filter);
+        let Integrators { ahead, behind, .. } = integrators;
         let pole = slowest_rate(&filter);
-        let mut trends = Self {
+        Ok(Self {
             design: Design {
                 sample_time,
                 scheme,
-                feedthrough: feedthrough(ahead, loop_gain),
+                feedthrough: integrators.feedthrough(),
                 filter: Some(filter),
-                noise_gain: NoiseGain::ZERO,
+                noise_gain: NoiseGain::of(|states, y| integrators.step(states, y, 0.0)),
                 slow_mode: (1.0 - pole * behind) / (1.0 + pole * ahead),
                 warm_up: 1,
                 size: Size::Unit,
                 plane: Plane::S,
             },
-            filter,
-            ahead,
-            behind,
-            loop_gain,
-        };
-        trends.design.noise_gain = NoiseGain::of(|states, y| trends.step(states, y, 0.0));
-        Ok(trends)
+            integrators,
+        })
     }
 
     /// The filter for a plant of rough bandwidth omega (rad/s): `(s + 0.11 omega) (s^2 + 1.54 omega s + 1.21 omega^2)` for m = 3.
@@ -196,88 +138,13 @@ impl<const M: usize> FilteredTrends<M> {
 
     /// Coefficients f_0 .. f_{m-1} of the filter, in rad^(m-i)/s^(m-i).
     pub const fn filter(&self) -> [f32; M] {
-        self.filter
+        self.integrators.filter
     }
 
     /// The same trends read in another plane.
     pub(crate) fn with_plane(mut self, plane: Plane<M>) -> Self {
         self.design.plane = plane;
         self
-    }
-
-    /// One sample through the filter: `direct` enters at the top, `held` after the first integration.
-    #[inline(always)]
-    fn step(&self, states: &mut [f32; M], direct: f32, held: f32) -> Trends<M> {
-        // The trends as if the highest one were zero ...
-        let mut known = *states;
-        for i in (0..M - 1).rev() {
-            known[i] += self.ahead * known[i + 1];
-        }
-        // ... give the highest one ...
-        let mut feedback = 0.0;
-        for i in 0..M {
-            feedback += self.filter[i] * known[i];
-        }
-        let top = (direct - feedback) * self.loop_gain;
-        // ... and with it all the others, each the integral of the one above.
-        let mut lower = *states;
-        let mut above = top;
-        let mut entering = held;
-        for i in (0..M).rev() {
-            lower[i] += self.ahead * above;
-            states[i] = lower[i] + self.behind * above + entering;
-            above = lower[i];
-            entering = 0.0;
-        }
-        Trends { lower, top }
-    }
-
-    /// One increment of y through the filter.
-    ///
-    /// State 0 holds `y - f_0 S_0` in place of S_0: what is left of the position after
-    /// the filter has followed it. At rest it goes to zero, where f32 is finest; S_0 would
-    /// stand at the position over f_0 and round every increment to its own last digit.
-    #[inline(always)]
-    fn step_increment(&self, states: &mut [f32; M], increment: f32) -> Trends<M> {
-        let mut known = *states;
-        for i in (1..M - 1).rev() {
-            known[i] += self.ahead * known[i + 1];
-        }
-        let left = states[0] + increment;
-        let mut top = left;
-        for i in 1..M {
-            let weight = if i == 1 {
-                self.filter[1] + self.filter[0] * self.ahead
-            } else {
-                self.filter[i]
-            };
-            top -= weight * known[i];
-        }
-        top *= self.loop_gain;
-        let mut lower = *states;
-        let mut above = top;
-        for i in (1..M).rev() {
-            lower[i] += self.ahead * above;
-            states[i] = lower[i] + self.behind * above;
-            above = lower[i];
-        }
-        lower[0] = 0.0;
-        states[0] = left - self.filter[0] * (self.ahead + self.behind) * above;
-        Trends { lower, top }
-    }
-}
-
-/// Weight of the newest sample in each trend.
-fn feedthrough<const M: usize>(ahead: f32, loop_gain: f32) -> Trends<M> {
-    let mut lower = [0.0; M];
-    let mut weight = loop_gain;
-    for w in lower.iter_mut().rev() {
-        weight *= ahead;
-        *w = weight;
-    }
-    Trends {
-        lower,
-        top: loop_gain,
     }
 }
 
@@ -289,11 +156,12 @@ impl<const M: usize> TrendOperator<M> for FilteredTrends<M> {
     #[inline(always)]
     fn output(&self, memory: &mut Chain<M>, y: f32, form: Form) -> Trends<M> {
         match form {
-            Form::Position => self.step(&mut memory.states, y, 0.0),
+            Form::Position => self.integrators.step(&mut memory.states, y, 0.0),
             Form::Increment => {
                 let increment = y - memory.last;
                 memory.last = y;
-                self.step_increment(&mut memory.states, increment)
+                self.integrators
+                    .step_increment(&mut memory.states, increment)
             }
         }
     }
@@ -302,8 +170,12 @@ impl<const M: usize> TrendOperator<M> for FilteredTrends<M> {
     fn input(&self, memory: &mut Chain<M>, u: f32, hold: Hold) -> [f32; M] {
         let states = &mut memory.states;
         match hold {
-            Hold::Zero => self.step(states, 0.0, self.design.sample_time * u).lower,
-            Hold::First => self.step(states, u, 0.0).lower,
+            Hold::Zero => {
+                self.integrators
+                    .step(states, 0.0, self.design.sample_time * u)
+                    .lower
+            }
+            Hold::First => self.integrators.step(states, u, 0.0).lower,
         }
     }
 
@@ -315,6 +187,7 @@ impl<const M: usize> TrendOperator<M> for FilteredTrends<M> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trends::operator::Memory;
 
     #[test]
     fn poles_and_polynomial_say_the_same() {

@@ -19,6 +19,7 @@
 
 pub(crate) mod any;
 pub(crate) mod bilinear;
+pub(crate) mod chain;
 pub(crate) mod delay_line;
 pub(crate) mod design;
 pub(crate) mod difference;
@@ -32,11 +33,12 @@ pub(crate) mod operator;
 pub(crate) mod raw;
 
 pub use any::{AnyMemory, AnyTrends};
+pub use chain::Chain;
 pub use delay_line::DelayLine;
 pub use design::{Design, Mapped};
 pub use difference::{Scheme, Trends};
 pub use exact::ExactTrends;
-pub use filtered::{Chain, FilteredTrends};
+pub use filtered::FilteredTrends;
 pub use integral::{IntegralTrends, Span};
 pub use noise_gain::NoiseGain;
 pub use operator::{Form, Hold, Memory, TrendOperator};

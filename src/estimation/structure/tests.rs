@@ -1,0 +1,65 @@
+use super::*;
+
+#[test]
+fn theta_holds_a_then_b_of_each_input_then_constant_then_initial_state() {
+    let structure = Structure::<3, 7, 2>::try_with_initial_state(
+        Terms::of(&[2, 1]),
+        [Terms::of(&[2, 0]), Terms::of(&[1])],
+        true,
+    )
+    .unwrap();
+    let input = |input, power| Parameter::Input { input, power };
+    assert_eq!(
+        structure.parameters(),
+        [
+            Parameter::Output { power: 1 },
+            Parameter::Output { power: 2 },
+            input(0, 0),
+            input(0, 2),
+            input(1, 1),
+            Parameter::Constant,
+            Parameter::InitialState,
+        ]
+    );
+    assert_eq!(structure.integrators(), 1);
+}
+
+#[test]
+fn integrators_are_the_absent_lowest_terms() {
+    let count = |terms| {
+        let b = [Terms::of(&[0])];
+        match Structure::<3, 2, 1>::try_new(terms, b, false) {
+            Ok(structure) => structure.integrators(),
+            Err(error) => panic!("{error}"),
+        }
+    };
+    assert_eq!(count(Terms::of(&[0])), 0);
+    assert_eq!(count(Terms::of(&[1])), 1);
+    assert_eq!(count(Terms::of(&[2])), 2);
+    let none = const { Structure::<2, 1, 1>::new(Terms::NONE, [Terms::of(&[0])], false) };
+    assert_eq!(none.integrators(), 2);
+}
+
+#[test]
+fn contradictions_are_named() {
+    let one = [Terms::of(&[0])];
+    assert_eq!(
+        Structure::<2, 2, 1>::try_new(Terms::of(&[2]), one, false),
+        Err(ConfigError::Term { power: 2, order: 2 })
+    );
+    assert_eq!(
+        Structure::<2, 2, 1>::try_new(Terms::of(&[0]), [Terms::of(&[3])], false),
+        Err(ConfigError::Term { power: 3, order: 2 })
+    );
+    assert_eq!(
+        Structure::<2, 1, 1>::try_new(Terms::of(&[0]), [Terms::NONE], false),
+        Err(ConfigError::NoInput)
+    );
+    assert_eq!(
+        Structure::<2, 5, 1>::try_new(Terms::up_to(2), one, true),
+        Err(ConfigError::ParameterCount {
+            found: 4,
+            expected: 5
+        })
+    );
+}

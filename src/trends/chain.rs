@@ -1,0 +1,152 @@
+//! The chain of m integrators with feedback `1/A_f` behind the filtered trends.
+
+use crate::trends::design::Design;
+use crate::trends::difference::{Scheme, Trends};
+use crate::trends::operator::{Form, Hold, Memory, sealed};
+
+/// The states of the filter for one signal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Chain<const M: usize> {
+    /// State i is the part of trend i that is known before the sample comes.
+    pub(crate) states: [f32; M],
+    /// y(k-1), for increments.
+    pub(crate) last: f32,
+}
+
+impl<const M: usize> sealed::Sealed for Chain<M> {}
+
+impl<const M: usize> Memory<M> for Chain<M> {
+    fn output_at_rest(design: &Design<M>, form: Form, value: f32) -> Self {
+        let mut states = [0.0; M];
+        if let (Form::Position, Some(filter)) = (form, &design.filter) {
+            states[0] = value / filter[0];
+        }
+        Self {
+            states,
+            last: value,
+        }
+    }
+
+    fn input_at_rest(design: &Design<M>, hold: Hold, value: f32) -> Self {
+        let mut memory = Self::output_at_rest(design, Form::Position, value);
+        if let Hold::Zero = hold {
+            // The exact integral of the last held value is already on its way in.
+            memory.states[M - 1] += shares(design.scheme, design.sample_time).0 * value;
+        }
+        memory
+    }
+}
+
+/// Shares of the newest value and of the one before in one integration.
+fn shares(scheme: Scheme, sample_time: f32) -> (f32, f32) {
+    match scheme {
+        Scheme::Tustin => (0.5 * sample_time, 0.5 * sample_time),
+        Scheme::Goodwin => (0.0, sample_time),
+    }
+}
+
+/// The coefficients of the chain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Integrators<const M: usize> {
+    /// f_0 .. f_{m-1} of the filter.
+    pub(crate) filter: [f32; M],
+    /// Share of the newest value in one integration: Delta/2 (trapezoid) or 0 (forward rectangle).
+    pub(crate) ahead: f32,
+    /// Share of the value before: Delta/2 or Delta.
+    pub(crate) behind: f32,
+    /// 1 / (1 + sum f_i ahead^(m-i)): solves the loop that the trapezoids close within one sample.
+    loop_gain: f32,
+}
+
+impl<const M: usize> Integrators<M> {
+    pub(crate) fn new(scheme: Scheme, sample_time: f32, filter: [f32; M]) -> Self {
+        let (ahead, behind) = shares(scheme, sample_time);
+        let mut sum = 1.0;
+        let mut weight = ahead;
+        for f in filter.iter().rev() {
+            sum += f * weight;
+            weight *= ahead;
+        }
+        Self {
+            filter,
+            ahead,
+            behind,
+            loop_gain: 1.0 / sum,
+        }
+    }
+
+    /// Weight of the newest sample in each trend.
+    pub(crate) fn feedthrough(&self) -> Trends<M> {
+        let mut lower = [0.0; M];
+        let mut weight = self.loop_gain;
+        for w in lower.iter_mut().rev() {
+            weight *= self.ahead;
+            *w = weight;
+        }
+        Trends {
+            lower,
+            top: self.loop_gain,
+        }
+    }
+
+    /// One sample through the filter: `direct` enters at the top, `held` after the first integration.
+    #[inline(always)]
+    pub(crate) fn step(&self, states: &mut [f32; M], direct: f32, held: f32) -> Trends<M> {
+        // The trends as if the highest one were zero ...
+        let mut known = *states;
+        for i in (0..M - 1).rev() {
+            known[i] += self.ahead * known[i + 1];
+        }
+        // ... give the highest one ...
+        let mut feedback = 0.0;
+        for i in 0..M {
+            feedback += self.filter[i] * known[i];
+        }
+        let top = (direct - feedback) * self.loop_gain;
+        // ... and with it all the others, each the integral of the one above.
+        let mut lower = *states;
+        let mut above = top;
+        let mut entering = held;
+        for i in (0..M).rev() {
+            lower[i] += self.ahead * above;
+            states[i] = lower[i] + self.behind * above + entering;
+            above = lower[i];
+            entering = 0.0;
+        }
+        Trends { lower, top }
+    }
+
+    /// One increment of y through the filter.
+    ///
+    /// State 0 holds `y - f_0 S_0` in place of S_0: what is left of the position after
+    /// the filter has followed it. At rest it goes to zero, where f32 is finest; S_0 would
+    /// stand at the position over f_0 and round every increment to its own last digit.
+    #[inline(always)]
+    pub(crate) fn step_increment(&self, states: &mut [f32; M], increment: f32) -> Trends<M> {
+        let mut known = *states;
+        for i in (1..M - 1).rev() {
+            known[i] += self.ahead * known[i + 1];
+        }
+        let left = states[0] + increment;
+        let mut top = left;
+        for i in 1..M {
+            let weight = if i == 1 {
+                self.filter[1] + self.filter[0] * self.ahead
+            } else {
+                self.filter[i]
+            };
+            top -= weight * known[i];
+        }
+        top *= self.loop_gain;
+        let mut lower = *states;
+        let mut above = top;
+        for i in (1..M).rev() {
+            lower[i] += self.ahead * above;
+            states[i] = lower[i] + self.behind * above;
+            above = lower[i];
+        }
+        lower[0] = 0.0;
+        states[0] = left - self.filter[0] * (self.ahead + self.behind) * above;
+        Trends { lower, top }
+    }
+}
