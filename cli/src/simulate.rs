@@ -8,7 +8,7 @@ use serde_json::json;
 use trendid_host_tests::plants::servo::REFERENCE;
 
 use crate::output::{Refusal, emit, emit_json, number};
-use crate::servo::linear::{NoiseArgs, truth_lines};
+use crate::servo::linear_args::{NoiseArgs, truth_lines};
 
 const EXAMPLE: &str = "\
 Example (simulate ten seconds, then identify them):

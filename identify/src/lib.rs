@@ -10,7 +10,8 @@
 //! | [`dynamic`] | the core behind sizes that are known only at run time |
 //! | [`estimate`] | a model with its covariance, as values |
 //! | [`tuning`] | filter and delay, what a run is free to choose |
-//! | [`problem`] | signals and structure, checked |
+//! | [`signals`] | inputs and output, checked |
+//! | [`problem`] | a structure over signals that can carry it |
 //! | [`run`] | passes of the core over the signals |
 //! | [`free_run`] | simulation on the inputs alone, the judge of a model |
 //! | [`search`] | filter and delay by that judge |
@@ -49,17 +50,20 @@ pub mod free_run;
 pub mod identification;
 pub mod problem;
 pub mod run;
+mod sampled;
 pub mod search;
 pub mod select;
+pub mod signals;
 pub mod tuning;
 
 pub use error::{Error, Weakness};
 pub use estimate::{Estimate, Reading};
 pub use free_run::FreeRun;
 pub use identification::{Identification, identify};
-pub use problem::{Input, Options, Problem, Signals, Structure};
+pub use problem::{Options, Problem, Structure};
 pub use run::{Index, Run, Trace};
 pub use search::{Choice, Freedom, Progress};
 pub use select::{Selection, select};
+pub use signals::{Input, Signals};
 pub use trendid::{Hold, Scheme};
 pub use tuning::Tuning;

@@ -1,10 +1,11 @@
-//! Signals in the roles of a model, and a structure that they can carry.
+//! A structure over signals that can carry it.
 
-use trendid::{Hold, Scheme};
+use trendid::Scheme;
 
 use crate::dynamic::{INPUTS, PARAMETERS};
 use crate::error::{Error, Weakness};
 use crate::estimate::Estimate;
+use crate::signals::{Input, Signals};
 
 /// Samples that each parameter needs at least.
 const SAMPLES_PER_PARAMETER: usize = 10;
@@ -14,30 +15,6 @@ const SINGULAR: f64 = 1e-6;
 
 /// Share of a parameter in a singular direction from which it is named.
 const INVOLVED: f64 = 0.1;
-
-/// One sampled input.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Input<'a> {
-    /// Name of the column.
-    pub name: &'a str,
-    /// One value per sample of the output.
-    pub samples: &'a [f64],
-    /// Whether the zeros and the delay of the plant apply; without, one coefficient acts at once.
-    pub delayed: bool,
-    /// What the input does between samples.
-    pub hold: Hold,
-}
-
-/// Equally sampled signals.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Signals<'a> {
-    /// Sampling interval \[s\].
-    pub dt: f64,
-    /// The output y.
-    pub output: &'a [f64],
-    /// At most [`INPUTS`] inputs.
-    pub inputs: Vec<Input<'a>>,
-}
 
 /// Which coefficients a model has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -201,58 +178,10 @@ impl<'a> Problem<'a> {
     }
 }
 
-impl Signals<'_> {
-    /// Refuses what carries no information whatever the structure.
-    fn check(&self) -> Result<(), Error> {
-        if !(self.dt > 0.0 && self.dt.is_finite()) {
-            return Err(Error::SampleTime(self.dt));
-        }
-        let (y, samples) = (self.output, self.output.len());
-        for Input {
-            name, samples: u, ..
-        } in &self.inputs
-        {
-            if u.len() != samples {
-                return Err(Error::Length {
-                    name: (*name).to_owned(),
-                    found: u.len(),
-                    expected: samples,
-                });
-            }
-            finite(&format!("`{name}`"), u)?;
-            if !moves(u) {
-                return Err(Error::InputConstant {
-                    name: (*name).to_owned(),
-                    samples,
-                });
-            }
-        }
-        finite("the output", y)?;
-        match moves(y) {
-            true => Ok(()),
-            false => Err(Error::OutputConstant { samples }),
-        }
-    }
-}
-
-fn moves(x: &[f64]) -> bool {
-    x.iter().any(|v| *v != x[0])
-}
-
-fn finite(name: &str, x: &[f64]) -> Result<(), Error> {
-    match x.iter().position(|v| !v.is_finite()) {
-        Some(sample) => Err(Error::NotFinite {
-            name: name.to_owned(),
-            sample,
-            value: x[sample],
-        }),
-        None => Ok(()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use trendid::Hold;
 
     const STRUCTURE: Structure = Structure {
         order: 2,

@@ -4,9 +4,10 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Weakness};
 use crate::estimate::Estimate;
-use crate::problem::{Options, Problem, Signals, Structure};
+use crate::problem::{Options, Problem, Structure};
 use crate::run::Index;
 use crate::search::{Choice, Freedom, Progress, delays, tune};
+use crate::signals::Signals;
 use crate::tuning::Tuning;
 
 /// A structure is as good as the best when its IQ is at most this much larger.

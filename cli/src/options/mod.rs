@@ -1,12 +1,15 @@
 //! `trendid options`: what each option of the core costs beside what it gains.
 
+mod cost;
+mod gains;
 mod runs;
 
 use clap::Args;
 use serde_json::{Value, json};
 
 use crate::format::significant;
-use crate::options::runs::{Cost, Gain, gains};
+use crate::options::cost::{COUNTS, Cost, instructions};
+use crate::options::gains::{Gain, gains};
 use crate::output::{Refusal, emit, emit_json, number, progress};
 
 /// What is asked of the command.
@@ -24,41 +27,6 @@ pub struct OptionsArgs {
     /// The table as JSON
     #[arg(long)]
     pub json: bool,
-}
-
-/// The counts that `cargo xtask icount --bless` has written.
-const COUNTS: &str = include_str!("../../../docs/icount.json");
-
-/// Mean of a row at -O3 in instructions.
-fn count(counts: &Value, row: &str, n: Option<u64>) -> Result<f64, Refusal> {
-    counts
-        .as_array()
-        .into_iter()
-        .flatten()
-        .find(|r| r["row"] == row && r["opt"] == "3" && n.is_none_or(|n| r["n"] == n))
-        .and_then(|r| r["mean"].as_f64())
-        .ok_or_else(|| Refusal::new(format!("the counts of instructions have no row `{row}`")))
-}
-
-/// Instructions per sample, and per call.
-fn instructions(counts: &Value, cost: &Cost) -> Result<[Option<f64>; 2], Refusal> {
-    let apart = |with: (&str, u64), without: (&str, u64)| -> Result<f64, Refusal> {
-        Ok(count(counts, with.0, Some(with.1))? - count(counts, without.0, Some(without.1))?)
-    };
-    Ok(match *cost {
-        Cost::Sample { with, without } | Cost::Commissioning { with, without } => {
-            [Some(apart(with, without)?), None]
-        }
-        Cost::Call(row) => [None, Some(count(counts, row, None)?)],
-        Cost::Both {
-            with,
-            without,
-            call,
-        } => [
-            Some(apart(with, without)?),
-            Some(count(counts, call, None)?),
-        ],
-    })
 }
 
 /// Runs every option and prints the table.
@@ -149,23 +117,6 @@ fn errors(e: [f64; 3]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_cost_is_the_difference_of_two_rows() {
-        let counts = json!([
-            {"row": "a", "n": 3, "opt": "s", "mean": 9.0},
-            {"row": "a", "n": 3, "opt": "3", "mean": 100.0},
-            {"row": "b", "n": 4, "opt": "3", "mean": 130.0},
-        ]);
-        let cost = Cost::Both {
-            with: ("b", 4),
-            without: ("a", 3),
-            call: "b",
-        };
-        let found = instructions(&counts, &cost).ok();
-        assert_eq!(found, Some([Some(30.0), Some(130.0)]));
-        assert!(instructions(&counts, &Cost::Call("c")).is_err());
-    }
 
     #[test]
     fn what_is_not_finite_is_a_dash() {

@@ -1,9 +1,5 @@
-//! What each option of the core gains: the same records with it and without it.
+//! One run of each option: the same record without it and with it.
 
-use std::ops::Range;
-
-use indicatif::ProgressBar;
-use rayon::prelude::*;
 use trendid::{
     Config, DeadZone, DelayBank, ExactTrends, FilteredTrends, Identifier, RawTrends, Scheme,
     Structure, TrendOperator,
@@ -15,147 +11,13 @@ use trendid_host_tests::signals::excitation::Excitation;
 use trendid_host_tests::signals::experiment::{Experiment, Record};
 use trendid_host_tests::signals::noise::{Additive, Condition, Reading};
 
-/// Where the instructions of an option are counted.
-pub enum Cost {
-    /// In every sample: one row of the counts with the option, one without.
-    Sample {
-        with: (&'static str, u64),
-        without: (&'static str, u64),
-    },
-    /// In every sample while the option is in use, then never again.
-    Commissioning {
-        with: (&'static str, u64),
-        without: (&'static str, u64),
-    },
-    /// In a call that is not made in every sample.
-    Call(&'static str),
-    /// In every sample one difference of rows, and in every call another row.
-    Both {
-        with: (&'static str, u64),
-        without: (&'static str, u64),
-        call: &'static str,
-    },
-}
-
-/// One option: what it costs, and where it is tried.
-pub struct Tried {
-    pub option: &'static str,
-    pub cost: Cost,
-    pub condition: &'static str,
-    /// Errors of one run without and with the option.
-    run: fn(u64) -> Pair,
-}
-
-/// What an option gains: rms errors of C, omega0, xi in percent without it and with it.
-pub struct Gain {
-    pub tried: &'static Tried,
-    pub without: [f64; 3],
-    pub with: [f64; 3],
-}
-
 /// Errors of one run without and with the option.
-type Pair = [[f64; 3]; 2];
-
-/// All of them.
-static OPTIONS: [Tried; 9] = [
-    Tried {
-        option: "filtered trends, not raw",
-        cost: sample(("filtered Tustin", 3), ("raw Tustin", 3)),
-        condition: "0.1 mm of white noise, 0.5 s",
-        run: filtered,
-    },
-    Tried {
-        option: "noise bias out at the read-out",
-        cost: Cost::Call("estimate, per call"),
-        condition: "N/S 16.7 %, 3 s",
-        run: compensated,
-    },
-    Tried {
-        option: "start as a parameter",
-        cost: sample(("with start", 4), ("filtered Tustin", 3)),
-        condition: "0.1 mm of white noise, 0.5 s",
-        run: start,
-    },
-    Tried {
-        option: "constant input",
-        cost: sample(("default", 5), ("with start", 4)),
-        condition: "offset of 10 % of u, 10 um, 1 s",
-        run: constant,
-    },
-    Tried {
-        option: "inputs of a dead zone",
-        cost: sample(("with dead zone", 5), ("with constant", 4)),
-        condition: "dead zone of 3 %, closed loop, 20 um, 4 s",
-        run: dead_zone,
-    },
-    Tried {
-        option: "covariance bounded at rest",
-        cost: sample(("bare, bounded at rest", 4), ("bare estimator", 4)),
-        condition: "20 s at rest, 30 um, memory 0.2 s: drift",
-        run: bounded,
-    },
-    Tried {
-        option: "filter retuned on the way",
-        cost: Cost::Call("retune, per call"),
-        condition: "bandwidth given 3 times too high, N/S 16.7 %, 3 s",
-        run: retuned,
-    },
-    Tried {
-        option: "delay bank of 8",
-        cost: Cost::Commissioning {
-            with: ("delay bank of 8", 5),
-            without: ("default", 5),
-        },
-        condition: "3 samples of delay, 0.1 mm, 0.5 s",
-        run: banked,
-    },
-    Tried {
-        option: "exact hold, retuned on the way",
-        cost: Cost::Both {
-            with: ("default, exact hold", 5),
-            without: ("default", 5),
-            call: "exact estimate, per call",
-        },
-        condition: "60 rad/s, damping 0.3, sampled every 5 ms, 10 um, 4 s",
-        run: exact,
-    },
-];
+pub type Pair = [[f64; 3]; 2];
 
 /// What is known of the reference servo \[rad/s\].
 const BANDWIDTH: f32 = 20.0;
 /// Sample time but where it is said \[s\].
 const DT: f64 = 0.001;
-
-/// Every option over the seeds.
-pub fn gains(seeds: &Range<u64>, bar: &ProgressBar) -> Vec<Gain> {
-    bar.set_length(OPTIONS.len() as u64 * (seeds.end - seeds.start));
-    let gain = |tried: &'static Tried| {
-        let pairs: Vec<Pair> = seeds
-            .clone()
-            .into_par_iter()
-            .map(|seed| {
-                bar.inc(1);
-                (tried.run)(seed)
-            })
-            .collect();
-        let rms = |which: usize| {
-            core::array::from_fn(|i| {
-                let sum: f64 = pairs.iter().map(|pair| pair[which][i].powi(2)).sum();
-                (sum / pairs.len() as f64).sqrt()
-            })
-        };
-        Gain {
-            tried,
-            without: rms(0),
-            with: rms(1),
-        }
-    };
-    OPTIONS.iter().map(gain).collect()
-}
-
-const fn sample(with: (&'static str, u64), without: (&'static str, u64)) -> Cost {
-    Cost::Sample { with, without }
-}
 
 /// Errors of C, omega0, xi of (a1, a2, b0, ..) against a servo; infinite where there is no reading.
 fn errors(theta: &[f32], truth: &Servo) -> [f64; 3] {
@@ -189,7 +51,7 @@ fn ending<T: TrendOperator<3>, const N: usize>(
     errors(&identifier.theta(), &REFERENCE)
 }
 
-fn filtered(seed: u64) -> Pair {
+pub fn filtered(seed: u64) -> Pair {
     let record = Experiment::reference(Condition::white(100.0), 0.5).record(seed);
     let structure = Structure::<3, 3, 1>::INTEGRATING;
     let raw = RawTrends::try_new(Scheme::Tustin, DT as f32).expect("1 ms");
@@ -200,7 +62,7 @@ fn filtered(seed: u64) -> Pair {
     ]
 }
 
-fn compensated(seed: u64) -> Pair {
+pub fn compensated(seed: u64) -> Pair {
     let methods = [false, true].map(|compensated| Method::Core {
         scheme: Scheme::Tustin,
         filter: Filter::Default,
@@ -217,7 +79,7 @@ fn compensated(seed: u64) -> Pair {
 /// The servo with the start and without a constant.
 const STARTED: Structure<3, 4, 1> = Structure::INTEGRATING_WITH_INITIAL_STATE;
 
-fn start(seed: u64) -> Pair {
+pub fn start(seed: u64) -> Pair {
     let record = Experiment::reference(Condition::white(100.0), 0.5).record(seed);
     let without = Structure::<3, 3, 1>::INTEGRATING;
     [
@@ -226,7 +88,7 @@ fn start(seed: u64) -> Pair {
     ]
 }
 
-fn constant(seed: u64) -> Pair {
+pub fn constant(seed: u64) -> Pair {
     let mut experiment = Experiment::reference(Condition::white(10.0), 1.0);
     experiment.valve.offset = 0.04;
     let record = experiment.record(seed);
@@ -237,7 +99,7 @@ fn constant(seed: u64) -> Pair {
     ]
 }
 
-fn dead_zone(seed: u64) -> Pair {
+pub fn dead_zone(seed: u64) -> Pair {
     let mut experiment = Experiment::closed_loop(Condition::white(20.0), 4.0);
     experiment.valve.dead_zone = 0.03;
     let record = experiment.record(seed);
@@ -263,7 +125,7 @@ fn dead_zone(seed: u64) -> Pair {
 }
 
 /// What 20 s of rest do to the reading, with the covariance growing as it likes and with it bounded.
-fn bounded(seed: u64) -> Pair {
+pub fn bounded(seed: u64) -> Pair {
     let default = Config::new(Structure::<3, 5, 1>::SERVO, BANDWIDTH, [0.4], 50.0);
     [0.0, default.pull].map(|pull| {
         let config = Config {
@@ -298,7 +160,7 @@ fn bounded(seed: u64) -> Pair {
     })
 }
 
-fn retuned(seed: u64) -> Pair {
+pub fn retuned(seed: u64) -> Pair {
     let record = Experiment::reference(Condition::white_relative(16.72), 3.0).record(seed);
     let rough = 3.0 * BANDWIDTH;
     let config = Config::new(Structure::<3, 5, 1>::SERVO, rough, [1.0], 50.0);
@@ -322,7 +184,7 @@ fn retuned(seed: u64) -> Pair {
     [fixed, tuned].map(|identifier| errors(&identifier.theta(), &REFERENCE))
 }
 
-fn banked(seed: u64) -> Pair {
+pub fn banked(seed: u64) -> Pair {
     const DELAY: usize = 3;
     let mut experiment = Experiment::reference(Condition::white(100.0), 0.5);
     let inputs = [Input::delayed(&[REFERENCE.b0()], DELAY)];
@@ -340,7 +202,7 @@ fn banked(seed: u64) -> Pair {
     [read(bank.candidate(0)), read(bank.chosen())]
 }
 
-fn exact(seed: u64) -> Pair {
+pub fn exact(seed: u64) -> Pair {
     const SLOW: f64 = 0.005;
     let truth = Servo {
         c: 2500.0,

@@ -9,7 +9,8 @@ use trendid_host_tests::servo::scenario::Scenario;
 use crate::identify::signals::{SchemeName, parse_filter};
 use crate::output::Refusal;
 use crate::servo::demo_loop;
-use crate::servo::linear::{self, LinearArgs, NoiseArgs};
+use crate::servo::linear;
+use crate::servo::linear_args::{LinearArgs, NoiseArgs};
 use trendid_identify::Choice;
 
 const EXAMPLE: &str = "\

@@ -3,5 +3,7 @@
 pub mod demo;
 mod demo_loop;
 mod figure;
-pub mod linear;
+mod linear;
+pub mod linear_args;
+mod linear_report;
 pub mod position_loop;
