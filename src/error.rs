@@ -1,4 +1,4 @@
-//! What can be wrong with a configuration; the setting, its value and what was expected are named.
+//! Errors of a configuration: each names the setting, its value and the values that were expected.
 
 use core::fmt;
 
@@ -68,7 +68,7 @@ pub enum ConfigError {
         setting: Setting,
         /// Its value.
         value: f32,
-        /// The smallest and the largest value; where the largest is infinite, every larger finite value is good.
+        /// The smallest and the largest value; an infinite limit allows every finite value.
         limits: [f32; 2],
     },
     /// The polynomial has a pole outside the left half plane.

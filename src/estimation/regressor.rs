@@ -1,24 +1,24 @@
-//! The regressor: signs, order of the parameters and normalisation are decided here and nowhere else.
+//! The regressor: the one place for the signs, the order and the normalisation of the parameters.
 //!
 //! ```text
 //! paper, (5), (12):  R_m y = - sum a_i R_i y + sum b_i P_i u      v theta, theta = (-a .., b ..)
 //! here:              psi   = phi' theta                           theta = (a .., b .., c)
 //! psi = s_m R_m y,   phi_j = -s_j R_i y for a_i,  +s_j P_i u for b_i,  +s_j P_0 1 for the constant,
-//!                                                  +s_j rho^k for the start
+//!                                                  +s_j rho^k for the initial state
 //! ```
 //!
 //! The minus sign is in phi, so theta holds a_i and b_i as they stand in the
-//! transfer function. The scales s make every entry of order 1: the recursion sees
-//! no units.
+//! transfer function. The scales s make every entry of order 1: the recursion is
+//! dimensionless.
 
 use crate::estimation::structure::Structure;
 use crate::estimation::terms::Parameter;
 use crate::trends::{Design, NoiseGain, Trends};
 
-/// Where the values of one column come from, as an index that is cheap to use.
+/// The trend behind one entry of phi.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Source {
-    /// 0..M: trend of y; M..M+M*I: trends of the inputs one after the other; then constant and start.
+    /// 0..M: trends of y; M..M+M*I: trends of the inputs one after the other; then constant and initial state.
     index: u8,
     /// The signed scale of phi.
     scale: f32,
@@ -32,10 +32,10 @@ pub(crate) struct Regressor<const M: usize, const N: usize> {
     top_scale: f32,
     /// unit_j = s_j / s_m: theta_j in the user's unit is unit_j times the normalised one.
     units: [f32; N],
-    /// Weight of y(k) in the equation error: constant part and the part of each parameter.
+    /// Weight of y(k) in the equation error: without the parameters, and per unit of each.
     feedthrough_top: f32,
     feedthrough: [f32; N],
-    /// Below this beta is not divided by: a tenth of what a model without feedback has.
+    /// Lower limit of beta: a tenth of its value without any a_i.
     feedthrough_floor: f32,
 }
 
@@ -48,13 +48,13 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
         input_range: &[f32; I],
         output_range: f32,
     ) -> Self {
-        // gain[i]: size of the trend of order i of a signal of size 1.
-        let mut gain = [0.0; M];
+        // sizes[i]: size of the trend of order i of a signal of size 1.
+        let mut sizes = [0.0; M];
         let mut size = design.scale(bandwidth);
         let top_scale = 1.0 / (size * output_range);
-        for g in gain.iter_mut().rev() {
+        for s in sizes.iter_mut().rev() {
             size /= bandwidth;
-            *g = size;
+            *s = size;
         }
         let mut regressor = Self {
             sources: [Source {
@@ -67,15 +67,15 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
             feedthrough: [0.0; N],
             feedthrough_floor: 0.0,
         };
-        for (j, column) in structure.parameters().into_iter().enumerate() {
-            let (index, scale, sign) = match column {
-                Parameter::Output { power } => (power, 1.0 / (gain[power] * output_range), -1.0),
+        for (j, parameter) in structure.parameters().into_iter().enumerate() {
+            let (index, scale, sign) = match parameter {
+                Parameter::Output { power } => (power, 1.0 / (sizes[power] * output_range), -1.0),
                 Parameter::Input { input, power } => (
                     M + input * M + power,
-                    1.0 / (gain[power] * input_range[input]),
+                    1.0 / (sizes[power] * input_range[input]),
                     1.0,
                 ),
-                Parameter::Constant => (M + I * M, 1.0 / gain[0], 1.0),
+                Parameter::Constant => (M + I * M, 1.0 / sizes[0], 1.0),
                 Parameter::InitialState => (M + I * M + 1, 1.0 / design.scale(bandwidth), 1.0),
             };
             regressor.sources[j] = Source {
@@ -88,7 +88,7 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
         regressor
     }
 
-    /// Takes the weights of y(k) from other trends with the same scales.
+    /// Replaces the weights of y(k) by those of other trends with the same scales.
     pub(crate) fn set_feedthrough(&mut self, feedthrough: &Trends<M>) {
         self.feedthrough_top = feedthrough.top * self.top_scale;
         self.feedthrough_floor = 0.1 * self.feedthrough_top;
@@ -100,7 +100,7 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
         }
     }
 
-    /// The normalised regressor phi and the normalised left-hand side psi. Cost: 9 instructions a column.
+    /// The normalised regressor phi and the normalised left-hand side psi. Cost: 9 instructions per parameter.
     #[inline(always)]
     pub(crate) fn assemble<const I: usize>(
         &self,
@@ -127,7 +127,7 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
         (phi, self.top_scale * output.top)
     }
 
-    /// beta > 0: by how much the normalised equation error grows per unit of y(k); alpha of (10) in scaled form.
+    /// beta > 0: growth of the normalised equation error per unit of y(k); alpha of (10) in scaled form.
     #[inline(always)]
     pub(crate) fn feedthrough(&self, theta: &[f32; N]) -> f32 {
         let mut beta = self.feedthrough_top;

@@ -64,7 +64,7 @@ pub struct Structure<const M: usize, const N: usize, const I: usize> {
 }
 
 impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
-    /// All a_i but a_0, and b_0 of each input: a drive that integrates.
+    /// Every a_i except a_0, and b_0 of each input: a drive that integrates.
     pub const INTEGRATING: Self = Self::servo(false, false);
 
     /// As [`Structure::INTEGRATING`], with a constant input for the offset of the valve.
@@ -80,7 +80,7 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
     /// Every a_i and every b_i.
     pub const FULL: Self = Self::new(Terms::up_to(M), [Terms::up_to(M); I], false);
 
-    /// All a_i but a_0, and b_0 of each input.
+    /// Every a_i except a_0, and b_0 of each input.
     const fn servo(constant: bool, initial_state: bool) -> Self {
         let b0 = [Terms::of(&[0]); I];
         Self::expect_valid(Self::assemble(

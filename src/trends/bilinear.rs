@@ -1,4 +1,6 @@
-//! Poles between the s plane and the gamma plane of the trapezoids.
+//! The bilinear (Tustin) map of poles between the s plane and the gamma plane of the trapezoids.
+//!
+//! Known as: delta and bilinear planes. Middleton and Goodwin, Digital Control and Estimation (1990).
 //!
 //! ```text
 //! gamma = (2/Delta)(1-q^-1)/(1+q^-1)        gamma_p = (2/Delta) tanh(p Delta/2)
@@ -14,9 +16,9 @@
 //! dA/dsigma = - f(s) A'(s) mod A(s)
 //! ```
 //!
-//! so the coefficients flow from one plane to the other without a root being
-//! computed: repeated and complex poles are nothing special, a pole at 0 stays there,
-//! and what rounds is the small difference between the planes.
+//! so the coefficients flow from one plane to the other and no root is computed:
+//! repeated and complex poles need no special case, a pole at 0 stays at 0, and only the
+//! small difference between the planes is rounded.
 
 use crate::math::polynomial::{is_schur, scaled, unscaled};
 
@@ -36,11 +38,11 @@ pub(crate) fn to_gamma_plane<const M: usize>(a: &[f32; M], sample_time: f32) -> 
     found.iter().all(|v| v.is_finite()).then_some(found)
 }
 
-/// The way back from [`to_gamma_plane`].
+/// The inverse of [`to_gamma_plane`].
 pub(crate) fn to_s_plane<const M: usize>(a: &[f32; M], sample_time: f32) -> Option<[f32; M]> {
     let half = 0.5 * sample_time;
     let found = flow(&scaled(a, half), 0.0, 1.0);
-    // A real root beyond 2/Delta in gamma has no p; its flow ends outside, or nowhere.
+    // A real root beyond 2/Delta in gamma has no p: its flow ends outside the unit circle or diverges.
     is_schur(&found).then(|| unscaled(&found, half))
 }
 

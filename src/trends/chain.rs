@@ -118,9 +118,9 @@ impl<const M: usize> Integrators<M> {
 
     /// One increment of y through the filter.
     ///
-    /// State 0 holds `y - f_0 S_0` in place of S_0: what is left of the position after
-    /// the filter has followed it. At rest it goes to zero, where f32 is finest; S_0 would
-    /// stand at the position over f_0 and round every increment to its own last digit.
+    /// State 0 holds `y - f_0 S_0` in place of S_0: the part of the position that the filter
+    /// has not followed yet. At rest it goes to zero, where f32 is finest; S_0 would stay at the
+    /// position over f_0 and round every increment to its own last digit.
     #[inline(always)]
     pub(crate) fn step_increment(&self, states: &mut [f32; M], increment: f32) -> Trends<M> {
         let mut known = *states;

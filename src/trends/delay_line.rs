@@ -1,6 +1,6 @@
-//! Samples on their way in: the check of each value and the delay line.
+//! The check of each sample and the delay line of an input.
 
-/// A value that may enter the buffers: finite and within `limit` of zero.
+/// Whether a value may enter the buffers: finite and within `limit` of zero.
 ///
 /// One comparison, because a comparison with NaN is false. Cost: 3 instructions.
 #[inline(always)]
@@ -8,7 +8,7 @@ pub(crate) fn acceptable(value: f32, limit: f32) -> bool {
     value.abs() <= limit
 }
 
-/// Ring buffer that gives a sample back `delay` samples later, `delay <= D`.
+/// Ring buffer that delays a signal by up to `D` samples.
 ///
 /// # Examples
 /// ```
@@ -26,7 +26,7 @@ pub struct DelayLine<const D: usize> {
 }
 
 impl<const D: usize> DelayLine<D> {
-    /// A line full of zeros.
+    /// A line filled with zeros.
     pub const fn new() -> Self {
         Self {
             ring: [0.0; D],

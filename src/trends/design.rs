@@ -1,4 +1,4 @@
-//! What follows from the coefficients of a trend operator, computed once when it is built.
+//! The properties that follow from the coefficients of a trend operator, computed once.
 
 use crate::math::polynomial::largest_rate;
 use crate::math::raised;
@@ -28,9 +28,9 @@ pub struct Design<const M: usize> {
     /// Coefficients of the filter `A_f`; `None` where there is none.
     #[doc(alias = "filter_polynomial")]
     pub filter: Option<[f32; M]>,
-    /// What white noise on y makes of the trends; zero where there is no filter.
+    /// Covariance of the trends under white noise of variance 1 on y; zero where there is no filter.
     pub noise_gain: NoiseGain<M>,
-    /// By what the slowest real mode of the filter decays in one sample; 0 where there is no filter.
+    /// Decay of the slowest real mode of the filter in one sample; 0 where there is no filter.
     #[doc(alias = "decay")]
     pub slow_mode: f32,
     /// Samples until the memory is full.
@@ -59,7 +59,7 @@ pub(crate) enum Plane<const M: usize> {
     Gamma {
         /// a_0 .. a_{m-1} of that plant, in gamma.
         model: [f32; M],
-        /// How much larger b_0 would be found with plain trends.
+        /// The b_0 that plain trends would give, over the true one.
         numerator: f32,
     },
 }

@@ -16,19 +16,18 @@ use crate::trends::operator::{Form, Hold, TrendOperator, sealed};
 /// `A_g(gamma) y = N(gamma) u` that the samples of y obey. Its poles are
 /// `gamma_p = (2/Delta) tanh(p Delta/2)` for the poles p of the plant, its numerators those of the hold.
 /// The trend j of an input is replaced by `N_j(gamma)` of `s^j/A(s)` over the filter. The plant's own A is
-/// not known at first: the filter stands for it until [`ExactTrends::with_model`] puts an estimate in its
-/// place. With the right A every parameter is exact, whatever Delta and the filter; with another one the
-/// numerators are wrong by its distance times `(omega Delta)^2 / 12`. The model is read in the s plane,
-/// with the gain (behind the integrators) that was found. Standard deviations that are read are those of
-/// the s plane; those of a prior are taken as they stand, which is as rough as a prior is.
+/// not known at first: the filter replaces it until [`ExactTrends::with_model`] is given an estimate.
+/// With the right A every parameter is exact for any Delta and any filter; with another A the
+/// numerators are wrong by its distance times `(omega Delta)^2 / 12`. The model is read in the s plane
+/// and keeps the gain (behind the integrators) that was found. The standard deviations of an estimate
+/// are those of the s plane; prior deviations are not mapped, a prior is rough anyway.
 ///
 /// | symbol | argument | unit |
 /// |---|---|---|
 /// | Delta | `sample_time` | s |
 /// | `A_f` | `filter`, every pole below 2/Delta | rad^(m-i)/s^(m-i) |
 ///
-/// Cost: m^2 multiplications for each input more than [`FilteredTrends`], which is the
-/// one to take at 1 kHz.
+/// Cost: m^2 multiplications per input more than [`FilteredTrends`], which suffices at 1 kHz.
 ///
 /// # Examples
 /// ```
@@ -67,7 +66,7 @@ impl<const M: usize> ExactTrends<M> {
     pub fn from_polynomial(sample_time: f32, filter: [f32; M]) -> Result<Self, ConfigError> {
         const { assert_order(M) };
         check_positive("sample_time", sample_time)?;
-        // The map of the poles keeps their half plane: what is refused there is unstable here.
+        // The map keeps the half plane of every pole: a filter that is unstable there is unstable here.
         let image = in_gamma_plane("filter", &filter, sample_time)?;
         let chain = FilteredTrends::from_polynomial(Scheme::Tustin, sample_time, image)?;
         Ok(Self::of(chain, &filter, image, &image))

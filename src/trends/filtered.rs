@@ -62,7 +62,7 @@ pub struct FilteredTrends<const M: usize> {
 }
 
 impl<const M: usize> FilteredTrends<M> {
-    /// Chain with the real poles `-poles[i]`.
+    /// Trends behind a filter with the real poles `-poles[i]`.
     ///
     /// # Errors
     /// [`ConfigError::NotPositive`]; with forward rectangles [`ConfigError::OutOfRange`] for a pole above 1/Delta.
@@ -79,7 +79,7 @@ impl<const M: usize> FilteredTrends<M> {
         Self::from_polynomial(scheme, sample_time, filter)
     }
 
-    /// Chain with `A_f = s^m + filter[m-1] s^{m-1} + .. + filter[0]`.
+    /// Trends behind `1/A_f`, `A_f = s^m + filter[m-1] s^{m-1} + .. + filter[0]`.
     ///
     /// # Errors
     /// [`ConfigError::NotPositive`], also for a coefficient of the polynomial; [`ConfigError::Unstable`] where it breaks
@@ -119,8 +119,8 @@ impl<const M: usize> FilteredTrends<M> {
 
     /// The filter for a plant of rough bandwidth omega (rad/s): `(s + 0.11 omega) (s^2 + 1.54 omega s + 1.21 omega^2)` for m = 3.
     ///
-    /// A pair of damping 0.7 at 1.1 omega, where the noise and the dynamics part, and a
-    /// slow real pole that lets the position itself be seen (m = 1: the pole 1.1 omega;
+    /// A pair of damping 0.7 at 1.1 omega, above which noise dominates the dynamics, and a
+    /// slow real pole that keeps the position in the regressor (m = 1: the pole 1.1 omega;
     /// m = 2: two real poles; m = 4: a further pole 1.1 omega): measured to be within 1.4
     /// times the Cramer-Rao bound under white noise, with [`Structure::SERVO`](crate::Structure::SERVO).
     ///
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_filter_is_named() {
+    fn an_invalid_filter_is_named() {
         let pole = |poles| FilteredTrends::<2>::try_new(Scheme::Tustin, 0.001, poles);
         for (index, poles) in [(0, [0.0, 1.0]), (1, [1.0, -1.0]), (1, [1.0, f32::INFINITY])] {
             let (setting, value) = (("poles", index).into(), poles[index]);

@@ -1,12 +1,12 @@
-//! Numerators of a sampled plant: what a hold in front of `s^j/A(s)` makes of it.
+//! Numerators of a sampled plant: `s^j/A(s)` behind a hold.
 //!
 //! ```text
-//! 1/(s-p)  held from sample to sample:    2 q^-1/(1+q^-1)  phi_p / (gamma - gamma_p)       phi_p = gamma_p / p
-//!          straight from one to the next:  phi_p^2 / (gamma - gamma_p) + (phi_p - 1)/p
+//! 1/(s-p)  zero-order hold:    2 q^-1/(1+q^-1)  phi_p / (gamma - gamma_p)       phi_p = gamma_p / p
+//!          first-order hold:   phi_p^2 / (gamma - gamma_p) + (phi_p - 1)/p
 //! ```
 //!
-//! For several poles p becomes the matrix of the state equations, so that repeated and
-//! complex ones need no care.
+//! For several poles p is the matrix of the state equations, which covers repeated and
+//! complex poles.
 
 use crate::math::polynomial::scaled;
 
@@ -35,11 +35,11 @@ const TANH: [f32; TERMS] = {
 /// Weights that turn the trends of an input into the numerators of `s^j/A(s)` over the filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Numerators<const M: usize> {
-    /// Row j: weights of the trends for a held input.
+    /// Row j: weights of the trends under a zero-order hold.
     pub(crate) zero: [[f32; M]; M],
-    /// The same for an input that runs straight.
+    /// The same under a first-order hold.
     pub(crate) first: [[f32; M]; M],
-    /// Weight of the straight input itself.
+    /// Feedthrough of the input under a first-order hold.
     pub(crate) direct: [f32; M],
 }
 
@@ -47,8 +47,8 @@ impl<const M: usize> Numerators<M> {
     /// For the plant with denominator `a` in s, `image` in gamma, behind the filter with the poles `filter` in gamma.
     ///
     /// With X the matrix of the state equations of 1/A (states s^j/A) and b their input, in
-    /// units of 2/Delta: `N(gamma) = adj(gamma - tanh X) w`, w = (tanh X / X) b for a held input,
-    /// (tanh X / X)^2 b for a straight one, which also has the direct way
+    /// units of 2/Delta: `N(gamma) = adj(gamma - tanh X) w`, w = (tanh X / X) b for the zero-order hold,
+    /// (tanh X / X)^2 b for the first-order hold, which also has the feedthrough
     /// `d = ((tanh X / X) - 1)/X b`: `d A_g/A_f = d + sum d (a_g - f)_i gamma^i/A_f`.
     pub(crate) fn new(a: &[f32; M], image: &[f32; M], filter: &[f32; M], sample_time: f32) -> Self {
         let half = 0.5 * sample_time;
@@ -81,7 +81,7 @@ impl<const M: usize> Numerators<M> {
         numerators
     }
 
-    /// Back from units of 2/Delta: (Delta/2)^(i-j), and (Delta/2)^(m-j) for the direct way.
+    /// Back from units of 2/Delta: (Delta/2)^(i-j), and (Delta/2)^(m-j) for the feedthrough.
     fn in_seconds(&mut self, half: f32) {
         for j in 0..M {
             for i in 0..M {
@@ -100,7 +100,7 @@ impl<const M: usize> Numerators<M> {
         }
     }
 
-    /// N_0 at rest: how much larger b_0 would be found with plain trends.
+    /// N_0 at rest: the b_0 that plain trends would give, over the true one.
     pub(crate) fn at_rest(&self) -> f32 {
         let row = self.zero.first();
         row.and_then(|row| row.first()).copied().unwrap_or(1.0)

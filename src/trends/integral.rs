@@ -1,4 +1,4 @@
-//! Trends over a span: the linear integral filter, the approach the paper compares itself with.
+//! Trends over a span: the linear integral filter, with which the paper compares its own method.
 
 use crate::error::{ConfigError, assert_order, check_positive};
 use crate::trends::design::{Design, Plane, Size};
@@ -18,8 +18,8 @@ use crate::trends::operator::{Form, Hold, Memory, TrendOperator, sealed};
 /// trend i of u = D^i S^(m-1-i) S_u u,  S_u = Delta q^-1 (1-q^-L)/(1-q^-1) for a held input
 /// ```
 ///
-/// It forgets everything older than m L samples, so no error of the start outlives
-/// that; its price is memory: about `4 m^2 L` bytes per signal. Best span: about
+/// Samples older than m L are forgotten, and with them every initial error. The price is
+/// memory: about `4 m^2 L` bytes per signal. Best span: about
 /// 1.4/omega0 seconds. [`FilteredTrends`](crate::FilteredTrends) is more accurate under
 /// noise and needs m numbers.
 ///
@@ -41,6 +41,8 @@ use crate::trends::operator::{Form, Hold, Memory, TrendOperator, sealed};
 /// use trendid::{IntegralTrends, Scheme};
 /// let trends = IntegralTrends::<5, 10>::try_new(Scheme::Tustin, 0.001);
 /// ```
+#[doc(alias = "linear integral filter")]
+#[doc(alias = "LIF")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IntegralTrends<const M: usize, const L: usize> {
     design: Design<M>,

@@ -1,4 +1,4 @@
-//! Trends: what takes the place of time derivatives (equations 1-8).
+//! Trends: discrete substitutes for time derivatives (equations 1-8).
 //!
 //! Model (5) of order m, with `q^-1` the back shift and Delta the sample time:
 //!

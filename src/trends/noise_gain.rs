@@ -1,4 +1,4 @@
-//! What white noise on y makes of the trends behind a filter.
+//! Covariance of the trends behind a filter under white noise on y.
 
 use crate::math::matrix::{Matrix, product, product_transposed};
 use crate::trends::difference::Trends;

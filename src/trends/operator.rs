@@ -12,7 +12,7 @@ pub enum Hold {
     /// Held from u(k) until u(k+1): a command given by this controller.
     #[default]
     Zero,
-    /// Runs straight from u(k) to u(k+1): a measured quantity.
+    /// Linear between u(k) and u(k+1): a measured quantity.
     First,
 }
 
