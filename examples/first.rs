@@ -1,5 +1,6 @@
 //! The first ten lines: a drive that integrates, identified at 1 kHz.
-use trendid::{Config, FilteredTrends, Identifier, Scheme, Structure};
+use trendid::trends::{FilteredTrends, Scheme};
+use trendid::{Config, Identifier, Structure};
 
 fn main() -> Result<(), trendid::ConfigError> {
     let trends = FilteredTrends::try_new(Scheme::Tustin, 0.001, [30.0])?;

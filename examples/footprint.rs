@@ -12,7 +12,8 @@ mod target {
     use cortex_m_rt::entry;
     #[cfg(target_abi = "eabihf")]
     use stm32f4xx_hal as _;
-    use trendid::{FilteredTrends, Identifier};
+    use trendid::Identifier;
+    use trendid::trends::FilteredTrends;
 
     static mut IDENTIFIER: MaybeUninit<Identifier<FilteredTrends<3>, 3, 3>> = MaybeUninit::uninit();
     static mut SAMPLE: [f32; 3] = [0.0; 3];
@@ -39,7 +40,7 @@ mod target {
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    type Identifier = trendid::Identifier<trendid::FilteredTrends<3>, 3, 3>;
+    type Identifier = trendid::Identifier<trendid::trends::FilteredTrends<3>, 3, 3>;
     println!(
         "the identifier of three parameters takes {} bytes of RAM",
         size_of::<Identifier>()

@@ -14,7 +14,8 @@
 
 use core::fmt::Arguments;
 
-use trendid::{ConfigError, Identifier, Outcome, Scheme, TrendOperator};
+use trendid::trends::{Scheme, TrendOperator};
+use trendid::{ConfigError, Identifier, Outcome};
 use trendid_example_support::hash::Hash;
 use trendid_example_support::{record, rows};
 

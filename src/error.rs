@@ -6,7 +6,7 @@ use core::fmt;
 ///
 /// # Examples
 /// ```
-/// use trendid::Setting;
+/// use trendid::error::Setting;
 /// assert_eq!(format!("{}", Setting::from("memory")), "memory");
 /// assert_eq!(format!("{}", Setting::from(("input_range", 1))), "input_range[1]");
 /// ```

@@ -16,24 +16,25 @@
 //! # The data flow is the list of modules
 //!
 //! ```text
-//! samples -> ring buffers -> trends (raw or filtered) -> regressor -> estimator -> transfer function -> physical reading
-//!                                                                          `-> prediction, IQ and IV
+//! samples -> trends (raw or filtered) -> regressor -> estimator -> read-out -> transfer function -> physical reading
+//!                                                        `-> prediction and its errors
+//! (u, y) -> identifier -> supervisor -> verified model -> controller -> valve                          (servo)
 //! ```
 //!
-//! | room | type | what it does |
+//! A module uses only modules that stand above it.
+//!
+//! | module | names | what it does |
 //! |---|---|---|
-//! | sample | [`DelayLine`] | checks a value, delays an input |
-//! | trend, raw, filter, chain, warp, numerators, exact, integral | [`TrendOperator`], [`RawTrends`], [`FilteredTrends`], [`ExactTrends`], [`IntegralTrends`] | equations (4), (8) |
-//! | structure, regressor | [`Structure`], [`Terms`] | which parameters, their signs, order and scales (5), (12) |
-//! | estimator | [`Estimator`] | recursive least squares |
-//! | noise, readout, doubt, shaping, continuous | [`NoiseLevel`] | noise bias out of theta, a constant that nothing shows withdrawn, standard deviations |
-//! | transfer, physical | [`TransferFunction`], [`Physical`] | what theta means |
-//! | evaluation | [`OutputEvaluation`], [`PredictionError`] | (9)-(11) |
-//! | config, outcome, identifier | [`Config`], [`Outcome`], [`Identifier`] | all of it behind one call per sample |
-//! | inputs | [`DeadZone`], [`asymmetric`], [`coulomb`] | inputs for valves and friction |
-//! | delay_bank | [`DelayBank`] | which delay the drive has, for commissioning |
-//! | servo | [`servo::ServoLoop`], [`servo::Config`] | jerk-limited reference, pole placement on a verified model, supervision; the whole loop in one call per sample |
-//! | hardware | [`hardware::PositionSensor`], [`hardware::Valve`] | the edge to sensors and valves: traits, drivers, scale |
+//! | [`error`] | [`ConfigError`] | what is wrong with a configuration |
+//! | `math` | - | polynomials, matrices, complex numbers; the only one that names libm |
+//! | [`trends`] | [`trends::FilteredTrends`], [`trends::RawTrends`], [`trends::ExactTrends`] | what takes the place of derivatives, equations (4), (8); delays |
+//! | [`estimation`] | [`Structure`], [`estimation::Estimator`] | which parameters, their signs and scales (5), (12); recursive least squares; noise level |
+//! | [`model`] | [`TransferFunction`], [`model::Physical`] | what theta means; output evaluation (9)-(11) |
+//! | `readout` | [`Estimate`] | noise bias taken out, an insignificant constant withdrawn, covariance |
+//! | [`identifier`] | [`Identifier`], [`Config`], [`Outcome`], [`Servo`] | all of it behind one call per sample |
+//! | [`inputs`] | [`inputs::DeadZone`], [`inputs::coulomb`] | inputs for valves and friction |
+//! | [`hardware`] | [`hardware::PositionSensor`], [`hardware::Valve`] | the edge to sensors and valves: traits, drivers, scale |
+//! | [`servo`] | [`servo::ServoLoop`], [`servo::Config`] | trajectory, pole placement on a verified model, supervision; the whole loop in one call per sample |
 //!
 //! # Ten lines
 //!
@@ -72,36 +73,21 @@
 #![forbid(unsafe_code)]
 #![deny(clippy::disallowed_types)]
 
-mod error;
-mod estimation;
+pub mod error;
+pub mod estimation;
 pub mod hardware;
-mod identifier;
+pub mod identifier;
 mod math;
-mod model;
+pub mod model;
 mod readout;
 pub mod servo;
-mod trends;
+pub mod trends;
 
-pub use error::{ConfigError, Setting};
-pub use estimation::noise_level::NoiseLevel;
-pub use estimation::rls::Estimator;
-pub use estimation::structure::Structure;
-pub use estimation::terms::{Parameter, Terms};
-pub use identifier::Identifier;
-pub use identifier::config::Config;
-pub use identifier::delay_bank::DelayBank;
-pub use identifier::inputs::{DeadZone, asymmetric, coulomb, dead_zone};
-pub use identifier::outcome::{Outcome, Refusal};
-pub use identifier::servo::{Servo, ValveServo};
-pub use model::evaluation::{OutputEvaluation, PredictionError};
-pub use model::physical::Physical;
-pub use model::transfer_function::{Pole, TransferFunction};
-pub use readout::estimate::Estimate;
-pub use trends::{
-    AnyMemory, AnyTrends, Chain, DelayLine, Design, ExactTrends, FilteredTrends, Form, Hold,
-    IntegralTrends, Mapped, Memory, NoiseGain, RawTrends, Scheme, Span, TrendOperator, Trends,
-    Window,
-};
+pub use error::ConfigError;
+pub use estimation::Structure;
+pub use identifier::{Config, Identifier, Outcome, Servo, ValveServo, inputs};
+pub use model::TransferFunction;
+pub use readout::Estimate;
 
 /// The examples of the README are tests.
 #[cfg(doctest)]

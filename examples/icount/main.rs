@@ -11,8 +11,10 @@ mod position_loop;
 
 use meter::Meter;
 use position_loop::{Servo, Still, motion, servo};
+use trendid::Outcome;
+use trendid::estimation::Estimator;
 use trendid::servo::Report;
-use trendid::{Estimator, FilteredTrends, Outcome, Scheme};
+use trendid::trends::{FilteredTrends, Scheme};
 use trendid_example_support::drive::SimulatedValve;
 use trendid_example_support::{record, rows};
 

@@ -1,7 +1,8 @@
 //! The Coulomb input: the sign of a velocity that is measured or that the
 //! filtered position gives.
 
-use trendid::{Chain, FilteredTrends, Form, Memory, Scheme, TrendOperator, coulomb};
+use trendid::inputs::coulomb;
+use trendid::trends::{Chain, FilteredTrends, Form, Memory, Scheme, TrendOperator};
 
 use crate::error::Error;
 

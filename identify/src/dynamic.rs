@@ -4,10 +4,12 @@
 //! them, so this file instantiates the core for every order and number of parameters it
 //! offers and hides the choice behind a trait object. It computes nothing itself.
 
-use trendid::{
-    AnyTrends, Config, ConfigError, ExactTrends, FilteredTrends, Hold, Identifier, Outcome,
-    Physical, PredictionError, RawTrends, Scheme, Structure, Terms, TrendOperator,
+use trendid::estimation::Terms;
+use trendid::model::{Physical, PredictionError};
+use trendid::trends::{
+    AnyTrends, ExactTrends, FilteredTrends, Hold, RawTrends, Scheme, TrendOperator,
 };
+use trendid::{Config, ConfigError, Identifier, Outcome, Structure};
 
 use crate::estimate::{Estimate, Reading};
 
@@ -234,7 +236,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize> Recursion for Sized<T,
                         .collect::<Vec<_>>(),
                 ),
                 poles: poles.map(|poles| {
-                    let wide = |p: &trendid::Pole| (f64::from(p.re), f64::from(p.im));
+                    let wide = |p: &trendid::model::Pole| (f64::from(p.re), f64::from(p.im));
                     poles.iter().map(wide).collect()
                 }),
                 stable: reading.stable,

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
-use trendid::Hold;
+use trendid::trends::Hold;
 
 use crate::estimate::Estimate;
 use crate::problem::Problem;

@@ -65,5 +65,5 @@ pub use run::{Index, Run, Trace};
 pub use search::{Choice, Freedom, Progress};
 pub use select::{Selection, select};
 pub use signals::{Input, Signals};
-pub use trendid::{Hold, Scheme};
+pub use trendid::trends::{Hold, Scheme};
 pub use tuning::Tuning;

@@ -1,6 +1,6 @@
 //! A structure over signals that can carry it.
 
-use trendid::Scheme;
+use trendid::trends::Scheme;
 
 use crate::dynamic::{INPUTS, PARAMETERS};
 use crate::error::{Error, Weakness};
@@ -181,7 +181,7 @@ impl<'a> Problem<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trendid::Hold;
+    use trendid::trends::Hold;
 
     const STRUCTURE: Structure = Structure {
         order: 2,

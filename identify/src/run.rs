@@ -1,6 +1,7 @@
 //! Passes of the core over the signals of a problem.
 
-use trendid::{Outcome, Terms};
+use trendid::Outcome;
+use trendid::estimation::Terms;
 
 use crate::dynamic::{InputSetup, Setup};
 use crate::error::Error;

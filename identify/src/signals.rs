@@ -1,6 +1,6 @@
 //! Sampled signals, checked.
 
-use trendid::Hold;
+use trendid::trends::Hold;
 
 use crate::error::Error;
 

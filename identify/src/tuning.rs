@@ -1,6 +1,6 @@
 //! What a run over a record may choose: the filter and the delay.
 
-use trendid::Scheme;
+use trendid::trends::Scheme;
 
 use crate::dynamic::Filter;
 use crate::estimate::Estimate;

@@ -5,3 +5,8 @@ pub(crate) mod regressor;
 pub(crate) mod rls;
 pub(crate) mod structure;
 pub(crate) mod terms;
+
+pub use noise_level::NoiseLevel;
+pub use rls::Estimator;
+pub use structure::Structure;
+pub use terms::{Parameter, Terms};

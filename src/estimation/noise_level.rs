@@ -8,7 +8,7 @@
 ///
 /// # Examples
 /// ```
-/// let mut level = trendid::NoiseLevel::new(1.0);
+/// let mut level = trendid::estimation::NoiseLevel::new(1.0);
 /// for k in 0..1000 {
 ///     let (ramp, noise) = (0.5 * k as f32, if k % 7 < 3 { 0.1 } else { -0.1 });
 ///     level.update(ramp + noise);

@@ -27,7 +27,7 @@
 ///
 /// # Examples
 /// ```
-/// use trendid::Estimator;
+/// use trendid::estimation::Estimator;
 /// let mut estimator = Estimator::<1>::new([0.0], [1000.0], 1.0);
 /// for k in 1..100 {
 ///     let x = k as f32;

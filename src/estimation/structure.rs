@@ -42,16 +42,19 @@ use crate::estimation::terms::{Parameter, Terms};
 /// ```
 /// Other terms are checked in the same way within `const`, also in a `let`:
 /// ```
-/// use trendid::{Structure, Terms};
+/// use trendid::Structure;
+/// use trendid::estimation::Terms;
 /// let double = const { Structure::<3, 2, 1>::new(Terms::of(&[2]), [Terms::of(&[0])], false) };
 /// assert_eq!(double.integrators(), 2);
 /// ```
 /// ```compile_fail,E0080
-/// use trendid::{Structure, Terms};
+/// use trendid::Structure;
+/// use trendid::estimation::Terms;
 /// let wrong = const { Structure::<3, 4, 1>::new(Terms::of(&[1, 2]), [Terms::of(&[0])], false) };
 /// ```
 /// ```compile_fail,E0080
-/// use trendid::{Structure, Terms};
+/// use trendid::Structure;
+/// use trendid::estimation::Terms;
 /// let power = const { Structure::<2, 2, 1>::new(Terms::of(&[2]), [Terms::of(&[0])], false) };
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,7 +4,7 @@
 ///
 /// # Examples
 /// ```
-/// use trendid::Terms;
+/// use trendid::estimation::Terms;
 /// assert_eq!(Terms::up_to(2), Terms::of(&[0, 1]));
 /// assert!(Terms::of(&[1, 2]).contains(1) && !Terms::of(&[1, 2]).contains(0));
 /// ```

@@ -34,7 +34,8 @@ use crate::trends::TrendOperator;
 /// #     }
 /// #     now
 /// # };
-/// use trendid::{DelayBank, Servo};
+/// use trendid::Servo;
+/// use trendid::identifier::DelayBank;
 /// let mut bank = DelayBank::<Servo<7>, 8>::new(0.001, 20.0, 1.0, 50.0)?; // as Servo::new, for delays of 0 to 7
 /// for k in 0..1000 {
 ///     let u = if k % 300 < 150 { 0.4 } else { -0.4 };

@@ -14,9 +14,9 @@ use crate::trends::TrendOperator;
 ///
 /// # Examples
 /// ```
-/// assert_eq!(trendid::dead_zone(0.5, 0.03), [0.5, 1.0]);
-/// assert_eq!(trendid::dead_zone(-0.5, 0.03), [-0.5, -1.0]);
-/// assert_eq!(trendid::dead_zone(0.02, 0.03), [0.0, 0.0]);
+/// assert_eq!(trendid::inputs::dead_zone(0.5, 0.03), [0.5, 1.0]);
+/// assert_eq!(trendid::inputs::dead_zone(-0.5, 0.03), [-0.5, -1.0]);
+/// assert_eq!(trendid::inputs::dead_zone(0.02, 0.03), [0.0, 0.0]);
 /// ```
 #[inline]
 pub fn dead_zone(u: f32, delta: f32) -> [f32; 2] {
@@ -53,7 +53,7 @@ pub fn dead_zone(u: f32, delta: f32) -> [f32; 2] {
 /// # Examples
 /// See [`ValveServo`](crate::ValveServo) for a whole identification.
 /// ```
-/// let mut valve = trendid::DeadZone::new(0.0, 0.1, 2);
+/// let mut valve = trendid::inputs::DeadZone::new(0.0, 0.1, 2);
 /// assert_eq!(valve.inputs(0.02), [0.02, 1.0]);
 /// assert!(valve.correct([2.0, -0.06])); // delta = 0.06 / 2
 /// assert!((valve.delta() - 0.03).abs() < 1e-7);
@@ -159,7 +159,7 @@ impl DeadZone {
 ///
 /// # Examples
 /// ```
-/// assert_eq!(trendid::asymmetric(-2.0), [0.0, -2.0]);
+/// assert_eq!(trendid::inputs::asymmetric(-2.0), [0.0, -2.0]);
 /// ```
 #[inline]
 pub fn asymmetric(u: f32) -> [f32; 2] {
@@ -170,8 +170,8 @@ pub fn asymmetric(u: f32) -> [f32; 2] {
 ///
 /// # Examples
 /// ```
-/// assert_eq!(trendid::coulomb(-0.4, 0.01), -1.0);
-/// assert_eq!(trendid::coulomb(0.001, 0.01), 0.0);
+/// assert_eq!(trendid::inputs::coulomb(-0.4, 0.01), -1.0);
+/// assert_eq!(trendid::inputs::coulomb(0.001, 0.01), 0.0);
 /// ```
 #[inline]
 pub fn coulomb(velocity: f32, rest: f32) -> f32 {

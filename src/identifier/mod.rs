@@ -2,17 +2,20 @@
 
 pub(crate) mod config;
 pub(crate) mod delay_bank;
-pub(crate) mod inputs;
+pub mod inputs;
 pub(crate) mod outcome;
 mod plan;
 pub(crate) mod servo;
 mod state;
 
+pub use config::Config;
+pub use delay_bank::DelayBank;
+pub use outcome::{Outcome, Refusal};
+pub use servo::{Servo, ValveServo};
+
 use crate::error::{ConfigError, check_finite, check_not_negative, check_range, positive};
 use crate::estimation::rls::Estimator;
 use crate::estimation::structure::Structure;
-use crate::identifier::config::Config;
-use crate::identifier::outcome::Outcome;
 use crate::identifier::plan::Plan;
 use crate::identifier::state::State;
 use crate::math::sqrt;
@@ -44,7 +47,8 @@ const INFLATION: f32 = 5.0;
 ///
 /// # Examples
 /// ```
-/// use trendid::{Config, FilteredTrends, Identifier, Scheme, Structure};
+/// use trendid::{Config, Identifier, Structure};
+/// use trendid::trends::{FilteredTrends, Scheme};
 /// let trends = FilteredTrends::try_new(Scheme::Tustin, 0.001, [25.0; 2])?;
 /// let config = Config::new(Structure::<2, 2, 1>::INTEGRATING, 25.0, [1.0], 1.0);
 /// let mut identifier: Identifier<_, 2, 2> = Identifier::try_new(&config, trends)?;

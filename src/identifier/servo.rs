@@ -36,7 +36,7 @@ use crate::trends::{Design, Scheme, TrendOperator};
 /// ```
 pub type Servo<const D: usize = 0> = Identifier<FilteredTrends<3>, 3, 5, 1, D>;
 
-/// As [`Servo`] with the two inputs of a valve that has a [`DeadZone`](crate::DeadZone).
+/// As [`Servo`] with the two inputs of a valve that has a [`DeadZone`](crate::inputs::DeadZone).
 ///
 /// theta = (a1, a2, b0, b0 of the sign, constant, initial state).
 ///
@@ -54,7 +54,7 @@ pub type Servo<const D: usize = 0> = Identifier<FilteredTrends<3>, 3, 5, 1, D>;
 /// #     now
 /// # };
 /// let mut servo = trendid::ValveServo::new(0.001, 20.0, 0.2, 50.0, 0.7)?; // a memory of 0.7 s
-/// let mut valve = trendid::DeadZone::new(0.0, 0.1, 300); // a width of up to 0.1, corrected every 300 samples
+/// let mut valve = trendid::inputs::DeadZone::new(0.0, 0.1, 300); // a width of up to 0.1, corrected every 300 samples
 /// for k in 0..4000 {
 ///     let u = [0.2, -0.1, 0.05, -0.15][k / 70 % 4];
 ///     let _ = valve.identify(&mut servo, u, drive(u));
@@ -111,7 +111,7 @@ impl<const D: usize> Servo<D> {
 }
 
 impl ValveServo {
-    /// As [`Servo::new`], forgetting with `memory` (s), about two blocks of the [`DeadZone`](crate::DeadZone).
+    /// As [`Servo::new`], forgetting with `memory` (s), about two blocks of the [`DeadZone`](crate::inputs::DeadZone).
     ///
     /// # Errors
     /// As [`Servo::new`].

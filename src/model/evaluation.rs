@@ -7,7 +7,7 @@ use crate::trends::{Form, Hold, Memory, RawTrends, TrendOperator, Window};
 ///
 /// # Examples
 /// ```
-/// let mut errors = trendid::PredictionError::new();
+/// let mut errors = trendid::model::PredictionError::new();
 /// errors.update(3.0);
 /// errors.update(-4.0);
 /// assert_eq!((errors.ise(), errors.iae(), errors.samples()), (25.0, 7.0, 2));
@@ -69,7 +69,9 @@ impl PredictionError {
 ///
 /// # Examples
 /// ```
-/// use trendid::{OutputEvaluation, RawTrends, Scheme, TransferFunction};
+/// use trendid::TransferFunction;
+/// use trendid::model::OutputEvaluation;
+/// use trendid::trends::{RawTrends, Scheme};
 /// let mut evaluation = OutputEvaluation::<1, 1>::new(RawTrends::try_new(Scheme::Tustin, 0.1)?);
 /// let model = TransferFunction { a: [0.0], b: [[2.0]], constant: 0.0, integrators: 1 };
 /// assert_eq!(evaluation.update(&model, [1.0], 0.0), None); // the window fills

@@ -18,7 +18,8 @@ use crate::model::transfer_function::TransferFunction;
 ///
 /// # Examples
 /// ```
-/// use trendid::{Physical, TransferFunction};
+/// use trendid::TransferFunction;
+/// use trendid::model::Physical;
 /// let servo = TransferFunction::<3, 1> {
 ///     a: [0.0, 400.0, 20.0],
 ///     b: [[1.0e6, 0.0, 0.0]],

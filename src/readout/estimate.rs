@@ -20,7 +20,9 @@ use crate::model::transfer_function::TransferFunction;
 ///
 /// # Examples
 /// ```
-/// use trendid::{Config, FilteredTrends, Identifier, Parameter, Scheme, Structure};
+/// use trendid::{Config, Identifier, Structure};
+/// use trendid::estimation::Parameter;
+/// use trendid::trends::{FilteredTrends, Scheme};
 /// let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, 20.0)?;
 /// let config = Config::new(Structure::<3, 3, 1>::INTEGRATING, 20.0, [1.0], 50.0);
 /// let mut identifier: Identifier<_, 3, 3> = Identifier::try_new(&config, trends)?;

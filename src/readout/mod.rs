@@ -26,6 +26,7 @@ pub(crate) mod s_plane;
 mod sandwich;
 mod significance;
 
+pub use estimate::Estimate;
 pub(crate) use residual_spectrum::in_band;
 
 use crate::estimation::noise_level::NoiseLevel;
@@ -35,7 +36,6 @@ use crate::estimation::structure::Structure;
 use crate::estimation::terms::Parameter;
 use crate::math::matrix::Matrix;
 use crate::readout::compensation::{Compensated, compensate};
-use crate::readout::estimate::Estimate;
 use crate::readout::residual_spectrum::{ResidualSpectrum, natural_frequency};
 use crate::readout::s_plane::{continuous, estimate_in_s_plane};
 use crate::readout::sandwich::{sandwich, transform};

@@ -3,6 +3,7 @@
 use crate::estimation::structure::Structure;
 use crate::estimation::terms::Terms;
 use crate::identifier::inputs::{coulomb, dead_zone};
+use crate::identifier::{Config, Identifier};
 use crate::servo::control::controller::Controller;
 use crate::servo::design::IdentificationDesign;
 use crate::servo::design::constants::FRICTION_SIGMA_SQUARED;
@@ -11,7 +12,6 @@ use crate::servo::model::Model;
 use crate::servo::supervision::screening::Candidate;
 use crate::trends::Scheme;
 use crate::trends::filtered::FilteredTrends;
-use crate::{Config, Identifier};
 
 /// The identifier of the loop: order 3, theta = (a1, a2, b0 of u, b0 of sgn u, b1 of sgn v, constant).
 #[doc(alias = "ServoIdentifier")]

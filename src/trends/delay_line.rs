@@ -12,7 +12,7 @@ pub(crate) fn acceptable(value: f32, limit: f32) -> bool {
 ///
 /// # Examples
 /// ```
-/// use trendid::DelayLine;
+/// use trendid::trends::DelayLine;
 /// let mut line = DelayLine::<4>::new();
 /// assert_eq!(line.update(1.0, 2), 0.0);
 /// assert_eq!(line.update(2.0, 2), 0.0);

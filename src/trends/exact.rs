@@ -31,7 +31,8 @@ use crate::trends::operator::{Form, Hold, TrendOperator, sealed};
 ///
 /// # Examples
 /// ```
-/// use trendid::{Config, ExactTrends, Identifier, Structure};
+/// use trendid::{Config, Identifier, Structure};
+/// use trendid::trends::ExactTrends;
 /// // A lag of 8 rad/s and static gain 2, sampled every 50 ms, with a filter of 5 rad/s.
 /// let trends = ExactTrends::from_polynomial(0.05, [5.0])?;
 /// let config = Config::new(Structure::<1, 2, 1>::FULL, 5.0, [1.0], 1.0);
@@ -49,7 +50,7 @@ use crate::trends::operator::{Form, Hold, TrendOperator, sealed};
 /// ```
 /// An order outside 1..=4 does not compile:
 /// ```compile_fail,E0080
-/// use trendid::ExactTrends;
+/// use trendid::trends::ExactTrends;
 /// let trends = ExactTrends::<5>::for_bandwidth(0.001, 20.0);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -37,7 +37,7 @@ use crate::trends::operator::{Form, Hold, TrendOperator, sealed};
 ///
 /// # Examples
 /// ```
-/// use trendid::{Chain, FilteredTrends, Hold, Memory, Scheme, TrendOperator};
+/// use trendid::trends::{Chain, FilteredTrends, Hold, Memory, Scheme, TrendOperator};
 /// let trends = FilteredTrends::<1>::try_new(Scheme::Tustin, 0.001, [20.0])?;
 /// let mut memory = Chain::input_at_rest(trends.design(), Hold::Zero, 0.0);
 /// let mut last = [0.0];
@@ -49,7 +49,7 @@ use crate::trends::operator::{Form, Hold, TrendOperator, sealed};
 /// ```
 /// An order outside 1..=4 does not compile:
 /// ```compile_fail,E0080
-/// use trendid::{FilteredTrends, Scheme};
+/// use trendid::trends::{FilteredTrends, Scheme};
 /// let trends = FilteredTrends::<5>::for_bandwidth(Scheme::Tustin, 0.001, 20.0);
 /// ```
 #[doc(alias = "state-variable filter")]

@@ -20,12 +20,12 @@ use crate::trends::operator::{Form, Hold, Memory, TrendOperator, sealed};
 ///
 /// Samples older than m L are forgotten, and with them every initial error. The price is
 /// memory: about `4 m^2 L` bytes per signal. Best span: about
-/// 1.4/omega0 seconds. [`FilteredTrends`](crate::FilteredTrends) is more accurate under
+/// 1.4/omega0 seconds. [`FilteredTrends`](crate::trends::FilteredTrends) is more accurate under
 /// noise and needs m numbers.
 ///
 /// # Examples
 /// ```
-/// use trendid::{Form, IntegralTrends, Memory, Scheme, Span, TrendOperator};
+/// use trendid::trends::{Form, IntegralTrends, Memory, Scheme, Span, TrendOperator};
 /// let trends = IntegralTrends::<1, 4>::try_new(Scheme::Tustin, 0.5)?;
 /// let mut memory = Span::output_at_rest(trends.design(), Form::Position, 0.0);
 /// let mut last = trends.output(&mut memory, 0.0, Form::Position);
@@ -38,7 +38,7 @@ use crate::trends::operator::{Form, Hold, Memory, TrendOperator, sealed};
 /// ```
 /// An order outside 1..=4 does not compile:
 /// ```compile_fail,E0080
-/// use trendid::{IntegralTrends, Scheme};
+/// use trendid::trends::{IntegralTrends, Scheme};
 /// let trends = IntegralTrends::<5, 10>::try_new(Scheme::Tustin, 0.001);
 /// ```
 #[doc(alias = "linear integral filter")]

@@ -15,11 +15,11 @@ use crate::trends::operator::{Form, Hold, Memory, TrendOperator, sealed};
 ///
 /// A third difference of measurement noise exceeds that of the signal by orders
 /// of magnitude: use this on data without noise, and
-/// [`FilteredTrends`](crate::FilteredTrends) on a machine.
+/// [`FilteredTrends`](crate::trends::FilteredTrends) on a machine.
 ///
 /// # Examples
 /// ```
-/// use trendid::{Form, Memory, RawTrends, Scheme, TrendOperator, Window};
+/// use trendid::trends::{Form, Memory, RawTrends, Scheme, TrendOperator, Window};
 /// let trends = RawTrends::<2>::try_new(Scheme::Tustin, 0.5)?;
 /// let mut memory = Window::output_at_rest(trends.design(), Form::Position, 0.0);
 /// let _ = trends.output(&mut memory, 1.0, Form::Position);
@@ -31,11 +31,11 @@ use crate::trends::operator::{Form, Hold, Memory, TrendOperator, sealed};
 /// ```
 /// An order outside 1..=4 does not compile:
 /// ```compile_fail,E0080
-/// use trendid::{RawTrends, Scheme};
+/// use trendid::trends::{RawTrends, Scheme};
 /// let trends = RawTrends::<5>::try_new(Scheme::Tustin, 0.001);
 /// ```
 /// ```compile_fail,E0080
-/// use trendid::{RawTrends, Scheme};
+/// use trendid::trends::{RawTrends, Scheme};
 /// let trends = RawTrends::<0>::try_new(Scheme::Tustin, 0.001);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,9 +1,9 @@
 //! One run of each option: the same record without it and with it.
 
-use trendid::{
-    Config, DeadZone, DelayBank, ExactTrends, FilteredTrends, Identifier, RawTrends, Scheme,
-    Structure, TrendOperator,
-};
+use trendid::identifier::DelayBank;
+use trendid::inputs::DeadZone;
+use trendid::trends::{ExactTrends, FilteredTrends, RawTrends, Scheme, TrendOperator};
+use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::paper::trial::{Filter, Method, Setting, trial};
 use trendid_host_tests::plants::linear::{Input, LinearPlant};
 use trendid_host_tests::plants::servo::{REFERENCE, Servo};

@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::json;
-use trendid::{
-    Config, ConfigError, FilteredTrends, Identifier, RawTrends, Scheme, Structure, TrendOperator,
-};
+use trendid::trends::{FilteredTrends, RawTrends, Scheme, TrendOperator};
+use trendid::{Config, ConfigError, Identifier, Structure};
 use trendid_host_tests::signals::experiment::{Experiment, Record};
 use trendid_host_tests::signals::noise::{Condition, Reading};
 

@@ -1,6 +1,6 @@
 //! Table 2 as printed, and what is found beside it.
 
-use trendid::Scheme;
+use trendid::trends::Scheme;
 
 /// One structure of the table: m without the integrator, M parameters.
 #[derive(Clone, Copy)]

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use trendid::Scheme;
+use trendid::trends::Scheme;
 use trendid_host_tests::paper::statistics::Line;
 use trendid_host_tests::paper::trial::{Filter, Method};
 use trendid_host_tests::signals::noise::Reading;

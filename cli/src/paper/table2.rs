@@ -1,9 +1,10 @@
 //! `trendid paper table2`: the paper's Table 2 again, structures of every size and what IQ says of them.
 
 use rayon::prelude::*;
-use trendid::{
-    ConfigError, FilteredTrends, Hold, OutputEvaluation, RawTrends, Scheme, Terms, TransferFunction,
-};
+use trendid::estimation::Terms;
+use trendid::model::OutputEvaluation;
+use trendid::trends::{FilteredTrends, Hold, RawTrends, Scheme};
+use trendid::{ConfigError, TransferFunction};
 use trendid_host_tests::paper::statistics::quantile;
 use trendid_host_tests::plants::linear::LinearPlant;
 use trendid_host_tests::signals::experiment::{Experiment, Record};

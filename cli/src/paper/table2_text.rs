@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use trendid::Scheme;
+use trendid::trends::Scheme;
 
 use crate::format::{significant, table};
 use crate::output;

@@ -1,7 +1,9 @@
 //! `trendid demo --linear`: the core finds the parameters of a simulated servo.
 
 use serde_json::json;
-use trendid::{FilteredTrends, Hold, Outcome, Scheme, Terms};
+use trendid::Outcome;
+use trendid::estimation::Terms;
+use trendid::trends::{FilteredTrends, Hold, Scheme};
 use trendid_host_tests::signals::experiment::Record;
 use trendid_identify::Choice;
 use trendid_identify::dynamic::{Filter, InputSetup, Setup};

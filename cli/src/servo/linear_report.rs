@@ -1,7 +1,7 @@
 //! What `trendid demo --linear` shows: the course of the parameters beside their truth.
 
 use serde_json::{Value, json};
-use trendid::Scheme;
+use trendid::trends::Scheme;
 use trendid_host_tests::plants::servo::REFERENCE;
 use trendid_identify::Choice;
 use trendid_identify::dynamic::Recursion;

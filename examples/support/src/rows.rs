@@ -1,9 +1,9 @@
 //! The structures that are checked bit for bit and counted.
 
-use trendid::{
-    Config, ConfigError, DelayBank, ExactTrends, FilteredTrends, Identifier, IntegralTrends,
-    RawTrends, Scheme, Structure, dead_zone,
-};
+use trendid::identifier::DelayBank;
+use trendid::inputs::dead_zone;
+use trendid::trends::{ExactTrends, FilteredTrends, IntegralTrends, RawTrends, Scheme};
+use trendid::{Config, ConfigError, Identifier, Structure};
 
 use crate::record::SAMPLE_TIME;
 

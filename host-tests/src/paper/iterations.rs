@@ -1,6 +1,7 @@
 //! From an estimate to the next trends: numerators from the round before.
 
-use trendid::{Config, ConfigError, ExactTrends, Identifier};
+use trendid::trends::ExactTrends;
+use trendid::{Config, ConfigError, Identifier};
 
 use crate::signals::experiment::Record;
 

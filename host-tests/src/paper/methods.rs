@@ -1,6 +1,6 @@
 //! What Table 1 is run over: the conditions, the trend filters and the methods, with their names in the file.
 
-use trendid::Scheme;
+use trendid::trends::Scheme;
 
 use crate::paper::table1::{Printed, TABLE1, Varied};
 use crate::signals::noise::{Condition, Reading};
@@ -73,14 +73,14 @@ impl Setting {
 pub enum Filter {
     /// The paper's raw trends, theta = (a1, a2, b0).
     None,
-    /// The default of the core, [`for_bandwidth`](trendid::FilteredTrends::for_bandwidth): `(s + 2.2)(s^2 + 30.8 s + 484)`, with a constant and the start.
+    /// The default of the core, [`for_bandwidth`](trendid::trends::FilteredTrends::for_bandwidth): `(s + 2.2)(s^2 + 30.8 s + 484)`, with a constant and the start.
     Default,
     /// Drift as a parabola over a short record: `(s + 3.5)(s^2 + 59.5 s + 1225)`, with a constant, the start and the time as a
     /// second input; the constant and the slope of the drift are known to be small, and never withdrawn.
     Ramp,
     /// Linear integral filter of Sagara and Zhao over 70 ms, theta = (a1, a2, b0).
     Span,
-    /// The default filter with the numerators of the hold, [`ExactTrends`](trendid::ExactTrends), for slow sampling;
+    /// The default filter with the numerators of the hold, [`ExactTrends`](trendid::trends::ExactTrends), for slow sampling;
     /// behind modified Tustin only.
     Exact,
 }

@@ -1,6 +1,6 @@
 //! Statistics of many trials: the lines of the reproduced Table 1.
 
-use trendid::Scheme;
+use trendid::trends::Scheme;
 
 use crate::paper::table1::Printed;
 use crate::paper::trial::{Method, Run, Setting, Trial};

@@ -3,10 +3,10 @@
 //! A *trial* is one seed of one setting. All methods see the same record, and the bound is that of this record. What the
 //! trials of many seeds give together is in [`crate::paper::statistics`].
 
-use trendid::{
-    Config, ConfigError, ExactTrends, FilteredTrends, Identifier, IntegralTrends, RawTrends,
-    Scheme, Structure, TrendOperator,
+use trendid::trends::{
+    ExactTrends, FilteredTrends, IntegralTrends, RawTrends, Scheme, TrendOperator,
 };
+use trendid::{Config, ConfigError, Identifier, Structure};
 
 use crate::oracles::cramer_rao::{Coefficient, InitialState, servo_bound_pct};
 use crate::oracles::ekf::{ExtendedKalman, Prior};

@@ -2,7 +2,8 @@
 
 use crate::common::{self, core_scheme, rounded, rows};
 use proptest::prelude::*;
-use trendid::{Config, FilteredTrends, Form, Identifier, Memory, RawTrends, TrendOperator, Window};
+use trendid::trends::{FilteredTrends, Form, Memory, RawTrends, TrendOperator, Window};
+use trendid::{Config, Identifier};
 use trendid_host_tests::oracles::least_squares::{Structure, least_squares, recursive_equivalent};
 use trendid_host_tests::oracles::trends::{Hold, Scheme, input_trend, output_trend};
 use trendid_host_tests::plants::polynomial::{delayed, moving_sum, power, scaled};
@@ -47,7 +48,7 @@ fn noise_free_raw_tustin_beats_goodwin_and_the_filter_beats_both() {
     let mut worst = [[0.0_f64; 3]; 4];
     for seed in seeds.clone() {
         let record = Experiment::reference(Condition::CLEAN, 1.0).record(seed);
-        let tustin = trendid::Scheme::Tustin;
+        let tustin = trendid::trends::Scheme::Tustin;
         let filter = FilteredTrends::try_new(tustin, 0.001, [25.0; 3]).unwrap();
         let default = FilteredTrends::for_bandwidth(tustin, 0.001, 20.0).unwrap();
         let each = [
@@ -157,8 +158,8 @@ fn raw_trends<const M: usize>(scheme: Scheme, dt: f32, x: &[f32]) -> f64 {
         worst = worst.max(roundings(&operator, &nested, &wide, &got));
     }
     for (hold, core_hold) in [
-        (Hold::Zero, trendid::Hold::Zero),
-        (Hold::First, trendid::Hold::First),
+        (Hold::Zero, trendid::trends::Hold::Zero),
+        (Hold::First, trendid::trends::Hold::First),
     ] {
         let mut memory = Window::input_at_rest(trends.design(), core_hold, 0.0);
         let all: Vec<_> = x
@@ -243,7 +244,7 @@ fn white_noise_absolute_half_a_second() {
         for seed in seeds.clone() {
             let record = Experiment::reference(Condition::white(eta), 0.5).record(seed);
             let trends =
-                FilteredTrends::try_new(trendid::Scheme::Tustin, 0.001, [25.0; 3]).unwrap();
+                FilteredTrends::try_new(trendid::trends::Scheme::Tustin, 0.001, [25.0; 3]).unwrap();
             for (sum, e) in squares.iter_mut().zip(errors(trends, &record)) {
                 *sum += e * e / 100.0;
             }

@@ -1,10 +1,9 @@
 //! The recursion of the core against the f64 oracle's batch, and its chain against the oracle's.
 
 use crate::common::{core_scheme, design_units, rounded, rows};
-use trendid::{
-    Chain, Config, FilteredTrends, Form, Identifier, Memory, RawTrends, Structure, Terms,
-    TrendOperator,
-};
+use trendid::estimation::Terms;
+use trendid::trends::{Chain, FilteredTrends, Form, Memory, RawTrends, TrendOperator};
+use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::oracles::least_squares::{self, InputTerms, recursive_equivalent};
 use trendid_host_tests::oracles::trends::{
     Hold, Scheme, applied, chain_held, chain_output, filter_denominator, input_trend, output_trend,
@@ -91,8 +90,8 @@ fn gap<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
                 b: powers(model.inputs()[j]),
                 delay: config.delays[j],
                 hold: match config.holds[j] {
-                    trendid::Hold::Zero => Hold::Zero,
-                    trendid::Hold::First => Hold::First,
+                    trendid::trends::Hold::Zero => Hold::Zero,
+                    trendid::trends::Hold::First => Hold::First,
                 },
             })
             .collect(),
@@ -338,7 +337,7 @@ fn two_genuine_inputs_with_their_own_numerators_and_delays() {
 fn first_order_hold_and_raw_trends() {
     let data = record(&[400.0, 16.0], &[Input::new(&[2e3, 30.0])], 0.0, 61);
     let mut config = Config::new(Structure::<2, 4, 1>::FULL, 20.0, [1.0], 5.0);
-    config.holds = [trendid::Hold::First];
+    config.holds = [trendid::trends::Hold::First];
     both(
         "first-order hold",
         config,
@@ -358,7 +357,7 @@ fn first_order_hold_and_raw_trends() {
     );
     for scheme in [Scheme::Tustin, Scheme::Goodwin] {
         let raw = RawTrends::try_new(core_scheme(scheme), DT).unwrap();
-        config.holds = [trendid::Hold::Zero];
+        config.holds = [trendid::trends::Hold::Zero];
         both(
             &format!("raw, {scheme:?}"),
             config,
@@ -420,8 +419,8 @@ fn chains<const M: usize>(u: &[f64], y: &[f64]) {
         }
         for hold in [Hold::Zero, Hold::First] {
             let core_hold = match hold {
-                Hold::Zero => trendid::Hold::Zero,
-                Hold::First => trendid::Hold::First,
+                Hold::Zero => trendid::trends::Hold::Zero,
+                Hold::First => trendid::trends::Hold::First,
             };
             let mut memory = Chain::input_at_rest(trends.design(), core_hold, 0.0);
             let mut all = vec![Vec::new(); M];

@@ -3,16 +3,17 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 
 use nalgebra::{DMatrix, DVector};
-use trendid::{Config, Parameter};
+use trendid::Config;
+use trendid::estimation::Parameter;
 use trendid_host_tests::oracles::least_squares::Structure;
 use trendid_host_tests::oracles::trends::{Hold, Scheme, applied, input_trend, output_trend};
 use trendid_host_tests::plants::polynomial::delayed;
 
 /// The core's name of a scheme.
-pub fn core_scheme(scheme: Scheme) -> trendid::Scheme {
+pub fn core_scheme(scheme: Scheme) -> trendid::trends::Scheme {
     match scheme {
-        Scheme::Goodwin => trendid::Scheme::Goodwin,
-        Scheme::Tustin => trendid::Scheme::Tustin,
+        Scheme::Goodwin => trendid::trends::Scheme::Goodwin,
+        Scheme::Tustin => trendid::trends::Scheme::Tustin,
     }
 }
 

@@ -1,8 +1,8 @@
 //! The delay of the drive found by a bank of candidates.
 
-use trendid::{
-    Config, ConfigError, DelayBank, FilteredTrends, Outcome, Refusal, Scheme, Servo, Structure,
-};
+use trendid::identifier::{DelayBank, Refusal};
+use trendid::trends::{FilteredTrends, Scheme};
+use trendid::{Config, ConfigError, Outcome, Servo, Structure};
 use trendid_host_tests::plants::linear::{Input, LinearPlant};
 use trendid_host_tests::plants::servo::REFERENCE;
 use trendid_host_tests::signals::experiment::Experiment;

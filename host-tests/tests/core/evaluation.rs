@@ -1,10 +1,9 @@
 //! The output evaluation (9)-(10) and the indices IQ and IV (11) of the core against the oracle.
 
 use crate::common::{core_scheme, rounded};
-use trendid::{
-    Config, Identifier, OutputEvaluation, RawTrends, Scheme as CoreScheme, Structure,
-    TransferFunction,
-};
+use trendid::model::OutputEvaluation;
+use trendid::trends::{RawTrends, Scheme as CoreScheme};
+use trendid::{Config, Identifier, Structure, TransferFunction};
 use trendid_host_tests::oracles::least_squares::{self, InputTerms, evaluated_output};
 use trendid_host_tests::oracles::trends::{Hold, Scheme};
 use trendid_host_tests::signals::experiment::Experiment;
@@ -22,8 +21,8 @@ fn distances(
 ) -> [f64; 3] {
     let trends = RawTrends::try_new(core_scheme(scheme), DT).unwrap();
     let core_hold = match hold {
-        Hold::Zero => trendid::Hold::Zero,
-        Hold::First => trendid::Hold::First,
+        Hold::Zero => trendid::trends::Hold::Zero,
+        Hold::First => trendid::trends::Hold::First,
     };
     let mut evaluation = OutputEvaluation::<3, 1>::with_holds(trends, [core_hold]);
     let predicted: Vec<f64> = u

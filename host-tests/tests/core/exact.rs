@@ -3,9 +3,9 @@
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trendid::{
-    Config, ExactTrends, FilteredTrends, Hold, Identifier, Scheme, Structure, Terms, TrendOperator,
-};
+use trendid::estimation::Terms;
+use trendid::trends::{ExactTrends, FilteredTrends, Hold, Scheme, TrendOperator};
+use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::plants::linear::{Input, LinearPlant};
 use trendid_host_tests::plants::polynomial::product;
 

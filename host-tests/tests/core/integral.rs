@@ -1,8 +1,7 @@
 //! Trends over a span: exact against the definition, and on the reference servo.
 
-use trendid::{
-    Config, Form, Hold, Identifier, IntegralTrends, Memory, Scheme, Span, Structure, TrendOperator,
-};
+use trendid::trends::{Form, Hold, IntegralTrends, Memory, Scheme, Span, TrendOperator};
+use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::plants::servo::{REFERENCE, Servo};
 use trendid_host_tests::signals::experiment::Experiment;
 use trendid_host_tests::signals::noise::Condition;

@@ -2,10 +2,10 @@
 
 use core::fmt::Debug;
 use proptest::prelude::*;
-use trendid::{
-    Config, ConfigError, Estimator, ExactTrends, FilteredTrends, Identifier, Outcome, RawTrends,
-    Refusal, Scheme, Structure, Terms, TrendOperator,
-};
+use trendid::estimation::{Estimator, Terms};
+use trendid::identifier::Refusal;
+use trendid::trends::{ExactTrends, FilteredTrends, RawTrends, Scheme, TrendOperator};
+use trendid::{Config, ConfigError, Identifier, Outcome, Structure};
 
 type Servo = Identifier<FilteredTrends<3>, 3, 3>;
 

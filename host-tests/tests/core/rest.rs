@@ -1,7 +1,8 @@
 //! Forgetting that survives rest: 20 s without excitation, then a drive that has changed.
 
 use rand::RngExt;
-use trendid::{Config, FilteredTrends, Identifier, Scheme, Structure};
+use trendid::trends::{FilteredTrends, Scheme};
+use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::plants::servo::{REFERENCE, Servo};
 use trendid_host_tests::signals::excitation::Excitation;
 use trendid_host_tests::signals::noise::{Stream, generator};

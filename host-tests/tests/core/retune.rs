@@ -1,6 +1,8 @@
 //! Filter poles from the estimate: a rough bandwidth three times off is mended on the way.
 
-use trendid::{Config, Estimator, FilteredTrends, Identifier, Scheme, Structure};
+use trendid::estimation::Estimator;
+use trendid::trends::{FilteredTrends, Scheme};
+use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::plants::servo::{REFERENCE, Servo};
 use trendid_host_tests::signals::experiment::Experiment;
 use trendid_host_tests::signals::noise::{Condition, rms};

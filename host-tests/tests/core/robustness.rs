@@ -1,10 +1,11 @@
 //! Whatever is fed in: no panic, and every number that comes out is a number.
 
 use proptest::prelude::*;
-use trendid::{
-    Config, DeadZone, DelayBank, DelayLine, Estimator, FilteredTrends, Hold, Identifier,
-    NoiseLevel, Outcome, RawTrends, Scheme, Structure, Terms, TrendOperator,
-};
+use trendid::estimation::{Estimator, NoiseLevel, Terms};
+use trendid::identifier::DelayBank;
+use trendid::inputs::DeadZone;
+use trendid::trends::{DelayLine, FilteredTrends, Hold, RawTrends, Scheme, TrendOperator};
+use trendid::{Config, Identifier, Outcome, Structure};
 
 /// Any f32 at all, with the awkward ones often.
 fn number() -> impl Strategy<Value = f32> {

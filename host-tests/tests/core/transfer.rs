@@ -1,9 +1,9 @@
 //! Poles, stability and the physical reading of the core against polynomials with known roots.
 
 use proptest::prelude::*;
-use trendid::{
-    Config, FilteredTrends, Identifier, Physical, Pole, Scheme, Structure, TransferFunction,
-};
+use trendid::model::{Physical, Pole};
+use trendid::trends::{FilteredTrends, Scheme};
+use trendid::{Config, Identifier, Structure, TransferFunction};
 use trendid_host_tests::plants::polynomial::product;
 use trendid_host_tests::signals::experiment::Experiment;
 use trendid_host_tests::signals::noise::Condition;

@@ -1,8 +1,8 @@
 //! Defects of valve and drive in the core: offset, dead zone, unequal gains, Coulomb friction.
 
-use trendid::{
-    Config, DeadZone, FilteredTrends, Identifier, Scheme, Structure, asymmetric, coulomb, dead_zone,
-};
+use trendid::inputs::{DeadZone, asymmetric, coulomb, dead_zone};
+use trendid::trends::{FilteredTrends, Scheme};
+use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::plants::servo::{REFERENCE, Servo};
 use trendid_host_tests::plants::valve::FrictionDrive;
 use trendid_host_tests::signals::excitation::Excitation;

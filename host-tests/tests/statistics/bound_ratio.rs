@@ -1,6 +1,7 @@
 //! White noise in the RELATIVE reading, against the Cramer-Rao bound, and the coverage of the reported sigma.
 
-use trendid::{Config, FilteredTrends, Identifier, Scheme, Structure};
+use trendid::trends::{FilteredTrends, Scheme};
+use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::oracles::cramer_rao::{InitialState, servo_bound_pct};
 use trendid_host_tests::plants::servo::{REFERENCE, Servo};
 use trendid_host_tests::signals::experiment::Experiment;

@@ -1,6 +1,8 @@
 //! Whether the reported standard deviations tell the truth: how often the true value lies within 1 and 3 of them.
 
-use trendid::{Config, FilteredTrends, Identifier, NoiseLevel, Scheme, Structure, TrendOperator};
+use trendid::estimation::NoiseLevel;
+use trendid::trends::{FilteredTrends, Scheme, TrendOperator};
+use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::paper::iterations::own_numerators;
 use trendid_host_tests::signals::experiment::{Experiment, Record};
 use trendid_host_tests::signals::noise::Condition;

@@ -1,6 +1,7 @@
 //! Sampling every 5 ms instead of every millisecond: what the default loses of the damping, and the exact hold does not.
 
-use trendid::{Config, Scheme, Structure};
+use trendid::trends::Scheme;
+use trendid::{Config, Structure};
 use trendid_host_tests::paper::iterations::own_numerators;
 use trendid_host_tests::paper::trial::{Filter, Method, Setting, trial};
 use trendid_host_tests::plants::servo::{REFERENCE, Servo};

@@ -3,7 +3,7 @@
 //! `trendid paper table1` prints the whole table; these rows hold the figures it must not lose. Seeds differ from those that
 //! chose the filter (below 60000) and from the table's own (100000).
 
-use trendid::Scheme;
+use trendid::trends::Scheme;
 use trendid_host_tests::paper::statistics::{Line, summary};
 use trendid_host_tests::paper::trial::{Filter, Method, Setting, trial};
 use trendid_host_tests::signals::noise::Reading;
