@@ -13,7 +13,7 @@
 //! | control | pole placement, observer, friction that sticks, standstill, limits of the command |
 //! | supervision | excitation, screening and validation of models, states and reasons |
 //! | identification | the identifier of the loop and its candidates |
-//! | servo_loop | all of it behind one call per sample |
+//! | servo_loop, supervise | all of it behind one call per sample |
 
 pub(crate) mod config;
 pub(crate) mod control;
@@ -22,7 +22,9 @@ pub(crate) mod error;
 pub(crate) mod identification;
 pub(crate) mod model;
 pub(crate) mod motion;
+pub(crate) mod report;
 pub(crate) mod servo_loop;
+mod supervise;
 pub(crate) mod supervision;
 
 pub use config::{Config, ControllerSettings, ExcitationSettings, SupervisionSettings};
@@ -32,7 +34,8 @@ pub use error::Error;
 pub use identification::LoopIdentifier;
 pub use model::Model;
 pub use motion::{Motion, MotionLimits, Setpoint, Travel};
-pub use servo_loop::{Report, ServoLoop};
+pub use report::Report;
+pub use servo_loop::ServoLoop;
 pub use supervision::state::{Reason, State};
 pub use supervision::supervisor::Supervisor;
 pub use supervision::validation::FitReport;

@@ -1,45 +1,24 @@
 //! Sensor, identifier, supervisor, controller and valve in one call per sample.
 
-use crate::Outcome;
 use crate::hardware::{Axis, PositionSensor, Valve};
 use crate::servo::config::Config;
 use crate::servo::control::controller::Controller;
 use crate::servo::control::limiter::CommandLimiter;
 use crate::servo::design::Design;
-use crate::servo::design::constants::{CHANGED_STD, REOPENED_STD};
+use crate::servo::design::constants::REOPENED_STD;
 use crate::servo::error::Error;
 use crate::servo::identification::{
-    LoopIdentifier, candidate, identifier, inputs_of_known, inputs_of_unknown, reopen,
+    LoopIdentifier, identifier, inputs_of_known, inputs_of_unknown, reopen,
 };
 use crate::servo::model::Model;
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
 use crate::servo::motion::trajectory::Trajectory;
 use crate::servo::motion::{Motion, Setpoint, Travel};
+use crate::servo::report::Report;
 use crate::servo::supervision::excitation::Excitation;
 use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
-use crate::servo::supervision::screening::Candidate;
-use crate::servo::supervision::state::{Reason, State};
-use crate::servo::supervision::supervisor::{Event, Observation, Supervisor};
-
-/// What one sample of the loop did.
-#[must_use]
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub struct Report {
-    /// State of the supervisor after the sample.
-    pub state: State,
-    /// Measured position; where the axis should be when the sensor failed.
-    pub position: f32,
-    /// The reference; the position outside of control.
-    pub setpoint: Setpoint,
-    /// The command that was set.
-    pub command: f32,
-    /// Innovation of the identifier, if there was one.
-    pub innovation: Option<f32>,
-    /// Whether a model reached the controller in this sample.
-    pub retuned: bool,
-}
+use crate::servo::supervision::state::Reason;
+use crate::servo::supervision::supervisor::Supervisor;
 
 /// The adaptive position loop.
 ///
@@ -71,26 +50,26 @@ pub struct Report {
 /// ```
 #[derive(Debug, Clone)]
 pub struct ServoLoop<S, V> {
-    sensor: S,
-    valve: V,
+    pub(crate) sensor: S,
+    pub(crate) valve: V,
     axis: Axis,
     travel: Travel,
-    adaptive: bool,
+    pub(crate) adaptive: bool,
     sample_time: f32,
-    run_out_rate: f32,
+    pub(crate) run_out_rate: f32,
     sensor_errors: u32,
     /// Velocity below which the direction of friction is open.
     friction_velocity: f32,
     /// Samples after a breakaway in which the filtered signals still contain friction.
-    settled: u32,
-    identifier: LoopIdentifier,
-    supervisor: Supervisor,
-    controller: Controller,
-    excitation: Excitation,
-    trajectory: Trajectory,
+    pub(crate) settled: u32,
+    pub(crate) identifier: LoopIdentifier,
+    pub(crate) supervisor: Supervisor,
+    pub(crate) controller: Controller,
+    pub(crate) excitation: Excitation,
+    pub(crate) trajectory: Trajectory,
     limiter: CommandLimiter,
-    tracking: AlphaBetaGamma,
-    monitor: ExcitationMonitor,
+    pub(crate) tracking: AlphaBetaGamma,
+    pub(crate) monitor: ExcitationMonitor,
     code: i32,
     position: f32,
     begun: bool,
@@ -100,7 +79,7 @@ pub struct ServoLoop<S, V> {
 }
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
-    /// A loop in the state [`State::Idle`].
+    /// A loop in the state [`State::Idle`](crate::servo::State::Idle).
     ///
     /// # Errors
     /// An [`Error`] that names the setting.
@@ -271,7 +250,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     }
 
     /// The motion as far as it is known: by the observer in control, else by the measured positions alone.
-    fn motion(&self) -> Motion {
+    pub(crate) fn motion(&self) -> Motion {
         if self.supervisor.state().is_controlling() {
             self.controller.motion()
         } else {
@@ -300,139 +279,6 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         };
         self.identifier.restart_trends();
         self.report(Setpoint::at(self.position), command, None, false)
-    }
-
-    /// Everything between the identifier and the controller; whether a model reached the controller.
-    fn supervise(
-        &mut self,
-        setpoint: &Setpoint,
-        y: f32,
-        command: f32,
-        same_code: bool,
-        outcome: Outcome,
-    ) -> bool {
-        let state = self.supervisor.state();
-        let motion = self.motion();
-        let seen = Observation {
-            motion,
-            y,
-            u: command,
-            same_code,
-            sticks: state.is_controlling() && self.controller.observer().sticks(),
-            error: setpoint.position - motion.position,
-            innovation: outcome.innovation(),
-        };
-        let mut event = if state.is_commissioning() && self.excitation.runs_away(y) {
-            let reason = self.runaway_reason();
-            self.supervisor.give_up(reason)
-        } else {
-            self.supervisor.update(&seen)
-        };
-        let learns = self.adaptive || self.supervisor.state().is_commissioning();
-        if learns && event == Event::None && self.supervisor.wants_candidate() {
-            let candidate = self.candidate();
-            event = self.supervisor.submit(&candidate, &seen);
-        }
-        self.identifier.adapt(self.learns());
-        self.follow(event, state)
-    }
-
-    /// Whether the identifier learns from this sample.
-    fn learns(&self) -> bool {
-        let state = self.supervisor.state();
-        state.is_commissioning()
-            || (self.adaptive
-                && state == State::Adapting
-                && self.monitor.is_exciting()
-                && self.slides())
-    }
-
-    /// Whether the axis slides, and has slid for a while: a start shows more of friction than of the model.
-    fn slides(&self) -> bool {
-        let observer = self.controller.observer();
-        !observer.sticks() && observer.friction().since() > self.settled
-    }
-
-    /// Carries out what the supervisor decided; whether a model reached the controller.
-    fn follow(&mut self, event: Event, before: State) -> bool {
-        match event {
-            Event::None | Event::Stopped => false,
-            Event::Accepted(model) => {
-                self.controller.retune(model);
-                if before.is_commissioning() {
-                    reopen(&mut self.identifier, &model, REOPENED_STD);
-                    self.take_over(self.tracking.motion());
-                } else {
-                    self.identifier.trust();
-                }
-                true
-            }
-            Event::Restored(model) => {
-                reopen(&mut self.identifier, &model, REOPENED_STD);
-                self.controller.retune(model);
-                if before.is_commissioning() {
-                    self.take_over(self.tracking.motion());
-                }
-                true
-            }
-            Event::Changed => {
-                if self.adaptive
-                    && let Some(model) = self.supervisor.verified_model()
-                {
-                    reopen(&mut self.identifier, &model, CHANGED_STD);
-                }
-                false
-            }
-        }
-    }
-
-    /// The controller takes the axis over in motion and lets it run out.
-    fn take_over(&mut self, motion: Motion) {
-        self.controller.place(motion);
-        self.trajectory.run_out(motion, self.run_out_rate);
-    }
-
-    /// Why the axis left its band.
-    fn runaway_reason(&self) -> Reason {
-        let candidate = self.candidate();
-        if self.supervisor.commissioning().is_one_way() || !candidate.has_certain_sign() {
-            Reason::ValveStuck
-        } else if candidate.model.b0 < 0.0 {
-            Reason::WrongSign
-        } else {
-            Reason::TravelEnd
-        }
-    }
-
-    /// The present estimate; in control with the valve and the friction of the controller.
-    fn candidate(&self) -> Candidate {
-        let controlling = self.supervisor.state().is_controlling();
-        candidate(&self.identifier, controlling.then_some(&self.controller))
-    }
-
-    /// The supervisor, for its state, its reasons and the fit of models.
-    pub const fn supervisor(&self) -> &Supervisor {
-        &self.supervisor
-    }
-
-    /// The identifier, for its estimate.
-    pub const fn identifier(&self) -> &LoopIdentifier {
-        &self.identifier
-    }
-
-    /// The controller, for its model and what it observes.
-    pub const fn controller(&self) -> &Controller {
-        &self.controller
-    }
-
-    /// The sensor, e.g. of a simulation.
-    pub const fn sensor_mut(&mut self) -> &mut S {
-        &mut self.sensor
-    }
-
-    /// The valve, e.g. of a simulation.
-    pub const fn valve_mut(&mut self) -> &mut V {
-        &mut self.valve
     }
 }
 

@@ -5,4 +5,5 @@
 mod pneumatic;
 mod pneumatic_linear;
 mod position_loop;
+mod settings;
 mod shadow;

@@ -1,7 +1,10 @@
 //! Every number that follows from the settings, computed once, in seconds, and turned into samples here.
 
+mod clock;
 pub(crate) mod constants;
+mod control;
 mod resolve;
+mod supervision;
 
 use crate::servo::motion::{MotionLimits, Travel};
 

@@ -1,7 +1,9 @@
 //! Which model may control: excitation, screening, validation, states.
 
+mod adapting;
 pub(crate) mod change;
 pub(crate) mod commissioning;
+pub(crate) mod event;
 pub(crate) mod excitation;
 pub(crate) mod excitation_monitor;
 pub(crate) mod screening;

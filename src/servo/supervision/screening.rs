@@ -1,11 +1,12 @@
-//! The tests of a candidate that need no samples.
+//! The tests of a candidate: those that need no samples, and the comparison with the model in use.
 
-use crate::servo::design::ScreeningDesign;
 use crate::servo::design::constants::{
-    DAMPING_MAX, DAMPING_VARIANCE_RATIO, SIGN_SIGMA_SQUARED, VALVE_MAX,
+    DAMPING_MAX, DAMPING_VARIANCE_RATIO, SIGN_SIGMA_SQUARED, VALIDATION_TRAVEL_RATIO, VALVE_MAX,
 };
+use crate::servo::design::{ScreeningDesign, SupervisionDesign};
 use crate::servo::model::Model;
 use crate::servo::supervision::state::Reason;
+use crate::servo::supervision::validation::FitReport;
 
 /// A model with the variances of its parameters, as the identifier gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,5 +61,27 @@ impl ScreeningDesign {
             return Err(Reason::OutOfRange);
         }
         Ok(())
+    }
+}
+
+impl SupervisionDesign {
+    /// Whether the candidate replaces the model in use; `false` when the axis moved too little to tell.
+    pub(crate) fn compare(&self, report: &FitReport) -> Result<bool, Reason> {
+        let enough = VALIDATION_TRAVEL_RATIO * self.min_travel;
+        if !(report.sst > enough * enough * report.samples as f32) {
+            return Ok(false);
+        }
+        if report.r_squared() < self.min_r_squared_adapting {
+            return Err(Reason::PoorFit);
+        }
+        let better = report.incumbent_sse.is_none_or(|other| {
+            report.sse < self.replace_ratio * other
+                && other - report.sse > self.min_improvement * report.sst
+        });
+        if better {
+            Ok(true)
+        } else {
+            Err(Reason::NotBetter)
+        }
     }
 }

@@ -1,48 +1,14 @@
 //! The supervisor: which model may reach the controller, and when.
 
 use crate::servo::design::SupervisionDesign;
-use crate::servo::design::constants::{FAILED_VALIDATIONS_MAX, VALIDATION_TRAVEL_RATIO};
+use crate::servo::design::constants::FAILED_VALIDATIONS_MAX;
 use crate::servo::model::Model;
-use crate::servo::motion::Motion;
 use crate::servo::supervision::change::ChangeDetector;
 use crate::servo::supervision::commissioning::Commissioning;
+use crate::servo::supervision::event::{Event, Observation};
 use crate::servo::supervision::screening::Candidate;
 use crate::servo::supervision::state::{Reason, State};
 use crate::servo::supervision::validation::{FitReport, Validation};
-
-/// What the supervisor sees of one sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Observation {
-    /// The motion as far as it is known.
-    pub(crate) motion: Motion,
-    /// Measured position.
-    pub(crate) y: f32,
-    /// The command that was set, in force from now on.
-    pub(crate) u: f32,
-    /// Whether the position code is the same as in the sample before.
-    pub(crate) same_code: bool,
-    /// Whether the axis sticks: then a model has nothing to show.
-    pub(crate) sticks: bool,
-    /// Reference minus observed position; 0 without control.
-    pub(crate) error: f32,
-    /// Innovation of the identifier, if there was one.
-    pub(crate) innovation: Option<f32>,
-}
-
-/// What the loop has to do after a sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Event {
-    /// Nothing.
-    None,
-    /// A model passed: the controller takes it.
-    Accepted(Model),
-    /// The estimate is rejected: the identifier begins again from this model, which stays in force.
-    Restored(Model),
-    /// The drive changed: the memory of the identifier is opened.
-    Changed,
-    /// The axis is to be stopped.
-    Stopped,
-}
 
 /// Decides, from the samples and the candidates of the identifier, what the controller may use.
 ///
@@ -51,22 +17,22 @@ pub(crate) enum Event {
 /// verified model is kept as it is, bit for bit, whatever comes after it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Supervisor {
-    design: SupervisionDesign,
+    pub(crate) design: SupervisionDesign,
     state: State,
     verified_model: Option<Model>,
     /// Samples in the present state.
-    ticks: u32,
+    pub(crate) ticks: u32,
     commissioning: Commissioning,
-    change: ChangeDetector,
-    validation: Option<Validation>,
+    pub(crate) change: ChangeDetector,
+    pub(crate) validation: Option<Validation>,
     report: FitReport,
     refusal: Option<Reason>,
     accepted: u32,
     refused: u32,
     /// Samples without motion.
-    still_for: u32,
+    pub(crate) still_for: u32,
     /// Largest tracking error of late.
-    peak_error: f32,
+    pub(crate) peak_error: f32,
 }
 
 impl Supervisor {
@@ -146,7 +112,7 @@ impl Supervisor {
         self.enter(State::Failed(reason));
     }
 
-    fn enter(&mut self, state: State) {
+    pub(crate) fn enter(&mut self, state: State) {
         self.state = state;
         self.ticks = 0;
         self.validation = None;
@@ -202,7 +168,7 @@ impl Supervisor {
         self.design.screening.screen(candidate, commissioning)
     }
 
-    fn refuse(&mut self, reason: Reason) -> Event {
+    pub(crate) fn refuse(&mut self, reason: Reason) -> Event {
         self.refusal = Some(reason);
         self.refused = self.refused.saturating_add(1);
         match (self.state, self.verified_model) {
@@ -291,13 +257,13 @@ impl Supervisor {
         }
     }
 
-    fn validate(&mut self, seen: &Observation) -> Option<FitReport> {
+    pub(crate) fn validate(&mut self, seen: &Observation) -> Option<FitReport> {
         let report = self.validation.as_mut()?.update(seen.u, seen.y)?;
         self.report = report;
         Some(report)
     }
 
-    fn accept(&mut self) -> Event {
+    pub(crate) fn accept(&mut self) -> Event {
         let Some(validation) = self.validation.take() else {
             return Event::None;
         };
@@ -310,87 +276,5 @@ impl Supervisor {
             self.change.restart();
         }
         Event::Accepted(model)
-    }
-
-    fn adapt(&mut self, seen: &Observation) -> Event {
-        let error = seen.error.abs();
-        self.peak_error -= self.design.peak_error_leak * self.peak_error;
-        if error > self.peak_error {
-            self.peak_error = error;
-        }
-        if self.still_for > self.design.still {
-            self.enter(State::Frozen);
-            return Event::None;
-        }
-        let settled = self.ticks > self.design.look;
-        if let Some(innovation) = seen.innovation
-            && self.change.update(innovation, settled)
-        {
-            self.validation = None;
-            return Event::Changed;
-        }
-        if seen.sticks {
-            self.validation = None;
-            return Event::None;
-        }
-        let Some(report) = self.validate(seen) else {
-            return Event::None;
-        };
-        match self.compare(&report) {
-            Ok(true) => self.accept(),
-            Ok(false) => {
-                self.validation = None;
-                Event::None
-            }
-            Err(reason) => {
-                self.validation = None;
-                self.refuse(reason)
-            }
-        }
-    }
-
-    /// Whether the candidate replaces the model in use; `false` when the axis moved too little to tell.
-    fn compare(&self, report: &FitReport) -> Result<bool, Reason> {
-        let design = &self.design;
-        let enough = VALIDATION_TRAVEL_RATIO * design.min_travel;
-        if !(report.sst > enough * enough * report.samples as f32) {
-            return Ok(false);
-        }
-        if report.r_squared() < design.min_r_squared_adapting {
-            return Err(Reason::PoorFit);
-        }
-        let better = report.incumbent_sse.is_none_or(|other| {
-            report.sse < design.replace_ratio * other
-                && other - report.sse > design.min_improvement * report.sst
-        });
-        if better {
-            Ok(true)
-        } else {
-            Err(Reason::NotBetter)
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::servo::config::Config;
-    use crate::servo::error::Error;
-    use crate::servo::motion::Travel;
-
-    #[test]
-    fn a_commissioning_can_be_aborted() -> Result<(), Error> {
-        let travel = Travel {
-            min: 0.0,
-            max: 400.0,
-        };
-        let design = Config::new(0.001, 20.0, travel).resolve()?;
-        let mut supervisor = Supervisor::new(&design.supervision);
-        assert_eq!(supervisor.state(), State::Idle);
-        supervisor.begin(200.0);
-        assert_eq!(supervisor.state(), State::Exciting);
-        supervisor.abort();
-        assert_eq!(supervisor.state(), State::Idle);
-        Ok(())
     }
 }

@@ -1,0 +1,235 @@
+//! No setting of the position loop is dead: each changes what the loop does, or is refused with its name.
+
+use std::collections::BTreeSet;
+
+use trendid::hardware::{Axis, Scale};
+use trendid::servo::{Config, Error, MotionLimits, ServoLoop};
+use trendid_host_tests::plants::pneumatic::{AxisParameters, PneumaticAxis};
+use trendid_host_tests::servo::plant::RESOLUTION_MM;
+use trendid_host_tests::servo::rig::{ROUGH_BANDWIDTH, SimulatedSensor, SimulatedValve, TRAVEL};
+
+fn defaults() -> Config {
+    Config::new(1e-3, ROUGH_BANDWIDTH, TRAVEL)
+}
+
+/// Commands and states of 8 s: commissioning, moves, rest, a sine, with the mass tripled at 3 s and back at 5 s.
+fn trace(config: &Config) -> Result<Vec<(u32, u8)>, Error> {
+    let axis = Axis {
+        scale: Scale::new(RESOLUTION_MM as f32).expect("scale"),
+        reference: 0,
+    };
+    let mut servo = ServoLoop::try_new(config, axis, SimulatedSensor::default(), SimulatedValve)?;
+    let mut plant = PneumaticAxis::new(&AxisParameters::SERVO, 7);
+    let mass = plant.parameters().mass;
+    let mut trace = Vec::new();
+    for k in 0..8000 {
+        match k {
+            100 => servo.commission(),
+            1000 => servo.move_to(250.0),
+            1800 => servo.oscillate(30.0, 1.0),
+            3000 => plant.set_mass(3.0 * mass),
+            5000 => plant.set_mass(mass),
+            6500 => servo.move_to(180.0),
+            _ => {}
+        }
+        servo.sensor_mut().code = Some(plant.measure_counts());
+        let report = servo.update();
+        plant.step(f64::from(report.command));
+        trace.push((report.command.to_bits(), report.state.code()));
+    }
+    Ok(trace)
+}
+
+type Change = fn(&mut Config);
+
+/// Every setting with a value that the loop must notice.
+const CHANGES: &[(&str, Change)] = &[
+    ("sample_time", |c| c.sample_time = 0.9e-3),
+    ("bandwidth", |c| c.bandwidth = 27.0),
+    ("travel.min", |c| c.travel.min = -50.0),
+    ("travel.max", |c| c.travel.max = 420.0),
+    ("noise", |c| c.noise = Some(0.5)),
+    ("range", |c| c.range = 0.3),
+    ("rate", |c| c.rate = 50.0),
+    ("delay", |c| c.delay = 4e-3),
+    ("memory", |c| c.memory = 0.3),
+    ("information_floor", |c| c.information_floor = 1e-2),
+    ("min_excitation", |c| c.min_excitation = 0.5),
+    ("adaptive", |c| c.adaptive = false),
+    ("motion", |c| {
+        c.motion = Some(MotionLimits {
+            velocity: 100.0,
+            acceleration: 1000.0,
+            jerk: 1e4,
+        });
+    }),
+    ("controller.bandwidth", |c| {
+        c.controller.bandwidth = Some(50.0)
+    }),
+    ("controller.damping", |c| c.controller.damping = 1.0),
+    ("controller.observer_rate", |c| {
+        c.controller.observer_rate = Some(180.0);
+    }),
+    ("controller.blend", |c| c.controller.blend = 0.02),
+    ("controller.rest_window", |c| {
+        c.controller.rest_window = Some(0.0)
+    }),
+    ("controller.reversal_lookahead", |c| {
+        c.controller.reversal_lookahead = 0.0;
+    }),
+    ("controller.stick_rate", |c| c.controller.stick_rate = 100.0),
+    ("controller.breakaway_distance", |c| {
+        c.controller.breakaway_distance = Some(0.1);
+    }),
+    ("controller.breakaway_ramp", |c| {
+        c.controller.breakaway_ramp = 0.5
+    }),
+    ("controller.stribeck", |c| c.controller.stribeck = 0.0),
+    ("controller.settling_bandwidth_ratio", |c| {
+        c.controller.settling_bandwidth_ratio = 1.5;
+    }),
+    ("controller.catch_up", |c| c.controller.catch_up = Some(5.0)),
+    ("controller.stiction_velocity", |c| {
+        c.controller.stiction_velocity = Some(10.0);
+    }),
+    ("controller.transition", |c| c.controller.transition = 0.5),
+    ("excitation.amplitude", |c| c.excitation.amplitude = 0.4),
+    ("excitation.hold", |c| c.excitation.hold = Some(0.03)),
+    ("excitation.stroke", |c| c.excitation.stroke = Some(20.0)),
+    ("excitation.stopping_time", |c| {
+        c.excitation.stopping_time = Some(0.3);
+    }),
+    ("supervision.frequency_factor", |c| {
+        c.supervision.frequency_factor = 1.01;
+    }),
+    ("supervision.max_gain", |c| {
+        c.supervision.max_gain = Some(100.0)
+    }),
+    ("supervision.max_relative_std", |c| {
+        c.supervision.max_relative_std = 1e-4;
+    }),
+    ("supervision.max_relative_std_adapting", |c| {
+        c.supervision.max_relative_std_adapting = 1e-4;
+    }),
+    ("supervision.min_r_squared", |c| {
+        c.supervision.min_r_squared = 0.9999;
+    }),
+    ("supervision.min_r_squared_adapting", |c| {
+        c.supervision.min_r_squared_adapting = 0.9999;
+    }),
+    ("supervision.replace_ratio", |c| {
+        c.supervision.replace_ratio = 1e-6
+    }),
+    ("supervision.min_improvement", |c| {
+        c.supervision.min_improvement = 100.0;
+    }),
+    ("supervision.excite_time", |c| {
+        c.supervision.excite_time = 0.4
+    }),
+    ("supervision.validation_time", |c| {
+        c.supervision.validation_time = 0.2;
+    }),
+    ("supervision.time_limit", |c| c.supervision.time_limit = 0.3),
+    ("supervision.min_speed", |c| {
+        c.supervision.min_speed = Some(1e4)
+    }),
+    ("supervision.min_travel", |c| {
+        c.supervision.min_travel = Some(300.0)
+    }),
+    ("supervision.alarm_ratio", |c| {
+        c.supervision.alarm_ratio = 1.01
+    }),
+    ("supervision.error_deadband", |c| {
+        c.supervision.error_deadband = Some(300.0);
+    }),
+];
+
+/// The names of all settings, as their `Debug` prints them.
+fn names(config: &Config) -> BTreeSet<String> {
+    let text = format!("{config:?}");
+    let (mut path, mut word, mut names) = (Vec::new(), String::new(), BTreeSet::new());
+    for c in text.chars() {
+        match c {
+            // A group of settings is no setting itself.
+            '{' => {
+                names.remove(&path.join("."));
+            }
+            '}' => {
+                path.pop();
+            }
+            ':' => {
+                path.push(word.clone());
+                names.insert(path.join("."));
+            }
+            ',' => {
+                path.pop();
+            }
+            _ => {}
+        }
+        if c.is_alphanumeric() || c == '_' {
+            word.push(c);
+        } else {
+            word.clear();
+        }
+    }
+    names
+}
+
+#[test]
+fn every_setting_is_listed() {
+    let listed: BTreeSet<String> = CHANGES.iter().map(|(name, _)| name.to_string()).collect();
+    assert_eq!(names(&defaults()), listed);
+}
+
+#[test]
+fn every_setting_changes_what_the_loop_does() {
+    let usual = trace(&defaults()).expect("settings");
+    let dead: Vec<&str> = CHANGES
+        .iter()
+        .filter(|(name, change)| {
+            let mut config = defaults();
+            change(&mut config);
+            usual == trace(&config).unwrap_or_else(|error| panic!("{name}: {error}"))
+        })
+        .map(|(name, _)| *name)
+        .collect();
+    assert!(dead.is_empty(), "without effect: {dead:?}");
+}
+
+#[test]
+fn a_value_that_cannot_work_is_refused_with_the_name_of_its_setting() {
+    for value in [f32::NAN, f32::INFINITY, -1.0] {
+        let cases: [(&str, fn(&mut Config, f32)); 12] = [
+            ("sample_time", |c, x| c.sample_time = x),
+            ("bandwidth", |c, x| c.bandwidth = x),
+            ("rate", |c, x| c.rate = x),
+            ("delay", |c, x| c.delay = x),
+            ("min_excitation", |c, x| c.min_excitation = x),
+            ("controller.observer_rate", |c, x| {
+                c.controller.observer_rate = Some(x);
+            }),
+            ("controller.stribeck", |c, x| c.controller.stribeck = x),
+            ("controller.rest_window", |c, x| {
+                c.controller.rest_window = Some(if x > 0.0 { f32::NAN } else { x });
+            }),
+            ("excitation.hold", |c, x| c.excitation.hold = Some(x)),
+            ("excitation.amplitude", |c, x| c.excitation.amplitude = x),
+            ("supervision.time_limit", |c, x| {
+                c.supervision.time_limit = x
+            }),
+            ("supervision.alarm_ratio", |c, x| {
+                c.supervision.alarm_ratio = x;
+            }),
+        ];
+        for (name, change) in cases {
+            let mut config = defaults();
+            change(&mut config, value);
+            match config.resolve() {
+                Err(Error::NotPositive { setting, .. } | Error::OutOfRange { setting, .. }) => {
+                    assert_eq!(setting, name)
+                }
+                other => panic!("{name} = {value}: {other:?}"),
+            }
+        }
+    }
+}

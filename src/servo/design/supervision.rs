@@ -1,0 +1,103 @@
+//! What the supervisor, its screening and its validation follow from.
+
+use crate::servo::config::Config;
+use crate::servo::design::clock::Clock;
+use crate::servo::design::constants as c;
+use crate::servo::design::{
+    ChangeDesign, ObserverDesign, ScreeningDesign, SupervisionDesign, ValidationDesign,
+};
+use crate::servo::error::Error;
+
+impl Config {
+    pub(crate) fn supervision(&self, clock: Clock) -> Result<SupervisionDesign, Error> {
+        let (settings, length) = (&self.supervision, self.travel.length());
+        let min_travel = settings.min_travel.unwrap_or(c::TRAVEL_MIN_RATIO * length);
+        let deadband = settings
+            .error_deadband
+            .unwrap_or(c::ERROR_DEADBAND_RATIO * length);
+        for (name, value) in [
+            ("supervision.min_r_squared", settings.min_r_squared),
+            (
+                "supervision.min_r_squared_adapting",
+                settings.min_r_squared_adapting,
+            ),
+            ("supervision.replace_ratio", settings.replace_ratio),
+            ("supervision.min_improvement", settings.min_improvement),
+            ("supervision.min_speed", self.min_speed()),
+            ("supervision.min_travel", min_travel),
+            ("supervision.error_deadband", deadband),
+            ("supervision.alarm_ratio", settings.alarm_ratio),
+        ] {
+            Error::unless_positive(name, value)?;
+        }
+        let count = |name, seconds: f32| {
+            Error::unless_positive(name, seconds)?;
+            Error::unless_within(name, seconds, 0.0, 1e5)?;
+            Ok::<u32, Error>(clock.whole(seconds))
+        };
+        let excite = count("supervision.excite_time", settings.excite_time)?;
+        Ok(SupervisionDesign {
+            screening: self.screening()?,
+            validation: ValidationDesign {
+                observer: self.validation_observer(clock),
+                observe: clock.whole(c::VALIDATION_OBSERVE_RATIO / self.bandwidth),
+                window: count("supervision.validation_time", settings.validation_time)?,
+            },
+            change: ChangeDesign {
+                fast_share: self.sample_time / c::INNOVATION_FAST_TIME,
+                slow_share: self.sample_time / c::INNOVATION_SLOW_TIME,
+                alarm_ratio: settings.alarm_ratio,
+                pause: excite,
+            },
+            min_r_squared: settings.min_r_squared,
+            min_r_squared_adapting: settings.min_r_squared_adapting,
+            replace_ratio: settings.replace_ratio,
+            min_improvement: settings.min_improvement,
+            min_speed: self.min_speed(),
+            min_travel,
+            error_deadband: deadband,
+            peak_error_leak: self.sample_time / c::PEAK_ERROR_TIME,
+            look: clock.samples(c::LOOK_TIME),
+            rejection: clock.samples(c::REJECTION_TIME),
+            stuck: clock.samples(c::STUCK_TIME),
+            still: clock.samples(c::STILL_TIME),
+            excite,
+            limit: count("supervision.time_limit", settings.time_limit)?,
+        })
+    }
+
+    fn screening(&self) -> Result<ScreeningDesign, Error> {
+        let settings = &self.supervision;
+        let max_gain = settings
+            .max_gain
+            .unwrap_or(c::GAIN_MAX_RATIO * self.travel.length());
+        let (std, adapting) = (
+            settings.max_relative_std,
+            settings.max_relative_std_adapting,
+        );
+        Error::unless_positive("supervision.frequency_factor", settings.frequency_factor)?;
+        Error::unless_positive("supervision.max_gain", max_gain)?;
+        Error::unless_positive("supervision.max_relative_std", std)?;
+        Error::unless_positive("supervision.max_relative_std_adapting", adapting)?;
+        Ok(ScreeningDesign {
+            frequency_squared: self.bandwidth * self.bandwidth,
+            factor_squared: settings.frequency_factor * settings.frequency_factor,
+            max_gain,
+            max_variance: std * std,
+            max_variance_adapting: adapting * adapting,
+        })
+    }
+
+    /// An observer of the motion alone: what remains is the error of the model.
+    fn validation_observer(&self, clock: Clock) -> ObserverDesign {
+        let rate = c::VALIDATION_OBSERVER_RATIO * self.bandwidth;
+        ObserverDesign {
+            rate,
+            sample_time: self.sample_time,
+            disturbed: false,
+            disturbance_leak: c::DISTURBANCE_LEAK_RATIO * rate * self.sample_time,
+            stiction_velocity: 0.0,
+            friction: self.friction(clock, f32::INFINITY),
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! What one sample of the loop did.
+
+use crate::servo::motion::Setpoint;
+use crate::servo::supervision::state::State;
+
+/// What one sample of the loop did.
+#[must_use]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub struct Report {
+    /// State of the supervisor after the sample.
+    pub state: State,
+    /// Measured position; where the axis should be when the sensor failed.
+    pub position: f32,
+    /// The reference; the position outside of control.
+    pub setpoint: Setpoint,
+    /// The command that was set.
+    pub command: f32,
+    /// Innovation of the identifier, if there was one.
+    pub innovation: Option<f32>,
+    /// Whether a model reached the controller in this sample.
+    pub retuned: bool,
+}

@@ -1,0 +1,148 @@
+//! What the loop does with the decisions of the supervisor, and its parts to look at.
+
+use crate::Outcome;
+use crate::hardware::{PositionSensor, Valve};
+use crate::servo::control::controller::Controller;
+use crate::servo::design::constants::{CHANGED_STD, REOPENED_STD};
+use crate::servo::identification::{LoopIdentifier, candidate, reopen};
+use crate::servo::motion::{Motion, Setpoint};
+use crate::servo::servo_loop::ServoLoop;
+use crate::servo::supervision::event::{Event, Observation};
+use crate::servo::supervision::screening::Candidate;
+use crate::servo::supervision::state::{Reason, State};
+use crate::servo::supervision::supervisor::Supervisor;
+
+impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
+    /// Everything between the identifier and the controller; whether a model reached the controller.
+    pub(crate) fn supervise(
+        &mut self,
+        setpoint: &Setpoint,
+        y: f32,
+        command: f32,
+        same_code: bool,
+        outcome: Outcome,
+    ) -> bool {
+        let state = self.supervisor.state();
+        let motion = self.motion();
+        let seen = Observation {
+            motion,
+            y,
+            u: command,
+            same_code,
+            sticks: state.is_controlling() && self.controller.observer().sticks(),
+            error: setpoint.position - motion.position,
+            innovation: outcome.innovation(),
+        };
+        let mut event = if state.is_commissioning() && self.excitation.runs_away(y) {
+            let reason = self.runaway_reason();
+            self.supervisor.give_up(reason)
+        } else {
+            self.supervisor.update(&seen)
+        };
+        let learns = self.adaptive || self.supervisor.state().is_commissioning();
+        if learns && event == Event::None && self.supervisor.wants_candidate() {
+            let candidate = self.candidate();
+            event = self.supervisor.submit(&candidate, &seen);
+        }
+        self.identifier.adapt(self.learns());
+        self.follow(event, state)
+    }
+
+    /// Whether the identifier learns from this sample.
+    fn learns(&self) -> bool {
+        let state = self.supervisor.state();
+        state.is_commissioning()
+            || (self.adaptive
+                && state == State::Adapting
+                && self.monitor.is_exciting()
+                && self.slides())
+    }
+
+    /// Whether the axis slides, and has slid for a while: a start shows more of friction than of the model.
+    fn slides(&self) -> bool {
+        let observer = self.controller.observer();
+        !observer.sticks() && observer.friction().since() > self.settled
+    }
+
+    /// Carries out what the supervisor decided; whether a model reached the controller.
+    fn follow(&mut self, event: Event, before: State) -> bool {
+        match event {
+            Event::None | Event::Stopped => false,
+            Event::Accepted(model) => {
+                self.controller.retune(model);
+                if before.is_commissioning() {
+                    reopen(&mut self.identifier, &model, REOPENED_STD);
+                    self.take_over(self.tracking.motion());
+                } else {
+                    self.identifier.trust();
+                }
+                true
+            }
+            Event::Restored(model) => {
+                reopen(&mut self.identifier, &model, REOPENED_STD);
+                self.controller.retune(model);
+                if before.is_commissioning() {
+                    self.take_over(self.tracking.motion());
+                }
+                true
+            }
+            Event::Changed => {
+                if self.adaptive
+                    && let Some(model) = self.supervisor.verified_model()
+                {
+                    reopen(&mut self.identifier, &model, CHANGED_STD);
+                }
+                false
+            }
+        }
+    }
+
+    /// The controller takes the axis over in motion and lets it run out.
+    pub(crate) fn take_over(&mut self, motion: Motion) {
+        self.controller.place(motion);
+        self.trajectory.run_out(motion, self.run_out_rate);
+    }
+
+    /// Why the axis left its band.
+    fn runaway_reason(&self) -> Reason {
+        let candidate = self.candidate();
+        if self.supervisor.commissioning().is_one_way() || !candidate.has_certain_sign() {
+            Reason::ValveStuck
+        } else if candidate.model.b0 < 0.0 {
+            Reason::WrongSign
+        } else {
+            Reason::TravelEnd
+        }
+    }
+
+    /// The present estimate; in control with the valve and the friction of the controller.
+    fn candidate(&self) -> Candidate {
+        let controlling = self.supervisor.state().is_controlling();
+        candidate(&self.identifier, controlling.then_some(&self.controller))
+    }
+
+    /// The supervisor, for its state, its reasons and the fit of models.
+    pub const fn supervisor(&self) -> &Supervisor {
+        &self.supervisor
+    }
+
+    /// The identifier, for its estimate.
+    pub const fn identifier(&self) -> &LoopIdentifier {
+        &self.identifier
+    }
+
+    /// The controller, for its model and what it observes.
+    pub const fn controller(&self) -> &Controller {
+        &self.controller
+    }
+
+    /// The sensor, e.g. of a simulation.
+    pub const fn sensor_mut(&mut self) -> &mut S {
+        &mut self.sensor
+    }
+
+    /// The valve, e.g. of a simulation.
+    pub const fn valve_mut(&mut self) -> &mut V {
+        &mut self.valve
+    }
+}

@@ -1,0 +1,38 @@
+//! What goes into the supervisor and what comes out.
+
+use crate::servo::model::Model;
+use crate::servo::motion::Motion;
+
+/// What the supervisor sees of one sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Observation {
+    /// The motion as far as it is known.
+    pub(crate) motion: Motion,
+    /// Measured position.
+    pub(crate) y: f32,
+    /// The command that was set, in force from now on.
+    pub(crate) u: f32,
+    /// Whether the position code is the same as in the sample before.
+    pub(crate) same_code: bool,
+    /// Whether the axis sticks: then a model has nothing to show.
+    pub(crate) sticks: bool,
+    /// Reference minus observed position; 0 without control.
+    pub(crate) error: f32,
+    /// Innovation of the identifier, if there was one.
+    pub(crate) innovation: Option<f32>,
+}
+
+/// What the loop has to do after a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Event {
+    /// Nothing.
+    None,
+    /// A model passed: the controller takes it.
+    Accepted(Model),
+    /// The estimate is rejected: the identifier begins again from this model, which stays in force.
+    Restored(Model),
+    /// The drive changed: the memory of the identifier is opened.
+    Changed,
+    /// The axis is to be stopped.
+    Stopped,
+}
