@@ -23,6 +23,17 @@ pub struct Options {
     pub seed: u64,
 }
 
+impl Options {
+    /// The pneumatic axis with gains that follow the model.
+    pub const fn adaptive(seed: u64) -> Self {
+        Self {
+            fixed: false,
+            linear: false,
+            seed,
+        }
+    }
+}
+
 /// Sees every sample of a run.
 pub type Watcher<'a> = &'a mut dyn FnMut(&Instant, &Rig);
 

@@ -1,4 +1,4 @@
-//! Claims over hundreds of records: accuracy, calibration of the reported deviations, comparison with other estimators.
+//! Claims over hundreds of runs: accuracy, calibration of the reported deviations, comparison with other estimators.
 //!
 //! Ignored in `cargo test`, which lists them as such. All of them, with what they print:
 //!
@@ -10,5 +10,6 @@ mod bound_ratio;
 mod calibration;
 mod comparison;
 mod drift_bound;
+mod position_loop;
 mod sampling;
 mod table1;
