@@ -36,7 +36,7 @@ const ORDERS: [(&str, &[&str]); 2] = [
 /// Rooms that only these may use, beside the crate root.
 const RESERVED: [(&str, &str, &[&str]); 1] = [("src", "hardware", &["servo"])];
 
-/// Packages and programs; in those that contain others, each folder with a `main.rs` is one.
+/// Packages and programs; in those that contain others, each folder with a `main.rs` or `lib.rs` is one.
 const PACKAGES: [&str; 8] = [
     "src",
     "identify/src",
@@ -303,9 +303,10 @@ fn packages() -> Vec<(String, Vec<(String, String)>)> {
     let mut found = Vec::new();
     for package in PACKAGES {
         let files = sources(&root.join(package));
-        let programs = files
-            .iter()
-            .filter_map(|(file, _)| file.strip_suffix("/main.rs"));
+        let programs = files.iter().filter_map(|(file, _)| {
+            file.strip_suffix("/main.rs")
+                .or(file.strip_suffix("/lib.rs"))
+        });
         for program in programs {
             let own = files.iter().filter_map(|(file, text)| {
                 let file = file.strip_prefix(program)?.strip_prefix('/')?;

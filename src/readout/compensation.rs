@@ -5,7 +5,7 @@
 
 use crate::math::matrix::{Matrix, product, product_transposed};
 use crate::math::sqrt;
-use crate::readout::ReadOut;
+use crate::readout::source::ReadOut;
 
 /// The third difference counts as noise while it does not exceed what the residual allows by this factor.
 const PLAUSIBLE: f32 = 1.3;

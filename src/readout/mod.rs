@@ -25,14 +25,12 @@ mod residual_spectrum;
 pub(crate) mod s_plane;
 mod sandwich;
 mod significance;
+mod source;
 
 pub use estimate::Estimate;
 pub(crate) use residual_spectrum::in_band;
+pub(crate) use source::ReadOut;
 
-use crate::estimation::noise_level::NoiseLevel;
-use crate::estimation::regressor::Regressor;
-use crate::estimation::rls::Estimator;
-use crate::estimation::structure::Structure;
 use crate::estimation::terms::Parameter;
 use crate::math::matrix::Matrix;
 use crate::readout::compensation::{Compensated, compensate};
@@ -40,7 +38,6 @@ use crate::readout::residual_spectrum::{ResidualSpectrum, natural_frequency};
 use crate::readout::s_plane::{continuous, estimate_in_s_plane};
 use crate::readout::sandwich::{sandwich, transform};
 use crate::readout::significance::Withdrawal;
-use crate::trends::Design;
 
 /// What trends in place of derivatives cost, relative to a parameter, in units of `(omega_n Delta)^2`.
 ///
@@ -51,35 +48,7 @@ const DISCRETE: f32 = 0.2;
 /// What f32 costs, relative to a parameter.
 const ARITHMETIC: f32 = 2e-5;
 
-/// The recursion and what it was planned with, to be read.
-pub(crate) struct ReadOut<'a, const M: usize, const N: usize, const I: usize> {
-    pub(crate) structure: &'a Structure<M, N, I>,
-    pub(crate) design: &'a Design<M>,
-    pub(crate) regressor: &'a Regressor<M, N>,
-    /// Rough bandwidth in rad/s.
-    pub(crate) bandwidth: f32,
-    /// Standard deviation of psi before there is a residual.
-    pub(crate) prior_noise: f32,
-    /// Standard deviations below which a constant is withdrawn.
-    pub(crate) significance: f32,
-    pub(crate) estimator: &'a Estimator<N>,
-    /// White noise of y by its third difference.
-    pub(crate) noise: &'a NoiseLevel,
-}
-
 impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
-    /// Variance of the innovation of psi, the prior one until there are more samples than parameters.
-    fn residual(&self) -> f32 {
-        self.estimator
-            .noise_variance()
-            .unwrap_or(self.prior_noise * self.prior_noise)
-    }
-
-    /// P, normalised.
-    fn covariance(&self) -> Matrix<N> {
-        core::array::from_fn(|i| core::array::from_fn(|j| self.estimator.covariance(i, j)))
-    }
-
     /// The estimate without its noise bias, an insignificant constant withdrawn from theta.
     fn compensated(&self, p: &Matrix<N>) -> (Compensated<N>, Option<Withdrawal<N>>) {
         let mut found = compensate(self, p);

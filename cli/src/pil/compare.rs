@@ -9,7 +9,7 @@ use trendid_link::{
     Counters, Exchange, ExchangeError, FIELDS, Reply, Request as Asked, Sample, Setup,
 };
 
-use super::PilArgs;
+use super::args::PilArgs;
 use super::line::Disturbed;
 use crate::output;
 

@@ -1,11 +1,11 @@
 //! `trendid pil`: the adaptive position loop on a processor, emulated or real, against the simulated axis, bit for bit.
 
+mod args;
 mod compare;
 mod line;
 #[cfg(test)]
 mod tests;
 
-use std::path::PathBuf;
 use std::time::Duration;
 
 use serde_json::{Value, json};
@@ -16,56 +16,10 @@ use trendid_link::Counters;
 
 use crate::output::{self, Refusal};
 
+pub use args::PilArgs;
+
 use compare::Target;
 use line::{Disturbed, Line};
-
-#[derive(clap::Args)]
-#[command(after_help = "Examples:
-  cargo xtask pil                      builds the image and runs it in the emulator
-  trendid pil --scenario mass
-  trendid pil --samples 2000 --faults 20 --failures 300
-  trendid pil --port /dev/ttyUSB0      a board with the image (not tried on hardware)
-
-The scenarios are those of `trendid demo`. The axis is simulated here and has the command of the target; the loop
-runs on the target and once more here, and after every sample all that both computed must be the same bits.")]
-pub struct PilArgs {
-    /// What happens to the axis, see `trendid demo`
-    #[arg(
-        long,
-        value_name = "NAME",
-        default_value = "nominal",
-        hide_possible_values = true,
-        value_parser = Scenario::ALL.map(Scenario::name)
-    )]
-    scenario: String,
-    /// The gains stay as the commissioning found them
-    #[arg(long)]
-    fixed: bool,
-    /// Image for the emulator, built by `cargo xtask pil`
-    #[arg(
-        long,
-        default_value = "target/thumbv7em-none-eabihf/firmware/examples/pil"
-    )]
-    image: PathBuf,
-    /// Serial port of a board that runs the image, instead of the emulator
-    #[arg(long, conflicts_with = "image")]
-    port: Option<String>,
-    /// Ends the run after so many samples of 1 ms; without, the whole scenario runs
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    samples: Option<u32>,
-    /// Disturbs one frame in N in each direction: a wrong bit, a lost byte, a lost frame, a frame that comes twice
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    faults: Option<u32>,
-    /// Every Nth reading of the sensor fails
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
-    failures: Option<u32>,
-    /// Seed of the axis and of the faults
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Prints the result as JSON
-    #[arg(long)]
-    json: bool,
-}
 
 /// Runs the scenario with the loop on the target and compares every number with the same loop here.
 ///

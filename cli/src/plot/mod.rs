@@ -1,13 +1,14 @@
 //! Pictures as SVG.
 
+mod canvas;
 mod lines;
 mod panel;
 
 use std::path::{Path, PathBuf};
 
-use plotters::coord::Shift;
 use plotters::prelude::*;
 
+pub use canvas::{Area, Drawn, font, px};
 pub use panel::{Curve, Panel};
 
 /// Colours that stay apart for colour-blind eyes and in grey (Okabe and Ito).
@@ -35,26 +36,6 @@ pub struct Figure {
 /// Width and height of the picture in pixels.
 const WIDTH: u32 = 1000;
 const PANEL_HEIGHT: u32 = 330;
-
-/// Everything is drawn this much larger, because coordinates are whole pixels; the header of the file
-/// scales it down.
-const SCALE: u32 = 3;
-
-/// A length in pixels of the finished picture.
-pub fn px(length: u32) -> u32 {
-    length * SCALE
-}
-
-/// The font at a size in pixels of the finished picture.
-pub fn font(size: u32) -> (&'static str, u32) {
-    ("sans-serif", px(size))
-}
-
-/// Where is drawn.
-pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-
-/// What drawing gives.
-pub type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 
 /// What can be drawn, lengths by [`px`].
 pub trait Drawing {

@@ -5,8 +5,8 @@ use std::ops::Range;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
+use super::canvas::{Area, Drawn, font, px};
 use super::lines::{envelope, extent, inside, outline, tick};
-use super::{Area, Drawn, font, px};
 
 /// One line with an optional band around it.
 pub struct Curve {

@@ -1,0 +1,38 @@
+//! What is read out: the recursion and what it was planned with.
+
+use crate::estimation::noise_level::NoiseLevel;
+use crate::estimation::regressor::Regressor;
+use crate::estimation::rls::Estimator;
+use crate::estimation::structure::Structure;
+use crate::math::matrix::Matrix;
+use crate::trends::Design;
+
+/// The recursion and what it was planned with, to be read.
+pub(crate) struct ReadOut<'a, const M: usize, const N: usize, const I: usize> {
+    pub(crate) structure: &'a Structure<M, N, I>,
+    pub(crate) design: &'a Design<M>,
+    pub(crate) regressor: &'a Regressor<M, N>,
+    /// Rough bandwidth in rad/s.
+    pub(crate) bandwidth: f32,
+    /// Standard deviation of psi before there is a residual.
+    pub(crate) prior_noise: f32,
+    /// Standard deviations below which a constant is withdrawn.
+    pub(crate) significance: f32,
+    pub(crate) estimator: &'a Estimator<N>,
+    /// White noise of y by its third difference.
+    pub(crate) noise: &'a NoiseLevel,
+}
+
+impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
+    /// Variance of the innovation of psi, the prior one until there are more samples than parameters.
+    pub(super) fn residual(&self) -> f32 {
+        self.estimator
+            .noise_variance()
+            .unwrap_or(self.prior_noise * self.prior_noise)
+    }
+
+    /// P, normalised.
+    pub(super) fn covariance(&self) -> Matrix<N> {
+        core::array::from_fn(|i| core::array::from_fn(|j| self.estimator.covariance(i, j)))
+    }
+}
