@@ -42,7 +42,7 @@ fn run<
     let mut hash = Hash::new();
     for (k, (u, y)) in record::samples().enumerate() {
         if k == BAD {
-            let before = identifier;
+            let before = identifier.clone();
             let refused = matches!(
                 identifier.update_inputs(inputs(u), f32::NAN),
                 Outcome::Refused(_)
@@ -59,6 +59,7 @@ fn run<
             Outcome::Refused(_) => -1.0,
             Outcome::Held { innovation } => innovation + 1.0,
             Outcome::Estimated { innovation } => innovation,
+            _ => -2.0,
         });
         hash.take(identifier.prediction());
         for number in identifier.theta() {

@@ -72,6 +72,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(clippy::disallowed_types)]
+#![warn(unreachable_pub)]
 
 pub mod error;
 pub mod estimation;

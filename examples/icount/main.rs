@@ -178,8 +178,8 @@ fn now_and_then(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
         let _ = row_exact(&mut exact, u, y);
     }
     rows! { meter;
-        "estimate, per call", 5, *row_estimate, default, calls();
-        "deviations, per call", 5, *row_std, default, calls();
+        "estimate, per call", 5, *row_estimate, default.clone(), calls();
+        "deviations, per call", 5, *row_std, default.clone(), calls();
         "exact estimate, per call", 5, *row_exact_estimate, exact, calls();
     }
     let behind =

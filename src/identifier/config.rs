@@ -13,7 +13,8 @@ use crate::trends::Hold;
 /// let mut config = Config::new(Structure::<3, 3, 1>::INTEGRATING, 20.0, [1.0], 50.0);
 /// config.memory = Some(2.0); // follow changes within seconds
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Config<const M: usize, const N: usize, const I: usize> {
     /// Which parameters the model has.
     pub structure: Structure<M, N, I>,

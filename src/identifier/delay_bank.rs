@@ -103,7 +103,7 @@ impl<
     /// [`ConfigError::NoInput`] where there is no such input.
     pub fn try_new(config: &Config<M, N, I>, trends: T, input: usize) -> Result<Self, ConfigError> {
         Self::from_candidates(|delay| {
-            let mut config = *config;
+            let mut config = config.clone();
             *config.delays.get_mut(input).ok_or(ConfigError::NoInput)? = delay;
             Identifier::try_new(&config, trends)
         })

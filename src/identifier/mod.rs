@@ -67,7 +67,7 @@ const INFLATION: f32 = 5.0;
 /// assert!((model.b[0][0] - 50.0).abs() < 0.05);
 /// # Ok::<(), trendid::ConfigError>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Identifier<
     T: TrendOperator<M>,
     const M: usize,
@@ -102,7 +102,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// Back to the identifier as constructed, in every field: the filter, prior, estimate and signals, and it adapts.
     pub fn reset(&mut self) {
-        self.plan = self.plan.restored();
+        self.plan.restore();
         self.state = State::new(&self.plan);
     }
 
@@ -146,7 +146,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             *value /= unit;
         }
         let same_filter = plan.same_filter(&trends);
-        self.plan = plan.retuned(trends);
+        self.plan.retune(trends);
         let state = &mut self.state;
         state.estimator.resume(theta, scale);
         if same_filter {

@@ -3,6 +3,7 @@
 /// Why a sample was refused; the state is bit for bit what it was before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Refusal {
     /// This input is not finite, or more than 10^6 times its range.
     Input(usize),
@@ -14,6 +15,7 @@ pub enum Refusal {
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Outcome {
     /// The trends settle; so many samples to go.
     WarmingUp {

@@ -24,7 +24,7 @@ const PRIOR: f32 = 10.0;
 const OFFSET: f32 = 0.03;
 
 /// Mean and standard deviation of the parameters before the first sample, normalised.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Prior<const N: usize> {
     pub(crate) theta: [f32; N],
     /// Relative to the noise of psi.
@@ -32,7 +32,7 @@ pub(crate) struct Prior<const N: usize> {
 }
 
 /// What every sample needs and no sample changes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> {
     /// The trends in use.
     pub(crate) trends: T,
@@ -175,26 +175,22 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
         new.filter.is_some() && new.filter == old.filter && new.feedthrough == old.feedthrough
     }
 
-    /// The same plan with other trends; those of the construction are kept.
-    pub(crate) fn retuned(mut self, trends: T) -> Self {
+    /// Goes on with other trends; those of the construction are kept.
+    pub(crate) fn retune(&mut self, trends: T) {
         self.configured = Some(self.configured.unwrap_or(self.trends));
-        self.with_trends(trends)
+        self.set_trends(trends);
     }
 
-    /// The plan as constructed.
-    pub(crate) fn restored(mut self) -> Self {
-        match self.configured.take() {
-            Some(trends) => self.with_trends(trends),
-            None => self,
+    /// Back to the plan as constructed.
+    pub(crate) fn restore(&mut self) {
+        if let Some(trends) = self.configured.take() {
+            self.set_trends(trends);
         }
     }
 
-    fn with_trends(mut self, trends: T) -> Self {
-        if !self.same_filter(&trends) {
-            self.regressor.set_feedthrough(&trends.design().feedthrough);
-        }
+    fn set_trends(&mut self, trends: T) {
+        self.regressor.set_feedthrough(&trends.design().feedthrough);
         self.trends = trends;
-        self
     }
 }
 

@@ -9,7 +9,7 @@ use crate::trends::delay_line::{DelayLine, acceptable};
 use crate::trends::{Hold, Memory, TrendOperator, Trends};
 
 /// What has to be remembered of the signals; begun anew after a gap in the samples.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 struct Signals<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> {
     output: T::Memory,
     inputs: [T::Memory; I],
@@ -43,7 +43,7 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
 }
 
 /// Everything that a sample changes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct State<
     T: TrendOperator<M>,
     const M: usize,

@@ -32,6 +32,7 @@ use crate::model::transfer_function::TransferFunction;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Physical<const M: usize> {
     /// Static gain, or velocity gain C behind one integrator.
     pub gain: Option<f32>,

@@ -128,11 +128,9 @@ pub fn dead_zone(seed: u64) -> Pair {
 pub fn bounded(seed: u64) -> Pair {
     let default = Config::new(Structure::<3, 5, 1>::SERVO, BANDWIDTH, [0.4], 50.0);
     [0.0, default.pull].map(|pull| {
-        let config = Config {
-            memory: Some(0.2),
-            pull,
-            ..default
-        };
+        let mut config = default.clone();
+        config.memory = Some(0.2);
+        config.pull = pull;
         let mut identifier: Identifier<_, 3, 5> =
             Identifier::try_new(&config, trends(BANDWIDTH)).expect("a servo");
         let mut noise = Additive::new(&Condition::white(30.0), seed);
@@ -166,7 +164,7 @@ pub fn retuned(seed: u64) -> Pair {
     let config = Config::new(Structure::<3, 5, 1>::SERVO, rough, [1.0], 50.0);
     let mut fixed: Identifier<_, 3, 5> =
         Identifier::try_new(&config, trends(rough)).expect("a servo");
-    let mut tuned = fixed;
+    let mut tuned = fixed.clone();
     for (k, s) in record.samples().enumerate() {
         let _ = fixed.update(s.u as f32, s.y as f32);
         let _ = tuned.update(s.u as f32, s.y as f32);

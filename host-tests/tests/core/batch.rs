@@ -98,7 +98,7 @@ fn gap<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
         constant: model.constant(),
     };
     let first = structure.first_full();
-    let mut config = *config;
+    let mut config = config.clone();
     // The same rows as the batch.
     config.settling = (first as f32 + 0.5) * DT;
     config.pull = 0.0;
@@ -148,10 +148,8 @@ fn both<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
     limit: f64,
 ) {
     let all = gap(&config, trends, scheme, u, y);
-    let forgetting = Config {
-        memory: Some(0.4),
-        ..config
-    };
+    let mut forgetting = config;
+    forgetting.memory = Some(0.4);
     let recent = gap(&forgetting, trends, scheme, u, y);
     println!("{name}: no forgetting {all:.1e}, memory 0.4 s {recent:.1e}, limit {limit:.0e}");
     assert!(all < limit && recent < limit, "{name}: {all} {recent}");
@@ -172,7 +170,7 @@ fn servo_with_and_without_constant_and_start() {
         let plain = Config::new(Structure::<3, 3, 1>::INTEGRATING, 20.0, [1.0], 50.0);
         both(
             &format!("servo, {scheme:?}"),
-            plain,
+            plain.clone(),
             f,
             scheme,
             &servo,
@@ -297,7 +295,7 @@ fn two_genuine_inputs_with_their_own_numerators_and_delays() {
     for scheme in [Scheme::Tustin, Scheme::Goodwin] {
         both(
             &format!("MISO, {scheme:?}"),
-            config,
+            config.clone(),
             filter::<2>(scheme, 25.0),
             scheme,
             &data,
@@ -340,7 +338,7 @@ fn first_order_hold_and_raw_trends() {
     config.holds = [trendid::trends::Hold::First];
     both(
         "first-order hold",
-        config,
+        config.clone(),
         filter::<2>(Scheme::Tustin, 25.0),
         Scheme::Tustin,
         &data,
@@ -349,7 +347,7 @@ fn first_order_hold_and_raw_trends() {
     let f = filter::<2>(Scheme::Goodwin, 25.0);
     both(
         "first-order hold, Goodwin",
-        config,
+        config.clone(),
         f,
         Scheme::Goodwin,
         &data,
@@ -360,7 +358,7 @@ fn first_order_hold_and_raw_trends() {
         config.holds = [trendid::trends::Hold::Zero];
         both(
             &format!("raw, {scheme:?}"),
-            config,
+            config.clone(),
             raw,
             scheme,
             &data,

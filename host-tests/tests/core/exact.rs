@@ -212,10 +212,8 @@ fn retuning_takes_the_model_over() {
         let record: Vec<_> = (0..3)
             .flat_map(|_| record(case, Hold::Zero, seed))
             .collect();
-        let config = Config {
-            memory: Some(0.5),
-            ..config(case, Hold::Zero)
-        };
+        let mut config = config(case, Hold::Zero);
+        config.memory = Some(0.5);
         let mut identifier: Identifier<_, 2, 3> = Identifier::try_new(&config, exact).unwrap();
         for (k, (u, y)) in record.iter().enumerate() {
             let _ = identifier.update(*u, *y);

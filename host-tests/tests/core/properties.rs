@@ -89,7 +89,7 @@ proptest! {
     #[test]
     fn a_shift_of_the_origin_changes_nothing(record in record()) {
         let mut plain = servo(None, (1.0, 1.0));
-        let mut shifted = plain;
+        let mut shifted = plain.clone();
         run(&mut plain, &record);
         let moved: Vec<_> = record.iter().map(|(u, y)| (*u, y + 64.0)).collect();
         run(&mut shifted, &moved);
@@ -156,7 +156,7 @@ proptest! {
 #[test]
 fn reset_and_warm_start() {
     let fresh = servo(Some(0.5), (1.0, 1.0));
-    let mut identifier = fresh;
+    let mut identifier = fresh.clone();
     for k in 0..500 {
         let _ = identifier.update(if k % 80 < 40 { 1.0 } else { -1.0 }, 0.01 * k as f32);
     }
@@ -168,7 +168,7 @@ fn reset_and_warm_start() {
         .unwrap();
     assert!(close(&identifier.theta(), &[400.0, 20.0, 1e6], 1e-6));
     assert!(close(&identifier.estimate().std(), &[40.0, 2.0, 1e5], 1e-5));
-    let kept = identifier;
+    let kept = identifier.clone();
     let refused = identifier.warm_start([400.0, f32::NAN, 1e6], [1.0; 3]);
     assert!(matches!(
         refused,

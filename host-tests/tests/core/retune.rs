@@ -23,7 +23,7 @@ fn a_wrong_bandwidth_is_mended_by_retuning() {
             let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, rough).unwrap();
             let config = Config::new(Structure::<3, 5, 1>::SERVO, rough, [1.0], 50.0);
             let mut plain: Identifier<_, 3, 5> = Identifier::try_new(&config, trends).unwrap();
-            let mut other = plain;
+            let mut other = plain.clone();
             let mut retuned = false;
             for (k, s) in record.samples().enumerate() {
                 let _ = plain.update(s.u as f32, s.y as f32);

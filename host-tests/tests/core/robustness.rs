@@ -71,7 +71,7 @@ fn survive<
     for act in acts {
         match *act {
             Act::Sample(u, y) => {
-                let before = identifier;
+                let before = identifier.clone();
                 let outcome = identifier.update_inputs([u; I], y);
                 if let Outcome::Refused(_) = outcome {
                     prop_assert_eq!(format!("{before:?}"), format!("{identifier:?}"));
