@@ -1,6 +1,7 @@
 //! Command line of trendid.
 #![allow(missing_docs)] // a program: its documentation is `--help`
 
+mod endurance;
 mod format;
 mod identify;
 mod options;
@@ -39,6 +40,8 @@ enum Command {
     Paper(paper::PaperArgs),
     /// What each option of the core costs in instructions, beside what it gains in accuracy
     Options(options::OptionsArgs),
+    /// Whether the estimate stays true over hours: every motion with every memory, other ways to forget beside
+    Endurance(endurance::EnduranceArgs),
     /// The adaptive position loop in every scenario, with fixed gains beside
     Loop(servo::position_loop::LoopArgs),
     /// A scenario of the demonstration with the loop on an emulated or real processor, bit for bit as on the host
@@ -61,6 +64,7 @@ fn main() -> ExitCode {
         Command::Select(args) => identify::select::run(args),
         Command::Paper(args) => paper::run(args),
         Command::Options(args) => options::run(args),
+        Command::Endurance(args) => endurance::run_all(args),
         Command::Loop(args) => servo::position_loop::run(args),
         Command::Pil(args) => pil::run(args),
     };

@@ -12,7 +12,7 @@ mod position_loop;
 use meter::Meter;
 use position_loop::{Servo, Still, motion, servo};
 use trendid::Outcome;
-use trendid::estimation::Estimator;
+use trendid::estimation::{Estimator, StabilisedForgetting};
 use trendid::servo::Report;
 use trendid::trends::{FilteredTrends, Scheme};
 use trendid_example_support::drive::SimulatedValve;
@@ -66,24 +66,24 @@ functions! {
     row_bare_4(Estimator<4>, &[f32; 4]) -> f32, |state, phi, psi| state.update(phi, psi);
     row_bare_5(Estimator<5>, &[f32; 5]) -> f32, |state, phi, psi| state.update(phi, psi);
     row_bare_6(Estimator<6>, &[f32; 6]) -> f32, |state, phi, psi| state.update(phi, psi);
-    row_pulled_3(Pulled<3>, &[f32; 3]) -> f32, |state, phi, psi| state.update(phi, psi);
-    row_pulled_4(Pulled<4>, &[f32; 4]) -> f32, |state, phi, psi| state.update(phi, psi);
-    row_pulled_5(Pulled<5>, &[f32; 5]) -> f32, |state, phi, psi| state.update(phi, psi);
+    row_bounded_3(Bounded<3>, &[f32; 3]) -> f32, |state, phi, psi| state.update(phi, psi);
+    row_bounded_4(Bounded<4>, &[f32; 4]) -> f32, |state, phi, psi| state.update(phi, psi);
+    row_bounded_5(Bounded<5>, &[f32; 5]) -> f32, |state, phi, psi| state.update(phi, psi);
+    row_bounded_6(Bounded<6>, &[f32; 6]) -> f32, |state, phi, psi| state.update(phi, psi);
 }
 
-/// The bare estimator with its covariance bounded at rest, one parameter per sample in turn.
+/// The bare estimator with its covariance bounded.
 #[derive(Clone, Copy)]
-struct Pulled<const N: usize> {
+struct Bounded<const N: usize> {
     estimator: Estimator<N>,
-    turn: usize,
+    forgetting: StabilisedForgetting<N>,
 }
 
-impl<const N: usize> Pulled<N> {
+impl<const N: usize> Bounded<N> {
     #[inline(always)]
     fn update(&mut self, phi: &[f32; N], psi: f32) -> f32 {
         let innovation = self.estimator.update(phi, psi);
-        self.turn = if self.turn + 1 < N { self.turn + 1 } else { 0 };
-        self.estimator.relax(self.turn, 0.0, 1e4, 1e-7);
+        self.forgetting.apply(&mut self.estimator);
         innovation
     }
 }
@@ -161,9 +161,10 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
         "bare estimator", 4, &row_bare_4, bare(), rows_of_numbers();
         "bare estimator", 5, &row_bare_5, bare(), rows_of_numbers();
         "bare estimator", 6, &row_bare_6, bare(), rows_of_numbers();
-        "bare, bounded at rest", 3, &row_pulled_3, pulled(), rows_of_numbers();
-        "bare, bounded at rest", 4, &row_pulled_4, pulled(), rows_of_numbers();
-        "bare, bounded at rest", 5, &row_pulled_5, pulled(), rows_of_numbers();
+        "bare, bounded at rest", 3, &row_bounded_3, bounded(), rows_of_numbers();
+        "bare, bounded at rest", 4, &row_bounded_4, bounded(), rows_of_numbers();
+        "bare, bounded at rest", 5, &row_bounded_5, bounded(), rows_of_numbers();
+        "bare, bounded at rest", 6, &row_bounded_6, bounded(), rows_of_numbers();
     }
     Ok(())
 }
@@ -198,10 +199,10 @@ fn bare<const N: usize>() -> Estimator<N> {
     Estimator::new([0.0; N], [1000.0; N], 0.999)
 }
 
-fn pulled<const N: usize>() -> Pulled<N> {
-    Pulled {
+fn bounded<const N: usize>() -> Bounded<N> {
+    Bounded {
         estimator: bare(),
-        turn: 0,
+        forgetting: StabilisedForgetting::new([0.0; N], 0.999),
     }
 }
 

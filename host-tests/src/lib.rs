@@ -13,6 +13,7 @@
 //!
 //! A room uses only the rooms above it.
 
+pub mod endurance;
 pub mod oracles;
 pub mod paper;
 pub mod plants;

@@ -134,7 +134,6 @@ impl Setup {
         config.output_noise = self.output_noise;
         config.memory = self.memory;
         config.settling = self.settling;
-        config.pull = 0.0; // nothing is trusted before the record is read
         Ok(config)
     }
 }

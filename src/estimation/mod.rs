@@ -1,11 +1,14 @@
 //! Estimation: from trends to parameters by recursive least squares.
 
+pub(crate) mod forgetting;
+pub(crate) mod mean_square;
 pub(crate) mod noise_level;
 pub(crate) mod regressor;
 pub(crate) mod rls;
 pub(crate) mod structure;
 pub(crate) mod terms;
 
+pub use forgetting::StabilisedForgetting;
 pub use noise_level::NoiseLevel;
 pub use rls::Estimator;
 pub use structure::Structure;

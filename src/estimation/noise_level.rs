@@ -1,5 +1,10 @@
 //! The level of the white noise on y, from its third difference.
 
+use crate::estimation::mean_square::MeanSquare;
+
+/// Samples before anything is said of the level.
+const LEAST: f32 = 10.0;
+
 /// Variance of white measurement noise, blind to the movement of the drive.
 ///
 /// The third difference `y(k) - 3 y(k-1) + 3 y(k-2) - y(k-3)` of a movement below
@@ -19,8 +24,7 @@
 pub struct NoiseLevel {
     past: [f32; 3],
     forgetting: f32,
-    squares: f32,
-    samples: f32,
+    level: MeanSquare,
 }
 
 impl NoiseLevel {
@@ -29,8 +33,7 @@ impl NoiseLevel {
         Self {
             past: [0.0; 3],
             forgetting,
-            squares: 0.0,
-            samples: 0.0,
+            level: MeanSquare::new(forgetting),
         }
     }
 
@@ -40,8 +43,7 @@ impl NoiseLevel {
         let [y1, y2, y3] = self.past;
         self.past = [y, y1, y2];
         let third = (y - y3) - 3.0 * (y1 - y2);
-        self.squares = self.forgetting * self.squares + third * third;
-        self.samples = self.forgetting * self.samples + 1.0;
+        self.level.update(third * third);
     }
 
     /// As if y had stood at this value before the first sample.
@@ -51,7 +53,15 @@ impl NoiseLevel {
 
     /// Variance of the noise in the unit of y squared; `None` for fewer than ten samples.
     pub fn variance(&self) -> Option<f32> {
-        (self.samples >= 10.0).then(|| self.squares / (20.0 * self.samples))
+        let n = self.level.samples();
+        (n >= LEAST).then(|| self.level.squares() / (20.0 * n))
+    }
+
+    /// Whether the variance is known and not below `limit`; without a division.
+    #[inline(always)]
+    pub fn exceeds(&self, limit: f32) -> bool {
+        let n = self.level.samples();
+        n >= LEAST && self.level.squares() >= 20.0 * n * limit
     }
 
     /// Forgets the signal and the level.

@@ -1,5 +1,8 @@
 //! The estimator: recursive least squares on the factors U D U' of the covariance.
 
+use crate::estimation::mean_square::MeanSquare;
+use crate::estimation::mean_square::flush;
+
 /// Recursive least squares with exponential forgetting in U D U' form (Bierman).
 ///
 /// With the regressor phi, the left-hand side psi and the forgetting factor lambda:
@@ -13,7 +16,10 @@
 /// theta <- theta + k e / alpha_n              P = U D U'
 /// ```
 ///
-/// D stays positive by construction, in f32, which the textbook form of P does not.
+/// D stays positive by construction, in f32, which the textbook form of P does not. Theta
+/// is kept in two words: a correction below half the last digit of theta is carried over
+/// to the next sample, not lost. Under forgetting alone P grows without bound where
+/// nothing excites the parameters: see [`StabilisedForgetting`](crate::estimation::StabilisedForgetting).
 /// A parameter whose prior standard deviation is 0 is known: it never moves, and
 /// every other number is the same as if it were not in the model.
 ///
@@ -38,15 +44,21 @@
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimator<const N: usize> {
     theta: [f32; N],
+    /// What rounding left of each correction of theta.
+    low: [f32; N],
     /// `factor[j][i]` is U_ij for i < j; the diagonal of U is 1 and is not stored.
     factor: [[f32; N]; N],
     diagonal: [f32; N],
     forgetting: f32,
     inverse_forgetting: f32,
-    /// Weighted sum of squares of the innovations, and the weight of the samples in it.
-    squares: f32,
+    /// Weighted sum of squares of the innovations with the weight of the samples in it.
+    residual: MeanSquare,
+    /// Weight of the samples in P.
     samples: f32,
 }
+
+/// Entries of U and of theta's second word below this change no digit of any result.
+const NEGLIGIBLE: f32 = 1e-18;
 
 /// What travels from column to column while one row is folded in.
 struct Row<const N: usize> {
@@ -68,11 +80,12 @@ impl<const N: usize> Estimator<N> {
         }
         Self {
             theta,
+            low: [0.0; N],
             factor: [[0.0; N]; N],
             diagonal,
             forgetting,
             inverse_forgetting: 1.0 / forgetting,
-            squares: 0.0,
+            residual: MeanSquare::new(forgetting),
             samples: 0.0,
         }
     }
@@ -108,30 +121,83 @@ impl<const N: usize> Estimator<N> {
     /// symmetric-gain instrumental variable estimator.
     #[inline(always)]
     pub fn correct(&mut self, z: &[f32; N], innovation: f32) {
-        let (gain, alpha) = self.fold(z);
-        let step = innovation / alpha;
+        let mut f = *z;
         for j in 0..N {
-            self.theta[j] += gain[j] * step;
+            for i in 0..j {
+                f[j] += self.factor[j][i] * z[i];
+            }
         }
-        self.squares = self.forgetting * (self.squares + innovation * step);
+        let (gain, alpha) = self.fold(
+            &f,
+            self.forgetting,
+            self.inverse_forgetting,
+            self.inverse_forgetting,
+        );
+        let step = innovation / alpha;
+        self.step(&gain, step);
+        self.residual.update(self.forgetting * (innovation * step));
         self.samples = self.forgetting * self.samples + 1.0;
     }
 
-    /// Folds the row z into U and D with forgetting; gives the unnormalised gain k and alpha_n.
+    /// Lets one sample time pass without a row: forgets, and leaves theta and the noise level.
     #[inline(always)]
-    fn fold(&mut self, z: &[f32; N]) -> ([f32; N], f32) {
-        let growth = self.inverse_forgetting;
+    pub fn pass(&mut self) {
+        for d in &mut self.diagonal {
+            *d *= self.inverse_forgetting;
+        }
+        self.samples *= self.forgetting;
+    }
+
+    /// Takes `value` as an observation of parameter `index` alone, with `variance` relative to the noise of psi.
+    ///
+    /// Nothing is forgotten, and no sample counted. Nothing happens where P_ii is below
+    /// `least`, for an index that does not exist and for a known parameter. Gives P_ii before the step.
+    /// `variance` should be a power of two: then D and U of the parameters before this one keep their bits.
+    #[inline(always)]
+    pub fn observe_parameter(
+        &mut self,
+        index: usize,
+        value: f32,
+        variance: f32,
+        least: f32,
+    ) -> f32 {
+        // U' e_i: no test of an index in the loops that follow.
+        let mut f = [0.0; N];
+        let mut before = 0.0;
+        for j in 0..N {
+            let entry = self.factor[j].get(index).copied().unwrap_or(0.0);
+            f[j] = if j == index { 1.0 } else { entry };
+            before += f[j] * f[j] * self.diagonal[j];
+        }
+        if before > least {
+            let (gain, alpha) = self.fold(&f, variance, 1.0 / variance, 1.0);
+            let theta = self.theta.get(index).copied().unwrap_or(value);
+            self.step(&gain, (value - theta) / alpha);
+        }
+        before
+    }
+
+    /// theta <- theta + gain times `step`, in two words (Fast2Sum; Dekker 1971).
+    #[inline(always)]
+    fn step(&mut self, gain: &[f32; N], step: f32) {
+        for j in 0..N {
+            let change = gain[j] * step + self.low[j];
+            let sum = self.theta[j] + change;
+            self.low[j] = change - (sum - self.theta[j]);
+            self.theta[j] = sum;
+        }
+    }
+
+    /// Folds a row into U and D, given f = U' z and alpha_0; with its inverse; gives the unnormalised gain k and alpha_n.
+    #[inline(always)]
+    fn fold(&mut self, f: &[f32; N], alpha: f32, inverse: f32, growth: f32) -> ([f32; N], f32) {
         let mut row = Row {
             gain: [0.0; N],
-            alpha: self.forgetting,
-            inverse: growth,
+            alpha,
+            inverse,
         };
         for j in 0..N {
-            let mut f = z[j];
-            for i in 0..j {
-                f += self.factor[j][i] * z[i];
-            }
-            self.fold_column(&mut row, j, f, growth);
+            self.fold_column(&mut row, j, f[j], growth);
         }
         (row.gain, row.alpha)
     }
@@ -153,41 +219,21 @@ impl<const N: usize> Estimator<N> {
         row.gain[j] = v;
     }
 
-    /// Keeps the covariance of one parameter bounded while there is no excitation.
+    /// Sets what is too small to matter to zero, before it becomes subnormal: row `index` of U and of theta's second word.
     ///
-    /// D_index is stopped at `ceiling`, and theta_index falls back toward `trusted` by
-    /// the share `rate D_index / ceiling`: all of `rate` at rest, next to nothing in
-    /// motion, where D is thousands of times smaller. One parameter per sample in turn
-    /// is enough, because D grows by no more than 1/lambda per sample.
-    ///
-    /// Cost: 20 instructions.
+    /// One index per sample in turn is enough. Cost: 4 instructions for each parameter.
     #[inline(always)]
-    pub fn relax(&mut self, index: usize, trusted: f32, ceiling: f32, rate: f32) {
-        let (Some(d), Some(theta)) = (self.diagonal.get_mut(index), self.theta.get_mut(index))
-        else {
-            return;
-        };
-        if *d > ceiling {
-            *d = ceiling;
-        }
-        *theta += rate * *d * (trusted - *theta);
-    }
-
-    /// Loosens one parameter from those after it by the share with which [`Estimator::relax`] takes it back.
-    ///
-    /// At rest a constant is still measured; tied to it by what motion told, the others would follow its noise.
-    /// Cost: 5 instructions and 3 for each parameter after it.
-    #[inline(always)]
-    pub fn loosen(&mut self, index: usize, rate: f32) {
-        let Some(d) = self.diagonal.get(index) else {
-            return;
-        };
-        let keep = 1.0 - rate * *d;
-        for column in self.factor.iter_mut().skip(index + 1) {
+    pub fn flush(&mut self, index: usize) {
+        for column in &mut self.factor {
             if let Some(entry) = column.get_mut(index) {
-                *entry *= keep;
+                flush(entry, NEGLIGIBLE);
             }
         }
+        if let Some(low) = self.low.get_mut(index) {
+            flush(low, NEGLIGIBLE);
+        }
+        flush(&mut self.samples, NEGLIGIBLE);
+        self.residual.flush();
     }
 
     /// Makes the last parameter uncertain again: adds `variance` to P_nn and leaves all other entries of P.
@@ -264,12 +310,8 @@ impl<const N: usize> Estimator<N> {
     ///
     /// `None` until there are more samples than parameters.
     pub fn noise_variance(&self) -> Option<f32> {
-        let freedom = self.samples - N as f32;
-        if freedom > 0.0 {
-            Some(self.squares / freedom)
-        } else {
-            None
-        }
+        let freedom = self.residual.samples() - N as f32;
+        (freedom > 0.0).then(|| self.residual.squares() / freedom)
     }
 
     /// Number of samples in the memory: 1/(1-lambda) at most.
@@ -278,12 +320,20 @@ impl<const N: usize> Estimator<N> {
     }
 
     /// Goes on from `theta` with `scale` times the covariance, and counts samples and noise anew.
-    pub fn resume(&mut self, theta: [f32; N], scale: f32) {
+    ///
+    /// No D_j grows beyond the one in `limit`, or beyond itself where it is larger already.
+    pub fn resume(&mut self, theta: [f32; N], scale: f32, limit: &[f32; N]) {
         self.theta = theta;
-        for d in &mut self.diagonal {
-            *d *= scale;
+        self.low = [0.0; N];
+        for (d, limit) in self.diagonal.iter_mut().zip(limit) {
+            let scaled = *d * scale;
+            *d = if scaled < *limit || scale < 1.0 {
+                scaled
+            } else {
+                d.max(*limit)
+            };
         }
-        self.squares = 0.0;
+        self.residual = MeanSquare::new(self.forgetting);
         self.samples = 0.0;
     }
 }

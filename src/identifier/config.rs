@@ -34,6 +34,9 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     #[doc(alias = "rest")]
     pub initial_input: [f32; I],
     /// Memory of the estimator in s, `None` forgets nothing (default).
+    ///
+    /// Where nothing excites a parameter its covariance stops at a bound and the parameter at its nominal value
+    /// ([`Identifier::set_nominal`](crate::Identifier::set_nominal)); while the drive does not move, the estimate is held.
     pub memory: Option<f32>,
     /// Estimate at the start, in the order of theta and the user's units; default 0.
     pub initial: [f32; N],
@@ -42,10 +45,6 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     pub prior_std: Option<[f32; N]>,
     /// Time after the first sample, in s, in which trends settle and nothing is estimated; default 0.
     pub settling: f32,
-    /// With a memory: information that forgetting cannot take away, in samples of full excitation. At rest the
-    /// covariance stops at its inverse, and the estimate falls back to the trusted one ([`Identifier::trust`](crate::Identifier::trust))
-    /// within the memory. Default 5e-4: unseen in motion; 0 stops the covariance at 10^12 only.
-    pub pull: f32,
     /// Standard deviations below which a constant is insignificant and withdrawn from the reading, fading out at twice as
     /// many; default 2, 0 always keeps it.
     #[doc(alias = "doubt")]
@@ -73,7 +72,6 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
             initial: [0.0; N],
             prior_std: None,
             settling: 0.0,
-            pull: 5e-4,
             offset_significance: 2.0,
         }
     }
@@ -106,7 +104,6 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
             check_std(&std)?;
         }
         check_not_negative("settling", self.settling)?;
-        check_not_negative("pull", self.pull)?;
         check_not_negative("offset_significance", self.offset_significance)?;
         Ok(())
     }

@@ -148,7 +148,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let same_filter = plan.same_filter(&trends);
         self.plan.retune(trends);
         let state = &mut self.state;
-        state.estimator.resume(theta, scale);
+        let limit = self.plan.prior.std.map(|std| std * std);
+        state.estimator.resume(theta, scale, &limit);
         if same_filter {
             return Ok(());
         }
@@ -176,9 +177,12 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         Ok(())
     }
 
-    /// Makes the current estimate the one that a rest leads back to.
-    pub fn trust(&mut self) {
-        self.state.trust();
+    /// With a memory: makes the current estimate the nominal one, to which the estimate returns where nothing excites it.
+    ///
+    /// Without this call the nominal values follow the estimate while it is well known.
+    #[doc(alias = "trust")]
+    pub fn set_nominal(&mut self) {
+        self.state.set_nominal();
     }
 
     /// Lets the estimate move (`true`, the start) or holds it; predictions go on.

@@ -3,16 +3,17 @@
 //! A sample never changes it; only a change of the filter does, and a reset undoes that.
 
 use crate::error::ConfigError;
+use crate::estimation::noise_level::NoiseLevel;
 use crate::estimation::regressor::Regressor;
 use crate::estimation::structure::Structure;
 use crate::estimation::terms::Parameter;
 use crate::identifier::config::{Config, REACH, check_std};
 use crate::readout::s_plane::sampled;
 use crate::trends::delay_line::acceptable;
-use crate::trends::{Form, Hold, TrendOperator};
+use crate::trends::{Form, Hold, NoiseGain, TrendOperator};
 
-/// Covariance limit where the configuration asks for none, relative to the noise variance.
-const WIND_UP: f32 = 1e12;
+/// The drive moves where the trends of y exceed this many standard deviations of their noise.
+const MOVES: f32 = 5.0;
 
 /// Upper limit of the relative prior standard deviation; its square must fit f32.
 const UNKNOWN: f32 = 1e8;
@@ -54,9 +55,8 @@ pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, cons
     pub(crate) prior_noise: f32,
     pub(crate) bandwidth: f32,
     pub(crate) forgets: bool,
-    /// Where the factors D of the covariance stop, and the leakage per sample over this limit.
-    pub(crate) covariance_limit: f32,
-    pub(crate) leakage: f32,
+    /// 1 / variance of each entry of phi under white noise of variance 1 on y; 0 where there is none.
+    noise_weights: [f32; N],
     pub(crate) offset_significance: f32,
     /// Samples between the first one and the first estimate.
     pub(crate) warm_up: u32,
@@ -84,16 +84,12 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             Some(memory) => 1.0 - sample_time / memory,
             None => 1.0,
         };
-        let covariance_limit = if config.pull > 1.0 / WIND_UP {
-            1.0 / config.pull
-        } else {
-            WIND_UP
-        };
         let mut plan = Self {
             trends,
             configured: None,
             structure: config.structure,
             regressor,
+            noise_weights: noise_weights(&regressor, &design.noise_gain),
             output_form: match config.structure.integrators() {
                 0 => Form::Position,
                 _ => Form::Increment,
@@ -111,8 +107,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             prior_noise,
             bandwidth: config.bandwidth,
             forgets: config.memory.is_some(),
-            covariance_limit,
-            leakage: (1.0 - forgetting) * N as f32 / covariance_limit,
             offset_significance: config.offset_significance,
             warm_up: design.warm_up.max((config.settling / sample_time) as u32),
         };
@@ -169,6 +163,24 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
         })
     }
 
+    /// Whether the trends of y say more than noise: where they do not, a row tells nothing of the drive.
+    ///
+    /// ```text
+    /// moves  <=>  sum over the columns of y: phi_j^2 / M_jj > 25 sigma_y^2        sigma_y^2 = S / (20 n)
+    /// ```
+    ///
+    /// True as long as the noise is not known, and for trends without a known noise gain. Cost: 20 instructions.
+    #[inline(always)]
+    pub(crate) fn moves(&self, phi: &[f32; N], noise: &NoiseLevel) -> bool {
+        let mut power = 0.0;
+        let mut known = 0.0;
+        for (x, weight) in phi.iter().zip(&self.noise_weights) {
+            power += x * x * weight;
+            known += weight;
+        }
+        !noise.exceeds(power / (MOVES * MOVES)) || known == 0.0
+    }
+
     /// Whether `trends` differ from those in use in their numerators only: every signal then is already what it would be.
     pub(crate) fn same_filter(&self, trends: &T) -> bool {
         let (old, new) = (self.trends.design(), trends.design());
@@ -190,8 +202,21 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
 
     fn set_trends(&mut self, trends: T) {
         self.regressor.set_feedthrough(&trends.design().feedthrough);
+        self.noise_weights = noise_weights(&self.regressor, &trends.design().noise_gain);
         self.trends = trends;
     }
+}
+
+/// 1 / M_jj of the columns of y, 0 of the others.
+fn noise_weights<const M: usize, const N: usize>(
+    regressor: &Regressor<M, N>,
+    gain: &NoiseGain<M>,
+) -> [f32; N] {
+    let (moments, ..) = regressor.noise_moments(gain);
+    core::array::from_fn(|j| {
+        let variance = moments[j][j];
+        if variance > 0.0 { 1.0 / variance } else { 0.0 }
+    })
 }
 
 /// A relative standard deviation within its limit.

@@ -1,5 +1,6 @@
 //! The state of an identifier: everything that a sample changes.
 
+use crate::estimation::forgetting::StabilisedForgetting;
 use crate::estimation::noise_level::NoiseLevel;
 use crate::estimation::rls::Estimator;
 use crate::identifier::outcome::{Outcome, Refusal};
@@ -57,9 +58,7 @@ pub(crate) struct State<
     pub(crate) errors: PredictionError,
     pub(crate) adapting: bool,
     signals: Signals<T, M, I, D>,
-    trusted: [f32; N],
-    has_trusted: bool,
-    turn: usize,
+    forgetting: StabilisedForgetting<N>,
 }
 
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
@@ -75,9 +74,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             errors: PredictionError::new(),
             adapting: true,
             signals: Signals::new(plan, plan.warm_up),
-            trusted: theta,
-            has_trusted: false,
-            turn: 0,
+            forgetting: StabilisedForgetting::new(theta, plan.forgetting),
         }
     }
 
@@ -113,9 +110,19 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         if !self.adapting {
             return Outcome::Held { innovation };
         }
-        self.estimator.correct(&phi, error);
         if plan.forgets {
-            self.keep_bounded(plan);
+            let moves = plan.moves(&phi, &self.noise);
+            if moves {
+                self.estimator.correct(&phi, error);
+            } else {
+                self.estimator.pass();
+            }
+            self.forgetting.apply(&mut self.estimator);
+            if !moves {
+                return Outcome::Held { innovation };
+            }
+        } else {
+            self.estimator.correct(&phi, error);
         }
         Outcome::Estimated { innovation }
     }
@@ -162,20 +169,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         [constant, initial]
     }
 
-    /// One parameter per sample in turn: its covariance bounded, its value let fall back at rest.
-    #[inline(always)]
-    fn keep_bounded(&mut self, plan: &Plan<T, M, N, I>) {
-        let turn = if self.turn < N { self.turn } else { 0 };
-        self.turn = turn + 1;
-        let trusted = self.trusted.get(turn).copied().unwrap_or(0.0);
-        let rate = if self.has_trusted { plan.leakage } else { 0.0 };
-        self.estimator
-            .relax(turn, trusted, plan.covariance_limit, rate);
-        if plan.structure.constant() {
-            self.estimator.loosen(turn, rate);
-        }
-    }
-
     /// The plant rested at y(0) with the inputs at their initial values until this sample.
     #[inline(never)]
     fn begin(&mut self, plan: &Plan<T, M, N, I>, y: f32) {
@@ -206,17 +199,15 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.signals = Signals::new(plan, warm_up);
     }
 
-    /// Begins the recursion again from `prior`, which a rest then leads back to.
+    /// Begins the recursion again from `prior`, whose mean becomes nominal.
     pub(crate) fn warm_start(&mut self, plan: &Plan<T, M, N, I>, prior: Prior<N>) {
         self.estimator = Estimator::new(prior.theta, prior.std, plan.forgetting);
-        self.trusted = prior.theta;
-        self.has_trusted = true;
+        self.forgetting.set_nominal(prior.theta);
     }
 
-    /// Makes the current estimate the one that a rest leads back to.
-    pub(crate) fn trust(&mut self) {
-        self.trusted = *self.estimator.theta();
-        self.has_trusted = true;
+    /// Makes the current estimate the nominal one.
+    pub(crate) fn set_nominal(&mut self) {
+        self.forgetting.set_nominal(*self.estimator.theta());
     }
 }
 

@@ -37,10 +37,6 @@ pub struct Config {
     pub delay: f32,
     /// Memory of the identifier in s; default 1.5.
     pub memory: f32,
-    /// Information that the memory keeps of the verified model, see [`Config`](crate::Config); default 1e-5, weaker than
-    /// there, or a tripled mass is followed too late.
-    #[doc(alias = "pull")]
-    pub information_floor: f32,
     /// Least standard deviation of the fast part of the command with which the model follows the drive; default 0.1.
     #[doc(alias = "rich")]
     pub min_excitation: f32,
@@ -174,7 +170,6 @@ impl Config {
             rate: 400.0,
             delay: 2e-3,
             memory: 1.5,
-            information_floor: 1e-5,
             min_excitation: 0.1,
             adaptive: true,
             motion: None,

@@ -39,7 +39,6 @@ pub(crate) fn identifier(
     config.output_noise = design.output_noise;
     config.memory = Some(design.memory);
     config.delays = [design.delay, design.delay, 0];
-    config.pull = design.information_floor;
     Ok(Identifier::try_new(&config, trends)?)
 }
 

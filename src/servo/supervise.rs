@@ -74,7 +74,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                     reopen(&mut self.identifier, &model, REOPENED_STD);
                     self.take_over(self.tracking.motion());
                 } else {
-                    self.identifier.trust();
+                    self.identifier.set_nominal();
                 }
                 true
             }

@@ -4,6 +4,7 @@ use trendid::identifier::DelayBank;
 use trendid::inputs::DeadZone;
 use trendid::trends::{ExactTrends, FilteredTrends, RawTrends, Scheme, TrendOperator};
 use trendid::{Config, Identifier, Structure};
+use trendid_host_tests::oracles::forgetting::{Forgetting, Kind, ServoRows};
 use trendid_host_tests::paper::trial::{Filter, Method, Setting, trial};
 use trendid_host_tests::plants::linear::{Input, LinearPlant};
 use trendid_host_tests::plants::servo::{REFERENCE, Servo};
@@ -124,37 +125,40 @@ pub fn dead_zone(seed: u64) -> Pair {
     ]
 }
 
-/// What 20 s of rest do to the reading, with the covariance growing as it likes and with it bounded.
+/// What 20 s of rest do to the reading under plain exponential forgetting, and under that of the core.
 pub fn bounded(seed: u64) -> Pair {
-    let default = Config::new(Structure::<3, 5, 1>::SERVO, BANDWIDTH, [0.4], 50.0);
-    [0.0, default.pull].map(|pull| {
-        let mut config = default.clone();
-        config.memory = Some(0.2);
-        config.pull = pull;
-        let mut identifier: Identifier<_, 3, 5> =
-            Identifier::try_new(&config, trends(BANDWIDTH)).expect("a servo");
-        let mut noise = Additive::new(&Condition::white(30.0), seed);
-        let mut plant = REFERENCE.plant(DT);
-        let mut sample = |identifier: &mut Identifier<_, 3, 5>, u: f64| {
-            let y = plant.output() + noise.next().unwrap_or(0.0);
-            let _ = identifier.update(u as f32, y as f32);
-            plant.step(&[u]);
-        };
-        for u in Excitation::ABSOLUTE.sequence(2000, DT, seed) {
-            sample(&mut identifier, u);
-        }
-        // Without a bound there is nothing that leads back to a trusted estimate either.
-        if pull > 0.0 {
-            identifier.trust();
-        }
-        let [a1, a2, b0, ..] = identifier.theta().map(f64::from);
-        let Some(before) = Servo::from_coefficients(a1, a2, b0) else {
-            return [f64::INFINITY; 3];
-        };
-        for _ in 0..20_000 {
-            sample(&mut identifier, 0.0);
-        }
-        errors(&identifier.theta(), &before)
+    let mut config = Config::new(Structure::<3, 5, 1>::SERVO, BANDWIDTH, [0.4], 50.0);
+    config.memory = Some(0.2);
+    let mut with: Identifier<_, 3, 5> =
+        Identifier::try_new(&config, trends(BANDWIDTH)).expect("a servo");
+    let mut rows = ServoRows::new(f64::from(BANDWIDTH), 0.4, 50.0, DT);
+    let mut without = Forgetting::<5>::new(Kind::Plain, 1e8, 0.2 / DT);
+    let mut noise = Additive::new(&Condition::white(30.0), seed);
+    let mut plant = REFERENCE.plant(DT);
+    let mut sample = |u: f64| {
+        let y = plant.output() + noise.next().unwrap_or(0.0);
+        let _ = with.update(u as f32, y as f32);
+        let (phi, psi) = rows.update(u, y);
+        without.update(&phi, psi);
+        plant.step(&[u]);
+        let plain: [f64; 5] = std::array::from_fn(|j| rows.units[j] * without.theta()[j]);
+        let [a1, a2, b0, ..] = with.theta().map(f64::from);
+        [
+            Servo::from_coefficients(plain[0], plain[1], plain[2]),
+            Servo::from_coefficients(a1, a2, b0),
+        ]
+    };
+    let mut before = [None; 2];
+    for u in Excitation::ABSOLUTE.sequence(2000, DT, seed) {
+        before = sample(u);
+    }
+    let mut after = [None; 2];
+    for _ in 0..20_000 {
+        after = sample(0.0);
+    }
+    std::array::from_fn(|way| match (before[way], after[way]) {
+        (Some(before), Some(after)) => after.error_pct(&before),
+        _ => [f64::INFINITY; 3],
     })
 }
 

@@ -1,9 +1,10 @@
 //! The recursion of the core against the f64 oracle's batch, and its chain against the oracle's.
 
 use crate::common::{core_scheme, design_units, rounded, rows};
-use trendid::estimation::Terms;
+use trendid::estimation::{StabilisedForgetting, Terms};
 use trendid::trends::{Chain, FilteredTrends, Form, Memory, RawTrends, TrendOperator};
 use trendid::{Config, Identifier, Structure};
+use trendid_host_tests::oracles::forgetting::{Forgetting, Kind};
 use trendid_host_tests::oracles::least_squares::{self, InputTerms, recursive_equivalent};
 use trendid_host_tests::oracles::trends::{
     Hold, Scheme, applied, chain_held, chain_output, filter_denominator, input_trend, output_trend,
@@ -101,12 +102,14 @@ fn gap<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
     let mut config = config.clone();
     // The same rows as the batch.
     config.settling = (first as f32 + 0.5) * DT;
-    config.pull = 0.0;
     let mut identifier: Identifier<T, M, N, I, 8> = Identifier::try_new(&config, trends).unwrap();
     for k in 0..y.len() {
         let _ = identifier.update_inputs(core::array::from_fn(|j| u[j][k] as f32), y[k] as f32);
     }
     let core = identifier.recursion().theta().map(f64::from);
+
+    let fresh: Identifier<T, M, N, I, 8> = Identifier::try_new(&config, trends).unwrap();
+    let prior = f64::from(fresh.estimator().covariance(0, 0));
 
     let start = model.initial_state().then(|| {
         let slowest = f64::from(trends.design().slow_mode);
@@ -127,14 +130,34 @@ fn gap<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
     let units = design_units(&config);
     let sd = units.map(|unit| 10.0 * unit);
     let noise = newest(scheme, M, f.as_deref()) * f64::from(config.output_noise);
-    let lambda = config
-        .memory
-        .map_or(1.0, |memory| f64::from(1.0 - DT / memory));
-    let batch = recursive_equivalent(&phi, &target, lambda, &[0.0; N], &sd, noise).unwrap();
+    let batch: Vec<f64> = match config.memory {
+        None => recursive_equivalent(&phi, &target, 1.0, &[0.0; N], &sd, noise)
+            .unwrap()
+            .theta
+            .as_slice()
+            .to_vec(),
+        Some(memory) => {
+            // The prior is ten design sizes, and its variance counts noise in the normalised equation.
+            let scale = 10.0 / prior.sqrt() / noise;
+            let lambda = 1.0 - DT / memory;
+            let bound = StabilisedForgetting::new([0.0; N], lambda).bound();
+            let kind = Kind::InTurn {
+                variance: 32_768.0,
+                follows: 0.1 * f64::from(bound),
+            };
+            let mut dense = Forgetting::<N>::new(kind, prior, 1.0 / f64::from(1.0 - lambda));
+            for (k, psi) in target.iter().enumerate() {
+                let phi = std::array::from_fn(|j| scale * units[j] * phi[(k, j)]);
+                dense.update(&phi, scale * psi);
+            }
+            let theta = dense.theta();
+            (0..N).map(|j| units[j] * theta[j]).collect()
+        }
+    };
     (0..N).fold(0.0, |worst: f64, j| {
         // The start is some 1e-4 mm beside strokes of 100 mm: judged by its design size, like any small parameter.
-        let size = batch.theta[j].abs().max(1e-3 * units[j]);
-        worst.max((core[j] - batch.theta[j]).abs() / size)
+        let size = batch[j].abs().max(1e-3 * units[j]);
+        worst.max((core[j] - batch[j]).abs() / size)
     })
 }
 

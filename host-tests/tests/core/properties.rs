@@ -2,7 +2,7 @@
 
 use core::fmt::Debug;
 use proptest::prelude::*;
-use trendid::estimation::{Estimator, Terms};
+use trendid::estimation::{Estimator, StabilisedForgetting, Terms};
 use trendid::identifier::Refusal;
 use trendid::trends::{ExactTrends, FilteredTrends, RawTrends, Scheme, TrendOperator};
 use trendid::{Config, ConfigError, Identifier, Outcome, Structure};
@@ -102,13 +102,12 @@ proptest! {
     fn the_covariance_stays_positive(
         rows in prop::collection::vec((prop::array::uniform4(-1e3_f32..1e3), -1e3_f32..1e3), 1..400),
         forgetting in 0.95_f32..1.0,
-        index in 0_usize..4,
-        pull in 0.0_f32..0.1,
     ) {
         let mut estimator = Estimator::<4>::new([0.0; 4], [1e3; 4], forgetting);
+        let mut stabilised = StabilisedForgetting::new([0.0; 4], forgetting);
         for (phi, psi) in &rows {
             let _ = estimator.update(phi, *psi);
-            estimator.relax(index, 0.0, 1e4, pull * 1e-4);
+            stabilised.apply(&mut estimator);
             prop_assert!(estimator.diagonal().iter().all(|d| *d > 0.0 && d.is_finite()));
             prop_assert!(estimator.theta().iter().all(|t| t.is_finite()));
         }
@@ -243,7 +242,7 @@ where
                 used.warm_start(theta, theta.map(|value| 0.1 * value))
                     .unwrap();
             }
-            Event::Trust => used.trust(),
+            Event::Trust => used.set_nominal(),
         }
     }
     used.reset();
@@ -262,11 +261,9 @@ where
 fn config<const N: usize, const I: usize>(
     structure: Structure<3, N, I>,
     memory: Option<f32>,
-    pull: f32,
 ) -> Config<3, N, I> {
     let mut config = Config::new(structure, 20.0, [1.0; I], 50.0);
     config.memory = memory;
-    config.pull = pull;
     config.settling = 0.02;
     config
 }
@@ -279,16 +276,15 @@ proptest! {
         record in record(),
         history in prop::collection::vec(event(), 1..12),
         memory in prop::sample::select(vec![None, Some(0.1), Some(0.5), Some(3.0)]),
-        pull in prop::sample::select(vec![0.0_f32, 5e-4, 1e-2]),
     ) {
         let filtered = |bandwidth| FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, bandwidth).unwrap();
         let exact = |bandwidth| ExactTrends::for_bandwidth(0.001, bandwidth).unwrap();
         let raw = |_| RawTrends::try_new(Scheme::Tustin, 0.001).unwrap();
-        let servo = config(Structure::<3, 5, 1>::SERVO, memory, pull);
-        let drive = config(Structure::<3, 3, 1>::INTEGRATING, memory, pull);
+        let servo = config(Structure::<3, 5, 1>::SERVO, memory);
+        let drive = config(Structure::<3, 3, 1>::INTEGRATING, memory);
         let b0 = [Terms::of(&[0]); 2];
         let all_a = Structure::<3, 7, 2>::try_with_initial_state(Terms::up_to(3), b0, true).unwrap();
-        let mut all_a = config(all_a, memory, pull);
+        let mut all_a = config(all_a, memory);
         all_a.delays = [3, 1];
         all_a.initial_input = [0.2, -0.1];
 

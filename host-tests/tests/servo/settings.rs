@@ -53,7 +53,6 @@ const CHANGES: &[(&str, Change)] = &[
     ("rate", |c| c.rate = 50.0),
     ("delay", |c| c.delay = 4e-3),
     ("memory", |c| c.memory = 0.3),
-    ("information_floor", |c| c.information_floor = 1e-2),
     ("min_excitation", |c| c.min_excitation = 0.5),
     ("adaptive", |c| c.adaptive = false),
     ("motion", |c| {

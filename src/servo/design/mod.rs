@@ -38,7 +38,6 @@ pub(crate) struct IdentificationDesign {
     pub(crate) output_range: f32,
     pub(crate) output_noise: f32,
     pub(crate) memory: f32,
-    pub(crate) information_floor: f32,
     /// Samples.
     pub(crate) delay: usize,
     /// Velocity below which the direction of friction is open.

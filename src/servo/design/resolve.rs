@@ -36,7 +36,6 @@ impl Config {
                 output_range: c::OUTPUT_RANGE_RATIO * length,
                 output_noise: self.noise.unwrap_or(c::NOISE_RATIO * length),
                 memory: self.memory,
-                information_floor: self.information_floor,
                 delay: (self.delay / self.sample_time + 0.5) as usize,
                 friction_velocity: c::FRICTION_VELOCITY_RATIO * self.min_speed(),
                 settled: (c::SETTLED_RATIO / (self.bandwidth * self.sample_time)) as u32,

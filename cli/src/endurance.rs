@@ -1,0 +1,157 @@
+//! `trendid endurance`: does the estimate stay true over hours?
+
+use clap::Args;
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use trendid_host_tests::endurance::run::{Found, run};
+use trendid_host_tests::endurance::scenario::{Case, cases};
+
+use crate::format::significant;
+use crate::output::{Refusal, emit, emit_json, number, progress};
+
+/// What is asked of the command.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  trendid endurance
+  trendid endurance --seconds 86400 --json
+  trendid endurance --only \"small steps\"
+
+Errors are the largest over the whole scenario; of scenarios whose data do not obey the model, those after ten seconds of
+motion that follow. The last three columns are other ways to forget, in f64, on the same samples (at most a million).
+The command fails when a limit is broken: 0.15/0.1/0.3 % for C/omega0/xi and 4 sigma where the data obey the model,
+0.1 % where they did not, the covariance within its bound, every number finite.")]
+pub struct EnduranceArgs {
+    /// Length of each scenario in s, at 1 kHz
+    #[arg(long, value_name = "S", default_value_t = 1000.0)]
+    pub seconds: f64,
+    /// Seed of the first run; each has its own
+    #[arg(long, value_name = "N", default_value_t = 200_000)]
+    pub first_seed: u64,
+    /// Only the scenarios whose name contains this
+    #[arg(long, value_name = "TEXT")]
+    pub only: Option<String>,
+    /// The table as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// The other estimators run beside the first so many samples.
+const OTHERS: u64 = 1_000_000;
+
+/// Runs every scenario and prints the table.
+///
+/// # Errors
+///
+/// No seconds, no such scenario, or a limit that is broken, after the table.
+pub fn run_all(args: &EnduranceArgs) -> Result<(), Refusal> {
+    if !(args.seconds >= 1.0 && args.seconds <= 1e9) {
+        return Err(Refusal::new(format!(
+            "--seconds is {}: from 1 to 1e9 can be run",
+            args.seconds
+        )));
+    }
+    let mut cases = cases();
+    if let Some(text) = &args.only {
+        cases.retain(|case| case.name().contains(text));
+    }
+    if cases.is_empty() {
+        return Err(Refusal::new("--only leaves no scenario"));
+    }
+    let samples = (1000.0 * args.seconds) as u64;
+    let bar = progress(cases.len() as u64, "endurance");
+    let found: Vec<Found> = cases
+        .par_iter()
+        .enumerate()
+        .map(|(index, case)| {
+            // Beside one of the two runs with this memory; the nominal values are those of that run.
+            let others = if case.trusted { OTHERS.min(samples) } else { 0 };
+            let found = run(case, args.first_seed + index as u64, samples, others);
+            bar.inc(1);
+            found
+        })
+        .collect();
+    bar.finish_and_clear();
+    let runs: Vec<(&Case, &Found)> = cases.iter().zip(&found).collect();
+    if args.json {
+        emit_json(&runs.iter().map(|(case, found)| row(case, found)).collect());
+    } else {
+        emit(&text(&runs, args));
+    }
+    let broken: Vec<String> = runs
+        .iter()
+        .filter_map(|(case, found)| Some(format!("{}: {}", label(case), found.violation(case)?)))
+        .collect();
+    match broken.len() {
+        0 => Ok(()),
+        n => Err(Refusal::new(format!(
+            "{n} of {} runs break a limit: {}",
+            runs.len(),
+            broken.join("; ")
+        ))),
+    }
+}
+
+fn row(case: &Case, found: &Found) -> Value {
+    let [c, omega0, xi] = found.errors_pct;
+    json!({
+        "scenario": case.name(),
+        "memory_s": case.memory.map(number),
+        "trusted": case.trusted,
+        "obeys_model": case.scenario.obeys_model(),
+        "finite": found.finite,
+        "max_err_c_pct": number(c),
+        "max_err_omega0_pct": number(omega0),
+        "max_err_xi_pct": number(xi),
+        "max_err_over_sigma": number(found.over_sigma),
+        "p_over_bound": number(found.over_bound),
+    })
+}
+
+fn label(case: &Case) -> String {
+    format!(
+        "{}, memory {}{}",
+        case.name(),
+        memory(case),
+        if case.trusted { ", nominal" } else { "" }
+    )
+}
+
+fn memory(case: &Case) -> String {
+    case.memory.map_or("none".into(), |m| format!("{m} s"))
+}
+
+fn text(runs: &[(&Case, &Found)], args: &EnduranceArgs) -> String {
+    let figure = |x: f64| {
+        if x.is_finite() {
+            significant(x, 2)
+        } else {
+            "-".into()
+        }
+    };
+    let three = |e: [f64; 3]| e.map(figure).join("/");
+    let mut text = String::from(
+        "| scenario | memory | nominal | C/omega0/xi [%] | sigma | P/bound | held [%] | plain/directional/stabilised [%] | limits |\n|---|---|---|---|---|---|---|---|---|\n",
+    );
+    for (case, found) in runs {
+        text += &format!(
+            "| {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
+            case.name(),
+            memory(case),
+            if case.trusted { "set" } else { "follows" },
+            three(found.errors_pct),
+            figure(found.over_sigma),
+            figure(found.over_bound),
+            figure(100.0 * found.held),
+            found.others_pct.map_or(String::new(), three),
+            found.violation(case).unwrap_or_else(|| "kept".into()),
+        );
+    }
+    text += &format!(
+        "\n{} runs of {} s, seeds {} to {}.\n",
+        runs.len(),
+        args.seconds,
+        args.first_seed,
+        args.first_seed + runs.len() as u64 - 1
+    );
+    text
+}
