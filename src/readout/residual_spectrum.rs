@@ -47,64 +47,73 @@ const BLUR: f32 = 3.0;
 impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
     /// The sums R and S, in normalised units.
     pub(crate) fn sums(&self) -> (Matrix<N>, Matrix<N>) {
-        let natural = self.natural;
-        let mut r = [[0.0; N]; N];
-        let mut s = [[0.0; N]; N];
-        let mut residuals = [0.0; FREQUENCIES];
+        let mut sums = [[[0.0; N]; N]; 2];
+        let mut plants = [Complex::ZERO; FREQUENCIES];
+        let (mut filters, mut residuals) = ([0.0; FREQUENCIES], [0.0; FREQUENCIES]);
         let mut x = LOWEST;
-        for residual in &mut residuals {
-            let s_exact = Complex { re: 0.0, im: x };
-            *residual = monic(&self.denominator, s_exact, natural).size()
-                / monic(&self.filter, s_exact, natural).size();
+        for k in 0..FREQUENCIES {
+            let s = Complex { re: 0.0, im: x };
+            plants[k] = monic(&self.denominator, s, self.natural);
+            filters[k] = monic(&self.filter, s, self.natural).size();
+            residuals[k] = plants[k].size() / filters[k];
             x *= STEP;
         }
         let mut x = LOWEST;
-        for _ in 0..FREQUENCIES {
-            let s_exact = Complex { re: 0.0, im: x };
-            let plant = monic(&self.denominator, s_exact, natural);
-            let filter = monic(&self.filter, s_exact, natural).size();
-            let residual = self.blurred(&residuals, x, natural);
+        for (plant, filter) in plants.into_iter().zip(filters) {
+            let residual = self.blurred(&residuals, x);
             // d omega is proportional to omega on a logarithmic scale.
-            let weight = x / filter;
-            for first in 0..N {
-                let Some(phi) = self.direction(first, x, plant) else {
-                    continue;
-                };
-                for i in 0..N {
-                    for j in 0..N {
-                        let both = weight * (phi[i].re * phi[j].re + phi[i].im * phi[j].im);
-                        r[i][j] += both;
-                        s[i][j] += both * residual;
-                    }
+            self.add_frequency(&mut sums, x, plant, [x / filter, residual]);
+            x *= STEP;
+        }
+        for matrix in &mut sums {
+            for i in 0..N {
+                for j in 0..i {
+                    matrix[j][i] = matrix[i][j];
                 }
             }
-            x *= STEP;
         }
+        let [r, s] = sums;
         (r, s)
     }
 
-    /// The normalised regressor under what excites the parameter `first`: its input, the constant or the initial state.
+    /// Adds what is seen at `x` times the natural frequency to the lower triangles of R and S.
     ///
-    /// `None` where something before it stands for the same excitation.
-    fn direction(&self, first: usize, x: f32, plant: Complex) -> Option<[Complex; N]> {
-        let natural = self.natural;
-        let rate = match self.parameters[first] {
-            Parameter::Input { input, power } if self.leads(first, input) => {
-                let range = raised(natural, M - power) / self.units[first];
-                return Some(self.response(input, range, x, natural, plant));
-            }
-            Parameter::InitialState => self.slowest / natural,
-            Parameter::Constant => LOWEST,
-            _ => return None,
-        };
-        let mut phi = [Complex::ZERO; N];
-        phi[first].re = 1.0 / sqrt(x * x + rate * rate);
-        Some(phi)
+    /// Each input, the constant and the initial state are excitations of their own.
+    fn add_frequency(
+        &self,
+        [r, s]: &mut [Matrix<N>; 2],
+        x: f32,
+        plant: Complex,
+        [weight, residual]: [f32; 2],
+    ) {
+        for first in 0..N {
+            let rate = match self.parameters[first] {
+                Parameter::Input { input, power } if self.leads(first, input) => {
+                    let range = raised(self.natural, M - power) / self.units[first];
+                    let phi = self.response(input, range, x, plant);
+                    for i in 0..N {
+                        for j in 0..=i {
+                            let both = weight * (phi[i].re * phi[j].re + phi[i].im * phi[j].im);
+                            r[i][j] += both;
+                            s[i][j] += both * residual;
+                        }
+                    }
+                    continue;
+                }
+                Parameter::InitialState => self.slowest / self.natural,
+                Parameter::Constant => LOWEST,
+                _ => continue,
+            };
+            let phi = 1.0 / sqrt(x * x + rate * rate);
+            let both = weight * (phi * phi);
+            r[first][first] += both;
+            s[first][first] += both * residual;
+        }
     }
 
     /// Mean of `|A/A_f|^2` about `x`, as a record of this duration sees it.
-    fn blurred(&self, residuals: &[f32; FREQUENCIES], x: f32, natural: f32) -> f32 {
-        let width = BLUR / (self.duration * natural);
+    fn blurred(&self, residuals: &[f32; FREQUENCIES], x: f32) -> f32 {
+        let width = BLUR / (self.duration * self.natural);
         let (mut sum, mut weights) = (0.0, 0.0);
         let mut other = LOWEST;
         for residual in residuals {
@@ -128,14 +137,8 @@ impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
     }
 
     /// The normalised regressor for the input at `x` times the natural frequency, without `1/A_f`.
-    fn response(
-        &self,
-        input: usize,
-        range: f32,
-        x: f32,
-        natural: f32,
-        plant: Complex,
-    ) -> [Complex; N] {
+    fn response(&self, input: usize, range: f32, x: f32, plant: Complex) -> [Complex; N] {
+        let natural = self.natural;
         // G = B/A
         let mut numerator = Complex::ZERO;
         for (parameter, value) in self.parameters.iter().zip(self.theta) {
