@@ -20,7 +20,7 @@ pub enum AnyTrends<const M: usize> {
 }
 
 /// The memory of [`AnyTrends`]: that of every kind.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct AnyMemory<const M: usize> {
     window: Window<M>,
     chain: Chain<M>,

@@ -49,7 +49,7 @@ pub struct IntegralTrends<const M: usize, const L: usize> {
 }
 
 /// What [`IntegralTrends`] remembers of one signal.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Span<const M: usize, const L: usize> {
     /// Ring j holds the signal integrated j times, M spans long.
     rings: [[[f32; L]; M]; M],

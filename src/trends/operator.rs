@@ -35,7 +35,7 @@ pub(crate) mod sealed {
 }
 
 /// What the trends remember of one signal.
-pub trait Memory<const M: usize>: Copy + Debug + PartialEq + sealed::Sealed {
+pub trait Memory<const M: usize>: Clone + Debug + PartialEq + sealed::Sealed {
     /// Memory of an output that has always had this value.
     #[doc(alias = "settled")]
     fn output_at_rest(design: &Design<M>, form: Form, value: f32) -> Self;
