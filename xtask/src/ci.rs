@@ -10,7 +10,7 @@ use crate::{docs, setup};
 const FIRMWARE_EXAMPLES: [&str; 5] = ["selftest", "icount", "footprint", "servo", "pil"];
 
 /// What is published.
-const PUBLISHED: [&str; 2] = ["trendid", "trendid-link"];
+const PUBLISHED: [&str; 3] = ["trendid", "trendid-link", "trendid-identify"];
 
 /// A step and the name of its task.
 type Step = (&'static str, fn() -> Done);
