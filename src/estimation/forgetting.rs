@@ -4,13 +4,13 @@
 //! leakage (Astrom & Wittenmark 1995, ch. 11) are its cruder relatives.
 //!
 //! Exponential forgetting alone multiplies P by 1/lambda in every direction that the data do not show, without end: an
-//! hour at constant speed overflows f32. So every sample ends with one observation that nobody made: parameter i has its
+//! hour at constant speed overflows f32. So every sample ends with one observation that was not made: parameter i has its
 //! nominal value c_i, with the variance r in units of the noise of psi, one parameter after the other:
 //!
 //! ```text
 //! i = k mod N
 //! P_ii > s :      U, D, theta <- one step of least squares with the row e_i, the value c_i, the variance r; no forgetting
-//! c_i <- theta_i  while P_ii < 0.01 N r eps, unless the nominal values were set           eps = 1 - lambda
+//! c_i <- theta_i  while P_ii < 0.1 N r eps, unless the nominal values were set           eps = 1 - lambda
 //! ```
 //!
 //! # What holds
@@ -35,8 +35,8 @@
 //! |theta_i - c_i| <= sqrt(N r (1 + N eps)) max |e_k|
 //! ```
 //!
-//! Nominal values that follow are former estimates, each taken when the data left a tenth of the standard
-//! deviation that the observations alone leave: without data they stand still, and theta with them.
+//! Nominal values that follow are former estimates, each taken while its standard deviation was below a third of the one
+//! that the observations alone leave: without data they stand still, and theta with them.
 //!
 //! # What does not hold
 //! Bounded is not right: rows that contradict the model move theta as far as the bound allows, and P knows nothing of it.
