@@ -1,10 +1,10 @@
-//! What the user knows before the first sample.
+//! Settings of an identifier.
 
 use crate::error::{ConfigError, check_finite, check_not_negative, check_positive, check_range};
 use crate::estimation::structure::Structure;
 use crate::trends::Hold;
 
-/// What the user knows before the first sample; the rest follows from it.
+/// Settings of an [`Identifier`](crate::Identifier): what the user knows before the first sample.
 ///
 /// # Examples
 /// ```
@@ -18,7 +18,7 @@ use crate::trends::Hold;
 pub struct Config<const M: usize, const N: usize, const I: usize> {
     /// Which parameters the model has.
     pub structure: Structure<M, N, I>,
-    /// Rough bandwidth of the plant in rad/s; normalises, within a factor of three is good enough.
+    /// Rough bandwidth of the plant in rad/s, within a factor of three; scales the regressor.
     pub bandwidth: f32,
     /// Typical size of each input, in its unit.
     pub input_range: [f32; I],
@@ -26,7 +26,7 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     pub output_range: f32,
     /// Expected standard deviation of the noise of one output sample; weighs the prior, default `output_range / 1000`.
     pub output_noise: f32,
-    /// What each input does between samples; default held.
+    /// Course of each input between samples; default held.
     pub holds: [Hold; I],
     /// Delay of each input in samples, at most `D`; default 0.
     pub delays: [usize; I],
@@ -43,7 +43,7 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     /// Standard deviation of `initial`, 0 for a known parameter; default `None`: ten times the design size,
     /// and 3 % of the size of the input for the constant of a drive that integrates.
     pub prior_std: Option<[f32; N]>,
-    /// Time after the first sample, in s, in which trends settle and nothing is estimated; default 0.
+    /// Time after the first sample, in s, without estimation while the trends settle; default 0.
     pub settling: f32,
     /// Standard deviations below which a constant is insignificant and withdrawn from the reading, fading out at twice as
     /// many; default 2, 0 always keeps it.

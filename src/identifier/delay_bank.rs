@@ -1,4 +1,4 @@
-//! Which delay the drive has: one identifier per candidate, compared by their prediction errors.
+//! The delay of a drive: one identifier per candidate, compared by their prediction errors.
 
 use crate::error::ConfigError;
 use crate::identifier::Identifier;
@@ -9,9 +9,9 @@ use crate::trends::TrendOperator;
 
 /// Identifiers of the same structure with the delays 0, 1, .. `K-1` of one input, side by side.
 ///
-/// An unmodelled delay does not show in theta, which bends to it, but in what is left: the candidate with the smallest
-/// normalised prediction error, `sqrt(sum e e_post / (n - N)) / beta` in the unit of y, has the right delay. The same
-/// noise enters all candidates, so that small differences count.
+/// An unmodelled delay biases theta and enlarges the residual: the candidate with the smallest normalised prediction
+/// error, `sqrt(sum e e_post / (n - N)) / beta` in the unit of y, has the right delay. All candidates see the same noise,
+/// so small differences count.
 ///
 /// | parameter | meaning |
 /// |---|---|
@@ -118,7 +118,7 @@ impl<
             let outcome = candidate.update_inputs(u, y);
             first = first.or(Some(outcome));
         }
-        // K > 0: there always is a first.
+        // K > 0, so there is a first.
         first.unwrap_or(Outcome::WarmingUp { remaining: 0 })
     }
 
@@ -141,7 +141,7 @@ impl<
         best
     }
 
-    /// Prediction error of the next best candidate over that of the best, at least 1: how clear the choice is.
+    /// Prediction error of the second best candidate over that of the best: at least 1, larger for a clearer choice.
     pub fn margin(&self) -> Option<f32> {
         let best = self.best()?;
         let errors = self.errors();

@@ -1,4 +1,4 @@
-//! Inputs made from the command: what a valve, a cylinder or friction does belongs in the regressor.
+//! Inputs made from the command: nonlinearities of valves, cylinders and friction as terms of the regressor.
 
 use crate::error::positive;
 use crate::estimation::terms::{Parameter, index_of};
@@ -29,17 +29,17 @@ pub fn dead_zone(u: f32, delta: f32) -> [f32; 2] {
     }
 }
 
-/// The two inputs of a valve whose dead zone is not known, and its width, measured on the way.
+/// The two inputs of a valve with an unknown dead zone, and the estimate of its width.
 ///
-/// With the inputs of [`dead_zone`] for any width delta near the true one, the model measures the true one:
+/// With the inputs of [`dead_zone`] for a width delta near the true one, the numerators give the true one:
 ///
 /// ```text
 /// delta <- -b_sgn / b_u          once per block
 /// ```
 ///
-/// b_u and b_sgn are the b_0 of the first and the second input of the identifier. What was learnt with the old width
-/// is wrong by what the width was wrong, so it must be forgotten: give the identifier a memory of about two blocks.
-/// Begin with a width that is too small rather than too large (0 is good).
+/// b_u and b_sgn are the b_0 of the first and the second input of the identifier. Samples with an old width contain its
+/// error and have to be forgotten: give the identifier a memory of about two blocks. Begin with a width that is too small
+/// rather than too large (0 is good).
 ///
 /// | symbol | argument | unit |
 /// |---|---|---|

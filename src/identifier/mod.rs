@@ -1,4 +1,4 @@
-//! The facade: one call per sample from (u, y) to the current model.
+//! The identifier: one call per sample from (u, y) to the current model.
 
 pub(crate) mod config;
 pub(crate) mod delay_bank;
@@ -21,7 +21,7 @@ use crate::identifier::state::State;
 use crate::math::sqrt;
 use crate::model::evaluation::PredictionError;
 use crate::readout::estimate::Estimate;
-use crate::readout::s_plane::{continuous, sampled};
+use crate::readout::s_plane::{theta_in_s_plane, theta_in_trend_plane};
 use crate::readout::{ReadOut, in_band};
 use crate::trends::TrendOperator;
 
@@ -111,14 +111,13 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.state.restart_signals(&self.plan, self.plan.warm_up);
     }
 
-    /// Goes on with other trends: a filter nearer to the plant, from the estimate.
+    /// Goes on from the estimate with other trends: a filter nearer to the plant.
     ///
-    /// The estimate and what is known of it stay. The new chains start where the drive
-    /// is; the estimate is held for `settling` seconds until they no longer show that
-    /// (3 over the slowest pole but the one of the start leave 5 % of it, which no
-    /// standard deviation tells), and the start becomes uncertain again. Nothing jumps:
-    /// the estimate is the same before and after. Where the filter is the same and only
-    /// the numerators are new, the chains go on and nothing is held.
+    /// The estimate and its covariance stay, so nothing jumps. The new filter begins at the present position; while its
+    /// transient lasts, for `settling` seconds, the estimate is held, and the initial state becomes uncertain again. Three
+    /// time constants of the slowest pole beside that of the initial state leave 5 % of the transient; no standard
+    /// deviation contains this rest. Where the filter is the same and only the numerators are new, the signals go on and
+    /// nothing is held. [`Identifier::reset`] leads back to the trends of the construction.
     /// Cost: about 9000 instructions for order 3, once; not for every sample.
     ///
     /// # Errors
@@ -129,9 +128,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let sample_time = old.sample_time;
         check_range("sample_time", new.sample_time, [sample_time; 2])?;
         check_not_negative("settling", settling)?;
-        // The bias that the old filter made is settled now; what follows has the new one's.
+        // The noise bias belongs to the old filter: taken out now, the new one makes its own.
         let mut theta = self.read_out().trend_theta();
-        // What was learnt weighs as much as the noise in band was smaller than it will be.
+        // The covariance scales with the noise in band behind each filter.
         let a = plan.structure.denominator(&theta);
         let scale = match (old.filter, new.filter) {
             (Some(old), Some(new)) => {
@@ -140,8 +139,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             _ => 1.0,
         };
         let scale = INFLATION * if positive(scale) { scale } else { 1.0 };
-        let s_plane = continuous(&theta, &plan.structure, old);
-        theta = sampled(&s_plane, &plan.structure, new);
+        let s_plane = theta_in_s_plane(&theta, &plan.structure, old);
+        theta = theta_in_trend_plane(&s_plane, &plan.structure, new);
         for (value, unit) in theta.iter_mut().zip(plan.regressor.units()) {
             *value /= unit;
         }
@@ -185,7 +184,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.state.set_nominal();
     }
 
-    /// Lets the estimate move (`true`, the start) or holds it; predictions go on.
+    /// Adapts (`true`, as constructed) or holds the estimate; predictions go on.
     pub fn adapt(&mut self, on: bool) {
         self.state.adapting = on;
     }
@@ -203,9 +202,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.read_out().theta()
     }
 
-    /// The recursion as it stands, in the user's units: least squares with the bias that noise makes.
+    /// The recursion without the correction of the noise bias, in the user's units.
     ///
-    /// Its covariance takes the residual for white.
+    /// Its covariance is that of a white residual.
     pub fn recursion(&self) -> Estimate<M, N, I> {
         self.read_out().recursion()
     }
@@ -242,7 +241,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         Some(sqrt(variance) / beta)
     }
 
-    /// The evaluation of the newest y from the samples before it, in the unit of y.
+    /// Prediction of the newest y from the samples before it, in the unit of y.
     pub const fn prediction(&self) -> f32 {
         self.state.prediction
     }

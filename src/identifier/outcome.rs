@@ -17,19 +17,19 @@ pub enum Refusal {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Outcome {
-    /// The trends settle; so many samples to go.
+    /// The trends are settling; `remaining` samples are left.
     WarmingUp {
         /// Samples until the first estimate.
         remaining: u32,
     },
-    /// The sample did not enter any buffer.
+    /// The sample was refused and entered no buffer.
     Refused(Refusal),
-    /// The sample was predicted, and the estimate left alone.
+    /// The sample was predicted; the estimate is held.
     Held {
         /// y(k) minus its prediction, in the unit of y.
         innovation: f32,
     },
-    /// The estimate took the sample in.
+    /// The sample was predicted and the estimate updated.
     Estimated {
         /// y(k) minus its prediction, in the unit of y.
         innovation: f32,
@@ -37,7 +37,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// y(k) minus its prediction, where there was one.
+    /// y(k) minus its prediction; `None` where there was none.
     pub fn innovation(self) -> Option<f32> {
         match self {
             Self::Held { innovation } | Self::Estimated { innovation } => Some(innovation),

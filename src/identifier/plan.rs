@@ -1,6 +1,6 @@
 //! The plan of an identifier: everything that follows from its configuration and its trends.
 //!
-//! A sample never changes it; only a change of the filter does, and a reset undoes that.
+//! No sample changes it. A change of the filter does, and a reset undoes that.
 
 use crate::error::ConfigError;
 use crate::estimation::noise_level::NoiseLevel;
@@ -8,7 +8,7 @@ use crate::estimation::regressor::Regressor;
 use crate::estimation::structure::Structure;
 use crate::estimation::terms::Parameter;
 use crate::identifier::config::{Config, REACH, check_std};
-use crate::readout::s_plane::sampled;
+use crate::readout::s_plane::theta_in_trend_plane;
 use crate::trends::delay_line::acceptable;
 use crate::trends::{Form, Hold, NoiseGain, TrendOperator};
 
@@ -32,7 +32,7 @@ pub(crate) struct Prior<const N: usize> {
     pub(crate) std: [f32; N],
 }
 
-/// What every sample needs and no sample changes.
+/// Everything that a sample uses and does not change.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> {
     /// The trends in use.
@@ -138,7 +138,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
 
     /// Parameters of the s plane in the user's units as the recursion has them.
     fn normalised(&self, theta: &[f32; N]) -> Result<[f32; N], ConfigError> {
-        let given = sampled(theta, &self.structure, self.trends.design());
+        let given = theta_in_trend_plane(theta, &self.structure, self.trends.design());
         let units = self.regressor.units();
         let theta: [f32; N] = core::array::from_fn(|j| given[j] / units[j]);
         match theta.iter().position(|value| !acceptable(*value, REACH)) {
@@ -163,7 +163,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
         })
     }
 
-    /// Whether the trends of y say more than noise: where they do not, a row tells nothing of the drive.
+    /// Whether the trends of y exceed their noise; where they do not, a row holds no information on the drive.
     ///
     /// ```text
     /// moves  <=>  sum over the columns of y: phi_j^2 / M_jj > 25 sigma_y^2        sigma_y^2 = S / (20 n)

@@ -9,7 +9,7 @@ use crate::model::evaluation::PredictionError;
 use crate::trends::delay_line::{DelayLine, acceptable};
 use crate::trends::{Hold, Memory, TrendOperator, Trends};
 
-/// What has to be remembered of the signals; begun anew after a gap in the samples.
+/// Memory of the signals; begins anew after a gap in the samples.
 #[derive(Debug, Clone, PartialEq)]
 struct Signals<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> {
     output: T::Memory,
@@ -150,7 +150,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         inputs
     }
 
-    /// What the constant and the initial state contribute.
+    /// Entries of the regressor for the constant and the initial state.
     #[inline(always)]
     fn extra_columns(&mut self, plan: &Plan<T, M, N, I>) -> [f32; 2] {
         let signals = &mut self.signals;
@@ -162,14 +162,14 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         };
         let initial = signals.initial;
         if initial > 0.0 {
-            // Below a millionth it is nothing, and would end in subnormal numbers.
+            // Ended at a millionth, before it becomes subnormal.
             let next = initial * plan.trends.design().slow_mode;
             signals.initial = if next > 1e-6 { next } else { 0.0 };
         }
         [constant, initial]
     }
 
-    /// The plant rested at y(0) with the inputs at their initial values until this sample.
+    /// Begins at the equilibrium of y(0) and the initial inputs.
     #[inline(never)]
     fn begin(&mut self, plan: &Plan<T, M, N, I>, y: f32) {
         let signals = &mut self.signals;
@@ -211,7 +211,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     }
 }
 
-/// Why this sample may not enter any buffer, if so.
+/// Why this sample may not enter any buffer; `None` for a good one.
 #[inline(always)]
 fn refused<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
     plan: &Plan<T, M, N, I>,

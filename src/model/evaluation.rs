@@ -65,7 +65,7 @@ impl PredictionError {
 /// ```
 ///
 /// Because R_i = r_0^i + R~_i, this is `y(k)` minus the equation error over alpha.
-/// The indices judge structure, order and delay.
+/// The sums of its errors compare structures, orders and delays.
 ///
 /// # Examples
 /// ```
@@ -79,7 +79,7 @@ impl PredictionError {
 /// assert!(error.abs() < 1e-6); // dy/dt = 2 u
 /// # Ok::<(), trendid::ConfigError>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct OutputEvaluation<const M: usize, const I: usize> {
     trends: RawTrends<M>,
     holds: [Hold; I],
@@ -108,7 +108,7 @@ impl<const M: usize, const I: usize> OutputEvaluation<M, I> {
         }
     }
 
-    /// Takes u(k), already delayed, and y(k); gives `y(k) - y^(k)` and adds it to the indices.
+    /// Takes u(k), already delayed, and y(k); gives `y(k) - y^(k)` and adds it to the sums.
     ///
     /// `None` while the window fills, for a sample that is not finite (which is
     /// dropped), and where alpha vanishes.
@@ -143,12 +143,12 @@ impl<const M: usize, const I: usize> OutputEvaluation<M, I> {
         Some(error)
     }
 
-    /// The indices so far.
+    /// The sums so far.
     pub const fn prediction_error(&self) -> PredictionError {
         self.errors
     }
 
-    /// Begins the indices anew and keeps the window.
+    /// Begins the sums anew and keeps the window.
     pub fn restart(&mut self) {
         self.errors = PredictionError::new();
     }

@@ -3,7 +3,7 @@
 use crate::math::{deviation, sqrt};
 use crate::model::transfer_function::TransferFunction;
 
-/// What an engineer reads from the parameters; `None` where a quantity does not exist.
+/// Gain, natural frequency, damping and time constants; `None` where a quantity does not exist.
 ///
 /// | quantity | equation | unit |
 /// |---|---|---|
@@ -86,7 +86,7 @@ impl<const M: usize> Physical<M> {
     }
 }
 
-/// `value`, if it is a number: quotients of very small coefficients overflow.
+/// `value`, unless a quotient of very small coefficients overflowed.
 fn finite(value: f32) -> Option<f32> {
     value.is_finite().then_some(value)
 }

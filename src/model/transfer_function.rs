@@ -1,4 +1,4 @@
-//! The transfer function that theta stands for, its poles and its stability.
+//! Transfer functions, their poles and their stability.
 
 use crate::math::complex::Complex;
 use crate::math::polynomial::is_hurwitz;
@@ -27,7 +27,7 @@ pub struct TransferFunction<const M: usize, const I: usize> {
     pub a: [f32; M],
     /// b_0 .. b_{m-1} of each input.
     pub b: [[f32; M]; I],
-    /// What the constant input contributes, in units of y per s^m.
+    /// The contribution of the constant input, in units of y per s^m.
     pub constant: f32,
     /// How many poles the structure puts at s = 0.
     pub integrators: usize,

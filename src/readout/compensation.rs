@@ -37,7 +37,7 @@ impl<const N: usize> Noise<N> {
         }
         let residual = source.residual();
         let allowed = if spread > 0.0 { residual / spread } else { 0.0 };
-        // Where the third difference is the signal's, the noise is unknown and nothing is compensated.
+        // A third difference that the residual cannot explain is that of the signal: nothing is compensated.
         let white = match (source.design.filter, source.noise.variance()) {
             (Some(_), Some(white)) if white <= PLAUSIBLE * allowed => {
                 Some(if white < allowed { white } else { allowed })

@@ -13,11 +13,12 @@
 //! takes the bias out to first order, at the read-out only: nothing is added to the
 //! 1 ms path but the level s. In P_c one w P M is the step, the other the noise of the
 //! regressors times that of the residual. The residual of the filtered equation is not
-//! white: it is `A/A_f` times the noise, and what matters for a parameter is how much of
-//! it lies where that parameter is seen: T. The floor is what trends in place of derivatives
-//! and f32 cost, and what a damped step leaves of the bias. Then a constant that the data do
-//! not show is withdrawn (`significance`), and trends that know their own plane map the
-//! result to the s plane (`s_plane`).
+//! white: it is `A/A_f` times the noise. T weighs it by the frequencies at which a parameter is
+//! seen. The floor is the error of trends in place of derivatives, of f32, and what a damped
+//! step leaves of the bias. Then an insignificant constant is withdrawn (`significance`), and
+//! trends that have a plane of their own are mapped to the s plane (`s_plane`).
+//!
+//! Known as: bias-compensated least squares with sandwich covariance and a pre-test; sources in the files.
 
 mod compensation;
 pub(crate) mod estimate;
@@ -35,17 +36,17 @@ use crate::estimation::terms::Parameter;
 use crate::math::matrix::Matrix;
 use crate::readout::compensation::{Compensated, compensate};
 use crate::readout::residual_spectrum::{ResidualSpectrum, natural_frequency};
-use crate::readout::s_plane::{continuous, estimate_in_s_plane};
+use crate::readout::s_plane::{estimate_in_s_plane, theta_in_s_plane};
 use crate::readout::sandwich::{sandwich, transform};
 use crate::readout::significance::Withdrawal;
 
-/// What trends in place of derivatives cost, relative to a parameter, in units of `(omega_n Delta)^2`.
+/// Error of trends in place of derivatives, relative to a parameter, in units of `(omega_n Delta)^2`.
 ///
-/// Found without noise at 1 and 5 ms: 0.17 to 0.24 of every a_i and b_i of servos with damping 0.2 to 1, -0.08 of a
-/// lag, 0.1 to 0.22 of an oscillator, the same of all parameters but for a tenth: a gain `b_0/a_nu` hardly suffers.
+/// Measured without noise at 1 and 5 ms: 0.17 to 0.24 of every a_i and b_i of servos with damping 0.2 to 1, -0.08 of a
+/// lag, 0.1 to 0.22 of an oscillator. All parameters of a model share it to a tenth, so a gain `b_0/a_nu` hardly has it.
 const DISCRETE: f32 = 0.2;
 
-/// What f32 costs, relative to a parameter.
+/// Error of f32, relative to a parameter.
 const ARITHMETIC: f32 = 2e-5;
 
 impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
@@ -76,7 +77,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
 
     /// The parameters of the s plane, in the user's units.
     pub(crate) fn theta(&self) -> [f32; N] {
-        continuous(&self.trend_theta(), self.structure, self.design)
+        theta_in_s_plane(&self.trend_theta(), self.structure, self.design)
     }
 
     /// Parameters and covariance in the user's units.

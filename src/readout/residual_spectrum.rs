@@ -16,7 +16,7 @@ use crate::math::matrix::Matrix;
 use crate::math::polynomial::{unscaled, value_at};
 use crate::math::{pow, raised, sqrt};
 
-/// The model through which the residual is seen; everything in the user's units.
+/// The model whose residual it is; everything in the user's units.
 pub(crate) struct ResidualSpectrum<'a, const M: usize, const N: usize> {
     /// What each parameter is.
     pub(crate) parameters: [Parameter; N],
@@ -41,7 +41,7 @@ const FREQUENCIES: usize = 12;
 const LOWEST: f32 = 0.05;
 const STEP: f32 = 1.47;
 
-/// A record of T seconds sees a spectrum through a kernel whose tails are those of a Lorentz curve of half width 1/T.
+/// A record of T seconds shows a spectrum through a kernel with the tails of a Lorentz curve of half width 1/T.
 const BLUR: f32 = 3.0;
 
 impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
@@ -111,7 +111,7 @@ impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
         }
     }
 
-    /// Mean of `|A/A_f|^2` about `x`, as a record of this duration sees it.
+    /// Mean of `|A/A_f|^2` about `x`, as a record of this duration shows it.
     fn blurred(&self, residuals: &[f32; FREQUENCIES], x: f32) -> f32 {
         let width = BLUR / (self.duration * self.natural);
         let (mut sum, mut weights) = (0.0, 0.0);

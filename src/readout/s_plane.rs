@@ -1,4 +1,4 @@
-//! From the coefficients that the trends have found to those of the s plane, and back.
+//! From the parameters of the trends to those of the s plane, and back.
 //!
 //! Only trends that know their own plane ([`Design::to_s_plane`]) change anything here.
 
@@ -36,10 +36,9 @@ fn replaced<const M: usize, const N: usize, const I: usize>(
 
 /// Parameters of the trends as parameters of the s plane, in the user's units.
 ///
-/// Where there is none (a pole beyond the sampling) they stay as they are. A term that the
-/// structure does not have is not made; between terms that exist it would be of the size of
-/// `(omega Delta)^2`.
-pub(crate) fn continuous<const M: usize, const N: usize, const I: usize>(
+/// Where there is none (a pole beyond the sampling) they stay as they are. A term that is not in
+/// the structure stays 0; it would be of the size of `(omega Delta)^2`.
+pub(crate) fn theta_in_s_plane<const M: usize, const N: usize, const I: usize>(
     theta: &[f32; N],
     structure: &Structure<M, N, I>,
     design: &Design<M>,
@@ -49,8 +48,8 @@ pub(crate) fn continuous<const M: usize, const N: usize, const I: usize>(
     })
 }
 
-/// The way back from [`continuous`].
-pub(crate) fn sampled<const M: usize, const N: usize, const I: usize>(
+/// The way back from [`theta_in_s_plane`].
+pub(crate) fn theta_in_trend_plane<const M: usize, const N: usize, const I: usize>(
     theta: &[f32; N],
     structure: &Structure<M, N, I>,
     design: &Design<M>,
@@ -66,7 +65,7 @@ pub(crate) fn estimate_in_s_plane<const M: usize, const N: usize, const I: usize
     design: &Design<M>,
 ) -> Estimate<M, N, I> {
     let structure = found.structure;
-    let theta = continuous(&found.theta, &structure, design);
+    let theta = theta_in_s_plane(&found.theta, &structure, design);
     if theta == found.theta {
         return found;
     }
@@ -106,8 +105,8 @@ fn slope<const M: usize, const N: usize, const I: usize>(
         up[j] += step;
         down[j] -= step;
         let (up, down) = (
-            continuous(&up, structure, design),
-            continuous(&down, structure, design),
+            theta_in_s_plane(&up, structure, design),
+            theta_in_s_plane(&down, structure, design),
         );
         for i in 0..N {
             slope[i][j] = if step > 0.0 {

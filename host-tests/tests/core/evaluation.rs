@@ -140,7 +140,7 @@ fn evaluation_keeps_its_indices_through_bad_samples() {
     for k in 0..10 {
         let _ = evaluation.update(&model, [0.5], 0.1 * k as f32);
     }
-    let kept = evaluation;
+    let kept = evaluation.clone();
     for (u, y) in [
         (f32::NAN, 0.0),
         (0.0, f32::INFINITY),
