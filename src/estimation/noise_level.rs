@@ -2,7 +2,7 @@
 
 use crate::estimation::mean_square::MeanSquare;
 
-/// Samples before anything is said of the level.
+/// Samples before the level is given.
 const LEAST: f32 = 10.0;
 
 /// Variance of white measurement noise, blind to the movement of the drive.

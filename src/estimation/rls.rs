@@ -95,7 +95,7 @@ impl<const N: usize> Estimator<N> {
         &self.theta
     }
 
-    /// Takes one row, gives the innovation e before the step.
+    /// Takes one row and returns the innovation e before the step.
     ///
     /// Guarantees: no division by zero, D_j >= 0. Cost: see the table of instruction counts.
     #[inline]
@@ -117,8 +117,7 @@ impl<const N: usize> Estimator<N> {
 
     /// Corrects the estimate by `innovation` along the direction `z`.
     ///
-    /// With `z = phi` this is least squares; with an instrument z it is the
-    /// symmetric-gain instrumental variable estimator.
+    /// With `z = phi` this is least squares.
     #[inline(always)]
     pub fn correct(&mut self, z: &[f32; N], innovation: f32) {
         let mut f = *z;
@@ -188,7 +187,7 @@ impl<const N: usize> Estimator<N> {
         }
     }
 
-    /// Folds a row into U and D, given f = U' z and alpha_0; with its inverse; gives the unnormalised gain k and alpha_n.
+    /// Folds a row into U and D, given f = U' z, alpha_0 and its inverse; returns the unnormalised gain k and alpha_n.
     #[inline(always)]
     fn fold(&mut self, f: &[f32; N], alpha: f32, inverse: f32, growth: f32) -> ([f32; N], f32) {
         let mut row = Row {
@@ -301,7 +300,7 @@ impl<const N: usize> Estimator<N> {
         }
     }
 
-    /// The factors D_j, all positive unless the parameter is known.
+    /// The factors D_j: positive, or 0 for a known parameter.
     pub const fn diagonal(&self) -> &[f32; N] {
         &self.diagonal
     }

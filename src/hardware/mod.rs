@@ -1,7 +1,7 @@
 //! The edge to the machine: position sensors and valves over embedded-hal 1.0, and the scale between counts and units.
 //!
 //! Drivers speak raw integer codes. A code is converted to a float once, by [`Axis`], after a reference has been
-//! subtracted in counts: the float then carries the increment and not the distance from a far zero, which would eat the
+//! subtracted in counts: the float then carries the increment and not the distance from a far zero, which would exceed the
 //! resolution of an f32. The valve takes the command of the model, -1 to 1.
 //!
 //! Every driver has a safe output for a controller that gives up ([`Valve::safe`]).
@@ -33,9 +33,9 @@ pub trait Valve {
     /// Why the output failed.
     type Error;
 
-    /// Sets the command and gives what was set: `command` limited to -1..=1, and zero for a command that is not a number.
+    /// Sets the command and returns what was set: `command` limited to -1..=1, and zero for NaN.
     ///
-    /// The identifier must see the returned value, not the wish: a saturation that it does not know of is a gain error.
+    /// The identifier must see the returned value, not the requested one: a saturation that it does not see is a gain error.
     ///
     /// # Errors
     /// The error of the output; the command is then unknown.
@@ -102,7 +102,7 @@ pub struct Axis {
 impl Axis {
     /// Position relative to the reference, in units of the scale.
     ///
-    /// The difference wraps with the counter, so a reference near its end is no jump.
+    /// The difference wraps with the counter, so a reference near its end causes no jump.
     #[must_use]
     pub const fn position(self, counts: i32) -> f32 {
         self.scale.units(counts.wrapping_sub(self.reference))

@@ -2,7 +2,7 @@
 
 use crate::servo::motion::{MotionLimits, Travel};
 
-/// What the user knows of an axis, and what he wants otherwise than usual.
+/// What the user knows of an axis, and which defaults to override.
 ///
 /// A setting that is `None` follows from the others when the loop is built, so nothing that follows goes stale.
 ///
@@ -81,7 +81,7 @@ pub struct ControllerSettings {
     pub breakaway_ramp: f32,
     /// Friction at the smallest speed beyond Coulomb friction, in parts of it; default 0.8.
     pub stribeck: f32,
-    /// Bandwidth at the end of a move over the wanted one: slow motion under friction asks for more; default 2.8.
+    /// Bandwidth at the end of a move over the wanted one: slow motion under friction needs more; default 2.8.
     #[doc(alias = "settle")]
     pub settling_bandwidth_ratio: f32,
     /// Speed, beside that of the reference, at which a position error is worked off at most, in units of y per s;
@@ -90,7 +90,7 @@ pub struct ControllerSettings {
     /// Velocity below which friction rules the motion, in units of y per s; default 0.14 travels per s.
     #[doc(alias = "slow")]
     pub stiction_velocity: Option<f32>,
-    /// Time in which the trace of a change of gains disappears, in s; default 50 ms.
+    /// Time in which the offset of a bumpless change of gains fades, in s; default 50 ms.
     pub transition: f32,
 }
 

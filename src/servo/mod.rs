@@ -8,7 +8,7 @@
 //!
 //! | room | what it does |
 //! |---|---|
-//! | config, design | what the user says; every number that follows from it |
+//! | config, design | settings of the user; every number that follows from them |
 //! | motion | reference: moves, sine, run-out; the motion before there is a model |
 //! | control | pole placement, observer, friction that sticks, standstill, limits of the command |
 //! | supervision | excitation, screening and validation of models, states and reasons |

@@ -39,9 +39,9 @@ pub struct Model {
     pub b0: f32,
     /// Half width delta of the dead zone of the valve.
     pub dead_zone: f32,
-    /// Command that the drive seems to have without one.
+    /// Effective command at a command of zero.
     pub offset: f32,
-    /// Coulomb friction, as the acceleration that it takes away; 0 for a drive that does not stick.
+    /// Coulomb friction, as the acceleration that it takes away; 0 for a drive without friction.
     pub friction: f32,
 }
 
@@ -60,8 +60,8 @@ impl Model {
 
     /// Reads the model from theta = (a1, a2, b0 of u, b0 of sgn u, b1 of sgn v, constant).
     ///
-    /// A dead zone or a friction of the wrong sign is none and counts as 0. Not checked
-    /// otherwise: the result may be unusable or not finite.
+    /// A dead zone or a friction of the wrong sign counts as 0. Nothing else is checked:
+    /// the result may be unusable or not finite.
     pub fn from_parameters(theta: &[f32; 6]) -> Self {
         let [a1, a2, b0, null, coulomb, constant] = *theta;
         let delta = -null / b0;
@@ -87,7 +87,7 @@ impl Model {
         ]
     }
 
-    /// What the drive gets of a command: dead zone and offset. Cost: about 8 instructions.
+    /// Flow of a command through dead zone and offset. Cost: about 8 instructions.
     #[inline]
     pub fn flow(&self, command: f32) -> f32 {
         let beyond = if command > self.dead_zone {

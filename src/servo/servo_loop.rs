@@ -258,13 +258,13 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
     }
 
-    /// Where the axis should be now: what bridges a reading that failed.
+    /// Predicted position, which replaces a failed reading.
     fn expected(&self) -> f32 {
         let (m, t) = (self.motion(), self.sample_time);
         m.position + t * (m.velocity + 0.5 * t * m.acceleration)
     }
 
-    /// A sample without a position and nothing to bridge it: the valve goes to zero.
+    /// A sample without a measured or predicted position: the valve goes to zero.
     fn blind(&mut self) -> Report {
         if self.errors >= self.sensor_errors {
             self.supervisor.fail(Reason::SensorFault);

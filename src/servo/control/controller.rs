@@ -106,7 +106,7 @@ impl Controller {
         command
     }
 
-    /// Tells the controller what was set, after range, rate and resolution of the valve.
+    /// Takes the command that was set, after range, rate and resolution of the valve.
     #[inline]
     pub fn applied(&mut self, command: f32) {
         self.flow = self.observer.model().flow(command);

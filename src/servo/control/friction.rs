@@ -1,4 +1,4 @@
-//! Coulomb friction that sticks: the drive force at rest, how the axis breaks away, and what a reversal teaches.
+//! Coulomb friction that sticks: the drive force at rest, breakaway, and the friction learned from reversals.
 
 use crate::math::within;
 use crate::servo::design::StickSlipDesign;
@@ -119,7 +119,7 @@ impl StickSlip {
         }
     }
 
-    /// What friction takes of the acceleration, with the sign of the motion that it hinders: at rest, all of the drive.
+    /// Acceleration lost to friction, with the sign of the motion: at rest, all of the drive.
     #[inline]
     pub(crate) fn force(&self) -> f32 {
         if self.sticks() {
@@ -144,7 +144,7 @@ impl StickSlip {
         self.since
     }
 
-    /// Limits the drive at rest to the friction: while the valve moves about its dead zone, more of it is not known.
+    /// Limits the drive at rest to the friction: while the valve moves about its dead zone, no more is known.
     #[inline]
     pub(crate) fn limit_drive(&mut self) {
         let limited = within(self.drive, self.coulomb);
@@ -178,7 +178,7 @@ impl StickSlip {
         None
     }
 
-    /// One sample of motion: should the start turn out to be none, the drive is still known.
+    /// One sample of motion: the drive stays known in case the start was a false one.
     #[inline]
     pub(crate) fn carry(&mut self, change: f32) {
         self.drive += change;
@@ -266,7 +266,7 @@ impl StickSlip {
     /// Learns the friction from a reversal that ended at a drive of `end` in the new direction.
     ///
     /// The drive went from `a - friction` at the stop to `breakaway` at the start. Both ends scale with the
-    /// friction, and the way between them is known from the commands, whatever the friction was taken for.
+    /// friction, and the change between them is known from the commands, for any assumed friction.
     #[inline]
     fn learn(&mut self, end: f32) {
         let seen = (end + self.coulomb) * (1.0 / (1.0 + BREAKAWAY_RATIO));

@@ -17,7 +17,7 @@ use crate::servo::motion::Motion;
 /// ```
 ///
 /// d is what the controller subtracts: it is the integral action, and because the
-/// observer sees the command that was really set it does not wind up.
+/// observer sees the command that was set it does not wind up.
 ///
 /// Known as: Luenberger observer (Luenberger 1964), extended state observer (Han 2009).
 #[derive(Debug, Clone, PartialEq)]
@@ -89,7 +89,7 @@ impl Observer {
         self.motion.acceleration += self.gain[2] * innovation;
         let v = self.motion.velocity;
         if self.friction.coulomb() > 0.0 && within(v, self.design.stiction_velocity) == v {
-            // Slow motion is ruled by friction, which is no flow.
+            // Friction dominates slow motion, and friction is not a flow.
             self.disturbance -= self.design.disturbance_leak * self.disturbance;
         } else {
             let d = self.disturbance + self.gain[3] * innovation;

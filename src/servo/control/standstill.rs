@@ -67,7 +67,7 @@ impl Standstill {
             self.inside = 0;
             return;
         }
-        // An axis whose hops are longer than the window would hunt for ever.
+        // Hops longer than the window would hunt for ever.
         let hops = self
             .hops
             .saturating_sub(HUNTING_HOPS_MIN)
@@ -94,7 +94,7 @@ impl Standstill {
             if !self.pushing {
                 self.push = PUSH_RESTART_RATIO * self.moved_at[side];
             }
-            // The longer it sticks, the less is the dead zone what it seems.
+            // The longer it sticks, the less reliable is the dead zone.
             let haste = 1.0 + self.design.push_haste * since as f32;
             let next = self.push + self.design.push_growth * haste;
             self.push = if next < PUSH_MAX { next } else { PUSH_MAX };
@@ -103,7 +103,7 @@ impl Standstill {
         }
         if self.pushing && at_rest {
             self.hops = self.hops.saturating_add(1);
-            // It moved: what the dead zone really is on this side, to begin there next time.
+            // It moved: the dead zone of this side, where the next push begins.
             self.moved_at[side] += PUSH_LEARNING_SHARE * (self.push - self.moved_at[side]);
         }
         self.pushing = false;
@@ -124,7 +124,7 @@ impl Standstill {
         let friction = observer.friction();
         let goal = friction.breakaway() * direction + needed;
         let rate = (goal - observer.drive()) * self.design.stick_rate;
-        // Where the drive is already there and the axis still sticks, the drive is not what it seems.
+        // The drive is there and the axis still sticks: the drive estimate is wrong.
         let least = STICTION_RAMP_MIN
             * friction.coulomb()
             * (1.0 + self.design.ramp_haste * friction.since() as f32);

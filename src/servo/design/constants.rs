@@ -17,11 +17,11 @@ pub(crate) const CONTROLLER_RATIO: f32 = 2.5;
 pub(crate) const OBSERVER_RATIO: f32 = 3.5;
 /// Velocity limit in L per s.
 pub(crate) const VELOCITY_RATIO: f32 = 2.0;
-/// Acceleration over L w^2, and jerk over L w^3: a move of some 15 % of L saturates the valve just not.
+/// Acceleration over L w^2, and jerk over L w^3: a move of some 15 % of L stays just below saturation of the valve.
 pub(crate) const ACCELERATION_RATIO: f32 = 0.04;
 /// Rest window over L: above the noise and the resolution.
 pub(crate) const REST_WINDOW_RATIO: f32 = 1.15e-4;
-/// Breakaway distance over L, 1.6 times the noise: less wakes the axis by noise, more notices a movement too late.
+/// Breakaway distance over L, 1.6 times the noise: below it noise counts as movement, above it a movement is noticed late.
 pub(crate) const BREAKAWAY_DISTANCE_RATIO: f32 = 4e-5;
 /// Speed over L per s at which a position error is worked off.
 pub(crate) const CATCH_UP_RATIO: f32 = 0.08;
@@ -159,7 +159,7 @@ pub(crate) const TRANSITION_RATE_MAX: f32 = 5.0;
 pub(crate) const LOOK_TIME: f32 = 0.016;
 /// Time in s after a rejected estimate without candidates; also the length of `Rejected`.
 pub(crate) const REJECTION_TIME: f32 = 0.064;
-/// Failed validations that end a commissioning: of many wrong models one would pass in the end.
+/// Failed validations that end a commissioning: among many wrong models one would pass by chance.
 pub(crate) const FAILED_VALIDATIONS_MAX: u32 = 2;
 /// Time in s without motion after which the model is no longer adapted.
 pub(crate) const STILL_TIME: f32 = 0.2;
@@ -179,7 +179,7 @@ pub(crate) const DAMPING_MAX: f32 = 36.0;
 pub(crate) const VALVE_MAX: f32 = 0.3;
 /// Movement, over the least, that a validation in control must have seen.
 pub(crate) const VALIDATION_TRAVEL_RATIO: f32 = 5.0;
-/// Time constants in s of the innovation's variance: of late, and usual.
+/// Time constants in s of the innovation's variance: recent, and usual.
 pub(crate) const INNOVATION_FAST_TIME: f32 = 0.03;
 pub(crate) const INNOVATION_SLOW_TIME: f32 = 2.0;
 /// Time constant in s in which the largest tracking error is forgotten.

@@ -192,7 +192,7 @@ pub(crate) struct ValidationDesign {
 /// Numbers of the change detection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ChangeDesign {
-    /// Shares of a new sample in the variance of late, and in the usual one.
+    /// Shares of a new sample in the recent variance, and in the usual one.
     pub(crate) fast_share: f32,
     pub(crate) slow_share: f32,
     pub(crate) alarm_ratio: f32,

@@ -8,7 +8,7 @@ use crate::servo::design::ChangeDesign;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ChangeDetector {
     design: ChangeDesign,
-    /// Variance of late, and the usual one.
+    /// Recent variance, and the usual one.
     fast: f32,
     usual: f32,
     /// Samples without another alarm.

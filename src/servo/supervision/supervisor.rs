@@ -31,7 +31,7 @@ pub struct Supervisor {
     refused: u32,
     /// Samples without motion.
     pub(crate) still_for: u32,
-    /// Largest tracking error of late.
+    /// Largest recent tracking error.
     pub(crate) peak_error: f32,
 }
 
