@@ -57,7 +57,7 @@ pub(crate) fn inputs_of_known(command: f32, controller: &Controller) -> [f32; 3]
 /// Identifies on from `model` with `share` of a1, a2 and b0 as standard deviation.
 ///
 /// Dead zone, offset and friction stay as they are: they enter by the inputs. In closed loop, on
-/// slow motion, six parameters would trade places; three do not.
+/// slow motion, six parameters cannot be told apart; three can.
 pub(crate) fn reopen(identifier: &mut LoopIdentifier, model: &Model, share: f32) {
     let Model { a1, a2, b0, .. } = *model;
     let theta = [a1, a2, b0, 0.0, -1.0, 0.0];
@@ -82,7 +82,7 @@ pub(crate) fn candidate(identifier: &LoopIdentifier, controller: Option<&Control
     let p = |i: usize, j: usize| known * covariance[i][j];
     let [a1, a2, b0, _, friction, _] = theta;
     if friction * friction < FRICTION_SIGMA_SQUARED * p(4, 4) {
-        // Friction by mistake would let the observer stick without cause.
+        // A wrong friction would make the observer stick without cause.
         theta[4] = 0.0;
     }
     let mut model = Model::from_parameters(&theta);

@@ -1,4 +1,4 @@
-//! What the loop does with the decisions of the supervisor, and its parts to look at.
+//! The decisions of the supervisor carried out, and access to the parts of the loop.
 
 use crate::Outcome;
 use crate::hardware::{PositionSensor, Valve};
@@ -58,7 +58,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 && self.slides())
     }
 
-    /// Whether the axis slides, and has slid for a while: a start shows more of friction than of the model.
+    /// Whether the axis has slid for a while: a start shows more of friction than of the model.
     fn slides(&self) -> bool {
         let observer = self.controller.observer();
         !observer.sticks() && observer.friction().since() > self.settled
@@ -97,7 +97,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
     }
 
-    /// The controller takes the axis over in motion and lets it run out.
+    /// The controller takes over the moving axis and lets it run out.
     pub(crate) fn take_over(&mut self, motion: Motion) {
         self.controller.place(motion);
         self.trajectory.run_out(motion, self.run_out_rate);

@@ -68,7 +68,7 @@ impl Controller {
         }
     }
 
-    /// Begins at a motion, with no trace of earlier gains.
+    /// Begins at a motion, without an offset of earlier gains.
     pub fn place(&mut self, motion: Motion) {
         self.observer.place(motion);
         self.trace = 0.0;
@@ -98,7 +98,7 @@ impl Controller {
         if let Some(model) = self.arriving.take() {
             self.observer.tune(model);
             self.inverse_gain = 1.0 / model.b0;
-            // Within the full command on both sides: beyond it is saturation and no difference.
+            // Within the full command on both sides: beyond it the valve saturates anyway.
             let changed = self.law(setpoint);
             self.trace = within(command, 1.0) - changed;
             command = changed + self.trace;
@@ -197,7 +197,7 @@ impl Controller {
             * share
     }
 
-    /// The direction that the reference has, or is about to have; 0 at rest.
+    /// The present or next direction of the reference; 0 at rest.
     #[inline]
     fn wanted_direction(&self, r: &Setpoint) -> f32 {
         let ahead = r.velocity + self.design.reversal_lookahead * r.acceleration;

@@ -33,7 +33,7 @@ impl AlphaBetaGamma {
         }
     }
 
-    /// Stands at `position` from now on.
+    /// Starts again at rest at `position`.
     pub(crate) fn place(&mut self, position: f32) {
         self.motion = Motion::at(position);
     }

@@ -1,4 +1,4 @@
-//! Where the axis shall be: setpoints, profiles, and the filter that follows a measured motion.
+//! The wanted motion: setpoints, profiles, and the filter that follows a measured motion.
 
 pub(crate) mod alpha_beta_gamma;
 pub(crate) mod profile;
@@ -75,7 +75,7 @@ impl Setpoint {
         }
     }
 
-    /// Whether nothing is to move.
+    /// Whether the setpoint stands still.
     #[inline]
     pub fn is_rest(&self) -> bool {
         self.velocity == 0.0 && self.acceleration == 0.0 && self.jerk == 0.0

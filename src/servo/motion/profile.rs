@@ -70,7 +70,7 @@ pub(crate) struct Search {
     start: Motion,
     target: f32,
     direction: f32,
-    /// A velocity that stops in time, and one that does not.
+    /// A velocity from which the axis stops in time, and one from which it does not.
     low: f32,
     high: f32,
     left: u8,
@@ -95,7 +95,7 @@ impl Search {
             target,
             direction,
             low: 0.0,
-            // Twice the largest velocity: whether that itself will do is the first question.
+            // Twice the largest velocity: the first step of the search then tests the largest itself.
             high: if 2.0 * limits.velocity < reach {
                 2.0 * limits.velocity
             } else {
@@ -124,7 +124,7 @@ impl Search {
         } else {
             self.low = middle;
             if middle >= limits.velocity {
-                // No more than that is asked for.
+                // The requested limit suffices.
                 self.high = middle;
             }
         }

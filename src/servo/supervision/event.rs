@@ -3,7 +3,7 @@
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
 
-/// What the supervisor sees of one sample.
+/// One sample, as the supervisor sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Observation {
     /// The motion as far as it is known.
@@ -14,7 +14,7 @@ pub(crate) struct Observation {
     pub(crate) u: f32,
     /// Whether the position code is the same as in the sample before.
     pub(crate) same_code: bool,
-    /// Whether the axis sticks: then a model has nothing to show.
+    /// Whether the axis sticks: then no model can be validated.
     pub(crate) sticks: bool,
     /// Reference minus observed position; 0 without control.
     pub(crate) error: f32,
@@ -22,7 +22,7 @@ pub(crate) struct Observation {
     pub(crate) innovation: Option<f32>,
 }
 
-/// What the loop has to do after a sample.
+/// Consequence of a sample for the loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Event {
     /// Nothing.
@@ -31,8 +31,8 @@ pub(crate) enum Event {
     Accepted(Model),
     /// The estimate is rejected: the identifier begins again from this model, which stays in force.
     Restored(Model),
-    /// The drive changed: the memory of the identifier is opened.
+    /// The drive changed: the identifier discounts what it learned before.
     Changed,
-    /// The axis is to be stopped.
+    /// The axis must stop.
     Stopped,
 }

@@ -7,9 +7,9 @@ use crate::servo::motion::Travel;
 /// Binary noise with random levels that turns back before it leaves its band.
 ///
 /// Signs and levels come from a shift register of 15 bits (x^15 + x^14 + 1, period
-/// 32767). The levels are 25 to 100 % of the amplitude: two levels alone could not tell a
-/// dead zone from a gain. Where the axis would come to rest, y + v times the stopping
-/// time, is compared with the band; beyond it only a command that leads back is given.
+/// 32767). The levels are 25 to 100 % of the amplitude: with two levels alone a dead
+/// zone looks like a smaller gain. The place where the axis would come to rest, y + v times
+/// the stopping time, is compared with the band; beyond it only a command that leads back is given.
 ///
 /// Guarantees: |u| <= amplitude; beyond the band the sign leads inwards.
 ///

@@ -5,7 +5,7 @@ use crate::servo::design::MonitorDesign;
 /// How much the command moves within some 50 ms.
 ///
 /// A slow motion fits any model of the right gain: gain, frequency and damping can
-/// grow or shrink together. Only what is fast against the drive tells them apart.
+/// grow or shrink together. Only commands that are fast against the drive separate them.
 #[derive(Debug, Clone, PartialEq)]
 #[doc(alias = "Richness")]
 pub(crate) struct ExcitationMonitor {

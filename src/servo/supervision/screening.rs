@@ -65,7 +65,7 @@ impl ScreeningDesign {
 }
 
 impl SupervisionDesign {
-    /// Whether the candidate replaces the model in use; `false` when the axis moved too little to tell.
+    /// Whether the candidate replaces the model in use; `false` when the axis moved too little to compare them.
     pub(crate) fn compare(&self, report: &FitReport) -> Result<bool, Reason> {
         let enough = VALIDATION_TRAVEL_RATIO * self.min_travel;
         if !(report.sst > enough * enough * report.samples as f32) {

@@ -12,13 +12,13 @@ use core::fmt;
 pub enum Reason {
     /// A parameter is not finite.
     NotFinite,
-    /// The drive answers with the wrong sign.
+    /// The drive moves against the command.
     WrongSign,
     /// Gain, natural frequency or damping is out of the range of the drive's data.
     OutOfRange,
-    /// The model without its integrator is not stable.
+    /// The model without its integrator is unstable.
     Unstable,
-    /// The parameters are not certain enough.
+    /// The standard deviations of the parameters are too large.
     Uncertain,
     /// In a free simulation the model does not follow: wrong order, structure or delay.
     PoorFit,
@@ -30,7 +30,7 @@ pub enum Reason {
     ValveStuck,
     /// The position code does not change at all, not even by noise.
     SensorStuck,
-    /// The sensor reported errors for 3 ms running.
+    /// The sensor reported errors for 3 ms in a row.
     SensorFault,
     /// The valve reported an error.
     ValveFault,

@@ -14,7 +14,7 @@ use crate::servo::supervision::validation::{FitReport, Validation};
 ///
 /// A candidate must be finite, of the right sign, in range, stable, certain, and must explain
 /// a window of later samples in free simulation, better than the model in use. The last
-/// verified model is kept as it is, bit for bit, whatever comes after it.
+/// verified model is kept bit for bit until another one replaces it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Supervisor {
     pub(crate) design: SupervisionDesign,
