@@ -10,6 +10,7 @@
 //! | [`oracles`] | other ways to the same numbers: batch least squares, Kalman filter, output error, Cramer-Rao bound |
 //! | [`paper`] | the paper's Table 1: its conditions, one record through every method, statistics over many |
 //! | [`servo`] | the adaptive position loop of the core on simulated axes |
+//! | [`endurance`] | recursions over hours |
 //!
 //! A room uses only the rooms above it.
 

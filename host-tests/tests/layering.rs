@@ -29,7 +29,14 @@ const ORDERS: [(&str, &[&str]); 2] = [
     ),
     (
         "host-tests/src",
-        &["plants", "signals", "oracles", "paper", "servo"],
+        &[
+            "plants",
+            "signals",
+            "oracles",
+            "paper",
+            "servo",
+            "endurance",
+        ],
     ),
 ];
 

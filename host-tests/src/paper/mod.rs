@@ -6,8 +6,10 @@
 //! | [`methods`] | conditions, filters and methods of the reproduction |
 //! | [`mod@trial`] | one record through every method |
 //! | [`statistics`] | statistics over many records |
+//! | [`mod@coverage`] | how often the true value lies within the reported standard deviations |
 //! | [`iterations`] | exact trends with the model of the iteration before |
 
+pub mod coverage;
 pub mod iterations;
 pub mod methods;
 pub mod statistics;

@@ -7,6 +7,7 @@ mod common;
 mod accuracy;
 mod batch;
 mod bound;
+mod calibration;
 mod defects;
 mod delay;
 mod evaluation;
