@@ -41,7 +41,7 @@ functions! {
     row_servo(Servo<Still>, (i32, Option<f32>)) -> Report, |state, u, _y| {
         state.sensor_mut().code = u.0;
         if let Some(target) = u.1 {
-            state.move_to(target);
+            let _ = state.move_to(target);
         }
         state.update()
     };

@@ -64,7 +64,7 @@ pub fn motion(
         let target = (k % 1000 == 999).then_some(if k % 2000 == 999 { 250.0 } else { 150.0 });
         leader.sensor_mut().code = code;
         if let Some(target) = target {
-            leader.move_to(target);
+            let _ = leader.move_to(target);
         }
         let _ = leader.update();
         ((code, target), 0.0)

@@ -83,7 +83,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut last = None;
     for tick in 1..=10_000 {
         if let Some(target) = target(tick) {
-            servo.move_to(target);
+            servo.move_to(target)?;
         }
         let report = servo.update();
         if last != Some(report.state) || tick.is_multiple_of(1000) {

@@ -95,7 +95,8 @@ impl Slot {
 
     fn control(&mut self, begin: u32) {
         if let Some(target) = target(self.now.tick) {
-            self.servo.move_to(target);
+            // The targets are finite: nothing to refuse.
+            let _ = self.servo.move_to(target);
         }
         let report = self.servo.update();
         let before = core::mem::discriminant(&self.now.state);

@@ -79,11 +79,16 @@ impl Controller {
             Request::Reset(_) => {}
             Request::Commission => servo.commission(),
             Request::Abort => servo.abort(),
-            Request::MoveTo(target) => servo.move_to(target),
+            // A request that is refused changes nothing: the setpoint of the reply shows it.
+            Request::MoveTo(target) => {
+                let _ = servo.move_to(target);
+            }
             Request::Oscillate {
                 amplitude,
                 frequency,
-            } => servo.oscillate(amplitude, frequency),
+            } => {
+                let _ = servo.oscillate(amplitude, frequency);
+            }
         }
     }
 }

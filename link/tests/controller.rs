@@ -89,11 +89,11 @@ fn both_loops_give_the_same_bits_through_commissioning_and_moves() {
                 Request::Reset(_) => {}
                 Request::Commission => direct.commission(),
                 Request::Abort => direct.abort(),
-                Request::MoveTo(target) => direct.move_to(target),
+                Request::MoveTo(target) => direct.move_to(target).expect("a target"),
                 Request::Oscillate {
                     amplitude,
                     frequency,
-                } => direct.oscillate(amplitude, frequency),
+                } => direct.oscillate(amplitude, frequency).expect("a sine"),
             }
         }
         direct.sensor_mut().0 = sample.code;

@@ -13,7 +13,7 @@ use crate::servo::identification::{
 use crate::servo::model::Model;
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
 use crate::servo::motion::trajectory::Trajectory;
-use crate::servo::motion::{Motion, Setpoint, Travel};
+use crate::servo::motion::{Motion, Setpoint};
 use crate::servo::report::Report;
 use crate::servo::supervision::excitation::Excitation;
 use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
@@ -53,7 +53,6 @@ pub struct ServoLoop<S, V> {
     pub(crate) sensor: S,
     pub(crate) valve: V,
     axis: Axis,
-    travel: Travel,
     pub(crate) adaptive: bool,
     sample_time: f32,
     pub(crate) run_out_rate: f32,
@@ -67,7 +66,7 @@ pub struct ServoLoop<S, V> {
     pub(crate) controller: Controller,
     pub(crate) excitation: Excitation,
     pub(crate) trajectory: Trajectory,
-    limiter: CommandLimiter,
+    pub(crate) limiter: CommandLimiter,
     pub(crate) tracking: AlphaBetaGamma,
     pub(crate) monitor: ExcitationMonitor,
     code: i32,
@@ -94,7 +93,6 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             sensor,
             valve,
             axis,
-            travel: design.travel,
             adaptive: design.adaptive,
             sample_time: *sample_time,
             run_out_rate: design.run_out_rate,
@@ -105,7 +103,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             supervisor: Supervisor::new(&design.supervision),
             controller: Controller::new(&design, placeholder(config)),
             excitation: Excitation::new(&design.excitation),
-            trajectory: Trajectory::new(design.motion, *sample_time, 0.0),
+            trajectory: Trajectory::new(design.motion, design.travel, *sample_time),
             limiter: CommandLimiter::new(&design.limiter),
             tracking: AlphaBetaGamma::new(design.tracking_rate, *sample_time),
             monitor: ExcitationMonitor::new(&design.monitor),
@@ -120,21 +118,13 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// Takes a model that is known to be good: control begins with the next sample, at the actual position.
     ///
     /// # Errors
-    /// [`Error::Model`] when it is not finite or not stable.
+    /// [`Error::Model`] with the reason, when it does not pass what every candidate must: finite, of the right sign, stable,
+    /// in range of the settings.
     pub fn install(&mut self, model: Model) -> Result<(), Error> {
-        if !model.is_finite() {
-            return Err(Error::Model(Reason::NotFinite));
-        }
-        if !(model.a1 > 0.0 && model.a2 > 0.0 && model.b0 > 0.0) {
-            return Err(Error::Model(Reason::Unstable));
-        }
-        self.supervisor.install(model);
-        self.controller.retune(model);
+        self.supervisor.install(model).map_err(Error::Model)?;
         reopen(&mut self.identifier, &model, REOPENED_STD);
         self.start_requested = false;
-        if self.begun {
-            self.take_over(Motion::at(self.position));
-        }
+        self.take_over(model, Motion::at(self.position));
         Ok(())
     }
 
@@ -150,20 +140,30 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     }
 
     /// Moves to `target`, limited to the travel, as fast as the limits of motion allow; may be called in any sample.
-    pub fn move_to(&mut self, target: f32) {
-        self.trajectory.move_to(self.travel.nearest(target));
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for NaN and infinity; the reference goes on as before.
+    pub fn move_to(&mut self, target: f32) -> Result<(), Error> {
+        self.trajectory.move_to(target)
     }
 
-    /// Oscillates about the present reference with `frequency` in Hz; the amplitude grows over one period.
-    pub fn oscillate(&mut self, amplitude: f32, frequency: f32) {
-        self.trajectory.oscillate(amplitude, frequency);
+    /// Oscillates with `frequency` in Hz about the present reference, in motion about the place where it comes to rest; the
+    /// amplitude grows over one period.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with the largest amplitude or frequency for which travel and limits of motion have room,
+    /// [`Error::NotPositive`]; the reference goes on as before.
+    pub fn oscillate(&mut self, amplitude: f32, frequency: f32) -> Result<(), Error> {
+        self.trajectory.oscillate(amplitude, frequency)
     }
 
     /// One sample: reads the sensor, moves the valve, learns.
     ///
     /// Cost: see the table of instruction counts.
     pub fn update(&mut self) -> Report {
-        let code = self.sensor.counts().ok();
+        // A position that is not finite is no reading.
+        let read = self.sensor.counts().ok();
+        let code = read.filter(|code| self.axis.position(*code).is_finite());
         self.errors = match code {
             Some(_) => 0,
             None => self.errors.saturating_add(1),

@@ -5,6 +5,7 @@ use crate::hardware::{PositionSensor, Valve};
 use crate::servo::control::controller::Controller;
 use crate::servo::design::constants::{CHANGED_STD, REOPENED_STD};
 use crate::servo::identification::{LoopIdentifier, candidate, reopen};
+use crate::servo::model::Model;
 use crate::servo::motion::{Motion, Setpoint};
 use crate::servo::servo_loop::ServoLoop;
 use crate::servo::supervision::event::{Event, Observation};
@@ -69,20 +70,21 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         match event {
             Event::None | Event::Stopped => false,
             Event::Accepted(model) => {
-                self.controller.retune(model);
                 if before.is_commissioning() {
                     reopen(&mut self.identifier, &model, REOPENED_STD);
-                    self.take_over(self.tracking.motion());
+                    self.take_over(model, self.tracking.motion());
                 } else {
+                    self.controller.retune(model);
                     self.identifier.set_nominal();
                 }
                 true
             }
             Event::Restored(model) => {
                 reopen(&mut self.identifier, &model, REOPENED_STD);
-                self.controller.retune(model);
                 if before.is_commissioning() {
-                    self.take_over(self.tracking.motion());
+                    self.take_over(model, self.tracking.motion());
+                } else {
+                    self.controller.retune(model);
                 }
                 true
             }
@@ -97,9 +99,9 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
     }
 
-    /// The controller takes over the moving axis and lets it run out.
-    pub(crate) fn take_over(&mut self, motion: Motion) {
-        self.controller.place(motion);
+    /// The controller takes over the moving axis on a verified model, and lets it run out.
+    pub(crate) fn take_over(&mut self, model: Model, motion: Motion) {
+        self.controller.begin(model, motion, self.limiter.last());
         self.trajectory.run_out(motion, self.run_out_rate);
     }
 

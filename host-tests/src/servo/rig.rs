@@ -52,15 +52,27 @@ pub enum Request {
 
 impl Request {
     /// Passes the request to a loop.
+    ///
+    /// # Panics
+    /// When the loop refuses it: no scenario requests what the axis has no room for.
     pub fn apply_to<S: PositionSensor, V: Valve>(self, servo: &mut ServoLoop<S, V>) {
-        match self {
-            Self::Commission => servo.commission(),
-            Self::Abort => servo.abort(),
+        let done = match self {
+            Self::Commission => {
+                servo.commission();
+                Ok(())
+            }
+            Self::Abort => {
+                servo.abort();
+                Ok(())
+            }
             Self::MoveTo(target) => servo.move_to(target),
             Self::Oscillate {
                 amplitude,
                 frequency,
             } => servo.oscillate(amplitude, frequency),
+        };
+        if let Err(error) = done {
+            panic!("{self:?}: {error}");
         }
     }
 }

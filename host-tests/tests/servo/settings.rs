@@ -25,11 +25,11 @@ fn trace(config: &Config) -> Result<Vec<(u32, u8)>, Error> {
     for k in 0..8000 {
         match k {
             100 => servo.commission(),
-            1000 => servo.move_to(250.0),
-            1800 => servo.oscillate(30.0, 1.0),
+            1000 => servo.move_to(250.0)?,
+            1800 => servo.oscillate(30.0, 1.0)?,
             3000 => plant.set_mass(3.0 * mass),
             5000 => plant.set_mass(mass),
-            6500 => servo.move_to(180.0),
+            6500 => servo.move_to(180.0)?,
             _ => {}
         }
         servo.sensor_mut().code = Some(plant.measure_counts());
@@ -57,9 +57,9 @@ const CHANGES: &[(&str, Change)] = &[
     ("adaptive", |c| c.adaptive = false),
     ("motion", |c| {
         c.motion = Some(MotionLimits {
-            velocity: 100.0,
-            acceleration: 1000.0,
-            jerk: 1e4,
+            velocity: 300.0,
+            acceleration: 3000.0,
+            jerk: 5e4,
         });
     }),
     ("controller.bandwidth", |c| {

@@ -75,6 +75,15 @@ impl Controller {
         self.standstill.wake();
     }
 
+    /// Begins at a motion with a verified model and the command in force, with no trace of earlier gains.
+    pub(crate) fn begin(&mut self, model: Model, motion: Motion, command: f32) {
+        self.arriving = None;
+        self.observer.tune(model);
+        self.inverse_gain = 1.0 / model.b0;
+        self.place(motion);
+        self.applied(command);
+    }
+
     /// Goes over to another verified model at the next sample; ignored unless finite with a positive gain.
     pub fn retune(&mut self, model: Model) {
         if model.is_finite() && positive(model.b0) {

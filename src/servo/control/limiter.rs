@@ -21,6 +21,11 @@ impl CommandLimiter {
         }
     }
 
+    /// The newest command.
+    pub(crate) const fn last(&self) -> f32 {
+        self.last
+    }
+
     /// The command nearest to `requested` that range and rate allow. Cost: about 15 instructions.
     #[inline]
     pub(crate) fn update(&mut self, requested: f32) -> f32 {

@@ -175,6 +175,8 @@ pub(crate) struct ScreeningDesign {
     pub(crate) frequency_squared: f32,
     pub(crate) factor_squared: f32,
     pub(crate) max_gain: f32,
+    /// Velocity gain with which the full command just counts as motion.
+    pub(crate) min_gain: f32,
     /// Largest relative variance while commissioning, and in control.
     pub(crate) max_variance: f32,
     pub(crate) max_variance_adapting: f32,

@@ -83,6 +83,7 @@ impl Config {
             frequency_squared: self.bandwidth * self.bandwidth,
             factor_squared: settings.frequency_factor * settings.frequency_factor,
             max_gain,
+            min_gain: self.min_speed(),
             max_variance: std * std,
             max_variance_adapting: adapting * adapting,
         })

@@ -125,15 +125,20 @@ impl Travel {
         self.max - self.min
     }
 
-    /// The position within the travel that is nearest to `position`; NaN passes.
+    /// The position within the travel that is nearest to `position`; NaN is the lower end.
     pub(crate) fn nearest(&self, position: f32) -> f32 {
-        if position < self.min {
-            self.min
-        } else if position > self.max {
+        if position > self.max {
             self.max
-        } else {
+        } else if position > self.min {
             position
+        } else {
+            self.min
         }
+    }
+
+    /// Whether `position` is within the travel; NaN is not.
+    pub(crate) fn contains(&self, position: f32) -> bool {
+        position >= self.min && position <= self.max
     }
 
     pub(crate) fn check(&self) -> Result<(), Error> {

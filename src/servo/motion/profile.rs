@@ -29,28 +29,58 @@ impl Segment {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Move {
     segments: [Segment; 7],
-    /// The present piece, where it began, and the time since.
+    /// The present piece, and where it began.
     index: u8,
     start: Motion,
-    time: f32,
+    /// Time into the piece at its first sample, and samples since: a sum of sample times would lose them after hours.
+    offset: f32,
+    samples: u32,
     target: f32,
 }
 
 impl Move {
-    /// The setpoint `step` seconds on, and whether the move has ended. Cost: about 40 instructions.
+    /// A move of these pieces that ends at rest at `target`.
+    fn new(segments: [Segment; 7], start: Motion, target: f32) -> Self {
+        Self {
+            segments,
+            index: 0,
+            start,
+            offset: 0.0,
+            samples: 0,
+            target,
+        }
+    }
+
+    /// A move that comes to rest from `start` as fast as the limits allow.
+    pub(crate) fn stop(start: Motion, limits: &MotionLimits) -> Self {
+        let [a, b, c] = change(start.velocity, start.acceleration, 0.0, limits);
+        let target = start.position + end(&from_zero(&start), &[a, b, c]).position;
+        let none = Segment::default();
+        Self::new([a, b, c, none, none, none, none], start, target)
+    }
+
+    /// Where the move ends.
+    pub(crate) const fn target(&self) -> f32 {
+        self.target
+    }
+
+    /// The setpoint `step` seconds on, and whether the move has ended. Cost: about 45 instructions.
     #[inline]
     pub(crate) fn next(&mut self, step: f32) -> (Setpoint, bool) {
-        self.time += step;
+        self.samples = self.samples.saturating_add(1);
+        let mut time = self.offset + self.samples as f32 * step;
         while let Some(segment) = self.segments.get(usize::from(self.index))
-            && self.time >= segment.duration
+            && time >= segment.duration
         {
             self.start = segment.at(&self.start, segment.duration);
-            self.time -= segment.duration;
+            time -= segment.duration;
+            self.offset = time;
+            self.samples = 0;
             self.index += 1;
         }
         match self.segments.get(usize::from(self.index)) {
             Some(segment) => {
-                let now = segment.at(&self.start, self.time);
+                let now = segment.at(&self.start, time);
                 (Setpoint::of(&now, segment.jerk), false)
             }
             // What rounding left is below the resolution of any sensor.
@@ -147,13 +177,7 @@ impl Search {
 
     /// The move that was found.
     pub(crate) fn planned(&self, limits: &MotionLimits) -> Move {
-        Move {
-            segments: self.segments(limits),
-            index: 0,
-            start: self.start,
-            time: 0.0,
-            target: self.target,
-        }
+        Move::new(self.segments(limits), self.start, self.target)
     }
 
     /// The seven pieces of the move.

@@ -1,6 +1,6 @@
 //! A motion that is taken over runs out.
 
-use crate::servo::motion::{MotionLimits, Setpoint};
+use crate::servo::motion::{Motion, MotionLimits, Setpoint};
 
 /// Share of the limits of motion below which a motion that runs out has ended.
 const ENDED: f32 = 1e-4;
@@ -14,6 +14,21 @@ pub(crate) struct RunOut {
 }
 
 impl RunOut {
+    /// Where a motion ends: `x + (2 rate v + a) / rate^2`.
+    pub(crate) fn end(&self, from: &Motion) -> f32 {
+        from.position
+            + (2.0 * self.rate * from.velocity + from.acceleration) / (self.rate * self.rate)
+    }
+
+    /// Whether acceleration and jerk of this motion stay within the limits: both are largest at its begin, but for an
+    /// acceleration of at most `rate v / e` on the way.
+    pub(crate) fn keeps(&self, from: &Motion, limits: &MotionLimits) -> bool {
+        let (speed, acceleration) = (self.rate * from.velocity.abs(), from.acceleration.abs());
+        acceleration <= limits.acceleration
+            && 0.37 * speed <= limits.acceleration
+            && self.rate * (2.0 * acceleration + speed) <= limits.jerk
+    }
+
     /// One sample of `step` seconds on from `s`; whether the motion has ended. Cost: about 25 instructions.
     #[inline]
     pub(crate) fn next(&self, s: &Setpoint, step: f32, limits: &MotionLimits) -> (Setpoint, bool) {

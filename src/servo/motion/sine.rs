@@ -1,7 +1,7 @@
 //! A sine that begins without a kick.
 
 use crate::math::sin;
-use crate::servo::motion::Setpoint;
+use crate::servo::motion::{MotionLimits, Setpoint};
 
 /// `centre + amplitude blend(t) sin(omega t)`; the blend rises from 0 to 1 over one period.
 ///
@@ -21,7 +21,20 @@ pub(crate) struct Sine {
     growth: f32,
 }
 
+/// Largest acceleration and jerk over `A omega^2` and `A omega^3`, while the amplitude grows.
+const BLEND_ACCELERATION: f32 = 1.16;
+const BLEND_JERK: f32 = 1.56;
+
 impl Sine {
+    /// The largest amplitude that the limits allow at `frequency` (Hz).
+    pub(crate) fn max_amplitude(frequency: f32, limits: &MotionLimits) -> f32 {
+        let omega = 2.0 * core::f32::consts::PI * frequency;
+        let by_velocity = limits.velocity / omega;
+        let by_acceleration = limits.acceleration / (BLEND_ACCELERATION * omega * omega);
+        let by_jerk = limits.jerk / (BLEND_JERK * omega * omega * omega);
+        by_velocity.min(by_acceleration).min(by_jerk)
+    }
+
     /// A sine of `frequency` in Hz. Not for the 1 ms path: one sine and cosine.
     pub(crate) fn new(centre: f32, amplitude: f32, frequency: f32, sample_time: f32) -> Self {
         let omega = 2.0 * core::f32::consts::PI * frequency;

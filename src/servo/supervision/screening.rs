@@ -1,7 +1,8 @@
 //! The tests of a candidate: those that need no samples, and the comparison with the model in use.
 
 use crate::servo::design::constants::{
-    DAMPING_MAX, DAMPING_VARIANCE_RATIO, SIGN_SIGMA_SQUARED, VALIDATION_TRAVEL_RATIO, VALVE_MAX,
+    ACCELERATION_MAX, DAMPING_MAX, DAMPING_VARIANCE_RATIO, SIGN_SIGMA_SQUARED,
+    VALIDATION_TRAVEL_RATIO, VALVE_MAX,
 };
 use crate::servo::design::{ScreeningDesign, SupervisionDesign};
 use crate::servo::model::Model;
@@ -31,7 +32,7 @@ impl Candidate {
 }
 
 impl ScreeningDesign {
-    /// Whether a candidate is of the right sign, certain, stable and in range; w0, C and xi by their squares, no roots.
+    /// Whether a candidate is certain and may control; w0, C and xi by their squares, no roots.
     pub(crate) fn screen(&self, candidate: &Candidate, commissioning: bool) -> Result<(), Reason> {
         let model = &candidate.model;
         if model.b0 <= 0.0 && candidate.has_certain_sign() {
@@ -48,16 +49,29 @@ impl ScreeningDesign {
         if !certain || model.b0 <= 0.0 {
             return Err(Reason::Uncertain);
         }
+        self.admits(model)
+    }
+
+    /// Whether a model may control: finite, of the right sign, stable and in range.
+    pub(crate) fn admits(&self, model: &Model) -> Result<(), Reason> {
+        if !model.is_finite() {
+            return Err(Reason::NotFinite);
+        }
+        if model.b0 <= 0.0 {
+            return Err(Reason::WrongSign);
+        }
         if !(model.a1 > 0.0 && model.a2 > 0.0) {
             return Err(Reason::Unstable);
         }
         let square = self.frequency_squared;
         let frequency =
             model.a1 < self.factor_squared * square && model.a1 * self.factor_squared > square;
-        let gain = model.b0 < self.max_gain * model.a1;
+        let gain = model.b0 < self.max_gain * model.a1 && model.b0 > self.min_gain * model.a1;
         let damping = model.a2 * model.a2 < DAMPING_MAX * model.a1;
-        let valve = model.dead_zone < VALVE_MAX && model.offset.abs() < VALVE_MAX;
-        if !(frequency && gain && damping && valve) {
+        let valve =
+            model.dead_zone >= 0.0 && model.dead_zone < VALVE_MAX && model.offset.abs() < VALVE_MAX;
+        let friction = model.friction >= 0.0 && model.friction <= ACCELERATION_MAX;
+        if !(frequency && gain && damping && valve && friction) {
             return Err(Reason::OutOfRange);
         }
         Ok(())

@@ -22,6 +22,8 @@ pub struct Supervisor {
     verified_model: Option<Model>,
     /// Samples in the present state.
     pub(crate) ticks: u32,
+    /// Samples since the last look at the estimate.
+    since_look: u32,
     commissioning: Commissioning,
     pub(crate) change: ChangeDetector,
     pub(crate) validation: Option<Validation>,
@@ -43,6 +45,7 @@ impl Supervisor {
             state: State::Idle,
             verified_model: None,
             ticks: 0,
+            since_look: 0,
             commissioning: Commissioning::default(),
             change: ChangeDetector::new(&design.change),
             validation: None,
@@ -87,10 +90,12 @@ impl Supervisor {
         &self.commissioning
     }
 
-    /// Takes a verified model; the controller may start without commissioning.
-    pub(crate) fn install(&mut self, model: Model) {
+    /// Takes a verified model that may control; the controller may start without commissioning.
+    pub(crate) fn install(&mut self, model: Model) -> Result<(), Reason> {
+        self.design.screening.admits(&model)?;
         self.verified_model = Some(model);
         self.enter(State::Frozen);
+        Ok(())
     }
 
     /// Begins the commissioning at `position`.
@@ -115,6 +120,7 @@ impl Supervisor {
     pub(crate) fn enter(&mut self, state: State) {
         self.state = state;
         self.ticks = 0;
+        self.since_look = 0;
         self.validation = None;
         self.still_for = 0;
     }
@@ -122,9 +128,8 @@ impl Supervisor {
     /// Whether the supervisor looks at the estimate in this sample.
     #[inline]
     pub(crate) fn wants_candidate(&self) -> bool {
-        let look = self.design.look;
         self.validation.is_none()
-            && self.ticks % look == look - 1
+            && self.since_look + 1 == self.design.look
             && match self.state {
                 State::Identifying => true,
                 State::Adapting => {
@@ -183,6 +188,10 @@ impl Supervisor {
     /// Takes one sample. Cost: see the table of instruction counts.
     pub(crate) fn update(&mut self, seen: &Observation) -> Event {
         self.ticks = self.ticks.saturating_add(1);
+        self.since_look += 1;
+        if self.since_look >= self.design.look {
+            self.since_look = 0;
+        }
         let (velocity, min_speed) = (seen.motion.velocity, self.design.min_speed);
         let moving = velocity > min_speed || velocity < -min_speed;
         self.still_for = if moving {
@@ -276,5 +285,46 @@ impl Supervisor {
             self.change.restart();
         }
         Event::Accepted(model)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::servo::config::Config;
+    use crate::servo::error::Error;
+    use crate::servo::motion::{Motion, Travel};
+
+    #[test]
+    fn after_months_in_one_state_the_estimate_is_looked_at_as_often_as_before() -> Result<(), Error>
+    {
+        let travel = Travel {
+            min: 0.0,
+            max: 400.0,
+        };
+        let design = Config::new(1e-3, 25.0, travel).resolve()?;
+        let mut supervisor = Supervisor::new(&design.supervision);
+        assert_eq!(supervisor.install(Model::linear(625.0, 25.0, 1e6)), Ok(()));
+        supervisor.enter(State::Adapting);
+        supervisor.ticks = u32::MAX - 100;
+        let seen = Observation {
+            motion: Motion {
+                velocity: 100.0,
+                ..Motion::default()
+            },
+            y: 0.0,
+            u: 0.0,
+            same_code: false,
+            sticks: false,
+            error: 10.0,
+            innovation: None,
+        };
+        let mut looks = 0;
+        for _ in 0..1600 {
+            assert_eq!(supervisor.update(&seen), Event::None);
+            looks += u32::from(supervisor.wants_candidate());
+        }
+        assert_eq!(looks, 100);
+        Ok(())
     }
 }
