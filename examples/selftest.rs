@@ -22,7 +22,7 @@ use trendid_example_support::{record, rows};
 /// The lines that must come out.
 const EXPECTED: &str = include_str!("data/selftest.txt");
 
-/// Here a sample that is no number is put in: it must be refused and leave no trace.
+/// Here a NaN is put in: it must be refused and leave no trace.
 const BAD: usize = 2500;
 
 /// Standard deviations are read this often: they cost more than an update, above all without floating-point unit.

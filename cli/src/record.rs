@@ -36,7 +36,7 @@ pub enum RecordError {
         found: usize,
         expected: usize,
     },
-    /// A cell is not a number.
+    /// A cell does not hold a number.
     #[error(
         "line {line}, column `{column}`: `{value}` is not a number (expected one like -1.5e-3)"
     )]

@@ -82,7 +82,7 @@ impl Meter for Counter {
         let units = |clock: &Clock, i: usize, ticks: f32| clock.units(ticks - self.idle[i]) + 1.0;
         let by_fine = units(&fine, 0, mean[0]);
         let by_systick = units(&systick, 1, mean[1]);
-        // Two counters with their own calibration must tell the same story. SysTick counts in steps of
+        // Two counters with their own calibration must agree. SysTick counts in steps of
         // six instructions, and in a repeatable run the part of a step does not average out.
         const STEP: f32 = 6.0;
         if (by_systick - by_fine).abs() > 0.02 * by_fine + STEP {

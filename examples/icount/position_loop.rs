@@ -8,7 +8,7 @@ use trendid_example_support::drive::{Drive, SimulatedValve};
 /// The whole position loop, from the code of the encoder to the command of the valve.
 pub type Servo<V> = ServoLoop<Code, V>;
 
-/// An encoder that gives the code it was told.
+/// An encoder that gives the code it was set to.
 #[derive(Debug, Clone, Copy)]
 pub struct Code {
     pub code: i32,

@@ -88,7 +88,7 @@ unsafe impl defmt::Logger for Logger {
 fn put(bytes: &[u8]) {
     if SEMIHOSTING.load(Ordering::Relaxed) {
         if let Ok(mut out) = hio::hstdout() {
-            // Without a debugger there is nobody to tell.
+            // Without a debugger there is no receiver.
             let _ = out.write_all(bytes);
         }
     } else {

@@ -33,7 +33,7 @@ const EMULATED_HZ: u32 = 1_000_000_000;
 /// Overruns that the interrupt is asked to provoke.
 static PROVOKED: AtomicU8 = AtomicU8::new(0);
 
-/// What the interrupt tells the idle loop.
+/// Messages from the interrupt to the idle loop.
 #[derive(Clone, Copy)]
 struct Snapshot {
     tick: u32,

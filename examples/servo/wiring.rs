@@ -61,7 +61,7 @@ impl<B: SpiBus, P: OutputPin> SpiDevice for Device<B, P> {
                 Operation::Write(words) => self.bus.write(words),
                 Operation::Transfer(read, write) => self.bus.transfer(read, write),
                 Operation::TransferInPlace(words) => self.bus.transfer_in_place(words),
-                // Nobody here asks for a pause.
+                // No caller here needs a pause.
                 Operation::DelayNs(_) => Ok(()),
             });
         let flushed = self.bus.flush();

@@ -245,7 +245,7 @@ fn arrows(modules: &BTreeMap<Names, Source>) -> BTreeMap<(&Names, Names), usize>
     arrows
 }
 
-/// Whether a file of the room `from` may not use one of the room `to`; the crate root is no room, and nobody uses it.
+/// Whether a file of the room `from` may not use one of the room `to`; the crate root is no room, and no file uses it.
 fn denied(package: &str, from: &str, to: &str) -> bool {
     let order = ORDERS
         .iter()

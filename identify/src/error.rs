@@ -75,7 +75,7 @@ pub enum Error {
         /// Samples of the record.
         samples: usize,
     },
-    /// The memory is too short or no number.
+    /// The memory is too short or not finite.
     #[error("a memory of {memory} s is not longer than two samples ({shortest} s)")]
     Memory {
         /// The memory asked for \[s\].
@@ -86,7 +86,7 @@ pub enum Error {
     /// A sample that the core refuses.
     #[error("sample {0} is out of all proportion to the rest of the record")]
     Disproportionate(usize),
-    /// The samples do not tell the parameters of a structure apart.
+    /// The samples do not separate the parameters of a structure.
     #[error(
         "the data cannot carry a model of order {order} with {parameters} parameters: {weakness}"
     )]

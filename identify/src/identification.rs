@@ -20,7 +20,7 @@ pub struct Identification {
     /// Free simulation of the second half; `None` where the model runs away.
     pub free_run: Option<FreeRun>,
     /// Whether the simulated model is that of the first half. The whole record stands in where the
-    /// first half alone does not tell the parameters apart.
+    /// first half alone does not separate the parameters.
     pub held_out: bool,
     /// The course of the parameters.
     pub trace: Trace,
@@ -29,7 +29,7 @@ pub struct Identification {
 /// Identifies the model of a problem, with a trace of about `trace_points` rows (0 for none).
 ///
 /// # Errors
-/// [`Error::CannotCarry`] when the samples do not tell the parameters apart or no model of the search can
+/// [`Error::CannotCarry`] when the samples do not separate the parameters or no model of the search can
 /// be simulated; a configuration that the core refuses.
 pub fn identify(
     problem: &Problem,

@@ -10,7 +10,7 @@ use crate::signals::{Input, Signals};
 /// Samples that each parameter needs at least.
 const SAMPLES_PER_PARAMETER: usize = 10;
 
-/// Smallest eigenvalue of the correlation of the parameters that f32 can tell from zero.
+/// Smallest eigenvalue of the correlation of the parameters that f32 distinguishes from zero.
 const SINGULAR: f64 = 1e-6;
 
 /// Share of a parameter in a singular direction from which it is named.
@@ -144,7 +144,7 @@ impl<'a> Problem<'a> {
         names
     }
 
-    /// Whether the samples told all parameters of an estimate apart.
+    /// Whether the samples separate all parameters of an estimate.
     ///
     /// # Errors
     /// [`Error::CannotCarry`] with what is missing.

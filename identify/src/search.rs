@@ -41,7 +41,7 @@ impl Default for Freedom {
     }
 }
 
-/// Who is told how far a search is; `()` is nobody.
+/// Receives the progress of a search; `()` ignores it.
 pub trait Progress: Sync {
     /// So many steps will follow.
     fn begin(&self, _steps: usize) {}

@@ -1,4 +1,4 @@
-//! The loop on the target, and what it tells of itself: one source for target and host.
+//! The loop on the target, and what it reports: one source for target and host.
 
 use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
 use trendid::servo::{self, Report, ServoLoop, Travel};

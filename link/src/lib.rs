@@ -4,13 +4,13 @@
 //!
 //! Every sample the host sends one [`Sample`] (the position code, and what is asked of the loop) and waits for the [`Reply`]
 //! with the same sequence number (the next valve command and everything the loop knows). Time stands still on both sides until the reply is
-//! there, so a lost or corrupt frame costs real time and no number: the host sends the same sample again after a timeout,
+//! there, so a lost or corrupt frame costs real time and changes no number: the host sends the same sample again after a timeout,
 //! and the target answers a repeated sequence number from its cache without processing the sample twice.
 //!
 //! # The loop
 //!
 //! [`Controller`] runs [`trendid::servo::ServoLoop`] on the target behind a [`Responder`]; the same loop runs on the host beside an
-//! [`Exchange`], and [`Reply::of`] tells the same of both: every number must be the same to the last bit.
+//! [`Exchange`], and [`Reply::of`] reports the same of both: every number must be the same to the last bit.
 //!
 //! # Byte layout
 //!

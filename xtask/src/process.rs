@@ -164,7 +164,7 @@ impl Machine {
         std::thread::spawn(move || {
             let mut output = Vec::new();
             let _ = stdout.read_to_end(&mut output);
-            // Nobody listens any more after the time limit.
+            // The receiver is gone after the time limit.
             let _ = sender.send(output);
         });
         let Ok(output) = receiver.recv_timeout(limit) else {

@@ -17,7 +17,7 @@ pub type Pair = [[f64; 3]; 2];
 
 /// What is known of the reference servo \[rad/s\].
 const BANDWIDTH: f32 = 20.0;
-/// Sample time but where it is said \[s\].
+/// Sample time unless stated otherwise \[s\].
 const DT: f64 = 0.001;
 
 /// Errors of C, omega0, xi of (a1, a2, b0, ..) against a servo; infinite where there is no reading.

@@ -27,7 +27,7 @@ pub struct Disturbed {
     pub injected: u32,
     /// The frame that is coming in.
     frame: Vec<u8>,
-    /// Bytes of complete frames that nobody has taken yet.
+    /// Bytes of complete frames that were not taken yet.
     inbox: VecDeque<u8>,
 }
 

@@ -137,7 +137,7 @@ fn one_wrong_count_is_found_and_ends_the_run() {
     let (target, _) = run(wrong, Scenario::Nominal, &[]);
     assert_eq!(target.samples, 400);
     let trouble = target.trouble.expect("a difference");
-    // In commissioning the command is the excitation; the position tells first.
+    // In commissioning the command is the excitation; the position differs first.
     assert!(
         trouble.starts_with("sample 400 differs: position is "),
         "{trouble}"

@@ -10,7 +10,7 @@ use stm32f4xx_hal as _;
 /// Writes a line through the debugger or the emulator.
 pub fn line(arguments: fmt::Arguments<'_>) {
     if let Ok(mut out) = hio::hstdout() {
-        // Without a debugger there is nobody to tell.
+        // Without a debugger there is no receiver.
         let _ = out.write_fmt(arguments);
         let _ = out.write_str("\n");
     }

@@ -153,7 +153,7 @@ mod timer {
     const ARR: usize = 11;
 
     pub fn start() {
-        // SAFETY: addresses of registers of the STM32F405/407 that nobody else uses in these images.
+        // SAFETY: addresses of registers of the STM32F405/407 that nothing else uses in these images.
         unsafe {
             RCC_APB1ENR.write_volatile(RCC_APB1ENR.read_volatile() | 1);
             TIM2.add(ARR).write_volatile(u32::MAX);

@@ -12,7 +12,7 @@ type Joint = SMatrix<f64, 6, 6>;
 /// Columns: state, its derivatives by the initial state, its derivatives by the logarithms.
 type Flow = SMatrix<f64, 3, 7>;
 
-/// What the filter believes before the first sample.
+/// State and covariance before the first sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prior {
     /// Expected parameters.

@@ -90,7 +90,7 @@ pub fn coverage(
     for seed in seeds.clone() {
         let z = scored(&experiment.record(seed), range);
         for i in 0..6 {
-            // A score that is no number is outside.
+            // NaN is outside.
             inside[0][i] += if z[i].abs() <= 1.0 { share } else { 0.0 };
             inside[1][i] += if z[i].abs() <= 3.0 { share } else { 0.0 };
         }

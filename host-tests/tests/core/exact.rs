@@ -276,7 +276,7 @@ fn the_uncertainty_is_that_of_the_noise() {
     assert!(one * 100 >= 60 * count && one * 100 <= 85 * count);
 }
 
-/// What an identifier with exact trends is told is what it reads before the first sample.
+/// An initial estimate given to an identifier with exact trends is its estimate before the first sample.
 #[test]
 fn an_initial_estimate_stands() {
     let case = &CASES[0];

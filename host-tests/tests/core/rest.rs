@@ -80,7 +80,7 @@ fn run(seed: u64, eta_mm: f64, memory: f32, pause: Pause) -> Run {
     let mut plant = changed.plant(DT);
     plant.place(&state);
     let mut back = 0;
-    // As long as the command stays at what it was nothing tells of the change.
+    // A constant command does not show the change.
     let mut begun = None;
     let again = Excitation::ABSOLUTE.sequence(1000, DT, seed + 1_000_000);
     for (k, u) in again.into_iter().enumerate() {

@@ -1,4 +1,4 @@
-//! A loop beside the one of a scenario: it hears the same, has the plant, may fail the sensor and may end the run.
+//! A loop beside the one of a scenario: it gets the same samples, drives the plant, may fail the sensor and end the run.
 
 use trendid::hardware::{Axis, Scale};
 use trendid::servo::{Reason, Report, ServoLoop, State};

@@ -1,4 +1,4 @@
-//! Whether the reported standard deviations tell the truth: how often the true value lies within 1 and 3 of them.
+//! Calibration of the reported standard deviations: how often the true value lies within 1 and 3 of them.
 
 use trendid_host_tests::paper::coverage::{Scored, coverage, default, exact, own};
 use trendid_host_tests::signals::experiment::Experiment;
