@@ -3,8 +3,8 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use crate::signals::excitation::ShiftRegister;
 use crate::signals::noise::{Stream, generator};
+use crate::signals::shift_register::ShiftRegister;
 
 /// What the axis is asked to do.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`mod@table1`] | the conditions and printed figures of the table |
 //! | [`methods`] | conditions, filters and methods of the reproduction |
+//! | [`transient`] | how an estimate comes to its end through a record |
 //! | [`mod@trial`] | one record through every method |
 //! | [`statistics`] | statistics over many records |
 //! | [`mod@coverage`] | how often the true value lies within the reported standard deviations |
@@ -14,4 +15,5 @@ pub mod iterations;
 pub mod methods;
 pub mod statistics;
 pub mod table1;
+pub mod transient;
 pub mod trial;

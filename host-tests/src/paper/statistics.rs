@@ -3,7 +3,8 @@
 use trendid::trends::Scheme;
 
 use crate::paper::table1::Printed;
-use crate::paper::trial::{Method, Run, Setting, Trial};
+use crate::paper::transient::Run;
+use crate::paper::trial::{Method, Setting, Trial};
 use crate::signals::noise::Reading;
 
 /// The columns of the file.
