@@ -50,6 +50,14 @@ pub fn with_sigma(value: f64, sigma: f64) -> String {
     }
 }
 
+/// `1 zero`, `2 zeros`.
+pub fn counted(count: usize, noun: &str) -> String {
+    match count {
+        1 => format!("1 {noun}"),
+        _ => format!("{count} {noun}s"),
+    }
+}
+
 /// A relative error in percent, with its sign.
 pub fn percent(estimate: f64, truth: f64) -> String {
     if truth == 0.0 {

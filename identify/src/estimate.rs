@@ -53,6 +53,16 @@ impl Estimate {
         moved.fold(0.0, |m, ((x, y), sigma)| m.max((x - y).abs() / sigma))
     }
 
+    /// Standard deviation of a function of the parameters with this gradient: `sqrt(g' P g)`.
+    pub fn sigma_of(&self, gradient: &[f64]) -> f64 {
+        let rows = self.covariance.iter().zip(gradient);
+        let variance = rows.map(|(row, g)| {
+            let product = row.iter().zip(gradient).map(|(p, h)| p * h);
+            g * product.sum::<f64>()
+        });
+        variance.sum::<f64>().sqrt()
+    }
+
     /// Correlation of the parameters, n x n; NaN where a standard deviation is 0.
     pub fn correlation(&self) -> DMatrix<f64> {
         let n = self.theta.len();

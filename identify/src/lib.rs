@@ -9,6 +9,7 @@
 //! |---|---|
 //! | [`dynamic`] | the core behind sizes that are known only at run time |
 //! | [`estimate`] | a model with its covariance, as values |
+//! | [`derived`] | gains, time constants and a force balance of a model, with their sigmas |
 //! | [`tuning`] | filter and delay, what a run is free to choose |
 //! | [`signals`] | inputs and output, checked |
 //! | [`problem`] | a structure over signals that can carry it |
@@ -43,6 +44,7 @@
 //! ```
 
 pub mod coulomb_input;
+pub mod derived;
 pub mod dynamic;
 pub mod error;
 pub mod estimate;

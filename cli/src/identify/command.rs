@@ -42,7 +42,7 @@ pub struct IdentifyArgs {
     delay: Choice<usize>,
     /// Filter poles in rad/s (1 to 1.5 times the bandwidth of the plant), `auto` (those whose model simulates the record best,
     /// or the poles of that model itself where they do better), or `none` for raw trends
-    #[arg(long, value_name = "POLE|auto|none", default_value = "auto", value_parser = parse_filter)]
+    #[arg(long, value_name = "POLE|auto|none", default_value = "auto", value_parser = parse_filter, allow_negative_numbers = true)]
     filter: Choice<Option<f64>>,
     /// Memory of the estimator; without it nothing is forgotten
     #[arg(long, value_name = "SECONDS")]

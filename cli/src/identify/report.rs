@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
+use trendid_identify::derived::Quantity;
+use trendid_identify::search::LONGEST_DELAY;
 use trendid_identify::tuning::ModelFilter;
 use trendid_identify::{Choice, Freedom, Identification, Problem};
 
-use crate::format::{polynomial, significant, table, transfer_function, with_sigma};
-use crate::identify::signals::COULOMB;
+use crate::format::{counted, polynomial, significant, table, transfer_function, with_sigma};
 use crate::output::number;
 
 /// Below this fit in percent a model says little about the drive.
@@ -35,23 +36,9 @@ impl Report<'_> {
         free_run.map_or([f64::NAN; 2], |f| [f.fit_x0, f.fit_x0c])
     }
 
-    /// The inverse model of a drive: what a force balance calls its parameters.
-    fn force_balance(&self) -> Vec<(&'static str, f64)> {
-        let e = &self.found.estimate;
-        let structure = self.problem.structure;
-        let [b] = e.b[0][..] else { return Vec::new() };
-        if !(structure.integrator && structure.order == 2) || b == 0.0 {
-            return Vec::new();
-        }
-        let mut balance = vec![("inertia", 1.0 / b), ("viscous", e.a[1] / b)];
-        let inputs = &self.problem.signals.inputs;
-        if let Some(c) = inputs.iter().position(|i| i.name == COULOMB) {
-            balance.push(("coulomb", -e.b[c][0] / b));
-        }
-        if structure.constant {
-            balance.push(("offset", -e.constant / b));
-        }
-        balance
+    /// Whether the longest delay of a search was taken.
+    fn delay_at_end(&self) -> bool {
+        self.freedom.delay == Choice::Auto && self.found.tuning.delay == LONGEST_DELAY
     }
 
     /// The report for people.
@@ -95,13 +82,18 @@ impl Report<'_> {
             .memory
             .map_or("no forgetting".into(), |m| format!("memory {m} s"));
         format!(
-            "{}: {} samples every {} s, t = {} .. {} s\n{filter}, delay {} samples, {memory}\n\n",
+            "{}: {} samples every {} s, t = {} .. {} s\n{filter}, delay {}{}, {memory}\n\n",
             self.file.display(),
             p.samples(),
             significant(p.signals.dt, 5),
             significant(self.start, 6),
             significant(end, 6),
-            tuning.delay
+            counted(tuning.delay, "sample"),
+            if self.delay_at_end() {
+                " (the longest that was tried: give a longer one by --delay)"
+            } else {
+                ""
+            }
         )
     }
 
@@ -145,8 +137,8 @@ impl Report<'_> {
             None => " it runs away".into(),
         };
         let mut text = format!("\n  free simulation of the second half ({model}):{fit}\n");
-        if x0c < POOR {
-            text += "  this is poor: the structure may be wrong, see `trendid select`\n";
+        for remark in self.remarks() {
+            text += &format!("  {remark}\n");
         }
         let index = self.found.index;
         text += &format!(
@@ -156,6 +148,25 @@ impl Report<'_> {
             index.samples
         );
         text
+    }
+
+    /// What speaks against the model.
+    fn remarks(&self) -> Vec<&'static str> {
+        let [x0, x0c] = self.fits();
+        let mut remarks = Vec::new();
+        if !self.found.estimate.reading.stable {
+            remarks.push(
+                "the model is unstable: no drive is, so the structure or the record does not fit",
+            );
+        }
+        if !(x0c >= POOR) {
+            remarks.push("this is poor: the structure may be wrong, see `trendid select`");
+        } else if x0 < POOR {
+            remarks.push(
+                "it fits only with the constant refitted: the record has an offset or a drift that the model does not hold",
+            );
+        }
+        remarks
     }
 
     fn physical_rows(&self) -> Vec<Vec<String>> {
@@ -173,22 +184,47 @@ impl Report<'_> {
         let mut rows = Vec::new();
         for (k, (name, value)) in readings.into_iter().enumerate() {
             if let Some(value) = value {
-                let text = match e.reading_sigma {
-                    Some(sigma) => with_sigma(value, sigma[k]),
+                let text = match self.reading_sigma(k) {
+                    Some(sigma) => with_sigma(value, sigma),
                     None => significant(value, 4),
                 };
                 rows.push(vec![name.to_owned(), text]);
             }
         }
-        for t in &r.time_constants {
-            rows.push(vec!["time constant [s]".into(), significant(*t, 4)]);
+        let mut push = |name: String, q: Quantity| {
+            rows.push(vec![name, with_sigma(q.value, q.sigma)]);
+        };
+        for (name, q) in self.further_gains() {
+            push(format!("{gain} of {name}"), q);
         }
-        for (name, value) in self.force_balance() {
-            rows.push(vec![format!("{name} [u]"), significant(value, 4)]);
+        for q in self.problem.time_constants(e) {
+            push("time constant [s]".into(), q);
+        }
+        let unit = self.problem.signals.inputs[0].name;
+        for (name, q) in self.problem.force_balance(e) {
+            push(format!("{name} [{unit}]"), q);
         }
         let stable = if r.stable { "yes" } else { "no" };
         rows.push(vec!["stable".into(), stable.into()]);
         rows
+    }
+
+    /// Standard deviation of gain, omega0 or damping: the core's, or that of b_0 over a_i.
+    fn reading_sigma(&self, k: usize) -> Option<f64> {
+        let e = &self.found.estimate;
+        match e.reading_sigma {
+            Some(sigma) => Some(sigma[k]),
+            None => (k == 0).then(|| self.problem.gain(e, 0).sigma),
+        }
+    }
+
+    /// Gains of the delayed inputs behind the first.
+    fn further_gains(&self) -> Vec<(&str, Quantity)> {
+        let inputs = self.problem.signals.inputs.iter().enumerate().skip(1);
+        inputs
+            .filter(|(_, input)| input.delayed)
+            .map(|(c, input)| (input.name, self.problem.gain(&self.found.estimate, c)))
+            .collect()
     }
 
     /// The report for machines.
@@ -210,11 +246,13 @@ impl Report<'_> {
             "sigma": list(&e.sigma),
             "parameters": p.parameter_names(),
             "delay_s": number(self.delay_s()),
+            "delay_at_end": self.delay_at_end(),
             "filter_pole": tuning.pole.map(number),
             "filter": tuning.model.map(|model| model.coefficients().to_vec()),
             "fit_pct": number(x0),
             "fit_x0c_pct": number(x0c),
             "fit_held_out": self.found.held_out,
+            "remarks": self.remarks(),
             "iq": number(index.iq),
             "iv": number(index.iv),
             "samples": p.samples(),
@@ -224,18 +262,40 @@ impl Report<'_> {
 
     fn physical_json(&self) -> Value {
         let some = |v: Option<f64>| v.map_or(Value::Null, number);
-        let r = &self.found.estimate.reading;
+        let (p, e) = (self.problem, &self.found.estimate);
+        let r = &e.reading;
+        let time_constants = p.time_constants(e);
+        let numbers = |of: fn(&Quantity) -> f64| -> Vec<Value> {
+            time_constants.iter().map(|q| number(of(q))).collect()
+        };
         let mut physical = json!({
             "gain": some(r.gain),
             "omega0": some(r.omega0),
             "damping": some(r.damping),
-            "time_constants_s": r.time_constants.iter().map(|t| number(*t)).collect::<Vec<_>>(),
+            "time_constants_s": numbers(|q| q.value),
             "poles": r.poles.as_ref().map(|p| p.iter().map(|(re, im)| [*re, *im]).collect::<Vec<_>>()),
             "stable": r.stable,
         });
-        for (name, value) in self.force_balance() {
-            physical[name] = number(value);
+        let mut sigma = json!({"time_constants_s": numbers(|q| q.sigma)});
+        for (k, (name, value)) in [
+            ("gain", r.gain),
+            ("omega0", r.omega0),
+            ("damping", r.damping),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            sigma[name] = some(value.and_then(|_| self.reading_sigma(k)));
         }
+        for (name, q) in p.force_balance(e) {
+            physical[name] = number(q.value);
+            sigma[name] = number(q.sigma);
+        }
+        for (name, q) in self.further_gains() {
+            physical["further_gains"][name] = number(q.value);
+            sigma["further_gains"][name] = number(q.sigma);
+        }
+        physical["sigma"] = sigma;
         physical
     }
 }

@@ -2,10 +2,11 @@
 
 use clap::Args;
 use serde_json::{Value, json};
-use trendid_identify::select::{Candidate, Range, Selection};
+use trendid_identify::search::LONGEST_DELAY;
+use trendid_identify::select::{Candidate, Dropped, Range, Selection};
 use trendid_identify::{Choice, Freedom, Options, Signals, select};
 
-use crate::format::{significant, table, with_sigma};
+use crate::format::{counted, significant, table, with_sigma};
 use crate::identify::signals::{SignalArgs, parse_delay, parse_filter};
 use crate::output::{Bar, Refusal, emit, emit_json, number};
 
@@ -35,7 +36,7 @@ pub struct SelectArgs {
     #[arg(long, value_name = "D|auto", default_value = "auto", value_parser = parse_delay)]
     delay: Choice<usize>,
     /// Filter poles in rad/s, or `auto`
-    #[arg(long, value_name = "POLE|auto", default_value = "auto", value_parser = parse_filter)]
+    #[arg(long, value_name = "POLE|auto", default_value = "auto", value_parser = parse_filter, allow_negative_numbers = true)]
     filter: Choice<Option<f64>>,
     /// Print JSON
     #[arg(long)]
@@ -108,8 +109,15 @@ fn text(selection: &Selection, signals: &Signals, args: &SelectArgs) -> String {
         None => "raw trends\n\n".into(),
     };
     text += &candidates(selection);
+    text += &dropped(selection);
     let c = &selection.candidates[selection.recommended];
     text += &format!("\nRecommended: {}: {}.\n", describe(c), reason(selection));
+    if args.delay == Choice::Auto && c.delay == LONGEST_DELAY {
+        text += "The delay is the longest that was tried: give a longer one by --delay.\n";
+    }
+    if !c.estimate.reading.stable {
+        text += "This model is unstable: no structure here fits the record.\n";
+    }
     let mut rows = Vec::new();
     for ((name, value), sigma) in c.names.iter().zip(&c.estimate.theta).zip(&c.estimate.sigma) {
         let remark = if value.abs() < 2.0 * sigma {
@@ -125,6 +133,47 @@ fn text(selection: &Selection, signals: &Signals, args: &SelectArgs) -> String {
     }
     text += &table(&rows);
     text
+}
+
+/// One line for each structure and reason that is missing among the candidates.
+fn dropped(selection: &Selection) -> String {
+    let mut rows = Vec::new();
+    let groups = selection
+        .dropped
+        .chunk_by(|a, b| (a.structure, &a.reason) == (b.structure, &b.reason));
+    for group in groups {
+        let s = group[0].structure;
+        let delays: Vec<usize> = group.iter().filter_map(|d| d.delay).collect();
+        let delay = match delays[..] {
+            [] => "any".to_owned(),
+            [one] => one.to_string(),
+            [first, .., last] if last - first + 1 == delays.len() => format!("{first} to {last}"),
+            _ => delays
+                .iter()
+                .map(usize::to_string)
+                .collect::<Vec<_>>()
+                .join(" "),
+        };
+        rows.push(vec![
+            s.order.to_string(),
+            if s.integrator { "yes" } else { "no" }.into(),
+            s.zeros.to_string(),
+            delay,
+            group[0].reason.to_string(),
+        ]);
+    }
+    if rows.is_empty() {
+        return String::new();
+    }
+    let head = [
+        "order",
+        "integrator",
+        "zeros",
+        "delay",
+        "not compared because",
+    ];
+    rows.insert(0, head.map(str::to_owned).to_vec());
+    format!("\n{}", table(&rows))
 }
 
 /// One line per candidate.
@@ -170,11 +219,11 @@ fn candidates(selection: &Selection) -> String {
 fn describe(c: &Candidate) -> String {
     let s = c.structure;
     format!(
-        "order {}{}, {} zeros, delay {} samples",
+        "order {}{}, {}, delay {}",
         s.order,
         if s.integrator { " with integrator" } else { "" },
-        s.zeros,
-        c.delay
+        counted(s.zeros, "zero"),
+        counted(c.delay, "sample")
     )
 }
 
@@ -192,11 +241,22 @@ fn json_of(selection: &Selection, dt: f64) -> Value {
             "iq": number(c.index.iq),
             "iv": number(c.index.iv),
             "fit_x0c_pct": number(c.fit_x0c),
+            "stable": c.estimate.reading.stable,
+        })
+    };
+    let missing = |d: &Dropped| {
+        json!({
+            "order": d.structure.order,
+            "integrator": d.structure.integrator,
+            "zeros": d.structure.zeros,
+            "delay": d.delay,
+            "reason": d.reason.to_string(),
         })
     };
     json!({
         "filter_pole": selection.pole.map(number),
         "candidates": selection.candidates.iter().map(one).collect::<Vec<_>>(),
+        "dropped": selection.dropped.iter().map(missing).collect::<Vec<_>>(),
         "recommended": selection.recommended,
         "reason": reason(selection),
     })

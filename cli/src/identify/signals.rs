@@ -3,24 +3,25 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use trendid_identify::derived::COULOMB;
 use trendid_identify::dynamic::{DELAY, INPUTS};
 use trendid_identify::{Choice, Error, Hold, Input, Scheme, Signals, coulomb_input};
 
 use crate::output::Refusal;
-use crate::record::Record;
-
-/// Name of the Coulomb input.
-pub const COULOMB: &str = "sgn(v)";
+use crate::record::{Clock, Record};
 
 /// Record, columns and span.
 #[derive(Debug, Args)]
 pub struct SignalArgs {
-    /// Record: `#` comments, a header line, then one line per sample
+    /// Record: `#` comments, a header line, then one line per sample; `-` for the standard input
     #[arg(value_name = "FILE.csv")]
     pub file: PathBuf,
-    /// Column with the time stamps in s
+    /// Column with the time stamps
     #[arg(long, value_name = "COL", default_value = "t")]
     pub time: String,
+    /// Unit of the time stamps, s without; needed where the name of the column says another one
+    #[arg(long, value_enum)]
+    pub time_unit: Option<TimeUnit>,
     /// Input column, or COL^K for its K-th power; may be repeated
     #[arg(long, value_name = "COL", default_value = "u")]
     pub input: Vec<String>,
@@ -45,6 +46,26 @@ pub struct SignalArgs {
     /// Trends of Goodwin (4) or modified Tustin (8)
     #[arg(long, value_enum, default_value = "tustin")]
     pub scheme: SchemeName,
+}
+
+/// Unit of time stamps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum TimeUnit {
+    S,
+    Ms,
+    Us,
+    Ns,
+}
+
+impl TimeUnit {
+    const fn seconds(self) -> f64 {
+        match self {
+            Self::S => 1.0,
+            Self::Ms => 1e-3,
+            Self::Us => 1e-6,
+            Self::Ns => 1e-9,
+        }
+    }
 }
 
 /// How an input behaves between its samples.
@@ -144,8 +165,11 @@ impl SignalArgs {
         if let Some(Some(velocity)) = &self.coulomb {
             columns.push(velocity.clone());
         }
-        let record =
-            Record::read(&self.file, &self.time, &columns)?.window(self.from, self.to, 2)?;
+        let clock = Clock {
+            column: &self.time,
+            unit: self.time_unit.map(TimeUnit::seconds),
+        };
+        let record = Record::read(&self.file, clock, &columns)?.window(self.from, self.to, 2)?;
         let mut signals = record.signals.into_iter();
         let y = signals.next().unwrap_or_default();
         let mut inputs = Vec::new();
@@ -191,14 +215,14 @@ fn power(name: &str) -> Result<(&str, i32), Refusal> {
     }
 }
 
-/// `--filter POLE|auto|none` for clap.
+/// `--filter POLE|auto|none` for clap; a pole may be given as printed, with its minus sign.
 pub fn parse_filter(text: &str) -> Result<Choice<Option<f64>>, String> {
     match text {
         "auto" => Ok(Choice::Auto),
         "none" => Ok(Choice::Given(None)),
         _ => match text.parse::<f64>() {
-            Ok(pole) if pole > 0.0 && pole.is_finite() => Ok(Choice::Given(Some(pole))),
-            _ => Err("expected a positive number of rad/s, `auto` or `none`".into()),
+            Ok(pole) if pole != 0.0 && pole.is_finite() => Ok(Choice::Given(Some(pole.abs()))),
+            _ => Err("expected a number of rad/s other than 0, `auto` or `none`".into()),
         },
     }
 }

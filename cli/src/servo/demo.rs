@@ -98,7 +98,7 @@ struct Identification {
     #[arg(long, value_enum, requires = "linear")]
     scheme: Option<SchemeName>,
     /// Filter poles in rad/s, `none` for the paper's raw trends, `auto` for the default of the core, auto without
-    #[arg(long, value_name = "POLE|none|auto", requires = "linear", value_parser = parse_filter)]
+    #[arg(long, value_name = "POLE|none|auto", requires = "linear", value_parser = parse_filter, allow_negative_numbers = true)]
     filter: Option<Choice<Option<f64>>>,
 }
 

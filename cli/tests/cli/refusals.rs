@@ -96,7 +96,7 @@ fn irregular_time_stamps() {
     });
     assert_eq!(
         identified("time-stamps", &text, &[]),
-        "line 33: irregular time stamps, a step of 1.500000 s where 1.000000 s was expected (column `t`)"
+        "line 33: irregular time stamps, a step of 1.500 s where 1.000 s was expected (column `t`)"
     );
 }
 
@@ -110,7 +110,7 @@ fn too_few_samples() {
     let text = table(50, |k| format!("{k},{},{k}", k % 2));
     assert_eq!(
         identified("span", &text, &["--from", "10", "--to", "10"]),
-        "only 1 samples between 10 s and 10 s, but at least 2 are needed"
+        "only 1 sample between 10 s and 10 s, but at least 2 are needed"
     );
 }
 

@@ -1,0 +1,134 @@
+//! Cells of a table as numbers, and time stamps as a sampling interval.
+
+use std::path::Path;
+
+use super::error::RecordError;
+
+/// Largest departure of a time step from the sampling interval, relative to
+/// the interval; time stamps are often rounded in the file.
+const STEP_TOLERANCE: f64 = 0.01;
+
+/// Columns that a refusal names at most.
+const NAMED: usize = 20;
+
+/// Characters of a cell that a refusal repeats at most.
+const REPEATED: usize = 40;
+
+/// A cell as a terminal can show it, whatever bytes the file holds.
+fn printable(text: &str) -> String {
+    let shown = text.chars().take(REPEATED);
+    let mut shown: String = shown
+        .flat_map(|c| match c.is_control() {
+            true => c.escape_default().collect::<Vec<_>>(),
+            false => vec![c],
+        })
+        .collect();
+    if text.chars().nth(REPEATED).is_some() {
+        shown += "...";
+    }
+    shown
+}
+
+/// The unit other than s that the name of a column of time stamps ends with.
+pub fn unit_of(name: &str) -> Option<&'static str> {
+    let words = name.split(|c: char| !c.is_alphanumeric());
+    match words.filter(|word| !word.is_empty()).next_back() {
+        Some("ms" | "msec") => Some("ms"),
+        Some("us" | "\u{b5}s" | "\u{3bc}s" | "usec") => Some("us"),
+        Some("ns" | "nsec") => Some("ns"),
+        _ => None,
+    }
+}
+
+/// Where the wanted column is.
+pub fn position(
+    path: &Path,
+    names: &csv::StringRecord,
+    wanted: &str,
+) -> Result<usize, RecordError> {
+    let mut hits = names.iter().enumerate().filter(|(_, n)| *n == wanted);
+    let Some((first, _)) = hits.next() else {
+        return Err(RecordError::MissingColumn {
+            path: path.to_owned(),
+            wanted: wanted.to_owned(),
+            present: names
+                .iter()
+                .take(NAMED)
+                .map(|n| format!("`{}`", printable(n)))
+                .collect::<Vec<_>>()
+                .join(", "),
+        });
+    };
+    if hits.next().is_some() {
+        return Err(RecordError::AmbiguousColumn {
+            path: path.to_owned(),
+            name: wanted.to_owned(),
+        });
+    }
+    Ok(first)
+}
+
+/// The number in a column of a row.
+pub fn cell(
+    line: u64,
+    names: &csv::StringRecord,
+    row: &csv::StringRecord,
+    c: usize,
+) -> Result<f64, RecordError> {
+    let column = names[c].to_owned();
+    let Some(text) = row.get(c) else {
+        return Err(RecordError::ShortLine {
+            line,
+            column,
+            found: row.len(),
+            expected: names.len(),
+        });
+    };
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        Ok(_) => Err(RecordError::NotFinite {
+            line,
+            column,
+            value: printable(text),
+        }),
+        Err(_) => Err(RecordError::NotANumber {
+            line,
+            column,
+            value: printable(text),
+        }),
+    }
+}
+
+/// The sampling interval that all stamps keep: their median step decides what
+/// is irregular, their whole span gives the figure.
+pub fn sampling_interval(stamps: &[f64], lines: &[u64], column: &str) -> Result<f64, RecordError> {
+    if stamps.len() < 2 {
+        return Err(RecordError::TooFewSamples {
+            found: stamps.len(),
+            needed: 2,
+            part: "in the record".into(),
+        });
+    }
+    let steps: Vec<f64> = stamps.windows(2).map(|w| w[1] - w[0]).collect();
+    let mut sorted = steps.clone();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted[sorted.len() / 2];
+    let irregular = |k: usize, expected: f64| RecordError::IrregularTime {
+        line: lines[k + 1],
+        column: column.to_owned(),
+        found: steps[k],
+        expected,
+    };
+    // A step that does not advance is wrong even when most of them are so.
+    if median <= 0.0 {
+        let k = steps.iter().position(|&s| s <= 0.0).unwrap_or(0);
+        return Err(irregular(k, steps.iter().copied().fold(0.0, f64::max)));
+    }
+    if let Some(k) = steps
+        .iter()
+        .position(|s| (s - median).abs() > STEP_TOLERANCE * median)
+    {
+        return Err(irregular(k, median));
+    }
+    Ok((stamps[stamps.len() - 1] - stamps[0]) / steps.len() as f64)
+}

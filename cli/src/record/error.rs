@@ -1,0 +1,75 @@
+//! What is wrong with a recorded file.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use crate::format::{counted, significant};
+
+/// What is wrong with a record, as one sentence with its place.
+#[derive(Debug, Error, PartialEq)]
+pub enum RecordError {
+    /// The file cannot be opened or read.
+    #[error("cannot read `{path}`: {reason}")]
+    Unreadable { path: PathBuf, reason: String },
+    /// There is no line with column names.
+    #[error("`{path}` holds no header line with column names")]
+    NoHeader { path: PathBuf },
+    /// A wanted column is absent.
+    #[error("`{path}` has no column `{wanted}`; it has {present}")]
+    MissingColumn {
+        path: PathBuf,
+        wanted: String,
+        present: String,
+    },
+    /// Two columns have the same wanted name.
+    #[error("`{path}` has more than one column `{name}`")]
+    AmbiguousColumn { path: PathBuf, name: String },
+    /// A line is shorter than the header.
+    #[error("line {line} ends before column `{column}`: it has {found} of {expected} cells")]
+    ShortLine {
+        line: u64,
+        column: String,
+        found: usize,
+        expected: usize,
+    },
+    /// A cell does not hold a number.
+    #[error(
+        "line {line}, column `{column}`: `{value}` is not a number (expected one like -1.5e-3)"
+    )]
+    NotANumber {
+        line: u64,
+        column: String,
+        value: String,
+    },
+    /// A cell is a number, but NaN or infinite.
+    #[error("line {line}, column `{column}`: `{value}` is not finite (expected a finite number)")]
+    NotFinite {
+        line: u64,
+        column: String,
+        value: String,
+    },
+    /// The time stamps are not equally spaced.
+    #[error(
+        "line {line}: irregular time stamps, a step of {} s where {} s was expected (column `{column}`)",
+        significant(*found, 4), significant(*expected, 4)
+    )]
+    IrregularTime {
+        line: u64,
+        column: String,
+        found: f64,
+        expected: f64,
+    },
+    /// The record or the chosen part of it is too short.
+    #[error("only {} {part}, but at least {needed} are needed", counted(*found, "sample"))]
+    TooFewSamples {
+        found: usize,
+        needed: usize,
+        part: String,
+    },
+    /// The time stamps count another unit than s by the name of their column.
+    #[error(
+        "the column `{column}` counts {unit} by its name; time stamps are in s unless --time-unit says otherwise"
+    )]
+    UnitOfTime { column: String, unit: &'static str },
+}

@@ -1,0 +1,231 @@
+//! Recorded drives: reading a CSV table of time stamps and signals, and
+//! refusing in one sentence what no identification could use.
+
+mod cells;
+mod error;
+#[cfg(test)]
+mod tests;
+
+use std::io::Read;
+use std::path::Path;
+
+use cells::{cell, position, sampling_interval, unit_of};
+pub use error::RecordError;
+
+/// The column of the time stamps.
+#[derive(Debug, Clone, Copy)]
+pub struct Clock<'a> {
+    pub column: &'a str,
+    /// Its unit in s; without it the name of the column must not say another one than s.
+    pub unit: Option<f64>,
+}
+
+/// Equally sampled signals read from one file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// Comment lines of the file in their order, without the leading `#`.
+    pub comments: Vec<String>,
+    /// Time of the first sample in s.
+    pub start: f64,
+    /// Sampling interval in s.
+    pub dt: f64,
+    /// The signals in the order in which they were asked for.
+    pub signals: Vec<Vec<f64>>,
+}
+
+impl Record {
+    /// Reads the `signals` of the CSV file at `path`, or of the standard input for `-`, sampled at the
+    /// stamps of a column.
+    ///
+    /// Lines starting with `#` are comments; cells are separated by commas, or
+    /// by semicolons or tabs when the header has no comma. Quoted cells, CRLF
+    /// and a byte order mark are understood. Columns that are not asked for
+    /// need not hold numbers.
+    ///
+    /// # Errors
+    ///
+    /// [`RecordError`] names the first thing that is wrong and its line.
+    pub fn read(path: &Path, clock: Clock, signals: &[String]) -> Result<Self, RecordError> {
+        let bytes = if path.as_os_str() == "-" {
+            let mut bytes = Vec::new();
+            std::io::stdin().read_to_end(&mut bytes).map(|_| bytes)
+        } else {
+            std::fs::read(path)
+        };
+        let bytes = bytes.map_err(|e| RecordError::Unreadable {
+            path: path.to_owned(),
+            reason: match e.kind() {
+                std::io::ErrorKind::NotFound => "no such file".into(),
+                std::io::ErrorKind::IsADirectory => "it is a directory".into(),
+                _ => e.to_string(),
+            },
+        })?;
+        Self::parse(path, &bytes, clock, signals)
+    }
+
+    fn parse(
+        path: &Path,
+        bytes: &[u8],
+        clock: Clock,
+        signals: &[String],
+    ) -> Result<Self, RecordError> {
+        let text = String::from_utf8_lossy(bytes);
+        let lines = Lines::of(text.trim_start_matches('\u{feff}'));
+        let (columns, numbers) = lines.columns(path, clock.column, signals)?;
+        let unit = match clock.unit {
+            Some(unit) => unit,
+            None => match unit_of(clock.column) {
+                Some(unit) => {
+                    return Err(RecordError::UnitOfTime {
+                        column: clock.column.to_owned(),
+                        unit,
+                    });
+                }
+                None => 1.0,
+            },
+        };
+        let mut columns = columns.into_iter();
+        let stamps: Vec<f64> = columns.next().unwrap_or_default();
+        let stamps: Vec<f64> = stamps.iter().map(|t| unit * t).collect();
+        let dt = sampling_interval(&stamps, &numbers, clock.column)?;
+        Ok(Self {
+            comments: lines.comments,
+            start: stamps[0],
+            dt,
+            signals: columns.collect(),
+        })
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.signals.first().map_or(0, Vec::len)
+    }
+
+    /// The samples with `from <= t <= to` (in s, on the record's own clock),
+    /// at least `needed` of them.
+    ///
+    /// # Errors
+    ///
+    /// [`RecordError::TooFewSamples`] when less than `needed` remain.
+    pub fn window(
+        &self,
+        from: Option<f64>,
+        to: Option<f64>,
+        needed: usize,
+    ) -> Result<Self, RecordError> {
+        // Half a sample of slack, so that a stamp equal to a bound is inside
+        // whatever its rounding.
+        let index = |t: f64| ((t - self.start) / self.dt).round().max(0.0) as usize;
+        let n = self.len();
+        let first = from.map_or(0, index).min(n);
+        let last = match to {
+            Some(t) if t < self.start => first,
+            Some(t) => (index(t) + 1).clamp(first, n),
+            None => n,
+        };
+        if last - first < needed {
+            let part = match (from, to) {
+                (None, None) => "in the record".to_owned(),
+                _ => format!(
+                    "between {} s and {} s",
+                    from.unwrap_or(self.start),
+                    to.unwrap_or(self.start + (n.max(1) - 1) as f64 * self.dt)
+                ),
+            };
+            return Err(RecordError::TooFewSamples {
+                found: last - first,
+                needed,
+                part,
+            });
+        }
+        Ok(Self {
+            comments: self.comments.clone(),
+            start: self.start + first as f64 * self.dt,
+            dt: self.dt,
+            signals: self
+                .signals
+                .iter()
+                .map(|s| s[first..last].to_vec())
+                .collect(),
+        })
+    }
+}
+
+/// The lines of a file by what they are.
+struct Lines {
+    comments: Vec<String>,
+    /// Header and rows.
+    table: String,
+    /// Number of each line of the table in the file.
+    numbers: Vec<u64>,
+}
+
+impl Lines {
+    /// The CSV reader counts no comments and blank lines, so they are taken out here and the number of
+    /// each line that stays is kept.
+    fn of(text: &str) -> Self {
+        let mut lines = Self {
+            comments: Vec::new(),
+            table: String::with_capacity(text.len()),
+            numbers: Vec::new(),
+        };
+        for (number, line) in (1..).zip(text.lines()) {
+            match line.trim() {
+                "" => {}
+                l if l.starts_with('#') => lines.comments.push(l[1..].trim().to_owned()),
+                _ => {
+                    lines.table.push_str(line);
+                    lines.table.push('\n');
+                    lines.numbers.push(number);
+                }
+            }
+        }
+        lines
+    }
+
+    /// The column `time`, then those of the signals; and the number of the line of each row.
+    fn columns(
+        &self,
+        path: &Path,
+        time: &str,
+        signals: &[String],
+    ) -> Result<(Vec<Vec<f64>>, Vec<u64>), RecordError> {
+        let header = self.table.lines().next();
+        let header = header.ok_or_else(|| RecordError::NoHeader {
+            path: path.to_owned(),
+        })?;
+        let delimiter = [b',', b';', b'\t']
+            .into_iter()
+            .find(|&d| header.contains(char::from(d)))
+            .unwrap_or(b',');
+        let mut rows = csv::ReaderBuilder::new()
+            .delimiter(delimiter)
+            .flexible(true)
+            .trim(csv::Trim::All)
+            .from_reader(self.table.as_bytes());
+        let unreadable = |e: csv::Error| RecordError::Unreadable {
+            path: path.to_owned(),
+            reason: e.to_string(),
+        };
+        let names = rows.headers().map_err(unreadable)?.clone();
+        let mut wanted = vec![position(path, &names, time)?];
+        for name in signals {
+            wanted.push(position(path, &names, name)?);
+        }
+        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); wanted.len()];
+        let mut numbers = Vec::new();
+        for row in rows.records() {
+            let row = row.map_err(unreadable)?;
+            let place = row.position().map_or(0, |p| p.line() as usize - 1);
+            let line = self.numbers.get(place).copied().unwrap_or(0);
+            if row.iter().all(str::is_empty) {
+                continue;
+            }
+            for (values, &c) in columns.iter_mut().zip(&wanted) {
+                values.push(cell(line, &names, &row, c)?);
+            }
+            numbers.push(line);
+        }
+        Ok((columns, numbers))
+    }
+}

@@ -1,0 +1,180 @@
+//! What is read and what is refused.
+
+use super::*;
+
+const SECONDS: Clock = Clock {
+    column: "t",
+    unit: None,
+};
+
+fn parse(text: &str, signals: &[&str]) -> Result<Record, RecordError> {
+    let signals: Vec<String> = signals.iter().map(|s| (*s).to_owned()).collect();
+    Record::parse(Path::new("x.csv"), text.as_bytes(), SECONDS, &signals)
+}
+
+fn refusal(text: &str) -> String {
+    parse(text, &["u", "y"]).unwrap_err().to_string()
+}
+
+#[test]
+fn signals_come_in_the_order_asked_for_with_the_comments() {
+    let r = parse(
+        "# a valve\n# [mm]\nt,u,y\n0.5,1,2\n0.6,3,4\n0.7,5,6\n",
+        &["y", "u"],
+    )
+    .unwrap();
+    assert_eq!(r.comments, ["a valve", "[mm]"]);
+    assert_eq!(r.signals, [[2.0, 4.0, 6.0], [1.0, 3.0, 5.0]]);
+    assert_eq!(r.start, 0.5);
+    assert!((r.dt - 0.1).abs() < 1e-12);
+}
+
+#[test]
+fn spreadsheet_habits_are_understood() {
+    let plain = parse("t,u,y\n0,1,2\n1,3,4\n", &["u", "y"]).unwrap();
+    for text in [
+        "\u{feff}t,u,y\r\n0,1,2\r\n1,3,4\r\n",
+        "\"t\",\"u\",\"y\"\n\"0\",\"1\",\"2\"\n1,3,4",
+        "t;u;y\n0;1;2\n1;3;4\n",
+        "t\tu\ty\n0\t1\t2\n1\t3\t4\n",
+        " t , u , y \n 0 , 1 , 2 \n\n 1 , 3 , 4 \n\n",
+    ] {
+        assert_eq!(parse(text, &["u", "y"]).unwrap(), plain, "{text:?}");
+    }
+}
+
+#[test]
+fn columns_not_asked_for_may_hold_anything() {
+    assert!(parse("t,u,y,note\n0,1,2,start\n1,3,4,\n", &["u", "y"]).is_ok());
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let e = Record::read(Path::new("no/such.csv"), SECONDS, &[]).unwrap_err();
+    assert_eq!(e.to_string(), "cannot read `no/such.csv`: no such file");
+}
+
+#[test]
+fn a_missing_column_names_what_exists() {
+    assert_eq!(
+        refusal("t,v,y\n0,1,2\n1,3,4\n"),
+        "`x.csv` has no column `u`; it has `t`, `v`, `y`"
+    );
+    assert_eq!(
+        refusal("t,u,u,y\n0,1,2,3\n"),
+        "`x.csv` has more than one column `u`"
+    );
+    assert_eq!(
+        refusal("# only words\n\n"),
+        "`x.csv` holds no header line with column names"
+    );
+}
+
+#[test]
+fn a_bad_cell_is_named_with_line_and_column() {
+    // Comments, quotes and blank lines count as lines of the file.
+    let text = "# one\n# two\nt,u,y\n0,1,2\n\n1,3,abc\n";
+    assert_eq!(
+        refusal(text),
+        "line 6, column `y`: `abc` is not a number (expected one like -1.5e-3)"
+    );
+    assert_eq!(
+        refusal("t,u,y\r\n0,1,2\r\n1,,4\r\n"),
+        "line 3, column `u`: `` is not a number (expected one like -1.5e-3)"
+    );
+    assert_eq!(
+        refusal("t,u,y\n0,1,2\n1,NaN,4\n"),
+        "line 3, column `u`: `NaN` is not finite (expected a finite number)"
+    );
+    assert_eq!(
+        refusal("t,u,y\n0,1,2\n1,3\n"),
+        "line 3 ends before column `y`: it has 2 of 3 cells"
+    );
+}
+
+#[test]
+fn the_first_irregular_step_is_named() {
+    let text = "t,u,y\n0,1,2\n0.1,3,4\n0.2,3,4\n0.35,3,4\n0.45,3,4\n";
+    assert_eq!(
+        refusal(text),
+        "line 5: irregular time stamps, a step of 0.1500 s where 0.1000 s was expected (column `t`)"
+    );
+    assert!(refusal("t,u,y\n0,1,2\n0,3,4\n0,3,4\n").starts_with("line 3: irregular time stamps"));
+    assert!(refusal("t,u,y\n2,1,2\n1,3,4\n0,3,4\n").starts_with("line 3: irregular time stamps"));
+    // A step within one percent is the rounding of the file.
+    assert!(parse("t,u,y\n0,1,2\n0.1004,3,4\n0.2,3,4\n", &["u"]).is_ok());
+}
+
+#[test]
+fn too_few_samples_are_counted() {
+    assert_eq!(
+        refusal("t,u,y\n"),
+        "only 0 samples in the record, but at least 2 are needed"
+    );
+    let r = parse("t,u,y\n0,1,2\n1,3,4\n2,5,6\n3,7,8\n", &["u"]).unwrap();
+    assert_eq!(
+        r.window(Some(1.0), Some(2.0), 3).unwrap_err().to_string(),
+        "only 2 samples between 1 s and 2 s, but at least 3 are needed"
+    );
+    assert!(r.window(Some(9.0), None, 1).is_err());
+    assert!(r.window(None, Some(-1.0), 1).is_err());
+}
+
+#[test]
+fn a_window_keeps_both_bounds() {
+    let r = parse("t,u,y\n0,1,2\n1,3,4\n2,5,6\n3,7,8\n", &["u"]).unwrap();
+    let w = r.window(Some(1.0), Some(2.0), 2).unwrap();
+    assert_eq!((w.start, w.signals[0].clone()), (1.0, vec![3.0, 5.0]));
+    assert_eq!(r.window(None, None, 4).unwrap(), r);
+}
+
+#[test]
+fn a_clock_in_another_unit_is_asked_for() {
+    let text = "t_ms,u\n0,1\n2,3\n4,5\n";
+    let read = |unit| {
+        let clock = Clock {
+            column: "t_ms",
+            unit,
+        };
+        Record::parse(
+            Path::new("x.csv"),
+            text.as_bytes(),
+            clock,
+            &["u".to_owned()],
+        )
+    };
+    assert_eq!(
+        read(None).unwrap_err().to_string(),
+        "the column `t_ms` counts ms by its name; time stamps are in s unless --time-unit says otherwise"
+    );
+    assert!((read(Some(1e-3)).unwrap().dt - 2e-3).abs() < 1e-15);
+    for (name, unit) in [
+        ("time [us]", Some("us")),
+        ("t (ms)", Some("ms")),
+        ("t", None),
+        ("time_s", None),
+        ("terms", None),
+    ] {
+        assert_eq!(unit_of(name), unit, "{name}");
+    }
+}
+
+#[test]
+fn fast_steps_are_told_apart() {
+    let text = "t,u,y\n0,1,2\n1e-7,3,4\n2e-7,3,4\n4e-7,3,4\n";
+    assert_eq!(
+        refusal(text),
+        "line 5: irregular time stamps, a step of 2.000e-7 s where 1.000e-7 s was expected (column `t`)"
+    );
+}
+
+#[test]
+fn control_bytes_are_not_repeated() {
+    let said = refusal("\u{7f}ELF\u{1}\u{0},\u{1b}[2J\n\u{0},1\n");
+    assert!(!said.chars().any(char::is_control), "{said:?}");
+    let said = refusal("t,u,y\n0,1,2\n1,\u{1b}[31m,2\n");
+    assert_eq!(
+        said,
+        "line 3, column `u`: `\\u{1b}[31m` is not a number (expected one like -1.5e-3)"
+    );
+}
