@@ -116,7 +116,7 @@ mod tests {
     use crate::estimate::Reading;
     use crate::problem::{Options, Structure};
     use crate::signals::{Input, Signals};
-    use trendid::Hold;
+    use crate::Hold;
 
     /// Every derivative against a difference, by a covariance of one parameter at a time.
     #[test]

@@ -6,3 +6,4 @@ mod demo;
 mod paper;
 mod records;
 mod refusals;
+mod reports;
