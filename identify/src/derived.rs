@@ -113,10 +113,10 @@ impl Problem<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Hold;
     use crate::estimate::Reading;
     use crate::problem::{Options, Structure};
     use crate::signals::{Input, Signals};
-    use crate::Hold;
 
     /// Every derivative against a difference, by a covariance of one parameter at a time.
     #[test]
