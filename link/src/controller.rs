@@ -1,5 +1,6 @@
 //! The loop on the target, and what it reports: one source for target and host.
 
+use trendid::ConfigError;
 use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
 use trendid::servo::{self, Report, ServoLoop, Travel};
 
@@ -98,10 +99,12 @@ fn build(setup: &Setup) -> Result<ServoLoop<LineSensor, LineValve>, servo::Error
     let mut config = servo::Config::new(1e-3, setup.bandwidth, Travel { min, max });
     config.adaptive = setup.adaptive;
     let axis = Axis {
-        scale: Scale::new(setup.mm_per_count).ok_or(servo::Error::NotPositive {
-            setting: "mm_per_count",
-            value: setup.mm_per_count,
-        })?,
+        scale: Scale::new(setup.mm_per_count).ok_or(servo::Error::Setting(
+            ConfigError::NotPositive {
+                setting: "mm_per_count".into(),
+                value: setup.mm_per_count,
+            },
+        ))?,
         reference: 0,
     };
     ServoLoop::try_new(&config, axis, LineSensor::default(), LineValve)

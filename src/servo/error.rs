@@ -1,34 +1,18 @@
-//! What can be wrong with the settings of a servo loop.
+//! Errors of the settings of a servo loop.
 
 use core::fmt;
 
-use crate::error::{ConfigError, positive};
+use crate::error::{ConfigError, check_positive, check_range};
 use crate::servo::supervision::state::Reason;
 
-/// A setting of the servo loop that cannot work: its name, and the value that it has or that follows.
+/// A configuration of the servo loop that cannot work; names the setting, its value and what was expected.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 #[doc(alias = "ServoError")]
 pub enum Error {
-    /// The value is not a finite number above zero.
-    NotPositive {
-        /// Name of the setting.
-        setting: &'static str,
-        /// The value given.
-        value: f32,
-    },
-    /// The value is not within `min..=max`.
-    OutOfRange {
-        /// Name of the setting.
-        setting: &'static str,
-        /// The value given.
-        value: f32,
-        /// Least value.
-        min: f32,
-        /// Largest value.
-        max: f32,
-    },
+    /// A setting of the loop.
+    Setting(ConfigError),
     /// Bandwidth squared times travel is beyond 1e7: the unit of y is too small for the accelerations of this axis.
     Unit {
         /// Bandwidth squared times travel, in units of y per s^2.
@@ -41,47 +25,26 @@ pub enum Error {
 }
 
 impl Error {
-    /// Refuses what is not a finite number above zero.
-    pub(crate) const fn unless_positive(setting: &'static str, value: f32) -> Result<(), Self> {
-        if positive(value) {
-            Ok(())
-        } else {
-            Err(Self::NotPositive { setting, value })
-        }
+    /// An error unless `value` is a finite number above zero.
+    pub(crate) fn unless_positive(setting: &'static str, value: f32) -> Result<(), Self> {
+        check_positive(setting, value).map_err(Self::Setting)
     }
 
-    /// Refuses what is not within `min..=max`, NaN included.
+    /// An error unless `value` is within `min..=max`.
     pub(crate) fn unless_within(
         setting: &'static str,
         value: f32,
         min: f32,
         max: f32,
     ) -> Result<(), Self> {
-        if value >= min && value <= max {
-            Ok(())
-        } else {
-            Err(Self::OutOfRange {
-                setting,
-                value,
-                min,
-                max,
-            })
-        }
+        check_range(setting, value, [min, max]).map_err(Self::Setting)
     }
 }
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::NotPositive { setting, value } => {
-                write!(f, "{setting} = {value} is not a finite number above zero")
-            }
-            Self::OutOfRange {
-                setting,
-                value,
-                min,
-                max,
-            } => write!(f, "{setting} = {value} is not within {min} to {max}"),
+            Self::Setting(error) => write!(f, "{error}"),
             Self::Unit { acceleration } => write!(
                 f,
                 "bandwidth squared times travel is {acceleration} units of y per s^2, more than 1e7: give y in a larger unit, mm and not um"

@@ -142,7 +142,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// Moves to `target`, limited to the travel, as fast as the limits of motion allow; may be called in any sample.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for NaN and infinity; the reference goes on as before.
+    /// [`Error::Setting`] for NaN and infinity; the reference goes on as before.
     pub fn move_to(&mut self, target: f32) -> Result<(), Error> {
         self.trajectory.move_to(target)
     }
@@ -151,8 +151,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// amplitude grows over one period.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] with the largest amplitude or frequency for which travel and limits of motion have room,
-    /// [`Error::NotPositive`]; the reference goes on as before.
+    /// [`Error::Setting`], with the largest amplitude or frequency for which travel and limits of motion have room;
+    /// the reference goes on as before.
     pub fn oscillate(&mut self, amplitude: f32, frequency: f32) -> Result<(), Error> {
         self.trajectory.oscillate(amplitude, frequency)
     }

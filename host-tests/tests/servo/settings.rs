@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use trendid::ConfigError;
 use trendid::hardware::{Axis, Scale};
 use trendid::servo::{Config, Error, MotionLimits, ServoLoop};
 use trendid_host_tests::plants::pneumatic::{AxisParameters, PneumaticAxis};
@@ -224,9 +225,10 @@ fn a_value_that_cannot_work_is_refused_with_the_name_of_its_setting() {
             let mut config = defaults();
             change(&mut config, value);
             match config.resolve() {
-                Err(Error::NotPositive { setting, .. } | Error::OutOfRange { setting, .. }) => {
-                    assert_eq!(setting, name)
-                }
+                Err(Error::Setting(
+                    ConfigError::NotPositive { setting, .. }
+                    | ConfigError::OutOfRange { setting, .. },
+                )) => assert_eq!(setting, name.into()),
                 other => panic!("{name} = {value}: {other:?}"),
             }
         }

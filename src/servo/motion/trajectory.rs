@@ -224,6 +224,7 @@ impl Trajectory {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::ConfigError;
     use crate::math::sqrt;
 
     const LIMITS: MotionLimits = MotionLimits {
@@ -364,9 +365,11 @@ mod tests {
             assert!(refused.is_err(), "{amplitude} at {frequency} Hz");
             assert_eq!(reference.update(), Setpoint::at(370.0));
         }
-        let Err(Error::OutOfRange { max, .. }) = reference.oscillate(60.0, 1.0) else {
+        let refused = reference.oscillate(60.0, 1.0);
+        let Err(Error::Setting(ConfigError::OutOfRange { limits, .. })) = refused else {
             panic!("no room for 60");
         };
+        let max = limits[1];
         assert_eq!(max, 30.0);
         assert_eq!(reference.oscillate(max, 1.0), Ok(()));
     }
