@@ -2,9 +2,9 @@
 
 use core::marker::PhantomData;
 
+use cobs::{DecodeResult, DecoderState};
 use crc::{CRC_32_ISO_HDLC, Crc};
 use heapless::Vec;
-use postcard::ser_flavors::{Cobs, Slice, crc::CrcModifier};
 
 use crate::Message;
 
@@ -35,22 +35,20 @@ impl Frame {
     /// Every message of this crate fits ([`MAX_BODY`]); a longer message of another crate gives a frame without bytes.
     #[must_use]
     pub fn encode<M: Message>(message: &M) -> Self {
-        // The first byte stays zero: the leading delimiter; the flavour adds the other one.
+        let mut body = [0; MAX_BODY];
         let mut wire = [0; MAX_WIRE];
-        let stuffed = Cobs::try_new(Slice::new(&mut wire[1..])).and_then(|cobs| {
-            postcard::serialize_with_flavor(
-                &(M::TAG, message),
-                CrcModifier::new(cobs, CRC.digest()),
-            )
-        });
-        let len = stuffed.map_or(0, |bytes| 1 + bytes.len());
+        // The first byte and the one after the stuffed body stay zero: the delimiters.
+        let stuffed = postcard::to_slice_crc32(&(M::TAG, message), &mut body, CRC.digest())
+            .ok()
+            .and_then(|body| cobs::try_encode(body, &mut wire[1..]).ok());
+        let len = stuffed.map_or(0, |len| len + 2);
         Self { wire, len }
     }
 
     /// The bytes to send.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
-        &self.wire[..self.len]
+        self.wire.get(..self.len).unwrap_or_default()
     }
 }
 
@@ -104,15 +102,30 @@ impl<M: Message> Receiver<M> {
         self.corrupt = 0;
     }
 
-    fn message(&mut self) -> Option<M> {
+    fn message(&self) -> Option<M> {
         if self.overlong {
             return None;
         }
-        let len = cobs::decode_in_place(&mut self.stuffed).ok()?;
-        let body = self.stuffed.get(..len)?;
+        let body = self.body()?;
         // A body with bytes left over is a frame of another version.
-        match postcard::take_from_bytes_crc32::<(u8, M)>(body, CRC.digest()) {
+        match postcard::take_from_bytes_crc32::<(u8, M)>(&body, CRC.digest()) {
             Ok(((tag, message), [])) if tag == M::TAG => Some(message),
+            _ => None,
+        }
+    }
+
+    /// The body without stuffing. Byte by byte, because the decoder of slices has indices that are checked: a panic
+    /// would be reachable.
+    fn body(&self) -> Option<Vec<u8, MAX_BODY>> {
+        let mut body = Vec::new();
+        let mut decoder = DecoderState::Idle;
+        for &byte in &self.stuffed {
+            if let DecodeResult::DataContinue(byte) = decoder.feed(byte).ok()? {
+                body.push(byte).ok()?;
+            }
+        }
+        match decoder.feed(0) {
+            Ok(DecodeResult::DataComplete) => Some(body),
             _ => None,
         }
     }
