@@ -140,15 +140,11 @@ pub fn select(
                 found
             })
             .collect();
-        let mut passed = Vec::new();
-        for result in tried {
-            match result {
-                Ok(candidate) => passed.push(candidate),
-                Err(failed) => dropped.push(failed),
-            }
-        }
+        let (passed, failed): (Vec<_>, Vec<_>) = tried.into_iter().partition(Result::is_ok);
+        dropped.extend(failed.into_iter().filter_map(Result::err));
+        let passed = passed.into_iter().flatten();
         let iq = |c: &Candidate| c.index.iq;
-        candidates.extend(passed.into_iter().min_by(|a, b| iq(a).total_cmp(&iq(b))));
+        candidates.extend(passed.min_by(|a, b| iq(a).total_cmp(&iq(b))));
     }
     let (recommended, smallest) = recommend(&candidates).ok_or(Error::NoStructure {
         max_order: range.max_order,

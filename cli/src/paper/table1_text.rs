@@ -209,6 +209,19 @@ pub fn checked(method: Method) -> bool {
     }
 }
 
+/// Whether a line is within its limits, or in which figures it is not.
+fn verdict(line: &Line) -> String {
+    match line.beyond() {
+        None => "-".to_owned(),
+        Some([false, false, false]) => "yes".to_owned(),
+        Some(beyond) => {
+            let names = ["C", "omega0", "xi"];
+            let which: Vec<&str> = (0..3).filter(|i| beyond[*i]).map(|i| names[i]).collect();
+            format!("no: {}", which.join(" "))
+        }
+    }
+}
+
 /// Every filter behind modified Tustin against the limits, and the rms against the extended Kalman filter.
 pub fn check(args: &Table1Args, lines: &[Line]) -> String {
     let head = [
@@ -233,16 +246,6 @@ pub fn check(args: &Table1Args, lines: &[Line]) -> String {
             if !checked(line.method) {
                 continue;
             }
-            let verdict = match line.beyond() {
-                None => "-".to_owned(),
-                Some([false, false, false]) => "yes".to_owned(),
-                Some(beyond) => {
-                    let names = ["C", "omega0", "xi"];
-                    let which: Vec<&str> =
-                        (0..3).filter(|i| beyond[*i]).map(|i| names[i]).collect();
-                    format!("no: {}", which.join(" "))
-                }
-            };
             rows.push(vec![
                 format!("{} {}", line.setting.reading(), condition(line)),
                 filter.name().to_owned(),
@@ -253,7 +256,7 @@ pub fn check(args: &Table1Args, lines: &[Line]) -> String {
                 kalman.map_or(String::new(), |k| triple(k.rms_pct)),
                 line.settled_p95_ms.map_or(String::new(), cell),
                 line.diverged.to_string(),
-                verdict,
+                verdict(line),
             ]);
         }
     }
