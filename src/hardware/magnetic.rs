@@ -13,6 +13,7 @@ const ANGLE: u16 = FAULT - 1;
 
 /// Why a reading was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum MagneticError<E> {
     /// The bus failed.
     Bus(E),

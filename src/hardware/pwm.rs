@@ -7,6 +7,7 @@ use super::{Valve, limited};
 
 /// Which part of the output failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PwmError<P, D> {
     /// The pulse width.
     Pulse(P),

@@ -6,6 +6,7 @@ use super::PositionSensor;
 
 /// How the encoder writes the position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SsiCode {
     /// Plain binary.
     Binary,
@@ -28,6 +29,7 @@ pub struct SsiFormat {
 
 /// Why a frame was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SsiError<E> {
     /// The bus failed.
     Bus(E),
