@@ -14,7 +14,7 @@ use crate::servo::motion::{MotionLimits, Travel};
 /// assert!(config.resolve().is_ok());
 /// config.sample_time = 0.01;
 /// let refused = config.resolve().unwrap_err();
-/// assert_eq!(refused.to_string(), "controller.bandwidth = 30 is not within 0 to 20");
+/// assert_eq!(refused.to_string(), "controller.bandwidth = 30 is not within 0..=20");
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
