@@ -40,10 +40,34 @@ impl NoiseLevel {
     /// Takes y(k), in any unit. Cost: 20 instructions.
     #[inline(always)]
     pub fn update(&mut self, y: f32) {
-        let [y1, y2, y3] = self.past;
-        self.past = [y, y1, y2];
-        let third = (y - y3) - 3.0 * (y1 - y2);
+        let third = self.third_difference(y);
+        self.pass(y);
         self.level.update(third * third);
+    }
+
+    /// The third difference that y(k) makes with the samples before it.
+    #[inline(always)]
+    pub fn third_difference(&self, y: f32) -> f32 {
+        let [y1, y2, y3] = self.past;
+        (y - y3) - 3.0 * (y1 - y2)
+    }
+
+    /// Takes a value in place of y(k) that tells nothing of the noise.
+    #[inline(always)]
+    pub fn pass(&mut self, y: f32) {
+        let [y1, y2, _] = self.past;
+        self.past = [y, y1, y2];
+    }
+
+    /// Puts `y` in the place of the newest sample.
+    pub const fn correct_newest(&mut self, y: f32) {
+        self.past[0] = y;
+    }
+
+    /// A sum that is about to become subnormal is zero.
+    #[inline(always)]
+    pub(crate) fn flush(&mut self) {
+        self.level.flush();
     }
 
     /// As if y had stood at this value before the first sample.

@@ -2,6 +2,7 @@
 
 pub(crate) mod config;
 pub(crate) mod delay_bank;
+mod gate;
 pub mod inputs;
 pub(crate) mod outcome;
 mod plan;
@@ -106,7 +107,22 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.state = State::new(&self.plan);
     }
 
-    /// Forgets the signals, after a gap in the samples, and keeps the estimate.
+    /// Lets `samples` sample times pass without a measurement, under the newest inputs.
+    ///
+    /// A short gap (up to 5 over the bandwidth) is bridged by what the model predicts; after a longer one the trends begin
+    /// anew with the next sample, as by [`Identifier::restart_trends`].
+    pub fn skip(&mut self, samples: u32) {
+        for _ in 0..samples.min(self.plan.longest_gap.saturating_add(1)) {
+            self.state.skip_held(&self.plan);
+        }
+    }
+
+    /// How many samples of y were replaced by their prediction: implausible, refused, skipped.
+    pub const fn replaced(&self) -> u32 {
+        self.state.replaced
+    }
+
+    /// Forgets the signals, after a long gap in the samples, and keeps the estimate.
     pub fn restart_trends(&mut self) {
         self.state.restart_signals(&self.plan, self.plan.warm_up);
     }

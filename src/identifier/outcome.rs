@@ -1,6 +1,6 @@
 //! What one sample did.
 
-/// Why a sample was refused; the state is bit for bit what it was before.
+/// Why a sample was refused; no number of it entered any buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -22,9 +22,14 @@ pub enum Outcome {
         /// Samples until the first estimate.
         remaining: u32,
     },
-    /// The sample was refused and entered no buffer.
+    /// The sample was refused and entered no buffer; its time passed, bridged by the prediction of y.
     Refused(Refusal),
-    /// The sample was predicted; the estimate is held.
+    /// y was implausible (a spike) and replaced by its prediction; the estimate was left alone.
+    Replaced {
+        /// y(k) minus its prediction, in the unit of y.
+        innovation: f32,
+    },
+    /// The sample was predicted; the estimate is held, by the user or because the drive does not move.
     Held {
         /// y(k) minus its prediction, in the unit of y.
         innovation: f32,
@@ -41,7 +46,7 @@ impl Outcome {
     pub fn innovation(self) -> Option<f32> {
         match self {
             Self::Held { innovation } | Self::Estimated { innovation } => Some(innovation),
-            Self::WarmingUp { .. } | Self::Refused(_) => None,
+            Self::WarmingUp { .. } | Self::Refused(_) | Self::Replaced { .. } => None,
         }
     }
 }

@@ -58,6 +58,13 @@ pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, cons
     /// 1 / variance of each entry of phi under white noise of variance 1 on y; 0 where there is none.
     noise_weights: [f32; N],
     pub(crate) offset_significance: f32,
+    /// A noise on y that is always allowed for: f32.
+    pub(crate) least_noise: f32,
+    /// For how many samples the innovation gate stays open after a start, and after a lasting change.
+    pub(crate) gate_open: u32,
+    pub(crate) gate_pause: u32,
+    /// Samples without y that the model bridges; after more the trends begin anew.
+    pub(crate) longest_gap: u32,
     /// Samples between the first one and the first estimate.
     pub(crate) warm_up: u32,
 }
@@ -80,6 +87,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             config.output_range,
         );
         let prior_noise = regressor.noise(config.output_noise);
+        let angle = config.bandwidth * sample_time;
         let forgetting = match config.memory {
             Some(memory) => 1.0 - sample_time / memory,
             None => 1.0,
@@ -108,6 +116,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             bandwidth: config.bandwidth,
             forgets: config.memory.is_some(),
             offset_significance: config.offset_significance,
+            least_noise: 1e-6 * config.output_range,
+            gate_open: (10.0 / angle) as u32,
+            gate_pause: (0.5 / angle) as u32,
+            longest_gap: (5.0 / angle) as u32,
             warm_up: design.warm_up.max((config.settling / sample_time) as u32),
         };
         plan.prior = match config.prior_std {
@@ -161,6 +173,12 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             };
             bounded(std / self.prior_noise)
         })
+    }
+
+    /// Whether an implausible sample can be told from noise: where the noise that passes the trends is known.
+    #[inline(always)]
+    pub(crate) fn has_gate(&self) -> bool {
+        self.trends.design().filter.is_some()
     }
 
     /// Whether the trends of y exceed their noise; where they do not, a row holds no information on the drive.

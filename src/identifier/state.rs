@@ -3,6 +3,7 @@
 use crate::estimation::forgetting::StabilisedForgetting;
 use crate::estimation::noise_level::NoiseLevel;
 use crate::estimation::rls::Estimator;
+use crate::identifier::gate::{Gate, Verdict};
 use crate::identifier::outcome::{Outcome, Refusal};
 use crate::identifier::plan::{Plan, Prior};
 use crate::model::evaluation::PredictionError;
@@ -23,6 +24,12 @@ struct Signals<T: TrendOperator<M>, const M: usize, const I: usize, const D: usi
     /// Samples until the trends have settled.
     remaining: u32,
     begun: bool,
+    gate: Gate<T::Memory>,
+    /// The newest y in the trends, and the newest inputs.
+    last: f32,
+    last_inputs: [f32; I],
+    /// Samples without y since the last one.
+    gap: u32,
 }
 
 impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signals<T, M, I, D> {
@@ -39,8 +46,25 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
             reference: 0.0,
             remaining: warm_up,
             begun: false,
+            gate: Gate::new(plan.gate_open),
+            last: 0.0,
+            last_inputs: plan.initial_inputs,
+            gap: 0,
         }
     }
+}
+
+/// The trends of everything but y.
+struct Others<const M: usize, const I: usize> {
+    inputs: [[f32; M]; I],
+    extra: [f32; 2],
+}
+
+/// The regressor with its equation error, and that as an innovation in the unit of y.
+struct Row<const N: usize> {
+    phi: [f32; N],
+    error: f32,
+    innovation: f32,
 }
 
 /// Everything that a sample changes.
@@ -57,6 +81,8 @@ pub(crate) struct State<
     pub(crate) prediction: f32,
     pub(crate) errors: PredictionError,
     pub(crate) adapting: bool,
+    /// Samples of y that were replaced by their prediction.
+    pub(crate) replaced: u32,
     signals: Signals<T, M, I, D>,
     forgetting: StabilisedForgetting<N>,
 }
@@ -73,6 +99,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             prediction: 0.0,
             errors: PredictionError::new(),
             adapting: true,
+            replaced: 0,
             signals: Signals::new(plan, plan.warm_up),
             forgetting: StabilisedForgetting::new(theta, plan.forgetting),
         }
@@ -82,38 +109,65 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     #[inline(always)]
     pub(crate) fn update(&mut self, plan: &Plan<T, M, N, I>, u: [f32; I], y: f32) -> Outcome {
         if let Some(refusal) = refused(plan, &u, y) {
+            self.refuse(plan, &u, refusal);
             return Outcome::Refused(refusal);
         }
         if !self.signals.begun {
             self.begin(plan, y);
         }
-        let y = y - self.signals.reference;
-        self.noise.update(y);
-        let output = self.output_trends(plan, y);
-        let inputs = self.input_trends(plan, u);
-        let extra = self.extra_columns(plan);
         let reference = self.signals.reference;
+        let y = y - reference;
+        self.signals.gap = 0;
+        let others = self.other_trends(plan, u);
         if self.signals.remaining > 0 {
+            self.noise.update(y);
+            let _ = self.output_trends(plan, y);
             self.signals.remaining -= 1;
             self.prediction = y + reference;
             return Outcome::WarmingUp {
                 remaining: self.signals.remaining,
             };
         }
-        let (phi, psi) = plan.regressor.assemble(&output, &inputs, &extra);
-        let error = self.estimator.innovation(&phi, psi);
-        // (10): y minus its evaluation is the equation error over the weight of y(k) in it.
-        let beta = plan.regressor.feedthrough(self.estimator.theta());
-        let innovation = error / beta;
-        self.prediction = y - innovation + reference;
-        self.errors.update(innovation);
+        let row = match plan.has_gate() {
+            false => self.row(plan, y, &others),
+            true => {
+                let before = self.signals.output.clone();
+                let row = self.row(plan, y, &others);
+                let third = self.noise.third_difference(y);
+                let gate = &mut self.signals.gate;
+                match gate.judge(
+                    row.innovation,
+                    third,
+                    &self.noise,
+                    plan.least_noise,
+                    plan.gate_pause,
+                ) {
+                    Verdict::Plausible => row,
+                    Verdict::Implausible => {
+                        gate.replaced = Some((y, before.clone()));
+                        return self.replace(plan, y, row.innovation, before);
+                    }
+                    Verdict::Lasting => self.row_of_two(plan, y, &others),
+                }
+            }
+        };
+        self.noise.update(y);
+        self.prediction = y - row.innovation + reference;
+        self.errors.update(row.innovation);
+        self.learn(plan, &row)
+    }
+
+    /// Takes the row in, unless the estimate is held.
+    #[inline(always)]
+    fn learn(&mut self, plan: &Plan<T, M, N, I>, row: &Row<N>) -> Outcome {
+        let innovation = row.innovation;
         if !self.adapting {
             return Outcome::Held { innovation };
         }
         if plan.forgets {
-            let moves = plan.moves(&phi, &self.noise);
+            let moves = plan.moves(&row.phi, &self.noise);
             if moves {
-                self.estimator.correct(&phi, error);
+                self.estimator.correct(&row.phi, row.error);
             } else {
                 self.estimator.pass();
             }
@@ -122,15 +176,122 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
                 return Outcome::Held { innovation };
             }
         } else {
-            self.estimator.correct(&phi, error);
+            self.estimator.correct(&row.phi, row.error);
         }
         Outcome::Estimated { innovation }
     }
 
+    /// The row that y makes with the trends of everything else.
+    #[inline(always)]
+    fn row(&mut self, plan: &Plan<T, M, N, I>, y: f32, others: &Others<M, I>) -> Row<N> {
+        let output = self.output_trends(plan, y);
+        let (phi, psi) = plan
+            .regressor
+            .assemble(&output, &others.inputs, &others.extra);
+        let error = self.estimator.innovation(&phi, psi);
+        // (10): y minus its evaluation is the equation error over the weight of y(k) in it.
+        let beta = plan.regressor.feedthrough(self.estimator.theta());
+        Row {
+            phi,
+            error,
+            innovation: error / beta,
+        }
+    }
+
+    /// The row of y after all, where the sample before was replaced and should not have been.
+    #[inline(never)]
+    fn row_of_two(&mut self, plan: &Plan<T, M, N, I>, y: f32, others: &Others<M, I>) -> Row<N> {
+        if let Some((newest, memory)) = self.signals.gate.replaced.take() {
+            self.signals.output = memory;
+            self.noise.correct_newest(newest);
+            let _ = self.output_trends(plan, newest);
+            self.replaced = self.replaced.saturating_sub(1);
+        }
+        let row = self.row(plan, y, others);
+        self.signals.gate.mean = row.innovation;
+        row
+    }
+
+    /// Lets the trends go on with the prediction of a sample that is not plausible.
+    #[inline(never)]
+    fn replace(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        y: f32,
+        innovation: f32,
+        before: T::Memory,
+    ) -> Outcome {
+        let predicted = y - (innovation - self.signals.gate.mean);
+        self.signals.output = before;
+        self.go_on(plan, predicted);
+        Outcome::Replaced { innovation }
+    }
+
+    /// One sample time without y: the trends go on with what the model predicts under the inputs `u`.
+    #[inline(never)]
+    pub(crate) fn skip(&mut self, plan: &Plan<T, M, N, I>, u: [f32; I]) {
+        if !self.signals.begun {
+            return;
+        }
+        self.signals.gap = self.signals.gap.saturating_add(1);
+        if self.signals.gap > plan.longest_gap {
+            self.restart_signals(plan, plan.warm_up);
+            return;
+        }
+        let others = self.other_trends(plan, u);
+        let before = self.signals.output.clone();
+        let last = self.signals.last;
+        let row = self.row(plan, last, &others);
+        let predicted = last - (row.innovation - self.signals.gate.mean);
+        self.signals.output = before;
+        self.signals.gate.replaced = None;
+        self.signals.gate.keep_open(plan.gate_pause);
+        let sound = acceptable(predicted, plan.output_limit);
+        self.go_on(plan, if sound { predicted } else { last });
+    }
+
+    /// One sample time without y, under the newest inputs.
+    pub(crate) fn skip_held(&mut self, plan: &Plan<T, M, N, I>) {
+        self.skip(plan, self.signals.last_inputs);
+    }
+
+    /// A refused sample is a sample time without y; an input that was refused stays what it was.
+    #[inline(never)]
+    fn refuse(&mut self, plan: &Plan<T, M, N, I>, u: &[f32; I], refusal: Refusal) {
+        match refusal {
+            Refusal::Output => self.skip(plan, *u),
+            Refusal::Input(_) => self.skip_held(plan),
+        }
+    }
+
+    /// Takes `predicted` for y: time passes, and nothing is learnt.
+    fn go_on(&mut self, plan: &Plan<T, M, N, I>, predicted: f32) {
+        let _ = self.output_trends(plan, predicted);
+        self.noise.pass(predicted);
+        self.prediction = predicted + self.signals.reference;
+        self.replaced = self.replaced.saturating_add(1);
+        self.signals.remaining = self.signals.remaining.saturating_sub(1);
+        if plan.forgets && self.adapting {
+            self.estimator.pass();
+            self.forgetting.apply(&mut self.estimator);
+        }
+    }
+
     #[inline(always)]
     fn output_trends(&mut self, plan: &Plan<T, M, N, I>, y: f32) -> Trends<M> {
+        self.signals.last = y;
         plan.trends
             .output(&mut self.signals.output, y, plan.output_form)
+    }
+
+    /// The trends of the inputs, of the constant and of the initial state.
+    #[inline(always)]
+    fn other_trends(&mut self, plan: &Plan<T, M, N, I>, u: [f32; I]) -> Others<M, I> {
+        self.signals.last_inputs = u;
+        Others {
+            inputs: self.input_trends(plan, u),
+            extra: self.extra_columns(plan),
+        }
     }
 
     #[inline(always)]

@@ -12,6 +12,8 @@ mod defects;
 mod delay;
 mod evaluation;
 mod exact;
+mod faults;
+mod forgetting;
 mod integral;
 mod oracle;
 mod properties;

@@ -1,0 +1,85 @@
+//! The innovation gate: a spike does not enter the trends, a lasting change does.
+//!
+//! ```text
+//! implausible  <=>  |e(k) - e_mean| > 4 sigma_y   and   |y(k) - 3 y(k-1) + 3 y(k-2) - y(k-3)| > 2.5 sqrt(20) sigma_y
+//! ```
+//!
+//! e is the innovation, e_mean its mean over some samples: a model that is wrong makes e large and e_mean with it. An
+//! implausible sample is replaced by `y - (e - e_mean)`. If the next one is implausible too, the change lasts: both
+//! are taken as measured, and the gate stays open for a while. So one wrong sample costs one row, and a
+//! step of the position enters the trends in the sample in which it happened.
+
+use crate::estimation::noise_level::NoiseLevel;
+
+/// Standard deviations of the noise beyond which the innovation is implausible.
+const INNOVATION: f32 = 4.0;
+
+/// The same for the third difference of y, whose own standard deviation is sqrt(20) times that of the noise.
+const THIRD: f32 = 2.5;
+
+/// Share of the newest innovation in its mean.
+const SHARE: f32 = 0.125;
+
+/// What a sample of y is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Verdict {
+    Plausible,
+    /// To be replaced by its prediction.
+    Implausible,
+    /// The one before was right.
+    Lasting,
+}
+
+/// What the gate remembers; `T` is the memory of the trends of y.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Gate<T> {
+    /// Mean of the innovation.
+    pub(crate) mean: f32,
+    /// Samples for which the gate stays open.
+    open: u32,
+    /// The sample that was replaced one sample ago, with the memory of the trends before it.
+    pub(crate) replaced: Option<(f32, T)>,
+}
+
+impl<T> Gate<T> {
+    /// A gate that is open for the first `open` samples.
+    pub(crate) const fn new(open: u32) -> Self {
+        Self {
+            mean: 0.0,
+            open,
+            replaced: None,
+        }
+    }
+
+    /// Judges a sample by its innovation and its third difference, in the unit of y; `least` is a noise that counts always.
+    #[inline(always)]
+    pub(crate) fn judge(
+        &mut self,
+        innovation: f32,
+        third: f32,
+        noise: &NoiseLevel,
+        least: f32,
+        pause: u32,
+    ) -> Verdict {
+        let jump = (innovation - self.mean) * (1.0 / INNOVATION);
+        let third = third * third * (1.0 / (20.0 * THIRD * THIRD));
+        let jump = jump * jump;
+        let smaller = if jump < third { jump } else { third };
+        if self.open > 0 || smaller <= least * least || noise.exceeds(smaller) {
+            self.open = self.open.saturating_sub(1);
+            self.mean += SHARE * (innovation - self.mean);
+            self.replaced = None;
+            return Verdict::Plausible;
+        }
+        if self.replaced.is_some() {
+            self.keep_open(pause);
+            return Verdict::Lasting;
+        }
+        Verdict::Implausible
+    }
+
+    /// Takes the next `samples` as they are.
+    pub(crate) fn keep_open(&mut self, samples: u32) {
+        self.open = self.open.max(samples);
+    }
+}
