@@ -1,7 +1,7 @@
 //! The innovation gate: a spike does not enter the trends, a lasting change does.
 //!
 //! ```text
-//! implausible  <=>  |e(k) - e_mean| > 4 sigma_y   and   |y(k) - 3 y(k-1) + 3 y(k-2) - y(k-3)| > 2.5 sqrt(20) sigma_y
+//! implausible  <=>  |e(k) - e_mean| > 4 sigma_y   and   |y(k) - 3 y(k-1) + 3 y(k-2) - y(k-3)| > 1.2 sqrt(20) sigma_y
 //! ```
 //!
 //! e is the innovation, e_mean its mean over some samples: a model that is wrong makes e large and e_mean with it. An
@@ -15,7 +15,7 @@ use crate::estimation::noise_level::NoiseLevel;
 const INNOVATION: f32 = 4.0;
 
 /// The same for the third difference of y, whose own standard deviation is sqrt(20) times that of the noise.
-const THIRD: f32 = 2.5;
+const THIRD: f32 = 1.2;
 
 /// Share of the newest innovation in its mean.
 const SHARE: f32 = 0.125;

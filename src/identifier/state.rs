@@ -120,6 +120,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.signals.gap = 0;
         let others = self.other_trends(plan, u);
         if self.signals.remaining > 0 {
+            self.signals.last = y;
             self.noise.update(y);
             let _ = self.output_trends(plan, y);
             self.signals.remaining -= 1;
@@ -145,12 +146,16 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
                     Verdict::Plausible => row,
                     Verdict::Implausible => {
                         gate.replaced = Some((y, before.clone()));
-                        return self.replace(plan, y, row.innovation, before);
+                        self.go_on(plan, before, &others);
+                        return Outcome::Replaced {
+                            innovation: row.innovation,
+                        };
                     }
                     Verdict::Lasting => self.row_of_two(plan, y, &others),
                 }
             }
         };
+        self.signals.last = y;
         self.noise.update(y);
         self.prediction = y - row.innovation + reference;
         self.errors.update(row.innovation);
@@ -212,19 +217,29 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         row
     }
 
-    /// Lets the trends go on with the prediction of a sample that is not plausible.
+    /// Lets the trends of y, from what they were before the sample, go on with the prediction.
     #[inline(never)]
-    fn replace(
-        &mut self,
-        plan: &Plan<T, M, N, I>,
-        y: f32,
-        innovation: f32,
-        before: T::Memory,
-    ) -> Outcome {
-        let predicted = y - (innovation - self.signals.gate.mean);
+    fn go_on(&mut self, plan: &Plan<T, M, N, I>, before: T::Memory, others: &Others<M, I>) {
+        // From the newest y: that of a spike would leave no digits.
+        let last = self.signals.last;
+        self.signals.output = before.clone();
+        let row = self.row(plan, last, others);
+        let predicted = last - (row.innovation - self.signals.gate.mean);
+        let predicted = match acceptable(predicted, plan.output_limit) {
+            true => predicted,
+            false => last,
+        };
         self.signals.output = before;
-        self.go_on(plan, predicted);
-        Outcome::Replaced { innovation }
+        let _ = self.output_trends(plan, predicted);
+        self.signals.last = predicted;
+        self.noise.pass(predicted);
+        self.prediction = predicted + self.signals.reference;
+        self.replaced = self.replaced.saturating_add(1);
+        self.signals.remaining = self.signals.remaining.saturating_sub(1);
+        if plan.forgets && self.adapting {
+            self.estimator.pass();
+            self.forgetting.apply(&mut self.estimator);
+        }
     }
 
     /// One sample time without y: the trends go on with what the model predicts under the inputs `u`.
@@ -240,14 +255,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
         let others = self.other_trends(plan, u);
         let before = self.signals.output.clone();
-        let last = self.signals.last;
-        let row = self.row(plan, last, &others);
-        let predicted = last - (row.innovation - self.signals.gate.mean);
-        self.signals.output = before;
         self.signals.gate.replaced = None;
         self.signals.gate.keep_open(plan.gate_pause);
-        let sound = acceptable(predicted, plan.output_limit);
-        self.go_on(plan, if sound { predicted } else { last });
+        self.go_on(plan, before, &others);
     }
 
     /// One sample time without y, under the newest inputs.
@@ -264,22 +274,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
     }
 
-    /// Takes `predicted` for y: time passes, and nothing is learnt.
-    fn go_on(&mut self, plan: &Plan<T, M, N, I>, predicted: f32) {
-        let _ = self.output_trends(plan, predicted);
-        self.noise.pass(predicted);
-        self.prediction = predicted + self.signals.reference;
-        self.replaced = self.replaced.saturating_add(1);
-        self.signals.remaining = self.signals.remaining.saturating_sub(1);
-        if plan.forgets && self.adapting {
-            self.estimator.pass();
-            self.forgetting.apply(&mut self.estimator);
-        }
-    }
-
     #[inline(always)]
     fn output_trends(&mut self, plan: &Plan<T, M, N, I>, y: f32) -> Trends<M> {
-        self.signals.last = y;
         plan.trends
             .output(&mut self.signals.output, y, plan.output_form)
     }

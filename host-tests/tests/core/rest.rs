@@ -161,6 +161,7 @@ fn holding_the_estimate_blinds_it() {
     let seeds = 219_000..219_020;
     let (_, drift, frozen) = summary(seeds.clone(), 0.03, 0.2, Pause::Frozen);
     let (_, _, open) = summary(seeds, 0.03, 0.2, Pause::Following);
-    assert_eq!(drift, 0.0);
+    // The recursion stands; the noise level, and with it the correction of its bias, goes on.
+    assert!(drift <= 1e-4, "{drift} %");
     assert!(open <= frozen);
 }
