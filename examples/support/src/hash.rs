@@ -1,4 +1,4 @@
-//! FNV-1a over the bits of numbers: 64 bits, integer arithmetic only.
+//! FNV-1a over the bits of numbers and words: 64 bits, integer arithmetic only.
 
 use core::fmt;
 
@@ -20,9 +20,19 @@ impl Hash {
 
     /// Takes the bits of a number, low byte first.
     pub fn take(&mut self, number: f32) {
-        for byte in number.to_bits().to_le_bytes() {
+        self.take_bits(number.to_bits());
+    }
+
+    /// Takes a word, low byte first.
+    pub fn take_bits(&mut self, bits: u32) {
+        for byte in bits.to_le_bytes() {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x100_0000_01B3);
         }
+    }
+
+    /// The hash.
+    pub const fn value(&self) -> u64 {
+        self.0
     }
 }
 

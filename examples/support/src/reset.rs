@@ -1,0 +1,173 @@
+//! Why the chip restarted: the flags of the STM32F405/407 as a cause (RM0090, RCC_CSR and FLASH_OPTCR).
+
+/// A cause of a reset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// The supply came.
+    PowerOn,
+    /// The supply fell below the level of the option bytes.
+    BrownOut,
+    /// The reset pin, and nothing else.
+    Pin,
+    /// The program or a debugger.
+    Software,
+    /// The independent watchdog was not fed.
+    IndependentWatchdog,
+    /// The window watchdog was not fed, or too early.
+    WindowWatchdog,
+    /// An entry into stop or standby that the option bytes forbid.
+    LowPower,
+    /// No flag, as in an emulator that does not model them.
+    Unknown,
+}
+
+impl Cause {
+    /// Every cause, in the order of the counters.
+    pub const ALL: [Self; 8] = [
+        Self::PowerOn,
+        Self::BrownOut,
+        Self::Pin,
+        Self::Software,
+        Self::IndependentWatchdog,
+        Self::WindowWatchdog,
+        Self::LowPower,
+        Self::Unknown,
+    ];
+
+    /// The name in a log.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::PowerOn => "power-on",
+            Self::BrownOut => "brown-out",
+            Self::Pin => "reset pin",
+            Self::Software => "software",
+            Self::IndependentWatchdog => "independent watchdog",
+            Self::WindowWatchdog => "window watchdog",
+            Self::LowPower => "low-power management",
+            Self::Unknown => "unknown",
+        }
+    }
+
+    /// The flag in RCC_CSR.
+    const fn flag(self) -> u32 {
+        match self {
+            Self::BrownOut => 1 << 25,
+            Self::Pin => 1 << 26,
+            Self::PowerOn => 1 << 27,
+            Self::Software => 1 << 28,
+            Self::IndependentWatchdog => 1 << 29,
+            Self::WindowWatchdog => 1 << 30,
+            Self::LowPower => 1 << 31,
+            Self::Unknown => 0,
+        }
+    }
+}
+
+/// The flags since they were cleared last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Causes(u32);
+
+impl Causes {
+    /// From the word of RCC_CSR.
+    #[must_use]
+    pub const fn from_csr(csr: u32) -> Self {
+        Self(csr & 0xFE00_0000)
+    }
+
+    /// The flags where they stand in RCC_CSR.
+    #[must_use]
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// Whether the flag of a cause is set.
+    #[must_use]
+    pub const fn contains(self, cause: Cause) -> bool {
+        self.0 & cause.flag() != 0
+    }
+
+    /// Whether a watchdog is among the causes.
+    #[must_use]
+    pub const fn contain_watchdog(self) -> bool {
+        self.contains(Cause::IndependentWatchdog) || self.contains(Cause::WindowWatchdog)
+    }
+
+    /// The cause behind the flags.
+    ///
+    /// Every reset pulls the pin and sets its flag, and a power-on sets that of the brown-out, so these two count only
+    /// where nothing else is set.
+    #[must_use]
+    pub fn main(self) -> Cause {
+        [
+            Cause::PowerOn,
+            Cause::IndependentWatchdog,
+            Cause::WindowWatchdog,
+            Cause::LowPower,
+            Cause::Software,
+            Cause::BrownOut,
+            Cause::Pin,
+        ]
+        .into_iter()
+        .find(|&cause| self.contains(cause))
+        .unwrap_or(Cause::Unknown)
+    }
+}
+
+/// Brown-out level of the option bytes, from the word of FLASH_OPTCR; 3 is the highest, none is off.
+#[must_use]
+pub const fn brown_out_level(optcr: u32) -> Option<u8> {
+    match (optcr >> 2) & 3 {
+        0 => Some(3),
+        1 => Some(2),
+        2 => Some(1),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_chip_sets_with_each_reset_is_one_cause() {
+        // The flags that go together: the pin with each, the brown-out with the power-on.
+        let cases = [
+            (0x0E00_0000, Cause::PowerOn),
+            (0x0600_0000, Cause::BrownOut),
+            (0x0400_0000, Cause::Pin),
+            (0x1400_0000, Cause::Software),
+            (0x2400_0000, Cause::IndependentWatchdog),
+            (0x4400_0000, Cause::WindowWatchdog),
+            (0x8400_0000, Cause::LowPower),
+            (0x0000_0000, Cause::Unknown),
+        ];
+        for (flags, cause) in cases {
+            // The oscillator bits below and the clear bit do not matter.
+            assert_eq!(Causes::from_csr(flags | 0x0100_0003).main(), cause);
+        }
+        assert!(
+            Cause::ALL
+                .iter()
+                .all(|cause| cases.iter().any(|(_, other)| other == cause))
+        );
+    }
+
+    #[test]
+    fn flags_that_were_not_cleared_hide_no_watchdog() {
+        let causes = Causes::from_csr(0x2E00_0000);
+        assert_eq!(causes.main(), Cause::PowerOn);
+        assert!(causes.contain_watchdog());
+        assert!(Causes::from_csr(0x4400_0000).contain_watchdog());
+        assert!(!Causes::from_csr(0x9E00_0000).contain_watchdog());
+    }
+
+    #[test]
+    fn brown_out_levels_count_downwards() {
+        // 0x0FFF_AAED is the reset value: off.
+        assert_eq!(brown_out_level(0x0FFF_AAED), None);
+        assert_eq!(brown_out_level(0x0FFF_AAE9), Some(1));
+        assert_eq!(brown_out_level(0x0FFF_AAE5), Some(2));
+        assert_eq!(brown_out_level(0x0FFF_AAE1), Some(3));
+    }
+}

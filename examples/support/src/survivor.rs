@@ -1,0 +1,361 @@
+//! What survives a reset in memory that the start does not clear: counted resets, and a fault until it is acknowledged.
+
+use crate::hash::Hash;
+use crate::reset::{Cause, Causes};
+
+/// Bytes of a text in the record.
+const TEXT: usize = 32;
+
+/// The end of a text, at most 32 bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Text([u8; TEXT]);
+
+impl Text {
+    /// The end of `text`, as much as there is room for; begins at a whole character.
+    #[must_use]
+    pub fn end_of(text: &str) -> Self {
+        let mut begin = text.len().saturating_sub(TEXT);
+        while !text.is_char_boundary(begin) {
+            begin += 1;
+        }
+        let mut bytes = [0; TEXT];
+        for (place, byte) in bytes.iter_mut().zip(text.bytes().skip(begin)) {
+            *place = byte;
+        }
+        Self(bytes)
+    }
+
+    /// The text; empty where the bytes are none.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        let length = self.0.iter().position(|&byte| byte == 0).unwrap_or(TEXT);
+        let bytes = self.0.get(..length).unwrap_or_default();
+        core::str::from_utf8(bytes).unwrap_or_default()
+    }
+
+    fn words(&self) -> [u32; TEXT / 4] {
+        let (words, _) = self.0.as_chunks::<4>();
+        core::array::from_fn(|i| words.get(i).map_or(0, |&word| u32::from_le_bytes(word)))
+    }
+
+    fn from_words(words: &[u32; TEXT / 4]) -> Self {
+        let mut bytes = [0; TEXT];
+        let (places, _) = bytes.as_chunks_mut::<4>();
+        for (place, word) in places.iter_mut().zip(words) {
+            *place = word.to_le_bytes();
+        }
+        Self(bytes)
+    }
+}
+
+/// What ended a run; the machine stays stopped until a person has acknowledged it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// The program stopped the machine.
+    Stopped {
+        /// Why.
+        why: Text,
+    },
+    /// A watchdog restarted the chip, and nothing was recorded before.
+    Watchdog,
+    /// The program gave up.
+    Panic {
+        /// Line of the source.
+        line: u32,
+        /// End of the path of the source.
+        file: Text,
+    },
+    /// The processor gave up.
+    HardFault {
+        /// Address of the instruction.
+        pc: u32,
+        /// Return address, of the caller or of an exception.
+        lr: u32,
+    },
+    /// An exception or interrupt that nobody handles.
+    Exception {
+        /// Number of the interrupt, negative for an exception of the core.
+        number: i32,
+    },
+}
+
+/// Words of a fault: kind, two numbers, text.
+const FAULT: usize = 3 + TEXT / 4;
+
+impl Fault {
+    fn words(fault: Option<&Self>) -> [u32; FAULT] {
+        const EMPTY: Text = Text([0; TEXT]);
+        let (kind, first, second, text) = match fault {
+            None => (0, 0, 0, &EMPTY),
+            Some(Self::Stopped { why }) => (1, 0, 0, why),
+            Some(Self::Watchdog) => (2, 0, 0, &EMPTY),
+            Some(Self::Panic { line, file }) => (3, *line, 0, file),
+            Some(Self::HardFault { pc, lr }) => (4, *pc, *lr, &EMPTY),
+            Some(Self::Exception { number }) => (5, number.cast_unsigned(), 0, &EMPTY),
+        };
+        let [a, b, c, d, e, f, g, h] = text.words();
+        [kind, first, second, a, b, c, d, e, f, g, h]
+    }
+
+    /// `None` for words that are no fault, `Some(None)` for those of no fault.
+    fn from_words(words: &[u32; FAULT]) -> Option<Option<Self>> {
+        let &[kind, first, second, ref text @ ..] = words;
+        let text = Text::from_words(text);
+        Some(match kind {
+            0 => None,
+            1 => Some(Self::Stopped { why: text }),
+            2 => Some(Self::Watchdog),
+            3 => Some(Self::Panic {
+                line: first,
+                file: text,
+            }),
+            4 => Some(Self::HardFault {
+                pc: first,
+                lr: second,
+            }),
+            5 => Some(Self::Exception {
+                number: first.cast_signed(),
+            }),
+            _ => return None,
+        })
+    }
+}
+
+/// Words of the record: magic word, starts, counters, fault, check of 64 bits.
+pub const WORDS: usize = 2 + COUNTERS + FAULT + 2;
+
+const COUNTERS: usize = Cause::ALL.len();
+
+/// Begins every record; another layout gets another word.
+const MAGIC: u32 = 0x7472_4E01;
+
+/// What survives a reset.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Survivor {
+    starts: u32,
+    resets: [u32; COUNTERS],
+    fault: Option<Fault>,
+}
+
+impl Survivor {
+    /// Reads a record; `None` for memory that holds none, as after a loss of power.
+    #[must_use]
+    pub fn from_words(words: &[u32; WORDS]) -> Option<Self> {
+        let [body @ .., low, high] = words;
+        if [*low, *high] != check(body) {
+            return None;
+        }
+        let [magic, starts, rest @ ..] = body;
+        let (resets, fault) = rest.split_first_chunk::<COUNTERS>()?;
+        if *magic != MAGIC {
+            return None;
+        }
+        Some(Self {
+            starts: *starts,
+            resets: *resets,
+            fault: Fault::from_words(fault.first_chunk()?)?,
+        })
+    }
+
+    /// The record as it is stored.
+    #[must_use]
+    pub fn words(&self) -> [u32; WORDS] {
+        let mut words = [0; WORDS];
+        let body = [MAGIC, self.starts]
+            .into_iter()
+            .chain(self.resets)
+            .chain(Fault::words(self.fault.as_ref()));
+        for (place, word) in words.iter_mut().zip(body) {
+            *place = word;
+        }
+        let [body @ .., low, high] = &mut words;
+        [*low, *high] = check(body);
+        words
+    }
+
+    /// Counts a start; a watchdog among its causes is a fault.
+    pub fn start(&mut self, causes: Causes) {
+        self.starts = self.starts.saturating_add(1);
+        if let Some(count) = self.resets.get_mut(causes.main() as usize) {
+            *count = count.saturating_add(1);
+        }
+        if causes.contain_watchdog() {
+            self.latch(Fault::Watchdog);
+        }
+    }
+
+    /// Keeps a fault; the first one stays, because the others follow from it.
+    pub fn latch(&mut self, fault: Fault) {
+        self.fault.get_or_insert(fault);
+    }
+
+    /// A person has seen the fault.
+    pub fn acknowledge(&mut self) {
+        self.fault = None;
+    }
+
+    /// The fault that nobody has acknowledged yet.
+    #[must_use]
+    pub const fn fault(&self) -> Option<Fault> {
+        self.fault
+    }
+
+    /// Starts since power came.
+    #[must_use]
+    pub const fn starts(&self) -> u32 {
+        self.starts
+    }
+
+    /// Starts since power came that had this cause.
+    #[must_use]
+    pub const fn resets(&self, cause: Cause) -> u32 {
+        self.resets[cause as usize]
+    }
+}
+
+/// Check of the words of a record, low word first.
+fn check(words: &[u32]) -> [u32; 2] {
+    let mut hash = Hash::new();
+    words.iter().for_each(|&word| hash.take_bits(word));
+    let value = hash.value();
+    [value as u32, (value >> 32) as u32]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WATCHDOG: Causes = Causes::from_csr(0x2400_0000);
+    const SOFTWARE: Causes = Causes::from_csr(0x1400_0000);
+
+    fn faults() -> [Option<Fault>; 6] {
+        [
+            None,
+            Some(Fault::Stopped {
+                why: Text::end_of("three overruns in a row"),
+            }),
+            Some(Fault::Watchdog),
+            Some(Fault::Panic {
+                line: 321,
+                file: Text::end_of("examples/servo/slot.rs"),
+            }),
+            Some(Fault::HardFault {
+                pc: 0x0800_1234,
+                lr: 0xFFFF_FFE9,
+            }),
+            Some(Fault::Exception { number: -4 }),
+        ]
+    }
+
+    fn survivor(fault: Option<Fault>) -> Survivor {
+        let mut survivor = Survivor::default();
+        survivor.start(Causes::from_csr(0x0E00_0000));
+        survivor.start(SOFTWARE);
+        survivor.fault = fault;
+        survivor
+    }
+
+    #[test]
+    fn every_record_comes_back() {
+        for fault in faults() {
+            let survivor = survivor(fault);
+            assert_eq!(Survivor::from_words(&survivor.words()), Some(survivor));
+            assert_eq!(survivor.starts(), 2);
+            assert_eq!(survivor.resets(Cause::PowerOn), 1);
+            assert_eq!(survivor.resets(Cause::Software), 1);
+            assert_eq!(survivor.resets(Cause::Pin), 0);
+        }
+    }
+
+    #[test]
+    fn a_wrong_bit_anywhere_is_no_record() {
+        for fault in faults() {
+            let good = survivor(fault).words();
+            for word in 0..WORDS {
+                for bit in 0..32 {
+                    let mut bad = good;
+                    bad[word] ^= 1 << bit;
+                    assert_eq!(Survivor::from_words(&bad), None, "word {word}, bit {bit}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn memory_after_power_on_is_no_record() {
+        for word in [0, u32::MAX, 0xA5A5_A5A5, MAGIC] {
+            assert_eq!(Survivor::from_words(&[word; WORDS]), None);
+        }
+        // A write that was cut off: the front of one record and the end of the other.
+        let [old, new] = [survivor(None).words(), survivor(faults()[3]).words()];
+        for cut in 0..=WORDS {
+            let mixed = core::array::from_fn(|i| if i < cut { new[i] } else { old[i] });
+            let whole = mixed == old || mixed == new;
+            assert_eq!(
+                Survivor::from_words(&mixed).is_some(),
+                whole,
+                "cut at {cut}"
+            );
+        }
+    }
+
+    #[test]
+    fn another_layout_or_kind_is_no_record() {
+        for (place, word) in [(0, MAGIC + 1), (2 + COUNTERS, 6)] {
+            let mut words = survivor(None).words();
+            words[place] = word;
+            let [body @ .., low, high] = &mut words;
+            [*low, *high] = check(body);
+            assert_eq!(Survivor::from_words(&words), None, "word {place}");
+        }
+    }
+
+    #[test]
+    fn a_watchdog_stays_a_fault_until_it_is_acknowledged() {
+        let mut survivor = Survivor::default();
+        survivor.start(WATCHDOG);
+        survivor.start(SOFTWARE);
+        assert_eq!(survivor.fault(), Some(Fault::Watchdog));
+        survivor.acknowledge();
+        survivor.start(SOFTWARE);
+        assert_eq!(survivor.fault(), None);
+        assert_eq!(survivor.resets(Cause::IndependentWatchdog), 1);
+    }
+
+    #[test]
+    fn the_first_fault_is_kept() {
+        let first = Fault::HardFault { pc: 1, lr: 2 };
+        let mut survivor = Survivor::default();
+        survivor.latch(first);
+        survivor.start(WATCHDOG);
+        assert_eq!(survivor.fault(), Some(first));
+    }
+
+    #[test]
+    fn counters_stand_at_their_end() {
+        let mut survivor = Survivor {
+            starts: u32::MAX,
+            resets: [u32::MAX; COUNTERS],
+            fault: None,
+        };
+        survivor.start(SOFTWARE);
+        assert_eq!(survivor.starts(), u32::MAX);
+        assert_eq!(survivor.resets(Cause::Software), u32::MAX);
+    }
+
+    #[test]
+    fn of_a_long_text_the_end_is_kept() {
+        assert_eq!(Text::end_of("").as_str(), "");
+        assert_eq!(Text::end_of("src/lib.rs").as_str(), "src/lib.rs");
+        let text = "registry/src/index/stm32f4xx-hal-0.23.0/src/watchdog.rs";
+        assert_eq!(
+            Text::end_of(text).as_str(),
+            "2f4xx-hal-0.23.0/src/watchdog.rs"
+        );
+        // 33 bytes, of which the first two are one character.
+        assert_eq!(
+            Text::end_of("\u{b5}0123456789012345678901234567890").as_str(),
+            "0123456789012345678901234567890"
+        );
+    }
+}
