@@ -41,7 +41,7 @@ impl Problem<'_> {
         let rest = vec![0.0; order];
         let samples = range.len();
         let forces = self.forces(estimate, delay, range, model.rate);
-        let forced = model.response(&rest, samples, |k| forces(k))?;
+        let forced = model.response(&rest, samples, &forces)?;
         let mut columns = Vec::new();
         for i in 0..order {
             let mut start = rest.clone();

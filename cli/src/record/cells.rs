@@ -31,8 +31,8 @@ fn printable(text: &str) -> String {
 
 /// The unit other than s that the name of a column of time stamps ends with.
 pub fn unit_of(name: &str) -> Option<&'static str> {
-    let words = name.split(|c: char| !c.is_alphanumeric());
-    match words.filter(|word| !word.is_empty()).next_back() {
+    let mut words = name.split(|c: char| !c.is_alphanumeric());
+    match words.rfind(|word| !word.is_empty()) {
         Some("ms" | "msec") => Some("ms"),
         Some("us" | "\u{b5}s" | "\u{3bc}s" | "usec") => Some("us"),
         Some("ns" | "nsec") => Some("ns"),

@@ -56,7 +56,7 @@ impl Rows {
             }
             Self::Huge => fit(std::array::from_fn(|_| 1e3 * number())),
             Self::Spikes => {
-                let spike = if k % 997 == 0 { 1e6 } else { 1.0 };
+                let spike = if k.is_multiple_of(997) { 1e6 } else { 1.0 };
                 fit(std::array::from_fn(|_| spike * number()))
             }
             Self::Tiny => fit(std::array::from_fn(|j| {
@@ -64,7 +64,11 @@ impl Rows {
             })),
             Self::Inconsistent => (
                 std::array::from_fn(|_| 0.3),
-                if k / 50 % 2 == 0 { 1.0 } else { -1.0 },
+                if (k / 50).is_multiple_of(2) {
+                    1.0
+                } else {
+                    -1.0
+                },
             ),
         }
     }

@@ -196,10 +196,13 @@ fn every_setting_changes_what_the_loop_does() {
     assert!(dead.is_empty(), "without effect: {dead:?}");
 }
 
+/// Puts a value into one setting.
+type Put = fn(&mut Config, f32);
+
 #[test]
 fn a_value_that_cannot_work_is_refused_with_the_name_of_its_setting() {
     for value in [f32::NAN, f32::INFINITY, -1.0] {
-        let cases: [(&str, fn(&mut Config, f32)); 12] = [
+        let cases: [(&str, Put); 12] = [
             ("sample_time", |c, x| c.sample_time = x),
             ("bandwidth", |c, x| c.bandwidth = x),
             ("rate", |c, x| c.rate = x),
