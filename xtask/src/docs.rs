@@ -33,16 +33,6 @@ pub struct Options {
     long: bool,
 }
 
-impl Options {
-    /// Compares everything.
-    pub fn long() -> Self {
-        Self {
-            write: None,
-            long: true,
-        }
-    }
-}
-
 /// Compares or writes.
 pub fn run(options: &Options) -> Done {
     let name = options.write.as_deref().unwrap_or_default();

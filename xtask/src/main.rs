@@ -50,7 +50,7 @@ enum Task {
     Package,
     #[command(flatten)]
     Printed(printed::Task),
-    /// The claims that need hundreds of runs, and the quotations that take minutes.
+    /// The claims that need hundreds of runs.
     Statistics,
     /// Simulated hours of the identifier and of the loop.
     Soak(soak::Options),
