@@ -6,4 +6,5 @@ mod figure;
 mod linear;
 pub mod linear_args;
 mod linear_report;
+mod population;
 pub mod position_loop;

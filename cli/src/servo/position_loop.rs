@@ -11,6 +11,7 @@ use trendid_host_tests::servo::scenario::Scenario;
 use crate::format::significant;
 use crate::output::{Refusal, emit, emit_json, progress};
 use crate::servo::demo_loop::{COLUMNS, Column, json_of};
+use crate::servo::population::{self, PopulationArgs};
 
 /// What is asked of the command.
 #[derive(Debug, Args)]
@@ -18,23 +19,35 @@ use crate::servo::demo_loop::{COLUMNS, Column, json_of};
   trendid loop
   trendid loop --linear
   trendid loop --seeds 100 --first-seed 1000 --json
+  trendid loop --population 100 --first-seed 1 --family hydraulic --worst
 
 One line per scenario of `trendid demo`, median and worst of the runs. The last column counts the runs within the
 figures of the project: steady state 0.05 mm, rise 200 ms, overshoot 1 %, sines 0.7 and 1.2 mm; after a change in motion
-one and a half times that and less than 2 s until the error stays below 1.05 mm.")]
+one and a half times that and less than 2 s until the error stays below 1.05 mm.
+
+With --population: axes drawn at random instead of one axis, from consecutive seeds. Columns: the loop, the loop with the gains of
+its commissioning, a controller whose gains were searched on each axis (P, velocity, acceleration, feedforward, inverse
+of the dead zone), and that one on the axes that the loop controlled.")]
 pub struct LoopArgs {
     /// Runs of each scenario
-    #[arg(long, value_name = "N", default_value_t = 20)]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 20,
+        conflicts_with = "population"
+    )]
     seeds: u64,
     /// Seed of the first run
     #[arg(long, value_name = "N", default_value_t = 1)]
     first_seed: u64,
     /// The linear servo of Table 2 behind the same valve dead zone and sensor, instead of the pneumatic axis
-    #[arg(long)]
+    #[arg(long, conflicts_with = "population")]
     linear: bool,
-    /// One JSON object per run
+    /// One JSON object per run, or one of the population
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    population: PopulationArgs,
 }
 
 /// Scenarios in which the axis is judged by how it moves.
@@ -53,6 +66,9 @@ const MOTION: [Scenario; 6] = [
 ///
 /// A sentence when no run is asked for.
 pub fn run(args: &LoopArgs) -> Result<(), Refusal> {
+    if let Some(axes) = args.population.population {
+        return population::run(&args.population, axes, args.first_seed, args.json);
+    }
     if args.seeds == 0 {
         return Err(Refusal::new("--seeds must be at least 1"));
     }

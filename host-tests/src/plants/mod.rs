@@ -8,10 +8,12 @@
 //! | [`mod@servo`] | the servo of the paper's Table 2 and its physical reading |
 //! | [`valve`] | a valve with dead zone, offset and unequal gain; Coulomb friction |
 //! | [`pneumatic`] | nonlinear pneumatic servo axis: cylinder, valve, friction, sensor |
+//! | [`third_order`] | drive of third order with friction that sticks, end stops and a valve |
 
 pub mod exponential;
 pub mod linear;
 pub mod pneumatic;
 pub mod polynomial;
 pub mod servo;
+pub mod third_order;
 pub mod valve;

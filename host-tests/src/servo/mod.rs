@@ -7,10 +7,12 @@
 //! | [`rig`] | the loop of the core on the drive, sample by sample |
 //! | [`shadow`] | a second loop in step with that of the rig |
 //! | [`figures`] | the figures of a run, and what is wanted of them |
+//! | [`population`] | axes drawn at random, with the controller of a practitioner beside the loop |
 //! | [`mod@run`] | a scenario from the commissioning to its figures |
 
 pub mod figures;
 pub mod plant;
+pub mod population;
 pub mod rig;
 pub mod run;
 pub mod scenario;

@@ -4,9 +4,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::dynamics::{Dynamics, State, opening};
-use super::flow::balance;
 use super::linear::Linearised;
-use super::parameters::{AMBIENT, AxisParameters};
+use super::parameters::AxisParameters;
 
 /// Sampling interval \[s\].
 const SAMPLE: f64 = 1e-3;
@@ -51,11 +50,7 @@ impl PneumaticAxis {
         if let Some(name) = p.fault() {
             panic!("parameter {name} of the axis makes no sense: {p:?}");
         }
-        let pa = balance(p.critical_ratio, p.linear_ratio, p.supply(), AMBIENT);
-        // With a rod the areas differ and so do the pressures of a resting axis.
-        let rod = p.area_a() - p.area_b();
-        let pb = pa;
-        let pa = (pb * p.area_b() + AMBIENT * rod) / p.area_a();
+        let [pa, pb] = p.resting_pressures();
         let state = State {
             x: 1e-3 * p.start_mm,
             v: 0.0,
@@ -84,6 +79,19 @@ impl PneumaticAxis {
     /// # Panics
     /// When `u` is not finite.
     pub fn step(&mut self, u: f64) {
+        let h = SAMPLE / f64::from(self.parameters.substeps);
+        for _ in 0..self.parameters.substeps {
+            self.advance(u, h);
+        }
+        self.time += 1;
+    }
+
+    /// Holds the command `u` (limited to -1..1) for `h` seconds, one step of the integrator; [`PneumaticAxis::time`] counts
+    /// whole samples only.
+    ///
+    /// # Panics
+    /// When `u` is not finite.
+    pub fn advance(&mut self, u: f64, h: f64) {
         assert!(u.is_finite(), "command {u} at sample {}", self.time);
         self.command = u.clamp(-1.0, 1.0);
         let command = match self.fault {
@@ -95,11 +103,7 @@ impl PneumaticAxis {
             _ => self.command,
         };
         let blocked = self.fault == Some(Fault::BlockedAxis);
-        let h = SAMPLE / f64::from(self.parameters.substeps);
-        for _ in 0..self.parameters.substeps {
-            self.dynamics.advance(&mut self.state, command, h, blocked);
-        }
-        self.time += 1;
+        self.dynamics.advance(&mut self.state, command, h, blocked);
     }
 
     /// Measures the position \[mm\]: noise, then resolution. Every call draws a new noise.
@@ -175,6 +179,11 @@ impl PneumaticAxis {
     /// Changes the moving mass \[kg\]; the velocity stays.
     pub fn set_mass(&mut self, mass: f64) {
         self.change(|p, _| p.mass = mass);
+    }
+
+    /// Changes the constant force on the mass \[N\]; the pressures stay.
+    pub fn set_load(&mut self, load: f64) {
+        self.change(|p, _| p.load = load);
     }
 
     /// Changes the supply pressure \[bar above ambient\].

@@ -89,7 +89,7 @@ impl Dynamics {
         let (v, acceleration) = if direction == 0.0 {
             (0.0, 0.0)
         } else {
-            let net = self.force(s) - p.friction.force(s.v, direction);
+            let net = self.force(s) + p.load - p.friction.force(s.v, direction);
             (s.v, net / p.mass)
         };
         let [va, vb] = p.volumes(s.x);
@@ -117,7 +117,7 @@ impl Dynamics {
 
     /// Direction in which the axis goes on from rest: 0 while friction or an end stop holds it.
     fn start(&self, s: &State) -> f64 {
-        let direction = self.p.friction.start(self.force(s));
+        let direction = self.p.friction.start(self.force(s) + self.p.load);
         let outward = (direction > 0.0 && s.x >= self.p.stroke) || (direction < 0.0 && s.x <= 0.0);
         if outward { 0.0 } else { direction }
     }

@@ -1,5 +1,6 @@
 //! Sizes of the axis in SI units.
 
+use super::flow::balance;
 use super::friction::Friction;
 
 /// Reference pressure of ISO 8778 and pressure of the room \[Pa\].
@@ -24,6 +25,8 @@ pub struct AxisParameters {
     pub dead_length: f64,
     /// Moving mass \[kg\].
     pub mass: f64,
+    /// Constant force on the mass toward larger positions, such as its weight along the axis \[N\].
+    pub load: f64,
     /// Friction of seals and guide.
     pub friction: Friction,
     /// Supply pressure above ambient \[bar\].
@@ -68,6 +71,7 @@ impl AxisParameters {
         stroke: 0.4,
         dead_length: 0.02,
         mass: 5.0,
+        load: 0.0,
         friction: Friction::SEALS,
         supply_bar: 6.0,
         polytropic: 1.2,
@@ -111,6 +115,24 @@ impl AxisParameters {
         ]
     }
 
+    /// Absolute pressures of the chambers A and B of an axis that rests under its load \[Pa\]: about the pressure that a
+    /// leaking valve settles at.
+    pub(super) fn resting_pressures(&self) -> [f64; 2] {
+        let level = balance(
+            self.critical_ratio,
+            self.linear_ratio,
+            self.supply(),
+            AMBIENT,
+        );
+        // With a rod the areas differ and so do the pressures of a resting axis.
+        let rod = self.area_a() - self.area_b();
+        let a = (level * self.area_b() + AMBIENT * rod) / self.area_a();
+        [
+            a - 0.5 * self.load / self.area_a(),
+            level + 0.5 * self.load / self.area_b(),
+        ]
+    }
+
     /// Absolute supply pressure \[Pa\].
     pub fn supply(&self) -> f64 {
         AMBIENT + 1e5 * self.supply_bar
@@ -125,6 +147,7 @@ impl AxisParameters {
             (self.stroke > 0.0, "stroke"),
             (self.dead_length > 0.0, "dead_length"),
             (self.mass > 0.0, "mass"),
+            (self.load.is_finite(), "load"),
             (f.coulomb >= 0.0 && f.breakaway >= f.coulomb, "friction"),
             (f.viscous >= 0.0 && f.stribeck_velocity > 0.0, "friction"),
             (self.supply_bar >= 0.0, "supply_bar"),

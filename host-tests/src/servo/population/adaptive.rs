@@ -1,0 +1,168 @@
+//! The loop of the core on the bench: commissioning from power-up, then a positioner.
+//!
+//! Its user states what [`servo::Config`] wants to know: sample time; travel; a rough bandwidth (the true natural frequency
+//! in the middle of the travel times a factor drawn from 0.8 to 1.4); the noise of the sensor; the delay of the valve (dead
+//! time and lag, at most the 8 samples that the loop takes); limits of motion that the drive can carry out. He does not
+//! know the wiring: when the loop says that the sign is wrong, he swaps the wires and commissions again. After any other
+//! refusal he commissions again from where the axis stands, until [`PATIENCE`] is over.
+
+use trendid::hardware::{Axis, Scale};
+use trendid::servo::{self, Model, MotionLimits, Reason, ServoLoop, State, Travel};
+
+use crate::servo::population::bench::Bench;
+use crate::servo::population::draw::AxisDraw;
+use crate::servo::population::sequence::{Positioner, Sample};
+use crate::servo::rig::{SimulatedSensor, SimulatedValve};
+
+/// Time from power-up after which a user gives up \[s\].
+pub const PATIENCE: f64 = 6.0;
+
+/// Pause between a refusal and the next commissioning \[s\].
+const PAUSE: f64 = 0.2;
+
+/// Bandwidth squared times travel beyond which positions are stated in a larger unit than mm, as the loop asks for.
+const ACCELERATION_MAX: f64 = 1e7;
+
+/// The loop with the unit of its positions.
+#[derive(Debug)]
+pub struct LoopPositioner {
+    servo: ServoLoop<SimulatedSensor, SimulatedValve>,
+    unit_mm: f64,
+    target_mm: f64,
+}
+
+/// What came of a commissioning.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Commissioned {
+    /// Refusals with whether the valve was connected the wrong way round at the time.
+    pub refusals: Vec<(Reason, bool)>,
+    /// Time from power-up to control \[s\].
+    pub verified_s: Option<f64>,
+    /// Velocity gain \[mm/s\] and natural frequency \[rad/s\] of the accepted model, over those of the axis.
+    pub ratios: Option<[f64; 2]>,
+    /// Whether a model was accepted although the valve was connected the wrong way round.
+    pub wrong_sign: bool,
+}
+
+/// What the user states, in units of `unit_mm`.
+fn config(axis: &AxisDraw, adaptive: bool, unit_mm: f64) -> servo::Config {
+    let travel = Travel {
+        min: 0.0,
+        max: (axis.stroke_mm() / unit_mm) as f32,
+    };
+    let mut config =
+        servo::Config::new(axis.sample_time as f32, axis.told_bandwidth as f32, travel);
+    let limits = axis.limits();
+    config.noise = Some((axis.sigma_mm() / unit_mm) as f32);
+    config.delay = axis.delay().min(8.0 * axis.sample_time) as f32;
+    config.motion = Some(MotionLimits {
+        velocity: (limits.velocity / unit_mm) as f32,
+        acceleration: (limits.acceleration / unit_mm) as f32,
+        jerk: (limits.jerk / unit_mm) as f32,
+    });
+    config.adaptive = adaptive;
+    config
+}
+
+impl LoopPositioner {
+    /// The loop with the settings that the user of an axis knows.
+    ///
+    /// # Errors
+    /// What the loop says to its settings.
+    pub fn new(axis: &AxisDraw, adaptive: bool) -> Result<Self, servo::Error> {
+        let square = axis.told_bandwidth * axis.told_bandwidth;
+        let unit_mm = if square * axis.stroke_mm() > ACCELERATION_MAX {
+            100.0
+        } else {
+            1.0
+        };
+        let Some(scale) = Scale::new((axis.resolution_mm / unit_mm) as f32) else {
+            panic!("resolution {} mm", axis.resolution_mm);
+        };
+        let sensor = Axis {
+            scale,
+            reference: 0,
+        };
+        let config = config(axis, adaptive, unit_mm);
+        let servo =
+            ServoLoop::try_new(&config, sensor, SimulatedSensor::default(), SimulatedValve)?;
+        Ok(Self {
+            servo,
+            unit_mm,
+            target_mm: 0.0,
+        })
+    }
+
+    /// Commissions from power-up until the loop controls or the user gives up.
+    pub fn commission(&mut self, bench: &mut Bench) -> Commissioned {
+        let mut done = Commissioned::default();
+        let (mut sum, mut samples) = (0.0, 0.0);
+        self.servo.commission();
+        let mut next = f64::INFINITY;
+        while bench.time() < PATIENCE {
+            self.servo.sensor_mut().code = Some(bench.code());
+            let report = self.servo.update();
+            sum += bench.position_mm();
+            samples += 1.0;
+            match report.state {
+                State::Failed(reason) if next.is_infinite() => {
+                    done.refusals.push((reason, bench.reversed));
+                    if reason == Reason::WrongSign {
+                        bench.reversed = !bench.reversed;
+                    }
+                    next = bench.time() + PAUSE;
+                }
+                State::Failed(_) if bench.time() >= next => {
+                    self.servo.commission();
+                    next = f64::INFINITY;
+                    (sum, samples) = (0.0, 0.0);
+                }
+                state if state.is_controlling() => {
+                    done.verified_s = Some(bench.time());
+                    done.wrong_sign = bench.reversed;
+                    let model = self.servo.supervisor().verified_model();
+                    done.ratios = model.map(|m| self.ratios(&m, bench.axis(), sum / samples));
+                    bench.hold(f64::from(report.command));
+                    return done;
+                }
+                _ => {}
+            }
+            bench.hold(f64::from(report.command));
+        }
+        self.servo.abort();
+        done
+    }
+
+    /// Velocity gain and natural frequency of a model over those of the axis about a position.
+    fn ratios(&self, model: &Model, axis: &AxisDraw, position_mm: f64) -> [f64; 2] {
+        let [gain, omega0, _] = axis.truth(position_mm);
+        let a1 = f64::from(model.a1);
+        let found = self.unit_mm * f64::from(model.b0) / a1;
+        [found / gain, a1.sqrt() / omega0]
+    }
+}
+
+impl Positioner for LoopPositioner {
+    fn move_to(&mut self, target_mm: f64) {
+        self.target_mm = target_mm;
+        // A refusal leaves the reference where it is; the sequence then finds that it does not arrive.
+        let _ = self.servo.move_to((target_mm / self.unit_mm) as f32);
+    }
+
+    fn oscillate(&mut self, amplitude_mm: f64, frequency_hz: f64) -> bool {
+        let amplitude = (amplitude_mm / self.unit_mm) as f32;
+        self.servo.oscillate(amplitude, frequency_hz as f32).is_ok()
+    }
+
+    fn update(&mut self, code: i32) -> Sample {
+        self.servo.sensor_mut().code = Some(code);
+        let report = self.servo.update();
+        let reference_mm = self.unit_mm * f64::from(report.setpoint.position);
+        Sample {
+            reference_mm,
+            resting: report.setpoint.is_rest() && (reference_mm - self.target_mm).abs() < 1e-2,
+            command: f64::from(report.command),
+            alive: report.state.is_controlling(),
+        }
+    }
+}

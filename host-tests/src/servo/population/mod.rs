@@ -1,0 +1,25 @@
+//! The position loop on a population of axes, drawn at random from a seed.
+//!
+//! | file | what |
+//! |---|---|
+//! | [`range`] | ranges of the whole population and of usual machines, streams of random numbers |
+//! | [`family`] | the four families and their ranges |
+//! | [`draw`] | one axis: what it is, and what its user knows of it |
+//! | [`bench`] | the axis in motion: dead time, wiring, sensor, jitter, end stops |
+//! | [`sequence`] | steps, sines and rest on any positioner, and what they show |
+//! | [`adaptive`] | the loop of the core: commissioning, then a positioner |
+//! | [`practitioner`] | the fixed controller of a practitioner |
+//! | [`search`] | its gains, searched on the axis itself |
+//! | [`trial`] | one axis with all of these |
+//! | [`summary`] | the figures of many axes |
+
+pub mod adaptive;
+pub mod bench;
+pub mod draw;
+pub mod family;
+pub mod practitioner;
+pub mod range;
+pub mod search;
+pub mod sequence;
+pub mod summary;
+pub mod trial;
