@@ -150,7 +150,7 @@ const ROWS: [Row; 11] = [
 ];
 
 /// A figure of the commissioning: key, unit, title, value.
-fn commissioning(summary: &Summary) -> [(&'static str, &'static str, &'static str, f64); 8] {
+fn commissioning(summary: &Summary) -> [(&'static str, &'static str, &'static str, f64); 9] {
     let c = &summary.commissioning;
     [
         ("accepted_pct", "%", "accepted within 3 s", c.accepted_pct),
@@ -159,6 +159,12 @@ fn commissioning(summary: &Summary) -> [(&'static str, &'static str, &'static st
             "%",
             "accepted within 6 s",
             c.accepted_6s_pct,
+        ),
+        (
+            "slowed_pct",
+            "%",
+            "taken with a slower controller only",
+            c.slowed_pct,
         ),
         (
             "verified_median_s",

@@ -88,3 +88,68 @@ fn options_that_do_not_fit_are_refused() {
         assert!(out.stdout.is_empty(), "{args:?}");
     }
 }
+
+#[test]
+fn a_population_has_exactly_its_keys() {
+    let text = stdout(&[
+        "loop",
+        "--population",
+        "2",
+        "--first-seed",
+        "5",
+        "--usual",
+        "--json",
+        "--worst",
+    ]);
+    let value: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let motion = [
+        "controlled",
+        "end_stop_pct",
+        "end_stop_max_mm_s",
+        "given_up_pct",
+        "limit_cycle_pct",
+        "undetected_cycle_pct",
+        "steady_state_median_mm",
+        "steady_state_p90_mm",
+        "small_step_median_mm",
+        "wear_median",
+        "sine_no_worse_pct",
+        "small_sine_no_worse_pct",
+    ];
+    let others = [
+        "axes",
+        "accepted_pct",
+        "accepted_6s_pct",
+        "slowed_pct",
+        "verified_median_s",
+        "verified_p95_s",
+        "refused",
+        "wrong_reason_pct",
+        "wrong_sign_pct",
+        "w0_within_10pct",
+        "c_within_20pct",
+        "fixed_gains",
+        "baseline",
+        "baseline_same_axes",
+        "worst",
+    ];
+    assert_keys(&value, &[&motion[..], &others[..]].concat());
+    for name in ["fixed_gains", "baseline", "baseline_same_axes"] {
+        assert_keys(&value[name], &motion);
+    }
+    assert_eq!(value["axes"], 2);
+    assert_eq!(value["baseline"]["controlled"], 2);
+}
+
+fn assert_keys(value: &serde_json::Value, keys: &[&str]) {
+    let mut found: Vec<&str> = value
+        .as_object()
+        .expect("an object")
+        .keys()
+        .map(String::as_str)
+        .collect();
+    let mut wanted = keys.to_vec();
+    found.sort_unstable();
+    wanted.sort_unstable();
+    assert_eq!(found, wanted);
+}

@@ -21,6 +21,8 @@ pub struct ThirdOrderParameters {
     pub xi: f64,
     /// Rate at which the drive force leaks away \[1/s\].
     pub leak: f64,
+    /// Largest drive force per mass: the supply is no larger \[mm/s2\].
+    pub force_max: f64,
     /// Constant force per mass toward larger positions \[mm/s2\].
     pub load: f64,
     /// Friction per mass, in mm and s, viscous part excluded.
@@ -99,6 +101,7 @@ impl ThirdOrder {
         let k4 = self.derivative(&plus(h, &k3), u, direction);
         let mean: State = std::array::from_fn(|i| (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0);
         self.state = plus(h, &mean);
+        self.state[2] = self.state[2].clamp(-self.p.force_max, self.p.force_max);
         let inside = self.state[0].clamp(0.0, self.p.stroke);
         let rests = self.p.friction.breakaway > 0.0 && self.state[1] * direction <= 0.0;
         if rests || inside != self.state[0] {

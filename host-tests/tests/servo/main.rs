@@ -4,6 +4,7 @@
 
 mod pneumatic;
 mod pneumatic_linear;
+mod population;
 mod position_loop;
 mod settings;
 mod shadow;

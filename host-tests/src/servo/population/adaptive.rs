@@ -2,7 +2,8 @@
 //!
 //! Its user states what [`servo::Config`] wants to know: sample time; travel; a rough bandwidth (the true natural frequency
 //! in the middle of the travel times a factor drawn from 0.8 to 1.4); the noise of the sensor; the delay of the valve (dead
-//! time and lag, at most the 8 samples that the loop takes); limits of motion that the drive can carry out. He does not
+//! time and lag, at most the 8 samples that the loop takes); limits of motion that the drive can carry out. When the loop
+//! refuses these because its controller would be too fast for the samples, he states the fastest that it takes. He does not
 //! know the wiring: when the loop says that the sign is wrong, he swaps the wires and commissions again. After any other
 //! refusal he commissions again from where the axis stands, until [`PATIENCE`] is over.
 
@@ -23,12 +24,17 @@ const PAUSE: f64 = 0.2;
 /// Bandwidth squared times travel beyond which positions are stated in a larger unit than mm, as the loop asks for.
 const ACCELERATION_MAX: f64 = 1e7;
 
+/// Largest bandwidth of the controller, per sample, whose observer the loop takes: 0.3 over 3.5, less a rounding.
+const SLOWED: f32 = 0.0857;
+
 /// The loop with the unit of its positions.
 #[derive(Debug)]
 pub struct LoopPositioner {
     servo: ServoLoop<SimulatedSensor, SimulatedValve>,
     unit_mm: f64,
     target_mm: f64,
+    /// Whether the user had to state a slower controller.
+    pub slowed: bool,
 }
 
 /// What came of a commissioning.
@@ -83,13 +89,22 @@ impl LoopPositioner {
             scale,
             reference: 0,
         };
-        let config = config(axis, adaptive, unit_mm);
-        let servo =
-            ServoLoop::try_new(&config, sensor, SimulatedSensor::default(), SimulatedValve)?;
+        let mut config = config(axis, adaptive, unit_mm);
+        let build = |config: &servo::Config| {
+            ServoLoop::try_new(config, sensor, SimulatedSensor::default(), SimulatedValve)
+        };
+        let (servo, slowed) = match build(&config) {
+            Ok(servo) => (servo, false),
+            Err(_) => {
+                config.controller.bandwidth = Some(SLOWED / config.sample_time);
+                (build(&config)?, true)
+            }
+        };
         Ok(Self {
             servo,
             unit_mm,
             target_mm: 0.0,
+            slowed,
         })
     }
 

@@ -220,11 +220,14 @@ fn third_order(kind: Family, usual: bool, random: &mut ChaCha8Rng) -> Mechanics 
     let omega0 = draw(kind.omega0());
     let xi = draw(kind.xi());
     let coulomb = draw(kind.friction()) * omega0 * omega0 * stroke;
+    let gain = draw(family::VALVE_SIZE) * needed_gain(omega0, stroke);
     Mechanics::ThirdOrder(ThirdOrderParameters {
-        gain: draw(family::VALVE_SIZE) * needed_gain(omega0, stroke),
+        gain,
         omega0,
         xi,
         leak: 0.0,
+        // Twice what an undamped oscillation at full speed takes.
+        force_max: 2.0 * gain * omega0,
         load: 0.0,
         friction: Friction {
             coulomb,

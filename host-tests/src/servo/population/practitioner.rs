@@ -16,10 +16,9 @@ pub struct Gains {
     pub filter: f64,
     /// Compensated part of the dead zone.
     pub dead_zone: f64,
+    /// Flow over which the inverse of the dead zone changes sign.
+    pub blend: f64,
 }
-
-/// Flow over which the inverse of the dead zone changes sign.
-const BLEND: f64 = 0.02;
 
 /// The wanted motion: a polynomial from rest to rest, or a sine that grows and fades over a period.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,6 +106,7 @@ pub struct Practitioner {
     feedback: [f64; 3],
     feedforward: [f64; 3],
     dead_zone: f64,
+    blend: f64,
     offset: f64,
     resolution: f64,
     dt: f64,
@@ -133,6 +133,7 @@ impl Practitioner {
             ],
             feedforward: [1.0 / c, 2.0 * xi / (w * c), 1.0 / (w * w * c)],
             dead_zone: gains.dead_zone * dead_zone,
+            blend: gains.blend,
             offset,
             resolution: axis.resolution_mm,
             dt,
@@ -203,7 +204,7 @@ impl Positioner for Practitioner {
         let [k0, k1, k2] = self.feedback;
         let [f1, f2, f3] = self.feedforward;
         let flow = f1 * r1 + f2 * r2 + f3 * r3 + k0 * (r0 - x) + k1 * (r1 - v) + k2 * (r2 - a);
-        let command = flow + self.dead_zone * (flow / BLEND).clamp(-1.0, 1.0) - self.offset;
+        let command = flow + self.dead_zone * (flow / self.blend).clamp(-1.0, 1.0) - self.offset;
         let sample = Sample {
             reference_mm: r0,
             resting: self.reference.resting(),

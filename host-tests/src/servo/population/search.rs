@@ -1,7 +1,7 @@
 //! Gains of the practitioner, searched on the axis itself.
 //!
-//! A coordinate search: three starts, then three rounds in which each of five numbers is tried larger and, where that is no
-//! better, smaller, by factors 2, 1.5 and 1.2: at most [`TRIALS_MAX`] trials of some 7 s on the axis, all with the same noise.
+//! A coordinate search: four starts, then three rounds in which each of six numbers is tried larger and, where that is no
+//! better, smaller, by factors 2, 1.5 and 1.2: at most [`TRIALS_MAX`] trials of some 6 s on the axis, all with the same noise.
 
 use crate::servo::population::bench::Bench;
 use crate::servo::population::draw::AxisDraw;
@@ -10,30 +10,38 @@ use crate::servo::population::range::Purpose;
 use crate::servo::population::sequence::{Exercise, amplitude};
 
 /// Largest number of trials of a search.
-pub const TRIALS_MAX: u32 = 3 + 3 * 2 * 5;
+pub const TRIALS_MAX: u32 = 4 + 3 * 2 * 6;
 
 /// Factors of the rounds.
 const FACTORS: [f64; 3] = [2.0, 1.5, 1.2];
 
+/// Starts, from gentle to stiff.
+const STARTS: [[f64; 6]; 4] = [
+    [0.04, 0.05, 0.1, 6.0, 0.9, 0.02],
+    [0.1, 0.3, 0.3, 8.0, 0.9, 0.02],
+    [0.3, 0.3, 0.3, 8.0, 0.9, 0.02],
+    [0.8, 0.3, 0.3, 8.0, 0.9, 0.02],
+];
+
 impl Gains {
-    fn from_array([position, velocity, acceleration, filter, dead_zone]: [f64; 5]) -> Self {
+    fn from_array([position, velocity, acceleration, filter, dead_zone, blend]: [f64; 6]) -> Self {
         Self {
             position,
             velocity,
             acceleration,
             filter,
             dead_zone,
+            blend,
         }
     }
 }
 
 /// Searches the gains of an axis.
 pub fn tuned(axis: &AxisDraw) -> Gains {
-    let start = |position: f64| [position, 0.3, 0.3, 8.0, 0.9];
-    let mut best = start(0.1);
+    let mut best = STARTS[0];
     let mut least = cost(axis, best);
-    for position in [0.3, 0.8] {
-        keep_better(axis, start(position), &mut best, &mut least);
+    for start in &STARTS[1..] {
+        keep_better(axis, *start, &mut best, &mut least);
     }
     for factor in FACTORS {
         for i in 0..best.len() {
@@ -49,7 +57,7 @@ pub fn tuned(axis: &AxisDraw) -> Gains {
     Gains::from_array(best)
 }
 
-fn keep_better(axis: &AxisDraw, tried: [f64; 5], best: &mut [f64; 5], least: &mut f64) -> bool {
+fn keep_better(axis: &AxisDraw, tried: [f64; 6], best: &mut [f64; 6], least: &mut f64) -> bool {
     let found = cost(axis, tried);
     let better = found < *least;
     if better {
@@ -59,7 +67,7 @@ fn keep_better(axis: &AxisDraw, tried: [f64; 5], best: &mut [f64; 5], least: &mu
 }
 
 /// What a practitioner minds: sines not followed, steps that end beside their target, cycles at rest, blows to the ends.
-fn cost(axis: &AxisDraw, gains: [f64; 5]) -> f64 {
+fn cost(axis: &AxisDraw, gains: [f64; 6]) -> f64 {
     // More of the dead zone than there is, or a filter faster than the samples, is no gain that anyone sets.
     let [_, omega0, _] = axis.truth(0.5 * axis.stroke_mm());
     if gains[4] > 1.1 || gains[3] * omega0 * axis.sample_time > 1.5 {

@@ -20,6 +20,8 @@ pub struct CommissioningFigures {
     pub accepted_pct: f64,
     /// Within 6 s.
     pub accepted_6s_pct: f64,
+    /// The settings were taken with a slower controller only.
+    pub slowed_pct: f64,
     /// Time to acceptance of the accepted \[s\].
     pub verified_median_s: f64,
     /// The same that 95 % of the accepted keep \[s\].
@@ -149,6 +151,7 @@ impl CommissioningFigures {
         Self {
             accepted_pct: share(&done, |c| c.verified_s.is_some_and(|t| t <= IN_TIME)),
             accepted_6s_pct: share(&done, |c| c.verified_s.is_some()),
+            slowed_pct: share(runs, |run| run.slowed),
             verified_median_s: quantile(&times, 0.5),
             verified_p95_s: quantile(&times, 0.95),
             refused,

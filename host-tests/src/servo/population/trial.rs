@@ -14,6 +14,8 @@ use crate::servo::population::sequence::{Exercise, Motion};
 pub struct LoopRun {
     /// Why the settings were refused.
     pub settings: Option<String>,
+    /// Whether a slower controller had to be stated.
+    pub slowed: bool,
     /// The commissioning.
     pub commissioned: Commissioned,
     /// Motion under control, when it came to that.
@@ -57,6 +59,7 @@ pub fn with_loop(axis: &AxisDraw, adaptive: bool) -> LoopRun {
     let mut bench = Bench::new(axis, Purpose::Disturbance);
     let mut run = LoopRun {
         settings: None,
+        slowed: false,
         commissioned: Commissioned::default(),
         motion: None,
         blow_mm_s: 0.0,
@@ -64,6 +67,7 @@ pub fn with_loop(axis: &AxisDraw, adaptive: bool) -> LoopRun {
     match LoopPositioner::new(axis, adaptive) {
         Err(error) => run.settings = Some(error.to_string()),
         Ok(mut positioner) => {
+            run.slowed = positioner.slowed;
             run.commissioned = positioner.commission(&mut bench);
             if run.commissioned.verified_s.is_some() {
                 run.motion = Some(Exercise::new(&mut bench, &mut positioner).run());
