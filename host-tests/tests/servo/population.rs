@@ -152,7 +152,13 @@ fn a_seed_gives_the_same_axis_and_another_seed_another() {
 }
 
 /// Travel, natural frequency, damping, gain and resolution of the linear axis of seed 200001.
-const BITS: [u64; 5] = [0; 5];
+const BITS: [u64; 5] = [
+    4642055166884117616,
+    4620881424951858607,
+    4602816830201902498,
+    4639587772714702059,
+    4570295268129488093,
+];
 
 /// Natural frequency and damping of a free response, from the instants and heights of its extremes about `rest`.
 fn oscillation(samples: &[f64], h: f64, rest: f64) -> [f64; 2] {
