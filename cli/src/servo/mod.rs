@@ -7,4 +7,5 @@ mod linear;
 pub mod linear_args;
 mod linear_report;
 mod population;
+mod population_rows;
 pub mod position_loop;

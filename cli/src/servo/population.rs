@@ -5,11 +5,12 @@ use clap::builder::PossibleValuesParser;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use trendid_host_tests::servo::population::family::Family;
-use trendid_host_tests::servo::population::summary::{ControllerFigures, Summary, refusal};
+use trendid_host_tests::servo::population::summary::{Summary, refusal};
 use trendid_host_tests::servo::population::trial::Trial;
 
 use crate::format::significant;
 use crate::output::{Refusal, emit, emit_json, number, progress};
+use crate::servo::population_rows::{COMMISSIONING, ROWS, columns};
 
 /// Most axes of a run.
 const AXES_MAX: u64 = 100_000;
@@ -74,142 +75,11 @@ pub fn run(args: &PopulationArgs, axes: u64, first: u64, json: bool) -> Result<(
     Ok(())
 }
 
-/// The controllers side by side: name in JSON (none for the top level), title, figures.
-type Column<'a> = (Option<&'static str>, &'static str, &'a ControllerFigures);
-
-fn columns(summary: &Summary) -> [Column<'_>; 4] {
-    [
-        (None, "loop", &summary.adaptive),
-        (Some("fixed_gains"), "fixed gains", &summary.fixed),
-        (Some("baseline"), "searched gains", &summary.practitioner),
-        (
-            Some("baseline_same_axes"),
-            "searched, same axes",
-            &summary.practitioner_same,
-        ),
-    ]
-}
-
-/// A figure of a controller: key, unit, title, value.
-type Row = (
-    &'static str,
-    &'static str,
-    &'static str,
-    fn(&ControllerFigures) -> f64,
-);
-
-const ROWS: [Row; 11] = [
-    ("end_stop_pct", "%", "strikes an end stop", |c| {
-        c.end_stops.struck_pct
-    }),
-    ("end_stop_max_mm_s", "mm/s", "hardest blow", |c| {
-        c.end_stops.hardest_mm_s
-    }),
-    ("given_up_pct", "%", "gives up in control", |c| {
-        c.motion.given_up_pct
-    }),
-    ("limit_cycle_pct", "%", "cycles at rest", |c| {
-        c.motion.limit_cycle_pct
-    }),
-    ("undetected_cycle_pct", "%", "cycles unnoticed", |c| {
-        c.motion.undetected_cycle_pct
-    }),
-    (
-        "steady_state_median_mm",
-        "mm",
-        "steady state, median",
-        |c| c.motion.steady_state_median_mm,
-    ),
-    ("steady_state_p90_mm", "mm", "steady state, 90 %", |c| {
-        c.motion.steady_state_p90_mm
-    }),
-    (
-        "small_step_median_mm",
-        "mm",
-        "excursion of a step of 0.05 mm, median",
-        |c| c.motion.small_step_median_mm,
-    ),
-    (
-        "wear_median",
-        "u",
-        "change of the command per sample, rms, median",
-        |c| c.motion.wear_median,
-    ),
-    (
-        "sine_no_worse_pct",
-        "%",
-        "large sines no worse than searched gains",
-        |c| c.motion.sine_no_worse_pct,
-    ),
-    (
-        "small_sine_no_worse_pct",
-        "%",
-        "small sines no worse than searched gains",
-        |c| c.motion.small_sine_no_worse_pct,
-    ),
-];
-
-/// A figure of the commissioning: key, unit, title, value.
-fn commissioning(summary: &Summary) -> [(&'static str, &'static str, &'static str, f64); 9] {
-    let c = &summary.commissioning;
-    [
-        ("accepted_pct", "%", "accepted within 3 s", c.accepted_pct),
-        (
-            "accepted_6s_pct",
-            "%",
-            "accepted within 6 s",
-            c.accepted_6s_pct,
-        ),
-        (
-            "slowed_pct",
-            "%",
-            "taken with a slower controller only",
-            c.slowed_pct,
-        ),
-        (
-            "verified_median_s",
-            "s",
-            "time to acceptance, median",
-            c.verified_median_s,
-        ),
-        (
-            "verified_p95_s",
-            "s",
-            "time to acceptance, 95 %",
-            c.verified_p95_s,
-        ),
-        (
-            "wrong_reason_pct",
-            "%",
-            "refused for a fault that is none",
-            c.wrong_reason_pct,
-        ),
-        (
-            "wrong_sign_pct",
-            "%",
-            "accepted with the wrong sign",
-            c.wrong_sign_pct,
-        ),
-        (
-            "w0_within_10pct",
-            "% of accepted",
-            "natural frequency within 10 %",
-            c.w0_within_10pct,
-        ),
-        (
-            "c_within_20pct",
-            "% of accepted",
-            "velocity gain within 20 %",
-            c.c_within_20pct,
-        ),
-    ]
-}
-
 fn object(summary: &Summary, worst: &[(&'static str, Vec<(u64, f64)>)]) -> Value {
     let mut top = Map::new();
     top.insert("axes".into(), json!(summary.axes));
-    for (key, _, _, value) in commissioning(summary) {
-        top.insert(key.into(), number(value));
+    for (key, _, _, value) in COMMISSIONING {
+        top.insert(key.into(), number(value(&summary.commissioning)));
     }
     top.insert("refused".into(), json!(summary.commissioning.refused));
     for (name, _, figures) in columns(summary) {
@@ -248,7 +118,8 @@ fn text(value: f64) -> String {
 
 fn markdown(summary: &Summary) -> String {
     let mut text_of = String::from("\n| commissioning | |\n|---|---|\n");
-    for (_, unit, title, value) in commissioning(summary) {
+    for (_, unit, title, value) in COMMISSIONING {
+        let value = value(&summary.commissioning);
         text_of += &format!("| {title} [{unit}] | {} |\n", text(value));
     }
     for (reason, axes) in &summary.commissioning.refused {
