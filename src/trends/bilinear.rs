@@ -83,8 +83,13 @@ fn slope<const M: usize>(a: &[f32; M], sigma: f32) -> [f32; M] {
 /// The coefficients after sigma has gone from one value to another.
 fn flow<const M: usize>(a: &[f32; M], from: f32, to: f32) -> [f32; M] {
     let step = (to - from) / STEPS as f32;
-    let ahead = |a: &[f32; M], slope: &[f32; M], step: f32| -> [f32; M] {
-        core::array::from_fn(|i| a[i] + step * slope[i])
+    // Pairs instead of indices: firmware calls this, and no index has to be checked.
+    let ahead = |a: &[f32; M], slope: &[f32; M], step: f32| {
+        let mut ahead = *a;
+        for (value, slope) in ahead.iter_mut().zip(slope) {
+            *value += step * slope;
+        }
+        ahead
     };
     let mut a = *a;
     for n in 0..STEPS {
