@@ -82,6 +82,8 @@ const FOLLOWS: f32 = 0.1;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StabilisedForgetting<const N: usize> {
     nominal: [f32; N],
+    /// Variance of nominal values that no data support, relative to the noise of psi as in the prior.
+    unsupported: [f32; N],
     /// Whether the nominal values were set; otherwise they follow the estimate where it is well known.
     set: bool,
     turn: usize,
@@ -95,6 +97,7 @@ impl<const N: usize> StabilisedForgetting<N> {
         let share = N as f32 * (1.0 - forgetting);
         Self {
             nominal,
+            unsupported: [0.0; N],
             set: false,
             turn: 0,
             bound: VARIANCE * share * (1.0 + share),
@@ -115,6 +118,12 @@ impl<const N: usize> StabilisedForgetting<N> {
         if !self.set && variance < FOLLOWS * self.bound {
             *nominal = estimator.theta().get(turn).copied().unwrap_or(*nominal);
         }
+        if let (true, Some(unsupported)) = (
+            variance < FOLLOWS * self.bound,
+            self.unsupported.get_mut(turn),
+        ) {
+            *unsupported = 0.0;
+        }
         estimator.flush(turn);
     }
 
@@ -122,6 +131,21 @@ impl<const N: usize> StabilisedForgetting<N> {
     pub const fn set_nominal(&mut self, nominal: [f32; N]) {
         self.nominal = nominal;
         self.set = true;
+    }
+
+    /// Tells how uncertain the present nominal values are: their standard deviations, relative to the noise of psi.
+    ///
+    /// P counts the observations of nominal values as if they had the noise of the data; a reading adds this. It
+    /// is forgotten parameter by parameter, when the data show one.
+    pub(crate) fn set_nominal_std(&mut self, std: &[f32; N]) {
+        for (variance, std) in self.unsupported.iter_mut().zip(std) {
+            *variance = std * std;
+        }
+    }
+
+    /// Variances of the nominal values that no data support, and what they add to `covariance` when P is that.
+    pub(crate) fn unsupported(&self) -> Option<&[f32; N]> {
+        (self.bound > 0.0).then_some(&self.unsupported)
     }
 
     /// Lets the nominal values follow the estimate again, from `nominal` on.

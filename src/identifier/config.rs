@@ -33,7 +33,7 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     /// Input in equilibrium before the first sample; default 0.
     #[doc(alias = "rest")]
     pub initial_input: [f32; I],
-    /// Memory of the estimator in s, `None` forgets nothing (default).
+    /// Memory of the estimator in s, from N (N - 1) samples to 2^20 samples; `None` forgets nothing (default).
     ///
     /// Where nothing excites a parameter its covariance stops at a bound and the parameter at its nominal value
     /// ([`Identifier::set_nominal`](crate::Identifier::set_nominal)); while the drive does not move, the estimate is held.
@@ -79,12 +79,18 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
     /// Checks every value; `capacity` is the length D of the delay lines.
     pub(crate) fn check(&self, sample_time: f32, capacity: usize) -> Result<(), ConfigError> {
         check_positive("sample_time", sample_time)?;
+        let rate = 1.0 / sample_time;
         check_positive("bandwidth", self.bandwidth)?;
+        check_range("bandwidth", self.bandwidth, ANGLE.map(|angle| angle * rate))?;
         check_positive("output_range", self.output_range)?;
+        check_range("output_range", self.output_range, RANGE)?;
         check_positive("output_noise", self.output_noise)?;
+        let noise = NOISE.map(|share| share * self.output_range);
+        check_range("output_noise", self.output_noise, noise)?;
         for input in 0..I {
             let range = self.input_range[input];
             check_positive(("input_range", input), range)?;
+            check_range(("input_range", input), range, RANGE)?;
             let reach = REACH * range;
             check_range(
                 ("initial_input", input),
@@ -95,7 +101,8 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
             check_range(("delays", input), delay, [0.0, capacity as f32])?;
         }
         if let Some(memory) = self.memory {
-            check_range("memory", memory, [2.0 * sample_time, f32::INFINITY])?;
+            let limits = [shortest_memory::<N>(), LONGEST];
+            check_range("memory", memory, limits.map(|n| n * sample_time))?;
         }
         for (index, value) in self.initial.into_iter().enumerate() {
             check_finite(("initial", index), value)?;
@@ -103,10 +110,31 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
         if let Some(std) = self.prior_std {
             check_std(&std)?;
         }
-        check_not_negative("settling", self.settling)?;
+        check_range("settling", self.settling, [0.0, SETTLING * sample_time])?;
         check_not_negative("offset_significance", self.offset_significance)?;
         Ok(())
     }
+}
+
+/// Bandwidth times sample time: below, f32 has no digits for the trends; above, they do not follow the plant.
+const ANGLE: [f32; 2] = [1e-4, 0.5];
+
+/// Typical sizes of signals: within, every scale and its square fit f32.
+const RANGE: [f32; 2] = [1e-9, 1e9];
+
+/// Noise over the typical movement: below 10^-7 f32 has none; noise beyond the movement is no measurement.
+const NOISE: [f32; 2] = [1e-7, 10.0];
+
+/// Longest memory in samples: of a longer one `1 - lambda` has no digits in f32.
+const LONGEST: f32 = 1_048_576.0;
+
+/// Longest time before the first estimate, in samples.
+const SETTLING: f32 = 16_777_216.0;
+
+/// Shortest memory in samples: N (N - 1), from which on the bound of the covariance holds, and at least 3.
+const fn shortest_memory<const N: usize>() -> f32 {
+    let n = N * N.saturating_sub(1);
+    if n > 3 { n as f32 } else { 3.0 }
 }
 
 /// A prior standard deviation is a finite number >= 0.

@@ -67,7 +67,8 @@ impl<T> Gate<T> {
         let smaller = if jump < third { jump } else { third };
         if self.open > 0 || smaller <= least * least || noise.exceeds(smaller) {
             self.open = self.open.saturating_sub(1);
-            self.mean += SHARE * (innovation - self.mean);
+            let mean = self.mean + SHARE * (innovation - self.mean);
+            self.mean = if mean.is_finite() { mean } else { 0.0 };
             self.replaced = None;
             return Verdict::Plausible;
         }

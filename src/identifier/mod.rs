@@ -243,6 +243,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             prior_noise: *prior_noise,
             significance: *offset_significance,
             estimator: &self.state.estimator,
+            forgetting: &self.state.forgetting,
             noise: &self.state.noise,
         }
     }

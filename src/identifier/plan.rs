@@ -58,7 +58,9 @@ pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, cons
     /// 1 / variance of each entry of phi under white noise of variance 1 on y; 0 where there is none.
     noise_weights: [f32; N],
     pub(crate) offset_significance: f32,
-    /// A noise on y that is always allowed for: f32.
+    /// Whether implausible samples of y are replaced.
+    pub(crate) has_gate: bool,
+    /// A noise on y that the innovation gate always allows for: a tenth of the expected one.
     pub(crate) least_noise: f32,
     /// For how many samples the innovation gate stays open after a start, and after a lasting change.
     pub(crate) gate_open: u32,
@@ -116,7 +118,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             bandwidth: config.bandwidth,
             forgets: config.memory.is_some(),
             offset_significance: config.offset_significance,
-            least_noise: 1e-6 * config.output_range,
+            has_gate: config.memory.is_some()
+                && design.filter.is_some()
+                && smooth(&config.structure),
+            least_noise: 0.1 * config.output_noise,
             gate_open: (10.0 / angle) as u32,
             gate_pause: (0.5 / angle) as u32,
             longest_gap: (5.0 / angle) as u32,
@@ -175,12 +180,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
         })
     }
 
-    /// Whether an implausible sample can be told from noise: where the noise that passes the trends is known.
-    #[inline(always)]
-    pub(crate) fn has_gate(&self) -> bool {
-        self.trends.design().filter.is_some()
-    }
-
     /// Whether the trends of y exceed their noise; where they do not, a row holds no information on the drive.
     ///
     /// ```text
@@ -223,6 +222,12 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
         self.noise_weights = noise_weights(&self.regressor, &trends.design().noise_gain);
         self.trends = trends;
     }
+}
+
+/// Whether every input acts at least two integrations behind: then the velocity has no steps, and a step of y is no motion.
+fn smooth<const M: usize, const N: usize, const I: usize>(structure: &Structure<M, N, I>) -> bool {
+    let inputs = structure.inputs();
+    inputs.iter().all(|terms| !terms.contains(M - 1))
 }
 
 /// 1 / M_jj of the columns of y, 0 of the others.

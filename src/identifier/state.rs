@@ -84,7 +84,7 @@ pub(crate) struct State<
     /// Samples of y that were replaced by their prediction.
     pub(crate) replaced: u32,
     signals: Signals<T, M, I, D>,
-    forgetting: StabilisedForgetting<N>,
+    pub(crate) forgetting: StabilisedForgetting<N>,
 }
 
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
@@ -93,6 +93,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// The state before the first sample.
     pub(crate) fn new(plan: &Plan<T, M, N, I>) -> Self {
         let Prior { theta, std } = plan.prior;
+        let mut forgetting = StabilisedForgetting::new(theta, plan.forgetting);
+        forgetting.set_nominal_std(&std);
         Self {
             estimator: Estimator::new(theta, std, plan.forgetting),
             noise: NoiseLevel::new(plan.forgetting),
@@ -101,7 +103,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             adapting: true,
             replaced: 0,
             signals: Signals::new(plan, plan.warm_up),
-            forgetting: StabilisedForgetting::new(theta, plan.forgetting),
+            forgetting,
         }
     }
 
@@ -109,7 +111,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     #[inline(always)]
     pub(crate) fn update(&mut self, plan: &Plan<T, M, N, I>, u: [f32; I], y: f32) -> Outcome {
         if let Some(refusal) = refused(plan, &u, y) {
-            self.refuse(plan, &u, refusal);
+            self.refuse(plan, &u);
             return Outcome::Refused(refusal);
         }
         if !self.signals.begun {
@@ -129,7 +131,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
                 remaining: self.signals.remaining,
             };
         }
-        let row = match plan.has_gate() {
+        let row = match plan.has_gate {
             false => self.row(plan, y, &others),
             true => {
                 let before = self.signals.output.clone();
@@ -170,6 +172,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             return Outcome::Held { innovation };
         }
         if plan.forgets {
+            self.noise.flush();
             let moves = plan.moves(&row.phi, &self.noise);
             if moves {
                 self.estimator.correct(&row.phi, row.error);
@@ -225,7 +228,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.signals.output = before.clone();
         let row = self.row(plan, last, others);
         let predicted = last - (row.innovation - self.signals.gate.mean);
-        let predicted = match acceptable(predicted, plan.output_limit) {
+        let settled = self.signals.remaining == 0 && plan.trends.design().filter.is_some();
+        let predicted = match settled && acceptable(predicted, plan.output_limit) {
             true => predicted,
             false => last,
         };
@@ -265,12 +269,12 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.skip(plan, self.signals.last_inputs);
     }
 
-    /// A refused sample is a sample time without y; an input that was refused stays what it was.
+    /// A refused sample is a sample time without y; inputs that cannot be taken stay what they were.
     #[inline(never)]
-    fn refuse(&mut self, plan: &Plan<T, M, N, I>, u: &[f32; I], refusal: Refusal) {
-        match refusal {
-            Refusal::Output => self.skip(plan, *u),
-            Refusal::Input(_) => self.skip_held(plan),
+    fn refuse(&mut self, plan: &Plan<T, M, N, I>, u: &[f32; I]) {
+        match refused(plan, u, 0.0) {
+            None => self.skip(plan, *u),
+            Some(_) => self.skip_held(plan),
         }
     }
 
@@ -360,6 +364,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     pub(crate) fn warm_start(&mut self, plan: &Plan<T, M, N, I>, prior: Prior<N>) {
         self.estimator = Estimator::new(prior.theta, prior.std, plan.forgetting);
         self.forgetting.set_nominal(prior.theta);
+        self.forgetting.set_nominal_std(&prior.std);
     }
 
     /// Makes the current estimate the nominal one.

@@ -1,5 +1,6 @@
 //! What is read out: the recursion and what it was planned with.
 
+use crate::estimation::forgetting::StabilisedForgetting;
 use crate::estimation::noise_level::NoiseLevel;
 use crate::estimation::regressor::Regressor;
 use crate::estimation::rls::Estimator;
@@ -19,6 +20,7 @@ pub(crate) struct ReadOut<'a, const M: usize, const N: usize, const I: usize> {
     /// Standard deviations below which a constant is withdrawn.
     pub(crate) significance: f32,
     pub(crate) estimator: &'a Estimator<N>,
+    pub(crate) forgetting: &'a StabilisedForgetting<N>,
     /// White noise of y by its third difference.
     pub(crate) noise: &'a NoiseLevel,
 }
@@ -29,6 +31,30 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         self.estimator
             .noise_variance()
             .unwrap_or(self.prior_noise * self.prior_noise)
+    }
+
+    /// Adds what nominal values that no data support leave open: `P e_i` over the bound of P_ii is their weight in theta.
+    ///
+    /// As long as P is that of the start they have no weight yet.
+    pub(super) fn add_unsupported(&self, p: &Matrix<N>, covariance: &mut Matrix<N>) {
+        let Some(variances) = self.forgetting.unsupported() else {
+            return;
+        };
+        let bound = self.forgetting.bound();
+        let unit = self.prior_noise * self.prior_noise;
+        for (k, variance) in variances.iter().enumerate() {
+            let own = p[k][k];
+            if !(own < *variance) {
+                continue;
+            }
+            let whole = if own > bound { own } else { bound };
+            let variance = unit * (variance - own);
+            for i in 0..N {
+                for j in 0..N {
+                    covariance[i][j] += (p[i][k] / whole) * (p[j][k] / whole) * variance;
+                }
+            }
+        }
     }
 
     /// P, normalised.

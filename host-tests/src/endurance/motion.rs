@@ -9,7 +9,7 @@ use crate::signals::shift_register::ShiftRegister;
 /// What the axis is asked to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
-    /// Binary noise of +-0.4.
+    /// Binary noise of +-0.4, where two sizes are needed of +-0.2 and +-0.4.
     Binary,
     /// No command.
     Rest,
@@ -61,6 +61,8 @@ pub struct Commands {
     register: ShiftRegister,
     random: ChaCha8Rng,
     bit: f64,
+    /// Whether binary noise has two sizes: a dead zone or friction cannot be told from a gain with one.
+    two_sizes: bool,
     reference: f64,
     anchor: Option<f64>,
     turned: bool,
@@ -71,12 +73,13 @@ pub struct Commands {
 
 impl Commands {
     /// For a drive of this bandwidth (rad/s) and velocity gain.
-    pub fn new(seed: u64, bandwidth: f64, velocity_gain: f64, dt: f64) -> Self {
+    pub fn new(seed: u64, bandwidth: f64, velocity_gain: f64, two_sizes: bool, dt: f64) -> Self {
         let mut random = generator(seed, Stream::Excitation);
         Self {
             register: ShiftRegister::new(11, random.random_range(1..2048)),
             random,
             bit: 0.4,
+            two_sizes,
             reference: 0.0,
             anchor: None,
             turned: false,
@@ -98,10 +101,13 @@ impl Commands {
             Motion::Binary => {
                 let (now, before) = (k as f64 * self.rate, (k as f64 - 1.0) * self.rate);
                 if now.floor() != before.floor() {
-                    self.bit = if self.register.next() == Some(true) {
-                        0.4
-                    } else {
-                        -0.4
+                    let size = match self.two_sizes && self.random.random::<bool>() {
+                        true => 0.2,
+                        false => 0.4,
+                    };
+                    self.bit = match self.register.next() {
+                        Some(true) => size,
+                        _ => -size,
                     };
                 }
                 self.bit

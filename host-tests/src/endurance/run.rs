@@ -61,7 +61,8 @@ impl Found {
     pub fn violation(&self, case: &Case) -> Option<String> {
         let limits = match (case.has_limits(), case.scenario.obeys_model()) {
             (true, true) => LIMITS_PCT,
-            (true, false) => [RECOVERED_PCT; 3],
+            (true, false) if case.scenario.recovers() => [RECOVERED_PCT; 3],
+            (true, false) => [f64::INFINITY; 3],
             (false, _) => [f64::INFINITY; 3],
         };
         let over = self.errors_pct.iter().zip(limits).any(|(e, l)| !(*e <= l));
@@ -270,7 +271,13 @@ impl<'a, A: Axis> Runner<'a, A> {
             case,
             axis,
             truth,
-            commands: Commands::new(seed, case.setup.bandwidth, GAIN, DT),
+            commands: Commands::new(
+                seed,
+                case.setup.bandwidth,
+                GAIN,
+                matches!(case.setup.drive, Drive::DeadZone | Drive::Coulomb),
+                DT,
+            ),
             noise: generator(seed, Stream::White),
             valve: StaticValve {
                 dead_zone,
@@ -397,7 +404,7 @@ impl<'a, A: Axis> Runner<'a, A> {
 
     fn compare(&mut self, reading: Option<Reading>) {
         let Some(reading) = reading else {
-            self.found.finite = false;
+            self.found.errors_pct = [f64::INFINITY; 3];
             return;
         };
         for (i, [value, std]) in reading.into_iter().enumerate() {

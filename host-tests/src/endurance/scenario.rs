@@ -39,6 +39,13 @@ impl Scenario {
         }
     }
 
+    /// Whether the estimate is expected to be right again ten seconds after data that did not obey the model.
+    ///
+    /// An axis that is carried along at any speed is not: its rows outweigh those of any motion after them.
+    pub fn recovers(&self) -> bool {
+        self.behaviour != Behaviour::Ramps
+    }
+
     /// Whether the data obey the model.
     pub fn obeys_model(&self) -> bool {
         self.behaviour == Behaviour::Free
