@@ -60,7 +60,7 @@ pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, cons
     pub(crate) offset_significance: f32,
     /// Whether implausible samples of y are replaced.
     pub(crate) has_gate: bool,
-    /// A noise on y that the innovation gate always allows for: a tenth of the expected one.
+    /// A noise on y that the innovation gate always allows for: a fiftieth of the expected one.
     pub(crate) least_noise: f32,
     /// For how many samples the innovation gate stays open after a start, and after a lasting change.
     pub(crate) gate_open: u32,
@@ -121,7 +121,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             has_gate: config.memory.is_some()
                 && design.filter.is_some()
                 && smooth(&config.structure),
-            least_noise: 0.1 * config.output_noise,
+            least_noise: 0.02 * config.output_noise,
             gate_open: (10.0 / angle) as u32,
             gate_pause: (0.5 / angle) as u32,
             longest_gap: (5.0 / angle) as u32,

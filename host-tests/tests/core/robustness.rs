@@ -133,7 +133,7 @@ fn design() -> impl Strategy<Value = Design> {
         plausible(1.0, 100.0),
         plausible(1e-3, 1e3),
         plausible(1e-4, 1e4),
-        prop::option::of(plausible(0.05, 10.0)),
+        prop::option::of(plausible(0.2, 10.0)),
         any::<bool>(),
         0_usize..4,
         prop::sample::select(vec![Scheme::Goodwin, Scheme::Tustin]),
