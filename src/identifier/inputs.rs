@@ -4,7 +4,12 @@ use crate::error::positive;
 use crate::estimation::terms::{Parameter, index_of};
 use crate::identifier::Identifier;
 use crate::identifier::outcome::Outcome;
+use crate::math::deviation;
+use crate::readout::Estimate;
 use crate::trends::TrendOperator;
+
+/// Standard deviations by which the width in the inputs stays below the one found.
+const CAUTION: f32 = 2.0;
 
 /// The two inputs that a valve with the dead zone `delta` needs beside a constant.
 ///
@@ -34,12 +39,20 @@ pub fn dead_zone(u: f32, delta: f32) -> [f32; 2] {
 /// With the inputs of [`dead_zone`] for a width delta near the true one, the numerators give the true one:
 ///
 /// ```text
-/// delta <- -b_sgn / b_u          once per block
+/// delta <- -b_sgn / b_u                       once per block
+/// w     <- max(0, delta - 2 sigma_delta)      the width in the inputs
 /// ```
 ///
 /// b_u and b_sgn are the b_0 of the first and the second input of the identifier. Samples with an old width contain its
-/// error and have to be forgotten: give the identifier a memory of about two blocks. Begin with a width that is too small
-/// rather than too large (0 is good).
+/// error and have to be forgotten: give the identifier a memory of about two blocks.
+///
+/// A width that is too small costs nothing while every command lies outside the dead zone. One above a command that the
+/// valve lets pass switches that command off, and the estimate from such inputs confirms the error. So the inputs are made
+/// with the width less two of its standard deviations. Begin with a width that is too small (0 is good).
+///
+/// # Limits
+/// Two levels of the command do not determine gain, width and constant; three do if each of them lasts long enough, some
+/// 3 / bandwidth. Until then [`DeadZone::std`] says how little is known of the width.
 ///
 /// | symbol | argument | unit |
 /// |---|---|---|
@@ -55,14 +68,18 @@ pub fn dead_zone(u: f32, delta: f32) -> [f32; 2] {
 /// ```
 /// let mut valve = trendid::inputs::DeadZone::new(0.0, 0.1, 2);
 /// assert_eq!(valve.inputs(0.02), [0.02, 1.0]);
-/// assert!(valve.correct([2.0, -0.06])); // delta = 0.06 / 2
+/// assert!(valve.correct([2.0, -0.06], 0.002)); // delta = 0.06 / 2, known to 0.002
 /// assert!((valve.delta() - 0.03).abs() < 1e-7);
 /// assert_eq!(valve.inputs(0.02), [0.0, 0.0]);
+/// assert_eq!(valve.inputs(0.028), [0.028, 1.0]); // may pass the valve
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DeadZone {
     delta: f32,
+    std: f32,
+    /// The width in the inputs.
+    cautious: f32,
     largest: f32,
     block: u32,
     count: u32,
@@ -81,6 +98,8 @@ impl DeadZone {
         };
         Self {
             delta,
+            std: f32::INFINITY,
+            cautious: delta,
             largest,
             block,
             count: 0,
@@ -92,10 +111,15 @@ impl DeadZone {
         self.delta
     }
 
+    /// Standard deviation of -b_sgn / b_u at the last correction, in the unit of u; infinite before.
+    pub const fn std(&self) -> f32 {
+        self.std
+    }
+
     /// The two inputs for a command. Cost: 6 instructions.
     #[inline]
     pub fn inputs(&self, u: f32) -> [f32; 2] {
-        dead_zone(u, self.delta)
+        dead_zone(u, self.cautious)
     }
 
     /// Takes u(k) and y(k) into an identifier with these two inputs and corrects the width at the end of a block.
@@ -130,29 +154,40 @@ impl DeadZone {
             return false;
         }
         self.count = 0;
-        let theta = identifier.theta();
-        let parameters = identifier.structure().parameters();
-        let b0 = |input| {
-            let index = index_of(&parameters, Parameter::Input { input, power: 0 })?;
-            theta.get(index).copied()
-        };
-        match (b0(0), b0(1)) {
-            (Some(linear), Some(sign)) => self.correct([linear, sign]),
-            _ => false,
+        match numerators(&identifier.estimate()) {
+            Some((numerators, std)) => self.correct(numerators, std),
+            None => false,
         }
     }
 
-    /// Corrects the width by the numerators `[b_u, b_sgn]`.
+    /// Corrects the width by the numerators `[b_u, b_sgn]`, whose quotient has the standard deviation `std`.
     ///
-    /// Returns whether it was corrected: a quotient outside 0 ..= `largest` changes nothing.
-    pub fn correct(&mut self, [linear, sign]: [f32; 2]) -> bool {
+    /// Returns whether it was corrected: a quotient outside 0 ..= `largest` changes the width in the inputs alone.
+    pub fn correct(&mut self, [linear, sign]: [f32; 2], std: f32) -> bool {
         let delta = -sign / linear;
         let accepted = delta >= 0.0 && delta <= self.largest;
         if accepted {
             self.delta = delta;
         }
+        self.std = if std >= 0.0 { std } else { f32::INFINITY };
+        self.cautious = (self.delta - CAUTION * self.std).max(0.0);
         accepted
     }
+}
+
+/// `[b_u, b_sgn]` of a model with two inputs, and the standard deviation of their quotient to first order.
+fn numerators<const M: usize, const N: usize, const I: usize>(
+    estimate: &Estimate<M, N, I>,
+) -> Option<([f32; 2], f32)> {
+    let parameters = estimate.structure().parameters();
+    let (theta, covariance) = (estimate.theta(), estimate.covariance());
+    let b0 = |input| index_of(&parameters, Parameter::Input { input, power: 0 });
+    let (u, sgn) = (b0(0)?, b0(1)?);
+    let (linear, sign) = (*theta.get(u)?, *theta.get(sgn)?);
+    let entry = |i: usize, j: usize| covariance.get(i)?.get(j).copied();
+    let quotient = sign / linear;
+    let variance = entry(sgn, sgn)? + quotient * (quotient * entry(u, u)? - 2.0 * entry(u, sgn)?);
+    Some(([linear, sign], deviation(variance) / linear.abs()))
 }
 
 /// The two inputs of an actuator with another gain in each direction: `max(u, 0)` and `min(u, 0)`.
@@ -201,7 +236,7 @@ mod tests {
             [0.0, -0.1],
         ] {
             let mut valve = fresh;
-            assert!(!valve.correct(numerators));
+            assert!(!valve.correct(numerators, 0.0));
             assert_eq!(valve.delta(), 0.02);
         }
         assert_eq!(DeadZone::new(f32::NAN, 0.1, 1).delta(), 0.0);
@@ -213,6 +248,26 @@ mod tests {
             assert!(!valve.update(&servo));
         }
         assert_eq!(valve.delta(), 0.02);
+    }
+
+    #[test]
+    fn the_inputs_are_made_with_a_width_that_is_not_too_large() {
+        let mut valve = DeadZone::new(0.02, 0.1, 1);
+        assert_eq!((valve.std(), valve.inputs(0.02)), (f32::INFINITY, [0.0; 2]));
+        assert!(valve.correct([1.0, -0.0625], 0.015625));
+        assert_eq!((valve.delta(), valve.std()), (0.0625, 0.015625));
+        assert_eq!(valve.inputs(0.03125), [0.0; 2]);
+        assert_eq!(valve.inputs(0.032), [0.032, 1.0]);
+        // A quotient that is no width says that the one before was wrong by its deviation, too.
+        assert!(!valve.correct([1.0, 0.0625], 0.05));
+        assert_eq!((valve.delta(), valve.inputs(0.001)), (0.0625, [0.001, 1.0]));
+        for std in [f32::NAN, f32::INFINITY, -1.0] {
+            assert!(valve.correct([1.0, -0.05], std));
+            assert_eq!(
+                (valve.delta(), valve.inputs(-0.001)),
+                (0.05, [-0.001, -1.0])
+            );
+        }
     }
 
     #[test]

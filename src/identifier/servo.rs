@@ -56,7 +56,7 @@ pub type Servo<const D: usize = 0> = Identifier<FilteredTrends<3>, 3, 5, 1, D>;
 /// let mut servo = trendid::ValveServo::new(0.001, 20.0, 0.2, 50.0, 0.7)?; // a memory of 0.7 s
 /// let mut valve = trendid::inputs::DeadZone::new(0.0, 0.1, 300); // a width of up to 0.1, corrected every 300 samples
 /// for k in 0..4000 {
-///     let u = [0.2, -0.1, 0.1, -0.2][k / 150 % 4];
+///     let u = [0.2, -0.1, 0.05, -0.15][k / 150 % 4];
 ///     let _ = valve.identify(&mut servo, u, drive(u));
 /// }
 /// assert!((valve.delta() - 0.03).abs() < 5e-4);

@@ -258,7 +258,7 @@ proptest! {
         for pair in numbers.windows(3) {
             let _ = line.update(pair[0], delay);
             level.update(pair[0]);
-            let _ = valve.correct([pair[1], pair[2]]);
+            let _ = valve.correct([pair[1], pair[2]], pair[0]);
             prop_assert!(valve.delta().is_finite() && valve.delta() >= 0.0);
             let _ = valve.inputs(pair[0]);
             let _ = estimator.update(&[pair[0], pair[1]], pair[2]);
