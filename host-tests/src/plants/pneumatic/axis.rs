@@ -4,6 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::dynamics::{Dynamics, State, opening};
+use super::flow::resting_pressures;
 use super::linear::Linearised;
 use super::parameters::AxisParameters;
 
@@ -50,7 +51,7 @@ impl PneumaticAxis {
         if let Some(name) = p.fault() {
             panic!("parameter {name} of the axis makes no sense: {p:?}");
         }
-        let [pa, pb] = p.resting_pressures();
+        let [pa, pb] = resting_pressures(&p);
         let state = State {
             x: 1e-3 * p.start_mm,
             v: 0.0,

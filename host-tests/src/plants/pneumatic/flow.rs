@@ -1,6 +1,6 @@
 //! Mass flow of air through a restriction after ISO 6358.
 
-use super::parameters::{DENSITY, TEMPERATURE};
+use super::parameters::{AMBIENT, AxisParameters, DENSITY, TEMPERATURE};
 
 /// Mass flow from `p1` to `p2` \[kg/s\], negative when `p2 > p1`.
 ///
@@ -46,6 +46,19 @@ pub(super) fn balance(b: f64, linear: f64, supply: f64, ambient: f64) -> f64 {
         }
     }
     0.5 * (low + high)
+}
+
+/// Absolute pressures of the chambers A and B of an axis that rests under its load \[Pa\]: about the pressure that a leaking
+/// valve settles at.
+pub(super) fn resting_pressures(p: &AxisParameters) -> [f64; 2] {
+    let level = balance(p.critical_ratio, p.linear_ratio, p.supply(), AMBIENT);
+    // With a rod the areas differ and so do the pressures of a resting axis.
+    let rod = p.area_a() - p.area_b();
+    let a = (level * p.area_b() + AMBIENT * rod) / p.area_a();
+    [
+        a - 0.5 * p.load / p.area_a(),
+        level + 0.5 * p.load / p.area_b(),
+    ]
 }
 
 /// Temperature times gas constant: pressure times volume of a kilogram of air \[J/kg\].

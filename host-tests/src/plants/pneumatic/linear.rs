@@ -1,6 +1,6 @@
 //! Linear model of the axis around a position.
 
-use super::flow::{AIR, mass_flow};
+use super::flow::{AIR, mass_flow, resting_pressures};
 use super::parameters::{AMBIENT, AxisParameters};
 
 /// Small motions around a position, `x(s)/u(s) = C w0^2 / (s (s^2 + 2 xi w0 s + w0^2)) = b0 / (s (s^2 + a2 s + a1))`.
@@ -34,7 +34,7 @@ impl Linearised {
     /// Linearises at a position \[mm\] and at a mean magnitude of `PneumaticAxis::opening` (0 for the closed valve).
     pub fn new(p: &AxisParameters, position_mm: f64, mean_opening: f64) -> Self {
         let supply = p.supply();
-        let [pa, pb] = p.resting_pressures();
+        let [pa, pb] = resting_pressures(p);
         let volumes = p.volumes(1e-3 * position_mm);
         let (mut stiffness, mut drive, mut relaxation) = (0.0, 0.0, 0.0);
         for (area, pressure, volume) in [(p.area_a(), pa, volumes[0]), (p.area_b(), pb, volumes[1])]

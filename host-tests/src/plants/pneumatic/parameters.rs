@@ -1,6 +1,5 @@
 //! Sizes of the axis in SI units.
 
-use super::flow::balance;
 use super::friction::Friction;
 
 /// Reference pressure of ISO 8778 and pressure of the room \[Pa\].
@@ -112,24 +111,6 @@ impl AxisParameters {
         [
             self.area_a() * (self.dead_length + position),
             self.area_b() * (self.dead_length + self.stroke - position),
-        ]
-    }
-
-    /// Absolute pressures of the chambers A and B of an axis that rests under its load \[Pa\]: about the pressure that a
-    /// leaking valve settles at.
-    pub(super) fn resting_pressures(&self) -> [f64; 2] {
-        let level = balance(
-            self.critical_ratio,
-            self.linear_ratio,
-            self.supply(),
-            AMBIENT,
-        );
-        // With a rod the areas differ and so do the pressures of a resting axis.
-        let rod = self.area_a() - self.area_b();
-        let a = (level * self.area_b() + AMBIENT * rod) / self.area_a();
-        [
-            a - 0.5 * self.load / self.area_a(),
-            level + 0.5 * self.load / self.area_b(),
         ]
     }
 
