@@ -160,18 +160,29 @@ impl<const N: usize> Estimator<N> {
         variance: f32,
         least: f32,
     ) -> f32 {
-        // U' e_i: no test of an index in the loops that follow.
+        // U' e_i: zero before the parameter, so that the columns before it stay as they are.
         let mut f = [0.0; N];
         let mut before = 0.0;
         for j in 0..N {
-            let entry = self.factor[j].get(index).copied().unwrap_or(0.0);
-            f[j] = if j == index { 1.0 } else { entry };
-            before += f[j] * f[j] * self.diagonal[j];
+            if j >= index {
+                let entry = self.factor[j].get(index).copied().unwrap_or(0.0);
+                f[j] = if j == index { 1.0 } else { entry };
+                before += f[j] * f[j] * self.diagonal[j];
+            }
         }
         if before > least {
-            let (gain, alpha) = self.fold(&f, variance, 1.0 / variance, 1.0);
+            let mut row = Row {
+                gain: [0.0; N],
+                alpha: variance,
+                inverse: 1.0 / variance,
+            };
+            for j in 0..N {
+                if j >= index {
+                    self.fold_column(&mut row, j, f[j], 1.0);
+                }
+            }
             let theta = self.theta.get(index).copied().unwrap_or(value);
-            self.step(&gain, (value - theta) / alpha);
+            self.step(&row.gain, (value - theta) / row.alpha);
         }
         before
     }

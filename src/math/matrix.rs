@@ -7,12 +7,22 @@ pub(crate) type Matrix<const N: usize> = [[f32; N]; N];
 
 /// A B.
 pub(crate) fn product<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
-    core::array::from_fn(|i| core::array::from_fn(|j| (0..N).map(|k| a[i][k] * b[k][j]).sum()))
+    core::array::from_fn(|i| product_row(&a[i], b))
 }
 
 /// A B'.
 pub(crate) fn product_transposed<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
-    core::array::from_fn(|i| core::array::from_fn(|j| (0..N).map(|k| a[i][k] * b[j][k]).sum()))
+    core::array::from_fn(|i| product_row_transposed(&a[i], b))
+}
+
+/// a' B.
+pub(crate) fn product_row<const N: usize>(a: &[f32; N], b: &Matrix<N>) -> [f32; N] {
+    core::array::from_fn(|j| (0..N).map(|k| a[k] * b[k][j]).sum())
+}
+
+/// a' B'.
+pub(crate) fn product_row_transposed<const N: usize>(a: &[f32; N], b: &Matrix<N>) -> [f32; N] {
+    core::array::from_fn(|j| (0..N).map(|k| a[k] * b[j][k]).sum())
 }
 
 /// Lower triangle L with L L' = `matrix`; nothing where it is not clearly positive.

@@ -3,7 +3,9 @@
 //! Known as: bias-compensated least squares. Stoica and Soderstrom, Int. J. Control 35 (1982); Zheng and Feng,
 //! IEEE Trans. Automatic Control 40 (1995).
 
-use crate::math::matrix::{Matrix, product, product_transposed};
+use crate::math::matrix::{
+    Matrix, product, product_row, product_row_transposed, product_transposed,
+};
 use crate::math::sqrt;
 use crate::readout::source::ReadOut;
 
@@ -91,11 +93,32 @@ pub(crate) struct Residual {
 pub(crate) struct Compensated<const N: usize> {
     /// The parameters as the trends have them, in the user's units.
     pub(crate) theta: [f32; N],
-    /// P_c, normalised.
-    pub(crate) covariance: Matrix<N>,
+    /// I + 2 w P M; `None` where nothing was corrected.
+    transform: Option<Matrix<N>>,
     /// What one step of the correction leaves of each parameter, in the user's units.
     pub(crate) left: [f32; N],
     pub(crate) residual: Residual,
+}
+
+impl<const N: usize> Compensated<N> {
+    /// P_c, normalised, from the covariance `p` of the recursion.
+    pub(crate) fn covariance(&self, p: &Matrix<N>) -> Matrix<N> {
+        match &self.transform {
+            Some(transform) => product_transposed(&product(transform, p), transform),
+            None => *p,
+        }
+    }
+
+    /// Row `index` of P_c: all that an estimate without its deviations needs of it.
+    pub(crate) fn covariance_row(&self, p: &Matrix<N>, index: usize) -> Option<[f32; N]> {
+        match &self.transform {
+            Some(transform) => {
+                let row = product_row(transform.get(index)?, p);
+                Some(product_row_transposed(&row, transform))
+            }
+            None => p.get(index).copied(),
+        }
+    }
 }
 
 /// One step of the correction from the recursion with the covariance `p`.
@@ -106,9 +129,12 @@ pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
     let bare = source.estimator.theta();
     let samples = source.estimator.samples();
     let noise = Noise::of(source);
-    let (theta, covariance, damping) = match noise.white {
-        Some(white) => corrected(bare, p, &noise, samples * white),
-        None => (*bare, *p, 0.0),
+    let (theta, transform, damping) = match noise.white {
+        Some(white) => {
+            let (theta, transform, damping) = corrected(bare, p, &noise, samples * white);
+            (theta, Some(transform), damping)
+        }
+        None => (*bare, None, 0.0),
     };
     let units = source.regressor.units();
     let in_units = |theta: &[f32; N]| core::array::from_fn(|j| theta[j] * units[j]);
@@ -120,12 +146,12 @@ pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
     Compensated {
         left: core::array::from_fn(|j| damping * (theta[j] - bare[j])),
         theta,
-        covariance,
+        transform,
         residual: noise.split(source.regressor.top_scale(), samples, angle),
     }
 }
 
-/// theta_c and P_c, normalised, and the damping w tr P M; `level` is n s.
+/// theta_c, normalised, I + 2 w P M and the damping w tr P M; `level` is n s.
 fn corrected<const N: usize>(
     bare: &[f32; N],
     p: &Matrix<N>,
@@ -161,6 +187,5 @@ fn corrected<const N: usize>(
             theta[i] += weight * p[i][j] * bias[j];
         }
     }
-    let covariance = product_transposed(&product(&transform, p), &transform);
-    (theta, covariance, weight * trace)
+    (theta, transform, weight * trace)
 }

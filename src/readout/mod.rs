@@ -66,7 +66,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             Withdrawal::of(
                 &self.structure.parameters(),
                 &found.theta,
-                &found.covariance,
+                |index| found.covariance_row(p, index),
                 self.regressor.units(),
                 found.residual.significance,
                 self.significance,
@@ -123,7 +123,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// P_c under the noise where each parameter is seen, normalised; relative to a parameter the floor that all share,
     /// and what rounding adds to each.
     fn shaped(&self, p: &Matrix<N>, found: &Compensated<N>) -> (Matrix<N>, f32, f32) {
-        let mut covariance = found.covariance;
+        let mut covariance = found.covariance(p);
         let even = found.residual.even;
         let Some(filter) = self.design.filter else {
             for entry in covariance.as_flattened_mut() {

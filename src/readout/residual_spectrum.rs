@@ -50,19 +50,22 @@ impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
         let mut sums = [[[0.0; N]; N]; 2];
         let mut plants = [Complex::ZERO; FREQUENCIES];
         let (mut filters, mut residuals) = ([0.0; FREQUENCIES], [0.0; FREQUENCIES]);
+        let denominator = unscaled(&self.denominator, self.natural);
+        let filter = unscaled(&self.filter, self.natural);
         let mut x = LOWEST;
         for k in 0..FREQUENCIES {
             let s = Complex { re: 0.0, im: x };
-            plants[k] = monic(&self.denominator, s, self.natural);
-            filters[k] = monic(&self.filter, s, self.natural).size();
+            plants[k] = value_at(&denominator, s);
+            filters[k] = value_at(&filter, s).size();
             residuals[k] = plants[k].size() / filters[k];
             x *= STEP;
         }
+        let scales = self.scales();
         let mut x = LOWEST;
         for (plant, filter) in plants.into_iter().zip(filters) {
             let residual = self.blurred(&residuals, x);
             // d omega is proportional to omega on a logarithmic scale.
-            self.add_frequency(&mut sums, x, plant, [x / filter, residual]);
+            self.add_frequency(&mut sums, &scales, x, plant, [x / filter, residual]);
             x *= STEP;
         }
         for matrix in &mut sums {
@@ -76,12 +79,18 @@ impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
         (r, s)
     }
 
+    /// omega_n^(m-power) for every power below m.
+    fn scales(&self) -> [f32; M] {
+        core::array::from_fn(|power| raised(self.natural, M - power))
+    }
+
     /// Adds what is seen at `x` times the natural frequency to the lower triangles of R and S.
     ///
     /// Each input, the constant and the initial state are excitations of their own.
     fn add_frequency(
         &self,
         [r, s]: &mut [Matrix<N>; 2],
+        scales: &[f32; M],
         x: f32,
         plant: Complex,
         [weight, residual]: [f32; 2],
@@ -89,8 +98,8 @@ impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
         for first in 0..N {
             let rate = match self.parameters[first] {
                 Parameter::Input { input, power } if self.leads(first, input) => {
-                    let range = raised(self.natural, M - power) / self.units[first];
-                    let phi = self.response(input, range, x, plant);
+                    let range = scale_of(scales, power) / self.units[first];
+                    let phi = self.response(input, scales, range, x, plant);
                     for i in 0..N {
                         for j in 0..=i {
                             let both = weight * (phi[i].re * phi[j].re + phi[i].im * phi[j].im);
@@ -137,15 +146,21 @@ impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
     }
 
     /// The normalised regressor for the input at `x` times the natural frequency, without `1/A_f`.
-    fn response(&self, input: usize, range: f32, x: f32, plant: Complex) -> [Complex; N] {
-        let natural = self.natural;
+    fn response(
+        &self,
+        input: usize,
+        scales: &[f32; M],
+        range: f32,
+        x: f32,
+        plant: Complex,
+    ) -> [Complex; N] {
         // G = B/A
         let mut numerator = Complex::ZERO;
         for (parameter, value) in self.parameters.iter().zip(self.theta) {
             if let Parameter::Input { input: of, power } = *parameter
                 && of == input
             {
-                let b = value / raised(natural, M - power);
+                let b = value / scale_of(scales, power);
                 numerator = numerator.plus(Complex::power(x, power, b));
             }
         }
@@ -154,11 +169,11 @@ impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
         for (j, parameter) in self.parameters.iter().enumerate() {
             let value = match *parameter {
                 Parameter::Output { power } => {
-                    let order = Complex::power(x, power, -1.0 / raised(natural, M - power));
+                    let order = Complex::power(x, power, -1.0 / scale_of(scales, power));
                     order.times(output)
                 }
                 Parameter::Input { input: of, power } if of == input => {
-                    Complex::power(x, power, 1.0 / raised(natural, M - power))
+                    Complex::power(x, power, 1.0 / scale_of(scales, power))
                 }
                 _ => Complex::ZERO,
             };
@@ -172,6 +187,11 @@ impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
     }
 }
 
+/// omega_n^(m-power); 1 for a power that no parameter has.
+fn scale_of(scales: &[f32], power: usize) -> f32 {
+    scales.get(power).copied().unwrap_or(1.0)
+}
+
 /// The natural frequency of a denominator in rad/s, or the bandwidth where it has no sensible one.
 pub(crate) fn natural_frequency<const M: usize>(a: &[f32; M], bandwidth: f32) -> f32 {
     let first = a.iter().position(|v| *v != 0.0).unwrap_or(0);
@@ -183,20 +203,16 @@ pub(crate) fn natural_frequency<const M: usize>(a: &[f32; M], bandwidth: f32) ->
     }
 }
 
-/// Monic polynomial of order m at `s omega_n`, divided by `omega_n^m`.
-fn monic<const M: usize>(coefficients: &[f32; M], s: Complex, natural: f32) -> Complex {
-    value_at(&unscaled(coefficients, natural), s)
-}
-
 /// Mean of |A/A_f|^2 over 0.1 to 2.5 times the natural frequency, weighted by the spectrum of the regressor.
 pub(crate) fn in_band<const M: usize>(a: &[f32; M], filter: &[f32; M], bandwidth: f32) -> f32 {
     let natural = natural_frequency(a, bandwidth);
+    let (a, filter) = (unscaled(a, natural), unscaled(filter, natural));
     let (mut sum, mut weights) = (0.0, 0.0);
     for step in 0..25 {
         let x = 0.1 * (step + 1) as f32;
         let s = Complex { re: 0.0, im: x };
-        let plant = monic(a, s, natural).size();
-        let filter = monic(filter, s, natural).size();
+        let plant = value_at(&a, s).size();
+        let filter = value_at(&filter, s).size();
         // x^(2m) / |A A_f|^2: the trend of order m of y under a flat command.
         let weight = raised(x * x, M) / (plant * filter);
         if weight.is_finite() {

@@ -35,18 +35,18 @@ pub(crate) struct Withdrawal<const N: usize> {
 impl<const N: usize> Withdrawal<N> {
     /// What to withdraw from the estimate `theta`, in the user's units; `None` for a significant constant.
     ///
-    /// `covariance` is P, normalised; `residual` the variance of the innovation, or more where it is not white;
+    /// `row_of` gives a row of P, normalised; `residual` the variance of the innovation, or more where it is not white;
     /// `limit` the number of standard deviations.
     pub(crate) fn of(
         columns: &[Parameter; N],
         theta: &[f32; N],
-        covariance: &Matrix<N>,
+        row_of: impl FnOnce(usize) -> Option<[f32; N]>,
         units: &[f32; N],
         residual: f32,
         limit: f32,
     ) -> Option<Self> {
         let index = index_of(columns, Parameter::Constant)?;
-        let row = covariance.get(index)?;
+        let row = row_of(index)?;
         let (variance, value, unit) = (*row.get(index)?, *theta.get(index)?, *units.get(index)?);
         let limit = limit * unit * sqrt(residual * variance);
         // A known constant (variance 0) and NaN stay, too.
@@ -108,7 +108,14 @@ mod tests {
     const P: Matrix<2> = [[2.0, 1.0], [1.0, 1.0]];
 
     fn withdrawal(constant: f32) -> Option<Withdrawal<2>> {
-        Withdrawal::of(&COLUMNS, &[10.0, constant], &P, &[1.0; 2], 4.0, 2.0)
+        Withdrawal::of(
+            &COLUMNS,
+            &[10.0, constant],
+            |i| P.get(i).copied(),
+            &[1.0; 2],
+            4.0,
+            2.0,
+        )
     }
 
     #[test]
@@ -125,9 +132,26 @@ mod tests {
     #[test]
     fn a_known_constant_stays() {
         let known = [[2.0, 0.0], [0.0, 0.0]];
-        let found = Withdrawal::of(&COLUMNS, &[10.0, 0.1], &known, &[1.0; 2], 4.0, 2.0);
+        let found = Withdrawal::of(
+            &COLUMNS,
+            &[10.0, 0.1],
+            |i| known.get(i).copied(),
+            &[1.0; 2],
+            4.0,
+            2.0,
+        );
         assert!(found.is_none());
-        assert!(Withdrawal::of(&COLUMNS, &[10.0, 0.0], &P, &[1.0; 2], 0.0, 2.0).is_none());
+        assert!(
+            Withdrawal::of(
+                &COLUMNS,
+                &[10.0, 0.0],
+                |i| P.get(i).copied(),
+                &[1.0; 2],
+                0.0,
+                2.0
+            )
+            .is_none()
+        );
     }
 
     #[test]
