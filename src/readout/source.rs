@@ -59,6 +59,6 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
 
     /// P, normalised.
     pub(super) fn covariance(&self) -> Matrix<N> {
-        core::array::from_fn(|i| core::array::from_fn(|j| self.estimator.covariance(i, j)))
+        self.estimator.covariances()
     }
 }
