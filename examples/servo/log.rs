@@ -1,4 +1,4 @@
-//! What the idle loop shows of a model, and where the frames of defmt go: over RTT on a board, over semihosting in the emulator, from the same image.
+//! What is shown of a model, of a start and of a fault, and where the frames of defmt go: over RTT on a board, over semihosting in the emulator, from the same image.
 //!
 //! Only the idle loop may log. A frame goes out with interrupts off, which on a board takes the time of a copy; in the
 //! emulator no time passes meanwhile.
@@ -10,6 +10,8 @@ use cortex_m::{interrupt, register::primask};
 use cortex_m_semihosting::hio;
 use micromath::F32Ext;
 use trendid::servo;
+use trendid_example_support::reset::{Cause, Causes};
+use trendid_example_support::survivor::{Fault, Survivor};
 
 /// Shows a model as its parameters, and as frequency and damping of the drive behind the integrator.
 ///
@@ -27,6 +29,63 @@ pub fn model(model: &servo::Model) {
         frequency,
         damping
     );
+}
+
+/// Shows what the start found: where it runs, why the chip restarted, how often, and what ended the run before.
+pub fn start(survivor: &Survivor, causes: Causes, emulated: bool, brown_out: Option<u8>) {
+    if emulated {
+        defmt::info!(
+            "trendid servo, simulated drive; reset flags, brown-out and watchdog are not modelled"
+        );
+    } else {
+        defmt::info!("trendid servo, encoder on SPI2");
+        match brown_out {
+            Some(level) => defmt::info!("brown-out reset at level {=u8}", level),
+            None => defmt::warn!("the brown-out reset is off in the option bytes"),
+        }
+    }
+    defmt::info!(
+        "start {=u32}, cause of the reset: {=str} (flags {=u32:#x})",
+        survivor.starts(),
+        causes.main().name(),
+        causes.bits()
+    );
+    for cause in Cause::ALL {
+        let count = survivor.resets(cause);
+        if count > 1 {
+            defmt::info!(
+                "resets since power came, {=str}: {=u32}",
+                cause.name(),
+                count
+            );
+        }
+    }
+    if survivor.fault().is_some() {
+        defmt::error!("a fault is latched: nothing moves until it is acknowledged");
+        fault(survivor.fault());
+    }
+}
+
+/// Shows a latched fault.
+pub fn fault(fault: Option<Fault>) {
+    match fault {
+        None => {}
+        Some(Fault::Stopped { why }) => defmt::error!("fault: {=str}", why.as_str()),
+        Some(Fault::Watchdog) => defmt::error!("fault: the watchdog was not fed"),
+        Some(Fault::Panic { line, file }) => {
+            defmt::error!("fault: panic in {=str}, line {=u32}", file.as_str(), line);
+        }
+        Some(Fault::HardFault { pc, lr }) => {
+            defmt::error!("fault: hard fault");
+            // Addresses are another with every build: no lines for the quoted log.
+            if !SEMIHOSTING.load(Ordering::Relaxed) {
+                defmt::error!("at {=u32:#x}, return address {=u32:#x}", pc, lr);
+            }
+        }
+        Some(Fault::Exception { number }) => {
+            defmt::error!("fault: exception {=i32} has no handler", number);
+        }
+    }
 }
 
 /// Whether the frames go over semihosting.

@@ -6,23 +6,36 @@
 //! | valve by pulse width, 20 kHz, and direction | TIM4 channel 1: PB6; direction PB7 |
 //! | valve by voltage instead (`OUTPUT` in `wiring.rs`), DAC8551 | SPI3: clock PC10, data PC12; select PA15 |
 //! | time slot of 1 ms | TIM2 |
+//! | button: short press runs or stops, two seconds acknowledge a fault | PA0, high when pressed |
 //! | watchdog | independent watchdog, 10 ms |
 //! | log | defmt over RTT (probe-rs) or semihosting (emulator) |
 //!
-//! The interrupt reads, identifies, controls and drives; it hands a snapshot to the idle loop, which alone logs. An update
-//! that is not done when the next slot begins is an overrun: it is counted, and three in a row switch to the safe output
-//! for good. The watchdog is fed only by an update that ended in its slot and had a fresh reading; whatever stops that,
-//! the chip restarts with the valve at rest.
+//! Nothing moves by itself: after every reset the loop is idle until the button is pressed, which commissions the axis; the
+//! next press stops it. The interrupt reads, identifies, controls and drives; it hands a snapshot to the idle loop, which
+//! alone logs. An update that is not done when the next slot begins is an overrun: it is counted, and three in a row stop
+//! the machine, as a fault of sensor, valve or axis does.
+//!
+//! A machine that is stopped has the safe output until the button was held for two seconds. The fault is kept in memory
+//! that survives a reset, with a panic, a hard fault and a bite of the watchdog, so that a restart does not forget it. The
+//! watchdog is the first thing that runs, and is fed only by a slot that ended in time and either had a fresh reading or
+//! wrote the safe output of a stop; whatever prevents that, the chip restarts with the valve at rest.
 //!
 //! In the emulator there is no machine. The image sees that (the clock control reads zero there) and puts a simulated
-//! drive in the place of encoder and valve; everything between them is the same. It then provokes
-//! three overruns to show that they end in the safe output, and exits. On the host the same loop runs on the same drive.
+//! drive in the place of encoder and valve and a script in the place of the button; everything between them is the same.
+//! The script provokes overruns, a panic and a hard fault and holds the reports of the starts after them against what it
+//! did (`emulated.rs`). On the host the same loop runs on the same drive.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
+#[cfg(target_os = "none")]
+mod emulated;
 #[cfg(target_os = "none")]
 mod log;
 #[cfg(target_os = "none")]
 mod slot;
+#[cfg(target_os = "none")]
+mod start;
+#[cfg(target_os = "none")]
+mod survival;
 #[cfg(target_os = "none")]
 mod wiring;
 
@@ -49,28 +62,33 @@ const BANDWIDTH: f32 = 20.0;
 /// there cost 5 % in a1, 15 % in a2 and the dead zone.
 const DELAY: f32 = 0.0;
 
+/// Time in s of excitation before a model is tried. After the default of 0.26 s the dead zone of this drive is estimated at 0.027
+/// instead of 0.030, a free simulation explains 94 % of the movement, and the model is refused as a poor fit.
+const EXCITE_TIME: f32 = 0.5;
+
 /// Targets of the moves in mm, and the samples between them.
 const TARGETS: [f32; 2] = [120.0, 280.0];
-const DWELL: u32 = 1500;
+const DWELL: u64 = 1500;
 
-/// The control loop of this machine.
+/// From codes to millimetres.
+const AXIS: Axis = Axis {
+    scale: Scale::new(MM_PER_COUNT).unwrap(),
+    reference: ORIGIN,
+};
+
+/// The control loop of this machine, idle.
 fn machine<S: PositionSensor, V: Valve>(
     sensor: S,
     valve: V,
 ) -> Result<ServoLoop<S, V>, servo::Error> {
-    let axis = Axis {
-        scale: const { Scale::new(MM_PER_COUNT).unwrap() },
-        reference: ORIGIN,
-    };
     let mut config = servo::Config::new(SAMPLE_TIME, BANDWIDTH, TRAVEL);
     config.delay = DELAY;
-    let mut servo = ServoLoop::try_new(&config, axis, sensor, valve)?;
-    servo.commission();
-    Ok(servo)
+    config.supervision.excite_time = EXCITE_TIME;
+    ServoLoop::try_new(&config, AXIS, sensor, valve)
 }
 
 /// The next move, when one is due in sample `tick`.
-fn target(tick: u32) -> Option<f32> {
+fn target(tick: u64) -> Option<f32> {
     tick.is_multiple_of(DWELL)
         .then(|| TARGETS[(tick / DWELL) as usize % TARGETS.len()])
 }
@@ -80,6 +98,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     use trendid_example_support::drive::{Drive, SimulatedValve};
 
     let mut servo = machine(Drive::new(ORIGIN), SimulatedValve)?;
+    // The request that on a board the button makes.
+    servo.commission();
     let mut last = None;
     for tick in 1..=10_000 {
         if let Some(target) = target(tick) {

@@ -1,8 +1,8 @@
-//! What is wired to the chip: encoder and valve on their pins, or the simulated drive.
+//! What is wired to the chip: encoder, valve and button on their pins, or the simulated drive and its script.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use stm32f4xx_hal::gpio::{Output as PinOutput, PA15, PB7, PushPull};
+use stm32f4xx_hal::gpio::{Input, Output as PinOutput, PA0, PA15, PB7, PushPull};
 use stm32f4xx_hal::hal::digital::OutputPin;
 use stm32f4xx_hal::hal::pwm::SetDutyCycle;
 use stm32f4xx_hal::hal::spi::{self, Operation, SpiBus, SpiDevice};
@@ -14,7 +14,10 @@ use trendid::hardware::{
     DacValve, PositionSensor, PwmValve, SsiCode, SsiEncoder, SsiFormat, Valve,
 };
 
+use trendid_example_support::button::{Button, Request};
 use trendid_example_support::drive::{Drive, SimulatedValve};
+
+use crate::emulated;
 
 /// The transducer on SPI2.
 const ENCODER: SsiFormat = SsiFormat {
@@ -113,6 +116,56 @@ impl Valve for Output {
     }
 }
 
+/// Where requests of a person come from, or those of the emulated run.
+pub enum Panel {
+    Button(Button, PA0<Input>),
+    Emulated,
+}
+
+impl Panel {
+    /// The request of this slot.
+    pub fn request(&mut self) -> Option<Request> {
+        match self {
+            Self::Button(button, pin) => button.update(pin.is_high()),
+            Self::Emulated => emulated::request(),
+        }
+    }
+}
+
+/// Bounds a wait for the bus of the converter: 24 bits take less than 3 us.
+const PATIENCE: u32 = 2000;
+
+/// Centres the valve by its registers, whatever state the drivers are in: for handlers that do not return, and restarts.
+///
+/// Before the ports are set up it has no effect, and the valve is at rest by its hardware.
+pub fn centre() {
+    // The simulated valve cannot fail.
+    let _ = SimulatedValve.drive(0.0);
+    if OUTPUT == Wiring::Pwm {
+        // SAFETY: the caller does not return, so that nobody else uses the timer any more.
+        let pulse = unsafe { pac::TIM4::steal() };
+        // SAFETY: any number is a compare value; zero is no pulse.
+        pulse.ccr1().write(|word| unsafe { word.bits(0) });
+        // The compare value counts from the next period on; this begins it now.
+        pulse.egr().write(|word| word.ug().set_bit());
+        return;
+    }
+    // SAFETY: the caller does not return, so that nobody else uses the bus and its select line any more.
+    let (bus, port) = unsafe { (pac::SPI3::steal(), pac::GPIOA::steal()) };
+    let _ = (0..PATIENCE).find(|_| bus.sr().read().bsy().bit_is_clear());
+    // A new falling edge of the select line begins a frame, whatever was sent of the last one.
+    port.bsrr().write(|word| word.bs15().set_bit());
+    port.bsrr().write(|word| word.br15().set_bit());
+    // Normal operation, then the middle code.
+    for byte in [0u8, 0x80, 0] {
+        let _ = (0..PATIENCE).find(|_| bus.sr().read().txe().bit_is_set());
+        bus.dr8().write(|word| word.dr().set(byte));
+    }
+    let _ = (0..PATIENCE).find(|_| bus.sr().read().txe().bit_is_set());
+    let _ = (0..PATIENCE).find(|_| bus.sr().read().bsy().bit_is_clear());
+    port.bsrr().write(|word| word.bs15().set_bit());
+}
+
 /// The parts of the chip that the wiring needs.
 pub struct Ports {
     pub a: pac::GPIOA,
@@ -123,8 +176,8 @@ pub struct Ports {
     pub pulse: pac::TIM4,
 }
 
-/// Encoder and valve as [`OUTPUT`] says.
-pub fn wired(ports: Ports, rcc: &mut Rcc) -> (Sensor, Output) {
+/// Encoder, valve as [`OUTPUT`] says, and button.
+pub fn wired(ports: Ports, rcc: &mut Rcc) -> (Sensor, Output, Panel) {
     let pins_a = ports.a.split(rcc);
     let pins_b = ports.b.split(rcc);
     let pins_c = ports.c.split(rcc);
@@ -156,5 +209,6 @@ pub fn wired(ports: Ports, rcc: &mut Rcc) -> (Sensor, Output) {
             select: Some(select),
         }))
     };
-    (Sensor::Encoder(encoder), valve)
+    let panel = Panel::Button(Button::default(), pins_a.pa0.into_pull_down_input());
+    (Sensor::Encoder(encoder), valve, panel)
 }

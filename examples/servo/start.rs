@@ -1,0 +1,133 @@
+//! From the reset to the idle loop: the cause of the reset, the watchdog, then clocks and ports; the idle loop alone logs.
+
+use cortex_m_rt::entry;
+use heapless::spsc::{Consumer, Queue};
+use stm32f4xx_hal::pac::{self, NVIC, TIM2};
+use stm32f4xx_hal::timer::Event;
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
+use stm32f4xx_hal::{prelude::*, rcc};
+use trendid::hardware::Valve;
+use trendid_example_support::drive::{Drive, SimulatedValve};
+use trendid_example_support::reset::{Causes, brown_out_level};
+
+use crate::emulated::Script;
+use crate::slot::{self, Slot, Snapshot};
+use crate::wiring::{self, CRYSTAL_MHZ, Output, Panel, Ports, Sensor};
+use crate::{ORIGIN, log, machine, survival};
+
+/// Ticks of TIM2 per second in QEMU, whatever the clock control says.
+const EMULATED_HZ: u32 = 1_000_000_000;
+
+/// Time for crystal, ports and construction; a crystal that does not start ends in a restart.
+const START_MS: u32 = 100;
+
+/// Time in which a slot must have fed the watchdog.
+const WATCHDOG_MS: u32 = 10;
+
+#[entry]
+fn main() -> ! {
+    let chip = pac::Peripherals::take().unwrap();
+    let mut watchdog = IndependentWatchdog::new(chip.IWDG);
+    watchdog.start(START_MS.millis());
+    // The flags collect until they are cleared.
+    let causes = Causes::from_csr(chip.RCC.csr().read().bits());
+    chip.RCC.csr().modify(|_, word| word.rmvf().set_bit());
+    let survivor = survival::update(|survivor| survivor.start(causes));
+
+    // The internal oscillator runs after reset on every chip; a clock control that does not know it is QEMU's.
+    let emulated = chip.RCC.cr().read().hsirdy().bit_is_clear();
+    let brown_out = brown_out_level(chip.FLASH.optcr().read().bits());
+    let config = if emulated {
+        log::over_semihosting();
+        rcc::Config::hsi()
+    } else {
+        rcc::Config::hse(CRYSTAL_MHZ.MHz()).sysclk(168.MHz())
+    };
+    let mut rcc = chip.RCC.freeze(config);
+
+    let (sensor, mut valve, panel) = if emulated {
+        (
+            Sensor::Simulated(Drive::new(ORIGIN)),
+            Output::Simulated(SimulatedValve),
+            Panel::Emulated,
+        )
+    } else {
+        wiring::wired(
+            Ports {
+                a: chip.GPIOA,
+                b: chip.GPIOB,
+                c: chip.GPIOC,
+                encoder: chip.SPI2,
+                dac: chip.SPI3,
+                pulse: chip.TIM4,
+            },
+            &mut rcc,
+        )
+    };
+    // A converter keeps its last code over a restart of the chip. A failure is written again in every slot.
+    let _ = valve.safe();
+    let servo = machine(sensor, valve).unwrap();
+
+    let mut timer = chip.TIM2.counter_hz(&mut rcc);
+    // QEMU counts with its own frequency, so there the rate is that of a clock which is so much slower.
+    let clock = rcc.clocks.timclk1().raw();
+    let rate = if emulated {
+        1000 * (clock / 1000) / (EMULATED_HZ / 1000)
+    } else {
+        1000
+    };
+    timer.start(rate.Hz()).unwrap();
+    timer.listen(Event::Update);
+    // SAFETY: reading the reload value has no side effect.
+    let period = unsafe { (*TIM2::ptr()).arr().read().bits() } + 1;
+    log::start(&survivor, causes, emulated, brown_out);
+
+    let queue = cortex_m::singleton!(: Queue<Snapshot, 32> = Queue::new()).unwrap();
+    let (producer, consumer) = queue.split();
+    watchdog.start(WATCHDOG_MS.millis());
+    let stopped = survivor.fault().is_some();
+    slot::hand_over(Slot::new(
+        servo, timer, period, watchdog, panel, producer, stopped,
+    ));
+    // SAFETY: everything the interrupt needs was handed over.
+    unsafe { NVIC::unmask(pac::Interrupt::TIM2) };
+    idle(consumer, emulated.then(Script::new))
+}
+
+/// Logs what the interrupt hands over.
+fn idle(mut snapshots: Consumer<'static, Snapshot>, mut script: Option<Script>) -> ! {
+    let mut known = None;
+    loop {
+        let Some(now) = snapshots.dequeue() else {
+            cortex_m::asm::wfi();
+            continue;
+        };
+        defmt::info!(
+            "{=u64} ms {}: position {=f32} mm, set {=f32} mm, command {=f32}; overruns {=u32}, dropped {=u32}, longest {=u32} us",
+            now.tick,
+            now.state,
+            now.position,
+            now.setpoint,
+            now.command,
+            now.overruns,
+            now.dropped,
+            now.longest
+        );
+        if let Some(model) = now.model
+            && known != now.model
+        {
+            known = now.model;
+            log::model(&model);
+        }
+        if now.stopped {
+            defmt::error!(
+                "stopped: safe output until acknowledged; requests refused {=u32}",
+                now.refused
+            );
+            log::fault(survival::load().fault());
+        }
+        if let Some(script) = &mut script {
+            script.step(&now);
+        }
+    }
+}

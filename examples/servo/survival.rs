@@ -1,0 +1,85 @@
+//! Where the pure code of the record meets the chip: memory that the start does not clear, and the handlers of the last resort.
+
+use core::cell::UnsafeCell;
+use core::mem::MaybeUninit;
+
+use cortex_m::interrupt::free;
+use cortex_m::peripheral::SCB;
+use cortex_m_rt::{ExceptionFrame, exception};
+use trendid_example_support::survivor::{Fault, Survivor, Text, WORDS};
+
+use crate::wiring;
+
+/// Memory that survives a reset, but no loss of power.
+#[repr(transparent)]
+struct Memory(UnsafeCell<MaybeUninit<[u32; WORDS]>>);
+
+// SAFETY: accessed with interrupts off only, or by handlers that do not return.
+unsafe impl Sync for Memory {}
+
+// SAFETY: cortex-m-rt neither clears nor fills this section, and nothing else is placed by its name.
+#[unsafe(link_section = ".uninit.survivor")]
+static MEMORY: Memory = Memory(UnsafeCell::new(MaybeUninit::uninit()));
+
+/// The record; an empty one where the memory holds none.
+pub fn load() -> Survivor {
+    let words = free(|_| {
+        // SAFETY: interrupts are off; memory that came up by chance is a number too, and the check tells it from a record.
+        unsafe { MEMORY.0.get().cast::<[u32; WORDS]>().read_volatile() }
+    });
+    Survivor::from_words(&words).unwrap_or_default()
+}
+
+/// Changes the record.
+pub fn update(change: impl FnOnce(&mut Survivor)) -> Survivor {
+    let mut survivor = load();
+    change(&mut survivor);
+    let words = survivor.words();
+    free(|_| {
+        // SAFETY: interrupts are off, so that nobody else reads or writes.
+        unsafe { MEMORY.0.get().cast::<[u32; WORDS]>().write_volatile(words) };
+    });
+    survivor
+}
+
+/// Restarts the chip.
+pub fn restart() -> ! {
+    wiring::centre();
+    SCB::sys_reset()
+}
+
+/// The last thing a run does: the valve first, then the record, then a restart that reports it.
+fn end(fault: Fault) -> ! {
+    cortex_m::interrupt::disable();
+    wiring::centre();
+    update(|survivor| survivor.latch(fault));
+    SCB::sys_reset()
+}
+
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+    let (line, file) = info
+        .location()
+        .map_or((0, ""), |place| (place.line(), place.file()));
+    end(Fault::Panic {
+        line,
+        file: Text::end_of(file),
+    })
+}
+
+// SAFETY: the handler does not return, so what it interrupted never sees what it changed.
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    end(Fault::HardFault {
+        pc: frame.pc(),
+        lr: frame.lr(),
+    })
+}
+
+// SAFETY: as above.
+#[exception]
+unsafe fn DefaultHandler(number: i16) -> ! {
+    end(Fault::Exception {
+        number: number.into(),
+    })
+}
