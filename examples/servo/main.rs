@@ -22,8 +22,8 @@
 //!
 //! In the emulator there is no machine. The image sees that (the clock control reads zero there) and puts a simulated
 //! drive in the place of encoder and valve and a script in the place of the button; everything between them is the same.
-//! The script provokes overruns, a panic and a hard fault and holds the reports of the starts after them against what it
-//! did (`emulated.rs`). On the host the same loop runs on the same drive.
+//! The script provokes overruns and a panic and holds the reports of the starts after them against what it did
+//! (`emulated.rs`). On the host the same loop runs on the same drive.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

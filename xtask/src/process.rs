@@ -144,7 +144,7 @@ impl Machine {
                 "-semihosting-config",
                 "enable=on,target=native",
                 "-icount",
-                "shift=0",
+                "shift=0,sleep=off",
                 "-kernel",
             ])
             .arg(image)
