@@ -154,6 +154,16 @@ impl<const N: usize> StabilisedForgetting<N> {
         self.set = false;
     }
 
+    /// The nominal values, normalised.
+    pub(crate) const fn nominal(&self) -> &[f32; N] {
+        &self.nominal
+    }
+
+    /// Puts `nominal` in place of the nominal values, which go on as they were, set or following.
+    pub(crate) const fn replace_nominal(&mut self, nominal: [f32; N]) {
+        self.nominal = nominal;
+    }
+
     /// What every P_ii stays below once the start is forgotten, relative to the noise of psi.
     pub const fn bound(&self) -> f32 {
         self.bound

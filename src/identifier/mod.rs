@@ -14,6 +14,8 @@ pub use delay_bank::DelayBank;
 pub use outcome::{Outcome, Refusal};
 pub use servo::{Servo, ValveServo};
 
+use core::array::from_fn;
+
 use crate::error::{ConfigError, check_finite, check_not_negative, check_range, positive};
 use crate::estimation::rls::Estimator;
 use crate::estimation::structure::Structure;
@@ -155,16 +157,22 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             _ => 1.0,
         };
         let scale = INFLATION * if positive(scale) { scale } else { 1.0 };
-        let s_plane = theta_in_s_plane(&theta, &plan.structure, old);
-        theta = theta_in_trend_plane(&s_plane, &plan.structure, new);
-        for (value, unit) in theta.iter_mut().zip(plan.regressor.units()) {
-            *value /= unit;
-        }
+        let units = plan.regressor.units();
+        let moved = |theta: &[f32; N]| {
+            let s_plane = theta_in_s_plane(theta, &plan.structure, old);
+            let theta = theta_in_trend_plane(&s_plane, &plan.structure, new);
+            from_fn(|j| theta[j] / units[j])
+        };
+        theta = moved(&theta);
+        // The nominal values mean the same model in the new plane.
+        let nominal = *self.state.forgetting.nominal();
+        let nominal = moved(&from_fn(|j| nominal[j] * units[j]));
         let same_filter = plan.same_filter(&trends);
         self.plan.retune(trends);
         let state = &mut self.state;
         let limit = self.plan.prior.std.map(|std| std * std);
         state.estimator.resume(theta, scale, &limit);
+        state.forgetting.replace_nominal(nominal);
         if same_filter {
             return Ok(());
         }
