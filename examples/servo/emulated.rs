@@ -11,7 +11,7 @@ use trendid::servo::State;
 use trendid_example_support::button::Request;
 use trendid_example_support::survivor::Fault;
 
-use crate::slot::{EVERY, OVERRUNS, Snapshot};
+use crate::snapshot::{EVERY, OVERRUNS, Snapshot};
 use crate::survival;
 
 /// End of the first start, in samples; three overruns are provoked before it.

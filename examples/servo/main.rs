@@ -33,6 +33,8 @@ mod log;
 #[cfg(target_os = "none")]
 mod slot;
 #[cfg(target_os = "none")]
+mod snapshot;
+#[cfg(target_os = "none")]
 mod start;
 #[cfg(target_os = "none")]
 mod survival;

@@ -10,38 +10,13 @@ use stm32f4xx_hal::timer::{CounterHz, Flag};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use stm32f4xx_hal::{ReadFlags, pac::interrupt};
 use trendid::hardware::{PositionSensor, Valve};
-use trendid::servo::{self, Reason, ServoLoop, State};
+use trendid::servo::{Reason, ServoLoop, State};
 use trendid_example_support::button::Request;
 use trendid_example_support::survivor::{Fault, Text};
 
+use crate::snapshot::{EVERY, OVERRUNS, Snapshot};
 use crate::wiring::{FRESH, Output, Panel, Sensor};
 use crate::{AXIS, emulated, survival, target};
-
-/// Overruns in a row that end in the safe output.
-pub const OVERRUNS: u8 = 3;
-
-/// Samples between two lines of the log.
-pub const EVERY: u64 = 500;
-
-/// Messages from the interrupt to the idle loop.
-#[derive(Clone, Copy)]
-pub struct Snapshot {
-    pub tick: u64,
-    pub state: State,
-    pub position: f32,
-    pub setpoint: f32,
-    pub command: f32,
-    pub overruns: u32,
-    /// Slots that could not be logged because the queue was full.
-    pub dropped: u32,
-    /// Safe output until a person has acknowledged the fault.
-    pub stopped: bool,
-    /// Requests that came while it was stopped.
-    pub refused: u32,
-    /// Longest update so far in us; in the emulator in thousands of instructions.
-    pub longest: u32,
-    pub model: Option<servo::Model>,
-}
 
 /// Everything the interrupt owns.
 pub struct Slot {

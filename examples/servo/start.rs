@@ -11,7 +11,8 @@ use trendid_example_support::drive::{Drive, SimulatedValve};
 use trendid_example_support::reset::{Causes, brown_out_level};
 
 use crate::emulated::Script;
-use crate::slot::{self, Slot, Snapshot};
+use crate::slot::{self, Slot};
+use crate::snapshot::Snapshot;
 use crate::wiring::{self, CRYSTAL_MHZ, Output, Panel, Ports, Sensor};
 use crate::{ORIGIN, log, machine, survival};
 

@@ -1,0 +1,29 @@
+//! What the interrupt shows the idle loop.
+
+use trendid::servo::{self, State};
+
+/// Overruns in a row that end in the safe output.
+pub const OVERRUNS: u8 = 3;
+
+/// Samples between two lines of the log.
+pub const EVERY: u64 = 500;
+
+/// Messages from the interrupt to the idle loop.
+#[derive(Clone, Copy)]
+pub struct Snapshot {
+    pub tick: u64,
+    pub state: State,
+    pub position: f32,
+    pub setpoint: f32,
+    pub command: f32,
+    pub overruns: u32,
+    /// Slots that could not be logged because the queue was full.
+    pub dropped: u32,
+    /// Safe output until a person has acknowledged the fault.
+    pub stopped: bool,
+    /// Requests that came while it was stopped.
+    pub refused: u32,
+    /// Longest update so far in us; in the emulator in thousands of instructions.
+    pub longest: u32,
+    pub model: Option<servo::Model>,
+}
