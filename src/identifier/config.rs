@@ -117,7 +117,7 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
 }
 
 /// Bandwidth times sample time: below, f32 has no digits for the trends; above, they do not follow the plant.
-const ANGLE: [f32; 2] = [1e-4, 0.5];
+const ANGLE: [f32; 2] = [1e-4, 1.0];
 
 /// Typical sizes of signals: within, every scale and its square fit f32.
 const RANGE: [f32; 2] = [1e-9, 1e9];

@@ -18,6 +18,10 @@ const MOVES: f32 = 5.0;
 /// Upper limit of the relative prior standard deviation; its square must fit f32.
 const UNKNOWN: f32 = 1e8;
 
+/// Largest bandwidth times sample time with an innovation gate: beyond, the third difference of the motion itself is no
+/// smaller than a spike, and a sample that a rough model misses would be replaced by what this model says.
+const FINE: f32 = 0.1;
+
 /// Prior standard deviation of a normalised parameter whose size by design is 1.
 const PRIOR: f32 = 10.0;
 
@@ -119,6 +123,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             forgets: config.memory.is_some(),
             offset_significance: config.offset_significance,
             has_gate: config.memory.is_some()
+                && angle <= FINE
                 && design.filter.is_some()
                 && smooth(&config.structure),
             least_noise: 0.02 * config.output_noise,
