@@ -126,7 +126,7 @@ impl Commands {
                 _ => 0.0,
             },
             Motion::SmallSteps => {
-                if k % 20_000 == 0 {
+                if k.is_multiple_of(20_000) {
                     self.reference = 4.0 * self.random.random::<f64>() - 2.0;
                 }
                 let anchor = *self.anchor.get_or_insert(y);

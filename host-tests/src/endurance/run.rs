@@ -105,12 +105,7 @@ pub fn run(case: &Case, seed: u64, samples: u64, others: u64) -> Found {
             let axis = Integrating::new([0.0, w], GAIN * w, DT);
             let identifier = identifier::<2, 2, 1>(case, Structure::INTEGRATING, [0.4]);
             let truth = [GAIN, w, 0.0];
-            Runner::new(case, seed, axis, truth, 0).go(
-                samples,
-                identifier,
-                |u, _| [u],
-                |i| first_order(i),
-            )
+            Runner::new(case, seed, axis, truth, 0).go(samples, identifier, |u, _| [u], first_order)
         }
         Drive::DeadZone => {
             let b0 = [Terms::of(&[0]); 2];
@@ -135,8 +130,7 @@ pub fn run(case: &Case, seed: u64, samples: u64, others: u64) -> Found {
             let inputs = |u: f32, v: f64| [u, coulomb(v as f32, 1e-3)];
             let truth = [GAIN, w, 0.0];
             let axis = WithFriction::new(friction, DT);
-            Runner::new(case, seed, axis, truth, 0)
-                .go(samples, identifier, inputs, |i| first_order(i))
+            Runner::new(case, seed, axis, truth, 0).go(samples, identifier, inputs, first_order)
         }
     }
 }
@@ -415,10 +409,10 @@ impl<'a, A: Axis> Runner<'a, A> {
             }
             self.found.over_sigma = larger(self.found.over_sigma, error / std);
         }
-        if let Some(others) = &mut self.others {
-            if others.left > 0 {
-                others.look(&self.truth);
-            }
+        if let Some(others) = &mut self.others
+            && others.left > 0
+        {
+            others.look(&self.truth);
         }
     }
 }
