@@ -27,7 +27,7 @@ fn steps(steps: &[Step]) -> Done {
     Ok(())
 }
 
-/// The steps of [`test`].
+/// The steps of the tests.
 const TESTS: [Step; 5] = [
     ("setup", setup::run),
     ("host", host),
