@@ -17,7 +17,7 @@
 //! | [`free_run`] | simulation on the inputs alone, the judge of a model |
 //! | [`search`] | filter and delay by that judge |
 //! | [`identification`] | one structure: search, estimate, held-out fit |
-//! | [`select`] | many structures compared |
+//! | [`mod@select`] | many structures compared |
 //! | [`coulomb_input`] | sgn(v) from a velocity or a position |
 //!
 //! ```

@@ -84,9 +84,9 @@ impl Message for Sample {
 pub struct Reply {
     /// Sequence number of the sample.
     pub seq: u32,
-    /// State of the supervisor, counted from 0 in the order of [`trendid::State`], or [`code::NO_LOOP`].
+    /// State of the supervisor, counted from 0 in the order of [`trendid::servo::State`], or [`code::NO_LOOP`].
     pub state: u8,
-    /// Reason of the state, counted from 0 in the order of [`trendid::Reason`], or [`code::NO_REASON`].
+    /// Reason of the state, counted from 0 in the order of [`trendid::servo::Reason`], or [`code::NO_REASON`].
     pub reason: u8,
     /// Whether a model reached the controller in this sample.
     pub retuned: bool,

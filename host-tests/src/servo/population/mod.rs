@@ -5,7 +5,7 @@
 //! | [`range`] | ranges of the whole population and of usual machines, streams of random numbers |
 //! | [`family`] | the four families and their ranges |
 //! | [`draw`] | one axis: what it is, and what its user knows of it |
-//! | [`bench`] | the axis in motion: dead time, wiring, sensor, jitter, end stops |
+//! | [`mod@bench`] | the axis in motion: dead time, wiring, sensor, jitter, end stops |
 //! | [`sequence`] | steps, sines and rest on any positioner, and what they show |
 //! | [`adaptive`] | the loop of the core: commissioning, then a positioner |
 //! | [`practitioner`] | the fixed controller of a practitioner |
