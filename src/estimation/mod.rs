@@ -1,5 +1,6 @@
 //! Estimation: from trends to parameters by recursive least squares.
 
+mod factors;
 pub(crate) mod forgetting;
 pub(crate) mod mean_square;
 pub(crate) mod noise_level;
@@ -7,6 +8,7 @@ pub(crate) mod regressor;
 pub(crate) mod rls;
 pub(crate) mod structure;
 pub(crate) mod terms;
+mod two_words;
 
 pub use forgetting::StabilisedForgetting;
 pub use noise_level::NoiseLevel;

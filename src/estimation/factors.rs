@@ -1,0 +1,239 @@
+//! The factors U D U' of a covariance, and what a row does to them.
+
+use crate::estimation::mean_square::flush;
+
+/// Entries of U below this change no digit of any result.
+const NEGLIGIBLE: f32 = 1e-18;
+
+/// A covariance P = U D U', relative to the noise variance; D stays positive by construction (Bierman).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Factors<const N: usize> {
+    /// `upper[j][i]` is U_ij for i < j; the diagonal of U is 1 and is not stored.
+    upper: [[f32; N]; N],
+    diagonal: [f32; N],
+}
+
+/// What travels from column to column while one row is folded in.
+pub(crate) struct Row<const N: usize> {
+    /// k, the gain before it is divided by alpha.
+    pub(crate) gain: [f32; N],
+    /// alpha_j, in the end the variance of the innovation relative to the noise.
+    pub(crate) alpha: f32,
+    inverse: f32,
+}
+
+impl<const N: usize> Row<N> {
+    /// The row before the first column; `alpha` is alpha_0 and `inverse` one over it.
+    #[inline(always)]
+    const fn new(alpha: f32, inverse: f32) -> Self {
+        Self {
+            gain: [0.0; N],
+            alpha,
+            inverse,
+        }
+    }
+}
+
+impl<const N: usize> Factors<N> {
+    /// Independent parameters with the standard deviations `std`.
+    pub(crate) const fn independent(std: &[f32; N]) -> Self {
+        let mut diagonal = [0.0; N];
+        let mut j = 0;
+        while j < N {
+            diagonal[j] = std[j] * std[j];
+            j += 1;
+        }
+        Self {
+            upper: [[0.0; N]; N],
+            diagonal,
+        }
+    }
+
+    /// The factors D_j: positive, or 0 for a known parameter.
+    pub(crate) const fn diagonal(&self) -> &[f32; N] {
+        &self.diagonal
+    }
+
+    /// Folds the row `z` in: P becomes `(P^-1 lambda + z z')^-1`, with `forgetting` = lambda and `growth` = 1/lambda.
+    #[inline(always)]
+    pub(crate) fn fold(&mut self, z: &[f32; N], forgetting: f32, growth: f32) -> Row<N> {
+        // f = U' z
+        let mut f = *z;
+        for j in 0..N {
+            for i in 0..j {
+                f[j] += self.upper[j][i] * z[i];
+            }
+        }
+        let mut row = Row::new(forgetting, growth);
+        for j in 0..N {
+            self.fold_column(&mut row, j, f[j], growth);
+        }
+        row
+    }
+
+    /// Folds the unit row e_i, i = `index`, of the noise variance `variance` in, where P_ii is above `least`.
+    ///
+    /// Gives P_ii before the step, 0 for an index that does not exist.
+    #[inline(always)]
+    pub(crate) fn fold_unit(
+        &mut self,
+        index: usize,
+        variance: f32,
+        least: f32,
+    ) -> (f32, Option<Row<N>>) {
+        // U' e_i: zero before the parameter, so that the columns before it stay as they are.
+        let mut f = [0.0; N];
+        let mut before = 0.0;
+        for j in 0..N {
+            if j >= index {
+                let entry = self.upper[j].get(index).copied().unwrap_or(0.0);
+                f[j] = if j == index { 1.0 } else { entry };
+                before += f[j] * f[j] * self.diagonal[j];
+            }
+        }
+        if !(before > least) {
+            return (before, None);
+        }
+        let mut row = Row::new(variance, 1.0 / variance);
+        for j in 0..N {
+            if j >= index {
+                self.fold_column(&mut row, j, f[j], 1.0);
+            }
+        }
+        (before, Some(row))
+    }
+
+    /// Column j of one row: D_j and the U_ij above it.
+    #[inline(always)]
+    fn fold_column(&mut self, row: &mut Row<N>, j: usize, f: f32, growth: f32) {
+        let v = self.diagonal[j] * f;
+        let share = f * row.inverse;
+        let before = row.alpha;
+        row.alpha += f * v;
+        row.inverse = 1.0 / row.alpha;
+        self.diagonal[j] *= before * row.inverse * growth;
+        for i in 0..j {
+            let u = self.upper[j][i];
+            self.upper[j][i] = u - share * row.gain[i];
+            row.gain[i] += u * v;
+        }
+        row.gain[j] = v;
+    }
+
+    /// Multiplies P by `growth`.
+    #[inline(always)]
+    pub(crate) fn grow(&mut self, growth: f32) {
+        for d in &mut self.diagonal {
+            *d *= growth;
+        }
+    }
+
+    /// Multiplies P by `scale`; no D_j grows beyond the one in `limit`, or beyond itself where it is larger already.
+    pub(crate) fn grow_within(&mut self, scale: f32, limit: &[f32; N]) {
+        for (d, limit) in self.diagonal.iter_mut().zip(limit) {
+            let scaled = *d * scale;
+            *d = if scaled < *limit || scale < 1.0 {
+                scaled
+            } else {
+                d.max(*limit)
+            };
+        }
+    }
+
+    /// Row `index` of U without what is too small to matter.
+    #[inline(always)]
+    pub(crate) fn flush(&mut self, index: usize) {
+        for column in &mut self.upper {
+            if let Some(entry) = column.get_mut(index) {
+                flush(entry, NEGLIGIBLE);
+            }
+        }
+    }
+
+    /// Makes the last parameter uncertain again: adds `variance` to P_nn and leaves all other entries of P.
+    ///
+    /// The part of P that the last column of U carried moves into the factors before
+    /// it, by the rank-one update of Agee and Turner. Cost: about one row.
+    pub(crate) fn widen_last(&mut self, variance: f32) {
+        let Some(last) = N.checked_sub(1) else {
+            return;
+        };
+        let before = self.diagonal[last];
+        let after = before + variance;
+        if !(after > 0.0) {
+            return;
+        }
+        let mut vector = self.upper[last];
+        let mut weight = before * (variance / after);
+        for entry in self.upper[last].iter_mut().take(last) {
+            *entry *= before / after;
+        }
+        self.diagonal[last] = after;
+        // From the last but one down, without an index that would have to be checked.
+        let mut rest = match vector.split_last_mut() {
+            Some((_, below)) => below,
+            None => return,
+        };
+        let columns = self.diagonal.iter_mut().zip(&mut self.upper);
+        for (diagonal, column) in columns.rev().skip(1) {
+            let Some((v, below)) = core::mem::take(&mut rest).split_last_mut() else {
+                break;
+            };
+            let (v, old) = (*v, *diagonal);
+            let new = old + weight * v * v;
+            if new > 0.0 {
+                let share = weight * v / new;
+                for (entry, x) in column.iter_mut().zip(below.iter_mut()) {
+                    *x -= v * *entry;
+                    *entry += share * *x;
+                }
+                weight *= old / new;
+                *diagonal = new;
+            }
+            rest = below;
+        }
+    }
+
+    /// Entry (i, j) of P = U D U', relative to the noise variance.
+    pub(crate) fn covariance(&self, i: usize, j: usize) -> f32 {
+        let mut sum = 0.0;
+        // U is zero below its diagonal.
+        for k in i.max(j)..N {
+            sum += self.entry(i, k) * self.diagonal[k] * self.entry(j, k);
+        }
+        sum
+    }
+
+    /// P, bit for bit the entries that [`covariance`](Self::covariance) gives, for less than half the instructions.
+    pub(crate) fn covariances(&self) -> [[f32; N]; N] {
+        let mut p = [[0.0; N]; N];
+        for (k, (column, d)) in self.upper.iter().zip(&self.diagonal).enumerate() {
+            // Column k of U down to its diagonal.
+            let mut u = *column;
+            if let Some(one) = u.get_mut(k) {
+                *one = 1.0;
+            }
+            for (row, left) in p.iter_mut().zip(&u).take(k + 1) {
+                let weighted = left * d;
+                for (entry, right) in row.iter_mut().zip(&u).take(k + 1) {
+                    *entry += weighted * right;
+                }
+            }
+        }
+        p
+    }
+
+    /// U_ik with its unit diagonal and its zeros.
+    fn entry(&self, i: usize, k: usize) -> f32 {
+        if i < k {
+            self.upper[k][i]
+        } else if i == k {
+            1.0
+        } else {
+            0.0
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
