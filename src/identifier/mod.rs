@@ -6,7 +6,9 @@ mod gate;
 pub mod inputs;
 pub(crate) mod outcome;
 mod plan;
+mod retune;
 pub(crate) mod servo;
+mod signals;
 mod state;
 
 pub use config::Config;
@@ -14,22 +16,16 @@ pub use delay_bank::DelayBank;
 pub use outcome::{Outcome, Refusal};
 pub use servo::{Servo, ValveServo};
 
-use core::array::from_fn;
-
-use crate::error::{ConfigError, check_finite, check_not_negative, check_range, positive};
+use crate::error::{ConfigError, check_finite};
 use crate::estimation::rls::Estimator;
 use crate::estimation::structure::Structure;
 use crate::identifier::plan::Plan;
 use crate::identifier::state::State;
 use crate::math::sqrt;
 use crate::model::evaluation::PredictionError;
+use crate::readout::ReadOut;
 use crate::readout::estimate::Estimate;
-use crate::readout::s_plane::{theta_in_s_plane, theta_in_trend_plane};
-use crate::readout::{ReadOut, in_band};
 use crate::trends::TrendOperator;
-
-/// Covariance inflation at a change of the filter.
-const INFLATION: f32 = 5.0;
 
 /// Recursive identifier of a continuous-time model of order `M` with `N` parameters.
 ///
@@ -127,64 +123,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// Forgets the signals, after a long gap in the samples, and keeps the estimate.
     pub fn restart_trends(&mut self) {
         self.state.restart_signals(&self.plan, self.plan.warm_up);
-    }
-
-    /// Goes on from the estimate with other trends: a filter nearer to the plant.
-    ///
-    /// The estimate and its covariance stay, so nothing jumps. The new filter begins at the present position; while its
-    /// transient lasts, for `settling` seconds, the estimate is held, and the initial state becomes uncertain again. Three
-    /// time constants of the slowest pole beside that of the initial state leave 5 % of the transient; no standard
-    /// deviation contains this rest. Where the filter is the same and only the numerators are new, the signals go on and
-    /// nothing is held. [`Identifier::reset`] leads back to the trends of the construction.
-    /// Cost: about 9000 instructions for order 3, once; not for every sample.
-    ///
-    /// # Errors
-    /// [`ConfigError::OutOfRange`] for another sample time or a negative time; nothing is changed then.
-    pub fn retune(&mut self, trends: T, settling: f32) -> Result<(), ConfigError> {
-        let plan = &self.plan;
-        let (old, new) = (plan.trends.design(), trends.design());
-        let sample_time = old.sample_time;
-        check_range("sample_time", new.sample_time, [sample_time; 2])?;
-        check_not_negative("settling", settling)?;
-        // The noise bias belongs to the old filter: taken out now, the new one makes its own.
-        let mut theta = self.read_out().trend_theta();
-        // The covariance scales with the noise in band behind each filter.
-        let a = plan.structure.denominator(&theta);
-        let scale = match (old.filter, new.filter) {
-            (Some(old), Some(new)) => {
-                in_band(&a, &old, plan.bandwidth) / in_band(&a, &new, plan.bandwidth)
-            }
-            _ => 1.0,
-        };
-        let scale = INFLATION * if positive(scale) { scale } else { 1.0 };
-        let units = plan.regressor.units();
-        let moved = |theta: &[f32; N]| {
-            let s_plane = theta_in_s_plane(theta, &plan.structure, old);
-            let theta = theta_in_trend_plane(&s_plane, &plan.structure, new);
-            from_fn(|j| theta[j] / units[j])
-        };
-        theta = moved(&theta);
-        // The nominal values mean the same model in the new plane.
-        let nominal = *self.state.forgetting.nominal();
-        let nominal = moved(&from_fn(|j| nominal[j] * units[j]));
-        let same_filter = plan.same_filter(&trends);
-        self.plan.retune(trends);
-        let state = &mut self.state;
-        let limit = self.plan.prior.std.map(|std| std * std);
-        state.estimator.resume(theta, scale, &limit);
-        state.forgetting.replace_nominal(nominal);
-        if same_filter {
-            return Ok(());
-        }
-        if let (true, Some(std)) = (
-            self.plan.structure.initial_state(),
-            self.plan.prior.std.last(),
-        ) {
-            state.estimator.widen_last(std * std);
-        }
-        let settling = (settling / sample_time) as u32;
-        state.restart_signals(&self.plan, trends.design().warm_up.max(settling));
-        Ok(())
     }
 
     /// Begins again from an estimate with its standard deviations, both in the user's units.

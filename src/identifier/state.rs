@@ -3,62 +3,13 @@
 use crate::estimation::forgetting::StabilisedForgetting;
 use crate::estimation::noise_level::NoiseLevel;
 use crate::estimation::rls::Estimator;
-use crate::identifier::gate::{Gate, Verdict};
+use crate::identifier::gate::Verdict;
 use crate::identifier::outcome::{Outcome, Refusal};
 use crate::identifier::plan::{Plan, Prior};
+use crate::identifier::signals::{Others, Signals};
 use crate::model::evaluation::PredictionError;
-use crate::trends::delay_line::{DelayLine, acceptable};
-use crate::trends::{Hold, Memory, TrendOperator, Trends};
-
-/// Memory of the signals; begins anew after a gap in the samples.
-#[derive(Debug, Clone, PartialEq)]
-struct Signals<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> {
-    output: T::Memory,
-    inputs: [T::Memory; I],
-    constant: T::Memory,
-    lines: [DelayLine<D>; I],
-    /// What the initial state still contributes to the trends.
-    initial: f32,
-    /// Zero of the output.
-    reference: f32,
-    /// Samples until the trends have settled.
-    remaining: u32,
-    begun: bool,
-    gate: Gate<T::Memory>,
-    /// The newest y in the trends, and the newest inputs.
-    last: f32,
-    last_inputs: [f32; I],
-    /// Samples without y since the last one.
-    gap: u32,
-}
-
-impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signals<T, M, I, D> {
-    fn new<const N: usize>(plan: &Plan<T, M, N, I>, warm_up: u32) -> Self {
-        let design = plan.trends.design();
-        Self {
-            output: Memory::output_at_rest(design, plan.output_form, 0.0),
-            inputs: plan
-                .holds
-                .map(|hold| Memory::input_at_rest(design, hold, 0.0)),
-            constant: Memory::input_at_rest(design, Hold::Zero, 0.0),
-            lines: [DelayLine::new(); I],
-            initial: 0.0,
-            reference: 0.0,
-            remaining: warm_up,
-            begun: false,
-            gate: Gate::new(plan.gate_open),
-            last: 0.0,
-            last_inputs: plan.initial_inputs,
-            gap: 0,
-        }
-    }
-}
-
-/// The trends of everything but y.
-struct Others<const M: usize, const I: usize> {
-    inputs: [[f32; M]; I],
-    extra: [f32; 2],
-}
+use crate::trends::TrendOperator;
+use crate::trends::delay_line::acceptable;
 
 /// The regressor with its equation error, and that as an innovation in the unit of y.
 struct Row<const N: usize> {
@@ -115,16 +66,17 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             return Outcome::Refused(refusal);
         }
         if !self.signals.begun {
-            self.begin(plan, y);
+            let settled = self.signals.begin(plan, y);
+            self.noise.settle(settled);
         }
         let reference = self.signals.reference;
         let y = y - reference;
         self.signals.gap = 0;
-        let others = self.other_trends(plan, u);
+        let others = self.signals.other_trends(plan, u);
         if self.signals.remaining > 0 {
             self.signals.last = y;
             self.noise.update(y);
-            let _ = self.output_trends(plan, y);
+            let _ = self.signals.output_trends(plan, y);
             self.signals.remaining -= 1;
             self.prediction = y + reference;
             return Outcome::WarmingUp {
@@ -192,7 +144,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// The row that y makes with the trends of everything else.
     #[inline(always)]
     fn row(&mut self, plan: &Plan<T, M, N, I>, y: f32, others: &Others<M, I>) -> Row<N> {
-        let output = self.output_trends(plan, y);
+        let output = self.signals.output_trends(plan, y);
         let (phi, psi) = plan
             .regressor
             .assemble(&output, &others.inputs, &others.extra);
@@ -212,7 +164,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         if let Some((newest, memory)) = self.signals.gate.replaced.take() {
             self.signals.output = memory;
             self.noise.correct_newest(newest);
-            let _ = self.output_trends(plan, newest);
+            let _ = self.signals.output_trends(plan, newest);
             self.replaced = self.replaced.saturating_sub(1);
         }
         let row = self.row(plan, y, others);
@@ -234,7 +186,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             false => last,
         };
         self.signals.output = before;
-        let _ = self.output_trends(plan, predicted);
+        let _ = self.signals.output_trends(plan, predicted);
         self.signals.last = predicted;
         self.noise.pass(predicted);
         self.prediction = predicted + self.signals.reference;
@@ -257,7 +209,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             self.restart_signals(plan, plan.warm_up);
             return;
         }
-        let others = self.other_trends(plan, u);
+        let others = self.signals.other_trends(plan, u);
         let before = self.signals.output.clone();
         self.signals.gate.replaced = None;
         self.signals.gate.keep_open(plan.gate_pause);
@@ -276,83 +228,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             None => self.skip(plan, *u),
             Some(_) => self.skip_held(plan),
         }
-    }
-
-    #[inline(always)]
-    fn output_trends(&mut self, plan: &Plan<T, M, N, I>, y: f32) -> Trends<M> {
-        plan.trends
-            .output(&mut self.signals.output, y, plan.output_form)
-    }
-
-    /// The trends of the inputs, of the constant and of the initial state.
-    #[inline(always)]
-    fn other_trends(&mut self, plan: &Plan<T, M, N, I>, u: [f32; I]) -> Others<M, I> {
-        self.signals.last_inputs = u;
-        Others {
-            inputs: self.input_trends(plan, u),
-            extra: self.extra_columns(plan),
-        }
-    }
-
-    #[inline(always)]
-    fn input_trends(&mut self, plan: &Plan<T, M, N, I>, u: [f32; I]) -> [[f32; M]; I] {
-        let signals = &mut self.signals;
-        let mut inputs = [[0.0; M]; I];
-        for c in 0..I {
-            let delayed = if D > 0 {
-                signals.lines[c].update(u[c], plan.delays[c])
-            } else {
-                u[c]
-            };
-            inputs[c] = plan
-                .trends
-                .input(&mut signals.inputs[c], delayed, plan.holds[c]);
-        }
-        inputs
-    }
-
-    /// Entries of the regressor for the constant and the initial state.
-    #[inline(always)]
-    fn extra_columns(&mut self, plan: &Plan<T, M, N, I>) -> [f32; 2] {
-        let signals = &mut self.signals;
-        let constant = if plan.structure.constant() {
-            let trends = plan.trends.input(&mut signals.constant, 1.0, Hold::Zero);
-            trends[0]
-        } else {
-            0.0
-        };
-        let initial = signals.initial;
-        if initial > 0.0 {
-            // Ended at a millionth, before it becomes subnormal.
-            let next = initial * plan.trends.design().slow_mode;
-            signals.initial = if next > 1e-6 { next } else { 0.0 };
-        }
-        [constant, initial]
-    }
-
-    /// Begins at the equilibrium of y(0) and the initial inputs.
-    #[inline(never)]
-    fn begin(&mut self, plan: &Plan<T, M, N, I>, y: f32) {
-        let signals = &mut self.signals;
-        let integrates = plan.structure.integrators() > 0;
-        let design = plan.trends.design();
-        // Behind an integrator only increments count; small numbers keep their digits.
-        signals.reference = if integrates { y } else { 0.0 };
-        let y = y - signals.reference;
-        self.noise.settle(y);
-        signals.output = Memory::output_at_rest(design, plan.output_form, y);
-        for c in 0..I {
-            let (hold, value) = (plan.holds[c], plan.initial_inputs[c]);
-            signals.inputs[c] = Memory::input_at_rest(design, hold, value);
-        }
-        let constant = if integrates { 0.0 } else { 1.0 };
-        signals.constant = Memory::input_at_rest(design, Hold::Zero, constant);
-        signals.initial = if plan.structure.initial_state() {
-            1.0
-        } else {
-            0.0
-        };
-        signals.begun = true;
     }
 
     /// Forgets the signals; the next `warm_up` samples are not estimated from.

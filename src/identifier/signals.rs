@@ -1,0 +1,143 @@
+//! The memory of the signals: from the samples to their trends.
+
+use crate::identifier::gate::Gate;
+use crate::identifier::plan::Plan;
+use crate::trends::delay_line::DelayLine;
+use crate::trends::{Hold, Memory, TrendOperator, Trends};
+
+/// The trends of everything but y.
+pub(crate) struct Others<const M: usize, const I: usize> {
+    pub(crate) inputs: [[f32; M]; I],
+    pub(crate) extra: [f32; 2],
+}
+
+/// Memory of the signals; begins anew after a gap in the samples.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Signals<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> {
+    pub(crate) output: T::Memory,
+    inputs: [T::Memory; I],
+    constant: T::Memory,
+    lines: [DelayLine<D>; I],
+    /// What the initial state still contributes to the trends.
+    initial: f32,
+    /// Zero of the output.
+    pub(crate) reference: f32,
+    /// Samples until the trends have settled.
+    pub(crate) remaining: u32,
+    pub(crate) begun: bool,
+    pub(crate) gate: Gate<T::Memory>,
+    /// The newest y in the trends, and the newest inputs.
+    pub(crate) last: f32,
+    pub(crate) last_inputs: [f32; I],
+    /// Samples without y since the last one.
+    pub(crate) gap: u32,
+}
+
+impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signals<T, M, I, D> {
+    /// Signals at rest; the first `warm_up` samples are not estimated from.
+    pub(crate) fn new<const N: usize>(plan: &Plan<T, M, N, I>, warm_up: u32) -> Self {
+        let design = plan.trends.design();
+        Self {
+            output: Memory::output_at_rest(design, plan.output_form, 0.0),
+            inputs: plan
+                .holds
+                .map(|hold| Memory::input_at_rest(design, hold, 0.0)),
+            constant: Memory::input_at_rest(design, Hold::Zero, 0.0),
+            lines: [DelayLine::new(); I],
+            initial: 0.0,
+            reference: 0.0,
+            remaining: warm_up,
+            begun: false,
+            gate: Gate::new(plan.gate_open),
+            last: 0.0,
+            last_inputs: plan.initial_inputs,
+            gap: 0,
+        }
+    }
+
+    /// Begins at the equilibrium of y(0) and the initial inputs; gives y from its zero.
+    #[inline(never)]
+    pub(crate) fn begin<const N: usize>(&mut self, plan: &Plan<T, M, N, I>, y: f32) -> f32 {
+        let integrates = plan.structure.integrators() > 0;
+        let design = plan.trends.design();
+        // Behind an integrator only increments count; small numbers keep their digits.
+        self.reference = if integrates { y } else { 0.0 };
+        let y = y - self.reference;
+        self.output = Memory::output_at_rest(design, plan.output_form, y);
+        for c in 0..I {
+            let (hold, value) = (plan.holds[c], plan.initial_inputs[c]);
+            self.inputs[c] = Memory::input_at_rest(design, hold, value);
+        }
+        let constant = if integrates { 0.0 } else { 1.0 };
+        self.constant = Memory::input_at_rest(design, Hold::Zero, constant);
+        self.initial = if plan.structure.initial_state() {
+            1.0
+        } else {
+            0.0
+        };
+        self.begun = true;
+        y
+    }
+
+    /// The trends of y.
+    #[inline(always)]
+    pub(crate) fn output_trends<const N: usize>(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        y: f32,
+    ) -> Trends<M> {
+        plan.trends.output(&mut self.output, y, plan.output_form)
+    }
+
+    /// The trends of the inputs, of the constant and of the initial state.
+    #[inline(always)]
+    pub(crate) fn other_trends<const N: usize>(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        u: [f32; I],
+    ) -> Others<M, I> {
+        self.last_inputs = u;
+        Others {
+            inputs: self.input_trends(plan, u),
+            extra: self.extra_columns(plan),
+        }
+    }
+
+    #[inline(always)]
+    fn input_trends<const N: usize>(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        u: [f32; I],
+    ) -> [[f32; M]; I] {
+        let mut inputs = [[0.0; M]; I];
+        for c in 0..I {
+            let delayed = if D > 0 {
+                self.lines[c].update(u[c], plan.delays[c])
+            } else {
+                u[c]
+            };
+            inputs[c] = plan
+                .trends
+                .input(&mut self.inputs[c], delayed, plan.holds[c]);
+        }
+        inputs
+    }
+
+    /// Entries of the regressor for the constant and the initial state.
+    #[inline(always)]
+    fn extra_columns<const N: usize>(&mut self, plan: &Plan<T, M, N, I>) -> [f32; 2] {
+        let constant = if plan.structure.constant() {
+            let trends = plan.trends.input(&mut self.constant, 1.0, Hold::Zero);
+            trends[0]
+        } else {
+            0.0
+        };
+        let initial = self.initial;
+        if initial > 0.0 {
+            // Ended at a millionth, before it becomes subnormal.
+            let next = initial * plan.trends.design().slow_mode;
+            self.initial = if next > 1e-6 { next } else { 0.0 };
+        }
+        [constant, initial]
+    }
+}
