@@ -125,10 +125,7 @@ fn trendid(arguments: &[&str], write: bool) -> Result<String, String> {
     {
         let other = target_directory()?.join("docs");
         fs::create_dir_all(&other).map_err(|error| error.to_string())?;
-        let kept = root().join(std::mem::replace(
-            place,
-            other.to_string_lossy().into_owned(),
-        ));
+        let kept = std::mem::replace(place, other.to_string_lossy().into_owned());
         pictures = Some((other, kept));
     }
     let output = std::process::Command::new(target_directory()?.join("release/trendid"))
@@ -140,10 +137,13 @@ fn trendid(arguments: &[&str], write: bool) -> Result<String, String> {
     if !output.status.success() {
         return Err(format!("ended with {}", output.status));
     }
-    if let Some((new, kept)) = pictures {
-        same_files(&new, &kept)?;
-    }
-    String::from_utf8(output.stdout).map_err(|error| error.to_string())
+    let text = String::from_utf8(output.stdout).map_err(|error| error.to_string())?;
+    let Some((new, kept)) = pictures else {
+        return Ok(text);
+    };
+    same_files(&new, &root().join(&kept))?;
+    // The command names the file that it wrote.
+    Ok(text.replace(&*new.to_string_lossy(), &kept))
 }
 
 /// Every file of `new` is in `kept`, byte for byte; empties `new`.
