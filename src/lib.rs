@@ -72,7 +72,6 @@
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(clippy::disallowed_types)]
-#![warn(unreachable_pub)]
 
 pub mod error;
 pub mod estimation;

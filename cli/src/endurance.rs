@@ -20,7 +20,7 @@ Errors are the largest over the whole scenario; of scenarios whose data do not o
 motion that follow. The last three columns are other ways to forget, in f64, on the same samples (at most a million).
 The command fails when a limit is broken: 0.15/0.1/0.3 % for C/omega0/xi and 4 sigma where the data obey the model,
 0.1 % where they did not, the covariance within its bound, every number finite.")]
-pub struct EnduranceArgs {
+pub(crate) struct EnduranceArgs {
     /// Length of each scenario in s, at 1 kHz
     #[arg(long, value_name = "S", default_value_t = 1000.0)]
     pub seconds: f64,
@@ -43,7 +43,7 @@ const OTHERS: u64 = 1_000_000;
 /// # Errors
 ///
 /// No seconds, no such scenario, or a limit that is broken, after the table.
-pub fn run_all(args: &EnduranceArgs) -> Result<(), Refusal> {
+pub(crate) fn run_all(args: &EnduranceArgs) -> Result<(), Refusal> {
     if !(args.seconds >= 1.0 && args.seconds <= 1e9) {
         return Err(Refusal::new(format!(
             "--seconds is {}: from 1 to 1e9 can be run",

@@ -2,7 +2,7 @@
 
 /// `value` with `digits` significant digits: plain between 1e-3 and 1e6, with
 /// an exponent outside.
-pub fn significant(value: f64, digits: usize) -> String {
+pub(crate) fn significant(value: f64, digits: usize) -> String {
     let digits = digits.max(1);
     if value == 0.0 {
         return "0".into();
@@ -25,7 +25,7 @@ pub fn significant(value: f64, digits: usize) -> String {
 
 /// `value +- sigma`, the deviation with two significant digits and the value
 /// to the same decimal place.
-pub fn with_sigma(value: f64, sigma: f64) -> String {
+pub(crate) fn with_sigma(value: f64, sigma: f64) -> String {
     if !(sigma.is_finite() && sigma > 0.0 && value.is_finite()) {
         return format!("{} +- ?", significant(value, 4));
     }
@@ -51,7 +51,7 @@ pub fn with_sigma(value: f64, sigma: f64) -> String {
 }
 
 /// `1 zero`, `2 zeros`.
-pub fn counted(count: usize, noun: &str) -> String {
+pub(crate) fn counted(count: usize, noun: &str) -> String {
     match count {
         1 => format!("1 {noun}"),
         _ => format!("{count} {noun}s"),
@@ -59,7 +59,7 @@ pub fn counted(count: usize, noun: &str) -> String {
 }
 
 /// A relative error in percent, with its sign.
-pub fn percent(estimate: f64, truth: f64) -> String {
+pub(crate) fn percent(estimate: f64, truth: f64) -> String {
     if truth == 0.0 {
         return "-".into();
     }
@@ -68,7 +68,7 @@ pub fn percent(estimate: f64, truth: f64) -> String {
 
 /// A polynomial in `s` from ascending coefficients, highest power first; exact
 /// zeros are absent terms.
-pub fn polynomial(ascending: &[f64]) -> String {
+pub(crate) fn polynomial(ascending: &[f64]) -> String {
     let mut text = String::new();
     for (i, &c) in ascending
         .iter()
@@ -98,7 +98,7 @@ pub fn polynomial(ascending: &[f64]) -> String {
 
 /// `B(s) / A(s)`, with the factor `e^(-tau s)` when there is a dead time in s.
 /// `b` and `a` are ascending, `a` without its leading one.
-pub fn transfer_function(b: &[f64], a: &[f64], delay_s: f64) -> String {
+pub(crate) fn transfer_function(b: &[f64], a: &[f64], delay_s: f64) -> String {
     let mut denominator = a.to_vec();
     denominator.push(1.0);
     let bracket = |p: String| {
@@ -123,7 +123,7 @@ pub fn transfer_function(b: &[f64], a: &[f64], delay_s: f64) -> String {
 
 /// Lines of cells, every column as wide as its widest cell; the first column
 /// flush left, the others flush right.
-pub fn table(rows: &[Vec<String>]) -> String {
+pub(crate) fn table(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |c: usize| {
         rows.iter()

@@ -10,10 +10,10 @@ use thiserror::Error;
 /// Why a command cannot do what it was asked, as one sentence.
 #[derive(Debug, Error)]
 #[error("{0}")]
-pub struct Refusal(String);
+pub(crate) struct Refusal(String);
 
 impl Refusal {
-    pub fn new(sentence: impl Into<String>) -> Self {
+    pub(crate) fn new(sentence: impl Into<String>) -> Self {
         Self(sentence.into())
     }
 }
@@ -43,28 +43,28 @@ impl From<trendid::ConfigError> for Refusal {
 }
 
 /// Writes to standard output; a reader that has gone away is no error.
-pub fn emit(text: &str) {
+pub(crate) fn emit(text: &str) {
     let mut out = std::io::stdout().lock();
     let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
 }
 
 /// Writes a JSON value on one line.
-pub fn emit_json(value: &serde_json::Value) {
+pub(crate) fn emit_json(value: &serde_json::Value) {
     emit(&format!("{value}\n"));
 }
 
 /// A number for JSON; what is not finite becomes null.
-pub fn number(value: f64) -> serde_json::Value {
+pub(crate) fn number(value: f64) -> serde_json::Value {
     serde_json::Number::from_f64(value).map_or(serde_json::Value::Null, Into::into)
 }
 
 /// The shortest decimal figure that is this f32, for JSON.
-pub fn number32(value: f32) -> serde_json::Value {
+pub(crate) fn number32(value: f32) -> serde_json::Value {
     number(value.to_string().parse().unwrap_or(f64::NAN))
 }
 
 /// A progress bar over `steps`, drawn only when standard error is a terminal.
-pub fn progress(steps: u64, what: &'static str) -> ProgressBar {
+pub(crate) fn progress(steps: u64, what: &'static str) -> ProgressBar {
     let target = if std::io::stderr().is_terminal() {
         ProgressDrawTarget::stderr()
     } else {
@@ -79,14 +79,14 @@ pub fn progress(steps: u64, what: &'static str) -> ProgressBar {
 }
 
 /// The progress of a search.
-pub struct Bar(ProgressBar);
+pub(crate) struct Bar(ProgressBar);
 
 impl Bar {
-    pub fn new(what: &'static str) -> Self {
+    pub(crate) fn new(what: &'static str) -> Self {
         Self(progress(0, what))
     }
 
-    pub fn finish(self) {
+    pub(crate) fn finish(self) {
         self.0.finish_and_clear();
     }
 }

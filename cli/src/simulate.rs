@@ -18,7 +18,7 @@ Example (simulate ten seconds, then identify them):
 /// Write a record of the simulated servo, with its truth in the header
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
-pub struct SimulateArgs {
+pub(crate) struct SimulateArgs {
     /// File to write: columns t [s], u, y [mm] (measured), x [mm] (true)
     #[arg(long, value_name = "FILE.csv")]
     out: PathBuf,
@@ -34,7 +34,7 @@ pub struct SimulateArgs {
 /// # Errors
 ///
 /// One sentence on an option that makes no sense or a file that cannot be written.
-pub fn run(args: &SimulateArgs) -> Result<(), Refusal> {
+pub(crate) fn run(args: &SimulateArgs) -> Result<(), Refusal> {
     let record = args.noise.record()?;
     let n = &args.noise;
     let mut text = String::from(

@@ -10,7 +10,7 @@ use trendid_example_support::clock::Clock;
 use trendid_example_support::stack;
 
 /// Something that takes the rows one after the other.
-pub trait Meter {
+pub(crate) trait Meter {
     /// Runs `step` over `samples`, twice the whole record.
     fn row<S: Clone, U: Copy, R>(
         &mut self,
@@ -25,7 +25,7 @@ pub trait Meter {
 
 /// Counts the instructions of each step with two clocks.
 #[cfg(target_os = "none")]
-pub struct Counter {
+pub(crate) struct Counter {
     clocks: [Clock; 2],
     /// Ticks of a function of one instruction, its return.
     idle: [f32; 2],
@@ -36,7 +36,7 @@ pub struct Counter {
 #[cfg(target_os = "none")]
 impl Counter {
     /// A counter that has not yet counted the row of nothing.
-    pub fn new(clocks: [Clock; 2]) -> Self {
+    pub(crate) fn new(clocks: [Clock; 2]) -> Self {
         Self {
             clocks,
             idle: [0.0; 2],
@@ -98,7 +98,7 @@ impl Meter for Counter {
 
 /// Takes the wall time of a row.
 #[cfg(not(target_os = "none"))]
-pub struct Stopwatch;
+pub(crate) struct Stopwatch;
 
 #[cfg(not(target_os = "none"))]
 impl Meter for Stopwatch {

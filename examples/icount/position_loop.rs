@@ -6,11 +6,11 @@ use trendid::servo::{self, ServoLoop, Travel};
 use trendid_example_support::drive::{Drive, SimulatedValve};
 
 /// The whole position loop, from the code of the encoder to the command of the valve.
-pub type Servo<V> = ServoLoop<Code, V>;
+pub(crate) type Servo<V> = ServoLoop<Code, V>;
 
 /// An encoder that gives the code it was set to.
 #[derive(Debug, Clone, Copy)]
-pub struct Code {
+pub(crate) struct Code {
     pub code: i32,
 }
 
@@ -24,7 +24,7 @@ impl PositionSensor for Code {
 
 /// A valve that moves nothing.
 #[derive(Debug, Clone, Copy)]
-pub struct Still;
+pub(crate) struct Still;
 
 impl Valve for Still {
     type Error = core::convert::Infallible;
@@ -35,10 +35,10 @@ impl Valve for Still {
 }
 
 /// Code of the encoder at the begin of the travel.
-pub const ORIGIN: i32 = 8_000_000;
+pub(crate) const ORIGIN: i32 = 8_000_000;
 
 /// A loop on the simulated drive of 20 rad/s and 400 mm, about to commission itself.
-pub fn servo<V: Valve>(valve: V) -> Result<Servo<V>, servo::Error> {
+pub(crate) fn servo<V: Valve>(valve: V) -> Result<Servo<V>, servo::Error> {
     let axis = Axis {
         scale: const { Scale::new(0.005).unwrap() },
         reference: ORIGIN,
@@ -54,7 +54,7 @@ pub fn servo<V: Valve>(valve: V) -> Result<Servo<V>, servo::Error> {
 }
 
 /// Codes of the drive under a loop of its own, and a move every second.
-pub fn motion(
+pub(crate) fn motion(
     mut leader: Servo<SimulatedValve>,
     samples: usize,
 ) -> impl Iterator<Item = ((i32, Option<f32>), f32)> {

@@ -34,7 +34,7 @@ const PANIC: u8 = 100;
 static FAULT: AtomicU8 = AtomicU8::new(NOTHING);
 
 /// The request of the script, once.
-pub fn request() -> Option<Request> {
+pub(crate) fn request() -> Option<Request> {
     match REQUEST.swap(NOTHING, Ordering::Relaxed) {
         RUN => Some(Request::Run),
         ACKNOWLEDGE => Some(Request::Acknowledge),
@@ -43,7 +43,7 @@ pub fn request() -> Option<Request> {
 }
 
 /// Provokes the fault that was asked for; whether this slot shall be late.
-pub fn provoke() -> bool {
+pub(crate) fn provoke() -> bool {
     match FAULT.load(Ordering::Relaxed) {
         NOTHING => false,
         PANIC => panic!("provoked"),
@@ -55,7 +55,7 @@ pub fn provoke() -> bool {
 }
 
 /// What one start of the image does and has seen.
-pub struct Script {
+pub(crate) struct Script {
     /// Number of the start since power came.
     start: u32,
     /// The fault of the start before.
@@ -64,7 +64,7 @@ pub struct Script {
 }
 
 impl Script {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let survivor = survival::load();
         Self {
             start: survivor.starts(),
@@ -74,7 +74,7 @@ impl Script {
     }
 
     /// Looks at a message of the interrupt and goes on.
-    pub fn step(&mut self, now: &Snapshot) {
+    pub(crate) fn step(&mut self, now: &Snapshot) {
         match self.start {
             1 => self.control(now),
             2 => self.refused(now),

@@ -17,7 +17,7 @@ use trendid_example_support::survivor::{Fault, Survivor};
 ///
 /// The square root is a display value: micromath's approximation (a few per cent) in one instruction pair instead of
 /// the exact one of the library.
-pub fn model(model: &servo::Model) {
+pub(crate) fn model(model: &servo::Model) {
     let frequency = model.a1.sqrt();
     let damping = model.a2 / (2.0 * frequency);
     defmt::info!(
@@ -32,7 +32,7 @@ pub fn model(model: &servo::Model) {
 }
 
 /// Shows what the start found: where it runs, why the chip restarted, how often, and what ended the run before.
-pub fn start(survivor: &Survivor, causes: Causes, emulated: bool, brown_out: Option<u8>) {
+pub(crate) fn start(survivor: &Survivor, causes: Causes, emulated: bool, brown_out: Option<u8>) {
     if emulated {
         defmt::info!(
             "trendid servo, simulated drive; reset flags, brown-out and watchdog are not modelled"
@@ -67,7 +67,7 @@ pub fn start(survivor: &Survivor, causes: Causes, emulated: bool, brown_out: Opt
 }
 
 /// Shows a latched fault.
-pub fn fault(fault: Option<Fault>) {
+pub(crate) fn fault(fault: Option<Fault>) {
     match fault {
         None => {}
         Some(Fault::Stopped { why }) => defmt::error!("fault: {=str}", why.as_str()),
@@ -92,7 +92,7 @@ pub fn fault(fault: Option<Fault>) {
 static SEMIHOSTING: AtomicBool = AtomicBool::new(false);
 
 /// Chooses semihosting for all frames from now on.
-pub fn over_semihosting() {
+pub(crate) fn over_semihosting() {
     SEMIHOSTING.store(true, Ordering::Relaxed);
 }
 

@@ -19,7 +19,7 @@ use crate::wiring::{FRESH, Output, Panel, Sensor};
 use crate::{AXIS, emulated, survival, target};
 
 /// Everything the interrupt owns.
-pub struct Slot {
+pub(crate) struct Slot {
     servo: ServoLoop<Sensor, Output>,
     timer: CounterHz<TIM2>,
     /// Ticks of the timer per slot.
@@ -34,7 +34,7 @@ pub struct Slot {
 static SLOT: Mutex<RefCell<Option<Slot>>> = Mutex::new(RefCell::new(None));
 
 /// Gives the interrupt what it owns.
-pub fn hand_over(slot: Slot) {
+pub(crate) fn hand_over(slot: Slot) {
     free(|section| SLOT.borrow(section).replace(Some(slot)));
 }
 
@@ -51,7 +51,7 @@ fn TIM2() {
 
 impl Slot {
     /// A slot that waits for a request; `stopped` when a fault is latched.
-    pub const fn new(
+    pub(crate) const fn new(
         servo: ServoLoop<Sensor, Output>,
         timer: CounterHz<TIM2>,
         period: u32,

@@ -3,14 +3,14 @@
 use trendid::servo::{self, State};
 
 /// Overruns in a row that end in the safe output.
-pub const OVERRUNS: u8 = 3;
+pub(crate) const OVERRUNS: u8 = 3;
 
 /// Samples between two lines of the log.
-pub const EVERY: u64 = 500;
+pub(crate) const EVERY: u64 = 500;
 
 /// Messages from the interrupt to the idle loop.
 #[derive(Clone, Copy)]
-pub struct Snapshot {
+pub(crate) struct Snapshot {
     pub tick: u64,
     pub state: State,
     pub position: f32,

@@ -22,7 +22,7 @@ unsafe impl Sync for Memory {}
 static MEMORY: Memory = Memory(UnsafeCell::new(MaybeUninit::uninit()));
 
 /// The record; an empty one where the memory holds none.
-pub fn load() -> Survivor {
+pub(crate) fn load() -> Survivor {
     let words = free(|_| {
         // SAFETY: interrupts are off; memory that came up by chance is a number too, and the check tells it from a record.
         unsafe { MEMORY.0.get().cast::<[u32; WORDS]>().read_volatile() }
@@ -31,7 +31,7 @@ pub fn load() -> Survivor {
 }
 
 /// Changes the record.
-pub fn update(change: impl FnOnce(&mut Survivor)) -> Survivor {
+pub(crate) fn update(change: impl FnOnce(&mut Survivor)) -> Survivor {
     let mut survivor = load();
     change(&mut survivor);
     let words = survivor.words();
@@ -43,7 +43,7 @@ pub fn update(change: impl FnOnce(&mut Survivor)) -> Survivor {
 }
 
 /// Restarts the chip.
-pub fn restart() -> ! {
+pub(crate) fn restart() -> ! {
     wiring::centre();
     SCB::sys_reset()
 }

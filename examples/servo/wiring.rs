@@ -28,7 +28,7 @@ const ENCODER: SsiFormat = SsiFormat {
 };
 
 /// Frequency of the crystal; the only number of the board here besides the pins.
-pub const CRYSTAL_MHZ: u32 = 8;
+pub(crate) const CRYSTAL_MHZ: u32 = 8;
 
 /// How the valve is driven on a board.
 #[derive(PartialEq)]
@@ -41,10 +41,10 @@ enum Wiring {
 const OUTPUT: Wiring = Wiring::Pwm;
 
 /// Set when a reading succeeded since the last look.
-pub static FRESH: AtomicBool = AtomicBool::new(false);
+pub(crate) static FRESH: AtomicBool = AtomicBool::new(false);
 
 /// A bus whose device needs no select line, or has it in `select`.
-pub struct Device<B, P> {
+pub(crate) struct Device<B, P> {
     bus: B,
     select: Option<P>,
 }
@@ -79,7 +79,7 @@ type DacBus = Device<Spi<pac::SPI3>, PA15<PinOutput<PushPull>>>;
 type Pulse = PwmChannel<pac::TIM4, 0>;
 
 /// The transducer, or the simulated one.
-pub enum Sensor {
+pub(crate) enum Sensor {
     Encoder(SsiEncoder<EncoderBus>),
     Simulated(Drive),
 }
@@ -98,7 +98,7 @@ impl PositionSensor for Sensor {
 }
 
 /// The valve, or the simulated one.
-pub enum Output {
+pub(crate) enum Output {
     Pwm(PwmValve<Pulse, PB7<PinOutput<PushPull>>>),
     Dac(DacValve<DacBus>),
     Simulated(SimulatedValve),
@@ -117,14 +117,14 @@ impl Valve for Output {
 }
 
 /// Where requests of a person come from, or those of the emulated run.
-pub enum Panel {
+pub(crate) enum Panel {
     Button(Button, PA0<Input>),
     Emulated,
 }
 
 impl Panel {
     /// The request of this slot.
-    pub fn request(&mut self) -> Option<Request> {
+    pub(crate) fn request(&mut self) -> Option<Request> {
         match self {
             Self::Button(button, pin) => button.update(pin.is_high()),
             Self::Emulated => emulated::request(),
@@ -138,7 +138,7 @@ const PATIENCE: u32 = 2000;
 /// Centres the valve by its registers, whatever state the drivers are in: for handlers that do not return, and restarts.
 ///
 /// Before the ports are set up it has no effect, and the valve is at rest by its hardware.
-pub fn centre() {
+pub(crate) fn centre() {
     // The simulated valve cannot fail.
     let _ = SimulatedValve.drive(0.0);
     if OUTPUT == Wiring::Pwm {
@@ -167,7 +167,7 @@ pub fn centre() {
 }
 
 /// The parts of the chip that the wiring needs.
-pub struct Ports {
+pub(crate) struct Ports {
     pub a: pac::GPIOA,
     pub b: pac::GPIOB,
     pub c: pac::GPIOC,
@@ -177,7 +177,7 @@ pub struct Ports {
 }
 
 /// Encoder, valve as [`OUTPUT`] says, and button.
-pub fn wired(ports: Ports, rcc: &mut Rcc) -> (Sensor, Output, Panel) {
+pub(crate) fn wired(ports: Ports, rcc: &mut Rcc) -> (Sensor, Output, Panel) {
     let pins_a = ports.a.split(rcc);
     let pins_b = ports.b.split(rcc);
     let pins_c = ports.c.split(rcc);

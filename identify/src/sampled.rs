@@ -36,7 +36,7 @@ pub(crate) struct Sampled {
 }
 
 impl Sampled {
-    pub fn new(a: &[f64], dt: f64) -> Self {
+    pub(crate) fn new(a: &[f64], dt: f64) -> Self {
         let m = a.len();
         let of_order = |i: usize| a[m - i].abs().powf(1.0 / i as f64);
         let largest = (1..=m).map(of_order).fold(0.0, f64::max);
@@ -76,7 +76,7 @@ impl Sampled {
     }
 
     /// The output from a state on; `None` where it runs away.
-    pub fn response(
+    pub(crate) fn response(
         &self,
         start: &[f64],
         samples: usize,

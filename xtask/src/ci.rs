@@ -47,24 +47,24 @@ const CHECKS: [Step; 6] = [
 ];
 
 /// Every step but the long ones.
-pub fn all() -> Done {
+pub(crate) fn all() -> Done {
     steps(&TESTS)?;
     steps(&CHECKS)
 }
 
 /// Set-up and all tests.
-pub fn test() -> Done {
+pub(crate) fn test() -> Done {
     steps(&TESTS)
 }
 
 /// The claims over hundreds of seeds.
-pub fn statistics() -> Done {
+pub(crate) fn statistics() -> Done {
     let arguments = ["test", "-q", "--release", "-p", "trendid-host-tests"];
     process::run(cargo(&[&arguments[..], &["--", "--ignored"]].concat()))
 }
 
 /// Formatting and lints.
-pub fn lint() -> Done {
+pub(crate) fn lint() -> Done {
     process::run(cargo(&["fmt", "--all", "--check"]))?;
     process::run(cargo(&[
         "clippy",
@@ -90,13 +90,13 @@ pub fn lint() -> Done {
 }
 
 /// Tests on the host: with overflow checks, and the bits of the self-test as the optimiser makes them, too.
-pub fn host() -> Done {
+pub(crate) fn host() -> Done {
     process::run(cargo(&["test", "-q", "--workspace", "--all-features"]))?;
     process::run(cargo(&["test", "-q", "--release", "--example", "selftest"]))
 }
 
 /// Every package with the oldest compiler that `Cargo.toml` promises.
-pub fn msrv() -> Done {
+pub(crate) fn msrv() -> Done {
     let version = format!("+{}", env!("CARGO_PKG_RUST_VERSION"));
     let mut command = std::process::Command::new("cargo");
     // Without the variables of the compiler that built this task.
@@ -111,14 +111,14 @@ pub fn msrv() -> Done {
 }
 
 /// Packs and builds what is published.
-pub fn package() -> Done {
+pub(crate) fn package() -> Done {
     let mut arguments = vec!["package", "-q", "--allow-dirty"];
     arguments.extend(PUBLISHED.iter().flat_map(|name| ["-p", name]));
     process::run(cargo(&arguments))
 }
 
 /// Documentation.
-pub fn doc() -> Done {
+pub(crate) fn doc() -> Done {
     // Warnings of rustdoc; the variable of its own leaves the linker arguments alone.
     let mut command = cargo(&["doc", "-q", "--workspace", "--no-deps", "--all-features"]);
     command.env("RUSTDOCFLAGS", "-D warnings");
@@ -126,7 +126,7 @@ pub fn doc() -> Done {
 }
 
 /// The core without and with its feature, on the host and for both ends of the Cortex-M line.
-pub fn features() -> Done {
+pub(crate) fn features() -> Done {
     let sets: [&[&str]; 2] = [&["--no-default-features"], &["--all-features"]];
     for set in sets {
         process::run(cargo(

@@ -5,7 +5,7 @@ use std::path::Path;
 use defmt_decoder::{DecodeError, Table};
 
 /// The lines that `image` logged as `stream`.
-pub fn lines(image: &Path, stream: &[u8]) -> Result<Vec<String>, String> {
+pub(crate) fn lines(image: &Path, stream: &[u8]) -> Result<Vec<String>, String> {
     let named = |error: &dyn std::fmt::Display| format!("{}: {error}", image.display());
     let bytes = std::fs::read(image).map_err(|error| named(&error))?;
     let table = Table::parse(&bytes)

@@ -21,7 +21,7 @@ use crate::{golden, printed, quote};
 
 /// Options of the task.
 #[derive(Default, clap::Args)]
-pub struct Options {
+pub(crate) struct Options {
     /// Write what the commands print now, instead of comparing; NAME is a part of a document's path or of a command.
     ///
     /// With the name of a reference file (examples/data/selftest.txt, examples/data/servo.bin, docs/icount.json) this
@@ -34,7 +34,7 @@ pub struct Options {
 }
 
 /// Compares or writes.
-pub fn run(options: &Options) -> Done {
+pub(crate) fn run(options: &Options) -> Done {
     let name = options.write.as_deref().unwrap_or_default();
     if !name.is_empty() && golden::write(name)? {
         return Ok(());

@@ -6,7 +6,7 @@ use std::path::Path;
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 
 /// A linked image for a Cortex-M.
-pub struct Image {
+pub(crate) struct Image {
     /// Bytes of code.
     pub text: u64,
     /// Bytes of flash: vectors, code, constants and the start values of variables.
@@ -27,7 +27,7 @@ struct Function {
 
 /// What one function can reach.
 #[derive(Debug)]
-pub struct Reach {
+pub(crate) struct Reach {
     /// Bytes of all functions that can be reached, the first included.
     pub text: u64,
     /// Their names.
@@ -38,7 +38,7 @@ pub struct Reach {
 
 impl Image {
     /// Reads an image.
-    pub fn read(path: &Path) -> Result<Self, String> {
+    pub(crate) fn read(path: &Path) -> Result<Self, String> {
         let bytes = std::fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
         let file =
             object::File::parse(&*bytes).map_err(|error| format!("{}: {error}", path.display()))?;
@@ -91,7 +91,7 @@ impl Image {
     }
 
     /// What the function with this name can reach.
-    pub fn reach(&self, name: &str) -> Result<Reach, String> {
+    pub(crate) fn reach(&self, name: &str) -> Result<Reach, String> {
         let (&first, _) = self
             .functions
             .iter()

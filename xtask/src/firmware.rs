@@ -8,7 +8,7 @@ use crate::process::{Done, M0, M3, M4F, Machine, cargo};
 
 /// Options of the task.
 #[derive(Default, clap::Args)]
-pub struct Options {
+pub(crate) struct Options {
     /// Only this one, on the Cortex-M4F.
     #[arg(value_enum)]
     program: Option<Program>,
@@ -30,7 +30,7 @@ enum Program {
 const LIMIT: Duration = Duration::from_secs(300);
 
 /// Builds all images and runs them; gives what they print.
-pub fn run(options: &Options) -> Result<String, String> {
+pub(crate) fn run(options: &Options) -> Result<String, String> {
     let mut text = String::new();
     let machines: &[(Machine, &str)] = match options.program {
         None => &[
@@ -88,7 +88,7 @@ const PIL: [&str; 3] = [
 ];
 
 /// The processor in the loop; gives what the runs print.
-pub fn pil() -> Result<String, String> {
+pub(crate) fn pil() -> Result<String, String> {
     let image = M4F.build("pil", "firmware")?;
     let mut text = String::new();
     for extra in PIL {
@@ -129,7 +129,7 @@ const BUDGET: u64 = 9 * 1024;
 const CALLED: [(&str, &str); 2] = [("icount", "row_"), ("pil", "link_")];
 
 /// The sizes; fails when an image is empty, too large, or can panic in an update or on a frame.
-pub fn size() -> Result<String, String> {
+pub(crate) fn size() -> Result<String, String> {
     let mut table = String::from(
         "| image | -O | code [B] | flash [B] | static RAM [B] |\n|---|---|---|---|---|\n",
     );

@@ -15,7 +15,7 @@ const FILES: [(&str, Content); 3] = [
 ];
 
 /// Writes the file that ends with `name`; says whether there is one.
-pub fn write(name: &str) -> Result<bool, String> {
+pub(crate) fn write(name: &str) -> Result<bool, String> {
     let Some((path, content)) = FILES.iter().find(|(path, _)| path.ends_with(name)) else {
         return Ok(false);
     };
@@ -25,7 +25,7 @@ pub fn write(name: &str) -> Result<bool, String> {
 }
 
 /// The record is what its generator gives; the other files are compared by the self-test and by `icount`.
-pub fn check() -> Done {
+pub(crate) fn check() -> Done {
     let (path, content) = FILES[0];
     let kept = fs::read(root().join(path)).map_err(|error| format!("{path}: {error}"))?;
     if kept == content()? {

@@ -10,7 +10,7 @@ use crate::elf::Image;
 use crate::process::{Done, M0, M3, M4F, Machine, root};
 
 /// The counts that growth is measured against.
-pub const BASELINE: &str = "docs/icount.json";
+pub(crate) const BASELINE: &str = "docs/icount.json";
 
 /// Rows of the short table, with their number of parameters.
 const BRIEF: [(&str, u32); 6] = [
@@ -27,7 +27,7 @@ const GROWTH: f64 = 1.02;
 
 /// Options of the task.
 #[derive(Default, clap::Args)]
-pub struct Options {
+pub(crate) struct Options {
     /// Print JSON: an array of {row, n, mean, worst, text, ram, stack, opt}.
     #[arg(long)]
     json: bool,
@@ -53,7 +53,7 @@ struct Row {
 }
 
 /// Counts and compares; gives the table.
-pub fn run(options: &Options) -> Result<String, String> {
+pub(crate) fn run(options: &Options) -> Result<String, String> {
     if options.soft {
         return soft();
     }
@@ -78,7 +78,7 @@ pub fn run(options: &Options) -> Result<String, String> {
 }
 
 /// What [`BASELINE`] holds after a change on purpose.
-pub fn baseline() -> Result<String, String> {
+pub(crate) fn baseline() -> Result<String, String> {
     json(&rows()?)
 }
 

@@ -6,7 +6,7 @@ use crate::{firmware, icount};
 
 /// A task that gives text.
 #[derive(Subcommand)]
-pub enum Task {
+pub(crate) enum Task {
     /// Builds the firmware images, checks them and runs them in the emulator.
     Firmware(firmware::Options),
     /// Instructions per update on the emulated Cortex-M4F, with code size, memory and stack.
@@ -19,7 +19,7 @@ pub enum Task {
 
 impl Task {
     /// What it prints.
-    pub fn text(&self) -> Result<String, String> {
+    pub(crate) fn text(&self) -> Result<String, String> {
         match self {
             Self::Firmware(options) => firmware::run(options),
             Self::Icount(options) => icount::run(options),
@@ -29,7 +29,7 @@ impl Task {
     }
 
     /// Runs it and prints.
-    pub fn print(&self) -> Result<(), String> {
+    pub(crate) fn print(&self) -> Result<(), String> {
         self.text().map(|text| print!("{text}"))
     }
 }
@@ -41,7 +41,7 @@ struct Line {
 }
 
 /// What the task `words` prints; the first word is the program.
-pub fn text(words: &[&str]) -> Result<String, String> {
+pub(crate) fn text(words: &[&str]) -> Result<String, String> {
     let line = Line::try_parse_from(words).map_err(|error| error.to_string())?;
     line.task.text()
 }

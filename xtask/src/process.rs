@@ -7,10 +7,10 @@ use std::sync::mpsc;
 use std::time::Duration;
 
 /// What a task ends with: nothing, or a sentence for the user.
-pub type Done = Result<(), String>;
+pub(crate) type Done = Result<(), String>;
 
 /// The root of the workspace.
-pub fn root() -> PathBuf {
+pub(crate) fn root() -> PathBuf {
     let mut path = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
     path.pop();
     path
@@ -19,7 +19,7 @@ pub fn root() -> PathBuf {
 /// A cargo command in the root.
 ///
 /// RUSTFLAGS would replace the linker arguments of `.cargo/config.toml` and give an empty image, so it is taken away.
-pub fn cargo(arguments: &[&str]) -> Command {
+pub(crate) fn cargo(arguments: &[&str]) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command
         .current_dir(root())
@@ -30,7 +30,7 @@ pub fn cargo(arguments: &[&str]) -> Command {
 }
 
 /// Runs a command with its output on the terminal.
-pub fn run(mut command: Command) -> Done {
+pub(crate) fn run(mut command: Command) -> Done {
     eprintln!("$ {}", shown(&command));
     let status = command
         .status()
@@ -43,7 +43,7 @@ pub fn run(mut command: Command) -> Done {
 }
 
 /// Whether a command can be started and succeeds; its output is dropped.
-pub fn works(program: &str, arguments: &[&str]) -> bool {
+pub(crate) fn works(program: &str, arguments: &[&str]) -> bool {
     Command::new(program)
         .args(arguments)
         .stdout(Stdio::null())
@@ -67,7 +67,7 @@ fn shown(command: &Command) -> String {
 }
 
 /// Where cargo puts what it builds.
-pub fn target_directory() -> Result<PathBuf, String> {
+pub(crate) fn target_directory() -> Result<PathBuf, String> {
     let output = cargo(&["metadata", "--format-version", "1", "--no-deps"])
         .output()
         .map_err(|error| format!("cargo metadata: {error}"))?;
@@ -81,7 +81,7 @@ pub fn target_directory() -> Result<PathBuf, String> {
 
 /// An emulated board.
 #[derive(Clone, Copy, Debug)]
-pub struct Machine {
+pub(crate) struct Machine {
     /// Name in QEMU.
     pub name: &'static str,
     /// Target of rustc.
@@ -89,24 +89,24 @@ pub struct Machine {
 }
 
 /// STM32F405, Cortex-M4F.
-pub const M4F: Machine = Machine {
+pub(crate) const M4F: Machine = Machine {
     name: "netduinoplus2",
     target: "thumbv7em-none-eabihf",
 };
 /// ARM MPS2, Cortex-M3.
-pub const M3: Machine = Machine {
+pub(crate) const M3: Machine = Machine {
     name: "mps2-an385",
     target: "thumbv7m-none-eabi",
 };
 /// BBC micro:bit, Cortex-M0.
-pub const M0: Machine = Machine {
+pub(crate) const M0: Machine = Machine {
     name: "microbit",
     target: "thumbv6m-none-eabi",
 };
 
 impl Machine {
     /// Builds an example for this machine and gives the path of its image.
-    pub fn build(self, example: &str, profile: &str) -> Result<PathBuf, String> {
+    pub(crate) fn build(self, example: &str, profile: &str) -> Result<PathBuf, String> {
         let arguments = [
             "build",
             "-q",
@@ -129,7 +129,7 @@ impl Machine {
     }
 
     /// Starts an image; one instruction is one nanosecond of its clock, and waiting takes no time.
-    pub fn start(self, image: &std::path::Path) -> Result<Child, String> {
+    pub(crate) fn start(self, image: &std::path::Path) -> Result<Child, String> {
         Command::new("qemu-system-arm")
             .args([
                 "-machine",
@@ -157,7 +157,11 @@ impl Machine {
     }
 
     /// Runs an image to its end and gives its output; an error when it fails or needs longer than `limit`.
-    pub fn output(self, image: &std::path::Path, limit: Duration) -> Result<Vec<u8>, String> {
+    pub(crate) fn output(
+        self,
+        image: &std::path::Path,
+        limit: Duration,
+    ) -> Result<Vec<u8>, String> {
         let mut child = self.start(image)?;
         let mut stdout = child.stdout.take().ok_or("no output of the emulator")?;
         let (sender, receiver) = mpsc::channel();
@@ -186,7 +190,11 @@ impl Machine {
     }
 
     /// As [`output`](Self::output), as lines of text.
-    pub fn lines(self, image: &std::path::Path, limit: Duration) -> Result<Vec<String>, String> {
+    pub(crate) fn lines(
+        self,
+        image: &std::path::Path,
+        limit: Duration,
+    ) -> Result<Vec<String>, String> {
         let output = self.output(image, limit)?;
         Ok(String::from_utf8_lossy(&output)
             .lines()

@@ -2,7 +2,7 @@
 
 /// A quotation of a document.
 #[derive(Debug, PartialEq)]
-pub struct Mark<'a> {
+pub(crate) struct Mark<'a> {
     /// As it is, instead of a block of program output.
     markdown: bool,
     /// Takes minutes.
@@ -45,7 +45,7 @@ impl<'a> Mark<'a> {
     }
 
     /// What stands between the marks.
-    pub fn quoted(&self, output: &str) -> String {
+    pub(crate) fn quoted(&self, output: &str) -> String {
         let (command, output) = (self.command, output.trim_end());
         if self.markdown {
             format!("\n`{command}`\n\n{output}\n\n")
@@ -56,7 +56,7 @@ impl<'a> Mark<'a> {
 }
 
 /// The document with each quotation replaced by what `renewed` gives for it and its old text, if it gives something.
-pub fn replaced(
+pub(crate) fn replaced(
     document: &str,
     renewed: &mut impl FnMut(&Mark<'_>, &str) -> Result<Option<String>, String>,
 ) -> Result<String, String> {
@@ -84,7 +84,7 @@ pub fn replaced(
 }
 
 /// The first lines that differ.
-pub fn difference(old: &str, new: &str, near: bool) -> Option<String> {
+pub(crate) fn difference(old: &str, new: &str, near: bool) -> Option<String> {
     let (mut left, mut right) = (old.lines(), new.lines());
     loop {
         let (old, new) = (left.next(), right.next());

@@ -18,7 +18,7 @@ const STEPS: i64 = 64;
 /// valve of 2 % of full command. Position, velocity and acceleration are fixed-point numbers with 20 binary places of a
 /// micrometre; one step is 1/64 ms of the symplectic Euler scheme. The plant of this record is close to the reference
 /// plant and not equal to it, which is no matter: what is compared is bits.
-pub fn bytes() -> Vec<u8> {
+pub(crate) fn bytes() -> Vec<u8> {
     const ONE: i64 = 1 << 20;
     let mut bytes = Vec::with_capacity(SAMPLES * 6);
     let (mut x, mut v, mut a) = (0i64, 0i64, 0i64);

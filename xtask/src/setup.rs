@@ -6,7 +6,7 @@ use std::process::Command;
 use crate::process::{self, Done, M0, M3, M4F, works};
 
 /// Adds what is missing, or says what to install.
-pub fn run() -> Done {
+pub(crate) fn run() -> Done {
     targets()?;
     emulator()
 }

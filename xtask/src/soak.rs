@@ -4,7 +4,7 @@ use crate::process::{self, Done, cargo};
 
 /// Options of the task.
 #[derive(Default, clap::Args)]
-pub struct Options {
+pub(crate) struct Options {
     /// Simulated seconds of each scenario; a day has 86400.
     #[arg(long, value_name = "S", default_value_t = SHORT)]
     seconds: u32,
@@ -14,7 +14,7 @@ pub struct Options {
 const SHORT: u32 = 1000;
 
 /// Runs every scenario of `trendid endurance`, which fails when a limit is broken.
-pub fn run(options: &Options) -> Done {
+pub(crate) fn run(options: &Options) -> Done {
     let seconds = options.seconds.to_string();
     let command = ["run", "-q", "--release", "-p", "trendid-cli", "--"];
     process::run(cargo(

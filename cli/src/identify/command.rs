@@ -25,7 +25,7 @@ const TRACE_POINTS: usize = 1000;
 /// Identify a continuous-time model from a record
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
-pub struct IdentifyArgs {
+pub(crate) struct IdentifyArgs {
     #[command(flatten)]
     signals: SignalArgs,
     /// Order of the model, 1 to 4, the integrator included
@@ -60,7 +60,7 @@ pub struct IdentifyArgs {
 /// # Errors
 ///
 /// One sentence on what is wrong with the record or the structure.
-pub fn run(args: &IdentifyArgs) -> Result<(), Refusal> {
+pub(crate) fn run(args: &IdentifyArgs) -> Result<(), Refusal> {
     let loaded = args.signals.load()?;
     let signals = loaded.signals();
     let structure = Structure {

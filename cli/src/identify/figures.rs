@@ -11,7 +11,7 @@ use crate::plot::{COLOURS, Curve, Figure, PALE, Panel};
 /// # Errors
 ///
 /// A sentence naming the file that cannot be written.
-pub fn save(
+pub(super) fn save(
     dir: &Path,
     problem: &Problem,
     found: &Identification,

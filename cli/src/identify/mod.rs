@@ -1,7 +1,7 @@
 //! `trendid identify` and `trendid select`: models from records.
 
-pub mod command;
+pub(crate) mod command;
 mod figures;
 mod report;
-pub mod select;
-pub mod signals;
+pub(crate) mod select;
+pub(crate) mod signals;

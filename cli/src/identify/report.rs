@@ -15,7 +15,7 @@ use crate::output::number;
 const POOR: f64 = 50.0;
 
 /// Everything that is printed.
-pub struct Report<'a> {
+pub(super) struct Report<'a> {
     pub file: &'a Path,
     /// Name of the output column.
     pub output: &'a str,
@@ -42,7 +42,7 @@ impl Report<'_> {
     }
 
     /// The report for people.
-    pub fn text(&self) -> String {
+    pub(super) fn text(&self) -> String {
         let mut text = self.head();
         text += &self.equations();
         let mut rows = vec![vec![
@@ -228,7 +228,7 @@ impl Report<'_> {
     }
 
     /// The report for machines.
-    pub fn json(&self) -> Value {
+    pub(super) fn json(&self) -> Value {
         let (p, e) = (self.problem, &self.found.estimate);
         let list = |v: &[f64]| Value::Array(v.iter().map(|x| number(*x)).collect());
         let columns = p.signals.inputs.iter().zip(&e.b);

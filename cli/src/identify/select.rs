@@ -23,7 +23,7 @@ smallest among those whose free simulation fits within one point of the best.";
 /// Compare orders, zeros and delays on a record
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
-pub struct SelectArgs {
+pub(crate) struct SelectArgs {
     #[command(flatten)]
     signals: SignalArgs,
     /// Highest order tried, 1 to 4, the integrator included
@@ -48,7 +48,7 @@ pub struct SelectArgs {
 /// # Errors
 ///
 /// One sentence on what is wrong with the record, or that no structure fits it.
-pub fn run(args: &SelectArgs) -> Result<(), Refusal> {
+pub(crate) fn run(args: &SelectArgs) -> Result<(), Refusal> {
     let loaded = args.signals.load()?;
     let signals = loaded.signals();
     let range = Range {

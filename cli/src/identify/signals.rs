@@ -12,7 +12,7 @@ use crate::record::{Clock, Record};
 
 /// Record, columns and span.
 #[derive(Debug, Args)]
-pub struct SignalArgs {
+pub(crate) struct SignalArgs {
     /// Record: `#` comments, a header line, then one line per sample; `-` for the standard input
     #[arg(value_name = "FILE.csv")]
     pub file: PathBuf,
@@ -50,7 +50,7 @@ pub struct SignalArgs {
 
 /// Unit of time stamps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum TimeUnit {
+pub(crate) enum TimeUnit {
     S,
     Ms,
     Us,
@@ -103,7 +103,7 @@ impl From<SchemeName> for Scheme {
 }
 
 /// The signals of a record in the roles of a model.
-pub struct Loaded {
+pub(crate) struct Loaded {
     /// First time stamp \[s\].
     pub start: f64,
     /// Sampling interval \[s\].
@@ -122,7 +122,7 @@ struct LoadedInput {
 
 impl Loaded {
     /// The signals as the library takes them.
-    pub fn signals(&self) -> Signals<'_> {
+    pub(crate) fn signals(&self) -> Signals<'_> {
         let inputs = self.inputs.iter().map(|input| Input {
             name: &input.name,
             samples: &input.samples,
@@ -143,7 +143,7 @@ impl SignalArgs {
     /// # Errors
     ///
     /// The first thing that is wrong with the file, a column or the span.
-    pub fn load(&self) -> Result<Loaded, Refusal> {
+    pub(crate) fn load(&self) -> Result<Loaded, Refusal> {
         let count = self.input.len() + usize::from(self.coulomb.is_some());
         if count > INPUTS {
             return Err(Error::Inputs(count).into());
@@ -216,7 +216,7 @@ fn power(name: &str) -> Result<(&str, i32), Refusal> {
 }
 
 /// `--filter POLE|auto|none` for clap; a pole may be given as printed, with its minus sign.
-pub fn parse_filter(text: &str) -> Result<Choice<Option<f64>>, String> {
+pub(crate) fn parse_filter(text: &str) -> Result<Choice<Option<f64>>, String> {
     match text {
         "auto" => Ok(Choice::Auto),
         "none" => Ok(Choice::Given(None)),
@@ -228,7 +228,7 @@ pub fn parse_filter(text: &str) -> Result<Choice<Option<f64>>, String> {
 }
 
 /// `--delay D|auto` for clap.
-pub fn parse_delay(text: &str) -> Result<Choice<usize>, String> {
+pub(crate) fn parse_delay(text: &str) -> Result<Choice<usize>, String> {
     match (text, text.parse::<usize>()) {
         ("auto", _) => Ok(Choice::Auto),
         (_, Ok(delay)) if delay <= DELAY => Ok(Choice::Given(delay)),

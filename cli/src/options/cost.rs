@@ -5,7 +5,7 @@ use serde_json::Value;
 use crate::output::Refusal;
 
 /// Where the instructions of an option are counted.
-pub enum Cost {
+pub(super) enum Cost {
     /// In every sample: one row of the counts with the option, one without.
     Sample {
         with: (&'static str, u64),
@@ -27,7 +27,7 @@ pub enum Cost {
 }
 
 /// The counts that `cargo xtask icount --bless` has written.
-pub const COUNTS: &str = include_str!("../../../docs/icount.json");
+pub(super) const COUNTS: &str = include_str!("../../../docs/icount.json");
 
 /// Mean of a row at -O3 in instructions.
 fn count(counts: &Value, row: &str, n: Option<u64>) -> Result<f64, Refusal> {
@@ -41,7 +41,7 @@ fn count(counts: &Value, row: &str, n: Option<u64>) -> Result<f64, Refusal> {
 }
 
 /// Instructions per sample, and per call.
-pub fn instructions(counts: &Value, cost: &Cost) -> Result<[Option<f64>; 2], Refusal> {
+pub(super) fn instructions(counts: &Value, cost: &Cost) -> Result<[Option<f64>; 2], Refusal> {
     let apart = |with: (&str, u64), without: (&str, u64)| -> Result<f64, Refusal> {
         Ok(count(counts, with.0, Some(with.1))? - count(counts, without.0, Some(without.1))?)
     };

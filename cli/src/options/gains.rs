@@ -9,7 +9,7 @@ use super::cost::Cost;
 use super::runs::{self, Pair};
 
 /// One option: what it costs, and where it is tried.
-pub struct Tried {
+pub(super) struct Tried {
     pub option: &'static str,
     pub cost: Cost,
     pub condition: &'static str,
@@ -18,7 +18,7 @@ pub struct Tried {
 }
 
 /// What an option gains: rms errors of C, omega0, xi in percent without it and with it.
-pub struct Gain {
+pub(super) struct Gain {
     pub tried: &'static Tried,
     pub without: [f64; 3],
     pub with: [f64; 3],
@@ -90,7 +90,7 @@ static OPTIONS: [Tried; 9] = [
 ];
 
 /// Every option over the seeds.
-pub fn gains(seeds: &Range<u64>, bar: &ProgressBar) -> Vec<Gain> {
+pub(super) fn gains(seeds: &Range<u64>, bar: &ProgressBar) -> Vec<Gain> {
     bar.set_length(OPTIONS.len() as u64 * (seeds.end - seeds.start));
     let gain = |tried: &'static Tried| {
         let pairs: Vec<Pair> = seeds

@@ -17,7 +17,7 @@ use crate::output::{Refusal, emit, emit_json, number, progress};
 #[command(after_help = "Examples:
   trendid options
   trendid options --json --seeds 200")]
-pub struct OptionsArgs {
+pub(crate) struct OptionsArgs {
     /// Records per option
     #[arg(long, value_name = "N", default_value_t = 100)]
     pub seeds: u64,
@@ -34,7 +34,7 @@ pub struct OptionsArgs {
 /// # Errors
 ///
 /// No seeds, or counts that lack a row.
-pub fn run(args: &OptionsArgs) -> Result<(), Refusal> {
+pub(crate) fn run(args: &OptionsArgs) -> Result<(), Refusal> {
     if args.seeds == 0 {
         return Err(Refusal::new("--seeds is 0: there is nothing to run"));
     }

@@ -13,7 +13,7 @@ use crate::output::Refusal;
   trendid paper table1 --seeds 10
   trendid paper table1 --csv > table1.csv
   trendid paper table1 --reading relative --vary white --seeds 1000 --check")]
-pub struct Table1Args {
+pub(super) struct Table1Args {
     /// Records per condition
     #[arg(long, value_name = "N", default_value_t = 100)]
     pub seeds: u64,
@@ -48,7 +48,7 @@ pub struct Table1Args {
 #[command(after_help = "Examples:
   trendid paper table2
   trendid paper table2 --csv --seeds 10 --duration 1")]
-pub struct Table2Args {
+pub(super) struct Table2Args {
     /// Records per structure
     #[arg(long, value_name = "N", default_value_t = 100)]
     pub seeds: u64,
@@ -98,7 +98,7 @@ impl From<ReadingName> for Reading {
 
 /// The blocks of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Block {
+pub(super) enum Block {
     Drift,
     Noise,
     Resolution,
@@ -108,7 +108,7 @@ pub enum Block {
 }
 
 impl Block {
-    pub const fn name(self) -> &'static str {
+    pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Drift => "drift",
             Self::Noise => "noise",
@@ -124,7 +124,7 @@ impl Block {
 /// # Errors
 ///
 /// No seeds, or a length of the records out of bounds.
-pub fn check(seeds: u64, duration: Option<f64>) -> Result<(), Refusal> {
+pub(super) fn check(seeds: u64, duration: Option<f64>) -> Result<(), Refusal> {
     if seeds == 0 {
         return Err(Refusal::new("--seeds must be at least 1"));
     }

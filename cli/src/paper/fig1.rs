@@ -18,7 +18,7 @@ use crate::plot::{COLOURS, Curve, Figure, GREY, Panel};
 #[command(after_help = "Examples:
   trendid paper fig1 --plot pictures
   trendid paper fig1 --csv --raw")]
-pub struct Fig1Args {
+pub(super) struct Fig1Args {
     /// Seed of the record
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     pub first_seed: u64,
@@ -55,7 +55,7 @@ const NAMES: [&str; 3] = ["a1 / 400", "a2 / 20", "b0 / 1e6"];
 const BAND: f64 = 0.05;
 
 /// Runs the core over one record and draws it.
-pub fn run(args: &Fig1Args) -> Result<(), Refusal> {
+pub(super) fn run(args: &Fig1Args) -> Result<(), Refusal> {
     if !(0.02..=60.0).contains(&args.duration) {
         return Err(Refusal::new(format!(
             "--duration is {} s, not between 0.02 and 60",

@@ -4,7 +4,7 @@ use trendid::trends::Scheme;
 
 /// One structure of the table: m without the integrator, M parameters.
 #[derive(Clone, Copy)]
-pub struct Size {
+pub(super) struct Size {
     pub m: usize,
     pub numerators: usize,
     /// a3, a1, a0, b2, b1, b0 and IQ as printed, per scheme; what the structure lacks is NaN.
@@ -13,10 +13,10 @@ pub struct Size {
 }
 
 /// What a structure lacks.
-pub const NO: f64 = f64::NAN;
+pub(super) const NO: f64 = f64::NAN;
 
 /// Table 2 of the paper in the order of print.
-pub const SIZES: [Size; 5] = [
+pub(super) const SIZES: [Size; 5] = [
     Size {
         m: 1,
         numerators: 1,
@@ -50,7 +50,7 @@ pub const SIZES: [Size; 5] = [
 ];
 
 /// Medians of one structure, scheme and kind of trends.
-pub struct Found {
+pub(super) struct Found {
     pub size: Size,
     pub scheme: Scheme,
     pub filtered: bool,
@@ -61,18 +61,18 @@ pub struct Found {
 }
 
 impl Found {
-    pub fn paper(&self) -> [f64; 7] {
+    pub(super) fn paper(&self) -> [f64; 7] {
         match self.scheme {
             Scheme::Goodwin => self.size.goodwin,
             Scheme::Tustin => self.size.tustin,
         }
     }
 
-    pub fn kind(&self) -> &'static str {
+    pub(super) fn kind(&self) -> &'static str {
         if self.filtered { "filtered" } else { "raw" }
     }
 
-    pub fn scheme(&self) -> &'static str {
+    pub(super) fn scheme(&self) -> &'static str {
         match self.scheme {
             Scheme::Goodwin => "goodwin",
             Scheme::Tustin => "tustin",

@@ -15,7 +15,7 @@ use crate::output::Refusal;
 
 /// What is asked of the command.
 #[derive(Debug, Args)]
-pub struct PaperArgs {
+pub(crate) struct PaperArgs {
     #[command(subcommand)]
     part: Part,
 }
@@ -36,7 +36,7 @@ enum Part {
 /// # Errors
 ///
 /// One sentence on an option that makes no sense or a file that cannot be written.
-pub fn run(args: &PaperArgs) -> Result<(), Refusal> {
+pub(crate) fn run(args: &PaperArgs) -> Result<(), Refusal> {
     match &args.part {
         Part::Table1(args) => table1::run(args),
         Part::Table2(args) => table2::run(args),

@@ -9,7 +9,7 @@ use crate::paper::args::{ReadingName, Table1Args, check};
 use crate::paper::{table1_picture as picture, table1_text as text};
 
 /// Runs the trials and prints them.
-pub fn run(args: &Table1Args) -> Result<(), Refusal> {
+pub(super) fn run(args: &Table1Args) -> Result<(), Refusal> {
     check(args.seeds, args.duration)?;
     let settings = settings(args);
     if args.plot.is_some() && !settings.iter().any(|s| s.vary == "white") {

@@ -25,7 +25,7 @@ struct Picture {
 }
 
 /// Writes `DIR/table1.svg` from the block white in RELATIVE, else in ABSOLUTE.
-pub fn save(dir: &Path, args: &Table1Args, lines: &[Line]) -> Result<PathBuf, String> {
+pub(super) fn save(dir: &Path, args: &Table1Args, lines: &[Line]) -> Result<PathBuf, String> {
     let white = |reading| -> Vec<&Line> {
         lines
             .iter()

@@ -73,7 +73,7 @@ fn seeds(args: &Table1Args) -> String {
 }
 
 /// One line per condition, every filter in its own column.
-pub fn markdown(args: &Table1Args, lines: &[Line]) -> String {
+pub(super) fn markdown(args: &Table1Args, lines: &[Line]) -> String {
     let mut text = String::new();
     for reading in [Reading::Absolute, Reading::Relative] {
         for scheme in [Scheme::Tustin, Scheme::Goodwin] {
@@ -110,7 +110,7 @@ pub fn markdown(args: &Table1Args, lines: &[Line]) -> String {
 }
 
 /// One row per condition: paper, bound, opponents and the default of the core.
-pub fn brief(args: &Table1Args, lines: &[Line]) -> String {
+pub(super) fn brief(args: &Table1Args, lines: &[Line]) -> String {
     let mut text = format!(
         "rms errors of C / omega0 / xi \\[%\\]; {}.\n\n\
          | condition | N/S \\[%\\] | paper, Tustin | extended Kalman filter | trendid | offline fit | Cramér-Rao bound |\n\
@@ -194,7 +194,7 @@ fn short_row(group: &[&Line], scheme: Scheme, shown: &[(Filter, Method)]) -> Str
 }
 
 /// Whether the comparison with the limits shows the method: modified Tustin, filtered, the core's own read-out.
-pub fn checked(method: Method) -> bool {
+pub(super) fn checked(method: Method) -> bool {
     match method {
         Method::Core {
             scheme: Scheme::Tustin,
@@ -223,7 +223,7 @@ fn verdict(line: &Line) -> String {
 }
 
 /// Every filter behind modified Tustin against the limits, and the rms against the extended Kalman filter.
-pub fn check(args: &Table1Args, lines: &[Line]) -> String {
+pub(super) fn check(args: &Table1Args, lines: &[Line]) -> String {
     let head = [
         "reading, condition",
         "filter",

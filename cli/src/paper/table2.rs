@@ -18,7 +18,7 @@ use crate::paper::found::{Found, NO, SIZES, Size};
 use crate::paper::table2_text::{as_json, csv, plain};
 
 /// Identifies every structure and prints the table.
-pub fn run(args: &Table2Args) -> Result<(), Refusal> {
+pub(super) fn run(args: &Table2Args) -> Result<(), Refusal> {
     check(args.seeds, Some(args.duration))?;
     let found = all(args)?;
     if args.csv {

@@ -37,7 +37,7 @@ fn cell(value: f64) -> String {
 }
 
 /// The table for people.
-pub fn plain(args: &Table2Args, found: &[Found]) -> String {
+pub(super) fn plain(args: &Table2Args, found: &[Found]) -> String {
     let mut text = format!(
         "{} records of {} s, seeds {}..{}\n",
         args.seeds,
@@ -93,7 +93,7 @@ pub fn plain(args: &Table2Args, found: &[Found]) -> String {
 }
 
 /// One line per structure and method.
-pub fn csv(args: &Table2Args, found: &[Found]) -> String {
+pub(super) fn csv(args: &Table2Args, found: &[Found]) -> String {
     let mut text = String::from("m,M,scheme,filter,reading,duration_s,seeds");
     for name in NAMES {
         let _ = write!(text, ",{name},{name}_spread,paper_{name}");
@@ -129,7 +129,7 @@ pub fn csv(args: &Table2Args, found: &[Found]) -> String {
 }
 
 /// The same as JSON.
-pub fn as_json(args: &Table2Args, found: &[Found]) -> Value {
+pub(super) fn as_json(args: &Table2Args, found: &[Found]) -> Value {
     let rows: Vec<Value> = found
         .iter()
         .map(|f| {

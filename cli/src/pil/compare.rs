@@ -17,7 +17,7 @@ use crate::output;
 const ATTEMPTS: u32 = 20;
 
 /// The target as the shadow of the scenario's loop.
-pub struct Target {
+pub(super) struct Target {
     /// The line, with its faults.
     pub line: Disturbed,
     exchange: Exchange,
@@ -39,7 +39,7 @@ pub struct Target {
 
 impl Target {
     /// A target on `line` that has no loop yet; `first` is the first number of a frame.
-    pub fn new(line: Disturbed, first: u32, args: &PilArgs) -> Self {
+    pub(super) fn new(line: Disturbed, first: u32, args: &PilArgs) -> Self {
         let bar = output::progress(u64::from(args.samples.unwrap_or(0)), "samples");
         if args.samples.is_none() {
             bar.unset_length();
@@ -65,12 +65,12 @@ impl Target {
     }
 
     /// Faults that the host saw.
-    pub fn counters(&self) -> Counters {
+    pub(super) fn counters(&self) -> Counters {
         self.exchange.counters()
     }
 
     /// Takes the progress off the screen.
-    pub fn finish(&self) {
+    pub(super) fn finish(&self) {
         self.bar.finish_and_clear();
     }
 

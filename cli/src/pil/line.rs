@@ -15,11 +15,11 @@ use crate::output::Refusal;
 const START: Duration = Duration::from_secs(10);
 
 /// A byte stream that gives up reading after its timeout.
-pub trait Line: Read + Write {}
+pub(super) trait Line: Read + Write {}
 impl<T: Read + Write> Line for T {}
 
 /// A line that disturbs frames on purpose.
-pub struct Disturbed {
+pub(super) struct Disturbed {
     line: Box<dyn Line>,
     dice: Dice,
     one_in: Option<u32>,
@@ -33,7 +33,7 @@ pub struct Disturbed {
 
 impl Disturbed {
     /// Disturbs one frame in `one_in`, or none, with dice of this seed.
-    pub fn new(line: Box<dyn Line>, one_in: Option<u32>, seed: u64) -> Self {
+    pub(super) fn new(line: Box<dyn Line>, one_in: Option<u32>, seed: u64) -> Self {
         Self {
             line,
             dice: Dice(seed),
@@ -118,7 +118,7 @@ impl Dice {
 }
 
 /// The emulator, ended with the run.
-pub struct Emulator(Child);
+pub(super) struct Emulator(Child);
 
 impl Drop for Emulator {
     fn drop(&mut self) {
@@ -131,7 +131,7 @@ impl Drop for Emulator {
 /// Starts the image in the emulator with its USART1 on a socket, and waits until the image is heard.
 ///
 /// `patience` is the timeout of a read after that.
-pub fn emulated(image: &Path, patience: Duration) -> Result<(Emulator, TcpStream), Refusal> {
+pub(super) fn emulated(image: &Path, patience: Duration) -> Result<(Emulator, TcpStream), Refusal> {
     if !image.exists() {
         return Err(Refusal::new(format!(
             "there is no image {}; `cargo xtask pil` builds it, or: cargo build -p trendid --profile firmware \
@@ -194,7 +194,7 @@ pub fn emulated(image: &Path, patience: Duration) -> Result<(Emulator, TcpStream
 }
 
 /// A board on a serial port.
-pub fn serial(port: &str) -> Result<Box<dyn Line>, Refusal> {
+pub(super) fn serial(port: &str) -> Result<Box<dyn Line>, Refusal> {
     let port = serialport::new(port, 115_200)
         .timeout(Duration::from_millis(200))
         .open()

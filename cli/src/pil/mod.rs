@@ -16,7 +16,7 @@ use trendid_link::Counters;
 
 use crate::output::{self, Refusal};
 
-pub use args::PilArgs;
+pub(crate) use args::PilArgs;
 
 use compare::Target;
 use line::{Disturbed, Line};
@@ -25,7 +25,7 @@ use line::{Disturbed, Line};
 ///
 /// # Errors
 /// One sentence on a target that cannot be reached or does not answer, and on the first number that differs.
-pub fn run(args: &PilArgs) -> Result<(), Refusal> {
+pub(crate) fn run(args: &PilArgs) -> Result<(), Refusal> {
     let mut emulator = None;
     let (line, name): (Box<dyn Line>, _) = match &args.port {
         Some(port) => (line::serial(port)?, port.clone()),

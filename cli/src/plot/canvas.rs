@@ -8,17 +8,17 @@ use plotters::prelude::*;
 const SCALE: u32 = 3;
 
 /// A length in pixels of the finished picture.
-pub fn px(length: u32) -> u32 {
+pub(crate) fn px(length: u32) -> u32 {
     length * SCALE
 }
 
 /// The font at a size in pixels of the finished picture.
-pub fn font(size: u32) -> (&'static str, u32) {
+pub(crate) fn font(size: u32) -> (&'static str, u32) {
     ("sans-serif", px(size))
 }
 
 /// Where is drawn.
-pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// What drawing gives.
-pub type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
+pub(crate) type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;

@@ -6,7 +6,7 @@ use std::ops::Range;
 const MAX_POINTS: usize = 2_000;
 
 /// The range of the finite values, widened by `margin` of itself on both sides.
-pub fn extent(values: impl Iterator<Item = f64>, margin: f64) -> Range<f64> {
+pub(super) fn extent(values: impl Iterator<Item = f64>, margin: f64) -> Range<f64> {
     let (lo, hi) = values
         .filter(|v| v.is_finite())
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| {
@@ -24,7 +24,7 @@ pub fn extent(values: impl Iterator<Item = f64>, margin: f64) -> Range<f64> {
 }
 
 /// A tick label with as many decimals as the range needs.
-pub fn tick(v: f64, range: &Range<f64>) -> String {
+pub(super) fn tick(v: f64, range: &Range<f64>) -> String {
     let span = range.end - range.start;
     let largest = range.start.abs().max(range.end.abs());
     if !(1e-3..1e5).contains(&largest) {
@@ -46,7 +46,7 @@ pub fn tick(v: f64, range: &Range<f64>) -> String {
 
 /// Outlines of the finite stretches of a band, cut at the axes, with at most
 /// [`MAX_POINTS`] points to each edge.
-pub fn outline(
+pub(super) fn outline(
     points: &[(f64, f64)],
     band: &[(f64, f64)],
     range: &Range<f64>,
@@ -73,7 +73,7 @@ pub fn outline(
 
 /// The curve with each long run of points replaced by its lowest and highest,
 /// in their order, so that no peak is lost.
-pub fn envelope(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+pub(super) fn envelope(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let chunk = (2 * points.len()).div_ceil(MAX_POINTS).max(1);
     if chunk <= 2 {
         return points.to_vec();
@@ -93,7 +93,7 @@ pub fn envelope(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 }
 
 /// The parts of a polyline inside `range`, cut where it crosses the bounds.
-pub fn inside(points: &[(f64, f64)], range: &Range<f64>) -> Vec<Vec<(f64, f64)>> {
+pub(super) fn inside(points: &[(f64, f64)], range: &Range<f64>) -> Vec<Vec<(f64, f64)>> {
     let mut runs: Vec<Vec<(f64, f64)>> = vec![Vec::new()];
     let within = |v: f64| v >= range.start && v <= range.end;
     let cut = |a: (f64, f64), b: (f64, f64)| {

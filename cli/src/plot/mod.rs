@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 
 use plotters::prelude::*;
 
-pub use canvas::{Area, Drawn, font, px};
-pub use panel::{Curve, Panel};
+pub(crate) use canvas::{Area, Drawn, font, px};
+pub(crate) use panel::{Curve, Panel};
 
 /// Colours that stay apart for colour-blind eyes and in grey (Okabe and Ito).
-pub const COLOURS: [RGBColor; 6] = [
+pub(crate) const COLOURS: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -22,13 +22,13 @@ pub const COLOURS: [RGBColor; 6] = [
 ];
 
 /// The colour of references and measurements.
-pub const GREY: RGBColor = RGBColor(110, 110, 110);
+pub(crate) const GREY: RGBColor = RGBColor(110, 110, 110);
 
 /// The colour of a measurement below its model.
-pub const PALE: RGBColor = RGBColor(185, 185, 185);
+pub(crate) const PALE: RGBColor = RGBColor(185, 185, 185);
 
 /// Panels under each other, with a common title.
-pub struct Figure {
+pub(crate) struct Figure {
     pub title: String,
     pub panels: Vec<Panel>,
 }
@@ -38,7 +38,7 @@ const WIDTH: u32 = 1000;
 const PANEL_HEIGHT: u32 = 330;
 
 /// What can be drawn, lengths by [`px`].
-pub trait Drawing {
+pub(crate) trait Drawing {
     /// Width and height of the finished picture.
     fn size(&self) -> (u32, u32);
 
@@ -50,7 +50,7 @@ pub trait Drawing {
 /// # Errors
 ///
 /// A sentence naming the file that cannot be written.
-pub fn save(drawing: &impl Drawing, dir: &Path, name: &str) -> Result<PathBuf, String> {
+pub(crate) fn save(drawing: &impl Drawing, dir: &Path, name: &str) -> Result<PathBuf, String> {
     std::fs::create_dir_all(dir)
         .map_err(|e| format!("cannot make the directory `{}`: {e}", dir.display()))?;
     let path = dir.join(format!("{name}.svg"));
@@ -73,7 +73,7 @@ impl Figure {
     /// # Errors
     ///
     /// As [`save`].
-    pub fn save(&self, dir: &Path, name: &str) -> Result<PathBuf, String> {
+    pub(crate) fn save(&self, dir: &Path, name: &str) -> Result<PathBuf, String> {
         save(self, dir, name)
     }
 }

@@ -9,7 +9,7 @@ use super::canvas::{Area, Drawn, font, px};
 use super::lines::{envelope, extent, inside, outline, tick};
 
 /// One line with an optional band around it.
-pub struct Curve {
+pub(crate) struct Curve {
     pub name: String,
     pub colour: RGBColor,
     pub points: Vec<(f64, f64)>,
@@ -20,7 +20,7 @@ pub struct Curve {
 }
 
 impl Curve {
-    pub fn new(name: impl Into<String>, colour: RGBColor, points: Vec<(f64, f64)>) -> Self {
+    pub(crate) fn new(name: impl Into<String>, colour: RGBColor, points: Vec<(f64, f64)>) -> Self {
         Self {
             name: name.into(),
             colour,
@@ -32,7 +32,7 @@ impl Curve {
 }
 
 /// One pair of axes.
-pub struct Panel {
+pub(crate) struct Panel {
     pub title: String,
     pub x: String,
     pub y: String,
@@ -43,7 +43,7 @@ pub struct Panel {
 
 impl Panel {
     /// Draws the pair of axes over the whole of `area`.
-    pub fn draw(&self, area: &Area) -> Drawn {
+    pub(crate) fn draw(&self, area: &Area) -> Drawn {
         let points = || self.curves.iter().flat_map(|c| &c.points);
         let x = extent(points().map(|p| p.0), 0.0);
         let y = self

@@ -30,7 +30,7 @@ fn printable(text: &str) -> String {
 }
 
 /// The unit other than s that the name of a column of time stamps ends with.
-pub fn unit_of(name: &str) -> Option<&'static str> {
+pub(super) fn unit_of(name: &str) -> Option<&'static str> {
     let mut words = name.split(|c: char| !c.is_alphanumeric());
     match words.rfind(|word| !word.is_empty()) {
         Some("ms" | "msec") => Some("ms"),
@@ -41,7 +41,7 @@ pub fn unit_of(name: &str) -> Option<&'static str> {
 }
 
 /// Where the wanted column is.
-pub fn position(
+pub(super) fn position(
     path: &Path,
     names: &csv::StringRecord,
     wanted: &str,
@@ -69,7 +69,7 @@ pub fn position(
 }
 
 /// The number in a column of a row.
-pub fn cell(
+pub(super) fn cell(
     line: u64,
     names: &csv::StringRecord,
     row: &csv::StringRecord,
@@ -101,7 +101,11 @@ pub fn cell(
 
 /// The sampling interval that all stamps keep: their median step decides what
 /// is irregular, their whole span gives the figure.
-pub fn sampling_interval(stamps: &[f64], lines: &[u64], column: &str) -> Result<f64, RecordError> {
+pub(super) fn sampling_interval(
+    stamps: &[f64],
+    lines: &[u64],
+    column: &str,
+) -> Result<f64, RecordError> {
     if stamps.len() < 2 {
         return Err(RecordError::TooFewSamples {
             found: stamps.len(),

@@ -8,7 +8,7 @@ use crate::format::{counted, significant};
 
 /// What is wrong with a record, as one sentence with its place.
 #[derive(Debug, Error, PartialEq)]
-pub enum RecordError {
+pub(crate) enum RecordError {
     /// The file cannot be opened or read.
     #[error("cannot read `{path}`: {reason}")]
     Unreadable { path: PathBuf, reason: String },

@@ -10,11 +10,11 @@ use std::io::Read;
 use std::path::Path;
 
 use cells::{cell, position, sampling_interval, unit_of};
-pub use error::RecordError;
+pub(crate) use error::RecordError;
 
 /// The column of the time stamps.
 #[derive(Debug, Clone, Copy)]
-pub struct Clock<'a> {
+pub(crate) struct Clock<'a> {
     pub column: &'a str,
     /// Its unit in s; without it the name of the column must not say another one than s.
     pub unit: Option<f64>,
@@ -22,7 +22,7 @@ pub struct Clock<'a> {
 
 /// Equally sampled signals read from one file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Record {
+pub(crate) struct Record {
     /// Comment lines of the file in their order, without the leading `#`.
     pub comments: Vec<String>,
     /// Time of the first sample in s.
@@ -45,7 +45,7 @@ impl Record {
     /// # Errors
     ///
     /// [`RecordError`] names the first thing that is wrong and its line.
-    pub fn read(path: &Path, clock: Clock, signals: &[String]) -> Result<Self, RecordError> {
+    pub(crate) fn read(path: &Path, clock: Clock, signals: &[String]) -> Result<Self, RecordError> {
         let bytes = if path.as_os_str() == "-" {
             let mut bytes = Vec::new();
             std::io::stdin().read_to_end(&mut bytes).map(|_| bytes)
@@ -97,7 +97,7 @@ impl Record {
     }
 
     /// Number of samples.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.signals.first().map_or(0, Vec::len)
     }
 
@@ -107,7 +107,7 @@ impl Record {
     /// # Errors
     ///
     /// [`RecordError::TooFewSamples`] when less than `needed` remain.
-    pub fn window(
+    pub(crate) fn window(
         &self,
         from: Option<f64>,
         to: Option<f64>,

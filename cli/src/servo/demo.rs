@@ -46,7 +46,7 @@ fn scenario_names() -> PossibleValuesParser {
 /// Watch an axis commission itself, track and recover from a change (the default command)
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
-pub struct DemoArgs {
+pub(crate) struct DemoArgs {
     /// What happens to the axis
     #[arg(
         long,
@@ -107,7 +107,7 @@ struct Identification {
 /// # Errors
 ///
 /// One sentence on an option that makes no sense or a file that cannot be written.
-pub fn run(args: &DemoArgs) -> Result<(), Refusal> {
+pub(crate) fn run(args: &DemoArgs) -> Result<(), Refusal> {
     if args.linear {
         let asked = &args.identification;
         return linear::run(&LinearArgs {

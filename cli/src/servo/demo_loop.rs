@@ -16,7 +16,7 @@ use crate::output::{Refusal, emit, emit_json, number, progress};
 use crate::servo::figure::{self, Course, Row};
 
 /// What is asked.
-pub struct Task<'a> {
+pub(super) struct Task<'a> {
     pub scenario: Scenario,
     pub fixed: bool,
     pub seeds: RangeInclusive<u64>,
@@ -25,7 +25,7 @@ pub struct Task<'a> {
 }
 
 /// One figure of a run.
-pub struct Column {
+pub(super) struct Column {
     /// Key in JSON.
     key: &'static str,
     /// Head in the table of one scenario.
@@ -36,7 +36,7 @@ pub struct Column {
 }
 
 /// The figures of a run, the range at rest last.
-pub const COLUMNS: [Column; 8] = [
+pub(super) const COLUMNS: [Column; 8] = [
     Column {
         key: "verified_at_s",
         head: "model verified after [s]",
@@ -92,7 +92,7 @@ pub const COLUMNS: [Column; 8] = [
 /// # Errors
 ///
 /// One sentence on a picture that cannot be written.
-pub fn run(task: &Task) -> Result<(), Refusal> {
+pub(super) fn run(task: &Task) -> Result<(), Refusal> {
     let first = *task.seeds.start();
     let bar = progress(task.seeds.end() - first + 1, "runs");
     let mut course = Course::default();
@@ -187,7 +187,7 @@ fn note(course: &mut Course, instant: &Instant, rig: &Rig) {
 }
 
 /// A run as JSON.
-pub fn json_of(f: &Figures, fixed: bool) -> Value {
+pub(super) fn json_of(f: &Figures, fixed: bool) -> Value {
     let mut value = json!({
         "scenario": f.scenario.name(),
         "seed": f.seed,

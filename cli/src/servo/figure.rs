@@ -10,7 +10,7 @@ use crate::plot::{
 };
 
 /// One sample.
-pub struct Row {
+pub(super) struct Row {
     pub t: f64,
     pub position: f64,
     pub reference: f64,
@@ -20,7 +20,7 @@ pub struct Row {
 
 /// What the picture needs of a run.
 #[derive(Default)]
-pub struct Course {
+pub(super) struct Course {
     pub rows: Vec<Row>,
     /// Time, then value and standard deviation of C, w0 and xi.
     pub parameters: Vec<(f64, [(f64, f64); 3])>,
@@ -37,7 +37,12 @@ pub struct Course {
 /// # Errors
 ///
 /// A sentence naming the file that cannot be written.
-pub fn save(course: &Course, title: String, dir: &Path, name: &str) -> Result<PathBuf, String> {
+pub(super) fn save(
+    course: &Course,
+    title: String,
+    dir: &Path,
+    name: &str,
+) -> Result<PathBuf, String> {
     let picture = Picture {
         title,
         panels: panels(course),

@@ -23,7 +23,7 @@ const COMMAND: f32 = 0.4;
 /// # Errors
 ///
 /// One sentence on an option that makes no sense or a file that cannot be written.
-pub fn run(args: &LinearArgs) -> Result<(), Refusal> {
+pub(super) fn run(args: &LinearArgs) -> Result<(), Refusal> {
     let record = args.noise.record()?;
     let mut core = setup(&record, args.scheme.into(), args.filter)?.build()?;
     let mut courses = courses();

@@ -14,7 +14,7 @@ use crate::output::Refusal;
 
 /// Measurement of the simulated position.
 #[derive(Debug, Clone, Args)]
-pub struct NoiseArgs {
+pub(crate) struct NoiseArgs {
     /// Seed of command and noise
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -38,7 +38,7 @@ impl NoiseArgs {
     /// # Errors
     ///
     /// The first value that makes no sense.
-    pub fn record(&self) -> Result<Record, Refusal> {
+    pub(crate) fn record(&self) -> Result<Record, Refusal> {
         for (name, width) in [("eta", self.eta), ("w", self.w), ("eps", self.eps)] {
             if !(width.is_finite() && width >= 0.0) {
                 return Err(Refusal::new(format!(
@@ -65,7 +65,7 @@ impl NoiseArgs {
 }
 
 /// The servo's truth as comment lines of a record.
-pub fn truth_lines(servo: &Servo) -> [String; 2] {
+pub(crate) fn truth_lines(servo: &Servo) -> [String; 2] {
     [
         format!(
             "# truth: y(s)/u(s) = {}; a1 = {}, a2 = {}, b0 = {}",
@@ -82,7 +82,7 @@ pub fn truth_lines(servo: &Servo) -> [String; 2] {
 }
 
 /// What the identification is asked to do.
-pub struct LinearArgs {
+pub(crate) struct LinearArgs {
     pub noise: NoiseArgs,
     pub scheme: SchemeName,
     pub filter: Choice<Option<f64>>,

@@ -15,7 +15,7 @@ use crate::plot::{COLOURS, Curve, Figure, GREY, Panel};
 const SETTLED: f64 = 0.05;
 
 /// One quantity of the model and its course.
-pub struct Course {
+pub(super) struct Course {
     name: &'static str,
     unit: &'static str,
     truth: f64,
@@ -24,7 +24,7 @@ pub struct Course {
 }
 
 /// No course yet.
-pub fn courses() -> Vec<Course> {
+pub(super) fn courses() -> Vec<Course> {
     let [_, a1, a2] = REFERENCE.a();
     [
         ("a1", "1/s^2", a1),
@@ -44,7 +44,7 @@ pub fn courses() -> Vec<Course> {
 }
 
 /// Appends the estimate at a time.
-pub fn note(courses: &mut [Course], core: &dyn Recursion, t: f64) {
+pub(super) fn note(courses: &mut [Course], core: &dyn Recursion, t: f64) {
     let now = core.estimate();
     let physical = [now.reading.gain, now.reading.omega0, now.reading.damping];
     for (j, course) in courses.iter_mut().enumerate() {
@@ -71,7 +71,7 @@ fn settling_time(courses: &[Course]) -> Option<f64> {
 }
 
 /// The report for people.
-pub fn text(courses: &[Course], core: &dyn Recursion, args: &LinearArgs) -> String {
+pub(super) fn text(courses: &[Course], core: &dyn Recursion, args: &LinearArgs) -> String {
     let noise = &args.noise;
     let trends = match args.filter {
         Choice::Auto => "the default for a bandwidth of about 20 rad/s".into(),
@@ -150,7 +150,7 @@ fn final_values(courses: &[Course]) -> String {
 }
 
 /// The report for machines.
-pub fn json_of(courses: &[Course], core: &dyn Recursion) -> Value {
+pub(super) fn json_of(courses: &[Course], core: &dyn Recursion) -> Value {
     let mut parameters = serde_json::Map::new();
     for c in courses {
         let (value, sigma) = c.rows.last().map_or((f64::NAN, f64::NAN), |r| (r.1, r.2));
@@ -178,7 +178,7 @@ pub fn json_of(courses: &[Course], core: &dyn Recursion) -> Value {
 const START: f64 = 0.25;
 
 /// The picture.
-pub fn figure(courses: &[Course], args: &LinearArgs) -> Figure {
+pub(super) fn figure(courses: &[Course], args: &LinearArgs) -> Figure {
     let panel = |title: &str, courses: &[Course], until: f64, half: f64| {
         let rows = |c: &Course| -> Vec<(f64, f64, f64)> {
             c.rows

@@ -1,11 +1,11 @@
 //! The servo: the demonstration, the adaptive position loop, the linear drive.
 
-pub mod demo;
+pub(crate) mod demo;
 mod demo_loop;
 mod figure;
 mod linear;
-pub mod linear_args;
+pub(crate) mod linear_args;
 mod linear_report;
 mod population;
 mod population_rows;
-pub mod position_loop;
+pub(crate) mod position_loop;

@@ -22,7 +22,7 @@ fn family_names() -> PossibleValuesParser {
 /// Options of `--population`.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Population")]
-pub struct PopulationArgs {
+pub(super) struct PopulationArgs {
     /// So many axes drawn at random instead of one axis
     #[arg(long, value_name = "N")]
     pub population: Option<u64>,
@@ -42,7 +42,7 @@ pub struct PopulationArgs {
 /// # Errors
 ///
 /// A sentence on a number of axes that makes no sense.
-pub fn run(args: &PopulationArgs, axes: u64, first: u64, json: bool) -> Result<(), Refusal> {
+pub(super) fn run(args: &PopulationArgs, axes: u64, first: u64, json: bool) -> Result<(), Refusal> {
     if !(1..=AXES_MAX).contains(&axes) {
         return Err(Refusal::new(format!(
             "--population {axes} is not between 1 and {AXES_MAX}"

@@ -5,9 +5,9 @@ use trendid_host_tests::servo::population::summary::{
 };
 
 /// The controllers side by side: name in JSON (none for the top level), title, figures.
-pub type Column<'a> = (Option<&'static str>, &'static str, &'a ControllerFigures);
+pub(super) type Column<'a> = (Option<&'static str>, &'static str, &'a ControllerFigures);
 
-pub fn columns(summary: &Summary) -> [Column<'_>; 4] {
+pub(super) fn columns(summary: &Summary) -> [Column<'_>; 4] {
     [
         (None, "loop", &summary.adaptive),
         (Some("fixed_gains"), "fixed gains", &summary.fixed),
@@ -21,14 +21,14 @@ pub fn columns(summary: &Summary) -> [Column<'_>; 4] {
 }
 
 /// A figure of a controller: key, unit, title, value.
-pub type Row = (
+pub(super) type Row = (
     &'static str,
     &'static str,
     &'static str,
     fn(&ControllerFigures) -> f64,
 );
 
-pub const ROWS: [Row; 11] = [
+pub(super) const ROWS: [Row; 11] = [
     ("end_stop_pct", "%", "strikes an end stop", |c| {
         c.end_stops.struck_pct
     }),
@@ -80,14 +80,14 @@ pub const ROWS: [Row; 11] = [
 ];
 
 /// A figure of the commissioning: key, unit, title, value.
-pub type CommissioningRow = (
+pub(super) type CommissioningRow = (
     &'static str,
     &'static str,
     &'static str,
     fn(&CommissioningFigures) -> f64,
 );
 
-pub const COMMISSIONING: [CommissioningRow; 9] = [
+pub(super) const COMMISSIONING: [CommissioningRow; 9] = [
     ("accepted_pct", "%", "accepted within 3 s", |c| {
         c.accepted_pct
     }),

@@ -28,7 +28,7 @@ one and a half times that and less than 2 s until the error stays below 1.05 mm.
 With --population: axes drawn at random instead of one axis, from consecutive seeds. Columns: the loop, the loop with the gains of
 its commissioning, a controller whose gains were searched on each axis (P, velocity, acceleration, feedforward, inverse
 of the dead zone), and that one on the axes that the loop controlled.")]
-pub struct LoopArgs {
+pub(crate) struct LoopArgs {
     /// Runs of each scenario
     #[arg(
         long,
@@ -65,7 +65,7 @@ const MOTION: [Scenario; 6] = [
 /// # Errors
 ///
 /// A sentence when no run is asked for.
-pub fn run(args: &LoopArgs) -> Result<(), Refusal> {
+pub(crate) fn run(args: &LoopArgs) -> Result<(), Refusal> {
     if let Some(axes) = args.population.population {
         return population::run(&args.population, axes, args.first_seed, args.json);
     }

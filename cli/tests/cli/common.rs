@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::{Command, Output};
 
 /// Runs `trendid` with the arguments, outside any terminal.
-pub fn trendid(args: &[&str]) -> Output {
+pub(crate) fn trendid(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_trendid"))
         .args(args)
         .output()
@@ -12,7 +12,7 @@ pub fn trendid(args: &[&str]) -> Output {
 }
 
 /// Standard output of a run that must succeed.
-pub fn stdout(args: &[&str]) -> String {
+pub(crate) fn stdout(args: &[&str]) -> String {
     let out = trendid(args);
     let stderr = String::from_utf8_lossy(&out.stderr);
     assert!(out.status.success(), "{args:?}: {stderr}");
@@ -21,25 +21,25 @@ pub fn stdout(args: &[&str]) -> String {
 }
 
 /// The JSON that a run prints.
-pub fn json(args: &[&str]) -> serde_json::Value {
+pub(crate) fn json(args: &[&str]) -> serde_json::Value {
     serde_json::from_str(&stdout(args)).expect("one JSON value")
 }
 
 /// A directory of this test, removed at the end.
-pub struct Scratch(PathBuf);
+pub(crate) struct Scratch(PathBuf);
 
 impl Scratch {
-    pub fn new(name: &str) -> Self {
+    pub(crate) fn new(name: &str) -> Self {
         let dir = std::env::temp_dir().join(format!("trendid-{name}-{}", std::process::id()));
         std::fs::create_dir_all(&dir).expect("a scratch directory");
         Self(dir)
     }
 
-    pub fn path(&self, name: &str) -> String {
+    pub(crate) fn path(&self, name: &str) -> String {
         self.0.join(name).display().to_string()
     }
 
-    pub fn file(&self, name: &str, text: &str) -> String {
+    pub(crate) fn file(&self, name: &str, text: &str) -> String {
         let path = self.path(name);
         std::fs::write(&path, text).expect("a scratch file");
         path

@@ -119,12 +119,12 @@ fn passes(count: u32) {
 mod cycles {
     use cortex_m::{Peripherals, peripheral::DWT};
 
-    pub fn start(core: &mut Peripherals) {
+    pub(crate) fn start(core: &mut Peripherals) {
         core.DCB.enable_trace();
         core.DWT.enable_cycle_counter();
     }
 
-    pub fn now() -> u32 {
+    pub(crate) fn now() -> u32 {
         DWT::cycle_count()
     }
 }
@@ -132,9 +132,9 @@ mod cycles {
 /// A Cortex-M0 has no cycle counter, which shows in that it has no atomic exchange either.
 #[cfg(not(target_has_atomic = "32"))]
 mod cycles {
-    pub fn start(_: &mut cortex_m::Peripherals) {}
+    pub(crate) fn start(_: &mut cortex_m::Peripherals) {}
 
-    pub fn now() -> u32 {
+    pub(crate) fn now() -> u32 {
         0
     }
 }
@@ -142,7 +142,7 @@ mod cycles {
 /// TIM2 as a free-running 32-bit counter, by its registers (RM0090, section 18.4).
 #[cfg(target_abi = "eabihf")]
 mod timer {
-    pub const PRESENT: bool = true;
+    pub(crate) const PRESENT: bool = true;
 
     const RCC_APB1ENR: *mut u32 = 0x4002_3840 as *mut u32;
     const TIM2: *mut u32 = 0x4000_0000 as *mut u32;
@@ -152,7 +152,7 @@ mod timer {
     const PSC: usize = 10;
     const ARR: usize = 11;
 
-    pub fn start() {
+    pub(crate) fn start() {
         // SAFETY: addresses of registers of the STM32F405/407 that nothing else uses in these images.
         unsafe {
             RCC_APB1ENR.write_volatile(RCC_APB1ENR.read_volatile() | 1);
@@ -163,7 +163,7 @@ mod timer {
         }
     }
 
-    pub fn now() -> u32 {
+    pub(crate) fn now() -> u32 {
         // SAFETY: reading the counter has no side effect.
         unsafe { TIM2.add(CNT).read_volatile() }
     }
@@ -171,11 +171,11 @@ mod timer {
 
 #[cfg(not(target_abi = "eabihf"))]
 mod timer {
-    pub const PRESENT: bool = false;
+    pub(crate) const PRESENT: bool = false;
 
-    pub fn start() {}
+    pub(crate) fn start() {}
 
-    pub fn now() -> u32 {
+    pub(crate) fn now() -> u32 {
         0
     }
 }

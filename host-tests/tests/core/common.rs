@@ -10,7 +10,7 @@ use trendid_host_tests::oracles::trends::{Hold, Scheme, applied, input_trend, ou
 use trendid_host_tests::plants::polynomial::delayed;
 
 /// The core's name of a scheme.
-pub fn core_scheme(scheme: Scheme) -> trendid::trends::Scheme {
+pub(crate) fn core_scheme(scheme: Scheme) -> trendid::trends::Scheme {
     match scheme {
         Scheme::Goodwin => trendid::trends::Scheme::Goodwin,
         Scheme::Tustin => trendid::trends::Scheme::Tustin,
@@ -18,7 +18,7 @@ pub fn core_scheme(scheme: Scheme) -> trendid::trends::Scheme {
 }
 
 /// The numbers that an f32 sample can hold.
-pub fn rounded(x: &[f64]) -> Vec<f64> {
+pub(crate) fn rounded(x: &[f64]) -> Vec<f64> {
     x.iter().map(|v| f64::from(*v as f32)).collect()
 }
 
@@ -30,7 +30,7 @@ const BEFORE: usize = 5000;
 /// A plant that does not integrate has rested at `y[0]` and the constant has been 1 for ever; one that integrates
 /// begins to be pushed with the record. Inputs are zero before the record.
 #[allow(clippy::too_many_arguments, reason = "one per quantity of the model")]
-pub fn rows(
+pub(crate) fn rows(
     structure: &Structure,
     scheme: Scheme,
     f: Option<&[f64]>,
@@ -83,7 +83,7 @@ pub fn rows(
 }
 
 /// User's unit of each normalised parameter by design: a signal of the configured size at the configured bandwidth.
-pub fn design_units<const M: usize, const N: usize, const I: usize>(
+pub(crate) fn design_units<const M: usize, const N: usize, const I: usize>(
     config: &Config<M, N, I>,
 ) -> [f64; N] {
     let omega = f64::from(config.bandwidth);

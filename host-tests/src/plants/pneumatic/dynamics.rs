@@ -54,7 +54,7 @@ pub(super) fn opening(p: &AxisParameters, spool: f64) -> f64 {
 }
 
 impl Dynamics {
-    pub fn new(p: &AxisParameters) -> Self {
+    pub(super) fn new(p: &AxisParameters) -> Self {
         Self {
             p: *p,
             area_a: p.area_a(),
@@ -65,7 +65,7 @@ impl Dynamics {
     }
 
     /// Pressure force on the piston \[N\].
-    pub fn force(&self, s: &State) -> f64 {
+    pub(super) fn force(&self, s: &State) -> f64 {
         self.area_a * s.pa - self.area_b * s.pb - self.area_rod * AMBIENT
     }
 
@@ -123,7 +123,7 @@ impl Dynamics {
     }
 
     /// Advances by `h` with a held command. `blocked` clamps the axis where it is.
-    pub fn advance(&self, s: &mut State, command: f64, h: f64, blocked: bool) {
+    pub(super) fn advance(&self, s: &mut State, command: f64, h: f64, blocked: bool) {
         let mut left = h;
         // A step meets a few events at most; should it meet more, the axis is held for the rest of the step.
         for _ in 0..4 {
