@@ -12,8 +12,9 @@
 //! | motion | reference: moves, sine, run-out; the motion before there is a model |
 //! | control | pole placement, observer, friction that sticks, standstill, limits of the command |
 //! | supervision | excitation, screening and validation of models, states and reasons |
+//! | monitoring | faults of sensor, valve and axis in control, and how they stop it |
 //! | identification | the identifier of the loop and its candidates |
-//! | servo_loop, supervise | all of it behind one call per sample |
+//! | servo_loop, supervise, protect | all of it behind one call per sample |
 
 pub(crate) mod config;
 pub(crate) mod control;
@@ -21,7 +22,9 @@ pub(crate) mod design;
 pub(crate) mod error;
 pub(crate) mod identification;
 pub(crate) mod model;
+pub(crate) mod monitoring;
 pub(crate) mod motion;
+mod protect;
 pub(crate) mod report;
 pub(crate) mod servo_loop;
 mod supervise;
@@ -33,6 +36,7 @@ pub use design::Design;
 pub use error::Error;
 pub use identification::LoopIdentifier;
 pub use model::Model;
+pub use monitoring::FaultCounters;
 pub use motion::{Motion, MotionLimits, Setpoint, Travel};
 pub use report::Report;
 pub use servo_loop::ServoLoop;

@@ -1,5 +1,6 @@
 //! What one sample of the loop did.
 
+use crate::servo::monitoring::FaultCounters;
 use crate::servo::motion::Setpoint;
 use crate::servo::supervision::state::State;
 
@@ -21,4 +22,6 @@ pub struct Report {
     pub innovation: Option<f32>,
     /// Whether a model reached the controller in this sample.
     pub retuned: bool,
+    /// What the monitors have counted since the start.
+    pub faults: FaultCounters,
 }

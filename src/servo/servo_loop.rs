@@ -11,6 +11,8 @@ use crate::servo::identification::{
     LoopIdentifier, identifier, inputs_of_known, inputs_of_unknown, reopen,
 };
 use crate::servo::model::Model;
+use crate::servo::monitoring::reading::Verdict;
+use crate::servo::monitoring::{Monitors, stop::Stop};
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
 use crate::servo::motion::trajectory::Trajectory;
 use crate::servo::motion::{Motion, Setpoint};
@@ -69,6 +71,12 @@ pub struct ServoLoop<S, V> {
     pub(crate) limiter: CommandLimiter,
     pub(crate) tracking: AlphaBetaGamma,
     pub(crate) monitor: ExcitationMonitor,
+    pub(crate) monitors: Monitors,
+    pub(crate) stop: Stop,
+    /// Factor on the bandwidth, 1 unless an oscillation was noticed.
+    pub(crate) derating: f32,
+    /// The model of the commissioning, until it has answered an oscillation.
+    pub(crate) known_good: Option<Model>,
     code: i32,
     position: f32,
     begun: bool,
@@ -107,6 +115,14 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             limiter: CommandLimiter::new(&design.limiter),
             tracking: AlphaBetaGamma::new(design.tracking_rate, *sample_time),
             monitor: ExcitationMonitor::new(&design.monitor),
+            monitors: Monitors::new(
+                &design.monitoring.with_resolution(axis.scale.units(1).abs()),
+                &design.supervision.validation.observer,
+                placeholder(config),
+            ),
+            stop: Stop::default(),
+            derating: 1.0,
+            known_good: None,
             code: 0,
             position: 0.0,
             begun: false,
@@ -169,28 +185,62 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             None => self.errors.saturating_add(1),
         };
         let same_code = self.begun && code.is_none_or(|code| code == self.code);
-        let y = match code {
-            Some(code) => {
-                self.code = code;
-                self.axis.position(code)
-            }
-            None if self.begun && self.errors < self.sensor_errors => self.expected(),
-            None => return self.blind(),
+        let Some(y) = self.reading(code) else {
+            return self.blind();
         };
         self.position = y;
         self.begin(y);
         self.tracking.update(y);
         let (setpoint, requested) = self.requested(y);
         let Ok(command) = self.valve.drive(self.limiter.update(requested)) else {
-            self.supervisor.fail(Reason::ValveFault);
+            self.fail(Reason::ValveFault);
             return self.report(setpoint, 0.0, None, false);
         };
         self.controller.applied(command);
         let inputs = self.inputs(command);
         self.monitor.update(command);
         let outcome = self.identifier.update_inputs(inputs, y);
-        let retuned = self.supervise(&setpoint, y, command, same_code, outcome);
+        let retuned = if self.is_stopped(&setpoint, y, command, same_code) {
+            false
+        } else {
+            self.supervise(&setpoint, y, command, same_code, outcome)
+        };
         self.report(setpoint, command, outcome.innovation(), retuned)
+    }
+
+    /// The position of a sample: measured, or expected where the reading failed or cannot be true; `None` without either.
+    fn reading(&mut self, code: Option<i32>) -> Option<f32> {
+        let bridges = self.begun && self.errors < self.sensor_errors;
+        let Some(code) = code else {
+            let missing = self.monitors.count_reading(true, true);
+            if missing && self.is_active() {
+                self.fail(Reason::SensorFault);
+            }
+            return bridges.then(|| self.expected());
+        };
+        let y = self.axis.position(code);
+        self.code = code;
+        if !(self.begun && self.is_active()) {
+            return Some(y);
+        }
+        let verdict = self.monitors.judge(y, &self.tracking.motion(), self.errors);
+        if self.monitors.count_reading(false, verdict != Verdict::Good) {
+            self.fail(Reason::SensorFault);
+        }
+        match verdict {
+            Verdict::Good => Some(y),
+            Verdict::Bridge => Some(self.expected()),
+            Verdict::Jump => {
+                self.fail(Reason::Implausible);
+                Some(self.expected())
+            }
+        }
+    }
+
+    /// Whether the loop moves the axis.
+    fn is_active(&self) -> bool {
+        let state = self.supervisor.state();
+        state.is_commissioning() || state.is_controlling()
     }
 
     /// The first sample, and the first one of a commissioning.
@@ -200,6 +250,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             self.tracking.place(y);
             self.trajectory.hold(y);
             self.controller.place(Motion::at(y));
+            self.monitors.place(Motion::at(y), self.limiter.last());
         }
         if self.start_requested {
             self.start_requested = false;
@@ -219,7 +270,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             let setpoint = self.trajectory.update();
             (setpoint, self.controller.update(&setpoint, y))
         } else {
-            (Setpoint::at(y), 0.0)
+            (Setpoint::at(y), self.stopping(y))
         }
     }
 
@@ -246,6 +297,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             command,
             innovation,
             retuned,
+            faults: self.monitors.counters(),
         }
     }
 
@@ -267,13 +319,14 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// A sample without a measured or predicted position: the valve goes to zero.
     fn blind(&mut self) -> Report {
         if self.errors >= self.sensor_errors {
-            self.supervisor.fail(Reason::SensorFault);
+            self.fail(Reason::SensorFault);
         }
-        let requested = self.limiter.update(0.0);
+        self.stop.end();
+        let requested = self.limiter.update(self.centre());
         let command = match self.valve.drive(requested) {
             Ok(command) => command,
             Err(_) => {
-                self.supervisor.fail(Reason::ValveFault);
+                self.fail(Reason::ValveFault);
                 0.0
             }
         };

@@ -74,7 +74,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                     reopen(&mut self.identifier, &model, REOPENED_STD);
                     self.take_over(model, self.tracking.motion());
                 } else {
-                    self.controller.retune(model);
+                    self.retune(model);
                     self.identifier.set_nominal();
                 }
                 true
@@ -84,7 +84,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 if before.is_commissioning() {
                     self.take_over(model, self.tracking.motion());
                 } else {
-                    self.controller.retune(model);
+                    self.retune(model);
                 }
                 true
             }
@@ -102,6 +102,9 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// The controller takes over the moving axis on a verified model, and lets it run out.
     pub(crate) fn take_over(&mut self, model: Model, motion: Motion) {
         self.controller.begin(model, motion, self.limiter.last());
+        self.monitors.begin(model, motion, self.limiter.last());
+        self.known_good = Some(model);
+        self.derate(1.0);
         self.trajectory.run_out(motion, self.run_out_rate);
     }
 

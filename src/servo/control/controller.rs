@@ -49,6 +49,10 @@ pub struct Controller {
     /// The flow in force until the next sample.
     flow: f32,
     arriving: Option<Model>,
+    /// A factor on the bandwidth that comes into force with the next sample, and the coefficients with the present one.
+    arriving_factor: Option<f32>,
+    wanted: [f32; 3],
+    settling: [f32; 3],
     /// What is left of the last change of gains, as a command.
     trace: f32,
 }
@@ -64,8 +68,44 @@ impl Controller {
             inverse_gain: 1.0 / model.b0,
             flow: model.flow(0.0),
             arriving: None,
+            arriving_factor: None,
+            wanted: design.wanted,
+            settling: design.settling,
             trace: 0.0,
         }
+    }
+
+    /// Multiplies the wanted bandwidth by a factor of 0 to 1 from the next sample on, without a step of the command.
+    pub(crate) const fn derate(&mut self, factor: f32) {
+        self.arriving_factor = Some(factor);
+    }
+
+    fn slow_down(&mut self, factor: f32) {
+        let slower = |[p0, p1, p2]: [f32; 3]| {
+            let square = factor * factor;
+            [p0 * square * factor, p1 * square, p2 * factor]
+        };
+        self.wanted = slower(self.design.wanted);
+        self.settling = slower(self.design.settling);
+    }
+
+    /// The command that brakes to velocity zero, wherever that is; [`Controller::applied`] must follow.
+    pub(crate) fn brake(&mut self, y: f32) -> f32 {
+        self.observer.predict(self.flow);
+        self.observer.correct(y);
+        let model = self.observer.model();
+        if self.observer.sticks() {
+            return -model.offset;
+        }
+        let Motion {
+            velocity: v,
+            acceleration: a,
+            ..
+        } = self.observer.motion();
+        let [_, p1, p2] = self.wanted;
+        let jerk = (model.a1 - p1) * v + (model.a2 - p2) * a;
+        let flow = jerk * self.inverse_gain - self.observer.disturbance();
+        within(model.command(flow, self.design.blend), 1.0)
     }
 
     /// Begins at a motion, without an offset of earlier gains.
@@ -104,9 +144,16 @@ impl Controller {
         self.standstill.update(setpoint, &self.observer);
         self.trace -= within(self.design.fade * self.trace, self.design.transition_step);
         let mut command = self.law(setpoint) + self.trace;
-        if let Some(model) = self.arriving.take() {
+        let arriving = self.arriving.take();
+        if let Some(model) = arriving {
             self.observer.tune(model);
             self.inverse_gain = 1.0 / model.b0;
+        }
+        let factor = self.arriving_factor.take();
+        if let Some(factor) = factor {
+            self.slow_down(factor);
+        }
+        if arriving.is_some() || factor.is_some() {
             // Within the full command on both sides: beyond it the valve saturates anyway.
             let changed = self.law(setpoint);
             self.trace = within(command, 1.0) - changed;
@@ -147,7 +194,7 @@ impl Controller {
                 .standstill
                 .approach(error, &self.observer, self.inverse_gain);
         }
-        let [p0, p1, p2] = self.design.wanted;
+        let [p0, p1, p2] = self.wanted;
         let needed = r.acceleration + (p1 * r.velocity + p0 * error) / p2;
         self.standstill
             .follow(direction, error, needed, &self.observer, self.inverse_gain)
@@ -165,9 +212,9 @@ impl Controller {
         let coulomb = self.observer.friction().coulomb();
         let slow = coulomb > 0.0 && within(v, self.design.stiction_velocity) == v;
         let [p0, p1, p2] = if slow && r.is_rest() {
-            self.design.settling
+            self.settling
         } else {
-            self.design.wanted
+            self.wanted
         };
         // A large error is worked off at a limited speed: beyond it the valve only saturates.
         let pull = within(p0 * (r.position - x), p1 * self.design.catch_up);

@@ -99,6 +99,11 @@ impl Observer {
         innovation
     }
 
+    /// Counts positions from here on: in free simulation only the velocity has a meaning.
+    pub(crate) const fn forget_position(&mut self) {
+        self.motion.position = 0.0;
+    }
+
     /// Whether the model has friction and the axis sticks.
     #[inline]
     pub(crate) fn sticks(&self) -> bool {

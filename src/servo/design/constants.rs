@@ -187,3 +187,43 @@ pub(crate) const PEAK_ERROR_TIME: f32 = 1.0;
 /// Relative standard deviation of a1, a2 and b0 after a verified model, and after a change of the drive.
 pub(crate) const REOPENED_STD: f32 = 0.1;
 pub(crate) const CHANGED_STD: f32 = 0.5;
+
+// Monitoring: times over 1/w, with w and the velocity gain C of the model in force.
+// Held by: every_fault_is_noticed_for_its_reason, normal_work_raises_no_alarm.
+
+/// Window of the expected and the measured displacement: two thirds of a period, so that a step is in it as a whole.
+pub(crate) const EXPECTATION_TIME_RATIO: f32 = 4.0;
+/// Flow by which dead zone and offset of a verified model may be wrong together: 0.04 and 0.02.
+pub(crate) const FLOW_SLACK: f32 = 0.06;
+/// Time without motion, and against the command: the rise time of the drive, and half of it.
+pub(crate) const NO_MOTION_TIME_RATIO: f32 = 1.0;
+pub(crate) const OPPOSITE_TIME_RATIO: f32 = 0.5;
+/// Lag of a loop at a quarter of the bandwidth of its drive.
+pub(crate) const LAG_TIME_RATIO: f32 = 4.0;
+/// Time after which a following error stays: more than a period.
+pub(crate) const FOLLOWING_TIME_RATIO: f32 = 10.0;
+/// Time in which the force of a brake is built up.
+pub(crate) const FORCE_TIME_RATIO: f32 = 1.0;
+/// Crossings of the travel at C that a full command may last: one at a quarter of C.
+pub(crate) const SATURATED_CROSSINGS: f32 = 4.0;
+/// Longest controlled stop.
+pub(crate) const STOP_TIME_RATIO: f32 = 10.0;
+/// Time in s of implausible readings in a row that are a jump: the bridging by prediction is good for so long.
+pub(crate) const JUMP_TIME: f32 = 0.01;
+/// Time constant in s of the mean residual of readings, and of the share of missing ones.
+pub(crate) const RESIDUAL_TIME: f32 = 1.0;
+pub(crate) const GAP_TIME: f32 = 0.05;
+/// Least time in s of equal codes that are noticed.
+pub(crate) const LEAST_RUN_TIME: f32 = 0.01;
+/// Longest time in s between two reversals of an oscillation, and time in s in which an axis comes to rest.
+pub(crate) const CYCLE_PAUSE: f32 = 1.0;
+pub(crate) const CYCLE_SETTLING: f32 = 0.5;
+/// Largest acceleration over L w^2 while there is no model: twice what an axis takes that crosses its travel in 16/w.
+pub(crate) const FIRST_ACCELERATION_RATIO: f32 = 0.25;
+/// Command over its range from which on it is full.
+pub(crate) const FULL_COMMAND: f32 = 0.98;
+/// Factor on the bandwidth at each oscillation, and the least one.
+pub(crate) const DERATING: f32 = 0.7;
+pub(crate) const DERATING_MIN: f32 = 0.49;
+/// Largest rate of the alpha-beta-gamma filter per sample: it is an explicit filter.
+pub(crate) const TRACKING_STEP_MAX: f32 = 0.5;

@@ -3,6 +3,7 @@
 mod clock;
 pub(crate) mod constants;
 mod control;
+mod monitoring;
 mod resolve;
 mod supervision;
 
@@ -26,6 +27,7 @@ pub struct Design {
     pub(crate) excitation: ExcitationDesign,
     pub(crate) monitor: MonitorDesign,
     pub(crate) supervision: SupervisionDesign,
+    pub(crate) monitoring: MonitoringDesign,
 }
 
 /// Numbers of the identifier.
@@ -141,6 +143,37 @@ pub(crate) struct MonitorDesign {
     pub(crate) share: f32,
     /// Least variance of the fast part of the command.
     pub(crate) min_power: f32,
+}
+
+/// Numbers of the fault monitors that need no model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct MonitoringDesign {
+    pub(crate) sample_time: f32,
+    /// Delay of the valve in s, and in samples.
+    pub(crate) delay: f32,
+    pub(crate) delay_samples: usize,
+    pub(crate) travel: Travel,
+    /// Standard deviation of the noise, and length of one code.
+    pub(crate) noise: f32,
+    pub(crate) resolution: f32,
+    /// What noise and resolution make of a displacement.
+    pub(crate) grain: f32,
+    /// Acceleration that the drive can give while there is no model.
+    pub(crate) acceleration: f32,
+    /// Implausible readings in a row that are a jump.
+    pub(crate) jump: u32,
+    /// Shares of a new sample in the mean residual, and in the share of missing readings.
+    pub(crate) residual_share: f32,
+    pub(crate) gap_share: f32,
+    /// Expected motion of many codes, and the least run of equal ones.
+    pub(crate) many_codes: f32,
+    pub(crate) least_run: u32,
+    /// Half wave of an oscillation at rest, longest time between two reversals, time to come to rest, in samples.
+    pub(crate) cycle: f32,
+    pub(crate) cycle_pause: u32,
+    pub(crate) cycle_settling: u32,
+    /// Command from which on it is full.
+    pub(crate) full: f32,
 }
 
 /// Numbers of the supervisor.

@@ -27,7 +27,8 @@ impl Config {
             adaptive: self.adaptive,
             motion: self.motion_limits()?,
             run_out_rate: c::RUN_OUT_RATIO * self.bandwidth,
-            tracking_rate: c::TRACKING_RATIO * self.bandwidth,
+            tracking_rate: (c::TRACKING_RATIO * self.bandwidth)
+                .min(c::TRACKING_STEP_MAX / self.sample_time),
             sensor_errors: clock.samples(c::SENSOR_ERROR_TIME),
             identification: IdentificationDesign {
                 bandwidth: self.bandwidth,
@@ -51,6 +52,7 @@ impl Config {
                 min_power: self.min_excitation * self.min_excitation,
             },
             supervision: self.supervision(clock)?,
+            monitoring: self.monitoring(clock),
         })
     }
 

@@ -38,6 +38,12 @@ pub enum Reason {
     TravelEnd,
     /// The user stopped it.
     Aborted,
+    /// The measured position jumped to where the axis cannot be, and stayed there.
+    Implausible,
+    /// The axis stayed behind its reference by more than the motion of the reference explains.
+    FollowingError,
+    /// The command was full for longer than the travel of the axis explains.
+    Saturated,
 }
 
 impl Reason {
@@ -85,6 +91,9 @@ impl fmt::Display for Reason {
             Self::ValveFault => "the valve reported an error",
             Self::TravelEnd => "the axis came to the end of its travel",
             Self::Aborted => "stopped by the user",
+            Self::Implausible => "the measured position jumped to where the axis cannot be",
+            Self::FollowingError => "the axis does not follow its reference",
+            Self::Saturated => "the full command lasts longer than any move",
         })
     }
 }
@@ -94,7 +103,7 @@ impl fmt::Display for Reason {
 /// ```text
 /// Idle -> Exciting -> Identifying -> Verified -> Adapting <-> Frozen
 ///             |            |                        |
-///             `------------+-> Failed(reason)       `-> Rejected(reason) -> Frozen
+///             `------------+-> Failed(reason)       `-> Rejected(reason) -> Frozen, each in control -> Failed(reason)
 ///                          `-> Rejected(reason) when an older verified model exists
 /// ```
 ///
@@ -118,7 +127,7 @@ pub enum State {
     Frozen,
     /// A model was rejected, the last verified model is in force.
     Rejected(Reason),
-    /// There is no usable model, or the machine has a fault: the valve is at zero.
+    /// There is no usable model, or the machine has a fault: the axis stops, then the valve is in its middle.
     Failed(Reason),
 }
 

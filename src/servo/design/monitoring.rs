@@ -1,0 +1,45 @@
+//! What the fault monitors follow from, as far as it needs no model.
+
+use crate::servo::config::Config;
+use crate::servo::design::MonitoringDesign;
+use crate::servo::design::clock::Clock;
+use crate::servo::design::constants as c;
+
+impl Config {
+    /// The resolution is that of a sensor, see [`MonitoringDesign::with_resolution`].
+    pub(crate) fn monitoring(&self, clock: Clock) -> MonitoringDesign {
+        let length = self.travel.length();
+        let noise = self.noise.unwrap_or(c::NOISE_RATIO * length);
+        let window = c::REST_WINDOW_RATIO * length;
+        MonitoringDesign {
+            sample_time: self.sample_time,
+            delay: self.delay,
+            delay_samples: (self.delay / self.sample_time + 0.5) as usize,
+            travel: self.travel,
+            noise,
+            resolution: 0.0,
+            grain: 8.0 * noise,
+            acceleration: c::FIRST_ACCELERATION_RATIO * length * self.bandwidth * self.bandwidth,
+            jump: clock.samples(c::JUMP_TIME),
+            residual_share: clock.share(1.0 / c::RESIDUAL_TIME),
+            gap_share: clock.share(1.0 / c::GAP_TIME),
+            many_codes: 16.0 * noise,
+            least_run: clock.samples(c::LEAST_RUN_TIME),
+            cycle: 8.0 * noise + 2.0 * self.controller.rest_window.unwrap_or(window),
+            cycle_pause: clock.samples(c::CYCLE_PAUSE),
+            cycle_settling: clock.samples(c::CYCLE_SETTLING),
+            full: c::FULL_COMMAND * self.range,
+        }
+    }
+}
+
+impl MonitoringDesign {
+    /// The same for a sensor whose codes are so far apart.
+    pub(crate) fn with_resolution(mut self, resolution: f32) -> Self {
+        self.resolution = resolution;
+        self.grain += 2.0 * resolution;
+        self.many_codes += 10.0 * resolution;
+        self.cycle += 2.0 * resolution;
+        self
+    }
+}

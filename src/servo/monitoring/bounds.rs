@@ -1,0 +1,70 @@
+//! Times and distances of the monitors, from the model in force.
+
+use crate::math::sqrt;
+use crate::servo::design::MonitoringDesign;
+use crate::servo::design::constants::{
+    EXPECTATION_TIME_RATIO, FLOW_SLACK, FOLLOWING_TIME_RATIO, FORCE_TIME_RATIO, LAG_TIME_RATIO,
+    NO_MOTION_TIME_RATIO, OPPOSITE_TIME_RATIO, SATURATED_CROSSINGS, STOP_TIME_RATIO,
+};
+use crate::servo::model::Model;
+
+/// What the monitors compare with; lengths in units of y, times in samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Bounds {
+    /// Velocity gain C.
+    pub(crate) gain: f32,
+    /// Natural frequency in rad/s.
+    pub(crate) frequency: f32,
+    /// Share of a new sample in the expected and the measured displacement.
+    pub(crate) share: f32,
+    /// Displacement that dead zone, offset and friction may add to the expectation or take from it.
+    pub(crate) slack: f32,
+    /// Samples without motion, and against the command.
+    pub(crate) no_motion: u32,
+    pub(crate) opposite: u32,
+    /// Time in which a loop that works makes good a following error, in s, and the error that friction leaves.
+    pub(crate) lag: f32,
+    pub(crate) rest_error: f32,
+    pub(crate) following: u32,
+    /// Time from a decision to the force of the brake in s, half of its inverse deceleration, and harmless speed at an end.
+    pub(crate) reaction: f32,
+    pub(crate) half_inverse_brake: f32,
+    pub(crate) end_speed: f32,
+    /// Samples at the full command.
+    pub(crate) saturated: u32,
+    /// Samples of a controlled stop.
+    pub(crate) stop: u32,
+}
+
+impl Bounds {
+    /// Derives the bounds; a model that passed the screening has a1 and b0 above 0. Not for the 1 ms path: one square root.
+    pub(crate) fn new(design: &MonitoringDesign, model: &Model) -> Self {
+        let w = sqrt(model.a1);
+        let gain = model.b0 / model.a1;
+        let samples = |seconds: f32| {
+            let count = seconds / design.sample_time;
+            // Saturates: beyond 2^32 samples a bound is none.
+            if count > 1.0 { count as u32 } else { 1 }
+        };
+        let window = EXPECTATION_TIME_RATIO / w;
+        let flow = FLOW_SLACK * gain;
+        let brake = 0.5 * gain * w;
+        let share = design.sample_time / window;
+        Self {
+            gain,
+            frequency: w,
+            share: if share < 1.0 { share } else { 1.0 },
+            slack: flow * window + model.friction / model.a1 + design.grain,
+            no_motion: samples(NO_MOTION_TIME_RATIO / w),
+            opposite: samples(OPPOSITE_TIME_RATIO / w),
+            lag: LAG_TIME_RATIO / w,
+            rest_error: 2.0 * flow / w + design.grain,
+            following: samples(FOLLOWING_TIME_RATIO / w),
+            reaction: design.delay + FORCE_TIME_RATIO / w,
+            half_inverse_brake: 0.5 / brake,
+            end_speed: 0.5 * flow,
+            saturated: samples(SATURATED_CROSSINGS * design.travel.length() / gain + 10.0 / w),
+            stop: samples(STOP_TIME_RATIO / w),
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! An error between reference and axis that a loop that works would not leave.
+
+use crate::servo::monitoring::bounds::Bounds;
+use crate::servo::motion::Setpoint;
+
+/// The following error against what the motion of the reference explains.
+///
+/// A loop of any bandwidth above w / 4 lags behind its reference by less than four time constants 1/w of the drive itself:
+/// more than `lag` times the largest recent speed is no lag. An error that shrinks is being worked off. What stays
+/// for 10/w, more than a period of the drive, stays.
+/// Cost: about 20 instructions.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Following {
+    /// Largest recent speed of the reference.
+    speed: f32,
+    /// Samples with too large an error that does not shrink.
+    samples: u32,
+    /// Smallest error since it was too large.
+    least: f32,
+}
+
+impl Following {
+    /// One sample; whether the axis does not follow.
+    #[inline]
+    pub(crate) fn update(&mut self, r: &Setpoint, y: f32, bounds: &Bounds) -> bool {
+        let speed = r.velocity.abs();
+        // The memory of a speed is as long as the window of the expectation.
+        self.speed -= 0.25 * bounds.share * self.speed;
+        if speed > self.speed {
+            self.speed = speed;
+        }
+        let error = (r.position - y).abs();
+        if error <= bounds.rest_error + bounds.lag * self.speed {
+            self.samples = 0;
+            self.least = error;
+            return false;
+        }
+        if error < 0.9 * self.least {
+            self.least = error;
+            self.samples = 0;
+            return false;
+        }
+        if self.samples == 0 && error > self.least {
+            self.least = error;
+        }
+        self.samples = self.samples.saturating_add(1);
+        self.samples > bounds.following
+    }
+}

@@ -1,0 +1,183 @@
+//! All monitors behind one call per sample.
+
+use crate::servo::design::{MonitoringDesign, ObserverDesign};
+use crate::servo::model::Model;
+use crate::servo::monitoring::bounds::Bounds;
+use crate::servo::monitoring::counters::FaultCounters;
+use crate::servo::monitoring::following::Following;
+use crate::servo::monitoring::gaps::Gaps;
+use crate::servo::monitoring::obedience::Obedience;
+use crate::servo::monitoring::oscillation::Oscillation;
+use crate::servo::monitoring::reading::{Plausibility, Verdict};
+use crate::servo::monitoring::saturation::Saturation;
+use crate::servo::monitoring::stuck_code::StuckCode;
+use crate::servo::monitoring::travel::TravelMonitor;
+use crate::servo::monitoring::twin::Twin;
+use crate::servo::motion::{Motion, Setpoint};
+use crate::servo::supervision::state::Reason;
+
+/// One sample in control, as the monitors see it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Seen<'a> {
+    pub(crate) setpoint: &'a Setpoint,
+    /// Measured position.
+    pub(crate) y: f32,
+    /// Velocity from the measured positions alone.
+    pub(crate) velocity: f32,
+    /// The command in force from now on.
+    pub(crate) command: f32,
+    pub(crate) same_code: bool,
+}
+
+/// What the monitors want of the loop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Alarm {
+    /// The axis must stop.
+    Stop(Reason),
+    /// The axis oscillates: it becomes slower first.
+    Oscillates,
+}
+
+/// All monitors; see the [module](super).
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Monitors {
+    design: MonitoringDesign,
+    bounds: Bounds,
+    twin: Twin,
+    readings: Plausibility,
+    gaps: Gaps,
+    stuck: StuckCode,
+    obedience: Obedience,
+    following: Following,
+    saturation: Saturation,
+    travel: TravelMonitor,
+    oscillation: Oscillation,
+    counters: FaultCounters,
+}
+
+impl Monitors {
+    /// Monitors of an axis whose `model` is a placeholder until [`Monitors::begin`]; `observer` measures nothing.
+    pub(crate) fn new(design: &MonitoringDesign, observer: &ObserverDesign, model: Model) -> Self {
+        Self {
+            design: *design,
+            bounds: Bounds::new(design, &model),
+            twin: Twin::new(design, observer, model),
+            readings: Plausibility::new(design),
+            gaps: Gaps::new(design),
+            stuck: StuckCode::new(design),
+            obedience: Obedience::default(),
+            following: Following::default(),
+            saturation: Saturation::default(),
+            travel: TravelMonitor::new(design.travel),
+            oscillation: Oscillation::new(design),
+            counters: FaultCounters::NONE,
+        }
+    }
+
+    /// Begins with a verified model, at a motion and with the command in force.
+    pub(crate) fn begin(&mut self, model: Model, motion: Motion, command: f32) {
+        self.tune(model);
+        self.twin.place(motion, command);
+        self.stuck.restart();
+        self.obedience = Obedience::default();
+        self.following = Following::default();
+        self.saturation = Saturation::default();
+        self.oscillation = Oscillation::new(&self.design);
+        self.gaps.restart();
+    }
+
+    /// The expectation begins again at a motion.
+    pub(crate) fn place(&mut self, motion: Motion, command: f32) {
+        self.twin.place(motion, command);
+    }
+
+    /// Goes on with another model.
+    pub(crate) fn tune(&mut self, model: Model) {
+        self.bounds = Bounds::new(&self.design, &model);
+        self.twin.tune(model);
+        self.readings.tune(self.bounds.gain * self.bounds.frequency);
+    }
+
+    /// Judges a reading; `missed`: samples in a row without one.
+    #[inline]
+    pub(crate) fn judge(&mut self, y: f32, earlier: &Motion, missed: u32) -> Verdict {
+        let verdict = self.readings.judge(y, earlier, missed);
+        if verdict != Verdict::Good {
+            self.counters.implausible_readings =
+                self.counters.implausible_readings.saturating_add(1);
+        }
+        verdict
+    }
+
+    /// Counts a reading that is there or not; whether too many are missing.
+    #[inline]
+    pub(crate) fn count_reading(&mut self, failed: bool, missing: bool) -> bool {
+        if failed {
+            self.counters.failed_readings = self.counters.failed_readings.saturating_add(1);
+        }
+        self.gaps.update(missing)
+    }
+
+    /// One sample in control. Cost: about 250 instructions.
+    pub(crate) fn update(&mut self, seen: &Seen) -> Option<Alarm> {
+        let bounds = &self.bounds;
+        self.twin.update(seen.y, seen.command, bounds);
+        let stuck = self
+            .stuck
+            .update(seen.same_code, self.twin.velocity(), bounds);
+        let disobeys = self.obedience.update(&self.twin, seen.velocity, bounds);
+        let lags = self.following.update(seen.setpoint, seen.y, bounds);
+        let full = self
+            .saturation
+            .update(seen.command, self.design.full, bounds);
+        let ends = self
+            .travel
+            .update(seen.y, seen.velocity, seen.setpoint, bounds);
+        let oscillates = self.oscillation.update(seen.setpoint, seen.y);
+        if self.saturation.is_full() {
+            self.counters.saturated_samples = self.counters.saturated_samples.saturating_add(1);
+        }
+        let reason = if stuck {
+            Some(Reason::SensorStuck)
+        } else if let Some(reason) = disobeys {
+            // An axis that stands shows its noise; a code that never changes is the sensor.
+            let silent = reason == Reason::Blocked && self.stuck.run() > bounds.no_motion;
+            Some(if silent { Reason::SensorStuck } else { reason })
+        } else if ends {
+            Some(Reason::TravelEnd)
+        } else if lags {
+            Some(Reason::FollowingError)
+        } else if full {
+            Some(Reason::Saturated)
+        } else {
+            None
+        };
+        match reason {
+            Some(reason) => Some(Alarm::Stop(reason)),
+            None if oscillates => {
+                self.counters.oscillations = self.counters.oscillations.saturating_add(1);
+                Some(Alarm::Oscillates)
+            }
+            None => None,
+        }
+    }
+
+    /// Notes a stop.
+    pub(crate) const fn stopped(&mut self) {
+        self.counters.stops = self.counters.stops.saturating_add(1);
+    }
+
+    /// Notes the factor on the bandwidth.
+    pub(crate) const fn derated(&mut self, factor: f32) {
+        self.counters.derating = factor;
+    }
+
+    /// Samples of a controlled stop.
+    pub(crate) const fn stop_samples(&self) -> u32 {
+        self.bounds.stop
+    }
+
+    pub(crate) const fn counters(&self) -> FaultCounters {
+        self.counters
+    }
+}

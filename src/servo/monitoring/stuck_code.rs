@@ -1,0 +1,70 @@
+//! A code that stays while the axis moves.
+
+use crate::servo::design::MonitoringDesign;
+use crate::servo::monitoring::bounds::Bounds;
+
+/// Samples and expected motion since the code last changed.
+///
+/// Noise that spans more than a code changes it within a few samples, moving or not: the longest run of equal codes seen
+/// in good work tells how few. Beyond eight times that run the code counts as stuck as soon as the model expects motion of
+/// ten codes and sixteen sigma in the run, however slowly. Where the noise is below the resolution, runs at rest are long;
+/// there the expected motion must exceed what friction, dead zone and offset can hold back.
+/// Cost: about 20 instructions.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct StuckCode {
+    /// Expected motion of many codes.
+    many: f32,
+    sample_time: f32,
+    least_run: u32,
+    /// Samples since the code changed, and the longest run of good work.
+    run: u32,
+    longest: u32,
+    /// Expected motion since the code changed.
+    motion: f32,
+}
+
+/// How much longer than the longest run of good work a run must be.
+const RUN_RATIO: u32 = 8;
+
+impl StuckCode {
+    pub(crate) const fn new(design: &MonitoringDesign) -> Self {
+        Self {
+            many: design.many_codes,
+            sample_time: design.sample_time,
+            least_run: design.least_run,
+            run: 0,
+            longest: 0,
+            motion: 0.0,
+        }
+    }
+
+    /// Begins again: what comes next is good work of another model.
+    pub(crate) const fn restart(&mut self) {
+        self.run = 0;
+        self.motion = 0.0;
+    }
+
+    /// One sample with the expected velocity; whether the code is stuck.
+    #[inline]
+    pub(crate) fn update(&mut self, same: bool, velocity: f32, bounds: &Bounds) -> bool {
+        if !same {
+            if self.run > self.longest {
+                self.longest = self.run;
+            }
+            self.run = 0;
+            self.motion = 0.0;
+            return false;
+        }
+        self.run = self.run.saturating_add(1);
+        self.motion += self.sample_time * velocity;
+        let motion = self.motion.abs();
+        let rare = RUN_RATIO.saturating_mul(self.longest);
+        let long = self.run > self.least_run && self.run > rare;
+        (long && motion > self.many) || motion > self.many + bounds.slack
+    }
+
+    /// Samples since the code changed.
+    pub(crate) const fn run(&self) -> u32 {
+        self.run
+    }
+}

@@ -1,0 +1,104 @@
+//! The motion that the commands let expect.
+
+use crate::servo::control::observer::Observer;
+use crate::servo::design::constants::DELAY_MAX;
+use crate::servo::design::{MonitoringDesign, ObserverDesign};
+use crate::servo::model::Model;
+use crate::servo::monitoring::bounds::Bounds;
+
+/// The model in free simulation on the commands, and the displacement that it shows beside the measured one.
+///
+/// The velocity part of a verified model is stable (a1 and a2 are positive), so its simulation forgets how it began and
+/// needs no measurement: whatever the sensor says, the expectation stays bounded by C |flow|. Only the position drifts;
+/// therefore displacements over a window of a few 1/w are compared, of model and sensor with the same high-pass filter
+///
+/// ```text
+/// h' = v - h / window        measured: y minus its low-pass of the same time constant
+/// ```
+///
+/// A wrong dead zone or offset of the flow by `q` moves h by at most `C q window`, friction by its deflection
+/// `friction / a1`: this is the slack of the bounds.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Twin {
+    observer: Observer,
+    commands: [f32; DELAY_MAX],
+    next: usize,
+    delay: usize,
+    sample_time: f32,
+    expected: f32,
+    low_pass: f32,
+    measured: f32,
+}
+
+impl Twin {
+    pub(crate) fn new(design: &MonitoringDesign, observer: &ObserverDesign, model: Model) -> Self {
+        Self {
+            observer: Observer::new(observer, model),
+            commands: [0.0; DELAY_MAX],
+            next: 0,
+            delay: design.delay_samples,
+            sample_time: design.sample_time,
+            expected: 0.0,
+            low_pass: 0.0,
+            measured: 0.0,
+        }
+    }
+
+    /// Goes on with another model.
+    pub(crate) fn tune(&mut self, model: Model) {
+        self.observer.tune(model);
+    }
+
+    /// Begins at a position with a motion and the command in force.
+    pub(crate) fn place(&mut self, motion: crate::servo::motion::Motion, command: f32) {
+        self.observer.place(motion);
+        self.commands = [command; DELAY_MAX];
+        self.low_pass = motion.position;
+        self.expected = 0.0;
+        self.measured = 0.0;
+    }
+
+    /// The command of so many samples ago as the delay has.
+    #[inline]
+    fn delayed(&mut self, command: f32) -> f32 {
+        if self.delay == 0 {
+            return command;
+        }
+        let at = if self.next < self.delay { self.next } else { 0 };
+        let Some(slot) = self.commands.get_mut(at) else {
+            return command;
+        };
+        let old = *slot;
+        *slot = command;
+        self.next = at + 1;
+        old
+    }
+
+    /// One sample with the measured position and the command in force from now on. Cost: about 80 instructions.
+    #[inline]
+    pub(crate) fn update(&mut self, y: f32, command: f32, bounds: &Bounds) {
+        let delayed = self.delayed(command);
+        let flow = self.observer.model().flow(delayed);
+        self.observer.predict(flow);
+        self.observer.forget_position();
+        let step = self.sample_time * self.observer.motion().velocity;
+        self.expected += step - bounds.share * self.expected;
+        self.low_pass += bounds.share * (y - self.low_pass);
+        self.measured = y - self.low_pass;
+    }
+
+    /// Displacement that the commands let expect.
+    pub(crate) const fn expected(&self) -> f32 {
+        self.expected
+    }
+
+    /// Displacement that the sensor shows.
+    pub(crate) const fn measured(&self) -> f32 {
+        self.measured
+    }
+
+    /// Expected velocity.
+    pub(crate) const fn velocity(&self) -> f32 {
+        self.observer.motion().velocity
+    }
+}

@@ -1,0 +1,102 @@
+//! What the fault monitors want carried out: the axis stops, or becomes slower first.
+
+use crate::hardware::{PositionSensor, Valve};
+use crate::servo::design::constants::{DERATING, DERATING_MIN};
+use crate::servo::model::Model;
+use crate::servo::monitoring::{Alarm, Seen};
+use crate::servo::motion::Setpoint;
+use crate::servo::servo_loop::ServoLoop;
+use crate::servo::supervision::state::{Reason, State};
+
+impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
+    /// Lets the monitors see a sample in control; whether they stopped the axis.
+    pub(crate) fn is_stopped(
+        &mut self,
+        setpoint: &Setpoint,
+        y: f32,
+        command: f32,
+        same_code: bool,
+    ) -> bool {
+        if !self.supervisor.state().is_controlling() {
+            return false;
+        }
+        let seen = Seen {
+            setpoint,
+            y,
+            velocity: self.tracking.motion().velocity,
+            command,
+            same_code,
+        };
+        match self.monitors.update(&seen) {
+            None => false,
+            Some(Alarm::Oscillates) => {
+                self.calm();
+                false
+            }
+            Some(Alarm::Stop(reason)) => {
+                self.fail(reason);
+                true
+            }
+        }
+    }
+
+    /// A fault of the machine: the axis stops and the verified model is kept.
+    pub(crate) fn fail(&mut self, reason: Reason) {
+        if matches!(self.supervisor.state(), State::Failed(_)) {
+            return;
+        }
+        if self.supervisor.state().is_controlling() {
+            self.stop.begin(reason, self.monitors.stop_samples());
+        }
+        self.monitors.stopped();
+        self.supervisor.fail(reason);
+    }
+
+    /// The answer to an oscillation: the gains that the commissioning gave, then less bandwidth.
+    fn calm(&mut self) {
+        match self.known_good.take() {
+            Some(model) if self.supervisor.verified_model() != Some(model) => self.retune(model),
+            _ => {
+                let slower = DERATING * self.derating;
+                if slower > DERATING_MIN {
+                    self.derate(slower);
+                } else {
+                    self.derate(DERATING_MIN);
+                }
+            }
+        }
+    }
+
+    /// Multiplies the bandwidth of the controller by `factor`.
+    pub(crate) fn derate(&mut self, factor: f32) {
+        if factor != self.derating {
+            self.derating = factor;
+            self.controller.derate(factor);
+            self.monitors.derated(factor);
+        }
+    }
+
+    /// The controller and the monitors go on with another model.
+    pub(crate) fn retune(&mut self, model: Model) {
+        self.controller.retune(model);
+        self.monitors.tune(model);
+    }
+
+    /// The command outside of commissioning and control: a brake for a while after a fault, then the middle of the valve.
+    pub(crate) fn stopping(&mut self, y: f32) -> f32 {
+        if self.stop.brakes() {
+            self.controller.brake(y)
+        } else {
+            self.centre()
+        }
+    }
+
+    /// The command at which a valve of the verified model is closed. Of a valve with the wrong sign or stuck nothing is known.
+    pub(crate) fn centre(&self) -> f32 {
+        match (self.supervisor.state(), self.supervisor.verified_model()) {
+            (State::Failed(Reason::WrongSign | Reason::ValveStuck), _) => 0.0,
+            (State::Failed(_), Some(model)) => -model.offset,
+            _ => 0.0,
+        }
+    }
+}
