@@ -13,8 +13,14 @@
 //! c_i <- theta_i  while P_ii < 0.1 N r eps, unless the nominal values were set           eps = 1 - lambda
 //! ```
 //!
+//! A nominal value that no data supported yet is the mean of a prior, and counts for no more: until the data have once
+//! shown parameter i (P_ii < 0.1 N r eps), its r is that which leaves the prior variance s_i^2 where there are no data,
+//! r_i = max(r, s_i^2 / (N eps)). With a smaller one the first samples of a motion that shows only some of the parameters
+//! would find the others well known, at the prior mean.
+//!
 //! # What holds
-//! For any finite rows, in any order, with lambda = 1 - eps and eps <= 1/(N (N-1)):
+//! For any finite rows, in any order, with lambda = 1 - eps and eps <= 1/(N (N-1)), and r_i for r until the data have
+//! shown parameter i:
 //!
 //! ```text
 //! D_j > 0,    P_ii <= N r eps (1 + N eps) / (1 - lambda^t)       t samples after a start (t >= N), for ever
@@ -89,6 +95,8 @@ pub struct StabilisedForgetting<const N: usize> {
     turn: usize,
     /// N r eps (1 + N eps).
     bound: f32,
+    /// 1/(N eps); 0 where nothing is forgotten.
+    inverse_share: f32,
 }
 
 impl<const N: usize> StabilisedForgetting<N> {
@@ -101,6 +109,7 @@ impl<const N: usize> StabilisedForgetting<N> {
             set: false,
             turn: 0,
             bound: VARIANCE * share * (1.0 + share),
+            inverse_share: if share > 0.0 { 1.0 / share } else { 0.0 },
         }
     }
 
@@ -114,7 +123,9 @@ impl<const N: usize> StabilisedForgetting<N> {
         let Some(nominal) = self.nominal.get_mut(turn) else {
             return;
         };
-        let variance = estimator.observe_parameter(turn, *nominal, VARIANCE, CERTAIN);
+        let unsupported = self.unsupported.get(turn).copied().unwrap_or(0.0);
+        let assumed = VARIANCE.max(unsupported * self.inverse_share);
+        let variance = estimator.observe_parameter(turn, *nominal, assumed, CERTAIN);
         if !self.set && variance < FOLLOWS * self.bound {
             *nominal = estimator.theta().get(turn).copied().unwrap_or(*nominal);
         }
@@ -167,5 +178,35 @@ impl<const N: usize> StabilisedForgetting<N> {
     /// What every P_ii stays below once the start is forgotten, relative to the noise of psi.
     pub const fn bound(&self) -> f32 {
         self.bound
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Without data the prior stays what it was: neither forgotten nor taken for knowledge.
+    #[test]
+    fn a_prior_counts_for_no_more_than_it_says() {
+        for std in [1.0_f32, 30.0, 1e3, 1e8] {
+            for memory in [100.0_f32, 2e3, 1e5] {
+                let forgetting = 1.0 - 1.0 / memory;
+                let mut estimator = Estimator::<3>::new([0.5; 3], [std; 3], forgetting);
+                let mut stabilised = StabilisedForgetting::new([0.5; 3], forgetting);
+                stabilised.set_nominal_std(&[std; 3]);
+                let limit = stabilised.bound().max(1.1 * std * std);
+                for k in 0..300_000 {
+                    // The second parameter alone is seen.
+                    let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+                    let _ = estimator.update(&[0.0, sign, 0.0], sign);
+                    stabilised.apply(&mut estimator);
+                    for i in [0, 2] {
+                        let p = estimator.covariance(i, i);
+                        assert!(p > 0.8 * std * std && p <= limit, "{std} {memory}: {p}");
+                    }
+                }
+                assert_eq!(estimator.theta()[0], 0.5);
+            }
+        }
     }
 }

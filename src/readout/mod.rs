@@ -155,7 +155,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         let shaped = found.residual.shaped;
         // Rounding is the same in every row while the motion is steady: it does not average out.
         let rounding = ROW_ROUNDING / angle;
-        let even = even + self.estimator.samples() * rounding * rounding;
+        let even = even + self.estimator.samples().max(1.0) * rounding * rounding;
         for i in 0..N {
             for j in 0..N {
                 covariance[i][j] = shaped * in_band[i][j] + even * covariance[i][j];

@@ -33,22 +33,26 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             .unwrap_or(self.prior_noise * self.prior_noise)
     }
 
-    /// Adds what nominal values that no data support leave open: `P e_i` over the bound of P_ii is their weight in theta.
+    /// Adds what nominal values that no data support leave open.
     ///
-    /// As long as P is that of the start they have no weight yet.
+    /// P counts a prior of standard deviation s sigma_0 as s times the noise; where the noise found is smaller than the
+    /// expected sigma_0, so is what P makes of the prior. The weight of the nominal value k in theta is P e_k over what
+    /// the observations of it alone leave of P_kk.
     pub(super) fn add_unsupported(&self, p: &Matrix<N>, covariance: &mut Matrix<N>) {
         let Some(variances) = self.forgetting.unsupported() else {
             return;
         };
         let bound = self.forgetting.bound();
-        let unit = self.prior_noise * self.prior_noise;
+        let missing = self.prior_noise * self.prior_noise - self.residual();
+        if !(missing > 0.0) {
+            return;
+        }
         for (k, variance) in variances.iter().enumerate() {
-            let own = p[k][k];
-            if !(own < *variance) {
+            if !(*variance > 0.0) {
                 continue;
             }
-            let whole = if own > bound { own } else { bound };
-            let variance = unit * (variance - own);
+            let whole = if *variance > bound { *variance } else { bound };
+            let variance = missing * variance;
             for i in 0..N {
                 for j in 0..N {
                     covariance[i][j] += (p[i][k] / whole) * (p[j][k] / whole) * variance;

@@ -132,7 +132,7 @@ pub(super) fn bounded(seed: u64) -> Pair {
     let mut with: Identifier<_, 3, 5> =
         Identifier::try_new(&config, trends(BANDWIDTH)).expect("a servo");
     let mut rows = ServoRows::new(f64::from(BANDWIDTH), 0.4, 50.0, DT);
-    let mut without = Forgetting::<5>::new(Kind::Plain, 1e8, 0.2 / DT);
+    let mut without = Forgetting::<5>::new(Kind::Plain, [1e8; 5], 0.2 / DT);
     let mut noise = Additive::new(&Condition::white(30.0), seed);
     let mut plant = REFERENCE.plant(DT);
     let mut sample = |u: f64| {

@@ -200,7 +200,7 @@ impl Others {
         ];
         Self {
             rows: ServoRows::new(bandwidth, 0.4, 1000.0 / bandwidth, DT),
-            estimators: kinds.map(|kind| Forgetting::new(kind, 1e8, memory / DT)),
+            estimators: kinds.map(|kind| Forgetting::new(kind, [1e8; 5], memory / DT)),
             left: samples + MOTION,
             worst: [0.0; 3],
         }

@@ -24,9 +24,10 @@ pub enum Kind {
         variance: f64,
     },
     /// All of it; then one parameter per sample in turn is observed at its nominal value, which follows the estimate
-    /// where its variance is small: what the core does, with dense matrices.
+    /// where its variance is small: what the core does, with dense matrices. Until the variance was small once, a nominal
+    /// value is the mean of the prior and weighs as much as keeps the prior variance.
     InTurn {
-        /// r.
+        /// r, once the variance of the parameter was small.
         variance: f64,
         /// Variance below which a nominal value follows.
         follows: f64,
@@ -40,21 +41,24 @@ pub struct Forgetting<const N: usize> {
     lambda: f64,
     theta: SVector<f64, N>,
     nominal: SVector<f64, N>,
+    /// Variances that the observations in turn leave without data: those of the prior, until the data showed a parameter.
+    unsupported: [f64; N],
     information: SMatrix<f64, N, N>,
     covariance: SMatrix<f64, N, N>,
     turn: usize,
 }
 
 impl<const N: usize> Forgetting<N> {
-    /// Starts at zero with this variance of each parameter relative to the noise, and the memory in samples.
-    pub fn new(kind: Kind, variance: f64, memory: f64) -> Self {
+    /// Starts at zero with these variances of the parameters relative to the noise, and the memory in samples.
+    pub fn new(kind: Kind, variances: [f64; N], memory: f64) -> Self {
         Self {
             kind,
             lambda: 1.0 - 1.0 / memory,
             theta: SVector::zeros(),
             nominal: SVector::zeros(),
-            information: SMatrix::identity() / variance,
-            covariance: SMatrix::identity() * variance,
+            unsupported: variances,
+            information: SMatrix::from_diagonal(&variances.map(f64::recip).into()),
+            covariance: SMatrix::from_diagonal(&variances.into()),
             turn: 0,
         }
     }
@@ -109,10 +113,12 @@ impl<const N: usize> Forgetting<N> {
             self.turn = (i + 1) % N;
             let column = self.covariance.column(i).into_owned();
             let known = column[i];
-            let gain = column / (variance + known);
+            let least = self.unsupported[i] / (N as f64 * (1.0 - self.lambda));
+            let gain = column / (variance.max(least) + known);
             self.theta += gain * (self.nominal[i] - self.theta[i]);
             self.covariance -= gain * column.transpose();
             if known < follows {
+                self.unsupported[i] = 0.0;
                 self.nominal[i] = self.theta[i];
             }
         }
@@ -211,7 +217,7 @@ mod tests {
             Kind::Stabilised { variance: 1e3 },
         ] {
             let mut rows = ServoRows::new(20.0, 0.4, 50.0, 1e-3);
-            let mut estimator = Forgetting::<5>::new(kind, 1e8, 2000.0);
+            let mut estimator = Forgetting::<5>::new(kind, [1e8; 5], 2000.0);
             let mut plant = REFERENCE.plant(1e-3);
             for u in Excitation::ABSOLUTE.sequence(10_000, 1e-3, 1) {
                 let (phi, psi) = rows.update(u, plant.output());
@@ -230,7 +236,7 @@ mod tests {
     #[test]
     fn at_rest_plain_forgetting_winds_up_and_the_others_do_not() {
         let largest = |kind| {
-            let mut estimator = Forgetting::<2>::new(kind, 1e4, 200.0);
+            let mut estimator = Forgetting::<2>::new(kind, [1e4; 2], 200.0);
             for k in 0..20_000 {
                 let wave = f64::from(k % 7) - 3.0;
                 let phi = if k < 2000 { [1.0, wave] } else { [1.0, 0.0] };

@@ -109,7 +109,7 @@ fn gap<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
     let core = identifier.recursion().theta().map(f64::from);
 
     let fresh: Identifier<T, M, N, I, 8> = Identifier::try_new(&config, trends).unwrap();
-    let prior = f64::from(fresh.estimator().covariance(0, 0));
+    let prior: [f64; N] = core::array::from_fn(|j| f64::from(fresh.estimator().covariance(j, j)));
 
     let start = model.initial_state().then(|| {
         let slowest = f64::from(trends.design().slow_mode);
@@ -138,7 +138,7 @@ fn gap<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
             .to_vec(),
         Some(memory) => {
             // The prior is ten design sizes, and its variance counts noise in the normalised equation.
-            let scale = 10.0 / prior.sqrt() / noise;
+            let scale = 10.0 / prior[0].sqrt() / noise;
             let lambda = 1.0 - DT / memory;
             let bound = StabilisedForgetting::new([0.0; N], lambda).bound();
             let kind = Kind::InTurn {

@@ -274,6 +274,7 @@ fn hours_without_a_movement() {
     let mut config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
     config.memory = Some(0.2);
     let mut identifier: Identifier<_, 3, 5> = Identifier::try_new(&config, trends).unwrap();
+    let prior = *identifier.estimator().diagonal();
     for k in 0..600_000 {
         let u = if k < 1000 { 0.4 } else { 0.0 };
         let y = if k < 1000 { 0.1 * k as f32 } else { 100.0 };
@@ -282,11 +283,23 @@ fn hours_without_a_movement() {
     let estimate = identifier.estimate();
     let (theta, std) = (estimate.theta(), estimate.std());
     assert!(theta.iter().chain(&std).all(|v| v.is_finite()));
-    let diagonal = identifier.estimator().diagonal();
-    println!("D after ten minutes {diagonal:?}");
-    // N r Delta / memory, see the head of forgetting.rs.
+    // A ramp shows b0/a1, at rest within the memory nothing does: both are again what the prior says, and as uncertain.
+    let prior_std = [4e3, 0.0, 1e7];
+    for j in [0, 2] {
+        assert!(theta[j].abs() < prior_std[j] && (std[j] / prior_std[j] - 1.0).abs() < 0.1);
+    }
+    let estimator = identifier.estimator();
+    println!(
+        "theta {theta:?}, sigma {std:?}, D {:?} of {prior:?}",
+        estimator.diagonal()
+    );
+    // N r Delta / memory where the data have shown a parameter, otherwise the prior: see the head of forgetting.rs.
     let bound = StabilisedForgetting::new([0.0; 5], 1.0 - 0.001 / 0.2).bound();
-    assert!(diagonal.iter().all(|d| *d > 0.0 && *d <= 1.01 * bound));
+    let share = 5.0 * 0.001 / 0.2;
+    for (j, prior) in prior.iter().enumerate() {
+        let p = estimator.covariance(j, j);
+        assert!(estimator.diagonal()[j] > 0.0 && p <= 1.01 * bound.max(prior * (1.0 + share)));
+    }
 }
 
 #[test]
