@@ -6,9 +6,7 @@
 
 use trendid::estimation::Terms;
 use trendid::model::{Physical, PredictionError};
-use trendid::trends::{
-    AnyTrends, ExactTrends, FilteredTrends, Hold, RawTrends, Scheme, TrendOperator,
-};
+use trendid::trends::{AnyTrends, ExactTrends, FilteredTrends, RawTrends, Scheme, TrendOperator};
 use trendid::{Config, ConfigError, Identifier, Outcome, Structure};
 
 use crate::estimate::{Estimate, Reading};
@@ -20,19 +18,20 @@ pub const DELAY: usize = 512;
 /// Most parameters.
 pub const PARAMETERS: usize = 10;
 
-/// One input of a run-time structure.
-#[derive(Debug, Clone, PartialEq)]
-pub struct InputSetup {
-    /// Which b_i exist.
-    pub terms: Terms,
-    /// What the input does between samples.
-    pub hold: Hold,
-    /// Delay in samples.
-    pub delay: usize,
-    /// Typical size.
-    pub range: f32,
-    /// Value in equilibrium before the record.
-    pub initial: f32,
+/// The settings of the core for up to [`INPUTS`] inputs, made by [`settings`].
+///
+/// The sizes are placeholders until [`Setup::build`] knows the structure, so `structure`, `initial` and `prior_std`
+/// are without effect; [`Recursion::warm_start`] begins from known parameters.
+pub type Settings = Config<1, INPUTS, INPUTS>;
+
+/// The core's defaults for a plant of this bandwidth \[rad/s\] and these sizes of signals, see [`Config::new`].
+/// Inputs beyond [`INPUTS`] are left out; [`Setup::build`] refuses them.
+pub fn settings(bandwidth: f32, input_ranges: &[f32], output_range: f32) -> Settings {
+    let mut ranges = [1.0; INPUTS];
+    for (slot, range) in ranges.iter_mut().zip(input_ranges) {
+        *slot = *range;
+    }
+    Config::new(Structure::INTEGRATING, bandwidth, ranges, output_range)
 }
 
 /// The trends in front of the estimator.
@@ -51,42 +50,36 @@ pub enum Filter {
     },
 }
 
-/// Everything that [`Config`] and the trend operator need, with sizes as values.
+/// A structure and its trends with sizes as values, and the settings of the core.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setup {
     /// Order m, 1..=4.
     pub order: usize,
     /// Which a_i exist.
     pub output: Terms,
-    /// The inputs, at most [`INPUTS`].
-    pub inputs: Vec<InputSetup>,
+    /// Which b_i exist, for each of at most [`INPUTS`] inputs.
+    pub inputs: Vec<Terms>,
     /// Whether there is a constant input.
     pub constant: bool,
-    /// Whether the start is a parameter.
-    pub start: bool,
-    /// Delta in s.
+    /// Whether the initial state is a parameter.
+    #[doc(alias = "start")]
+    pub initial_state: bool,
+    /// Sampling interval \[s\].
     pub sample_time: f32,
     /// Goodwin or Tustin.
     pub scheme: Scheme,
     /// Raw or filtered trends.
     pub filter: Filter,
-    /// Rough bandwidth in rad/s.
-    pub bandwidth: f32,
-    /// Typical movement of the output.
-    pub output_range: f32,
-    /// Expected noise of the output, standard deviation.
-    pub output_noise: f32,
-    /// Memory in s.
-    pub memory: Option<f32>,
-    /// Settling before the first estimate, in s.
-    pub settling: f32,
+    /// Everything else.
+    pub settings: Settings,
 }
 
 impl Setup {
     /// Number of parameters.
     pub fn parameters(&self) -> usize {
-        let numerators: usize = self.inputs.iter().map(|input| input.terms.count()).sum();
-        self.output.count() + numerators + usize::from(self.constant) + usize::from(self.start)
+        let numerators: usize = self.inputs.iter().map(|terms| terms.count()).sum();
+        let others = usize::from(self.constant) + usize::from(self.initial_state);
+        self.output.count() + numerators + others
     }
 
     /// Builds the core for this setup.
@@ -115,26 +108,14 @@ impl Setup {
     }
 
     fn config<const M: usize, const N: usize>(&self) -> Result<Config<M, N, INPUTS>, ConfigError> {
-        let mut terms = [Terms::NONE; INPUTS];
-        for (slot, input) in terms.iter_mut().zip(&self.inputs) {
-            *slot = input.terms;
-        }
-        let structure = if self.start {
-            Structure::try_with_initial_state(self.output, terms, self.constant)?
+        let mut inputs = [Terms::NONE; INPUTS];
+        inputs[..self.inputs.len()].copy_from_slice(&self.inputs);
+        let structure = if self.initial_state {
+            Structure::try_with_initial_state(self.output, inputs, self.constant)?
         } else {
-            Structure::try_new(self.output, terms, self.constant)?
+            Structure::try_new(self.output, inputs, self.constant)?
         };
-        let mut config = Config::new(structure, self.bandwidth, [1.0; INPUTS], self.output_range);
-        for (c, input) in self.inputs.iter().enumerate() {
-            config.input_range[c] = input.range;
-            config.holds[c] = input.hold;
-            config.delays[c] = input.delay;
-            config.initial_input[c] = input.initial;
-        }
-        config.output_noise = self.output_noise;
-        config.memory = self.memory;
-        config.settling = self.settling;
-        Ok(config)
+        Ok(self.settings.with_structure(structure))
     }
 }
 
@@ -165,7 +146,7 @@ fn sized<const M: usize>(setup: &Setup) -> Result<Box<dyn Recursion>, ConfigErro
             match setup.parameters() {
                 $($n => Ok(Box::new(Sized::<_, M, $n> {
                     identifier: Identifier::try_new(&setup.config::<M, $n>()?, trends)?,
-                    numerators: setup.inputs.iter().map(|input| numerators(input.terms, M)).collect(),
+                    numerators: setup.inputs.iter().map(|terms| numerators(*terms, M)).collect(),
                 })),)+
                 found => Err(ConfigError::ParameterCount { found, expected: PARAMETERS }),
             }
@@ -180,7 +161,7 @@ pub trait Recursion {
     fn update(&mut self, u: &[f32], y: f32) -> Outcome;
     /// The model at this moment.
     fn estimate(&self) -> Estimate;
-    /// IQ and IV so far.
+    /// Sums of the squared and of the absolute prediction errors so far.
     fn prediction_error(&self) -> PredictionError;
     /// Lets the estimate move or holds it.
     fn adapt(&mut self, on: bool);

@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::free_run::FreeRun;
 use crate::problem::Problem;
-use crate::run::{Index, Run, Trace};
+use crate::run::{PredictionErrors, Run, Trace};
 use crate::search::{Choice, Freedom, Progress, iterate_filter, tune};
 use crate::tuning::Tuning;
 
@@ -16,7 +16,7 @@ pub struct Identification {
     /// The model of the whole record.
     pub estimate: Estimate,
     /// One-step prediction errors over the whole record.
-    pub index: Index,
+    pub errors: PredictionErrors,
     /// Free simulation of the second half; `None` where the model runs away.
     pub free_run: Option<FreeRun>,
     /// Whether the simulated model is that of the first half. The whole record stands in where the
@@ -54,7 +54,7 @@ pub fn identify(
     let every = samples.checked_div(trace_points).map(|every| every.max(1));
     let Run {
         end: estimate,
-        index,
+        errors,
         ..
     } = problem.run(tuning, every.map(|every| (&mut trace, every)))?;
     problem.check(&estimate)?;
@@ -65,7 +65,7 @@ pub fn identify(
     Ok(Identification {
         tuning,
         estimate,
-        index,
+        errors,
         free_run,
         held_out,
         trace,

@@ -63,7 +63,7 @@ pub use estimate::{Estimate, Reading};
 pub use free_run::FreeRun;
 pub use identification::{Identification, identify};
 pub use problem::{Options, Problem, Structure};
-pub use run::{Index, Run, Trace};
+pub use run::{PredictionErrors, Run, Trace};
 pub use search::{Choice, Freedom, Progress};
 pub use select::{Selection, select};
 pub use signals::{Input, Signals};

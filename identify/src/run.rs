@@ -3,7 +3,7 @@
 use trendid::Outcome;
 use trendid::estimation::Terms;
 
-use crate::dynamic::{InputSetup, Setup};
+use crate::dynamic::{Setup, settings};
 use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::problem::Problem;
@@ -27,13 +27,16 @@ const PASSES: usize = 8;
 /// Movement of a parameter between two passes, in standard deviations, that ends them.
 const SETTLED: f64 = 1e-3;
 
-/// The indices of (11), summed here in f64: over a long record f32 would lose the later, smaller errors.
+/// One-step prediction errors of a run, summed in f64: over a long record f32 would lose the later, smaller errors.
+#[doc(alias = "Index")]
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Index {
-    /// Sum of the squared one-step prediction errors.
-    pub iq: f64,
-    /// Sum of their magnitudes.
-    pub iv: f64,
+pub struct PredictionErrors {
+    /// Sum of their squares, in the unit of y squared.
+    #[doc(alias = "iq")]
+    pub ise: f64,
+    /// Sum of their magnitudes, in the unit of y.
+    #[doc(alias = "iv")]
+    pub iae: f64,
     /// Number of errors.
     pub samples: usize,
 }
@@ -47,7 +50,7 @@ pub struct Run {
     pub end: Estimate,
     /// One-step prediction errors: of the second half where the parameters were held there, else of
     /// all samples that were predicted.
-    pub index: Index,
+    pub errors: PredictionErrors,
 }
 
 /// The course of the parameters over a run.
@@ -140,7 +143,7 @@ impl Problem<'_> {
         let mut u = vec![0.0_f32; self.signals.inputs.len()];
         let middle = y.len() / 2;
         let mut half = None;
-        let mut index = Index::default();
+        let mut errors = PredictionErrors::default();
         for (k, y) in y.iter().enumerate() {
             if k == middle {
                 half = Some(core.estimate());
@@ -156,7 +159,7 @@ impl Problem<'_> {
             if let Some(error) = outcome.innovation()
                 && (k >= middle || !held)
             {
-                index.add(f64::from(error));
+                errors.add(f64::from(error));
             }
             if let Some((trace, every)) = &mut trace
                 && k % *every == 0
@@ -170,48 +173,51 @@ impl Problem<'_> {
         Ok(Run {
             half: half.unwrap_or_else(|| end.clone()),
             end,
-            index,
+            errors,
         })
     }
 
     fn setup(&self, tuning: Tuning, denominator: Option<&[f64]>) -> Setup {
         let (signals, structure) = (self.signals, self.structure);
+        // Raw trends have no filter; their normalisation takes a decade below the sampling rate.
+        let bandwidth = tuning.fastest().unwrap_or(0.1 / signals.dt) as f32;
+        let inputs = &signals.inputs;
+        let ranges: Vec<f32> = inputs.iter().map(|i| spread(i.samples) as f32).collect();
         let output_range = spread(signals.output) as f32;
+        let mut settings = settings(bandwidth, &ranges, output_range);
+        settings.output_noise = NOISE * output_range;
+        settings.memory = self.options.memory.map(|m| m as f32);
         let settling = tuning.slowest().map_or(0.0, |rate| SETTLING / rate);
-        let inputs = signals.inputs.iter().map(|input| InputSetup {
-            terms: Terms::up_to(self.terms(input)),
-            hold: input.hold,
-            delay: if input.delayed { tuning.delay } else { 0 },
-            range: spread(input.samples) as f32,
-            initial: match structure.integrator {
-                true => 0.0,
-                false => input.samples[0] as f32,
-            },
-        });
+        settings.settling =
+            settling.min(SETTLING_SHARE * self.samples() as f64 * signals.dt) as f32;
+        for (c, input) in inputs.iter().enumerate() {
+            settings.holds[c] = input.hold;
+            if input.delayed {
+                settings.delays[c] = tuning.delay;
+            }
+            if !structure.integrator {
+                settings.initial_input[c] = input.samples[0] as f32;
+            }
+        }
         let scheme = self.options.scheme;
         Setup {
             order: structure.order,
             output: Terms::between(usize::from(structure.integrator), structure.order),
-            inputs: inputs.collect(),
+            inputs: inputs.iter().map(|i| Terms::up_to(self.terms(i))).collect(),
             constant: structure.constant,
-            start: false,
+            initial_state: false,
             sample_time: signals.dt as f32,
             scheme,
             filter: tuning.filter(scheme, structure.order, signals.dt, denominator),
-            // Raw trends have no filter; their normalisation takes a decade below the sampling rate.
-            bandwidth: tuning.fastest().unwrap_or(0.1 / signals.dt) as f32,
-            output_range,
-            output_noise: NOISE * output_range,
-            memory: self.options.memory.map(|m| m as f32),
-            settling: settling.min(SETTLING_SHARE * self.samples() as f64 * signals.dt) as f32,
+            settings,
         }
     }
 }
 
-impl Index {
+impl PredictionErrors {
     fn add(&mut self, error: f64) {
-        self.iq += error * error;
-        self.iv += error.abs();
+        self.ise += error * error;
+        self.iae += error.abs();
         self.samples += 1;
     }
 }

@@ -5,15 +5,15 @@ use rayon::prelude::*;
 use crate::error::{Error, Weakness};
 use crate::estimate::Estimate;
 use crate::problem::{Options, Problem, Structure};
-use crate::run::Index;
+use crate::run::PredictionErrors;
 use crate::search::{Choice, Freedom, Progress, delays, tune};
 use crate::signals::Signals;
 use crate::tuning::Tuning;
 
-/// A structure is as good as the best when its IQ is at most this much larger.
+/// A structure is as good as the best when its ISE is at most this much larger.
 pub const TOLERANCE: f64 = 0.1;
 
-/// And only when its free simulation fits at most so many points worse: slow disturbances lower the IQ of
+/// And only when its free simulation fits at most so many points worse: slow disturbances lower the ISE of
 /// a richer structure without making it truer.
 pub const POINTS: f64 = 1.0;
 
@@ -22,14 +22,14 @@ pub const POINTS: f64 = 1.0;
 pub struct Candidate {
     /// The structure.
     pub structure: Structure,
-    /// Delay with the smallest IQ, in samples.
+    /// Delay with the smallest ISE, in samples.
     pub delay: usize,
     /// The model of the first half.
     pub estimate: Estimate,
     /// Names of its parameters.
     pub names: Vec<String>,
     /// One-step prediction errors over the second half, parameters held.
-    pub index: Index,
+    pub errors: PredictionErrors,
     /// Fit of a free simulation of the second half, initial state and constant refitted \[%\]; minus
     /// infinity where the model runs away.
     pub fit_x0c: f64,
@@ -57,7 +57,7 @@ pub struct Selection {
     pub dropped: Vec<Dropped>,
     /// Index of the recommended candidate.
     pub recommended: usize,
-    /// Index of the smallest IQ among those that simulate well.
+    /// Index of the smallest ISE among those that simulate well.
     pub smallest: usize,
 }
 
@@ -94,7 +94,7 @@ impl Range {
 /// Estimates every structure with the first half of the record at every delay, all behind the same filter,
 /// and judges it on the second.
 ///
-/// Recommended is the structure with the fewest parameters whose IQ is within [`TOLERANCE`] of the smallest
+/// Recommended is the structure with the fewest parameters whose ISE is within [`TOLERANCE`] of the smallest
 /// among those whose free simulation fits within [`POINTS`] of the best.
 ///
 /// # Errors
@@ -143,8 +143,8 @@ pub fn select(
         let (passed, failed): (Vec<_>, Vec<_>) = tried.into_iter().partition(Result::is_ok);
         dropped.extend(failed.into_iter().filter_map(Result::err));
         let passed = passed.into_iter().flatten();
-        let iq = |c: &Candidate| c.index.iq;
-        candidates.extend(passed.min_by(|a, b| iq(a).total_cmp(&iq(b))));
+        let ise = |c: &Candidate| c.errors.ise;
+        candidates.extend(passed.min_by(|a, b| ise(a).total_cmp(&ise(b))));
     }
     let (recommended, smallest) = recommend(&candidates).ok_or(Error::NoStructure {
         max_order: range.max_order,
@@ -187,7 +187,7 @@ fn candidate(problem: &Problem, pole: Option<f64>, delay: usize) -> Result<Candi
     };
     let run = problem.run_held(tuning)?;
     problem.check(&run.half)?;
-    if !run.index.iq.is_finite() {
+    if !run.errors.ise.is_finite() {
         return Err(problem.cannot_carry(Weakness::NoPrediction));
     }
     let n = problem.samples();
@@ -197,27 +197,27 @@ fn candidate(problem: &Problem, pole: Option<f64>, delay: usize) -> Result<Candi
         delay,
         names: problem.parameter_names(),
         estimate: run.half,
-        index: run.index,
+        errors: run.errors,
         fit_x0c: free.map_or(f64::NEG_INFINITY, |f| f.fit_x0c),
     })
 }
 
-/// The recommended candidate and the one with the smallest IQ.
+/// The recommended candidate and the one with the smallest ISE.
 fn recommend(candidates: &[Candidate]) -> Option<(usize, usize)> {
     let best_fit = candidates
         .iter()
         .map(|c| c.fit_x0c)
         .fold(f64::NEG_INFINITY, f64::max);
     let fits = |k: &usize| candidates[*k].fit_x0c >= best_fit - POINTS;
-    let iq = |k: &usize| candidates[*k].index.iq;
+    let ise = |k: &usize| candidates[*k].errors.ise;
     let smallest = (0..candidates.len())
         .filter(fits)
-        .min_by(|i, j| iq(i).total_cmp(&iq(j)))?;
-    let near = |k: &usize| iq(k) <= (1.0 + TOLERANCE) * iq(&smallest);
+        .min_by(|i, j| ise(i).total_cmp(&ise(j)))?;
+    let near = |k: &usize| ise(k) <= (1.0 + TOLERANCE) * ise(&smallest);
     let count = |k: &usize| candidates[*k].names.len();
     let simplest = (0..candidates.len())
         .filter(fits)
         .filter(near)
-        .min_by(|i, j| count(i).cmp(&count(j)).then(iq(i).total_cmp(&iq(j))))?;
+        .min_by(|i, j| count(i).cmp(&count(j)).then(ise(i).total_cmp(&ise(j))))?;
     Some((simplest, smallest))
 }

@@ -76,6 +76,48 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
         }
     }
 
+    /// The same settings for another structure over the same inputs; `initial` and `prior_std`, which belong to the
+    /// parameters of a structure, are those of [`Config::new`].
+    ///
+    /// # Examples
+    /// ```
+    /// use trendid::{Config, Structure};
+    /// let mut small = Config::new(Structure::<3, 3, 1>::INTEGRATING, 20.0, [1.0], 50.0);
+    /// small.memory = Some(2.0);
+    /// let large = small.with_structure(Structure::<3, 5, 1>::SERVO);
+    /// assert_eq!((large.bandwidth, large.memory), (20.0, Some(2.0)));
+    /// ```
+    pub const fn with_structure<const P: usize, const Q: usize>(
+        &self,
+        structure: Structure<P, Q, I>,
+    ) -> Config<P, Q, I> {
+        let Self {
+            structure: _,
+            bandwidth,
+            input_range,
+            output_range,
+            output_noise,
+            holds,
+            delays,
+            initial_input,
+            memory,
+            initial: _,
+            prior_std: _,
+            settling,
+            offset_significance,
+        } = *self;
+        Config {
+            output_noise,
+            holds,
+            delays,
+            initial_input,
+            memory,
+            settling,
+            offset_significance,
+            ..Config::new(structure, bandwidth, input_range, output_range)
+        }
+    }
+
     /// Checks every value; `capacity` is the length D of the delay lines.
     pub(crate) fn check(&self, sample_time: f32, capacity: usize) -> Result<(), ConfigError> {
         check_positive("sample_time", sample_time)?;

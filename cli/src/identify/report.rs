@@ -140,12 +140,12 @@ impl Report<'_> {
         for remark in self.remarks() {
             text += &format!("  {remark}\n");
         }
-        let index = self.found.index;
+        let errors = self.found.errors;
         text += &format!(
-            "  one-step prediction: IQ {}, IV {} over {} samples\n",
-            significant(index.iq, 4),
-            significant(index.iv, 4),
-            index.samples
+            "  one-step prediction: ISE {}, IAE {} over {} samples\n",
+            significant(errors.ise, 4),
+            significant(errors.iae, 4),
+            errors.samples
         );
         text
     }
@@ -239,7 +239,7 @@ impl Report<'_> {
             inputs.push(json!({"name": "1", "b": [number(e.constant)]}));
         }
         let [x0, x0c] = self.fits();
-        let (tuning, index) = (&self.found.tuning, self.found.index);
+        let (tuning, errors) = (&self.found.tuning, self.found.errors);
         json!({
             "a": list(&e.a),
             "inputs": inputs,
@@ -253,8 +253,8 @@ impl Report<'_> {
             "fit_x0c_pct": number(x0c),
             "fit_held_out": self.found.held_out,
             "remarks": self.remarks(),
-            "iq": number(index.iq),
-            "iv": number(index.iv),
+            "ise": number(errors.ise),
+            "iae": number(errors.iae),
             "samples": p.samples(),
             "physical": self.physical_json(),
         })

@@ -1,4 +1,4 @@
-//! `trendid select`: orders, zeros and delays against IQ on held-back samples.
+//! `trendid select`: orders, zeros and delays against ISE on held-back samples.
 
 use clap::Args;
 use serde_json::{Value, json};
@@ -14,10 +14,10 @@ const EXAMPLE: &str = "\
 Example:
   trendid select dryer.csv --constant
 
-Every structure is estimated with the first half of the record, at every delay; IQ is
+Every structure is estimated with the first half of the record, at every delay; ISE is
 the sum of the squared one-step prediction errors (11) over the second half, with the
-parameters held. All candidates share the filter poles, so their IQ compare.
-Recommended is the structure with the fewest parameters whose IQ is within 10 % of the
+parameters held. All candidates share the filter poles, so their ISE compare.
+Recommended is the structure with the fewest parameters whose ISE is within 10 % of the
 smallest among those whose free simulation fits within one point of the best.";
 
 /// Compare orders, zeros and delays on a record
@@ -81,14 +81,14 @@ fn reason(selection: &Selection) -> String {
     let rest = "among those that simulate within one point of the best fit";
     if selection.recommended == selection.smallest {
         format!(
-            "the smallest IQ {rest}, and none with fewer than its {} parameters comes within 10 %",
+            "the smallest ISE {rest}, and none with fewer than its {} parameters comes within 10 %",
             c.names.len()
         )
     } else {
         format!(
-            "the fewest parameters ({}) within 10 % of the smallest IQ ({} with {} parameters) {rest}",
+            "the fewest parameters ({}) within 10 % of the smallest ISE ({} with {} parameters) {rest}",
             c.names.len(),
-            significant(best.index.iq, 4),
+            significant(best.errors.ise, 4),
             best.names.len()
         )
     }
@@ -184,8 +184,8 @@ fn candidates(selection: &Selection) -> String {
         "zeros",
         "delay",
         "parameters",
-        "IQ",
-        "IV",
+        "ISE",
+        "IAE",
         "fit x0+c",
         "",
     ];
@@ -198,8 +198,8 @@ fn candidates(selection: &Selection) -> String {
             s.zeros.to_string(),
             c.delay.to_string(),
             c.names.len().to_string(),
-            significant(c.index.iq, 4),
-            significant(c.index.iv, 4),
+            significant(c.errors.ise, 4),
+            significant(c.errors.iae, 4),
             if c.fit_x0c > -1e3 {
                 format!("{:.2} %", c.fit_x0c)
             } else {
@@ -238,8 +238,8 @@ fn json_of(selection: &Selection, dt: f64) -> Value {
             "parameters": c.names,
             "theta": c.estimate.theta.iter().map(|v| number(*v)).collect::<Vec<_>>(),
             "sigma": c.estimate.sigma.iter().map(|v| number(*v)).collect::<Vec<_>>(),
-            "iq": number(c.index.iq),
-            "iv": number(c.index.iv),
+            "ise": number(c.errors.ise),
+            "iae": number(c.errors.iae),
             "fit_x0c_pct": number(c.fit_x0c),
             "stable": c.estimate.reading.stable,
         })

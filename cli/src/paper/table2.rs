@@ -1,21 +1,27 @@
 //! `trendid paper table2`: the paper's Table 2 again, structures of every size and what IQ says of them.
+//!
+//! IQ is the paper's name of the sum of squared errors (ISE); it stays where the printed table is compared.
 
 use rayon::prelude::*;
 use trendid::estimation::Terms;
 use trendid::model::OutputEvaluation;
-use trendid::trends::{FilteredTrends, Hold, RawTrends, Scheme};
+use trendid::trends::{FilteredTrends, RawTrends, Scheme};
 use trendid::{ConfigError, TransferFunction};
 use trendid_host_tests::paper::statistics::quantile;
 use trendid_host_tests::plants::linear::LinearPlant;
 use trendid_host_tests::signals::experiment::{Experiment, Record};
 use trendid_host_tests::signals::noise::Condition;
 use trendid_identify::Estimate;
-use trendid_identify::dynamic::{Filter, InputSetup, Setup};
+use trendid_identify::dynamic::{Filter, Setup, settings};
 
 use crate::output::{self, Refusal};
 use crate::paper::args::{Table2Args, check};
 use crate::paper::found::{Found, NO, SIZES, Size};
 use crate::paper::table2_text::{as_json, csv, plain};
+
+/// Rough design values, all that the identifier gets: rad/s, and mm of movement.
+const BANDWIDTH: f32 = 20.0;
+const MOVEMENT: f32 = 50.0;
 
 /// Identifies every structure and prints the table.
 pub(super) fn run(args: &Table2Args) -> Result<(), Refusal> {
@@ -94,13 +100,13 @@ fn setup(
 ) -> Result<Setup, ConfigError> {
     let (dt, order) = (record.dt as f32, size.m + 1);
     let polynomial = match order {
-        2 => FilteredTrends::<2>::for_bandwidth(scheme, dt, 20.0)?
+        2 => FilteredTrends::<2>::for_bandwidth(scheme, dt, BANDWIDTH)?
             .filter()
             .to_vec(),
-        3 => FilteredTrends::<3>::for_bandwidth(scheme, dt, 20.0)?
+        3 => FilteredTrends::<3>::for_bandwidth(scheme, dt, BANDWIDTH)?
             .filter()
             .to_vec(),
-        _ => FilteredTrends::<4>::for_bandwidth(scheme, dt, 20.0)?
+        _ => FilteredTrends::<4>::for_bandwidth(scheme, dt, BANDWIDTH)?
             .filter()
             .to_vec(),
     };
@@ -108,15 +114,9 @@ fn setup(
     Ok(Setup {
         order,
         output: Terms::between(1, order),
-        inputs: vec![InputSetup {
-            terms: Terms::up_to(size.numerators),
-            hold: Hold::Zero,
-            delay: 0,
-            range: amplitude as f32,
-            initial: 0.0,
-        }],
+        inputs: vec![Terms::up_to(size.numerators)],
         constant: false,
-        start: filtered,
+        initial_state: filtered,
         sample_time: dt,
         scheme,
         filter: if filtered {
@@ -124,11 +124,7 @@ fn setup(
         } else {
             Filter::None
         },
-        bandwidth: 20.0,
-        output_range: 50.0,
-        output_noise: 0.05,
-        memory: None,
-        settling: 0.0,
+        settings: settings(BANDWIDTH, &[amplitude as f32], MOVEMENT),
     })
 }
 

@@ -3,10 +3,10 @@
 use serde_json::json;
 use trendid::Outcome;
 use trendid::estimation::Terms;
-use trendid::trends::{FilteredTrends, Hold, Scheme};
+use trendid::trends::{FilteredTrends, Scheme};
 use trendid_host_tests::signals::experiment::Record;
 use trendid_identify::Choice;
-use trendid_identify::dynamic::{Filter, InputSetup, Setup};
+use trendid_identify::dynamic::{Filter, Setup, settings};
 use trendid_identify::tuning::binomial;
 
 use crate::output::{Refusal, emit, emit_json};
@@ -48,7 +48,7 @@ pub(super) fn run(args: &LinearArgs) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// The default of the core, or a filter of one pole without constant and start.
+/// The default of the core, or a filter of one pole without constant and initial state.
 fn setup(record: &Record, scheme: Scheme, choice: Choice<Option<f64>>) -> Result<Setup, Refusal> {
     let filter = match choice {
         Choice::Auto => {
@@ -63,22 +63,12 @@ fn setup(record: &Record, scheme: Scheme, choice: Choice<Option<f64>>) -> Result
     Ok(Setup {
         order: 3,
         output: Terms::between(1, 3),
-        inputs: vec![InputSetup {
-            terms: Terms::up_to(1),
-            hold: Hold::Zero,
-            delay: 0,
-            range: COMMAND,
-            initial: 0.0,
-        }],
+        inputs: vec![Terms::up_to(1)],
         constant: default,
-        start: default,
+        initial_state: default,
         sample_time: record.dt as f32,
         scheme,
         filter,
-        bandwidth: BANDWIDTH as f32,
-        output_range: MOVEMENT,
-        output_noise: 1e-3 * MOVEMENT,
-        memory: None,
-        settling: 0.0,
+        settings: settings(BANDWIDTH as f32, &[COMMAND], MOVEMENT),
     })
 }

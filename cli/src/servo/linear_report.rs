@@ -164,13 +164,13 @@ pub(super) fn json_of(courses: &[Course], core: &dyn Recursion) -> Value {
             }),
         );
     }
-    let quality = core.prediction_error();
+    let errors = core.prediction_error();
     json!({
         "parameters": parameters,
         "tss_ms": settling_time(courses).map(|t| number(1e3 * t)),
-        "iq": number32(quality.ise()),
-        "iv": number32(quality.iae()),
-        "samples": quality.samples(),
+        "ise": number32(errors.ise()),
+        "iae": number32(errors.iae()),
+        "samples": errors.samples(),
     })
 }
 

@@ -147,7 +147,7 @@ fn what_simulate_writes_identify_finds() {
     assert!(value["fit_pct"].as_f64().unwrap() > 99.0);
     assert!(value["fit_x0c_pct"].as_f64().unwrap() > 99.0);
     assert!(value["fit_held_out"].as_bool().unwrap());
-    assert!(value["iq"].as_f64().unwrap() > 0.0);
+    assert!(value["ise"].as_f64().unwrap() > 0.0);
     near(&value["physical"]["gain"], 2500.0, 0.5);
     near(&value["physical"]["omega0"], 20.0, 0.5);
     near(&value["physical"]["damping"], 0.5, 0.5);
@@ -164,7 +164,7 @@ fn what_simulate_writes_identify_finds() {
     let text = stdout(&["identify", &file, "--order", "3", "--integrator"]);
     assert!(text.contains("(s^3 + ") && text.contains(" s)"), "{text}");
     assert!(
-        text.contains("+-") && text.contains("IQ") && text.contains("fit 99."),
+        text.contains("+-") && text.contains("ISE") && text.contains("fit 99."),
         "{text}"
     );
 
@@ -185,7 +185,7 @@ fn what_simulate_writes_identify_finds() {
         "0",
     ]);
     assert!(
-        text.contains("<== recommended") && text.contains("IQ"),
+        text.contains("<== recommended") && text.contains("ISE"),
         "{text}"
     );
 }
