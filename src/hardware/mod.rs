@@ -7,12 +7,10 @@
 //! Every driver has a safe output for a controller that gives up ([`Valve::safe`]).
 
 mod dac;
-mod magnetic;
 mod pwm;
 mod ssi;
 
 pub use dac::DacValve;
-pub use magnetic::{MagneticEncoder, MagneticError};
 pub use pwm::{PwmError, PwmValve};
 pub use ssi::{SsiCode, SsiEncoder, SsiError, SsiFormat};
 

@@ -73,7 +73,7 @@ impl PredictionError {
 /// use trendid::model::OutputEvaluation;
 /// use trendid::trends::{RawTrends, Scheme};
 /// let mut evaluation = OutputEvaluation::<1, 1>::new(RawTrends::try_new(Scheme::Tustin, 0.1)?);
-/// let model = TransferFunction { a: [0.0], b: [[2.0]], constant: 0.0, integrators: 1 };
+/// let model = TransferFunction { a: [0.0], b: [[2.0]], constant: 0.0 };
 /// assert_eq!(evaluation.update(&model, [1.0], 0.0), None); // the window fills
 /// let error = evaluation.update(&model, [1.0], 0.2).unwrap();
 /// assert!(error.abs() < 1e-6); // dy/dt = 2 u

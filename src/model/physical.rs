@@ -24,7 +24,6 @@ use crate::model::transfer_function::TransferFunction;
 ///     a: [0.0, 400.0, 20.0],
 ///     b: [[1.0e6, 0.0, 0.0]],
 ///     constant: 0.0,
-///     integrators: 1,
 /// };
 /// let reading = Physical::of(&servo, 0);
 /// assert_eq!(reading.omega0, Some(20.0));
@@ -56,7 +55,7 @@ impl<const M: usize> Physical<M> {
             time_constants: [None; M],
             stable: transfer.is_stable(),
         };
-        let behind = transfer.a.get(transfer.integrators..).unwrap_or(&[]);
+        let behind = transfer.behind_integrators().unwrap_or(&[]);
         if let [a0, a1] = *behind
             && a0 > 0.0
             && a0.is_finite()
@@ -70,7 +69,7 @@ impl<const M: usize> Physical<M> {
             return reading;
         };
         let mut n = 0;
-        for pole in poles.iter().skip(transfer.integrators) {
+        for pole in poles.iter().skip(transfer.integrators()) {
             if pole.im == 0.0 && pole.re < 0.0 {
                 if let Some(slot) = reading.time_constants.get_mut(n) {
                     *slot = finite(-1.0 / pole.re);

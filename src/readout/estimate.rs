@@ -73,7 +73,6 @@ impl<const M: usize, const N: usize, const I: usize> Estimate<M, N, I> {
             a: [0.0; M],
             b: [[0.0; M]; I],
             constant: 0.0,
-            integrators: self.structure.integrators(),
         };
         for (parameter, value) in self.structure.parameters().into_iter().zip(self.theta) {
             let slot = match parameter {

@@ -179,7 +179,6 @@ fn by_ten<const M: usize>(
         a: [0.0; M],
         b: [[0.0; M]],
         constant: 0.0,
-        integrators: 1,
     };
     for (to, from) in model.a.iter_mut().zip(&found.a) {
         *to = *from as f32;

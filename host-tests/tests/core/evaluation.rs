@@ -69,13 +69,11 @@ fn predictions_and_indices_are_those_of_the_oracle() {
         a: [0.0, 400.0, 20.0],
         b: [[1e6, 0.0, 0.0]],
         constant: 0.0,
-        integrators: 1,
     };
     let other = TransferFunction {
         a: [900.0, 350.0, 25.0],
         b: [[9e5, 2e4, 300.0]],
         constant: 5e3,
-        integrators: 0,
     };
     for model in [servo, other] {
         for (scheme, hold) in [
@@ -134,7 +132,6 @@ fn evaluation_keeps_its_indices_through_bad_samples() {
         a: [0.0, 400.0, 20.0],
         b: [[1e6, 0.0, 0.0]],
         constant: 0.0,
-        integrators: 1,
     };
     let mut evaluation = OutputEvaluation::<3, 1>::new(trends);
     for k in 0..10 {
@@ -156,7 +153,6 @@ fn evaluation_keeps_its_indices_through_bad_samples() {
             a: [0.0],
             b: [[1.0]],
             constant: 0.0,
-            integrators: 0,
         }
     };
     let mut first =

@@ -36,12 +36,11 @@ fn expand(roots: &[Root]) -> (Vec<f64>, Vec<(f64, f64)>) {
     (polynomial, plane)
 }
 
-fn transfer<const M: usize>(a: &[f64], integrators: usize) -> TransferFunction<M, 1> {
+fn transfer<const M: usize>(a: &[f64]) -> TransferFunction<M, 1> {
     TransferFunction {
         a: core::array::from_fn(|i| a[i] as f32),
         b: [[1.0; M]],
         constant: 0.0,
-        integrators,
     }
 }
 
@@ -67,7 +66,7 @@ fn distance(found: &[Pole], plane: &[(f64, f64)]) -> f64 {
 fn check<const M: usize>(roots: &[Root], limit: f64) {
     let (a, plane) = expand(roots);
     assert_eq!(a.len(), M);
-    let model = transfer::<M>(&a, 0);
+    let model = transfer::<M>(&a);
     let poles = model.poles().expect("finite coefficients");
     let apart = distance(&poles, &plane);
     println!("{roots:?}: {apart:.1e} of the largest root");
@@ -122,7 +121,7 @@ fn multiple_roots() {
 
 #[test]
 fn integrators_come_first_and_do_not_count_as_unstable() {
-    let servo = transfer::<3>(&[0.0, 400.0, 20.0], 1);
+    let servo = transfer::<3>(&[0.0, 400.0, 20.0]);
     let poles = servo.poles().unwrap();
     assert_eq!(poles[0], Pole { re: 0.0, im: 0.0 });
     assert!(
@@ -132,17 +131,34 @@ fn integrators_come_first_and_do_not_count_as_unstable() {
         ) < 1e-6
     );
     assert!(servo.is_stable());
-    let double = transfer::<3>(&[0.0, 0.0, 12.0], 2);
+    let double = transfer::<3>(&[0.0, 0.0, 12.0]);
     assert_eq!(double.poles().unwrap()[2].re, -12.0);
     assert!(double.is_stable());
-    let only = transfer::<2>(&[0.0, 0.0], 2);
+    let only = transfer::<2>(&[0.0, 0.0]);
     assert_eq!(only.poles().unwrap(), [Pole { re: 0.0, im: 0.0 }; 2]);
     assert_eq!(only.gain(0), Some(1.0));
-    // More integrators than the order: nothing to read, nothing to fall over.
-    let wrong = transfer::<2>(&[0.0, 0.0], 5);
-    assert_eq!(wrong.poles(), None);
-    assert!(wrong.is_stable());
+    assert!(only.is_stable());
+    assert_eq!(
+        [
+            servo.integrators(),
+            double.integrators(),
+            only.integrators()
+        ],
+        [1, 2, 2]
+    );
     assert_eq!(servo.gain(7), None);
+}
+
+#[test]
+fn a_model_without_any_coefficient_has_no_gain_and_is_not_stable() {
+    let empty = TransferFunction::<3, 1> {
+        b: [[0.0; 3]],
+        ..transfer(&[0.0; 3])
+    };
+    assert_eq!(empty.gain(0), None);
+    assert!(!empty.is_stable());
+    let reading = Physical::of(&empty, 0);
+    assert_eq!((reading.gain, reading.stable), (None, false));
 }
 
 #[test]
@@ -152,29 +168,29 @@ fn physical_reading_of_each_kind_of_plant() {
         assert!((got / want - 1.0).abs() < 1e-4, "{got} {want}");
     };
     // One lag.
-    let lag = Physical::of(&transfer::<1>(&[4.0], 0), 0);
+    let lag = Physical::of(&transfer::<1>(&[4.0]), 0);
     near(lag.gain, 0.25);
     near(lag.time_constants[0], 0.25);
     assert_eq!((lag.omega0, lag.damping), (None, None));
     // Two lags, read as an overdamped pair as well: 1/20 and 1/2 s, omega0 = sqrt(40).
-    let two = Physical::of(&transfer::<2>(&[40.0, 22.0], 0), 0);
+    let two = Physical::of(&transfer::<2>(&[40.0, 22.0]), 0);
     near(two.time_constants[0], 0.5);
     near(two.time_constants[1], 0.05);
     near(two.omega0, 40_f64.sqrt());
     near(two.damping, 11.0 / 40_f64.sqrt());
     // A lag and a pair behind an integrator: the pair gives omega0, the lag its time constant.
     let (a, _) = expand(&[Root::Real(0.0), Root::Real(-8.0), Root::Pair(-6.0, 35.0)]);
-    let four = Physical::of(&transfer::<4>(&a, 1), 0);
+    let four = Physical::of(&transfer::<4>(&a), 0);
     near(four.omega0, 6_f64.hypot(35.0));
     near(four.damping, 6.0 / 6_f64.hypot(35.0));
     near(four.time_constants[0], 0.125);
     assert_eq!(four.time_constants[1], None);
     near(four.gain, 1.0 / (8.0 * (36.0 + 1225.0)));
     // An unstable drive is read and called unstable; a falling pair of real poles has no omega0.
-    let unstable = Physical::of(&transfer::<3>(&[0.0, 400.0, -2.0], 1), 0);
+    let unstable = Physical::of(&transfer::<3>(&[0.0, 400.0, -2.0]), 0);
     assert!(!unstable.stable);
     near(unstable.damping, -0.05);
-    let saddle = Physical::of(&transfer::<3>(&[0.0, -400.0, 20.0], 1), 0);
+    let saddle = Physical::of(&transfer::<3>(&[0.0, -400.0, 20.0]), 0);
     assert_eq!((saddle.omega0, saddle.damping), (None, None));
     assert!(!saddle.stable);
 }
@@ -210,7 +226,7 @@ fn agreement<const M: usize>(roots: &[Root]) -> Result<(), TestCaseError> {
     let size = plane
         .iter()
         .fold(0.0_f64, |s, (re, im)| s.max(re.hypot(*im)));
-    let model = transfer::<M>(&a, 0);
+    let model = transfer::<M>(&a);
     let Some(poles) = model.poles() else {
         return Err(TestCaseError::fail(format!("no poles for {roots:?}")));
     };
@@ -234,10 +250,9 @@ fn agreement<const M: usize>(roots: &[Root]) -> Result<(), TestCaseError> {
 /// Whatever the coefficients: what is given is a number.
 fn sound<const M: usize>(numbers: &[f32], integrators: usize) -> Result<(), TestCaseError> {
     let model = TransferFunction::<M, 1> {
-        a: core::array::from_fn(|i| numbers[i]),
+        a: core::array::from_fn(|i| if i < integrators { 0.0 } else { numbers[i] }),
         b: [core::array::from_fn(|i| numbers[4 + i])],
         constant: numbers[8],
-        integrators,
     };
     if let Some(poles) = model.poles() {
         prop_assert!(poles.iter().all(|p| p.re.is_finite() && p.im.is_finite()));
@@ -247,7 +262,7 @@ fn sound<const M: usize>(numbers: &[f32], integrators: usize) -> Result<(), Test
     for value in numbers.iter().chain(&reading.time_constants).flatten() {
         prop_assert!(value.is_finite(), "{:?} of {:?}", reading, model);
     }
-    if !model.is_finite() && model.a.iter().skip(integrators).any(|a| !a.is_finite()) {
+    if model.a.iter().any(|a| !a.is_finite()) {
         prop_assert!(!model.is_stable() && model.poles().is_none());
     }
     Ok(())
