@@ -61,6 +61,7 @@
 //! | feature | adds |
 //! |---|---|
 //! | `defmt` | `defmt::Format` on the public types |
+//! | `store` | [`servo::store`](servo): a verified model in flash that survives the loss of power |
 //!
 //! A feature adds items and changes no number.
 //!

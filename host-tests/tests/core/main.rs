@@ -21,5 +21,6 @@ mod properties;
 mod rest;
 mod retune;
 mod robustness;
+mod store;
 mod transfer;
 mod valve;

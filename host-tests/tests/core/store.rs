@@ -1,0 +1,316 @@
+//! The stored model on a simulated flash: power that fails in any operation, flipped bits, records of somebody else.
+
+use std::convert::Infallible;
+
+use embedded_storage::nor_flash::{
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
+};
+use trendid::servo::store::{Identity, ModelStore, RECORD_BYTES, Record, Refused, StoreError};
+use trendid::servo::{Config, Model, Travel};
+
+/// Bytes of a sector: room for three records, and 32 bytes that are left over.
+const SECTOR: usize = 320;
+
+/// What became of an operation in which power failed: NOR flash programs bits to 0 and erases to 1, in any order.
+#[derive(Debug, Clone, Copy)]
+enum Cut {
+    /// After so many bytes.
+    Bytes(usize),
+    /// Every byte, but only the bits of this mask.
+    Bits(u8),
+}
+
+/// NOR flash of two sectors, of which the operation number `cut` loses its power.
+#[derive(Debug, Clone)]
+struct Flash {
+    bytes: [u8; 2 * SECTOR],
+    operations: usize,
+    cut: Option<(usize, Cut)>,
+}
+
+#[derive(Debug, PartialEq, Eq)]
+enum Fault {
+    Power,
+    Bounds,
+}
+
+impl NorFlashError for Fault {
+    fn kind(&self) -> NorFlashErrorKind {
+        NorFlashErrorKind::Other
+    }
+}
+
+impl Flash {
+    const fn new() -> Self {
+        Self {
+            bytes: [0xFF; 2 * SECTOR],
+            operations: 0,
+            cut: None,
+        }
+    }
+
+    /// The bytes `range` through `operation`, as far as power lasts.
+    fn run(
+        &mut self,
+        range: std::ops::Range<usize>,
+        operation: impl Fn(usize, u8) -> u8,
+    ) -> Result<(), Fault> {
+        let place = self.bytes.get_mut(range).ok_or(Fault::Bounds)?;
+        let cut = self.cut.filter(|(at, _)| *at == self.operations);
+        self.operations += 1;
+        for (k, byte) in place.iter_mut().enumerate() {
+            let new = operation(k, *byte);
+            match cut {
+                Some((_, Cut::Bytes(bytes))) if k >= bytes => return Err(Fault::Power),
+                Some((_, Cut::Bits(mask))) => *byte = (new & mask) | (*byte & !mask),
+                _ => *byte = new,
+            }
+        }
+        cut.map_or(Ok(()), |_| Err(Fault::Power))
+    }
+}
+
+impl ErrorType for Flash {
+    type Error = Fault;
+}
+
+impl ReadNorFlash for Flash {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Fault> {
+        let begin = offset as usize;
+        let place = self.bytes.get(begin..begin + bytes.len());
+        bytes.copy_from_slice(place.ok_or(Fault::Bounds)?);
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+impl NorFlash for Flash {
+    const WRITE_SIZE: usize = 4;
+    const ERASE_SIZE: usize = SECTOR;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Fault> {
+        assert!((from as usize).is_multiple_of(SECTOR) && (to as usize).is_multiple_of(SECTOR));
+        self.run(from as usize..to as usize, |_, _| 0xFF)
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Fault> {
+        let begin = offset as usize;
+        assert!(begin.is_multiple_of(4) && bytes.len().is_multiple_of(4));
+        self.run(begin..begin + bytes.len(), |k, old| old & bytes[k])
+    }
+}
+
+fn identity() -> Identity {
+    Identity::new(7, &Config::new(0.001, 20.0, TRAVEL))
+}
+
+const TRAVEL: Travel = Travel {
+    min: 0.0,
+    max: 400.0,
+};
+
+/// The record number `number` of a history.
+fn record(number: usize) -> Record {
+    let value = number as f32;
+    Record {
+        model: Model {
+            dead_zone: 0.03,
+            offset: -0.01,
+            friction: 4000.0 + value,
+            ..Model::linear(400.0 + value, 20.0, 1.0e6)
+        },
+        std: [1.0, 0.1, 2.0e3, f32::INFINITY, value, 0.0],
+        delay: 2e-3,
+    }
+}
+
+fn store(flash: Flash) -> ModelStore<Flash> {
+    ModelStore::new(flash, 0, SECTOR as u32).expect("two sectors")
+}
+
+/// A history of `count` records.
+fn filled(count: usize) -> Flash {
+    let mut store = store(Flash::new());
+    for number in 0..count {
+        store.save(&identity(), &record(number)).expect("power");
+    }
+    store.release()
+}
+
+#[test]
+fn the_newest_record_comes_back_over_many_turns_of_the_sectors() {
+    let mut store = store(Flash::new());
+    let empty = store.load(&identity());
+    assert_eq!(empty, Err(StoreError::Refused(Refused::Empty)));
+    for number in 0..20 {
+        // Three records to a sector; the first sector is blank at the begin.
+        let erases = number > 0 && number % 3 == 0;
+        assert_eq!(store.must_erase(), Ok(erases), "record {number}");
+        store.save(&identity(), &record(number)).expect("power");
+        assert_eq!(store.load(&identity()), Ok(record(number)));
+    }
+}
+
+/// The cuts of an operation: after every byte, and with some of the bits of all bytes.
+fn cuts(bytes: usize) -> impl Iterator<Item = Cut> {
+    let masks = [0x00, 0x01, 0x0F, 0x55, 0xAA, 0xF0, 0xFE, 0xFF];
+    (0..=bytes).map(Cut::Bytes).chain(masks.map(Cut::Bits))
+}
+
+#[test]
+fn power_that_fails_in_any_operation_leaves_the_old_record_or_the_new_one_and_the_next_is_kept() {
+    let (mut old_ones, mut new_ones) = (0, 0);
+    // Every fill of the two sectors; a save is one write, or an erase and a write.
+    for count in 1..=7 {
+        for operation in 0..2 {
+            for cut in cuts(SECTOR) {
+                let mut flash = filled(count);
+                flash.operations = 0;
+                flash.cut = Some((operation, cut));
+                let mut broken = store(flash);
+                let saved = broken.save(&identity(), &record(count));
+                // The restart.
+                let mut flash = broken.release();
+                flash.cut = None;
+                let mut again = store(flash);
+                let found = again.load(&identity());
+                let new = found == Ok(record(count));
+                assert!(
+                    new || found == Ok(record(count - 1)),
+                    "{count} records, operation {operation}, {cut:?}: {found:?}"
+                );
+                assert!(
+                    new || saved.is_err(),
+                    "a record that is said to be kept is kept"
+                );
+                *(if new { &mut new_ones } else { &mut old_ones }) += 1;
+                // Nothing that a cut leaves is in the way: at the latest the second attempt is kept.
+                let next = record(count + 1);
+                let kept = again.save(&identity(), &next).is_ok()
+                    || again.save(&identity(), &next).is_ok();
+                assert!(kept, "{count} records, operation {operation}, {cut:?}");
+                assert_eq!(again.load(&identity()), Ok(next));
+            }
+        }
+    }
+    assert!(old_ones > 1000 && new_ones > 1000, "{old_ones}, {new_ones}");
+}
+
+#[test]
+fn each_flipped_bit_of_the_newest_record_is_detected() {
+    for bit in 0..8 * RECORD_BYTES {
+        let mut one = filled(1);
+        one.bytes[bit / 8] ^= 1 << (bit % 8);
+        let found = store(one).load(&identity());
+        let damaged = StoreError::Refused(Refused::Damaged { records: 1 });
+        assert_eq!(found, Err(damaged), "bit {bit}");
+        let mut two = filled(2);
+        two.bytes[RECORD_BYTES + bit / 8] ^= 1 << (bit % 8);
+        assert_eq!(store(two).load(&identity()), Ok(record(0)), "bit {bit}");
+    }
+}
+
+#[test]
+fn a_record_of_somebody_else_is_refused_with_the_reason() {
+    let Identity { plant, settings } = identity();
+    let other = Identity { plant: 8, settings };
+    let found = store(filled(1)).load(&other);
+    assert_eq!(
+        found,
+        Err(StoreError::Refused(Refused::Plant { found: plant }))
+    );
+    for change in [
+        |config: &mut Config| config.sample_time = 0.002,
+        |config: &mut Config| config.delay = 0.004,
+        |config: &mut Config| config.travel.min = 1.0,
+        |config: &mut Config| config.travel.max = 401.0,
+    ] {
+        let mut config = Config::new(0.001, 20.0, TRAVEL);
+        change(&mut config);
+        let found = store(filled(1)).load(&Identity::new(7, &config));
+        let refused = StoreError::Refused(Refused::Settings { found: settings });
+        assert_eq!(found, Err(refused), "{config:?}");
+    }
+    // Another layout, with a check of its own.
+    let mut flash = filled(1);
+    flash.bytes[0] = 2;
+    let check = crc(&flash.bytes[..RECORD_BYTES - 4]);
+    flash.bytes[RECORD_BYTES - 4..RECORD_BYTES].copy_from_slice(&check.to_le_bytes());
+    let found = store(flash).load(&identity());
+    assert_eq!(
+        found,
+        Err(StoreError::Refused(Refused::Version { found: 2 }))
+    );
+}
+
+/// CRC-32 of ISO-HDLC, bit by bit.
+fn crc(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc: u32, _| {
+            (crc >> 1) ^ (0xEDB8_8320 * (crc & 1))
+        })
+    })
+}
+
+#[test]
+fn a_place_that_cannot_hold_a_store_is_refused() {
+    for (begin, sector, expected) in [
+        (0, 0, StoreError::Place),
+        (0, 100, StoreError::Unit),
+        (4, SECTOR as u32, StoreError::Place),
+        (SECTOR as u32, SECTOR as u32, StoreError::Place),
+        (u32::MAX - 63, SECTOR as u32, StoreError::Place),
+        (0, 13_421_772 * SECTOR as u32, StoreError::Place),
+    ] {
+        let refused = ModelStore::new(Flash::new(), begin, sector).map(|_| ());
+        assert_eq!(refused, Err(expected), "{begin}, {sector}");
+    }
+}
+
+#[test]
+fn a_flash_that_does_not_keep_what_was_written_is_noticed() {
+    /// Flash whose first bit is stuck at 0.
+    struct Worn(Flash);
+    impl ErrorType for Worn {
+        type Error = Infallible;
+    }
+    impl ReadNorFlash for Worn {
+        const READ_SIZE: usize = 1;
+        fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Infallible> {
+            self.0.read(offset, bytes).expect("in bounds");
+            if offset == 0 {
+                bytes[0] &= 0xFE;
+            }
+            Ok(())
+        }
+        fn capacity(&self) -> usize {
+            self.0.capacity()
+        }
+    }
+    impl NorFlash for Worn {
+        const WRITE_SIZE: usize = 4;
+        const ERASE_SIZE: usize = SECTOR;
+        fn erase(&mut self, from: u32, to: u32) -> Result<(), Infallible> {
+            self.0.erase(from, to).expect("power");
+            Ok(())
+        }
+        fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Infallible> {
+            self.0.write(offset, bytes).expect("power");
+            Ok(())
+        }
+    }
+    let mut flash = Flash::new();
+    flash.bytes[..SECTOR].fill(0);
+    let mut store = ModelStore::new(Worn(flash), 0, SECTOR as u32).expect("two sectors");
+    let mut kept = Vec::new();
+    for number in 0..6 {
+        kept.push(store.save(&identity(), &record(number)));
+    }
+    assert!(kept.contains(&Err(StoreError::NotKept)), "{kept:?}");
+    assert!(kept.iter().any(Result::is_ok), "{kept:?}");
+}
