@@ -44,13 +44,14 @@ const ORDERS: [(&str, &[&str]); 2] = [
 const RESERVED: [(&str, &str, &[&str]); 1] = [("src", "hardware", &["servo"])];
 
 /// Packages and programs; in those that contain others, each folder with a `main.rs` or `lib.rs` is one.
-const PACKAGES: [&str; 8] = [
+const PACKAGES: [&str; 9] = [
     "src",
     "identify/src",
     "cli/src",
     "host-tests/src",
     "link/src",
     "xtask/src",
+    "xtask/log/src",
     "host-tests/tests",
     "examples",
 ];

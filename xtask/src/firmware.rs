@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use crate::defmt;
 use crate::elf::Image;
+use crate::log;
 use crate::process::{Done, M0, M3, M4F, Machine, cargo};
 
 /// Options of the task.
@@ -71,7 +71,7 @@ fn servo(build_only: bool) -> Result<String, String> {
     if build_only {
         return Ok(String::new());
     }
-    let lines = defmt::lines(&path, &M4F.output(&path, LIMIT)?)?;
+    let lines = log::lines(&path, &M4F.output(&path, LIMIT)?)?;
     Ok(format!(
         "servo on {} ({}):\n{}",
         M4F.name,

@@ -3,12 +3,12 @@
 //! The steps of continuous integration are these tasks under these names, so that what fails there is repeated here.
 
 mod ci;
-mod defmt;
 mod docs;
 mod elf;
 mod firmware;
 mod golden;
 mod icount;
+mod log;
 mod printed;
 mod process;
 mod quote;

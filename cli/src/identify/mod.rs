@@ -3,5 +3,6 @@
 pub(crate) mod command;
 mod figures;
 mod report;
+mod report_json;
 pub(crate) mod select;
 pub(crate) mod signals;

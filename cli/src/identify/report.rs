@@ -1,15 +1,13 @@
-//! What `trendid identify` prints, for people and as JSON.
+//! What `trendid identify` prints for people.
 
 use std::path::Path;
 
-use serde_json::{Value, json};
 use trendid_identify::derived::Quantity;
 use trendid_identify::search::LONGEST_DELAY;
 use trendid_identify::tuning::ModelFilter;
 use trendid_identify::{Choice, Freedom, Identification, Problem};
 
 use crate::format::{counted, polynomial, significant, table, transfer_function, with_sigma};
-use crate::output::number;
 
 /// Below this fit in percent a model says little about the drive.
 const POOR: f64 = 50.0;
@@ -27,17 +25,17 @@ pub(super) struct Report<'a> {
 }
 
 impl Report<'_> {
-    fn delay_s(&self) -> f64 {
+    pub(super) fn delay_s(&self) -> f64 {
         self.found.tuning.delay as f64 * self.problem.signals.dt
     }
 
-    fn fits(&self) -> [f64; 2] {
+    pub(super) fn fits(&self) -> [f64; 2] {
         let free_run = self.found.free_run.as_ref();
         free_run.map_or([f64::NAN; 2], |f| [f.fit_x0, f.fit_x0c])
     }
 
     /// Whether the longest delay of a search was taken.
-    fn delay_at_end(&self) -> bool {
+    pub(super) fn delay_at_end(&self) -> bool {
         self.freedom.delay == Choice::Auto && self.found.tuning.delay == LONGEST_DELAY
     }
 
@@ -151,7 +149,7 @@ impl Report<'_> {
     }
 
     /// What speaks against the model.
-    fn remarks(&self) -> Vec<&'static str> {
+    pub(super) fn remarks(&self) -> Vec<&'static str> {
         let [x0, x0c] = self.fits();
         let mut remarks = Vec::new();
         if !self.found.estimate.reading.stable {
@@ -210,7 +208,7 @@ impl Report<'_> {
     }
 
     /// Standard deviation of gain, omega0 or damping: the core's, or that of b_0 over a_i.
-    fn reading_sigma(&self, k: usize) -> Option<f64> {
+    pub(super) fn reading_sigma(&self, k: usize) -> Option<f64> {
         let e = &self.found.estimate;
         match e.reading_sigma {
             Some(sigma) => Some(sigma[k]),
@@ -219,84 +217,12 @@ impl Report<'_> {
     }
 
     /// Gains of the delayed inputs behind the first.
-    fn further_gains(&self) -> Vec<(&str, Quantity)> {
+    pub(super) fn further_gains(&self) -> Vec<(&str, Quantity)> {
         let inputs = self.problem.signals.inputs.iter().enumerate().skip(1);
         inputs
             .filter(|(_, input)| input.delayed)
             .map(|(c, input)| (input.name, self.problem.gain(&self.found.estimate, c)))
             .collect()
-    }
-
-    /// The report for machines.
-    pub(super) fn json(&self) -> Value {
-        let (p, e) = (self.problem, &self.found.estimate);
-        let list = |v: &[f64]| Value::Array(v.iter().map(|x| number(*x)).collect());
-        let columns = p.signals.inputs.iter().zip(&e.b);
-        let mut inputs: Vec<Value> = columns
-            .map(|(input, b)| json!({"name": input.name, "b": list(b)}))
-            .collect();
-        if p.structure.constant {
-            inputs.push(json!({"name": "1", "b": [number(e.constant)]}));
-        }
-        let [x0, x0c] = self.fits();
-        let (tuning, errors) = (&self.found.tuning, self.found.errors);
-        json!({
-            "a": list(&e.a),
-            "inputs": inputs,
-            "sigma": list(&e.sigma),
-            "parameters": p.parameter_names(),
-            "delay_s": number(self.delay_s()),
-            "delay_at_end": self.delay_at_end(),
-            "filter_pole": tuning.pole.map(number),
-            "filter": tuning.model.map(|model| model.coefficients().to_vec()),
-            "fit_pct": number(x0),
-            "fit_x0c_pct": number(x0c),
-            "fit_held_out": self.found.held_out,
-            "remarks": self.remarks(),
-            "ise": number(errors.ise),
-            "iae": number(errors.iae),
-            "samples": p.samples(),
-            "physical": self.physical_json(),
-        })
-    }
-
-    fn physical_json(&self) -> Value {
-        let some = |v: Option<f64>| v.map_or(Value::Null, number);
-        let (p, e) = (self.problem, &self.found.estimate);
-        let r = &e.reading;
-        let time_constants = p.time_constants(e);
-        let numbers = |of: fn(&Quantity) -> f64| -> Vec<Value> {
-            time_constants.iter().map(|q| number(of(q))).collect()
-        };
-        let mut physical = json!({
-            "gain": some(r.gain),
-            "omega0": some(r.omega0),
-            "damping": some(r.damping),
-            "time_constants_s": numbers(|q| q.value),
-            "poles": r.poles.as_ref().map(|p| p.iter().map(|(re, im)| [*re, *im]).collect::<Vec<_>>()),
-            "stable": r.stable,
-        });
-        let mut sigma = json!({"time_constants_s": numbers(|q| q.sigma)});
-        for (k, (name, value)) in [
-            ("gain", r.gain),
-            ("omega0", r.omega0),
-            ("damping", r.damping),
-        ]
-        .into_iter()
-        .enumerate()
-        {
-            sigma[name] = some(value.and_then(|_| self.reading_sigma(k)));
-        }
-        for (name, q) in p.force_balance(e) {
-            physical[name] = number(q.value);
-            sigma[name] = number(q.sigma);
-        }
-        for (name, q) in self.further_gains() {
-            physical["further_gains"][name] = number(q.value);
-            sigma["further_gains"][name] = number(q.sigma);
-        }
-        physical["sigma"] = sigma;
-        physical
     }
 }
 

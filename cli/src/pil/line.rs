@@ -139,10 +139,8 @@ pub(super) fn emulated(image: &Path, patience: Duration) -> Result<(Emulator, Tc
             image.display()
         )));
     }
-    let failed =
-        |error: std::io::Error| Refusal::new(format!("no socket for the emulator: {error}"));
-    let listener = TcpListener::bind("127.0.0.1:0").map_err(failed)?;
-    let address = listener.local_addr().map_err(failed)?;
+    let listener = TcpListener::bind("127.0.0.1:0").map_err(no_socket)?;
+    let address = listener.local_addr().map_err(no_socket)?;
     let child = Command::new("qemu-system-arm")
         .args([
             "-machine",
@@ -163,23 +161,11 @@ pub(super) fn emulated(image: &Path, patience: Duration) -> Result<(Emulator, Tc
             ))
         })?;
     let mut emulator = Emulator(child);
-    listener.set_nonblocking(true).map_err(failed)?;
+    listener.set_nonblocking(true).map_err(no_socket)?;
     let end = Instant::now() + START;
     loop {
         match listener.accept() {
-            Ok((mut stream, _)) => {
-                stream.set_nonblocking(false).map_err(failed)?;
-                stream.set_nodelay(true).map_err(failed)?;
-                stream.set_read_timeout(Some(START)).map_err(failed)?;
-                // What comes before the image listens is lost; its first byte says that it does.
-                stream.read_exact(&mut [0]).map_err(|error| {
-                    Refusal::new(format!(
-                        "nothing was heard of the image in the emulator: {error}"
-                    ))
-                })?;
-                stream.set_read_timeout(Some(patience)).map_err(failed)?;
-                return Ok((emulator, stream));
-            }
+            Ok((stream, _)) => return Ok((emulator, heard(stream, patience)?)),
             Err(_) if Instant::now() > end => {
                 return Err(Refusal::new(
                     "the emulator did not open its serial line within 10 s",
@@ -191,6 +177,25 @@ pub(super) fn emulated(image: &Path, patience: Duration) -> Result<(Emulator, Tc
             return Err(Refusal::new(format!("qemu-system-arm ended with {status}")));
         }
     }
+}
+
+/// The line when the image is heard on it; a read then gives up after `patience`.
+fn heard(mut stream: TcpStream, patience: Duration) -> Result<TcpStream, Refusal> {
+    stream.set_nonblocking(false).map_err(no_socket)?;
+    stream.set_nodelay(true).map_err(no_socket)?;
+    stream.set_read_timeout(Some(START)).map_err(no_socket)?;
+    // What comes before the image listens is lost; its first byte says that it does.
+    stream.read_exact(&mut [0]).map_err(|error| {
+        Refusal::new(format!(
+            "nothing was heard of the image in the emulator: {error}"
+        ))
+    })?;
+    stream.set_read_timeout(Some(patience)).map_err(no_socket)?;
+    Ok(stream)
+}
+
+fn no_socket(error: std::io::Error) -> Refusal {
+    Refusal::new(format!("no socket for the emulator: {error}"))
 }
 
 /// A board on a serial port.

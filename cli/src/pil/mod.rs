@@ -59,35 +59,56 @@ pub(crate) fn run(args: &PilArgs) -> Result<(), Refusal> {
 }
 
 fn report(args: &PilArgs, name: &str, target: &Target, figures: &Figures) {
-    let seen_by_target = target
-        .last
-        .as_ref()
-        .map(|reply| reply.counters)
-        .unwrap_or_default();
-    let (seen_by_host, injected) = (target.counters(), target.line.injected);
-    let model = target.last.as_ref().map(|reply| reply.model);
+    let last = target.last.as_ref();
+    let by_target = last.map(|reply| reply.counters).unwrap_or_default();
+    let by_host = target.counters();
+    let model = last.map(|reply| reply.model);
     if args.json {
-        let counters =
-            |c: &Counters| json!({"corrupt": c.corrupt, "lost": c.lost, "repeated": c.repeated});
-        output::emit_json(&json!({
-            "target": name,
-            "scenario": figures.scenario.name(),
-            "seed": figures.seed,
-            "fixed": args.fixed,
-            "samples": target.samples,
-            "failed_readings": target.failed,
-            "numbers": target.numbers,
-            "identical": target.trouble.is_none(),
-            "verified_at_s": figures.verified_at_s.map_or(Value::Null, output::number),
-            "accepted": figures.accepted,
-            "state": figures.state.to_string(),
-            "model": model.map(|model| model.map(output::number32).to_vec()),
-            "injected": injected,
-            "seen_by_target": counters(&seen_by_target),
-            "seen_by_host": counters(&seen_by_host),
-        }));
+        let mut value = json_of(target, figures, model);
+        value["target"] = name.into();
+        value["fixed"] = args.fixed.into();
+        value["seen_by_target"] = counters(&by_target);
+        value["seen_by_host"] = counters(&by_host);
+        output::emit_json(&value);
         return;
     }
+    output::emit(&text(name, target, figures, model));
+    let row = |who: &str, c: &Counters| {
+        format!(
+            "{who}: {} corrupt, {} lost, {} repeated\n",
+            c.corrupt, c.lost, c.repeated
+        )
+    };
+    // What the line did depends on how fast this machine answered, so it is no part of the result.
+    eprint!(
+        "faults injected: {}; {}{}",
+        target.line.injected,
+        row("seen by the target", &by_target),
+        row("seen by the host", &by_host)
+    );
+}
+
+fn counters(c: &Counters) -> Value {
+    json!({"corrupt": c.corrupt, "lost": c.lost, "repeated": c.repeated})
+}
+
+fn json_of(target: &Target, figures: &Figures, model: Option<[f32; 6]>) -> Value {
+    json!({
+        "scenario": figures.scenario.name(),
+        "seed": figures.seed,
+        "samples": target.samples,
+        "failed_readings": target.failed,
+        "numbers": target.numbers,
+        "identical": target.trouble.is_none(),
+        "verified_at_s": figures.verified_at_s.map_or(Value::Null, output::number),
+        "accepted": figures.accepted,
+        "state": figures.state.to_string(),
+        "model": model.map(|model| model.map(output::number32).to_vec()),
+        "injected": target.line.injected,
+    })
+}
+
+fn text(name: &str, target: &Target, figures: &Figures, model: Option<[f32; 6]>) -> String {
     let mut text = format!(
         "{}: {} (seed {})\n{} samples on {name}: {} numbers {}\n",
         figures.scenario.name(),
@@ -116,17 +137,5 @@ fn report(args: &PilArgs, name: &str, target: &Target, figures: &Figures) {
     if target.failed > 0 {
         text += &format!("readings of the sensor that failed: {}\n", target.failed);
     }
-    let row = |who: &str, c: &Counters| {
-        format!(
-            "{who}: {} corrupt, {} lost, {} repeated\n",
-            c.corrupt, c.lost, c.repeated
-        )
-    };
-    output::emit(&text);
-    // What the line did depends on how fast this machine answered, so it is no part of the result.
-    eprint!(
-        "faults injected: {injected}; {}{}",
-        row("seen by the target", &seen_by_target),
-        row("seen by the host", &seen_by_host)
-    );
+    text
 }

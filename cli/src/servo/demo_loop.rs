@@ -25,7 +25,7 @@ pub(super) struct Task<'a> {
 }
 
 /// One figure of a run.
-pub(super) struct Column {
+pub(crate) struct Column {
     /// Key in JSON.
     key: &'static str,
     /// Head in the table of one scenario.
@@ -35,56 +35,31 @@ pub(super) struct Column {
     pub of: fn(&Figures) -> Option<f64>,
 }
 
+const fn column(
+    key: &'static str,
+    head: &'static str,
+    short: &'static str,
+    of: fn(&Figures) -> Option<f64>,
+) -> Column {
+    Column {
+        key,
+        head,
+        short,
+        of,
+    }
+}
+
 /// The figures of a run, the range at rest last.
-pub(super) const COLUMNS: [Column; 8] = [
-    Column {
-        key: "verified_at_s",
-        head: "model verified after [s]",
-        short: "verified [s]",
-        of: |f| f.verified_at_s,
-    },
-    Column {
-        key: "steady_state_mm",
-        head: "60 mm step: steady state [mm]",
-        short: "steady state [mm]",
-        of: |f| f.steady_state_mm,
-    },
-    Column {
-        key: "rise_ms",
-        head: "60 mm step: rise [ms]",
-        short: "rise [ms]",
-        of: |f| f.rise_ms,
-    },
-    Column {
-        key: "overshoot_pct",
-        head: "60 mm step: overshoot [%]",
-        short: "overshoot [%]",
-        of: |f| f.overshoot_pct,
-    },
-    Column {
-        key: "tracking_0p5hz_mm",
-        head: "sine of 60 mm, 0.5 Hz: largest error [mm]",
-        short: "0.5 Hz [mm]",
-        of: |f| f.tracking_0p5hz_mm,
-    },
-    Column {
-        key: "tracking_1hz_mm",
-        head: "sine of 60 mm, 1 Hz: largest error [mm]",
-        short: "1 Hz [mm]",
-        of: |f| f.tracking_1hz_mm,
-    },
-    Column {
-        key: "recovered_s",
-        head: "error below 1.05 mm again after [s]",
-        short: "back after [s]",
-        of: |f| f.recovered_s,
-    },
-    Column {
-        key: "rest_range_mm",
-        head: "60 s at rest: range of the position [mm]",
-        short: "range at rest [mm]",
-        of: |f| f.rest_range_mm,
-    },
+#[rustfmt::skip]
+pub(crate) const COLUMNS: [Column; 8] = [
+    column("verified_at_s", "model verified after [s]", "verified [s]", |f| f.verified_at_s),
+    column("steady_state_mm", "60 mm step: steady state [mm]", "steady state [mm]", |f| f.steady_state_mm),
+    column("rise_ms", "60 mm step: rise [ms]", "rise [ms]", |f| f.rise_ms),
+    column("overshoot_pct", "60 mm step: overshoot [%]", "overshoot [%]", |f| f.overshoot_pct),
+    column("tracking_0p5hz_mm", "sine of 60 mm, 0.5 Hz: largest error [mm]", "0.5 Hz [mm]", |f| f.tracking_0p5hz_mm),
+    column("tracking_1hz_mm", "sine of 60 mm, 1 Hz: largest error [mm]", "1 Hz [mm]", |f| f.tracking_1hz_mm),
+    column("recovered_s", "error below 1.05 mm again after [s]", "back after [s]", |f| f.recovered_s),
+    column("rest_range_mm", "60 s at rest: range of the position [mm]", "range at rest [mm]", |f| f.rest_range_mm),
 ];
 
 /// Runs all seeds, draws the first and prints.
@@ -212,6 +187,34 @@ fn name_of(state: State) -> String {
 /// How many changes of the state are listed.
 const LISTED: usize = 12;
 
+/// The table of one scenario: a row for each figure that a run has.
+fn rows(task: &Task, runs: &[Figures]) -> Vec<Vec<String>> {
+    let seeds = runs.len();
+    let mut rows = vec![if seeds == 1 {
+        vec![String::new(), format!("seed {}", task.seeds.start())]
+    } else {
+        ["", "least", "median", "most", "runs"]
+            .map(str::to_owned)
+            .to_vec()
+    }];
+    for column in &COLUMNS {
+        let mut values: Vec<f64> = runs.iter().filter_map(column.of).collect();
+        values.sort_by(f64::total_cmp);
+        if let (Some(&least), Some(&most)) = (values.first(), values.last()) {
+            let mut row = vec![column.head.to_owned(), significant(least, 3)];
+            if seeds > 1 {
+                row.push(significant(values[values.len() / 2], 3));
+                row.push(significant(most, 3));
+                row.push(format!("{} of {seeds}", values.len()));
+            }
+            rows.push(row);
+        } else if column.key == "recovered_s" && task.scenario.is_change() {
+            rows.push(vec![column.head.to_owned(), "never in 4 s".into()]);
+        }
+    }
+    rows
+}
+
 fn text(task: &Task, course: &Course, runs: &[Figures]) -> String {
     let seeds = runs.len();
     let mut text = format!(
@@ -236,28 +239,7 @@ fn text(task: &Task, course: &Course, runs: &[Figures]) -> String {
             name_of(runs[0].state)
         );
     }
-    let mut rows = vec![if seeds == 1 {
-        vec![String::new(), format!("seed {}", task.seeds.start())]
-    } else {
-        ["", "least", "median", "most", "runs"]
-            .map(str::to_owned)
-            .to_vec()
-    }];
-    for column in &COLUMNS {
-        let mut values: Vec<f64> = runs.iter().filter_map(column.of).collect();
-        values.sort_by(f64::total_cmp);
-        if let (Some(&least), Some(&most)) = (values.first(), values.last()) {
-            let mut row = vec![column.head.to_owned(), significant(least, 3)];
-            if seeds > 1 {
-                row.push(significant(values[values.len() / 2], 3));
-                row.push(significant(most, 3));
-                row.push(format!("{} of {seeds}", values.len()));
-            }
-            rows.push(row);
-        } else if column.key == "recovered_s" && task.scenario.is_change() {
-            rows.push(vec![column.head.to_owned(), "never in 4 s".into()]);
-        }
-    }
+    let mut rows = rows(task, runs);
     let accepted: u32 = runs.iter().map(|f| f.accepted).sum();
     rows.push(vec![
         "models that reached the controller".into(),

@@ -58,6 +58,15 @@ pub(super) fn save(
 /// Error beyond this is off the axis: the start of the first movement after a defect.
 const LARGEST_ERROR: f64 = 4.0;
 
+/// Reference minus true position, NaN while the loop is open.
+fn error(r: &Row) -> f64 {
+    if r.controlling {
+        r.reference - r.position
+    } else {
+        f64::NAN
+    }
+}
+
 fn panels(course: &Course) -> Vec<Panel> {
     let line = |name: &str, colour, of: &dyn Fn(&Row) -> f64| {
         let mut curve = Curve::new(
@@ -75,17 +84,8 @@ fn panels(course: &Course) -> Vec<Panel> {
         curves,
         range,
     };
-    let error = |r: &Row| {
-        if r.controlling {
-            r.reference - r.position
-        } else {
-            f64::NAN
-        }
-    };
-    let largest = course
-        .rows
-        .iter()
-        .map(|r| error(r).abs())
+    let errors = course.rows.iter().map(|r| error(r).abs());
+    let largest = errors
         .filter(|e| e.is_finite())
         .fold(0.5_f64, f64::max)
         .min(LARGEST_ERROR);

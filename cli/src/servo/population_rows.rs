@@ -20,15 +20,11 @@ pub(super) fn columns(summary: &Summary) -> [Column<'_>; 4] {
     ]
 }
 
-/// A figure of a controller: key, unit, title, value.
-pub(super) type Row = (
-    &'static str,
-    &'static str,
-    &'static str,
-    fn(&ControllerFigures) -> f64,
-);
+/// A figure: key, unit, title, value.
+pub(super) type Row<F> = (&'static str, &'static str, &'static str, fn(&F) -> f64);
 
-pub(super) const ROWS: [Row; 11] = [
+/// Figures of a controller.
+pub(super) const ROWS: [Row<ControllerFigures>; 11] = [
     ("end_stop_pct", "%", "strikes an end stop", |c| {
         c.end_stops.struck_pct
     }),
@@ -79,15 +75,8 @@ pub(super) const ROWS: [Row; 11] = [
     ),
 ];
 
-/// A figure of the commissioning: key, unit, title, value.
-pub(super) type CommissioningRow = (
-    &'static str,
-    &'static str,
-    &'static str,
-    fn(&CommissioningFigures) -> f64,
-);
-
-pub(super) const COMMISSIONING: [CommissioningRow; 9] = [
+/// Figures of the commissioning.
+pub(super) const COMMISSIONING: [Row<CommissioningFigures>; 9] = [
     ("accepted_pct", "%", "accepted within 3 s", |c| {
         c.accepted_pct
     }),

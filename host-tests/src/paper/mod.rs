@@ -5,6 +5,7 @@
 //! | [`mod@table1`] | the conditions and printed figures of the table |
 //! | [`methods`] | conditions, filters and methods of the reproduction |
 //! | [`transient`] | how an estimate comes to its end through a record |
+//! | [`offline`] | fits that see a whole record at once |
 //! | [`mod@trial`] | one record through every method |
 //! | [`statistics`] | statistics over many records |
 //! | [`mod@coverage`] | how often the true value lies within the reported standard deviations |
@@ -13,6 +14,7 @@
 pub mod coverage;
 pub mod iterations;
 pub mod methods;
+pub mod offline;
 pub mod statistics;
 pub mod table1;
 pub mod transient;

@@ -8,10 +8,10 @@ use trendid::trends::{
 };
 use trendid::{Config, ConfigError, Identifier, Structure};
 
-use crate::oracles::cramer_rao::{Coefficient, InitialState, servo_bound_pct};
+use crate::oracles::cramer_rao::{InitialState, servo_bound_pct};
 use crate::oracles::ekf::{ExtendedKalman, Prior};
-use crate::oracles::output_error::output_error;
 pub use crate::paper::methods::{Filter, Method, Setting};
+use crate::paper::offline::output_error_fit;
 use crate::paper::transient::{Run, Transient};
 use crate::plants::servo::{REFERENCE, Servo};
 use crate::signals::experiment::{Experiment, Record, Sample};
@@ -192,14 +192,7 @@ fn kalman(record: &Record, sigma: f64) -> Run {
 }
 
 fn offline(record: &Record) -> Run {
-    let free = [
-        Coefficient::A(1),
-        Coefficient::A(2),
-        Coefficient::B { input: 0, power: 0 },
-        Coefficient::Initial(0),
-    ];
-    let start = Prior::tuned(1.0).servo.plant(record.dt);
-    let error_pct = output_error(&start, &free, &[0.0; 3], &[&record.u], &record.y)
+    let error_pct = output_error_fit(record)
         .and_then(|fit| Servo::from_coefficients(fit.theta[0], fit.theta[1], fit.theta[2]))
         .map_or([f64::INFINITY; 3], |found| found.error_pct(&REFERENCE));
     Run {

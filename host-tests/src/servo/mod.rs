@@ -9,7 +9,9 @@
 //! | [`figures`] | the figures of a run, and what is wanted of them |
 //! | [`population`] | axes drawn at random, with the controller of a practitioner beside the loop |
 //! | [`mod@run`] | a scenario from the commissioning to its figures |
+//! | [`bridging`] | the loop on a sensor that fails now and then |
 
+pub mod bridging;
 pub mod figures;
 pub mod plant;
 pub mod population;

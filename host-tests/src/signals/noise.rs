@@ -223,8 +223,13 @@ pub enum Stream {
 
 /// Random generator of a seed and stream, the same on every machine.
 pub fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
+    numbered(seed, stream as u64)
+}
+
+/// Random generator of a seed and of the stream of this number; [`generator`] has the numbers of [`Stream`].
+pub fn numbered(seed: u64, stream: u64) -> ChaCha8Rng {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    random.set_stream(stream as u64);
+    random.set_stream(stream);
     random
 }
 

@@ -1,18 +1,15 @@
 //! The recursion of the core against the f64 oracle's batch, and its chain against the oracle's.
 
-use crate::common::{core_scheme, design_units, rounded, rows};
+use crate::common::{core_scheme, design_units, filter, rounded, rows};
 use trendid::estimation::{StabilisedForgetting, Terms};
-use trendid::trends::{Chain, FilteredTrends, Form, Memory, RawTrends, TrendOperator};
+use trendid::trends::{FilteredTrends, RawTrends, TrendOperator};
 use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::oracles::forgetting::{Forgetting, Kind};
 use trendid_host_tests::oracles::least_squares::{self, InputTerms, recursive_equivalent};
-use trendid_host_tests::oracles::trends::{
-    Hold, Scheme, applied, chain_held, chain_output, filter_denominator, input_trend, output_trend,
-};
+use trendid_host_tests::oracles::trends::{Hold, Scheme, filter_denominator, output_trend};
 use trendid_host_tests::plants::linear::{Input, LinearPlant};
 use trendid_host_tests::signals::excitation::Excitation;
-use trendid_host_tests::signals::experiment::Experiment;
-use trendid_host_tests::signals::noise::{Condition, Stream, generator};
+use trendid_host_tests::signals::noise::{Stream, generator};
 
 use rand::RngExt;
 
@@ -176,10 +173,6 @@ fn both<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
     let recent = gap(&forgetting, trends, scheme, u, y);
     println!("{name}: no forgetting {all:.1e}, memory 0.4 s {recent:.1e}, limit {limit:.0e}");
     assert!(all < limit && recent < limit, "{name}: {all} {recent}");
-}
-
-fn filter<const M: usize>(scheme: Scheme, pole: f32) -> FilteredTrends<M> {
-    FilteredTrends::try_new(core_scheme(scheme), DT, [pole; M]).unwrap()
 }
 
 #[test]
@@ -388,92 +381,4 @@ fn first_order_hold_and_raw_trends() {
             LIMIT,
         );
     }
-}
-
-/// Largest difference of two series relative to the largest value of the second.
-fn distance(core: &[f32], oracle: &[f64]) -> f64 {
-    let scale = oracle.iter().fold(0.0_f64, |s, v| s.max(v.abs()));
-    assert!(scale > 0.0 && core.len() == oracle.len());
-    core.iter()
-        .zip(oracle)
-        .fold(0.0_f64, |g, (c, o)| g.max((f64::from(*c) - o).abs()))
-        / scale
-}
-
-/// Every trend of one order: the core's chain against the f64 chain and against "trend, then filter".
-fn chains<const M: usize>(u: &[f64], y: &[f64]) {
-    let dt = f64::from(DT);
-    for scheme in [Scheme::Tustin, Scheme::Goodwin] {
-        let trends = filter::<M>(scheme, 25.0);
-        let f: Vec<f64> = trends
-            .filter()
-            .iter()
-            .map(|c| f64::from(*c))
-            .chain([1.0])
-            .collect();
-        let mut worst = 0.0_f64;
-        let mut memory = Chain::output_at_rest(trends.design(), Form::Position, 0.0);
-        let mut moved = Chain::output_at_rest(trends.design(), Form::Increment, 0.0);
-        let mut all = vec![Vec::new(); M + 1];
-        let mut increments = vec![Vec::new(); M + 1];
-        for y in y {
-            let t = trends.output(&mut memory, *y as f32, Form::Position);
-            let d = trends.output(&mut moved, *y as f32, Form::Increment);
-            for i in 0..M {
-                all[i].push(t.lower[i]);
-                increments[i].push(d.lower[i]);
-            }
-            all[M].push(t.top);
-            increments[M].push(d.top);
-        }
-        let chain = chain_output(scheme, &f, dt, y);
-        for i in 0..=M {
-            worst = worst.max(distance(&all[i], &chain[i]));
-            if i > 0 {
-                worst = worst.max(distance(&increments[i], &chain[i]));
-            } else {
-                assert!(increments[0].iter().all(|v| *v == 0.0));
-            }
-            let operator = output_trend(scheme, M, i, dt);
-            let filtered = applied(&operator, scheme, Some(&f), dt, y);
-            worst = worst.max(distance(&all[i], &filtered));
-        }
-        for hold in [Hold::Zero, Hold::First] {
-            let core_hold = match hold {
-                Hold::Zero => trendid::trends::Hold::Zero,
-                Hold::First => trendid::trends::Hold::First,
-            };
-            let mut memory = Chain::input_at_rest(trends.design(), core_hold, 0.0);
-            let mut all = vec![Vec::new(); M];
-            for u in u {
-                let t = trends.input(&mut memory, *u as f32, core_hold);
-                for i in 0..M {
-                    all[i].push(t[i]);
-                }
-            }
-            let chain = match hold {
-                Hold::Zero => chain_held(scheme, &f, dt, u),
-                Hold::First => chain_output(scheme, &f, dt, u),
-            };
-            for i in 0..M {
-                worst = worst.max(distance(&all[i], &chain[i]));
-                let operator = input_trend(scheme, hold, M, i, dt);
-                let filtered = applied(&operator, scheme, Some(&f), dt, u);
-                worst = worst.max(distance(&all[i], &filtered));
-            }
-        }
-        println!("order {M}, {scheme:?}: worst distance {worst:.1e} of the largest value");
-        assert!(worst < 2e-5, "order {M}, {scheme:?}: {worst}");
-    }
-}
-
-#[test]
-fn the_chain_is_the_f64_chain_and_trend_then_filter() {
-    let record = Experiment::reference(Condition::white(100.0), 1.0).record(1001);
-    let (u, mut y) = (rounded(&record.u), rounded(&record.y));
-    y[0] = 0.0;
-    chains::<1>(&u, &y);
-    chains::<2>(&u, &y);
-    chains::<3>(&u, &y);
-    chains::<4>(&u, &y);
 }

@@ -5,6 +5,7 @@
 use nalgebra::{DMatrix, DVector};
 use trendid::Config;
 use trendid::estimation::Parameter;
+use trendid::trends::FilteredTrends;
 use trendid_host_tests::oracles::least_squares::Structure;
 use trendid_host_tests::oracles::trends::{Hold, Scheme, applied, input_trend, output_trend};
 use trendid_host_tests::plants::polynomial::delayed;
@@ -96,4 +97,24 @@ pub(crate) fn design_units<const M: usize, const N: usize, const I: usize>(
         Parameter::Constant => omega.powi(M as i32) * range,
         Parameter::InitialState => range,
     })
+}
+
+/// Numbers at the edges of f32.
+pub(crate) fn edges() -> Vec<f32> {
+    vec![
+        0.0,
+        -0.0,
+        f32::NAN,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        f32::MAX,
+        f32::MIN,
+        f32::MIN_POSITIVE,
+        1e-45,
+    ]
+}
+
+/// Trends at 1 kHz through a filter with all poles at `-pole` rad/s.
+pub(crate) fn filter<const M: usize>(scheme: Scheme, pole: f32) -> FilteredTrends<M> {
+    FilteredTrends::try_new(core_scheme(scheme), 0.001, [pole; M]).unwrap()
 }

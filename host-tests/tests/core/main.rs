@@ -8,6 +8,7 @@ mod accuracy;
 mod batch;
 mod bound;
 mod calibration;
+mod chain;
 mod dead_zone;
 mod defects;
 mod delay;

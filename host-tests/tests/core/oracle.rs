@@ -6,36 +6,19 @@ use trendid_host_tests::oracles::least_squares::{
 use trendid_host_tests::oracles::trends::{
     Hold, Scheme, applied, chain_held, chain_output, input_trend, output_trend,
 };
+use trendid_host_tests::paper::offline::batch_error_pct;
 use trendid_host_tests::plants::polynomial::monic;
 use trendid_host_tests::plants::servo::{REFERENCE, Servo};
 use trendid_host_tests::signals::excitation::Excitation;
-use trendid_host_tests::signals::experiment::{Experiment, Record};
+use trendid_host_tests::signals::experiment::Experiment;
 use trendid_host_tests::signals::noise::Condition;
-
-/// Errors of C, w0, xi \[%\] of batch least squares.
-fn errors(record: &Record, scheme: Scheme, f: Option<&[f64]>) -> [f64; 3] {
-    let rows = Regression::new(
-        &Structure::servo(),
-        scheme,
-        f,
-        record.dt,
-        &[&record.u],
-        &record.y,
-    );
-    let theta = least_squares(&rows.phi, &rows.target, None)
-        .expect("excited")
-        .theta;
-    Servo::from_coefficients(theta[0], theta[1], theta[2])
-        .expect("a1 > 0")
-        .error_pct(&REFERENCE)
-}
 
 /// Largest magnitudes over the seeds.
 fn worst(scheme: Scheme, f: Option<&[f64]>) -> [f64; 3] {
     let mut worst = [0.0_f64; 3];
     for seed in 1000..1020 {
         let record = Experiment::reference(Condition::CLEAN, 1.0).record(seed);
-        let e = errors(&record, scheme, f);
+        let e = batch_error_pct(&record, scheme, f);
         for i in 0..3 {
             worst[i] = worst[i].max(e[i].abs());
         }

@@ -5,11 +5,11 @@ use rand_chacha::ChaCha8Rng;
 use trendid::hardware::{Axis, Scale};
 use trendid::servo::{self, Controller, Motion, Reason, ServoLoop, Setpoint, State, Travel};
 use trendid_host_tests::plants::pneumatic::{AxisParameters, PneumaticAxis};
+use trendid_host_tests::servo::bridging::assert_failing_readings_are_bridged;
 use trendid_host_tests::servo::plant::RESOLUTION_MM;
 use trendid_host_tests::servo::rig::{ROUGH_BANDWIDTH, SimulatedSensor, SimulatedValve, TRAVEL};
-use trendid_host_tests::servo::run::{Options, run, run_with_shadow};
+use trendid_host_tests::servo::run::{Options, run};
 use trendid_host_tests::servo::scenario::Scenario;
-use trendid_host_tests::servo::shadow::FailingSensor;
 
 #[test]
 fn the_command_keeps_range_and_rate_in_a_million_wild_samples() {
@@ -161,19 +161,7 @@ fn changes_in_motion_are_survived() {
 
 #[test]
 fn readings_that_fail_now_and_then_are_bridged() {
-    for seed in 2001..=2002 {
-        let mut sensor = FailingSensor::new(20);
-        let f = run_with_shadow(
-            Scenario::Nominal,
-            &Options::adaptive(seed),
-            &mut sensor,
-            &mut |_, _| {},
-        );
-        assert!(sensor.failed > 500);
-        assert!(f.verified_at_s.is_some_and(|t| t < 0.5), "seed {seed}");
-        let sine = f.tracking_0p5hz_mm.unwrap_or(f64::INFINITY);
-        assert!(sine < 1.05, "seed {seed}: 0.5 Hz {sine} mm");
-    }
+    (2001..=2002).for_each(assert_failing_readings_are_bridged);
 }
 
 #[test]

@@ -2,11 +2,10 @@
 //!
 //! `cargo test -p trendid-host-tests --test statistics comparison -- --ignored --nocapture` prints the table. Signal: position about its mean.
 
-use trendid_host_tests::oracles::cramer_rao::{Coefficient, InitialState, servo_bound_pct};
+use trendid_host_tests::oracles::cramer_rao::{InitialState, servo_bound_pct};
 use trendid_host_tests::oracles::ekf::{ExtendedKalman, Prior};
-use trendid_host_tests::oracles::least_squares::{Regression, Structure, least_squares};
-use trendid_host_tests::oracles::output_error::output_error;
 use trendid_host_tests::oracles::trends::Scheme;
+use trendid_host_tests::paper::offline::{batch_error_pct, output_error_fit};
 use trendid_host_tests::plants::polynomial::monic;
 use trendid_host_tests::plants::servo::{REFERENCE, Servo};
 use trendid_host_tests::signals::experiment::{Experiment, Record};
@@ -24,14 +23,7 @@ fn kalman(record: &Record) -> [f64; 3] {
 }
 
 fn offline(record: &Record) -> [f64; 3] {
-    let free = [
-        Coefficient::A(1),
-        Coefficient::A(2),
-        Coefficient::B { input: 0, power: 0 },
-        Coefficient::Initial(0),
-    ];
-    let start = Prior::tuned(1.0).servo.plant(record.dt);
-    let fit = output_error(&start, &free, &[0.0; 3], &[&record.u], &record.y).expect("excited");
+    let fit = output_error_fit(record).expect("excited");
     assert!(fit.converged);
     Servo::from_coefficients(fit.theta[0], fit.theta[1], fit.theta[2])
         .expect("a1 > 0")
@@ -39,22 +31,7 @@ fn offline(record: &Record) -> [f64; 3] {
 }
 
 fn batch(record: &Record) -> [f64; 3] {
-    let f = monic(&[20.0; 3]);
-    let (u, y) = ([record.u.as_slice()], &record.y);
-    let rows = Regression::new(
-        &Structure::servo(),
-        Scheme::Tustin,
-        Some(&f),
-        record.dt,
-        &u,
-        y,
-    );
-    let theta = least_squares(&rows.phi, &rows.target, None)
-        .expect("excited")
-        .theta;
-    Servo::from_coefficients(theta[0], theta[1], theta[2])
-        .expect("a1 > 0")
-        .error_pct(&REFERENCE)
+    batch_error_pct(record, Scheme::Tustin, Some(&monic(&[20.0; 3])))
 }
 
 /// Root mean squares of the errors, and of the bound, over the seeds.

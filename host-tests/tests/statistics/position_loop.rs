@@ -1,8 +1,8 @@
 //! The adaptive position loop over many seeds: faults, changes in motion, readings that fail.
 
-use trendid_host_tests::servo::run::{Options, run, run_with_shadow};
+use trendid_host_tests::servo::bridging::assert_failing_readings_are_bridged;
+use trendid_host_tests::servo::run::{Options, run};
 use trendid_host_tests::servo::scenario::Scenario;
-use trendid_host_tests::servo::shadow::FailingSensor;
 
 #[test]
 #[ignore = "long: cargo xtask statistics"]
@@ -47,17 +47,5 @@ fn changes_in_motion_are_survived_and_nearly_always_made_good_in_two_seconds() {
 #[test]
 #[ignore = "long: cargo xtask statistics"]
 fn readings_that_fail_now_and_then_are_bridged() {
-    for seed in 2001..=2020 {
-        let mut sensor = FailingSensor::new(20);
-        let f = run_with_shadow(
-            Scenario::Nominal,
-            &Options::adaptive(seed),
-            &mut sensor,
-            &mut |_, _| {},
-        );
-        assert!(sensor.failed > 500);
-        assert!(f.verified_at_s.is_some_and(|t| t < 0.5), "seed {seed}");
-        let sine = f.tracking_0p5hz_mm.unwrap_or(f64::INFINITY);
-        assert!(sine < 1.05, "seed {seed}: 0.5 Hz {sine} mm");
-    }
+    (2001..=2020).for_each(assert_failing_readings_are_bridged);
 }

@@ -1,7 +1,9 @@
 //! Ranges to draw from, and streams of random numbers that are the same on every machine.
 
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+
+use crate::signals::noise::numbered;
 
 /// What random numbers are for; each purpose has a stream of its own, so that more draws for one leave the others alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,9 +23,7 @@ pub enum Purpose {
 
 /// The stream of a purpose of a seed.
 pub fn stream(seed: u64, purpose: Purpose) -> ChaCha8Rng {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    random.set_stream(purpose as u64);
-    random
+    numbered(seed, purpose as u64)
 }
 
 /// How values of a range are spread.

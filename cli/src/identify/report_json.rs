@@ -1,0 +1,81 @@
+//! What `trendid identify --json` prints.
+
+use serde_json::{Value, json};
+use trendid_identify::derived::Quantity;
+
+use crate::identify::report::Report;
+use crate::output::number;
+
+impl Report<'_> {
+    /// The report for machines.
+    pub(super) fn json(&self) -> Value {
+        let (p, e) = (self.problem, &self.found.estimate);
+        let list = |v: &[f64]| Value::Array(v.iter().map(|x| number(*x)).collect());
+        let columns = p.signals.inputs.iter().zip(&e.b);
+        let mut inputs: Vec<Value> = columns
+            .map(|(input, b)| json!({"name": input.name, "b": list(b)}))
+            .collect();
+        if p.structure.constant {
+            inputs.push(json!({"name": "1", "b": [number(e.constant)]}));
+        }
+        let [x0, x0c] = self.fits();
+        let (tuning, errors) = (&self.found.tuning, self.found.errors);
+        json!({
+            "a": list(&e.a),
+            "inputs": inputs,
+            "sigma": list(&e.sigma),
+            "parameters": p.parameter_names(),
+            "delay_s": number(self.delay_s()),
+            "delay_at_end": self.delay_at_end(),
+            "filter_pole": tuning.pole.map(number),
+            "filter": tuning.model.map(|model| model.coefficients().to_vec()),
+            "fit_pct": number(x0),
+            "fit_x0c_pct": number(x0c),
+            "fit_held_out": self.found.held_out,
+            "remarks": self.remarks(),
+            "ise": number(errors.ise),
+            "iae": number(errors.iae),
+            "samples": p.samples(),
+            "physical": self.physical_json(),
+        })
+    }
+
+    fn physical_json(&self) -> Value {
+        let some = |v: Option<f64>| v.map_or(Value::Null, number);
+        let (p, e) = (self.problem, &self.found.estimate);
+        let r = &e.reading;
+        let time_constants = p.time_constants(e);
+        let numbers = |of: fn(&Quantity) -> f64| -> Vec<Value> {
+            time_constants.iter().map(|q| number(of(q))).collect()
+        };
+        let mut physical = json!({
+            "gain": some(r.gain),
+            "omega0": some(r.omega0),
+            "damping": some(r.damping),
+            "time_constants_s": numbers(|q| q.value),
+            "poles": r.poles.as_ref().map(|p| p.iter().map(|(re, im)| [*re, *im]).collect::<Vec<_>>()),
+            "stable": r.stable,
+        });
+        let mut sigma = json!({"time_constants_s": numbers(|q| q.sigma)});
+        for (k, (name, value)) in [
+            ("gain", r.gain),
+            ("omega0", r.omega0),
+            ("damping", r.damping),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            sigma[name] = some(value.and_then(|_| self.reading_sigma(k)));
+        }
+        for (name, q) in p.force_balance(e) {
+            physical[name] = number(q.value);
+            sigma[name] = number(q.sigma);
+        }
+        for (name, q) in self.further_gains() {
+            physical["further_gains"][name] = number(q.value);
+            sigma["further_gains"][name] = number(q.sigma);
+        }
+        physical["sigma"] = sigma;
+        physical
+    }
+}
