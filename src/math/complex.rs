@@ -23,26 +23,6 @@ impl Complex {
         self.re * self.re + self.im * self.im
     }
 
-    /// (j x)^power times `factor`.
-    pub(crate) fn power(x: f32, power: usize, factor: f32) -> Self {
-        let mut value = factor;
-        for _ in 0..power {
-            value *= x;
-        }
-        match power % 4 {
-            0 => Self { re: value, im: 0.0 },
-            1 => Self { re: 0.0, im: value },
-            2 => Self {
-                re: -value,
-                im: 0.0,
-            },
-            _ => Self {
-                re: 0.0,
-                im: -value,
-            },
-        }
-    }
-
     /// 1 over this number; not finite for zero.
     pub(crate) fn inverse(self) -> Self {
         let size = self.size();
@@ -56,13 +36,6 @@ impl Complex {
         Self {
             re: self.re - other.re,
             im: self.im - other.im,
-        }
-    }
-
-    pub(crate) fn plus(self, other: Self) -> Self {
-        Self {
-            re: self.re + other.re,
-            im: self.im + other.im,
         }
     }
 }

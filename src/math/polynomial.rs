@@ -34,6 +34,14 @@ fn rescaled<const M: usize>(c: &[f32; M], unit: f32, by: impl Fn(f32, f32) -> f3
     scaled
 }
 
+/// The polynomial at j x: as [`value_at`], for half the multiplications.
+pub(crate) fn value_at_imaginary(c: &[f32], x: f32) -> Complex {
+    c.iter().rev().fold(Complex::ONE, |value, c| Complex {
+        re: c - value.im * x,
+        im: value.re * x,
+    })
+}
+
 /// The polynomial at s.
 pub(crate) fn value_at(c: &[f32], s: Complex) -> Complex {
     c.iter().rev().fold(Complex::ONE, |value, c| {
@@ -133,6 +141,17 @@ mod tests {
         assert_eq!(scaled(&[2.0, 3.0], 3.0), [18.0, 9.0]);
         assert_eq!(unscaled(&[18.0, 9.0], 3.0), [2.0, 3.0]);
         assert_eq!(largest_rate(&[16.0, 3.0]), 4.0);
+    }
+
+    #[test]
+    fn on_the_imaginary_axis() {
+        // (j 2)^3 + 3 (j 2)^2 + 5 (j 2) + 7
+        let value = value_at_imaginary(&[7.0, 5.0, 3.0], 2.0);
+        assert_eq!(value, Complex { re: -5.0, im: 2.0 });
+        assert_eq!(
+            value,
+            value_at(&[7.0, 5.0, 3.0], Complex { re: 0.0, im: 2.0 })
+        );
     }
 
     #[test]

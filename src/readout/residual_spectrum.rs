@@ -8,13 +8,14 @@
 //! S = sum_omega W phi(j omega) phi(j omega)^H |A/A_f|^2
 //! ```
 //!
-//! over a flat command spectrum W.
+//! over a flat command spectrum W. An entry of phi is a power of j omega, that of y times -G, so an entry of the matrices
+//! is a moment of W, W Re G, W Im G or W |G|^2 over even or odd powers of omega: those are summed, not the matrices.
 
 use crate::estimation::terms::Parameter;
 use crate::math::complex::Complex;
 use crate::math::matrix::Matrix;
-use crate::math::polynomial::{unscaled, value_at};
-use crate::math::{pow, raised, sqrt};
+use crate::math::polynomial::{unscaled, value_at_imaginary};
+use crate::math::{pow, raised};
 
 /// The model whose residual it is; everything in the user's units.
 pub(crate) struct ResidualSpectrum<'a, const M: usize, const N: usize> {
@@ -44,68 +45,104 @@ const STEP: f32 = 1.47;
 /// A record of T seconds shows a spectrum through a kernel with the tails of a Lorentz curve of half width 1/T.
 const BLUR: f32 = 3.0;
 
+/// Sums over the frequencies of W times powers of x: entry k goes with `x^(2k)`, in `imaginary` with `x^(2k+1)`.
+#[derive(Clone, Copy)]
+struct Moments<const M: usize> {
+    /// Of W.
+    one: [f32; M],
+    /// Of W Re G.
+    real: [f32; M],
+    /// Of W Im G.
+    imaginary: [f32; M],
+    /// Of W |G|^2.
+    square: [f32; M],
+}
+
+impl<const M: usize> Moments<M> {
+    const ZERO: Self = Self {
+        one: [0.0; M],
+        real: [0.0; M],
+        imaginary: [0.0; M],
+        square: [0.0; M],
+    };
+
+    /// Adds the frequency x with the weight W, where the plant is `g`.
+    fn add(&mut self, x: f32, weight: f32, g: Complex) {
+        let (square, size) = (x * x, g.size());
+        let mut even = weight;
+        for k in 0..M {
+            self.one[k] += even;
+            self.real[k] += even * g.re;
+            self.imaginary[k] += even * x * g.im;
+            self.square[k] += even * size;
+            even *= square;
+        }
+    }
+
+    /// Sum of W times the real part of `row` times the conjugate of `column`.
+    fn entry(&self, row: Seen, column: Seen) -> f32 {
+        let sum = row.power + column.power;
+        let of = |moments: &[f32; M]| moments.get(sum / 2).copied().unwrap_or(0.0);
+        let value = match (row.output, column.output) {
+            (true, true) if sum.is_multiple_of(2) => of(&self.square),
+            (false, false) if sum.is_multiple_of(2) => of(&self.one),
+            (true, true) | (false, false) => 0.0,
+            _ if sum.is_multiple_of(2) => -of(&self.real),
+            // j^(p-q) with p - q odd: the row or the column carries -G, or its conjugate.
+            (true, false) => of(&self.imaginary),
+            (false, true) => -of(&self.imaginary),
+        };
+        // j^(p-q) is 1 or j where p - q is 0 or 1 modulo 4, and their negative elsewhere.
+        match (4 * M + row.power - column.power) % 4 {
+            0 | 1 => value,
+            _ => -value,
+        }
+    }
+}
+
+/// How a parameter is seen under one input: `factor (j x)^power`, times -G for one of the output.
+#[derive(Clone, Copy)]
+struct Seen {
+    factor: f32,
+    power: usize,
+    output: bool,
+}
+
 impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
     /// The sums R and S, in normalised units.
-    pub(crate) fn sums(&self) -> (Matrix<N>, Matrix<N>) {
-        let mut sums = [[[0.0; N]; N]; 2];
-        let mut plants = [Complex::ZERO; FREQUENCIES];
-        let (mut filters, mut residuals) = ([0.0; FREQUENCIES], [0.0; FREQUENCIES]);
-        let denominator = unscaled(&self.denominator, self.natural);
-        let filter = unscaled(&self.filter, self.natural);
-        let mut x = LOWEST;
-        for k in 0..FREQUENCIES {
-            let s = Complex { re: 0.0, im: x };
-            plants[k] = value_at(&denominator, s);
-            filters[k] = value_at(&filter, s).size();
-            residuals[k] = plants[k].size() / filters[k];
-            x *= STEP;
-        }
-        let scales = self.scales();
-        let mut x = LOWEST;
-        for (plant, filter) in plants.into_iter().zip(filters) {
-            let residual = self.blurred(&residuals, x);
-            // d omega is proportional to omega on a logarithmic scale.
-            self.add_frequency(&mut sums, &scales, x, plant, [x / filter, residual]);
-            x *= STEP;
-        }
-        for matrix in &mut sums {
-            for i in 0..N {
-                for j in 0..i {
-                    matrix[j][i] = matrix[i][j];
-                }
-            }
-        }
-        let [r, s] = sums;
-        (r, s)
-    }
-
-    /// omega_n^(m-power) for every power below m.
-    fn scales(&self) -> [f32; M] {
-        core::array::from_fn(|power| raised(self.natural, M - power))
-    }
-
-    /// Adds what is seen at `x` times the natural frequency to the lower triangles of R and S.
     ///
     /// Each input, the constant and the initial state are excitations of their own.
-    fn add_frequency(
-        &self,
-        [r, s]: &mut [Matrix<N>; 2],
-        scales: &[f32; M],
-        x: f32,
-        plant: Complex,
-        [weight, residual]: [f32; 2],
-    ) {
+    pub(crate) fn sums(&self) -> (Matrix<N>, Matrix<N>) {
+        let denominator = unscaled(&self.denominator, self.natural);
+        let filter = unscaled(&self.filter, self.natural);
+        let (mut plants, mut weights) = ([Complex::ZERO; FREQUENCIES], [0.0; FREQUENCIES]);
+        let mut residuals = [0.0; FREQUENCIES];
+        let grid = grid();
+        for (k, x) in grid.into_iter().enumerate() {
+            plants[k] = value_at_imaginary(&denominator, x);
+            let filter = value_at_imaginary(&filter, x).size();
+            residuals[k] = plants[k].size() / filter;
+            // d omega is proportional to omega on a logarithmic scale.
+            weights[k] = x / filter;
+        }
+        let residuals = self.blurred(&grid, &residuals);
+        let plants = plants.map(Complex::inverse);
+        let scales: [f32; M] = core::array::from_fn(|power| raised(self.natural, M - power));
+        let mut sums = [[[0.0; N]; N]; 2];
         for first in 0..N {
             let rate = match self.parameters[first] {
                 Parameter::Input { input, power } if self.leads(first, input) => {
-                    let range = scale_of(scales, power) / self.units[first];
-                    let phi = self.response(input, scales, range, x, plant);
-                    for i in 0..N {
-                        for j in 0..=i {
-                            let both = weight * (phi[i].re * phi[j].re + phi[i].im * phi[j].im);
-                            r[i][j] += both;
-                            s[i][j] += both * residual;
-                        }
+                    let range = scale_of(&scales, power) / self.units[first];
+                    let seen = self.seen(input, &scales, range);
+                    let numerator = self.numerator(input, &scales);
+                    let mut moments = [Moments::<M>::ZERO; 2];
+                    for k in 0..FREQUENCIES {
+                        let g = value_of(&numerator, grid[k]).times(plants[k]);
+                        moments[0].add(grid[k], weights[k], g);
+                        moments[1].add(grid[k], weights[k] * residuals[k], g);
+                    }
+                    for (sum, moments) in sums.iter_mut().zip(&moments) {
+                        add_entries(sum, moments, &seen);
                     }
                     continue;
                 }
@@ -113,27 +150,40 @@ impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
                 Parameter::Constant => LOWEST,
                 _ => continue,
             };
-            let phi = 1.0 / sqrt(x * x + rate * rate);
-            let both = weight * (phi * phi);
-            r[first][first] += both;
-            s[first][first] += both * residual;
+            for k in 0..FREQUENCIES {
+                let both = weights[k] / (grid[k] * grid[k] + rate * rate);
+                sums[0][first][first] += both;
+                sums[1][first][first] += both * residuals[k];
+            }
         }
+        let [r, s] = sums;
+        (r, s)
     }
 
-    /// Mean of `|A/A_f|^2` about `x`, as a record of this duration shows it.
-    fn blurred(&self, residuals: &[f32; FREQUENCIES], x: f32) -> f32 {
+    /// Mean of `|A/A_f|^2` about each frequency, as a record of this duration shows it.
+    fn blurred(
+        &self,
+        grid: &[f32; FREQUENCIES],
+        residuals: &[f32; FREQUENCIES],
+    ) -> [f32; FREQUENCIES] {
         let width = BLUR / (self.duration * self.natural);
-        let (mut sum, mut weights) = (0.0, 0.0);
-        let mut other = LOWEST;
-        for residual in residuals {
-            let (near, far) = (x - other, x + other);
-            let weight =
-                other / (width * width + near * near) + other / (width * width + far * far);
-            sum += weight * residual;
-            weights += weight;
-            other *= STEP;
+        let square = width * width;
+        let (mut sums, mut weights) = ([0.0; FREQUENCIES], [0.0; FREQUENCIES]);
+        for k in 0..FREQUENCIES {
+            // The kernel is symmetric: each pair once.
+            for l in 0..=k {
+                let (x, other) = (grid[k], grid[l]);
+                let (near, far) = (x - other, x + other);
+                let kernel = 1.0 / (square + near * near) + 1.0 / (square + far * far);
+                weights[k] += kernel * other;
+                sums[k] += kernel * other * residuals[l];
+                if l < k {
+                    weights[l] += kernel * x;
+                    sums[l] += kernel * x * residuals[k];
+                }
+            }
         }
-        sum / weights
+        core::array::from_fn(|k| sums[k] / weights[k])
     }
 
     /// Whether the parameter at `place` is the first of its input.
@@ -145,45 +195,73 @@ impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
             .any(|c| matches!(c, Parameter::Input { input: other, .. } if *other == input))
     }
 
-    /// The normalised regressor for the input at `x` times the natural frequency, without `1/A_f`.
-    fn response(
-        &self,
-        input: usize,
-        scales: &[f32; M],
-        range: f32,
-        x: f32,
-        plant: Complex,
-    ) -> [Complex; N] {
-        // G = B/A
-        let mut numerator = Complex::ZERO;
+    /// How the parameters are seen under `input` of the size `range`; `None` for those that are not.
+    fn seen(&self, input: usize, scales: &[f32; M], range: f32) -> [Option<Seen>; N] {
+        core::array::from_fn(|j| {
+            let (power, output) = match self.parameters[j] {
+                Parameter::Output { power } => (power, true),
+                Parameter::Input { input: of, power } if of == input => (power, false),
+                _ => return None,
+            };
+            let factor = range * self.units[j] / scale_of(scales, power);
+            Some(Seen {
+                factor,
+                power,
+                output,
+            })
+        })
+    }
+
+    /// b_0 .. b_{m-1} of an input over the powers of the natural frequency.
+    fn numerator(&self, input: usize, scales: &[f32; M]) -> [f32; M] {
+        let mut b = [0.0; M];
         for (parameter, value) in self.parameters.iter().zip(self.theta) {
             if let Parameter::Input { input: of, power } = *parameter
                 && of == input
+                && let Some(b) = b.get_mut(power)
             {
-                let b = value / scale_of(scales, power);
-                numerator = numerator.plus(Complex::power(x, power, b));
+                *b = value / scale_of(scales, power);
             }
         }
-        let output = numerator.times(plant.inverse());
-        let mut phi = [Complex::ZERO; N];
-        for (j, parameter) in self.parameters.iter().enumerate() {
-            let value = match *parameter {
-                Parameter::Output { power } => {
-                    let order = Complex::power(x, power, -1.0 / scale_of(scales, power));
-                    order.times(output)
+        b
+    }
+}
+
+/// The frequencies over the natural frequency.
+const fn grid() -> [f32; FREQUENCIES] {
+    let mut grid = [LOWEST; FREQUENCIES];
+    let mut k = 1;
+    while k < FREQUENCIES {
+        grid[k] = grid[k - 1] * STEP;
+        k += 1;
+    }
+    grid
+}
+
+/// The polynomial with the coefficients `b` at j x.
+fn value_of(b: &[f32], x: f32) -> Complex {
+    b.iter().rev().fold(Complex::ZERO, |value, b| Complex {
+        re: b - value.im * x,
+        im: value.re * x,
+    })
+}
+
+/// Adds what is seen under one input to R or S.
+fn add_entries<const M: usize, const N: usize>(
+    sum: &mut Matrix<N>,
+    moments: &Moments<M>,
+    seen: &[Option<Seen>; N],
+) {
+    for i in 0..N {
+        for j in 0..=i {
+            if let (Some(row), Some(column)) = (seen[i], seen[j]) {
+                let entry = row.factor * column.factor * moments.entry(row, column);
+                sum[i][j] += entry;
+                if j < i {
+                    sum[j][i] = sum[i][j];
                 }
-                Parameter::Input { input: of, power } if of == input => {
-                    Complex::power(x, power, 1.0 / scale_of(scales, power))
-                }
-                _ => Complex::ZERO,
-            };
-            let scale = range * self.units[j];
-            phi[j] = Complex {
-                re: scale * value.re,
-                im: scale * value.im,
-            };
+            }
         }
-        phi
     }
 }
 
@@ -210,9 +288,8 @@ pub(crate) fn in_band<const M: usize>(a: &[f32; M], filter: &[f32; M], bandwidth
     let (mut sum, mut weights) = (0.0, 0.0);
     for step in 0..25 {
         let x = 0.1 * (step + 1) as f32;
-        let s = Complex { re: 0.0, im: x };
-        let plant = value_at(&a, s).size();
-        let filter = value_at(&filter, s).size();
+        let plant = value_at_imaginary(&a, x).size();
+        let filter = value_at_imaginary(&filter, x).size();
         // x^(2m) / |A A_f|^2: the trend of order m of y under a flat command.
         let weight = raised(x * x, M) / (plant * filter);
         if weight.is_finite() {
