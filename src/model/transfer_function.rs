@@ -47,7 +47,7 @@ impl<const M: usize, const I: usize> TransferFunction<M, I> {
         self.a.iter().take_while(|a| **a == 0.0).count()
     }
 
-    /// Whether no coefficient tells anything yet: an estimate before the first sample.
+    /// Whether every coefficient is 0: an estimate before the first sample.
     fn is_empty(&self) -> bool {
         let zero = |v: &f32| *v == 0.0;
         self.a.iter().all(zero) && self.b.as_flattened().iter().all(zero)

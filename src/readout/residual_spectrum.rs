@@ -257,9 +257,7 @@ fn add_entries<const M: usize, const N: usize>(
             if let (Some(row), Some(column)) = (seen[i], seen[j]) {
                 let entry = row.factor * column.factor * moments.entry(row, column);
                 sum[i][j] += entry;
-                if j < i {
-                    sum[j][i] = sum[i][j];
-                }
+                sum[j][i] = sum[i][j];
             }
         }
     }
