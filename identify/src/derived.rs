@@ -132,6 +132,7 @@ mod tests {
             dt: 0.1,
             output: &x,
             inputs: vec![input("u"), input(COULOMB)],
+            standstill: None,
         };
         let structure = Structure {
             order: 2,

@@ -118,6 +118,11 @@ pub enum Weakness {
     /// NaN or infinite parameters.
     #[error("the estimate is not finite")]
     NotFinite,
+    /// Equations without a solution.
+    #[error(
+        "the equations are singular: the inputs excite too little, or two signals say the same"
+    )]
+    Singular,
     /// A parameter with an undefined correlation.
     #[error("a parameter has no influence on the output")]
     NoInfluence,

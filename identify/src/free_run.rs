@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use trendid::trends::Hold;
 
 use crate::estimate::Estimate;
+use crate::polynomials::Polynomials;
 use crate::problem::Problem;
 use crate::sampled::{Force, Sampled};
 
@@ -23,6 +24,16 @@ pub struct FreeRun {
     pub fit_x0c: f64,
 }
 
+/// A free simulation with what its error is measured by.
+pub(crate) struct Simulation {
+    /// Simulated output with the initial state refitted.
+    pub y: Vec<f64>,
+    /// Sums of the squared error: initial state refitted; and the constant too.
+    pub squares: [f64; 2],
+    /// Sum of the squared distance of the output from its mean.
+    pub spread: f64,
+}
+
 impl Problem<'_> {
     /// Simulates samples `range` of the record and compares with the output there; the inputs before
     /// the range serve the delays. Cost: m + 2 simulations and a least-squares fit of m + 1 columns.
@@ -32,51 +43,104 @@ impl Problem<'_> {
     pub fn free_run(
         &self,
         estimate: &Estimate,
-        delay: usize,
+        delay: f64,
         range: Range<usize>,
     ) -> Option<FreeRun> {
-        let measured = DVector::from_column_slice(&self.signals.output[range.clone()]);
-        let order = estimate.a.len();
-        let model = Sampled::new(&estimate.a, self.signals.dt);
+        let model = Polynomials {
+            a: estimate.a.clone(),
+            b: estimate.b.clone(),
+            constant: estimate.constant,
+        };
+        let Simulation { y, squares, spread } = self.simulate(&model, delay, range)?;
+        let [fit_x0, fit_x0c] = squares.map(|squares| 100.0 * (1.0 - (squares / spread).sqrt()));
+        (fit_x0.is_finite() && fit_x0c.is_finite()).then_some(FreeRun { y, fit_x0, fit_x0c })
+    }
+
+    /// The simulation behind [`free_run`](Self::free_run). A standstill holds the state and does not count.
+    pub(crate) fn simulate(
+        &self,
+        model: &Polynomials,
+        delay: f64,
+        range: Range<usize>,
+    ) -> Option<Simulation> {
+        let signals = self.signals;
+        let acts = |k: usize| f64::from(u8::from(signals.acts(range.start + k)));
+        let counted = |y: DVector<f64>| match signals.standstill {
+            Some(_) => DVector::from_fn(y.len(), |k, _| y[k] * acts(k)),
+            None => y,
+        };
+        let all = DVector::from_column_slice(&signals.output[range.clone()]);
+        let order = model.a.len();
+        let sampled = Sampled::new(&model.a, signals.dt);
         let rest = vec![0.0; order];
         let samples = range.len();
-        let forces = self.forces(estimate, delay, range, model.rate);
-        let forced = model.response(&rest, samples, &forces)?;
-        let mut columns = Vec::new();
+        let still = |k: usize| !signals.acts(range.start + k);
+        let forces = self.forces(model, delay, range.clone(), sampled.rate);
+        let forced = sampled.response(&rest, samples, &forces, still)?;
+        let mut states = Vec::new();
         for i in 0..order {
             let mut start = rest.clone();
             start[i] = 1.0;
-            columns.push(model.response(&start, samples, |_| Force::default())?);
+            states.push(sampled.response(&start, samples, |_| Force::default(), still)?);
         }
-        let error = &measured - &forced;
-        let (state, fit_x0) = refit(&columns, &error, &measured)?;
-        let y = (forced + state).as_slice().to_vec();
-        let mut unit = Force::default();
-        unit.now[order - 1] = 1.0;
-        unit.next = unit.now;
-        columns.push(model.response(&rest, samples, |_| unit)?);
-        let (_, fit_x0c) = refit(&columns, &error, &measured)?;
-        Some(FreeRun { y, fit_x0, fit_x0c })
+        let unit = |k: usize| {
+            let mut force = Force::default();
+            force.now[order - 1] = acts(k);
+            force.next = force.now;
+            force
+        };
+        let offset = counted(sampled.response(&rest, samples, unit, still)?);
+        let error = counted(&all - &forced);
+        let mut columns: Vec<DVector<f64>> = states.iter().cloned().map(counted).collect();
+        let (weights, x0) = refit(&columns, &error)?;
+        columns.push(offset);
+        let (_, x0c) = refit(&columns, &error)?;
+        let mut y = forced;
+        for (state, weight) in states.iter().zip(&weights) {
+            y.axpy(*weight, state, 1.0);
+        }
+        let moving = (0..samples).filter(|k| !still(*k));
+        let n = moving.clone().count().max(1) as f64;
+        let mean = moving.clone().map(|k| all[k]).sum::<f64>() / n;
+        Some(Simulation {
+            y: y.as_slice().to_vec(),
+            squares: [x0, x0c],
+            spread: moving.map(|k| (all[k] - mean).powi(2)).sum(),
+        })
     }
 
     /// What the inputs and the constant add to the derivatives of the state from sample k of the range on.
     fn forces(
         &self,
-        estimate: &Estimate,
-        delay: usize,
+        model: &Polynomials,
+        delay: f64,
         range: Range<usize>,
         rate: f64,
     ) -> impl Fn(usize) -> Force {
-        let order = estimate.a.len();
+        let order = model.a.len();
         let scale = move |power: usize| rate.powi(power as i32 + 1 - order as i32);
+        let (whole, part) = (delay.floor() as usize, delay - delay.floor());
         move |k| {
             let mut force = Force::default();
-            force.now[order - 1] = estimate.constant * scale(0);
+            if self.signals.acts(range.start + k) {
+                force.now[order - 1] = model.constant * scale(0);
+            }
             force.next = force.now;
-            for (input, b) in self.signals.inputs.iter().zip(&estimate.b) {
-                let delay = if input.delayed { delay } else { 0 };
+            for (input, b) in self.signals.inputs.iter().zip(&model.b) {
+                let (whole, part) = if input.delayed {
+                    (whole, part)
+                } else {
+                    (0, 0.0)
+                };
                 // A delayed sample from before the record is its first one.
-                let at = |k: usize| input.samples[(range.start + k).saturating_sub(delay)];
+                let at = |k: usize| {
+                    let k = range.start + k;
+                    let u = input.samples[k.saturating_sub(whole)];
+                    match part {
+                        0.0 => u,
+                        _ => u + part * (input.samples[k.saturating_sub(whole + 1)] - u),
+                    }
+                };
                 let now = at(k);
                 let next = match input.hold {
                     Hold::First => at(k + 1),
@@ -93,31 +157,28 @@ impl Problem<'_> {
     }
 }
 
-/// The combination of `columns` nearest to `error` in the sense of least squares, and the fit in percent
-/// of what remains against the spread of `measured`. Dependent columns share their weight.
-fn refit(
-    columns: &[DVector<f64>],
-    error: &DVector<f64>,
-    measured: &DVector<f64>,
-) -> Option<(DVector<f64>, f64)> {
+/// The weights of the combination of `columns` nearest to `error` in the sense of least squares, and the sum of the
+/// squares of what remains. Dependent columns share their weight.
+fn refit(columns: &[DVector<f64>], error: &DVector<f64>) -> Option<(Vec<f64>, f64)> {
     // Columns of length one, so that the bound has no unit.
-    let unit: Vec<DVector<f64>> = columns
+    let lengths: Vec<f64> = columns
         .iter()
-        .map(|c| c / c.norm().max(f64::MIN_POSITIVE))
+        .map(|c| c.norm().max(f64::MIN_POSITIVE))
         .collect();
+    let unit: Vec<DVector<f64>> = columns.iter().zip(&lengths).map(|(c, l)| c / *l).collect();
     let qr = DMatrix::from_columns(&unit).qr();
     let weights = qr
         .r()
         .svd(true, true)
         .solve(&qr.q().tr_mul(error), DEPENDENT)
         .ok()?;
-    let mut combination = DVector::zeros(error.len());
+    let mut left = error.clone();
     for (column, weight) in unit.iter().zip(weights.iter()) {
-        combination.axpy(*weight, column, 1.0);
+        left.axpy(-*weight, column, 1.0);
     }
-    let spread = measured.add_scalar(-measured.mean()).norm();
-    let fit = 100.0 * (1.0 - (error - &combination).norm() / spread);
-    fit.is_finite().then_some((combination, fit))
+    let squares = left.norm_squared();
+    let weights = weights.iter().zip(&lengths).map(|(w, l)| w / l).collect();
+    squares.is_finite().then_some((weights, squares))
 }
 
 #[cfg(test)]
@@ -165,6 +226,7 @@ mod tests {
             dt,
             output: y,
             inputs: vec![input],
+            standstill: None,
         };
         let structure = Structure {
             order: model.a.len(),
@@ -173,7 +235,7 @@ mod tests {
             constant: true,
         };
         let problem = Problem::new(&signals, structure, Options::default()).expect("a problem");
-        problem.free_run(model, delay, y.len() / 2..y.len())
+        problem.free_run(model, delay as f64, y.len() / 2..y.len())
     }
 
     #[test]
@@ -227,10 +289,15 @@ mod tests {
         let noise = DVector::from_fn(50, |k, _| if k % 2 == 0 { 1.0 } else { -1.0 });
         // A column that repeats another one changes nothing, nor does one of zeros.
         let columns = [t.clone(), one.clone(), t.clone(), DVector::zeros(50)];
-        let (found, fit) = refit(&columns, &target, &target).expect("a fit");
-        assert!((found - &target).amax() < 1e-9 && fit > 99.999_999);
-        let (found, _) = refit(&columns, &noise, &target).expect("a fit");
-        let left = &noise - found;
+        let combined = |weights: &[f64]| {
+            let parts = columns.iter().zip(weights).map(|(c, w)| c * *w);
+            parts.fold(DVector::zeros(50), |sum, part| sum + part)
+        };
+        let (weights, squares) = refit(&columns, &target).expect("a fit");
+        assert!((combined(&weights) - &target).amax() < 1e-9 && squares < 1e-15);
+        let (weights, squares) = refit(&columns, &noise).expect("a fit");
+        let left = &noise - combined(&weights);
+        assert!((left.norm_squared() / squares - 1.0).abs() < 1e-9);
         assert!(left.dot(&one).abs() < 1e-9 && left.dot(&t).abs() < 1e-7);
     }
 }

@@ -61,7 +61,7 @@ pub fn identify(
     let half = problem.run_held(tuning)?.half;
     let held_out = problem.check(&half).is_ok();
     let simulated = if held_out { &half } else { &estimate };
-    let free_run = problem.free_run(simulated, tuning.delay, samples / 2..samples);
+    let free_run = problem.free_run(simulated, tuning.delay as f64, samples / 2..samples);
     Ok(Identification {
         tuning,
         estimate,

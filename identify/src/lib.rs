@@ -34,6 +34,7 @@
 //!     dt: 0.01,
 //!     output: &y,
 //!     inputs: vec![Input { name: "u", samples: &u, delayed: true, hold: Hold::Zero }],
+//!     standstill: None,
 //! };
 //! let structure = Structure { order: 1, integrator: false, zeros: 0, constant: false };
 //! let problem = Problem::new(&signals, structure, Options::default())?;
@@ -48,8 +49,11 @@ pub mod derived;
 pub mod dynamic;
 pub mod error;
 pub mod estimate;
+pub mod folds;
 pub mod free_run;
 pub mod identification;
+pub mod instruments;
+pub mod polynomials;
 pub mod problem;
 pub mod run;
 mod sampled;

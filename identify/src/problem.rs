@@ -201,6 +201,7 @@ mod tests {
             dt: 0.1,
             output: y,
             inputs: vec![input("u", u, true), input("w", w, false)],
+            standstill: None,
         }
     }
 

@@ -29,6 +29,8 @@ pub(crate) struct Sampled {
     order: usize,
     /// The rate `r` \[rad/s\].
     pub rate: f64,
+    /// `alpha_1 ..` of the state equations.
+    alpha: [f64; ORDER],
     /// `x(k+1) = free x(k) + held now + rising (next - now)`.
     free: Step,
     held: Step,
@@ -43,8 +45,10 @@ impl Sampled {
         let rate = if largest > 0.0 { largest } else { 1.0 / dt };
         // d/dt [x; now; next - now], the last as a ramp over the interval.
         let mut block = DMatrix::zeros(3 * m, 3 * m);
+        let mut alpha = [0.0; ORDER];
         for i in 0..m {
-            block[(i, 0)] = -a[m - 1 - i] / rate.powi(i as i32) * dt;
+            alpha[i] = a[m - 1 - i] / rate.powi(i as i32 + 1);
+            block[(i, 0)] = -alpha[i] * rate * dt;
             if i + 1 < m {
                 block[(i, i + 1)] = rate * dt;
             }
@@ -69,18 +73,20 @@ impl Sampled {
         Self {
             order: m,
             rate,
+            alpha,
             free: part(0),
             held: part(m),
             rising: part(2 * m),
         }
     }
 
-    /// The output from a state on; `None` where it runs away.
+    /// The output from a state on, held where the drive stands `still`; `None` where it runs away.
     pub(crate) fn response(
         &self,
         start: &[f64],
         samples: usize,
         force: impl Fn(usize) -> Force,
+        still: impl Fn(usize) -> bool,
     ) -> Option<DVector<f64>> {
         let mut state = [0.0; ORDER];
         state[..self.order].copy_from_slice(start);
@@ -88,6 +94,13 @@ impl Sampled {
         for k in 0..samples {
             y[k] = state[0];
             if k + 1 < samples {
+                if still(k) {
+                    // Held by friction: the output stays, its derivatives are zero.
+                    for i in 1..self.order {
+                        state[i] = self.alpha[i - 1] * state[0];
+                    }
+                    continue;
+                }
                 let Force { now, next } = force(k);
                 let mut moved = [0.0; ORDER];
                 for i in 0..self.order {

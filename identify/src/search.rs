@@ -75,8 +75,8 @@ pub fn delays(choice: Choice<usize>) -> std::ops::RangeInclusive<usize> {
 fn merit(problem: &Problem, tuning: Tuning) -> Option<(f64, Estimate)> {
     let estimate = problem.run(tuning, None).ok()?.end;
     let n = problem.samples();
-    let first = problem.free_run(&estimate, tuning.delay, 0..n / 2)?;
-    let second = problem.free_run(&estimate, tuning.delay, n / 2..n)?;
+    let first = problem.free_run(&estimate, tuning.delay as f64, 0..n / 2)?;
+    let second = problem.free_run(&estimate, tuning.delay as f64, n / 2..n)?;
     Some((0.5 * (first.fit_x0c + second.fit_x0c), estimate))
 }
 

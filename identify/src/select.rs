@@ -191,7 +191,7 @@ fn candidate(problem: &Problem, pole: Option<f64>, delay: usize) -> Result<Candi
         return Err(problem.cannot_carry(Weakness::NoPrediction));
     }
     let n = problem.samples();
-    let free = problem.free_run(&run.half, delay, n / 2..n);
+    let free = problem.free_run(&run.half, delay as f64, n / 2..n);
     Ok(Candidate {
         structure: problem.structure,
         delay,

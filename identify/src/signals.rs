@@ -26,9 +26,16 @@ pub struct Signals<'a> {
     pub output: &'a [f64],
     /// At most [`INPUTS`](crate::dynamic::INPUTS) inputs.
     pub inputs: Vec<Input<'a>>,
+    /// Where the drive stands still and friction balances every force: nothing acts there. The inputs are zero then.
+    pub standstill: Option<&'a [bool]>,
 }
 
 impl Signals<'_> {
+    /// Whether the inputs and the constant act at a sample, which they do unless the drive stands still.
+    pub fn acts(&self, sample: usize) -> bool {
+        self.standstill.is_none_or(|still| !still[sample])
+    }
+
     /// Refuses what carries no information whatever the structure.
     pub(crate) fn check(&self) -> Result<(), Error> {
         if !(self.dt > 0.0 && self.dt.is_finite()) {

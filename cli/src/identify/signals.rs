@@ -133,6 +133,7 @@ impl Loaded {
             dt: self.dt,
             output: &self.y,
             inputs: inputs.collect(),
+            standstill: None,
         }
     }
 }

@@ -1,0 +1,137 @@
+//! The core's trends of one signal behind an order that is known only at run time.
+
+use trendid::trends::{
+    AnyTrends, ExactTrends, FilteredTrends, Form, Hold, Memory, Scheme, TrendOperator,
+};
+use trendid::{ConfigError, trends::AnyMemory};
+
+/// Trends 0 .. m-1 and the top one, then zeros.
+pub(crate) type Values = [f64; 5];
+
+/// Trends of one signal, whatever their order.
+pub(crate) trait Lane: Send {
+    /// Trends 0 .. m of a sampled signal.
+    fn output(&mut self, y: f32) -> Values;
+    /// Trends 0 .. m-1 of an input.
+    fn input(&mut self, u: f32) -> Values;
+}
+
+/// A filter polynomial with the numerators of a plant, of one of the orders 1 to 4.
+pub(crate) trait Design {
+    /// A lane for a sampled signal that has always had the value of its first sample.
+    fn of_output(&self, form: Form, first: f32) -> Box<dyn Lane>;
+    /// A lane for an input that was zero.
+    fn of_input(&self, hold: Hold) -> Box<dyn Lane>;
+    /// f_0 .. f_{m-1} of the filter in the plane of the trends.
+    fn filter(&self) -> Vec<f64>;
+    /// A model in the plane of the trends as one of the s plane: its denominator, and the factor from the
+    /// numerators found to those of s. `None` where a pole is too fast for the sampling.
+    fn to_s_plane(&self, a: &[f64], integrators: usize) -> Option<(Vec<f64>, f64)>;
+}
+
+struct Operator<const M: usize>(AnyTrends<M>);
+
+struct Signal<const M: usize> {
+    trends: AnyTrends<M>,
+    memory: AnyMemory<M>,
+    form: Form,
+    hold: Hold,
+}
+
+/// Trends behind the filter `filter` of the s plane, exact for the denominator `model` where there is one.
+///
+/// # Errors
+/// The core's refusal of the filter; an order outside 1 to 4.
+pub(crate) fn design(
+    dt: f64,
+    filter: &[f64],
+    model: Option<&[f64]>,
+) -> Result<Box<dyn Design>, ConfigError> {
+    match filter.len() {
+        1 => sized::<1>(dt, filter, model),
+        2 => sized::<2>(dt, filter, model),
+        3 => sized::<3>(dt, filter, model),
+        4 => sized::<4>(dt, filter, model),
+        found => Err(ConfigError::ParameterCount { found, expected: 4 }),
+    }
+}
+
+fn narrow<const M: usize>(values: &[f64]) -> [f32; M] {
+    let mut narrow = [0.0; M];
+    for (slot, value) in narrow.iter_mut().zip(values) {
+        *slot = *value as f32;
+    }
+    narrow
+}
+
+fn sized<const M: usize>(
+    dt: f64,
+    filter: &[f64],
+    model: Option<&[f64]>,
+) -> Result<Box<dyn Design>, ConfigError> {
+    let (dt, filter) = (dt as f32, narrow(filter));
+    let trends = match model {
+        None => AnyTrends::Filtered(FilteredTrends::from_polynomial(Scheme::Tustin, dt, filter)?),
+        Some(model) => {
+            let exact = ExactTrends::from_polynomial(dt, filter)?;
+            // A model that is too fast for the sampling leaves the numerators of the filter.
+            AnyTrends::Exact(exact.with_model(narrow(model)).unwrap_or(exact))
+        }
+    };
+    Ok(Box::new(Operator::<M>(trends)))
+}
+
+impl<const M: usize> Design for Operator<M> {
+    fn of_output(&self, form: Form, first: f32) -> Box<dyn Lane> {
+        Box::new(Signal {
+            trends: self.0,
+            memory: Memory::output_at_rest(self.0.design(), form, first),
+            form,
+            hold: Hold::Zero,
+        })
+    }
+
+    fn of_input(&self, hold: Hold) -> Box<dyn Lane> {
+        Box::new(Signal {
+            trends: self.0,
+            memory: Memory::input_at_rest(self.0.design(), hold, 0.0),
+            form: Form::Position,
+            hold,
+        })
+    }
+
+    fn filter(&self) -> Vec<f64> {
+        let filter = self.0.design().filter.unwrap_or([0.0; M]);
+        filter.iter().copied().map(f64::from).collect()
+    }
+
+    fn to_s_plane(&self, a: &[f64], integrators: usize) -> Option<(Vec<f64>, f64)> {
+        if !matches!(self.0, AnyTrends::Exact(_)) {
+            return Some((a.to_vec(), 1.0));
+        }
+        let mapped = self.0.design().to_s_plane(&narrow(a), integrators)?;
+        let a = mapped.a.iter().copied().map(f64::from).collect();
+        Some((a, f64::from(mapped.numerator)))
+    }
+}
+
+impl<const M: usize> Lane for Signal<M> {
+    fn output(&mut self, y: f32) -> Values {
+        let trends = self.trends.output(&mut self.memory, y, self.form);
+        let mut values = wide(&trends.lower);
+        values[M] = f64::from(trends.top);
+        values
+    }
+
+    fn input(&mut self, u: f32) -> Values {
+        wide(&self.trends.input(&mut self.memory, u, self.hold))
+    }
+}
+
+fn wide(trends: &[f32]) -> Values {
+    let mut values = Values::default();
+    for (slot, trend) in values.iter_mut().zip(trends) {
+        *slot = f64::from(*trend);
+    }
+    values
+}

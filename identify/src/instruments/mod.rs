@@ -1,0 +1,330 @@
+//! Instrumental variables over a whole record: the inputs filtered twice, combined after the sums.
+//!
+//! Known as: instrumental variables with a fixed auxiliary denominator (Young 1981; Garnier and Wang 2008), with a
+//! cluster-robust covariance over blocks of time.
+//!
+//! ```text
+//! q = m - integrators    A_z fixed, stable, of order q    A_f the filter of the trends
+//! x_cj = s^j / (A_f A_z) u_c                  j = 0 .. q + n_b - 2
+//! z = (x_cj of all inputs ; the regressors)   sum z [phi' psi], block by block
+//! row of a_i := - sum_c sum_j b_cj (row of x_c,i-integrators+j)       theta = (Z'Phi)^-1 Z'psi
+//! ```
+//!
+//! The noise of the output is in the regressors of a_i, not in what the inputs alone give: the estimate is free of
+//! bias whatever the noise. Behind an integrator `s^i y = s^(i-1) v` and `v = B/A' u`: nothing is integrated, nothing
+//! drifts. The equations are linear in the rows of the sums, so the numerators b may change afterwards for all past
+//! samples. The m coefficients of the initial state of plant and filter are further regressors, so that a record may
+//! begin anywhere and a filter be slow.
+//!
+//! All trends are the core's; the sums are in f64. Cost: (r + p) (p + 1) multiplications per sample and pass for r twice
+//! filtered rows and p regressors, two or three passes.
+
+mod lanes;
+mod solve;
+mod sums;
+
+use nalgebra::DMatrix;
+
+use crate::error::{Error, Weakness};
+use crate::estimate::Estimate;
+use crate::polynomials::{Pole, Polynomials, from_roots};
+use crate::problem::Problem;
+use crate::tuning::FASTEST;
+
+pub use solve::Method;
+pub(crate) use sums::BLOCKS;
+use sums::{Setting, Sums};
+
+/// Folds of the comparison; each is two blocks of the sums.
+pub const FOLDS: usize = 8;
+
+/// Passes at most until the auxiliary denominator and the numerators are those of the estimate.
+const PASSES: usize = 3;
+
+/// Numerators that differ by less than this from those without a hold need no further pass.
+const NEGLIGIBLE: f64 = 1e-5;
+
+/// The slowest and the fastest auxiliary pole: 1/(0.2 T) and 0.3/h.
+const SLOWEST_SHARE: f64 = 0.2;
+const FASTEST_SHARE: f64 = 0.3;
+
+/// A filter and a delay over a record, with the sums that answer every question about them.
+pub struct Fit<'a> {
+    problem: &'a Problem<'a>,
+    setting: Setting,
+    sums: Sums,
+    method: Method,
+}
+
+/// A model with its standard deviations from the record itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Found {
+    /// The model; its covariance is not finite where there were too few blocks.
+    pub estimate: Estimate,
+    /// Blocks that the standard deviations rest on, as an effective number of at most 16.
+    pub effective_blocks: f64,
+}
+
+impl<'a> Fit<'a> {
+    /// The sums behind the filter polynomial `filter` (f_0 .. f_{m-1}) with inputs `delay` samples late.
+    ///
+    /// # Errors
+    /// The core's refusal of the filter; [`Error::CannotCarry`] where the equations are singular.
+    pub fn new(
+        problem: &'a Problem<'a>,
+        filter: &[f64],
+        delay: f64,
+        method: Method,
+    ) -> Result<Self, Error> {
+        let q = problem.structure.order - usize::from(problem.structure.integrator);
+        let dt = problem.signals.dt;
+        // The fast part of the filter, until there is a model.
+        let rough = crate::polynomials::roots(filter)
+            .map(|roots| from_roots(&roots[roots.len() - q..]))
+            .unwrap_or_default();
+        let mut setting = Setting {
+            filter: filter.to_vec(),
+            model: filter.to_vec(),
+            auxiliary: rough,
+            delay,
+        };
+        if let Some(roots) = crate::polynomials::roots(&setting.auxiliary) {
+            setting.auxiliary = problem.within_reach(&roots);
+        }
+        let mut fit = Self {
+            problem,
+            sums: Sums::of(problem, &setting)?,
+            setting,
+            method,
+        };
+        for _ in 1..PASSES {
+            let Some(model) = fit
+                .polynomials(method)
+                .or_else(|| fit.polynomials(Method::LeastSquares))
+            else {
+                break;
+            };
+            let integrators = usize::from(problem.structure.integrator);
+            let Some(poles) = model.poles(integrators) else {
+                break;
+            };
+            let fastest = poles
+                .iter()
+                .fold(0.0_f64, |m, (re, im)| m.max(re.hypot(*im)))
+                * dt;
+            let exact = fastest * fastest / 12.0 > NEGLIGIBLE && fastest < FASTEST;
+            let next = Setting {
+                auxiliary: problem.within_reach(&poles),
+                model: if exact {
+                    model.a.clone()
+                } else {
+                    filter.to_vec()
+                },
+                ..fit.setting.clone()
+            };
+            let settled = near(&next.auxiliary, &fit.setting.auxiliary)
+                && near(&next.model, &fit.setting.model);
+            if settled || (method == Method::LeastSquares && !exact) {
+                break;
+            }
+            fit.sums = Sums::of(problem, &next)?;
+            fit.setting = next;
+        }
+        match fit.polynomials(method) {
+            Some(_) => Ok(fit),
+            None => Err(problem.cannot_carry(Weakness::Singular)),
+        }
+    }
+
+    /// The same sums solved another way.
+    pub fn set_method(&mut self, method: Method) {
+        self.method = method;
+    }
+
+    /// How its equations are solved.
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
+    /// Delay in samples.
+    pub fn delay(&self) -> f64 {
+        self.setting.delay
+    }
+
+    /// f_0 .. f_{m-1} of the filter.
+    pub fn filter(&self) -> &[f64] {
+        &self.setting.filter
+    }
+
+    fn polynomials(&self, method: Method) -> Option<Polynomials> {
+        self.in_s_plane(&self.sums.solve(method, |_| false)?)
+            .map(|(model, _)| model)
+    }
+
+    /// The model of the whole record.
+    pub fn model(&self) -> Option<Polynomials> {
+        self.polynomials(self.method)
+    }
+
+    /// Parameters of the s plane without one of the [`FOLDS`].
+    pub fn without_fold(&self, fold: usize) -> Option<(Polynomials, Vec<f64>)> {
+        let each = BLOCKS / FOLDS;
+        let theta = self.sums.solve(self.method, |block| block / each == fold)?;
+        self.in_s_plane(&theta)
+    }
+
+    /// Parameters of the plane of the trends as a model, and as theta.
+    fn in_s_plane(&self, theta: &[f64]) -> Option<(Polynomials, Vec<f64>)> {
+        let layout = &self.sums.layout;
+        let q = layout.outputs();
+        let mut found = vec![0.0; layout.order];
+        found[layout.first..].copy_from_slice(&theta[..q]);
+        let (a, numerator) = self.sums.design.to_s_plane(&found, layout.first)?;
+        let mut mapped = a[layout.first..].to_vec();
+        mapped.extend(theta[q..].iter().map(|b| b * numerator));
+        if layout.constant && layout.first == 0 {
+            // A (y - r) = B u + d' is A y = B u + d' + a_0 r.
+            mapped[theta.len() - 1] += a[0] * self.sums.reference;
+        }
+        Some((self.problem.polynomials(&mapped), mapped))
+    }
+
+    /// The model of the whole record with its standard deviations.
+    ///
+    /// # Errors
+    /// [`Error::CannotCarry`] where a parameter is not finite.
+    pub fn found(&self) -> Result<Found, Error> {
+        let weak = |weakness| self.problem.cannot_carry(weakness);
+        let solution = self
+            .sums
+            .solve_whole(self.method)
+            .ok_or_else(|| weak(Weakness::Singular))?;
+        let (model, theta) = self
+            .in_s_plane(&solution.theta)
+            .ok_or_else(|| weak(Weakness::NotFinite))?;
+        let p = theta.len();
+        let covariance = match &solution.covariance {
+            Some(covariance) => {
+                let slope = self.slope(&solution.theta, &theta, covariance);
+                &slope * covariance * slope.transpose()
+            }
+            None => DMatrix::from_element(p, p, f64::NAN),
+        };
+        Ok(Found {
+            estimate: self.problem.estimate_of(model, theta, &covariance),
+            effective_blocks: solution.effective_blocks,
+        })
+    }
+
+    /// Derivatives of theta in the s plane by theta in the plane of the trends, by differences of a third of sigma.
+    fn slope(&self, theta: &[f64], mapped: &[f64], covariance: &DMatrix<f64>) -> DMatrix<f64> {
+        let p = theta.len();
+        let mut slope = DMatrix::identity(p, p);
+        for j in 0..p {
+            let step = 0.3 * covariance[(j, j)].sqrt() + 1e-3 * theta[j].abs();
+            let mut moved = theta.to_vec();
+            moved[j] += step;
+            let Some((_, moved)) = self.in_s_plane(&moved).filter(|_| step > 0.0) else {
+                continue;
+            };
+            for i in 0..p {
+                slope[(i, j)] = (moved[i] - mapped[i]) / step;
+            }
+        }
+        slope
+    }
+}
+
+/// Whether two polynomials are alike: another pass would change little.
+fn near(p: &[f64], q: &[f64]) -> bool {
+    p.len() == q.len()
+        && p.iter()
+            .zip(q)
+            .all(|(p, q)| (p - q).abs() <= 0.02 * p.abs())
+}
+
+impl Problem<'_> {
+    /// The auxiliary denominator with these poles: stable, and within what the record shows.
+    fn within_reach(&self, poles: &[Pole]) -> Vec<f64> {
+        let dt = self.signals.dt;
+        let slowest = 1.0 / (SLOWEST_SHARE * self.samples() as f64 * dt);
+        let fastest = (FASTEST_SHARE / dt).max(slowest);
+        let limited: Vec<Pole> = poles
+            .iter()
+            .map(|(re, im)| {
+                (
+                    -re.abs().clamp(slowest, fastest),
+                    im.clamp(-1.0 / dt, 1.0 / dt),
+                )
+            })
+            .collect();
+        from_roots(&limited)
+    }
+
+    /// theta as polynomials.
+    pub(crate) fn polynomials(&self, theta: &[f64]) -> Polynomials {
+        let first = usize::from(self.structure.integrator);
+        let q = self.structure.order - first;
+        let mut a = vec![0.0; first];
+        a.extend(&theta[..q]);
+        let mut place = q;
+        let mut b = Vec::new();
+        for input in &self.signals.inputs {
+            let terms = self.terms(input);
+            b.push(theta[place..place + terms].to_vec());
+            place += terms;
+        }
+        let constant = theta.get(place).copied().unwrap_or(0.0);
+        Polynomials { a, b, constant }
+    }
+
+    /// A model with its covariance as an estimate.
+    pub(crate) fn estimate_of(
+        &self,
+        model: Polynomials,
+        theta: Vec<f64>,
+        covariance: &DMatrix<f64>,
+    ) -> Estimate {
+        let integrators = usize::from(self.structure.integrator);
+        let reading = model.reading(integrators);
+        let sigma: Vec<f64> = (0..theta.len())
+            .map(|j| covariance[(j, j)].sqrt())
+            .collect();
+        let rows = (0..theta.len()).map(|i| covariance.row(i).iter().copied().collect());
+        let mut estimate = Estimate {
+            covariance: rows.collect(),
+            a: model.a,
+            b: model.b,
+            constant: model.constant,
+            reading,
+            reading_sigma: None,
+            theta,
+            sigma,
+        };
+        estimate.reading_sigma = Some(self.reading_sigma(&estimate));
+        estimate
+    }
+
+    /// Standard deviations of gain, natural frequency and damping, by differences.
+    fn reading_sigma(&self, estimate: &Estimate) -> [f64; 3] {
+        let integrators = usize::from(self.structure.integrator);
+        let read = |theta: &[f64]| {
+            let reading = self.polynomials(theta).reading(integrators);
+            [reading.gain, reading.omega0, reading.damping].map(|v| v.unwrap_or(f64::NAN))
+        };
+        let at = read(&estimate.theta);
+        let mut gradients = [(); 3].map(|()| vec![0.0; estimate.theta.len()]);
+        for j in 0..estimate.theta.len() {
+            let step = 1e-4 * estimate.theta[j].abs() + 1e-4 * estimate.sigma[j];
+            if !(step > 0.0) {
+                continue;
+            }
+            let mut moved = estimate.theta.clone();
+            moved[j] += step;
+            for (k, moved) in read(&moved).into_iter().enumerate() {
+                gradients[k][j] = (moved - at[k]) / step;
+            }
+        }
+        gradients.map(|gradient| estimate.sigma_of(&gradient))
+    }
+}

@@ -1,0 +1,236 @@
+//! Parameters and standard deviations from the sums of a pass.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::instruments::sums::{BLOCKS, Sums};
+
+/// Repetitions with the numerators of the estimate.
+const REPETITIONS: usize = 3;
+
+/// Energy of a column of the initial state, over that of the whole record, below which its blocks say nothing of it.
+const ABSENT: f64 = 1e-9;
+
+/// Smallest pivot of equations with rows and columns of size one.
+const SINGULAR: f64 = 1e-11;
+
+/// How the equations are solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// The regressors themselves as instruments.
+    LeastSquares,
+    /// The inputs filtered twice.
+    Instruments,
+}
+
+/// Parameters in the plane of the trends, with the matrix that found them.
+pub(crate) struct Solution {
+    /// In the order of theta, without the initial state.
+    pub theta: Vec<f64>,
+    /// Covariance by batch means of the scores; none where there are too few blocks.
+    pub covariance: Option<DMatrix<f64>>,
+    /// Blocks that carry information, as an effective number.
+    pub effective_blocks: f64,
+}
+
+/// The square system of one choice of instruments: matrix and right-hand side side by side.
+type Equations = DMatrix<f64>;
+
+impl Sums {
+    /// The sum of all blocks but those left out.
+    fn total(&self, left_out: impl Fn(usize) -> bool) -> Vec<f64> {
+        let mut total = vec![0.0; self.blocks[0].len()];
+        for (_, block) in self
+            .blocks
+            .iter()
+            .enumerate()
+            .filter(|(b, _)| !left_out(*b))
+        {
+            for (sum, value) in total.iter_mut().zip(block) {
+                *sum += value;
+            }
+        }
+        total
+    }
+
+    /// The equations of least squares, or with the rows of the twice filtered inputs combined by numerators.
+    fn combined(&self, sums: &[f64], numerators: Option<&[f64]>) -> Equations {
+        let layout = &self.layout;
+        let (columns, auxiliary) = (layout.columns(), layout.auxiliary_rows());
+        let q = layout.outputs();
+        DMatrix::from_fn(columns, columns + 1, |row, column| {
+            let at = |row: usize| sums[row * (columns + 1) + column];
+            match numerators {
+                Some(b) if row < q => {
+                    let mut sum = 0.0;
+                    let mut place = 0;
+                    for (c, terms) in layout.terms.iter().enumerate() {
+                        for j in 0..*terms {
+                            sum -= b[place + j] * at(layout.row(c) + row + j);
+                        }
+                        place += terms;
+                    }
+                    sum
+                }
+                _ => at(auxiliary + row),
+            }
+        })
+    }
+
+    /// The columns that the blocks say something of: a decayed initial state is left out.
+    fn present(&self, sums: &[f64], whole: &[f64]) -> Vec<usize> {
+        let layout = &self.layout;
+        let (columns, auxiliary) = (layout.columns(), layout.auxiliary_rows());
+        let energy = |sums: &[f64], j: usize| sums[(auxiliary + j) * (columns + 1) + j];
+        let present =
+            |j: &usize| *j < layout.parameters() || energy(sums, *j) > ABSENT * energy(whole, *j);
+        (0..columns).filter(present).collect()
+    }
+
+    /// Parameters from all blocks but those left out, covariance included where it is wanted.
+    pub fn solve(
+        &self,
+        method: Method,
+        left_out: impl Fn(usize) -> bool + Copy,
+    ) -> Option<Vec<f64>> {
+        let (theta, ..) = self.found(method, left_out)?;
+        Some(theta.as_slice()[..self.layout.parameters()].to_vec())
+    }
+
+    fn found(
+        &self,
+        method: Method,
+        left_out: impl Fn(usize) -> bool + Copy,
+    ) -> Option<(DVector<f64>, Option<Vec<f64>>, Vec<usize>)> {
+        let whole = self.total(|_| false);
+        let sums = self.total(left_out);
+        let present = self.present(&sums, &whole);
+        let mut theta = solved(&self.combined(&sums, None), &present)?;
+        let q = self.layout.outputs();
+        if method == Method::LeastSquares || q == 0 {
+            return Some((theta, None, present));
+        }
+        let numerators: usize = self.layout.terms.iter().sum();
+        let mut b = Vec::new();
+        for _ in 0..REPETITIONS {
+            b = theta.as_slice()[q..q + numerators].to_vec();
+            theta = solved(&self.combined(&sums, Some(&b)), &present)?;
+        }
+        Some((theta, Some(b), present))
+    }
+
+    /// Parameters of the whole record with their covariance.
+    ///
+    /// Known as: cluster-robust (sandwich) covariance over blocks of time, batch means. The scores of a block are its
+    /// equations at the parameters of the whole record.
+    pub fn solve_whole(&self, method: Method) -> Option<Solution> {
+        let (theta, b, present) = self.found(method, |_| false)?;
+        let p = self.layout.parameters();
+        let n = present.len();
+        let scores: Vec<DVector<f64>> = self
+            .blocks
+            .iter()
+            .map(|block| {
+                let equations = self.combined(block, b.as_deref());
+                let columns = equations.ncols() - 1;
+                let score = equations.column(columns) - equations.columns(0, columns) * &theta;
+                DVector::from_iterator(n, present.iter().map(|j| score[*j]))
+            })
+            .collect();
+        let whole = self.combined(&self.total(|_| false), b.as_deref());
+        let matrix = DMatrix::from_fn(n, n, |i, j| whole[(present[i], present[j])]);
+        let influences = influences(&matrix, &scores)?;
+        let mut sum = DMatrix::zeros(p, p);
+        let mut squares = vec![Vec::new(); p];
+        for influence in &influences {
+            let part = influence.rows(0, p);
+            sum += part * part.transpose();
+            for (squares, v) in squares.iter_mut().zip(part.iter()) {
+                squares.push(v * v);
+            }
+        }
+        let effective = squares
+            .iter()
+            .map(|s| effective(s))
+            .fold(BLOCKS as f64, f64::min);
+        let k = BLOCKS as f64;
+        let covariance = (BLOCKS > p + 1).then(|| sum * (k / (k - 1.0) * k / (k - p as f64)));
+        Some(Solution {
+            theta: theta.as_slice()[..p].to_vec(),
+            covariance,
+            effective_blocks: effective,
+        })
+    }
+}
+
+/// How many equal squares spread as these: (sum)^2 / sum of squares.
+fn effective(squares: &[f64]) -> f64 {
+    let sum: f64 = squares.iter().sum();
+    let of_squares: f64 = squares.iter().map(|s| s * s).sum();
+    if of_squares > 0.0 {
+        sum * sum / of_squares
+    } else {
+        0.0
+    }
+}
+
+/// `M^-1 s` for each score, with rows and columns brought to size one.
+fn influences(matrix: &DMatrix<f64>, scores: &[DVector<f64>]) -> Option<Vec<DVector<f64>>> {
+    let (rows, columns) = sizes(matrix)?;
+    let n = matrix.nrows();
+    let scaled = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] / (rows[i] * columns[j]));
+    let lu = scaled.full_piv_lu();
+    scores
+        .iter()
+        .map(|s| {
+            let s = DVector::from_fn(n, |i, _| s[i] / rows[i]);
+            let found = lu.solve(&s)?;
+            Some(DVector::from_fn(n, |j, _| found[j] / columns[j]))
+        })
+        .collect()
+}
+
+/// Divisors that bring every row and column to a largest entry of about one.
+fn sizes(matrix: &DMatrix<f64>) -> Option<(Vec<f64>, Vec<f64>)> {
+    let n = matrix.nrows();
+    let mut columns = vec![1.0; n];
+    let mut rows = vec![1.0; n];
+    for _ in 0..3 {
+        for i in 0..n {
+            rows[i] = (0..n)
+                .map(|j| (matrix[(i, j)] / columns[j]).abs())
+                .fold(0.0, f64::max);
+        }
+        if !rows.iter().all(|r| *r > 0.0 && r.is_finite()) {
+            return None;
+        }
+        for j in 0..n {
+            columns[j] = (0..n)
+                .map(|i| (matrix[(i, j)] / rows[i]).abs())
+                .fold(0.0, f64::max);
+        }
+        if !columns.iter().all(|r| *r > 0.0 && r.is_finite()) {
+            return None;
+        }
+    }
+    Some((rows, columns))
+}
+
+/// The solution over some of the columns, the others 0; `None` where the equations are singular.
+fn solved(equations: &Equations, present: &[usize]) -> Option<DVector<f64>> {
+    let columns = equations.ncols() - 1;
+    let n = present.len();
+    let matrix = DMatrix::from_fn(n, n, |i, j| equations[(present[i], present[j])]);
+    let (rows, sizes) = sizes(&matrix)?;
+    let lu = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] / (rows[i] * sizes[j])).full_piv_lu();
+    let pivots = lu.u();
+    if !(0..n).all(|i| pivots[(i, i)].abs() > SINGULAR) {
+        return None;
+    }
+    let right = DVector::from_fn(n, |i, _| equations[(present[i], columns)] / rows[i]);
+    let found = lu.solve(&right)?;
+    let mut theta = DVector::zeros(columns);
+    for (place, (j, value)) in present.iter().zip(found.iter()).enumerate() {
+        theta[*j] = value / sizes[place];
+    }
+    theta.iter().all(|v| v.is_finite()).then_some(theta)
+}

@@ -1,0 +1,228 @@
+//! One pass over a record: products of instruments and regressors, summed block by block.
+
+use trendid::trends::{Form, Hold};
+
+use crate::error::Error;
+use crate::instruments::lanes::{Design, Lane, design};
+use crate::problem::Problem;
+
+/// Blocks of equal length that a record is divided into.
+pub(crate) const BLOCKS: usize = 16;
+
+/// Filter and delay of a pass, all as values.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Setting {
+    /// f_0 .. f_{m-1} of the filter of the trends, in the s plane.
+    pub filter: Vec<f64>,
+    /// The denominator whose numerators the inputs get.
+    pub model: Vec<f64>,
+    /// The auxiliary denominator `A_z` behind the integrators; empty without instruments.
+    pub auxiliary: Vec<f64>,
+    /// Delay of the delayed inputs in samples.
+    pub delay: f64,
+}
+
+/// Places of the regressors and of the instruments.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Layout {
+    /// Order m.
+    pub order: usize,
+    /// 1 behind an integrator, else 0.
+    pub first: usize,
+    /// Coefficients of each input.
+    pub terms: Vec<usize>,
+    /// Whether there is a constant.
+    pub constant: bool,
+}
+
+impl Layout {
+    pub fn of(problem: &Problem) -> Self {
+        let inputs = problem.signals.inputs.iter();
+        Self {
+            order: problem.structure.order,
+            first: usize::from(problem.structure.integrator),
+            terms: inputs.map(|input| problem.terms(input)).collect(),
+            constant: problem.structure.constant,
+        }
+    }
+
+    /// Coefficients a_i that are estimated: q.
+    pub fn outputs(&self) -> usize {
+        self.order - self.first
+    }
+
+    /// Parameters of the model.
+    pub fn parameters(&self) -> usize {
+        self.outputs() + self.terms.iter().sum::<usize>() + usize::from(self.constant)
+    }
+
+    /// Columns of the equation: the parameters, then the m coefficients of the initial state.
+    pub fn columns(&self) -> usize {
+        self.parameters() + self.order
+    }
+
+    /// Twice filtered rows of an input.
+    fn twice_filtered(&self, input: usize) -> usize {
+        match self.outputs() {
+            0 => 0,
+            q => q + self.terms[input] - 1,
+        }
+    }
+
+    /// Place of the first twice filtered row of an input.
+    pub fn row(&self, input: usize) -> usize {
+        (0..input).map(|c| self.twice_filtered(c)).sum()
+    }
+
+    /// All twice filtered rows.
+    pub fn auxiliary_rows(&self) -> usize {
+        self.row(self.terms.len())
+    }
+}
+
+/// The sums of a pass, in blocks.
+///
+/// Rows: the twice filtered inputs, then the regressors themselves. Columns: the regressors, then the left-hand side.
+pub(crate) struct Sums {
+    pub layout: Layout,
+    pub design: Box<dyn Design>,
+    /// What is subtracted from the output: positions are large against their increments, so their reference goes
+    /// before f32. Only an integrator or a constant takes it up.
+    pub reference: f64,
+    /// Row after row, one matrix for each block.
+    pub blocks: Vec<Vec<f64>>,
+}
+
+/// The filters of one input.
+struct InputLanes {
+    samples: Vec<f32>,
+    trends: Box<dyn Lane>,
+    /// `s^i / A_z`, and `s^j / (A_f A_z)` behind it.
+    auxiliary: Option<(Box<dyn Lane>, Box<dyn Lane>)>,
+}
+
+/// An input `delay` samples late; before the record it had its first value.
+fn delayed(samples: &[f64], delay: f64) -> Vec<f32> {
+    let whole = delay.floor() as usize;
+    let part = delay - delay.floor();
+    let at = |k: usize, d: usize| samples[k.saturating_sub(d)];
+    (0..samples.len())
+        .map(|k| {
+            let u = at(k, whole);
+            (u + part * (at(k, whole + 1) - u)) as f32
+        })
+        .collect()
+}
+
+impl Sums {
+    /// The sums of a record.
+    ///
+    /// # Errors
+    /// The core's refusal of the filter.
+    pub fn of(problem: &Problem, setting: &Setting) -> Result<Self, Error> {
+        let signals = problem.signals;
+        let layout = Layout::of(problem);
+        let dt = signals.dt;
+        let design = design(dt, &setting.filter, Some(&setting.model))
+            .or_else(|_| self::design(dt, &setting.filter, None))?;
+        let mut inputs = Vec::new();
+        for input in &signals.inputs {
+            let delay = if input.delayed { setting.delay } else { 0.0 };
+            let auxiliary = match setting.auxiliary.len() {
+                0 => None,
+                _ => Some((
+                    self::design(dt, &setting.auxiliary, None)?.of_input(input.hold),
+                    design.of_output(Form::Position, 0.0),
+                )),
+            };
+            inputs.push(InputLanes {
+                samples: delayed(input.samples, delay),
+                trends: design.of_input(input.hold),
+                auxiliary,
+            });
+        }
+        let mut sums = Self {
+            blocks: vec![
+                vec![
+                    0.0;
+                    (layout.auxiliary_rows() + layout.columns()) * (layout.columns() + 1)
+                ];
+                BLOCKS
+            ],
+            reference: match layout.constant || layout.first > 0 {
+                true => signals.output[0],
+                false => 0.0,
+            },
+            layout,
+            design,
+        };
+        sums.run(problem, &mut inputs);
+        Ok(sums)
+    }
+
+    fn run(&mut self, problem: &Problem, inputs: &mut [InputLanes]) {
+        let layout = self.layout.clone();
+        let (m, q, first) = (layout.order, layout.outputs(), layout.first);
+        let (columns, auxiliary) = (layout.columns(), layout.auxiliary_rows());
+        let samples = problem.signals.output;
+        let form = match first {
+            0 => Form::Position,
+            _ => Form::Increment,
+        };
+        let reference = self.reference;
+        let mut output = self.design.of_output(form, 0.0);
+        let mut constant = self.design.of_input(Hold::Zero);
+        let mut start = self.design.of_output(Form::Position, 0.0);
+        let filter = self.design.filter();
+        let mut z = vec![0.0; auxiliary];
+        let mut phi = vec![0.0; columns + 1];
+        for (k, y) in samples.iter().enumerate() {
+            let trends = output.output((y - reference) as f32);
+            for i in 0..q {
+                phi[i] = -trends[first + i];
+            }
+            phi[columns] = trends[m];
+            let (mut place, mut row) = (q, 0);
+            for (input, terms) in inputs.iter_mut().zip(&layout.terms) {
+                let u = input.samples[k];
+                let trends = input.trends.input(u);
+                phi[place..place + terms].copy_from_slice(&trends[..*terms]);
+                place += terms;
+                if let Some((aux, twice)) = &mut input.auxiliary {
+                    let rows = q + terms - 1;
+                    let once = aux.input(u);
+                    // s^j for j <= m from the chain; above, s^m = A_f - sum f_i s^i.
+                    let chain = twice.output(once[0] as f32);
+                    let x = &mut z[row..row + rows];
+                    for j in 0..rows {
+                        x[j] = if j <= m {
+                            chain[j]
+                        } else {
+                            let fed = (0..m).map(|i| filter[i] * x[i + j - m]);
+                            once[j - m] - fed.sum::<f64>()
+                        };
+                    }
+                    row += rows;
+                }
+            }
+            if layout.constant {
+                let acts = problem.signals.acts(k);
+                phi[place] = constant.input(f32::from(u8::from(acts)))[0];
+                place += 1;
+            }
+            let impulse = if k == 0 { 1.0 } else { 0.0 };
+            let trends = start.output(impulse);
+            phi[place..place + m].copy_from_slice(&trends[..m]);
+            if k == 0 {
+                continue;
+            }
+            let sums = &mut self.blocks[k * BLOCKS / samples.len()];
+            let rows = sums.chunks_exact_mut(columns + 1);
+            for (row, weight) in rows.zip(z.iter().chain(&phi[..columns])) {
+                for (sum, value) in row.iter_mut().zip(&phi) {
+                    *sum += weight * value;
+                }
+            }
+        }
+    }
+}
