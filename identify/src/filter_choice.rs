@@ -1,0 +1,162 @@
+//! The filter of the trends chosen by parts of the record that its model has not seen.
+//!
+//! Every pole gives a model by instruments; each fold is simulated by the model without it. Among the poles that simulate
+//! as well as the best, within one standard error over the folds, the one with the sharpest parameters is taken. Then
+//! the filter `1/A` of the model itself (iterative prefiltering: Steiglitz and McBride 1965; Young and Jakeman 1980),
+//! where it simulates better.
+
+use rayon::prelude::*;
+
+use crate::error::{Error, Weakness};
+use crate::folds::{Folds, Refitted};
+use crate::instruments::{Fit, Method};
+use crate::problem::Problem;
+use crate::search::Progress;
+use crate::tuning::binomial;
+
+/// Poles from this many times the inverse of the record's length on.
+const SLOWEST: f64 = 3.0;
+
+/// Iterations of the own filter at most.
+const ITERATIONS: usize = 4;
+
+/// Smaller than this share of the error before, that of the own filter counts as better.
+const BETTER: f64 = 0.995;
+
+/// Instruments count as weak where their model simulates the folds worse than that of least squares: by so many standard
+/// errors, and so many times the error.
+const BEHIND: f64 = 2.0;
+const WORSE: f64 = 1.1;
+
+/// A fit with its folds.
+pub struct Judged<'a> {
+    /// The pole of the filter \[rad/s\]: of its m equal factors, or of the one that stands for the integrator.
+    pub pole: f64,
+    /// Whether the filter is that of the model itself.
+    pub own: bool,
+    /// The sums.
+    pub fit: Fit<'a>,
+    /// Its errors where it is left out.
+    pub folds: Folds,
+}
+
+/// Poles that are tried \[rad/s\]: an octave apart from 3/T to 1/h.
+pub fn poles(samples: usize, dt: f64) -> Vec<f64> {
+    let lowest = SLOWEST / (samples as f64 * dt);
+    let octaves = (1.0 / (dt * lowest)).log2().floor().max(0.0) as i32;
+    (0..=octaves).map(|i| lowest * 2f64.powi(i)).collect()
+}
+
+/// A fit at one pole, by instruments.
+pub fn judged<'a>(
+    problem: &'a Problem<'a>,
+    pole: f64,
+    delay: f64,
+    method: Method,
+) -> Option<Judged<'a>> {
+    let filter: Vec<f64> = binomial(pole, problem.structure.order)
+        .into_iter()
+        .map(f64::from)
+        .collect();
+    let fit = Fit::new(problem, &filter, delay, method).ok()?;
+    let folds = Folds::of(problem, &fit)?;
+    Some(Judged {
+        pole,
+        own: false,
+        fit,
+        folds,
+    })
+}
+
+/// The best of some fits: the sharpest parameters within one standard error of the smallest error.
+pub fn best<'a>(tried: Vec<Judged<'a>>) -> Option<Judged<'a>> {
+    let total = |j: &Judged| j.folds.total(Refitted::State);
+    let smallest = tried.iter().map(total).enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?.0;
+    let near: Vec<bool> = tried
+        .iter()
+        .map(|j| j.folds.behind(&tried[smallest].folds, Refitted::State) <= 1.0)
+        .collect();
+    let near = tried.into_iter().zip(near).filter(|(_, near)| *near);
+    near.map(|(judged, _)| judged)
+        .min_by(|a, b| a.folds.sharpness().total_cmp(&b.folds.sharpness()))
+}
+
+/// The fit at the best of some poles, by instruments; by least squares where no instruments give a stable model.
+///
+/// # Errors
+/// [`Error::CannotCarry`] where no pole gives a model whose folds can be simulated.
+pub fn choose<'a>(
+    problem: &'a Problem<'a>,
+    poles: &[f64],
+    delay: f64,
+    progress: &dyn Progress,
+) -> Result<Judged<'a>, Error> {
+    for method in [Method::Instruments, Method::LeastSquares] {
+        let tried: Vec<Judged> = poles
+            .par_iter()
+            .filter_map(|&pole| {
+                let judged = judged(problem, pole, delay, method);
+                progress.step();
+                judged
+            })
+            .collect();
+        if let Some(best) = best(tried) {
+            return Ok(best);
+        }
+    }
+    Err(problem.cannot_carry(Weakness::NoSimulation))
+}
+
+/// The same with the filter of the model itself, for as long as that simulates better.
+pub fn with_own_filter<'a>(problem: &'a Problem<'a>, judged: Judged<'a>) -> Judged<'a> {
+    let mut best = judged;
+    for _ in 0..ITERATIONS {
+        let Some(next) = own_filter(problem, &best) else { break };
+        if !(next.folds.total(Refitted::State) < BETTER * best.folds.total(Refitted::State)) {
+            break;
+        }
+        best = next;
+    }
+    best
+}
+
+/// The fit behind the denominator of a model; a pole at 0 gives way to that of the filter before.
+fn own_filter<'a>(problem: &'a Problem<'a>, judged: &Judged) -> Option<Judged<'a>> {
+    let integrators = usize::from(problem.structure.integrator);
+    let model = judged.fit.model()?;
+    if !model.is_stable(integrators) {
+        return None;
+    }
+    let filter: Vec<f64> = match problem.structure.integrator {
+        false => model.a.clone(),
+        // A/s (s + pole)
+        true => (0..model.a.len())
+            .map(|i| model.a[i] + judged.pole * model.a.get(i + 1).copied().unwrap_or(1.0))
+            .collect(),
+    };
+    let fit = Fit::new(problem, &filter, judged.fit.delay(), judged.fit.method()).ok()?;
+    let folds = Folds::of(problem, &fit)?;
+    Some(Judged {
+        pole: judged.pole,
+        own: true,
+        fit,
+        folds,
+    })
+}
+
+/// Falls back to least squares where the instruments are weak: where its model simulates the folds clearly better.
+pub fn guarded<'a>(problem: &'a Problem<'a>, judged: Judged<'a>) -> (Judged<'a>, bool) {
+    if judged.fit.method() == Method::LeastSquares {
+        return (judged, true);
+    }
+    let fit = Fit::new(problem, judged.fit.filter(), judged.fit.delay(), Method::LeastSquares);
+    let Some((fit, folds)) = fit.ok().and_then(|fit| Some((Folds::of(problem, &fit)?, fit))).map(|(folds, fit)| (fit, folds)) else {
+        return (judged, false);
+    };
+    let weak = judged.folds.total(Refitted::State) > WORSE * WORSE * folds.total(Refitted::State)
+        && judged.folds.behind(&folds, Refitted::State) > BEHIND;
+    match weak {
+        true => (Judged { fit, folds, ..judged }, true),
+        false => (judged, false),
+    }
+}
