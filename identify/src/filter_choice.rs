@@ -71,7 +71,12 @@ pub fn judged<'a>(
 /// The best of some fits: the sharpest parameters within one standard error of the smallest error.
 pub fn best<'a>(tried: Vec<Judged<'a>>) -> Option<Judged<'a>> {
     let total = |j: &Judged| j.folds.total(Refitted::State);
-    let smallest = tried.iter().map(total).enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?.0;
+    let smallest = tried
+        .iter()
+        .map(total)
+        .enumerate()
+        .min_by(|a, b| a.1.total_cmp(&b.1))?
+        .0;
     let near: Vec<bool> = tried
         .iter()
         .map(|j| j.folds.behind(&tried[smallest].folds, Refitted::State) <= 1.0)
@@ -111,7 +116,9 @@ pub fn choose<'a>(
 pub fn with_own_filter<'a>(problem: &'a Problem<'a>, judged: Judged<'a>) -> Judged<'a> {
     let mut best = judged;
     for _ in 0..ITERATIONS {
-        let Some(next) = own_filter(problem, &best) else { break };
+        let Some(next) = own_filter(problem, &best) else {
+            break;
+        };
         if !(next.folds.total(Refitted::State) < BETTER * best.folds.total(Refitted::State)) {
             break;
         }
@@ -149,14 +156,30 @@ pub fn guarded<'a>(problem: &'a Problem<'a>, judged: Judged<'a>) -> (Judged<'a>,
     if judged.fit.method() == Method::LeastSquares {
         return (judged, true);
     }
-    let fit = Fit::new(problem, judged.fit.filter(), judged.fit.delay(), Method::LeastSquares);
-    let Some((fit, folds)) = fit.ok().and_then(|fit| Some((Folds::of(problem, &fit)?, fit))).map(|(folds, fit)| (fit, folds)) else {
+    let fit = Fit::new(
+        problem,
+        judged.fit.filter(),
+        judged.fit.delay(),
+        Method::LeastSquares,
+    );
+    let Some((fit, folds)) = fit
+        .ok()
+        .and_then(|fit| Some((Folds::of(problem, &fit)?, fit)))
+        .map(|(folds, fit)| (fit, folds))
+    else {
         return (judged, false);
     };
     let weak = judged.folds.total(Refitted::State) > WORSE * WORSE * folds.total(Refitted::State)
         && judged.folds.behind(&folds, Refitted::State) > BEHIND;
     match weak {
-        true => (Judged { fit, folds, ..judged }, true),
+        true => (
+            Judged {
+                fit,
+                folds,
+                ..judged
+            },
+            true,
+        ),
         false => (judged, false),
     }
 }

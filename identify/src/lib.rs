@@ -49,6 +49,7 @@ pub mod derived;
 pub mod dynamic;
 pub mod error;
 pub mod estimate;
+pub mod filter_choice;
 pub mod folds;
 pub mod free_run;
 pub mod identification;
@@ -60,6 +61,7 @@ mod sampled;
 pub mod search;
 pub mod select;
 pub mod signals;
+pub mod structure_choice;
 pub mod tuning;
 
 pub use error::{Error, Weakness};

@@ -5,4 +5,6 @@ mod figures;
 mod report;
 mod report_json;
 pub(crate) mod select;
+mod select_report;
+mod simulated;
 pub(crate) mod signals;

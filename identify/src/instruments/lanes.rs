@@ -17,7 +17,7 @@ pub(crate) trait Lane: Send {
 }
 
 /// A filter polynomial with the numerators of a plant, of one of the orders 1 to 4.
-pub(crate) trait Design {
+pub(crate) trait Design: Send {
     /// A lane for a sampled signal that has always had the value of its first sample.
     fn of_output(&self, form: Form, first: f32) -> Box<dyn Lane>;
     /// A lane for an input that was zero.

@@ -1,0 +1,211 @@
+//! What `trendid select` prints, for people and as JSON.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+use trendid_identify::structure_choice::{Candidate, Dropped, Selection};
+use trendid_identify::{Signals, Structure};
+
+use crate::format::{counted, significant, table, with_sigma};
+use crate::output::number;
+
+/// Fewer points of fit than this between the recommended structure and the best say that they are alike.
+const DOUBT: f64 = 2.0;
+
+/// Everything that is printed.
+pub(crate) struct SelectReport<'a> {
+    pub(crate) file: &'a Path,
+    pub(crate) signals: &'a Signals<'a>,
+    pub(crate) selection: &'a Selection,
+}
+
+impl SelectReport<'_> {
+    fn recommended(&self) -> &Candidate {
+        &self.selection.candidates[self.selection.recommended]
+    }
+
+    fn reason(&self) -> String {
+        let best = &self.selection.candidates[self.selection.smallest];
+        let c = self.recommended();
+        if self.selection.recommended == self.selection.smallest {
+            "the smallest error of simulation, and none with fewer parameters comes near".to_owned()
+        } else {
+            format!(
+                "the fewest parameters ({}) among those that simulate about as well as the best ({}: {:.2} % with {} parameters)",
+                c.names.len(),
+                describe(best),
+                best.fit_x0c,
+                best.names.len()
+            )
+        }
+    }
+
+    /// Ties, the other kind of plant, and what speaks against the choice.
+    fn doubts(&self) -> Vec<String> {
+        let s = self.selection;
+        let c = self.recommended();
+        let mut doubts = Vec::new();
+        for k in &s.alike {
+            let other = &s.candidates[*k];
+            if *k == s.recommended || other.names.len() > c.names.len() {
+                continue;
+            }
+            doubts.push(format!(
+                "a tie: {} has as many parameters and simulates about as well ({:.2} %)",
+                describe(other),
+                other.fit_x0c
+            ));
+        }
+        let best = &s.candidates[s.smallest];
+        if best.fit_x0c - c.fit_x0c > DOUBT {
+            doubts.push(format!(
+                "in doubt: {} simulates {:.1} points better, but not surely over the eighths of the record",
+                describe(best),
+                best.fit_x0c - c.fit_x0c
+            ));
+        }
+        if c.delay_at_end {
+            doubts.push("the delay is the longest that was tried".to_owned());
+        }
+        if c.fit_x0c < 50.0 {
+            doubts
+                .push("poor: no structure here simulates half of what the record shows".to_owned());
+        }
+        doubts
+    }
+
+    /// The report for people.
+    pub(crate) fn text(&self) -> String {
+        let mut text = format!(
+            "{}: {} samples every {} s; each eighth simulated by the model of the rest\n\n",
+            self.file.display(),
+            self.signals.output.len(),
+            significant(self.signals.dt, 5)
+        );
+        text += &self.candidates();
+        text += &self.dropped();
+        let c = self.recommended();
+        text += &format!("\nRecommended: {}: {}.\n", describe(c), self.reason());
+        for doubt in self.doubts() {
+            text += &format!("  {doubt}\n");
+        }
+        let e = &c.found.estimate;
+        let mut rows = Vec::new();
+        for ((name, value), sigma) in c.names.iter().zip(&e.theta).zip(&e.sigma) {
+            let remark = if value.abs() < 2.0 * sigma {
+                "not told from zero"
+            } else {
+                ""
+            };
+            rows.push(vec![
+                name.clone(),
+                with_sigma(*value, *sigma),
+                remark.into(),
+            ]);
+        }
+        text + &table(&rows)
+    }
+
+    /// One line per candidate.
+    fn candidates(&self) -> String {
+        let head = [
+            "order",
+            "integrator",
+            "zeros",
+            "delay",
+            "filter",
+            "parameters",
+            "fit x0+c",
+            "",
+        ];
+        let mut rows = vec![head.map(str::to_owned).to_vec()];
+        for (k, c) in self.selection.candidates.iter().enumerate() {
+            let mark = match k {
+                k if k == self.selection.recommended => "<== recommended",
+                k if self.selection.alike.contains(&k) => "about as good",
+                _ => "",
+            };
+            let mut row = structure_cells(c.structure).to_vec();
+            row.extend([
+                c.delay.to_string(),
+                significant(c.pole, 3),
+                c.names.len().to_string(),
+                format!("{:.2} %", c.fit_x0c),
+                mark.to_owned(),
+            ]);
+            rows.push(row);
+        }
+        table(&rows)
+    }
+
+    /// One line for each structure that is missing among the candidates.
+    fn dropped(&self) -> String {
+        if self.selection.dropped.is_empty() {
+            return String::new();
+        }
+        let head = ["order", "integrator", "zeros", "dropped because"];
+        let mut rows = vec![head.map(str::to_owned).to_vec()];
+        for d in &self.selection.dropped {
+            let mut row = structure_cells(d.structure).to_vec();
+            row.push(d.reason.to_string());
+            rows.push(row);
+        }
+        format!("\n{}", table(&rows))
+    }
+
+    /// The report for machines.
+    pub(crate) fn json(&self) -> Value {
+        let s = self.selection;
+        let numbers = |v: &[f64]| v.iter().map(|v| number(*v)).collect::<Vec<_>>();
+        let one = |c: &Candidate| {
+            json!({
+                "order": c.structure.order,
+                "integrator": c.structure.integrator,
+                "zeros": c.structure.zeros,
+                "delay": c.delay,
+                "delay_s": number(c.delay as f64 * self.signals.dt),
+                "delay_at_end": c.delay_at_end,
+                "filter_pole": number(c.pole),
+                "parameters": c.names,
+                "theta": numbers(&c.found.estimate.theta),
+                "sigma": numbers(&c.found.estimate.sigma),
+                "fit_x0c_pct": number(c.fit_x0c),
+            })
+        };
+        let missing = |d: &Dropped| {
+            json!({
+                "order": d.structure.order,
+                "integrator": d.structure.integrator,
+                "zeros": d.structure.zeros,
+                "reason": d.reason.to_string(),
+            })
+        };
+        json!({
+            "candidates": s.candidates.iter().map(one).collect::<Vec<_>>(),
+            "dropped": s.dropped.iter().map(missing).collect::<Vec<_>>(),
+            "recommended": s.recommended,
+            "alike": s.alike,
+            "reason": self.reason(),
+            "doubts": self.doubts(),
+        })
+    }
+}
+
+fn structure_cells(s: Structure) -> [String; 3] {
+    [
+        s.order.to_string(),
+        if s.integrator { "yes" } else { "no" }.to_owned(),
+        s.zeros.to_string(),
+    ]
+}
+
+fn describe(c: &Candidate) -> String {
+    let s = c.structure;
+    format!(
+        "order {}{}, {}, delay {}",
+        s.order,
+        if s.integrator { " with integrator" } else { "" },
+        counted(s.zeros, "zero"),
+        counted(c.delay, "sample")
+    )
+}

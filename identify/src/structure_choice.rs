@@ -1,0 +1,347 @@
+//! The choice of a structure: orders, integrator, zeros and delays compared on parts of the record left out.
+//!
+//! Every structure is estimated by instruments at its own filter and its own delay; each fold is simulated by the model
+//! without it, initial state and constant refitted. What is unstable, has a parameter that is not told from zero where
+//! the structure rests on it, or a zero that cancels a pole, is dropped and says why. Among those that simulate about as
+//! well as the best, the one with the fewest parameters is recommended.
+
+use rayon::prelude::*;
+
+use crate::error::Error;
+use crate::filter_choice::{self, Judged, judged};
+use crate::folds::{Folds, Refitted};
+use crate::instruments::{Found, Method};
+use crate::polynomials::Polynomials;
+use crate::problem::{Options, Problem, Structure};
+use crate::search::{Choice, Freedom, Progress};
+use crate::signals::Signals;
+
+/// A highest b, or a_0 without an integrator, below so many jackknife deviations is not told from zero.
+const TOLD: f64 = 3.0;
+
+/// A zero nearer than this share to a pole cancels it.
+const CANCELS: f64 = 0.15;
+
+/// Standard errors over the folds within which two structures simulate alike.
+const ALIKE: f64 = 3.0;
+
+/// And the error over that of the best, up to which they do.
+const ALIKE_ERROR: f64 = 1.5;
+
+/// Error over that of the best that is alike in any case.
+const ALIKE_AT_ONCE: f64 = 1.03;
+
+/// Delays that are tried first, and as many more for as long as the longest wins.
+const DELAYS: usize = 7;
+
+/// Longest delay that is tried, in samples.
+pub const LONGEST_DELAY: usize = 200;
+
+/// Why a structure is not among the candidates.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Drop {
+    /// It cannot be estimated.
+    Failed(Error),
+    /// Its model is unstable, whole or without a fold.
+    Unstable,
+    /// A parameter that the structure rests on is within three deviations of zero.
+    NotTold {
+        /// Its name.
+        name: String,
+        /// Value over standard deviation.
+        ratio: f64,
+    },
+    /// A zero cancels a pole.
+    Cancels {
+        /// The zero \[rad/s\], real part and imaginary part.
+        zero: (f64, f64),
+    },
+}
+
+impl std::fmt::Display for Drop {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Failed(error) => error.fmt(f),
+            Self::Unstable => write!(f, "unstable, or unstable without one of the folds"),
+            Self::NotTold { name, ratio } => {
+                write!(
+                    f,
+                    "{name} is not told from zero ({ratio:.1} standard deviations)"
+                )
+            }
+            Self::Cancels { zero: (re, im) } => {
+                let rate = re.hypot(*im);
+                write!(f, "its zero at {rate:.3} rad/s cancels a pole")
+            }
+        }
+    }
+}
+
+/// One structure at its best filter and delay.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// The structure.
+    pub structure: Structure,
+    /// Delay in samples.
+    pub delay: usize,
+    /// Whether the longest delay that was tried is the best.
+    pub delay_at_end: bool,
+    /// Filter pole \[rad/s\].
+    pub pole: f64,
+    /// Names of its parameters.
+    pub names: Vec<String>,
+    /// The model of the whole record.
+    pub found: Found,
+    /// Errors of the folds left out.
+    pub folds: Folds,
+    /// Free simulation of all folds, each by the model without it, initial state and constant refitted \[%\].
+    pub fit_x0c: f64,
+}
+
+/// A structure that is no candidate.
+#[derive(Debug, Clone)]
+pub struct Dropped {
+    /// The structure.
+    pub structure: Structure,
+    /// Why.
+    pub reason: Drop,
+}
+
+/// All structures and the recommended one.
+#[derive(Debug, Clone)]
+pub struct Selection {
+    /// In the order of orders, integrators and zeros.
+    pub candidates: Vec<Candidate>,
+    /// What was dropped, in the same order.
+    pub dropped: Vec<Dropped>,
+    /// Index of the recommended candidate.
+    pub recommended: usize,
+    /// Index of the smallest error.
+    pub smallest: usize,
+    /// Indices of all candidates that simulate about as well as the best.
+    pub alike: Vec<usize>,
+}
+
+/// The structures that are compared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Range {
+    /// Highest order, 1 to 4, the integrator included.
+    pub max_order: usize,
+    /// Only structures with an integrator.
+    pub integrating: bool,
+    /// Whether all have a constant input.
+    pub constant: bool,
+}
+
+impl Range {
+    fn structures(self) -> Vec<Structure> {
+        let mut all = Vec::new();
+        for order in 1..=self.max_order {
+            for integrator in [true, false] {
+                if integrator || !self.integrating {
+                    all.extend((0..order).map(|zeros| Structure {
+                        order,
+                        integrator,
+                        zeros,
+                        constant: self.constant,
+                    }));
+                }
+            }
+        }
+        all
+    }
+}
+
+/// Compares the structures on the record.
+///
+/// # Errors
+/// What is wrong with the signals; [`Error::NoStructure`] when no structure passes.
+pub fn select(
+    signals: &Signals,
+    range: Range,
+    options: Options,
+    freedom: Freedom,
+    progress: &dyn Progress,
+) -> Result<Selection, Error> {
+    let structures = range.structures();
+    let Some(&simplest) = structures.first() else {
+        return Err(Error::Order(range.max_order));
+    };
+    // What is wrong with the simplest structure is wrong with the record.
+    Problem::new(signals, simplest, options)?;
+    progress.begin(structures.len());
+    let tried: Vec<Result<Candidate, Dropped>> = structures
+        .into_par_iter()
+        .map(|structure| {
+            let tried = candidate(signals, structure, options, freedom);
+            progress.step();
+            tried.map_err(|reason| Dropped { structure, reason })
+        })
+        .collect();
+    let (mut candidates, mut dropped) = (Vec::new(), Vec::new());
+    for one in tried {
+        match one {
+            Ok(candidate) => candidates.push(candidate),
+            Err(one) => dropped.push(one),
+        }
+    }
+    let (smallest, alike) = alike(&candidates).ok_or(Error::NoStructure {
+        max_order: range.max_order,
+    })?;
+    let error = |k: &usize| candidates[*k].folds.total(Refitted::StateAndConstant);
+    let count = |k: &usize| candidates[*k].names.len();
+    let simplest = alike
+        .iter()
+        .copied()
+        .min_by(|i, j| count(i).cmp(&count(j)).then(error(i).total_cmp(&error(j))));
+    Ok(Selection {
+        recommended: simplest.unwrap_or(smallest),
+        candidates,
+        dropped,
+        smallest,
+        alike,
+    })
+}
+
+/// The candidate with the smallest error and those that simulate about as well.
+fn alike(candidates: &[Candidate]) -> Option<(usize, Vec<usize>)> {
+    let error = |k: &usize| candidates[*k].folds.total(Refitted::StateAndConstant);
+    let smallest = (0..candidates.len()).min_by(|i, j| error(i).total_cmp(&error(j)))?;
+    let best = &candidates[smallest].folds;
+    let alike = |k: &usize| {
+        let ratio = (error(k) / error(&smallest)).sqrt();
+        ratio <= ALIKE_AT_ONCE
+            || (ratio <= ALIKE_ERROR
+                && candidates[*k]
+                    .folds
+                    .behind(best, Refitted::StateAndConstant)
+                    <= ALIKE)
+    };
+    Some((smallest, (0..candidates.len()).filter(alike).collect()))
+}
+
+fn candidate(
+    signals: &Signals,
+    structure: Structure,
+    options: Options,
+    freedom: Freedom,
+) -> Result<Candidate, Drop> {
+    let problem = Problem::new(signals, structure, options).map_err(Drop::Failed)?;
+    let (judged, delay_at_end) = best(&problem, freedom)?;
+    let found = judged.fit.found().map_err(Drop::Failed)?;
+    let model = judged.fit.model().ok_or(Drop::Unstable)?;
+    if !model.is_stable(usize::from(structure.integrator)) {
+        return Err(Drop::Unstable);
+    }
+    rests_on(&problem, &found, &judged.folds)?;
+    cancels(&problem, &model)?;
+    let spread: f64 = spread(signals);
+    let error = judged.folds.total(Refitted::StateAndConstant);
+    Ok(Candidate {
+        structure,
+        delay: judged.fit.delay() as usize,
+        delay_at_end,
+        pole: judged.pole,
+        names: problem.parameter_names(),
+        fit_x0c: 100.0 * (1.0 - (error / spread).sqrt()),
+        found,
+        folds: judged.folds,
+    })
+}
+
+/// Sum of the squared distance of the output from its mean.
+fn spread(signals: &Signals) -> f64 {
+    let y = signals.output;
+    let mean = y.iter().sum::<f64>() / y.len() as f64;
+    y.iter().map(|y| (y - mean).powi(2)).sum()
+}
+
+/// The best filter and delay of a structure: the filter without delay, then the delay at that filter, then the filter again.
+fn best<'a>(problem: &'a Problem<'a>, freedom: Freedom) -> Result<(Judged<'a>, bool), Drop> {
+    let poles = match freedom.pole {
+        Choice::Given(Some(pole)) => vec![pole],
+        _ => filter_choice::poles(problem.samples(), problem.signals.dt),
+    };
+    let at = |delay: usize| filter_choice::choose(problem, &poles, delay as f64, &());
+    let delay = match freedom.delay {
+        Choice::Given(delay) => return Ok((at(delay).map_err(|_| Drop::Unstable)?, false)),
+        Choice::Auto => 0,
+    };
+    let first = at(delay)
+        .or_else(|_| at(DELAYS / 2))
+        .map_err(|_| Drop::Unstable)?;
+    let (delay, at_end) = best_delay(problem, &first);
+    let again = at(delay).unwrap_or(first);
+    Ok((again, at_end))
+}
+
+/// The delay with the smallest error at a filter, and whether it is the longest that is offered.
+fn best_delay(problem: &Problem, start: &Judged) -> (usize, bool) {
+    let error = |delay: usize| {
+        let judged = judged(problem, start.pole, delay as f64, Method::Instruments);
+        judged.map_or(f64::INFINITY, |j| j.folds.total(Refitted::StateAndConstant))
+    };
+    let (mut best, mut smallest) = (start.fit.delay() as usize, f64::INFINITY);
+    let mut next = 0;
+    loop {
+        let end = (next + DELAYS).min(LONGEST_DELAY + 1);
+        for delay in next..end {
+            let error = error(delay);
+            if error < smallest {
+                (best, smallest) = (delay, error);
+            }
+        }
+        next = end;
+        if best + 2 < end || next > LONGEST_DELAY {
+            return (best, best == LONGEST_DELAY);
+        }
+    }
+}
+
+/// Whether the parameters that the structure rests on are told from zero: the highest b of every delayed input and,
+/// without an integrator, a_0.
+fn rests_on(problem: &Problem, found: &Found, folds: &Folds) -> Result<(), Drop> {
+    let names = problem.parameter_names();
+    let q = problem.structure.order - usize::from(problem.structure.integrator);
+    let mut places = Vec::new();
+    if !problem.structure.integrator {
+        places.push(0);
+    }
+    let mut place = q;
+    for input in &problem.signals.inputs {
+        place += problem.terms(input);
+        if input.delayed {
+            places.push(place - 1);
+        }
+    }
+    for place in places {
+        let ratio = (found.estimate.theta[place] / folds.sigma[place]).abs();
+        if !(ratio >= TOLD) {
+            return Err(Drop::NotTold {
+                name: names[place].clone(),
+                ratio,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Whether a zero is so near to a pole that both may go.
+fn cancels(problem: &Problem, model: &Polynomials) -> Result<(), Drop> {
+    let Some(poles) = model.poles(0) else {
+        return Err(Drop::Unstable);
+    };
+    for (input, _) in problem.signals.inputs.iter().enumerate() {
+        for zero in model.zeros(input) {
+            let size = zero.0.hypot(zero.1);
+            let near = |pole: &(f64, f64)| {
+                (zero.0 - pole.0).hypot(zero.1 - pole.1) < CANCELS * size.max(pole.0.hypot(pole.1))
+            };
+            if poles.iter().any(near) {
+                return Err(Drop::Cancels { zero });
+            }
+        }
+    }
+    Ok(())
+}
