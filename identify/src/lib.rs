@@ -15,9 +15,13 @@
 //! | [`problem`] | a structure over signals that can carry it |
 //! | [`run`] | passes of the core over the signals |
 //! | [`free_run`] | simulation on the inputs alone, the judge of a model |
-//! | [`search`] | filter and delay by that judge |
+//! | [`instruments`] | instrumental variables over a whole record, standard deviations by batch means |
+//! | [`folds`] | a model judged by what it has not seen |
+//! | [`filter_choice`] | the filter by that judge |
+//! | [`polynomials`] | a model as its polynomials |
+//! | [`search`] | what a search may choose |
 //! | [`identification`] | one structure: search, estimate, held-out fit |
-//! | [`mod@select`] | many structures compared |
+//! | [`structure_choice`] | many structures compared |
 //! | [`coulomb_input`] | sgn(v) from a velocity or a position |
 //!
 //! ```
@@ -59,7 +63,6 @@ pub mod problem;
 pub mod run;
 mod sampled;
 pub mod search;
-pub mod select;
 pub mod signals;
 pub mod structure_choice;
 pub mod tuning;
@@ -71,7 +74,7 @@ pub use identification::{Identification, identify};
 pub use problem::{Options, Problem, Structure};
 pub use run::{PredictionErrors, Run, Trace};
 pub use search::{Choice, Freedom, Progress};
-pub use select::{Selection, select};
 pub use signals::{Input, Signals};
+pub use structure_choice::{Selection, select};
 pub use trendid::trends::{Hold, Scheme};
 pub use tuning::Tuning;

@@ -257,7 +257,7 @@ fn spread(signals: &Signals) -> f64 {
     y.iter().map(|y| (y - mean).powi(2)).sum()
 }
 
-/// The best filter and delay of a structure: the filter without delay, then the delay at that filter, then the filter again.
+/// The best filter and delay of a structure: the filter without delay, the delay at that filter, the filter again around it.
 fn best<'a>(problem: &'a Problem<'a>, freedom: Freedom) -> Result<(Judged<'a>, bool), Drop> {
     let poles = match freedom.pole {
         Choice::Given(Some(pole)) => vec![pole],
@@ -272,8 +272,13 @@ fn best<'a>(problem: &'a Problem<'a>, freedom: Freedom) -> Result<(Judged<'a>, b
         .or_else(|_| at(DELAYS / 2))
         .map_err(|_| Drop::Unstable)?;
     let (delay, at_end) = best_delay(problem, &first);
-    let again = at(delay).unwrap_or(first);
-    Ok((again, at_end))
+    let near: Vec<f64> = poles
+        .iter()
+        .copied()
+        .filter(|pole| (0.2..5.0).contains(&(pole / first.pole)))
+        .collect();
+    let again = filter_choice::choose(problem, &near, delay as f64, &());
+    Ok((again.unwrap_or(first), at_end))
 }
 
 /// The delay with the smallest error at a filter, and whether it is the longest that is offered.

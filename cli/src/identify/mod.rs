@@ -6,5 +6,5 @@ mod report;
 mod report_json;
 pub(crate) mod select;
 mod select_report;
-mod simulated;
 pub(crate) mod signals;
+mod simulated;

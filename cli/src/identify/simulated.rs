@@ -86,13 +86,40 @@ fn trial(seed: u64) -> Trial {
         delay: Choice::Auto,
     };
     let selection = select(&signals, range, Options::default(), freedom, &());
-    if std::env::var_os("TRENDID_VERBOSE").is_some() && selection.as_ref().ok().map(chosen).map(|c| c.0) != Some(truth) {
-        println!("seed {seed}: {truth:?} delay {} drift {} {:?} {:?} dt {}", drawn.delay, drawn.drift, drawn.a, drawn.b, drawn.dt);
+    if std::env::var_os("TRENDID_VERBOSE").is_some()
+        && selection.as_ref().ok().map(chosen).map(|c| c.0) != Some(truth)
+    {
+        println!(
+            "seed {seed}: {truth:?} delay {} drift {} {:?} {:?} dt {}",
+            drawn.delay, drawn.drift, drawn.a, drawn.b, drawn.dt
+        );
         if let Ok(s) = &selection {
             for (k, c) in s.candidates.iter().enumerate() {
-                println!("   {}{} {} zeros d {} pole {:.2} fit {:.3} behind {:.2} {}{}", c.structure.order, if c.structure.integrator {"I"} else {" "}, c.structure.zeros, c.delay, c.pole, c.fit_x0c, c.folds.behind(&s.candidates[s.smallest].folds, trendid_identify::folds::Refitted::StateAndConstant), if s.alike.contains(&k) {"alike "} else {""}, if k == s.recommended {"<=="} else {""});
+                println!(
+                    "   {}{} {} zeros d {} pole {:.2} fit {:.3} behind {:.2} {}{}",
+                    c.structure.order,
+                    if c.structure.integrator { "I" } else { " " },
+                    c.structure.zeros,
+                    c.delay,
+                    c.pole,
+                    c.fit_x0c,
+                    c.folds.behind(
+                        &s.candidates[s.smallest].folds,
+                        trendid_identify::folds::Refitted::StateAndConstant
+                    ),
+                    if s.alike.contains(&k) { "alike " } else { "" },
+                    if k == s.recommended { "<==" } else { "" }
+                );
             }
-            for d in &s.dropped { println!("   {}{} {} zeros: {}", d.structure.order, if d.structure.integrator {"I"} else {" "}, d.structure.zeros, d.reason); }
+            for d in &s.dropped {
+                println!(
+                    "   {}{} {} zeros: {}",
+                    d.structure.order,
+                    if d.structure.integrator { "I" } else { " " },
+                    d.structure.zeros,
+                    d.reason
+                );
+            }
         }
     }
     Trial {
@@ -134,7 +161,11 @@ impl Simulated {
         let mut rows: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
         for trial in &self.trials {
             let found = trial.found.map_or("none".into(), |(s, _)| name(s));
-            *rows.entry(name(trial.truth.0)).or_default().entry(found).or_default() += 1;
+            *rows
+                .entry(name(trial.truth.0))
+                .or_default()
+                .entry(found)
+                .or_default() += 1;
         }
         rows
     }
@@ -144,17 +175,29 @@ impl Simulated {
         let all = self.count(|_| true);
         let mut text = format!(
             "{} plants from seed {} on: structure found for {} ({:.1} %), its delay too for {}\n",
-            all.plants, self.first_seed, all.hits, all.percent(), all.delays
+            all.plants,
+            self.first_seed,
+            all.hits,
+            all.percent(),
+            all.delays
         );
         for (drift, kind) in [(false, "white noise"), (true, "mostly drift")] {
             let count = self.count(|t| t.drift == drift);
-            text += &format!("  {kind}: {} of {} ({:.1} %)\n", count.hits, count.plants, count.percent());
+            text += &format!(
+                "  {kind}: {} of {} ({:.1} %)\n",
+                count.hits,
+                count.plants,
+                count.percent()
+            );
         }
         text += "\nRows: true structure (order, I = integrator, / zeros); what was found\n";
         let rows = self.confusion().into_iter().map(|(truth, found)| {
             let mut found: Vec<(String, usize)> = found.into_iter().collect();
             found.sort_by(|a, b| b.1.cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
-            let found: Vec<String> = found.iter().map(|(name, n)| format!("{name}: {n}")).collect();
+            let found: Vec<String> = found
+                .iter()
+                .map(|(name, n)| format!("{name}: {n}"))
+                .collect();
             vec![truth, found.join(", ")]
         });
         text + &table(&rows.collect::<Vec<_>>())

@@ -185,7 +185,7 @@ fn what_simulate_writes_identify_finds() {
         "0",
     ]);
     assert!(
-        text.contains("<== recommended") && text.contains("ISE"),
+        text.contains("<== recommended") && text.contains("fit x0+c"),
         "{text}"
     );
 }

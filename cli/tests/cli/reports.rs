@@ -215,7 +215,7 @@ fn structures_that_are_left_out_are_named() {
     );
     let args = ["select", &file, "--filter", "20", "--delay", "0"];
     let text = stdout(&args);
-    assert!(text.contains("not compared because"), "{text}");
+    assert!(text.contains("dropped because"), "{text}");
     assert!(
         text.contains("too few samples: 45 for 5 parameters, at least 50 are needed"),
         "{text}"

@@ -38,8 +38,11 @@ use sums::{Setting, Sums};
 /// Folds of the comparison; each is two blocks of the sums.
 pub const FOLDS: usize = 8;
 
-/// Passes at most until the auxiliary denominator and the numerators are those of the estimate.
-const PASSES: usize = 3;
+/// Passes of a comparison: one with a rough auxiliary denominator, one with that of its model.
+const PASSES: usize = 2;
+
+/// Further passes at most until the auxiliary denominator and the numerators are those of the estimate.
+const FURTHER_PASSES: usize = 4;
 
 /// Numerators that differ by less than this from those without a hold need no further pass.
 const NEGLIGIBLE: f64 = 1e-5;
@@ -77,8 +80,6 @@ impl<'a> Fit<'a> {
         method: Method,
     ) -> Result<Self, Error> {
         let q = problem.structure.order - usize::from(problem.structure.integrator);
-        let dt = problem.signals.dt;
-        // The fast part of the filter, until there is a model.
         let rough = crate::polynomials::roots(filter)
             .map(|roots| from_roots(&roots[roots.len() - q..]))
             .unwrap_or_default();
@@ -97,48 +98,57 @@ impl<'a> Fit<'a> {
             setting,
             method,
         };
-        for _ in 1..PASSES {
-            let Some(model) = fit
-                .polynomials(method)
-                .or_else(|| fit.polynomials(Method::LeastSquares))
-            else {
-                break;
-            };
-            let integrators = usize::from(problem.structure.integrator);
-            let Some(poles) = model.poles(integrators) else {
-                break;
-            };
-            let fastest = poles
-                .iter()
-                .fold(0.0_f64, |m, (re, im)| m.max(re.hypot(*im)))
-                * dt;
-            let exact = fastest * fastest / 12.0 > NEGLIGIBLE && fastest < FASTEST;
-            let next = Setting {
-                auxiliary: problem.within_reach(&poles),
-                model: if exact {
-                    model.a.clone()
-                } else {
-                    filter.to_vec()
-                },
-                ..fit.setting.clone()
-            };
-            let settled = near(&next.auxiliary, &fit.setting.auxiliary)
-                && near(&next.model, &fit.setting.model);
-            if settled || (method == Method::LeastSquares && !exact) {
-                break;
-            }
-            fit.sums = Sums::of(problem, &next)?;
-            fit.setting = next;
-        }
+        fit.repeat(PASSES - 1)?;
         match fit.polynomials(method) {
             Some(_) => Ok(fit),
             None => Err(problem.cannot_carry(Weakness::Singular)),
         }
     }
 
-    /// The same sums solved another way.
-    pub fn set_method(&mut self, method: Method) {
-        self.method = method;
+    /// The same with further passes, until auxiliary denominator and numerators are those of the estimate.
+    ///
+    /// # Errors
+    /// As [`Fit::new`].
+    pub fn refined(mut self) -> Result<Self, Error> {
+        self.repeat(FURTHER_PASSES)?;
+        Ok(self)
+    }
+
+    /// At most so many passes with the auxiliary denominator and the numerators of the model before.
+    fn repeat(&mut self, passes: usize) -> Result<(), Error> {
+        for _ in 0..passes {
+            let Some(next) = self.next_setting() else {
+                break;
+            };
+            self.sums = Sums::of(self.problem, &next)?;
+            self.setting = next;
+        }
+        Ok(())
+    }
+
+    /// The setting that the model found asks for; `None` where it is about the present one.
+    fn next_setting(&self) -> Option<Setting> {
+        let problem = self.problem;
+        let dt = problem.signals.dt;
+        let model = self
+            .polynomials(self.method)
+            .or_else(|| self.polynomials(Method::LeastSquares))?;
+        let poles = model.poles(usize::from(problem.structure.integrator))?;
+        let size = |(re, im): &Pole| re.hypot(*im) * dt;
+        let fastest = poles.iter().map(size).fold(0.0, f64::max);
+        let exact = fastest * fastest / 12.0 > NEGLIGIBLE && fastest < FASTEST;
+        let next = Setting {
+            auxiliary: problem.within_reach(&poles),
+            model: match exact {
+                true => model.a,
+                false => self.setting.filter.clone(),
+            },
+            ..self.setting.clone()
+        };
+        let settled = near(&next.auxiliary, &self.setting.auxiliary)
+            && near(&next.model, &self.setting.model);
+        let needed = self.method == Method::Instruments || exact;
+        (needed && !settled).then_some(next)
     }
 
     /// How its equations are solved.

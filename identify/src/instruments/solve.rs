@@ -25,11 +25,11 @@ pub enum Method {
 /// Parameters in the plane of the trends, with the matrix that found them.
 pub(crate) struct Solution {
     /// In the order of theta, without the initial state.
-    pub theta: Vec<f64>,
+    pub(super) theta: Vec<f64>,
     /// Covariance by batch means of the scores; none where there are too few blocks.
-    pub covariance: Option<DMatrix<f64>>,
+    pub(super) covariance: Option<DMatrix<f64>>,
     /// Blocks that carry information, as an effective number.
-    pub effective_blocks: f64,
+    pub(super) effective_blocks: f64,
 }
 
 /// The square system of one choice of instruments: matrix and right-hand side side by side.
@@ -87,7 +87,7 @@ impl Sums {
     }
 
     /// Parameters from all blocks but those left out, covariance included where it is wanted.
-    pub fn solve(
+    pub(super) fn solve(
         &self,
         method: Method,
         left_out: impl Fn(usize) -> bool + Copy,
@@ -122,7 +122,7 @@ impl Sums {
     ///
     /// Known as: cluster-robust (sandwich) covariance over blocks of time, batch means. The scores of a block are its
     /// equations at the parameters of the whole record.
-    pub fn solve_whole(&self, method: Method) -> Option<Solution> {
+    pub(super) fn solve_whole(&self, method: Method) -> Option<Solution> {
         let (theta, b, present) = self.found(method, |_| false)?;
         let p = self.layout.parameters();
         let n = present.len();

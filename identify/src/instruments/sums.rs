@@ -13,30 +13,30 @@ pub(crate) const BLOCKS: usize = 16;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Setting {
     /// f_0 .. f_{m-1} of the filter of the trends, in the s plane.
-    pub filter: Vec<f64>,
+    pub(super) filter: Vec<f64>,
     /// The denominator whose numerators the inputs get.
-    pub model: Vec<f64>,
+    pub(super) model: Vec<f64>,
     /// The auxiliary denominator `A_z` behind the integrators; empty without instruments.
-    pub auxiliary: Vec<f64>,
+    pub(super) auxiliary: Vec<f64>,
     /// Delay of the delayed inputs in samples.
-    pub delay: f64,
+    pub(super) delay: f64,
 }
 
 /// Places of the regressors and of the instruments.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Layout {
     /// Order m.
-    pub order: usize,
+    pub(super) order: usize,
     /// 1 behind an integrator, else 0.
-    pub first: usize,
+    pub(super) first: usize,
     /// Coefficients of each input.
-    pub terms: Vec<usize>,
+    pub(super) terms: Vec<usize>,
     /// Whether there is a constant.
-    pub constant: bool,
+    pub(super) constant: bool,
 }
 
 impl Layout {
-    pub fn of(problem: &Problem) -> Self {
+    pub(super) fn of(problem: &Problem) -> Self {
         let inputs = problem.signals.inputs.iter();
         Self {
             order: problem.structure.order,
@@ -47,17 +47,17 @@ impl Layout {
     }
 
     /// Coefficients a_i that are estimated: q.
-    pub fn outputs(&self) -> usize {
+    pub(super) fn outputs(&self) -> usize {
         self.order - self.first
     }
 
     /// Parameters of the model.
-    pub fn parameters(&self) -> usize {
+    pub(super) fn parameters(&self) -> usize {
         self.outputs() + self.terms.iter().sum::<usize>() + usize::from(self.constant)
     }
 
     /// Columns of the equation: the parameters, then the m coefficients of the initial state.
-    pub fn columns(&self) -> usize {
+    pub(super) fn columns(&self) -> usize {
         self.parameters() + self.order
     }
 
@@ -70,12 +70,12 @@ impl Layout {
     }
 
     /// Place of the first twice filtered row of an input.
-    pub fn row(&self, input: usize) -> usize {
+    pub(super) fn row(&self, input: usize) -> usize {
         (0..input).map(|c| self.twice_filtered(c)).sum()
     }
 
     /// All twice filtered rows.
-    pub fn auxiliary_rows(&self) -> usize {
+    pub(super) fn auxiliary_rows(&self) -> usize {
         self.row(self.terms.len())
     }
 }
@@ -84,13 +84,13 @@ impl Layout {
 ///
 /// Rows: the twice filtered inputs, then the regressors themselves. Columns: the regressors, then the left-hand side.
 pub(crate) struct Sums {
-    pub layout: Layout,
-    pub design: Box<dyn Design>,
+    pub(super) layout: Layout,
+    pub(super) design: Box<dyn Design>,
     /// What is subtracted from the output: positions are large against their increments, so their reference goes
     /// before f32. Only an integrator or a constant takes it up.
-    pub reference: f64,
+    pub(super) reference: f64,
     /// Row after row, one matrix for each block.
-    pub blocks: Vec<Vec<f64>>,
+    pub(super) blocks: Vec<Vec<f64>>,
 }
 
 /// The filters of one input.
@@ -119,7 +119,7 @@ impl Sums {
     ///
     /// # Errors
     /// The core's refusal of the filter.
-    pub fn of(problem: &Problem, setting: &Setting) -> Result<Self, Error> {
+    pub(super) fn of(problem: &Problem, setting: &Setting) -> Result<Self, Error> {
         let signals = problem.signals;
         let layout = Layout::of(problem);
         let dt = signals.dt;
