@@ -61,7 +61,6 @@
 //! | feature | adds |
 //! |---|---|
 //! | `defmt` | `defmt::Format` on the public types |
-//! | `store` | [`servo::store`](servo): a verified model in flash that survives the loss of power |
 //!
 //! A feature adds items and changes no number.
 //!

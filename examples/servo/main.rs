@@ -11,7 +11,8 @@
 //! | log | defmt over RTT (probe-rs) or semihosting (emulator) |
 //!
 //! Nothing moves by itself: after every reset the loop is idle until the button is pressed, which commissions the axis; the
-//! next press stops it. The interrupt reads, identifies, controls and drives; it hands a snapshot to the idle loop, which
+//! next press stops it. A verified model is kept in flash; `RESUME` lets control begin with it after a reset, at the position
+//! where the axis then is. The interrupt reads, identifies, controls and drives; it hands a snapshot to the idle loop, which
 //! alone logs. An update that is not done when the next slot begins is an overrun: it is counted, and three in a row stop
 //! the machine, as a fault of sensor, valve or axis does.
 //!
@@ -28,6 +29,8 @@
 
 #[cfg(target_os = "none")]
 mod emulated;
+#[cfg(target_os = "none")]
+mod keep;
 #[cfg(target_os = "none")]
 mod log;
 #[cfg(target_os = "none")]
@@ -68,6 +71,10 @@ const DELAY: f32 = 0.0;
 /// instead of 0.030, a free simulation explains 94 % of the movement, and the model is refused as a poor fit.
 const EXCITE_TIME: f32 = 0.5;
 
+/// Whether control begins after a reset with the model in flash, without a request. A latched fault prevents it.
+#[cfg(target_os = "none")]
+const RESUME: bool = false;
+
 /// Targets of the moves in mm, and the samples between them.
 const TARGETS: [f32; 2] = [120.0, 280.0];
 const DWELL: u64 = 1500;
@@ -83,10 +90,15 @@ fn machine<S: PositionSensor, V: Valve>(
     sensor: S,
     valve: V,
 ) -> Result<ServoLoop<S, V>, servo::Error> {
+    ServoLoop::try_new(&config(), AXIS, sensor, valve)
+}
+
+/// The settings of this machine.
+fn config() -> servo::Config {
     let mut config = servo::Config::new(SAMPLE_TIME, BANDWIDTH, TRAVEL);
     config.delay = DELAY;
     config.supervision.excite_time = EXCITE_TIME;
-    ServoLoop::try_new(&config, AXIS, sensor, valve)
+    config
 }
 
 /// The next move, when one is due in sample `tick`.

@@ -11,16 +11,23 @@ use trendid_example_support::drive::{Drive, SimulatedValve};
 use trendid_example_support::reset::{Causes, brown_out_level};
 
 use crate::emulated::Script;
+use crate::keep::Keep;
 use crate::slot::{self, Slot};
 use crate::snapshot::Snapshot;
 use crate::wiring::{self, CRYSTAL_MHZ, Output, Panel, Ports, Sensor};
-use crate::{ORIGIN, log, machine, survival};
+use crate::{ORIGIN, RESUME, log, machine, survival};
 
 /// Ticks of TIM2 per second in QEMU, whatever the clock control says.
 const EMULATED_HZ: u32 = 1_000_000_000;
 
+/// Slots in a second.
+const SLOTS_PER_S: u64 = 1000;
+
 /// Time for crystal, ports and construction; a crystal that does not start ends in a restart.
 const START_MS: u32 = 100;
+
+/// Time for the stored model, when a sector of flash must be erased: 2 s at most (data sheet).
+const KEEP_MS: u32 = 4000;
 
 /// Time in which a slot must have fed the watchdog.
 const WATCHDOG_MS: u32 = 10;
@@ -67,7 +74,7 @@ fn main() -> ! {
     };
     // A converter keeps its last code over a restart of the chip. A failure is written again in every slot.
     let _ = valve.safe();
-    let servo = machine(sensor, valve).unwrap();
+    let mut servo = machine(sensor, valve).unwrap();
 
     let mut timer = chip.TIM2.counter_hz(&mut rcc);
     // QEMU counts with its own frequency, so there the rate is that of a clock which is so much slower.
@@ -82,21 +89,40 @@ fn main() -> ! {
     // SAFETY: reading the reload value has no side effect.
     let period = unsafe { (*TIM2::ptr()).arr().read().bits() } + 1;
     log::start(&survivor, causes, emulated, brown_out);
+    let stopped = survivor.fault().is_some();
+    watchdog.start(KEEP_MS.millis());
+    // QEMU has no flash controller.
+    let (keep, stored) = if emulated {
+        (None, None)
+    } else {
+        let (keep, model) = Keep::load(chip.FLASH);
+        (Some(keep), model)
+    };
+    if let Some(model) = stored
+        && RESUME
+        && !stopped
+        && servo.install(model).is_err()
+    {
+        defmt::error!("the stored model is refused");
+    }
 
     let queue = cortex_m::singleton!(: Queue<Snapshot, 32> = Queue::new()).unwrap();
     let (producer, consumer) = queue.split();
     watchdog.start(WATCHDOG_MS.millis());
-    let stopped = survivor.fault().is_some();
     slot::hand_over(Slot::new(
         servo, timer, period, watchdog, panel, producer, stopped,
     ));
     // SAFETY: everything the interrupt needs was handed over.
     unsafe { NVIC::unmask(pac::Interrupt::TIM2) };
-    idle(consumer, emulated.then(Script::new))
+    idle(consumer, emulated.then(Script::new), keep)
 }
 
-/// Logs what the interrupt hands over.
-fn idle(mut snapshots: Consumer<'static, Snapshot>, mut script: Option<Script>) -> ! {
+/// Logs what the interrupt hands over, and keeps the model.
+fn idle(
+    mut snapshots: Consumer<'static, Snapshot>,
+    mut script: Option<Script>,
+    mut keep: Option<Keep>,
+) -> ! {
     let mut known = None;
     loop {
         let Some(now) = snapshots.dequeue() else {
@@ -119,6 +145,10 @@ fn idle(mut snapshots: Consumer<'static, Snapshot>, mut script: Option<Script>) 
         {
             known = now.model;
             log::model(&model);
+        }
+        if let (Some(keep), Some(model)) = (&mut keep, &now.model) {
+            // The horizon of 136 years is that of the seconds.
+            keep.consider(model, (now.tick / SLOTS_PER_S) as u32);
         }
         if now.stopped {
             defmt::error!(

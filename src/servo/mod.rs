@@ -15,7 +15,7 @@
 //! | monitoring | faults of sensor, valve and axis in control, and how they stop it |
 //! | identification | the identifier of the loop and its candidates |
 //! | servo_loop, supervise, protect | all of it behind one call per sample |
-//! | store | a verified model in flash (feature `store`) |
+//! | store | a verified model in flash |
 
 pub(crate) mod config;
 pub(crate) mod control;
@@ -28,7 +28,6 @@ pub(crate) mod motion;
 mod protect;
 pub(crate) mod report;
 pub(crate) mod servo_loop;
-#[cfg(feature = "store")]
 pub mod store;
 mod supervise;
 pub(crate) mod supervision;

@@ -1,12 +1,13 @@
-//! A verified model that survives the loss of power: records in two sectors of NOR flash, feature `store`.
+//! A verified model that survives the loss of power: records in two sectors of NOR flash.
 //!
 //! # What holds
 //! *At every instant, also when power fails within an operation, the flash holds the model before or the model after, and a
 //! reader can tell which bytes are a model.* The reason, for any flash that keeps the promise of [`NorFlash`] (an operation
 //! touches only its own range):
 //!
-//! 1. Records are only ever written to bytes that are erased, behind the newest record in its sector: no operation touches
-//!    a record that counts. When the sector is full, the *other* one is erased, in which only older records are.
+//! 1. Records are only ever written to bytes that are erased, behind the newest record in its sector or at the begin of the
+//!    other one: no operation touches a record that counts. Only the *other* sector is ever erased, in which no record is the
+//!    newest.
 //! 2. A record that was cut off does not end in its own CRC-32, which is programmed with it. [`Record`] finds every error of
 //!    up to three bits and every burst of up to 32 bits; what else passes is one in 2^32. It is stepped over, not repaired.
 //! 3. The newest record is the one of the largest sequence number. One record a minute reaches 2^32 after 8000 years.
@@ -18,8 +19,9 @@
 //! # Where the time goes
 //! Never call [`ModelStore::save`] in the path of a sample. On an STM32F405 programming one record stalls reads of the
 //! same bank for about 0.4 ms, erasing a sector of 16 KiB for 0.25 s and of 128 KiB for 1 s (typical figures of the data sheet,
-//! tables of flash programming), in which no code runs from flash. [`ModelStore::must_erase`] tells beforehand; then
-//! save only while the axis rests with the valve centred. [`Keeper`] says when a model is worth a record.
+//! tables of flash programming), in which no code runs from flash and no watchdog is fed. [`ModelStore::must_erase`] tells
+//! beforehand; [`ModelStore::make_room`] does it where the time is, at the start before anything moves. [`Keeper`] says
+//! when a model is worth a record.
 //!
 //! Not a general file system: one kind of record, two sectors. A log-structured map as in `sequential-storage` does more,
 //! behind async traits and with an erase inside a call that the caller cannot foresee, and this store must tell the
@@ -127,7 +129,19 @@ impl<F: NorFlash> ModelStore<F> {
         Ok(self.room(newest)?.is_none())
     }
 
-    /// Writes a record behind the newest one, and reads it back.
+    /// Erases a sector now if the next [`save`](Self::save) would have to.
+    ///
+    /// # Errors
+    /// An error of the flash; the newest record still counts then.
+    pub fn make_room(&mut self) -> Result<(), StoreError<F::Error>> {
+        let newest = self.scan()?.newest.map(|(place, ..)| place);
+        if self.room(newest)?.is_none() {
+            self.erased(newest)?;
+        }
+        Ok(())
+    }
+
+    /// Writes a record behind the newest one, and reads it back; erases a sector first when there is no room.
     ///
     /// # Errors
     /// An error of the flash, or [`StoreError::NotKept`]; the record before still counts then.
@@ -166,20 +180,28 @@ impl<F: NorFlash> ModelStore<F> {
         Ok(place)
     }
 
-    /// The first place behind the newest record, in its sector, from which on all is erased.
+    /// Where the next record goes: behind the newest one in its sector, else at the begin of the other when that is blank.
     fn room(&mut self, newest: Option<Place>) -> Result<Option<Place>, StoreError<F::Error>> {
-        let after = newest.map_or(0, |place| place.number + 1);
-        let sector = newest.map_or(0, |place| place.sector);
+        let (sector, after) = newest.map_or((0, 0), |place| (place.sector, place.number + 1));
+        if let Some(place) = self.blank(sector, after)? {
+            return Ok(Some(place));
+        }
+        let other = self.blank(1 - sector, 0)?;
+        Ok(other.filter(|place| place.number == 0))
+    }
+
+    /// The first place of `sector`, from `after` on, from which on all is erased.
+    fn blank(&mut self, sector: u32, after: u32) -> Result<Option<Place>, StoreError<F::Error>> {
+        let mut blank = None;
         // From the end: behind a blank place may be no other byte, as half an erase would leave it.
-        let mut room = None;
         for number in (after..self.places()).rev() {
             let place = Place { sector, number };
             if self.read(place)? != [0xFF; RECORD_BYTES] {
                 break;
             }
-            room = Some(place);
+            blank = Some(place);
         }
-        Ok(room)
+        Ok(blank)
     }
 
     /// Reads every record.

@@ -1,0 +1,85 @@
+//! The verified model in the last two sectors of the flash: loaded after a reset, saved by the idle loop.
+//!
+//! The emulator has no flash controller, so there nothing is loaded or saved. What the store does is tested on a
+//! simulated flash on the host (`host-tests/tests/core/store.rs`); its flash here is the HAL's. Not tried on a board.
+
+use stm32f4xx_hal::flash::{FlashExt, LockedFlash};
+use stm32f4xx_hal::pac;
+use trendid::servo::Model;
+use trendid::servo::store::{Identity, Keeper, ModelStore, Record, StoreError};
+
+use crate::config;
+
+/// The machine: its model is of no use to another one. A serial number, where there is one.
+const PLANT: u32 = 1;
+
+/// The sectors 10 and 11; `memory.x` keeps the image out of them.
+const BEGIN: u32 = 0xC_0000;
+const SECTOR: u32 = 0x2_0000;
+
+/// The memory of the machine.
+pub(crate) struct Keep {
+    flash: LockedFlash,
+    keeper: Keeper,
+    identity: Identity,
+}
+
+impl Keep {
+    /// What the flash holds, and its model; makes room for the next ones, which may take a second.
+    pub(crate) fn load(flash: pac::FLASH) -> (Self, Option<Model>) {
+        let mut flash = LockedFlash::new(flash);
+        let identity = Identity::new(PLANT, &config());
+        let loaded = ModelStore::new(flash.unlocked(), BEGIN, SECTOR).and_then(|mut store| {
+            let loaded = store.load(&identity);
+            store.make_room()?;
+            loaded
+        });
+        let model = match loaded {
+            Ok(record) => {
+                defmt::info!("stored model: {}", record.model);
+                Some(record.model)
+            }
+            Err(StoreError::Refused(reason)) => {
+                defmt::info!("no stored model: {}", reason);
+                None
+            }
+            Err(_) => {
+                defmt::error!("the flash cannot be read");
+                None
+            }
+        };
+        let keeper = Keeper::new(model);
+        let keep = Self {
+            flash,
+            keeper,
+            identity,
+        };
+        (keep, model)
+    }
+
+    /// Saves a verified model that is worth it, a byte at a time, which delays a slot by 16 us at most.
+    ///
+    /// A sector that is full is erased at the next start: here it would stop the chip for longer than the watchdog waits.
+    pub(crate) fn consider(&mut self, model: &Model, seconds: u32) {
+        if !self.keeper.is_due(model, seconds) {
+            return;
+        }
+        let Ok(mut store) = ModelStore::new(self.flash.unlocked(), BEGIN, SECTOR) else {
+            return;
+        };
+        if !matches!(store.must_erase(), Ok(false)) {
+            return;
+        }
+        let record = Record {
+            model: *model,
+            std: [f32::INFINITY; 6],
+            delay: config().delay,
+        };
+        if store.save(&self.identity, &record).is_ok() {
+            self.keeper.saved(model, seconds);
+            defmt::info!("model stored");
+        } else {
+            defmt::error!("the model could not be stored");
+        }
+    }
+}
