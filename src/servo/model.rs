@@ -100,6 +100,21 @@ impl Model {
         beyond + self.offset
     }
 
+    /// Flow of a command through a valve whose spool is off by the offset: `q(u + offset)`.
+    ///
+    /// Beyond the dead zone the same as [`Model::flow`]; within it this valve is closed, as a real one is.
+    #[inline]
+    pub(crate) fn valve_flow(&self, command: f32) -> f32 {
+        let spool = command + self.offset;
+        if spool > self.dead_zone {
+            spool - self.dead_zone
+        } else if spool < -self.dead_zone {
+            spool + self.dead_zone
+        } else {
+            0.0
+        }
+    }
+
     /// The command for a wanted flow; the jump of 2 delta at zero is a steep line of half width `blend`.
     ///
     /// `blend` is a flow and positive; beyond it the inverse is exact.

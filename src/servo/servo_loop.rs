@@ -180,12 +180,13 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         // A position that is not finite is no reading.
         let read = self.sensor.counts().ok();
         let code = read.filter(|code| self.axis.position(*code).is_finite());
+        let missed = self.errors;
         self.errors = match code {
             Some(_) => 0,
             None => self.errors.saturating_add(1),
         };
         let same_code = self.begun && code.is_none_or(|code| code == self.code);
-        let Some(y) = self.reading(code) else {
+        let Some(y) = self.reading(code, missed) else {
             return self.blind();
         };
         self.position = y;
@@ -209,7 +210,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     }
 
     /// The position of a sample: measured, or expected where the reading failed or cannot be true; `None` without either.
-    fn reading(&mut self, code: Option<i32>) -> Option<f32> {
+    /// `missed`: failed readings in a row before this one.
+    fn reading(&mut self, code: Option<i32>, missed: u32) -> Option<f32> {
         let bridges = self.begun && self.errors < self.sensor_errors;
         let Some(code) = code else {
             let missing = self.monitors.count_reading(true, true);
@@ -223,7 +225,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         if !(self.begun && self.is_active()) {
             return Some(y);
         }
-        let verdict = self.monitors.judge(y, &self.tracking.motion(), self.errors);
+        let verdict = self.monitors.judge(y, &self.tracking.motion(), missed);
         if self.monitors.count_reading(false, verdict != Verdict::Good) {
             self.fail(Reason::SensorFault);
         }

@@ -7,5 +7,6 @@ mod linear;
 pub(crate) mod linear_args;
 mod linear_report;
 mod population;
+mod population_faults;
 mod population_rows;
 pub(crate) mod position_loop;

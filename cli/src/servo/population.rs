@@ -10,6 +10,7 @@ use trendid_host_tests::servo::population::trial::Trial;
 
 use crate::format::significant;
 use crate::output::{Refusal, emit, emit_json, number, progress};
+use crate::servo::population_faults::{self, FaultTables};
 use crate::servo::population_rows::{COMMISSIONING, ROWS, columns};
 
 /// Most axes of a run.
@@ -35,6 +36,9 @@ pub(super) struct PopulationArgs {
     /// Name the seeds of the worst axes
     #[arg(long, requires = "population")]
     worst: bool,
+    /// Break so many axes, the first that a model near the truth controls, in every way and every state
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "population")]
+    faults: u64,
 }
 
 /// Runs the axes and prints.
@@ -63,14 +67,21 @@ pub(super) fn run(args: &PopulationArgs, axes: u64, first: u64, json: bool) -> R
         .collect();
     bar.finish_and_clear();
     let summary = Summary::new(&trials);
+    let faults = population_faults::run(family, args.usual, first, args.faults)?;
     let worst = if args.worst { worst(&trials) } else { vec![] };
     if json {
-        emit_json(&object(&summary, &worst));
+        let mut value = object(&summary, &worst);
+        if let (Some(faults), Value::Object(top)) = (&faults, &mut value) {
+            faults.insert_into(top);
+        }
+        emit_json(&value);
     } else {
         let kind = if args.usual { "usual " } else { "" };
         let name = family.name();
         let head = format!("{axes} {kind}{name} axes, seeds {first} to {}.\n", end - 1);
-        emit(&(head + &markdown(&summary) + &sentences(&worst)));
+        let faults = faults.as_ref().map(FaultTables::markdown);
+        let faults = faults.unwrap_or_default();
+        emit(&(head + &markdown(&summary) + &faults + &sentences(&worst)));
     }
     Ok(())
 }

@@ -8,10 +8,12 @@
 //! | [`shadow`] | a second loop in step with that of the rig |
 //! | [`figures`] | the figures of a run, and what is wanted of them |
 //! | [`population`] | axes drawn at random, with the controller of a practitioner beside the loop |
+//! | [`faults`] | faults of sensor, valve and axis, and work without any |
 //! | [`mod@run`] | a scenario from the commissioning to its figures |
 //! | [`bridging`] | the loop on a sensor that fails now and then |
 
 pub mod bridging;
+pub mod faults;
 pub mod figures;
 pub mod plant;
 pub mod population;

@@ -2,6 +2,7 @@
 //!
 //! Claims over many runs are in `tests/statistics`.
 
+mod faults;
 mod pneumatic;
 mod pneumatic_linear;
 mod population;

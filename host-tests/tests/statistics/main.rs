@@ -10,6 +10,7 @@ mod bound_ratio;
 mod calibration;
 mod comparison;
 mod drift_bound;
+mod faults;
 mod position_loop;
 mod sampling;
 mod table1;

@@ -195,6 +195,9 @@ pub(crate) const CHANGED_STD: f32 = 0.5;
 pub(crate) const EXPECTATION_TIME_RATIO: f32 = 4.0;
 /// Flow by which dead zone and offset of a verified model may be wrong together: 0.04 and 0.02.
 pub(crate) const FLOW_SLACK: f32 = 0.06;
+/// Deflections `friction / a1` by which an axis that friction holds and its expectation differ: a breakaway of 2.5 times the
+/// Coulomb friction, and the friction that stops the other one on the far side.
+pub(crate) const HELD_DEFLECTIONS: f32 = 3.5;
 /// Time without motion, and against the command: the rise time of the drive, and half of it.
 pub(crate) const NO_MOTION_TIME_RATIO: f32 = 1.0;
 pub(crate) const OPPOSITE_TIME_RATIO: f32 = 0.5;
@@ -202,8 +205,11 @@ pub(crate) const OPPOSITE_TIME_RATIO: f32 = 0.5;
 pub(crate) const LAG_TIME_RATIO: f32 = 4.0;
 /// Time after which a following error stays: more than a period.
 pub(crate) const FOLLOWING_TIME_RATIO: f32 = 10.0;
-/// Time in which the force of a brake is built up.
-pub(crate) const FORCE_TIME_RATIO: f32 = 1.0;
+/// Stopping distance from a speed v under the full reverse command: the force grows at b0 = C w^2, so that v is gone after
+/// `t = sqrt(2 v/C)/w` and `2 v t/3`. `sqrt(x)` is below its tangent at x = 0.1, and the axis may still be driven for half of
+/// that time: `v (0.25/w) + 2 v^2/(C w)`.
+pub(crate) const FORCE_TIME_RATIO: f32 = 0.25;
+pub(crate) const BRAKE_RATIO: f32 = 2.0;
 /// Crossings of the travel at C that a full command may last: one at a quarter of C.
 pub(crate) const SATURATED_CROSSINGS: f32 = 4.0;
 /// Longest controlled stop.

@@ -158,6 +158,9 @@ pub(crate) struct MonitoringDesign {
     pub(crate) resolution: f32,
     /// What noise and resolution make of a displacement.
     pub(crate) grain: f32,
+    /// Tracking error that the user tolerates, and time in s in which the push at rest is as large as it may be.
+    pub(crate) error: f32,
+    pub(crate) push_time: f32,
     /// Acceleration that the drive can give while there is no model.
     pub(crate) acceleration: f32,
     /// Implausible readings in a row that are a jump.

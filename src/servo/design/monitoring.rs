@@ -19,6 +19,11 @@ impl Config {
             noise,
             resolution: 0.0,
             grain: 8.0 * noise,
+            error: self
+                .supervision
+                .error_deadband
+                .unwrap_or(c::ERROR_DEADBAND_RATIO * length),
+            push_time: c::PUSH_MAX / self.controller.breakaway_ramp,
             acceleration: c::FIRST_ACCELERATION_RATIO * length * self.bandwidth * self.bandwidth,
             jump: clock.samples(c::JUMP_TIME),
             residual_share: clock.share(1.0 / c::RESIDUAL_TIME),

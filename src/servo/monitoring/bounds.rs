@@ -3,8 +3,9 @@
 use crate::math::sqrt;
 use crate::servo::design::MonitoringDesign;
 use crate::servo::design::constants::{
-    EXPECTATION_TIME_RATIO, FLOW_SLACK, FOLLOWING_TIME_RATIO, FORCE_TIME_RATIO, LAG_TIME_RATIO,
-    NO_MOTION_TIME_RATIO, OPPOSITE_TIME_RATIO, SATURATED_CROSSINGS, STOP_TIME_RATIO,
+    BRAKE_RATIO, EXPECTATION_TIME_RATIO, FLOW_SLACK, FOLLOWING_TIME_RATIO, FORCE_TIME_RATIO,
+    HELD_DEFLECTIONS, LAG_TIME_RATIO, NO_MOTION_TIME_RATIO, OPPOSITE_TIME_RATIO,
+    SATURATED_CROSSINGS, STOP_TIME_RATIO,
 };
 use crate::servo::model::Model;
 
@@ -19,6 +20,11 @@ pub(crate) struct Bounds {
     pub(crate) share: f32,
     /// Displacement that dead zone, offset and friction may add to the expectation or take from it.
     pub(crate) slack: f32,
+    /// Motion that may be expected of an axis that friction holds, noise and resolution included, the drift that the flow makes per s, and the time in s by
+    /// which a stop may be shorter than expected.
+    pub(crate) held: f32,
+    pub(crate) drift: f32,
+    pub(crate) stopping: f32,
     /// Samples without motion, and against the command.
     pub(crate) no_motion: u32,
     pub(crate) opposite: u32,
@@ -26,8 +32,10 @@ pub(crate) struct Bounds {
     pub(crate) lag: f32,
     pub(crate) rest_error: f32,
     pub(crate) following: u32,
-    /// Time from a decision to the force of the brake in s, half of its inverse deceleration, and harmless speed at an end.
+    /// Stopping distance per speed and per square of it, and harmless speed at an end.
     pub(crate) reaction: f32,
+    /// Samples in which a brake must show.
+    pub(crate) braking: u32,
     pub(crate) half_inverse_brake: f32,
     pub(crate) end_speed: f32,
     /// Samples at the full command.
@@ -48,20 +56,24 @@ impl Bounds {
         };
         let window = EXPECTATION_TIME_RATIO / w;
         let flow = FLOW_SLACK * gain;
-        let brake = 0.5 * gain * w;
+        let deflection = model.friction / model.a1;
         let share = design.sample_time / window;
         Self {
             gain,
             frequency: w,
             share: if share < 1.0 { share } else { 1.0 },
-            slack: flow * window + model.friction / model.a1 + design.grain,
+            slack: flow * window + 2.0 * deflection + design.grain,
+            held: HELD_DEFLECTIONS * deflection + design.grain,
+            drift: flow,
+            stopping: 1.0 / w,
             no_motion: samples(NO_MOTION_TIME_RATIO / w),
             opposite: samples(OPPOSITE_TIME_RATIO / w),
             lag: LAG_TIME_RATIO / w,
-            rest_error: 2.0 * flow / w + design.grain,
-            following: samples(FOLLOWING_TIME_RATIO / w),
+            rest_error: 2.0 * flow / w + 2.0 * deflection + design.error,
+            following: samples(FOLLOWING_TIME_RATIO / w + design.push_time),
             reaction: design.delay + FORCE_TIME_RATIO / w,
-            half_inverse_brake: 0.5 / brake,
+            braking: samples(design.delay + 1.0 / w),
+            half_inverse_brake: BRAKE_RATIO / (gain * w),
             end_speed: 0.5 * flow,
             saturated: samples(SATURATED_CROSSINGS * design.travel.length() / gain + 10.0 / w),
             stop: samples(STOP_TIME_RATIO / w),

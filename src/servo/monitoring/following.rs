@@ -7,7 +7,8 @@ use crate::servo::motion::Setpoint;
 ///
 /// A loop of any bandwidth above w / 4 lags behind its reference by less than four time constants 1/w of the drive itself:
 /// more than `lag` times the largest recent speed is no lag. An error that shrinks is being worked off. What stays
-/// for 10/w, more than a period of the drive, stays.
+/// for 10/w, more than a period of the drive, and for the time in which the push of a sticking axis becomes as large as it
+/// may be, stays.
 /// Cost: about 20 instructions.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Following {

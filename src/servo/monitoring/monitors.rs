@@ -132,7 +132,7 @@ impl Monitors {
             .update(seen.command, self.design.full, bounds);
         let ends = self
             .travel
-            .update(seen.y, seen.velocity, seen.setpoint, bounds);
+            .update(seen.y, seen.velocity, seen.command, seen.setpoint, bounds);
         let oscillates = self.oscillation.update(seen.setpoint, seen.y);
         if self.saturation.is_full() {
             self.counters.saturated_samples = self.counters.saturated_samples.saturating_add(1);
@@ -144,7 +144,7 @@ impl Monitors {
             let silent = reason == Reason::Blocked && self.stuck.run() > bounds.no_motion;
             Some(if silent { Reason::SensorStuck } else { reason })
         } else if ends {
-            Some(Reason::TravelEnd)
+            Some(self.obedience.end_reason(&self.twin, seen.velocity, bounds))
         } else if lags {
             Some(Reason::FollowingError)
         } else if full {

@@ -7,8 +7,9 @@ use crate::servo::monitoring::bounds::Bounds;
 ///
 /// Noise that spans more than a code changes it within a few samples, moving or not: the longest run of equal codes seen
 /// in good work tells how few. Beyond eight times that run the code counts as stuck as soon as the model expects motion of
-/// ten codes and sixteen sigma in the run, however slowly. Where the noise is below the resolution, runs at rest are long;
-/// there the expected motion must exceed what friction, dead zone and offset can hold back.
+/// ten codes and sixteen sigma in the run, however slowly. Where the noise is below 0.6 codes, runs at rest are long;
+/// there the expected motion must exceed what can hold the axis back: friction, a stop that is harder than expected (1/w of
+/// the speed at its begin), and for all of the run a flow as wrong as dead zone and offset may be.
 /// Cost: about 20 instructions.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct StuckCode {
@@ -16,15 +17,25 @@ pub(crate) struct StuckCode {
     many: f32,
     sample_time: f32,
     least_run: u32,
+    /// Whether the noise spans more than a code.
+    spans: bool,
     /// Samples since the code changed, and the longest run of good work.
     run: u32,
     longest: u32,
     /// Expected motion since the code changed.
     motion: f32,
+    /// Expected speed when the code changed last.
+    speed: f32,
+    /// How often the code changed in good work.
+    changes: u32,
 }
 
 /// How much longer than the longest run of good work a run must be.
 const RUN_RATIO: u32 = 8;
+/// Standard deviation over resolution, quantisation included, of a noise of 0.6 codes to each side: `sqrt(0.6^2/3 + 1/12)`.
+const SPANNING: f32 = 0.45;
+/// Changes of the code after which its runs are known.
+const KNOWN_CHANGES: u32 = 200;
 
 impl StuckCode {
     pub(crate) const fn new(design: &MonitoringDesign) -> Self {
@@ -32,9 +43,12 @@ impl StuckCode {
             many: design.many_codes,
             sample_time: design.sample_time,
             least_run: design.least_run,
+            spans: design.noise >= SPANNING * design.resolution,
             run: 0,
             longest: 0,
             motion: 0.0,
+            speed: 0.0,
+            changes: 0,
         }
     }
 
@@ -48,19 +62,24 @@ impl StuckCode {
     #[inline]
     pub(crate) fn update(&mut self, same: bool, velocity: f32, bounds: &Bounds) -> bool {
         if !same {
+            self.changes = self.changes.saturating_add(1);
             if self.run > self.longest {
                 self.longest = self.run;
             }
             self.run = 0;
             self.motion = 0.0;
+            self.speed = velocity.abs();
             return false;
         }
         self.run = self.run.saturating_add(1);
         self.motion += self.sample_time * velocity;
         let motion = self.motion.abs();
         let rare = RUN_RATIO.saturating_mul(self.longest);
-        let long = self.run > self.least_run && self.run > rare;
-        (long && motion > self.many) || motion > self.many + bounds.slack
+        let known = self.spans && self.changes > KNOWN_CHANGES;
+        let long = known && self.run > self.least_run && self.run > rare;
+        let drift = self.sample_time * self.run as f32 * bounds.drift;
+        let held = bounds.held + drift + self.speed * bounds.stopping;
+        (long && motion > self.many) || motion > self.many + held
     }
 
     /// Samples since the code changed.

@@ -6,32 +6,40 @@ use crate::servo::motion::{Setpoint, Travel};
 /// Whether an axis can still stop within its travel.
 ///
 /// ```text
-/// s(x, v) = x + v reaction + v |v| / (2 a)
+/// s(x, v) = x + v (delay + 0.25/w) + 2 v |v| / (C w)
 /// ```
 ///
-/// a = C w / 2: half of what the full reverse command gives; reaction: delay and the time 1/w in which the force is built
-/// up. The reference comes to rest within the travel by itself; an axis close to it does so too. Therefore the place where
-/// the axis would stop counts when it is beyond the travel and beyond that of the reference, each by more than
-/// the speed `end_speed` needs, which an end may take.
+/// This is the stopping distance under the full reverse command, with some to spare. The reference comes to rest within the travel by itself; an axis close to it does so too. Therefore the place where
+/// the axis would stop counts when it is beyond the travel and beyond that of a reference a third faster, each by more than
+/// the speed `end_speed` needs, which an end may take. A loop that brakes already has the delay and 1/w to show it.
 /// Cost: about 25 instructions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct TravelMonitor {
     travel: Travel,
+    /// Samples in a row in which the axis would go beyond its travel.
+    beyond: u32,
 }
 
 impl TravelMonitor {
     pub(crate) const fn new(travel: Travel) -> Self {
-        Self { travel }
+        Self { travel, beyond: 0 }
     }
 
     /// Whether the axis must brake now.
     #[inline]
-    pub(crate) fn update(&self, y: f32, velocity: f32, r: &Setpoint, bounds: &Bounds) -> bool {
+    pub(crate) fn update(
+        &mut self,
+        y: f32,
+        velocity: f32,
+        command: f32,
+        r: &Setpoint,
+        bounds: &Bounds,
+    ) -> bool {
         let stop =
             |x: f32, v: f32| x + v * bounds.reaction + v * v.abs() * bounds.half_inverse_brake;
         let slow = bounds.end_speed;
         let spare = slow * bounds.reaction + slow * slow * bounds.half_inverse_brake;
-        let (axis, reference) = (stop(y, velocity), stop(r.position, r.velocity));
+        let (axis, reference) = (stop(y, velocity), stop(r.position, 1.3 * r.velocity));
         let beyond = |at: f32, end: f32| {
             let upper = if at > end { at } else { end };
             axis > upper + spare
@@ -40,7 +48,14 @@ impl TravelMonitor {
             let lower = if at < end { at } else { end };
             axis < lower - spare
         };
-        (velocity > slow && beyond(reference, self.travel.max))
-            || (velocity < -slow && below(reference, self.travel.min))
+        let leaves = (velocity > slow && beyond(reference, self.travel.max))
+            || (velocity < -slow && below(reference, self.travel.min));
+        self.beyond = if leaves {
+            self.beyond.saturating_add(1)
+        } else {
+            0
+        };
+        let brakes = command * velocity < 0.0;
+        leaves && (!brakes || self.beyond > bounds.braking)
     }
 }

@@ -17,7 +17,8 @@ use crate::servo::monitoring::bounds::Bounds;
 /// ```
 ///
 /// A wrong dead zone or offset of the flow by `q` moves h by at most `C q window`, friction by its deflection
-/// `friction / a1`: this is the slack of the bounds.
+/// `friction / a1`: this is the slack of the bounds. A command that takes effect half a delay sooner or later than the
+/// model says moves h by `C |change| delay / 2`: the slack grows with the changes of the command within the window.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Twin {
     observer: Observer,
@@ -28,6 +29,10 @@ pub(crate) struct Twin {
     expected: f32,
     low_pass: f32,
     measured: f32,
+    /// Leaky sum of the changes of the command, and what a change may move the expectation by.
+    activity: f32,
+    last: f32,
+    late: f32,
 }
 
 impl Twin {
@@ -41,6 +46,9 @@ impl Twin {
             expected: 0.0,
             low_pass: 0.0,
             measured: 0.0,
+            activity: 0.0,
+            last: 0.0,
+            late: 0.5 * design.delay + design.sample_time,
         }
     }
 
@@ -56,6 +64,8 @@ impl Twin {
         self.low_pass = motion.position;
         self.expected = 0.0;
         self.measured = 0.0;
+        self.activity = 0.0;
+        self.last = command;
     }
 
     /// The command of so many samples ago as the delay has.
@@ -77,14 +87,22 @@ impl Twin {
     /// One sample with the measured position and the command in force from now on. Cost: about 80 instructions.
     #[inline]
     pub(crate) fn update(&mut self, y: f32, command: f32, bounds: &Bounds) {
+        self.activity += (command - self.last).abs() - bounds.share * self.activity;
+        self.last = command;
         let delayed = self.delayed(command);
-        let flow = self.observer.model().flow(delayed);
+        let flow = self.observer.model().valve_flow(delayed);
         self.observer.predict(flow);
         self.observer.forget_position();
         let step = self.sample_time * self.observer.motion().velocity;
         self.expected += step - bounds.share * self.expected;
         self.low_pass += bounds.share * (y - self.low_pass);
         self.measured = y - self.low_pass;
+    }
+
+    /// Displacement by which expectation and measurement of a sound axis differ at most.
+    #[inline]
+    pub(crate) fn slack(&self, bounds: &Bounds) -> f32 {
+        bounds.slack + bounds.gain * self.late * self.activity
     }
 
     /// Displacement that the commands let expect.

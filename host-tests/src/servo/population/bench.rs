@@ -91,6 +91,14 @@ impl Bench {
         self.time
     }
 
+    /// The pneumatic axis, to change or break it.
+    pub fn pneumatic_mut(&mut self) -> Option<&mut PneumaticAxis> {
+        match &mut self.drive {
+            Drive::Pneumatic(axis) => Some(axis),
+            Drive::ThirdOrder(_) => None,
+        }
+    }
+
     /// True position \[mm\].
     pub fn position_mm(&self) -> f64 {
         self.drive.position_mm()

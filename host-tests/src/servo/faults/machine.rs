@@ -1,0 +1,245 @@
+//! An axis of the population under a loop, with a fault between them.
+
+use rand::RngExt;
+use trendid::hardware::{Axis, Scale, Valve};
+use trendid::servo::{self, Model, MotionLimits, Report, ServoLoop, Travel};
+
+use crate::plants::pneumatic::Fault as Defect;
+use crate::servo::faults::fault::Fault;
+use crate::servo::population::bench::Bench;
+use crate::servo::population::draw::{AxisDraw, Mechanics};
+use crate::servo::population::range::{Purpose, stream};
+use crate::servo::rig::SimulatedSensor;
+
+/// A valve that can refuse its commands.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FailingValve {
+    /// Whether it refuses.
+    pub fails: bool,
+}
+
+impl Valve for FailingValve {
+    type Error = ();
+
+    fn drive(&mut self, command: f32) -> Result<f32, ()> {
+        if self.fails { Err(()) } else { Ok(command) }
+    }
+}
+
+/// Period of the spikes in samples.
+const SPIKES_EVERY: u32 = 100;
+
+/// An axis with its loop.
+#[derive(Clone, Debug)]
+pub struct Machine {
+    /// The axis.
+    pub bench: Bench,
+    /// The loop.
+    pub servo: ServoLoop<SimulatedSensor, FailingValve>,
+    fault: Option<Fault>,
+    /// Samples since the fault, the code that it had then, and the opening command.
+    since: u32,
+    code: i32,
+    command: f64,
+    seed: u64,
+}
+
+/// A model as a commissioning finds it: gain within 10 %, natural frequency within 5 %, dead zone 0.01, offset 0.005.
+fn model(axis: &AxisDraw) -> Model {
+    let mut random = stream(axis.seed, Purpose::Knowledge);
+    let mut about = |part: f64| 1.0 + part * (2.0 * random.random::<f64>() - 1.0);
+    let [gain, omega0, xi] = axis.truth(0.5 * axis.stroke_mm());
+    let [dead_zone, offset] = axis.valve_null();
+    let w = omega0 * about(0.05);
+    let coulomb = match &axis.mechanics {
+        Mechanics::Pneumatic(p) => 1e3 * p.friction.coulomb / p.mass,
+        Mechanics::ThirdOrder(p) => p.friction.coulomb,
+    };
+    Model {
+        dead_zone: (dead_zone + about(0.01) - 1.0).max(0.0) as f32,
+        offset: (offset + about(0.005) - 1.0) as f32,
+        friction: (coulomb * about(0.2)) as f32,
+        ..Model::linear(
+            (w * w) as f32,
+            (2.0 * xi * w) as f32,
+            (w * w * gain * about(0.1)) as f32,
+        )
+    }
+}
+
+impl Machine {
+    /// An axis at rest under a loop that waits; `None` where the loop refuses its settings or its model.
+    pub fn new(axis: &AxisDraw, adaptive: bool, installed: bool) -> Option<Self> {
+        let limits = axis.limits();
+        let [_, omega0, _] = axis.truth(0.5 * axis.stroke_mm());
+        let travel = Travel {
+            min: 0.0,
+            max: axis.stroke_mm() as f32,
+        };
+        let mut config = servo::Config::new(axis.sample_time as f32, omega0 as f32, travel);
+        config.noise = Some(axis.sigma_mm() as f32);
+        config.delay = axis.delay().min(8.0 * axis.sample_time) as f32;
+        config.motion = Some(MotionLimits {
+            velocity: limits.velocity as f32,
+            acceleration: limits.acceleration as f32,
+            jerk: limits.jerk as f32,
+        });
+        config.adaptive = adaptive;
+        let sensor = Axis {
+            scale: Scale::new(axis.resolution_mm as f32)?,
+            reference: 0,
+        };
+        let (code, valve) = (SimulatedSensor::default(), FailingValve::default());
+        let mut servo = ServoLoop::try_new(&config, sensor, code, valve).ok()?;
+        let mut bench = Bench::new(axis, Purpose::Disturbance);
+        bench.reversed = false;
+        if installed {
+            // One sample, so that the loop knows where the axis is.
+            servo.sensor_mut().code = Some(bench.code());
+            let report = servo.update();
+            bench.hold(f64::from(report.command));
+            servo.install(model(axis)).ok()?;
+        }
+        Some(Self {
+            bench,
+            servo,
+            fault: None,
+            since: 0,
+            code: 0,
+            command: 0.0,
+            seed: axis.seed,
+        })
+    }
+
+    /// Brings a fault with the next sample.
+    pub fn break_down(&mut self, fault: Fault) {
+        self.fault = Some(fault);
+        self.since = 0;
+        self.code = self.bench.code();
+        self.bench.blow_mm_s = 0.0;
+        match fault {
+            Fault::BlockedAxis => {
+                if let Some(axis) = self.bench.pneumatic_mut() {
+                    axis.set_fault(Some(Defect::BlockedAxis));
+                }
+            }
+            Fault::LostSupply => {
+                if let Some(axis) = self.bench.pneumatic_mut() {
+                    axis.set_supply(0.05);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// What the loop reads of a code.
+    fn reading(&mut self, code: i32) -> Option<i32> {
+        let quarter =
+            (0.25 * self.bench.axis().stroke_mm() / self.bench.axis().resolution_mm) as i32;
+        // Toward the middle, so that the position stays on the travel.
+        let middle = (0.5 * self.bench.axis().stroke_mm() / self.bench.axis().resolution_mm) as i32;
+        let off = if code < middle { quarter } else { -quarter };
+        match self.fault {
+            Some(Fault::LostReadings) => None,
+            Some(Fault::GappyReadings) => (self.since.is_multiple_of(3)).then_some(code),
+            Some(Fault::StuckCode) => Some(self.code),
+            Some(Fault::ShortlyStuck) => {
+                let samples = (0.1 / self.bench.axis().sample_time) as u32;
+                Some(if self.since < samples {
+                    self.code
+                } else {
+                    code
+                })
+            }
+            Some(Fault::StuckValue) => {
+                let true_code =
+                    (self.bench.position_mm() / self.bench.axis().resolution_mm).round();
+                Some(self.code + code - true_code as i32)
+            }
+            Some(Fault::SensorSign) => Some(2 * self.code - code),
+            Some(Fault::Jump) => Some(code + self.jump(off)),
+            Some(Fault::Spikes) if self.since.is_multiple_of(SPIKES_EVERY) => Some(code + off),
+            _ => Some(code),
+        }
+    }
+
+    /// The offset of a jump stays what it was at first.
+    fn jump(&mut self, off: i32) -> i32 {
+        if self.since == 0 {
+            self.code = off;
+        }
+        self.code
+    }
+
+    /// What the valve makes of a command.
+    fn opening(&mut self, command: f64) -> f64 {
+        let [dead_zone, offset] = self.bench.axis().valve_null();
+        match self.fault {
+            Some(Fault::ClosedValve | Fault::FailedValve) => -offset,
+            Some(Fault::StuckValve) => {
+                // A spool that sticks, sticks where it works and not in the middle.
+                let works = (self.command + offset).abs() > dead_zone + 0.05;
+                if !works {
+                    self.command = command;
+                }
+                self.command
+            }
+            Some(Fault::ReversedValve) => -command,
+            _ => {
+                self.command = command;
+                command
+            }
+        }
+    }
+
+    /// One sample.
+    pub fn step(&mut self) -> Report {
+        let code = self.bench.code();
+        self.servo.sensor_mut().code = self.reading(code);
+        self.servo.valve_mut().fails = self.fault == Some(Fault::FailedValve);
+        let report = self.servo.update();
+        let opening = self.opening(f64::from(report.command));
+        self.bench.hold(opening);
+        self.since = self.since.saturating_add(1);
+        report
+    }
+
+    /// Passes a time.
+    pub fn pass(&mut self, seconds: f64) {
+        let end = self.bench.time() + seconds;
+        while self.bench.time() < end {
+            let _ = self.step();
+        }
+    }
+
+    /// Hardest blow within 2 s when the valve closes now: what physics makes of the present motion. Infinite for a valve that
+    /// is stuck: it does not close.
+    pub fn closing(&self) -> f64 {
+        if self.fault == Some(Fault::StuckValve) {
+            return f64::INFINITY;
+        }
+        let mut bench = self.bench.clone();
+        bench.blow_mm_s = 0.0;
+        let [_, offset] = bench.axis().valve_null();
+        let command = match self.fault {
+            Some(Fault::ReversedValve) => offset,
+            _ => -offset,
+        };
+        let end = bench.time() + 2.0;
+        while bench.time() < end {
+            bench.hold(command);
+        }
+        bench.blow_mm_s
+    }
+
+    /// The seed of the axis.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Whether the noise does not reach from code to code.
+    pub fn is_silent(&self) -> bool {
+        let axis = self.bench.axis();
+        axis.noise_mm < 0.6 * axis.resolution_mm
+    }
+}

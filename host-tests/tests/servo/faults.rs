@@ -1,0 +1,112 @@
+//! Faults of sensor, valve and axis under a loop in control, and work without any.
+
+use trendid::servo::{Model, State};
+use trendid_host_tests::servo::faults::fault::Fault;
+use trendid_host_tests::servo::faults::machine::Machine;
+use trendid_host_tests::servo::faults::normal::{controlled, work};
+use trendid_host_tests::servo::faults::trial::{Situation, run};
+use trendid_host_tests::servo::population::family::Family;
+
+/// Situations in which a model controls without a commissioning before.
+const CONTROL: [Situation; 4] = [
+    Situation::Rest,
+    Situation::Motion,
+    Situation::FixedGains,
+    Situation::Frozen,
+];
+
+#[test]
+fn every_fault_is_noticed_for_its_reason() {
+    let (mut runs, mut wrong) = (0, Vec::new());
+    for axis in controlled(Family::Pneumatic, true, 1, 4) {
+        for situation in CONTROL {
+            for fault in Fault::ALL {
+                let Some(run) = run(&axis, situation, fault) else {
+                    continue;
+                };
+                runs += 1;
+                assert!(
+                    run.stopped.is_some() || fault.is_borne(),
+                    "not noticed: {run:?}"
+                );
+                if !run.right {
+                    wrong.push(run);
+                }
+            }
+        }
+    }
+    assert!(runs > 200, "{runs} runs");
+    assert!(20 * wrong.len() <= runs, "{wrong:#?}");
+}
+
+#[test]
+fn normal_work_raises_no_alarm() {
+    let mut worked = 0.0;
+    for axis in controlled(Family::Linear, true, 1, 10)
+        .into_iter()
+        .chain(controlled(Family::BallScrew, true, 1, 10))
+    {
+        let Some(run) = work(&axis, 15.0) else {
+            panic!("seed {} has no loop", axis.seed);
+        };
+        assert_eq!(run.stopped, None, "{run:?}");
+        assert_eq!(run.implausible, 0, "{run:?}");
+        worked += run.worked_s;
+    }
+    assert!(worked >= 300.0);
+}
+
+#[test]
+fn a_spike_moves_nothing() {
+    for axis in controlled(Family::Pneumatic, true, 1, 3) {
+        let Some(mut machine) = Machine::new(&axis, true, true) else {
+            panic!("seed {} has no loop", axis.seed);
+        };
+        machine.pass(1.0);
+        let mut replaced = machine.step().faults.implausible_readings;
+        let before = machine.bench.position_mm();
+        machine.break_down(Fault::Spikes);
+        let mut moved = 0.0_f64;
+        for _ in 0..2000 {
+            let report = machine.step();
+            assert!(report.state.is_controlling(), "{}", report.state);
+            replaced = report.faults.implausible_readings;
+            moved = moved.max((machine.bench.position_mm() - before).abs());
+        }
+        assert_eq!(replaced, 20, "one of a hundred readings");
+        assert!(moved <= axis.cycle_mm(), "seed {}: {moved} mm", axis.seed);
+    }
+}
+
+/// A fifth of the true gain: the loop is five times as strong as it thinks.
+#[test]
+fn an_oscillation_is_noticed_and_slowed() {
+    let mut noticed = 0;
+    for axis in controlled(Family::Pneumatic, true, 1, 4) {
+        let Some(mut machine) = Machine::new(&axis, false, true) else {
+            panic!("seed {} has no loop", axis.seed);
+        };
+        machine.pass(0.5);
+        let Some(good) = machine.servo.supervisor().verified_model() else {
+            panic!("no model");
+        };
+        let model = Model {
+            b0: 0.2 * good.b0,
+            ..good
+        };
+        if machine.servo.install(model).is_err() {
+            continue;
+        }
+        let _ = machine.servo.move_to((0.5 * axis.stroke_mm()) as f32);
+        machine.pass(8.0);
+        let report = machine.step();
+        let stopped = matches!(report.state, State::Failed(_));
+        if report.faults.oscillations > 0 {
+            noticed += 1;
+            assert!(report.faults.derating < 1.0);
+        } else {
+            assert!(stopped || machine.bench.blow_mm_s < 50.0);
+        }
+    }
+    assert!(noticed > 0, "no loop of five times its gain oscillates");
+}
