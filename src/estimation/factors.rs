@@ -54,6 +54,20 @@ impl<const N: usize> Factors<N> {
         &self.diagonal
     }
 
+    /// z' P z.
+    #[inline(never)]
+    pub(crate) fn spread(&self, z: &[f32; N]) -> f32 {
+        let mut sum = 0.0;
+        for j in 0..N {
+            let mut f = z[j];
+            for i in 0..j {
+                f += self.upper[j][i] * z[i];
+            }
+            sum += self.diagonal[j] * f * f;
+        }
+        sum
+    }
+
     /// Folds the row `z` in: P becomes `(P^-1 lambda + z z')^-1`, with `forgetting` = lambda and `growth` = 1/lambda.
     #[inline(always)]
     pub(crate) fn fold(&mut self, z: &[f32; N], forgetting: f32, growth: f32) -> Row<N> {

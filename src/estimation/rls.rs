@@ -98,6 +98,11 @@ impl<const N: usize> Estimator<N> {
         innovation
     }
 
+    /// Variance that P leaves of the innovation of the row `phi`, relative to the noise: phi' P phi.
+    pub(crate) fn spread(&self, phi: &[f32; N]) -> f32 {
+        self.factors.spread(phi)
+    }
+
     /// Corrects the estimate by `innovation` along the direction `z`.
     ///
     /// With `z = phi` this is least squares.

@@ -9,6 +9,7 @@ mod plan;
 mod retune;
 pub(crate) mod servo;
 mod signals;
+mod standstill;
 mod state;
 
 pub use config::Config;

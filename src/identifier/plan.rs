@@ -69,6 +69,13 @@ pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, cons
     /// For how many samples the innovation gate stays open after a start, and after a lasting change.
     pub(crate) gate_open: u32,
     pub(crate) gate_pause: u32,
+    /// Whether standstill can contradict the model: behind an integrator every input moves the drive.
+    pub(crate) can_stand: bool,
+    /// Samples after which a standstill is certain, those after which the trends have settled behind one, and those for which
+    /// they carry a step of y.
+    pub(crate) certain: u32,
+    pub(crate) settled: u32,
+    pub(crate) after_step: u32,
     /// Samples without y that the model bridges; after more the trends begin anew.
     pub(crate) longest_gap: u32,
     /// Samples between the first one and the first estimate.
@@ -129,6 +136,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             least_noise: 0.02 * config.output_noise,
             gate_open: (10.0 / angle) as u32,
             gate_pause: (0.5 / angle) as u32,
+            can_stand: config.structure.integrators() > 0,
+            certain: (1.0 / angle) as u32 + 10,
+            settled: (12.0 / angle) as u32,
+            after_step: (2.0 / angle) as u32,
             longest_gap: (5.0 / angle) as u32,
             warm_up: design.warm_up.max((config.settling / sample_time) as u32),
         };

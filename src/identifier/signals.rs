@@ -79,6 +79,16 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         y
     }
 
+    /// The trends begin again at rest at `y`; nothing of the initial state is left to be found.
+    #[inline(never)]
+    pub(crate) fn rest<const N: usize>(&mut self, plan: &Plan<T, M, N, I>, y: f32) {
+        let reference = self.reference;
+        let _ = self.begin(plan, y + reference);
+        self.output = Memory::output_at_rest(plan.trends.design(), plan.output_form, y);
+        self.reference = reference;
+        self.initial = 0.0;
+    }
+
     /// The trends of y.
     #[inline(always)]
     pub(crate) fn output_trends<const N: usize>(

@@ -7,9 +7,13 @@ use crate::identifier::gate::Verdict;
 use crate::identifier::outcome::{Outcome, Refusal};
 use crate::identifier::plan::{Plan, Prior};
 use crate::identifier::signals::{Others, Signals};
+use crate::identifier::standstill::{Motion, Standstill};
 use crate::model::evaluation::PredictionError;
 use crate::trends::TrendOperator;
 use crate::trends::delay_line::acceptable;
+
+/// One over the third difference that noise does not make, in standard deviations of y: 4 times sqrt(20).
+const STEP: f32 = 1.0 / 18.0;
 
 /// The regressor with its equation error, and that as an innovation in the unit of y.
 struct Row<const N: usize> {
@@ -35,6 +39,7 @@ pub(crate) struct State<
     /// Samples of y that were replaced by their prediction.
     pub(crate) replaced: u32,
     signals: Signals<T, M, I, D>,
+    standstill: Standstill,
     pub(crate) forgetting: StabilisedForgetting<N>,
 }
 
@@ -54,6 +59,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             adapting: true,
             replaced: 0,
             signals: Signals::new(plan, plan.warm_up),
+            standstill: Standstill::new(),
             forgetting,
         }
     }
@@ -113,19 +119,20 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.noise.update(y);
         self.prediction = y - row.innovation + reference;
         self.errors.update(row.innovation);
-        self.learn(plan, &row)
+        self.learn(plan, &row, y)
     }
 
     /// Takes the row in, unless the estimate is held.
     #[inline(always)]
-    fn learn(&mut self, plan: &Plan<T, M, N, I>, row: &Row<N>) -> Outcome {
+    fn learn(&mut self, plan: &Plan<T, M, N, I>, row: &Row<N>, y: f32) -> Outcome {
         let innovation = row.innovation;
+        let obeys = !plan.can_stand || self.obeys(plan, row, y);
         if !self.adapting {
             return Outcome::Held { innovation };
         }
         if plan.forgets {
             self.noise.flush();
-            let moves = plan.moves(&row.phi, &self.noise);
+            let moves = obeys && plan.moves(&row.phi, &self.noise);
             if moves {
                 self.estimator.correct(&row.phi, row.error);
             } else {
@@ -135,10 +142,32 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             if !moves {
                 return Outcome::Held { innovation };
             }
-        } else {
+        } else if obeys {
             self.estimator.correct(&row.phi, row.error);
+        } else {
+            return Outcome::Held { innovation };
         }
         Outcome::Estimated { innovation }
+    }
+
+    /// Whether the row may be of the model; where the axis stands against it the trends begin again at rest.
+    #[inline(always)]
+    fn obeys(&mut self, plan: &Plan<T, M, N, I>, row: &Row<N>, y: f32) -> bool {
+        let limits = [plan.certain, plan.settled];
+        let estimator = &self.estimator;
+        let expected = || 1.0 + estimator.spread(&row.phi);
+        let found = self.standstill.judge(
+            y,
+            row.innovation,
+            &self.noise,
+            plan.least_noise,
+            limits,
+            expected,
+        );
+        if found == Motion::Stands {
+            self.signals.rest(plan, y);
+        }
+        found == Motion::Obeys
     }
 
     /// The row that y makes with the trends of everything else.
@@ -166,6 +195,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             self.noise.correct_newest(newest);
             let _ = self.signals.output_trends(plan, newest);
             self.replaced = self.replaced.saturating_sub(1);
+        }
+        // Beyond all noise: the trends carry this step of the position or of the velocity for a while.
+        let third = self.noise.third_difference(y) * STEP;
+        if !self.noise.exceeds(third * third) {
+            self.standstill.pause(plan.after_step);
         }
         let row = self.row(plan, y, others);
         self.signals.gate.mean = row.innovation;

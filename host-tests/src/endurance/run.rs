@@ -4,7 +4,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use trendid::estimation::{StabilisedForgetting, Terms};
 use trendid::inputs::{coulomb, dead_zone};
-use trendid::trends::{FilteredTrends, Scheme};
+use trendid::trends::{FilteredTrends, Hold, Scheme};
 use trendid::{Config, Identifier, Outcome, Structure};
 
 use crate::endurance::axis::{Axis, Integrating, WithFriction};
@@ -145,6 +145,10 @@ fn identifier<const M: usize, const N: usize, const I: usize>(
         .expect("the bandwidth is positive");
     let mut config = Config::new(structure, bandwidth, ranges, 1000.0 / bandwidth);
     config.memory = case.memory.map(|memory| memory as f32);
+    if case.setup.drive == Drive::Coulomb {
+        // Friction turns with the velocity, anywhere between two samples; the command at a sample.
+        config.holds[I - 1] = Hold::First;
+    }
     Identifier::try_new(&config, trends).expect("a configuration that works")
 }
 

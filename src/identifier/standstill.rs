@@ -1,0 +1,180 @@
+//! Standstill against the model: the axis is blocked, friction holds it, the command stays inside the dead zone.
+//!
+//! ```text
+//! stands      <=>  |y - y_0| <= 6 sigma_y                       y_0: where the band was entered
+//! contradicts <=>  |e - e_0| > 12 sigma_y sqrt(1 + phi' P phi)          e: the innovation, e_0 where the band was entered
+//! ```
+//!
+//! An integrating drive that stands where the model moves by more than twice the band does not obey the model, and its
+//! rows teach what is wrong; a model that is not known yet (phi' P phi) does not contradict. The estimate is held from
+//! the fifth such sample in a row until the axis leaves the band, and then for four times as long, at most the settling time of the trends: they
+//! still carry what was not of the model. Once it has been held for 1/bandwidth the standstill is certain: the trends begin
+//! again at rest, as often as it contradicts and when it ends.
+//!
+//! A model that is merely wrong is not held up: while the drive moves, it crosses the band in few samples, and the pause
+//! is in proportion to them.
+
+use crate::estimation::noise_level::NoiseLevel;
+
+/// Half width of the band in standard deviations of the noise; the difference of two samples leaves it by chance
+/// twice in 10^5 samples.
+const BAND: f32 = 6.0;
+
+/// Standard deviations beyond which the innovation contradicts: twice the band, so that no motion inside it does.
+const CONTRADICTS: f32 = 2.0 * BAND;
+
+/// Contradictions in a row before anything is concluded.
+const LEAST: u32 = 5;
+
+/// Samples of pause per sample of doubt.
+const PAUSE: u32 = 4;
+
+/// What a sample says of standstill.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Motion {
+    /// Nothing contradicts the model.
+    Obeys,
+    /// The row is not of the model, or may not be.
+    Doubtful,
+    /// The axis stands for certain, or has just begun to move: the trends are to begin again at rest.
+    Stands,
+}
+
+/// What is remembered of the band that y is in.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Standstill {
+    /// y_0 and e_0.
+    entered: [f32; 2],
+    /// Contradictions in a row.
+    against: u32,
+    /// Samples since they were enough.
+    doubted: u32,
+    /// Samples until the trends are free of what contradicted.
+    pause: u32,
+}
+
+impl Standstill {
+    /// Nothing seen yet.
+    pub(crate) const fn new() -> Self {
+        Self {
+            entered: [0.0; 2],
+            against: 0,
+            doubted: 0,
+            pause: 0,
+        }
+    }
+
+    /// Judges a sample by y and its innovation; `least` is a noise that counts always, `certain` and `settling` in samples,
+    /// `expected` gives 1 + phi' P phi.
+    ///
+    /// Cost: 15 instructions in motion.
+    #[inline(always)]
+    pub(crate) fn judge(
+        &mut self,
+        y: f32,
+        innovation: f32,
+        noise: &NoiseLevel,
+        least: f32,
+        [certain, settling]: [u32; 2],
+        expected: impl FnOnce() -> f32,
+    ) -> Motion {
+        let below = |size: f32| size <= least * least || noise.exceeds(size);
+        let [y_0, e_0] = self.entered;
+        let far = (y - y_0) * (1.0 / BAND);
+        if below(far * far) {
+            let size = (innovation - e_0) * (1.0 / CONTRADICTS);
+            let size = size * size;
+            let contradicts = !below(size) && !below(size / expected());
+            self.against = match contradicts {
+                true => self.against.saturating_add(1),
+                false => 0,
+            };
+            if self.doubted > 0 || self.against >= LEAST {
+                self.doubted = self.doubted.saturating_add(1);
+                if !(contradicts && self.doubted >= certain) {
+                    return Motion::Doubtful;
+                }
+                self.entered = [y_0, 0.0];
+                return Motion::Stands;
+            }
+        } else {
+            self.entered = [y, innovation];
+            self.against = 0;
+            if self.doubted > 0 {
+                self.pause(self.doubted.saturating_mul(PAUSE).min(settling));
+                let stood = self.doubted >= certain;
+                self.doubted = 0;
+                if stood {
+                    self.entered = [y, 0.0];
+                    return Motion::Stands;
+                }
+            }
+        }
+        if self.pause > 0 {
+            self.pause -= 1;
+            return Motion::Doubtful;
+        }
+        Motion::Obeys
+    }
+
+    /// Holds the estimate for `samples` at least.
+    pub(crate) fn pause(&mut self, samples: u32) {
+        self.pause = self.pause.max(samples);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: [u32; 2] = [50, 600];
+
+    fn noise() -> NoiseLevel {
+        let mut level = NoiseLevel::new(1.0);
+        for k in 0..1000 {
+            // Third differences of +-0.8: a standard deviation of 0.18.
+            level.update(if k % 2 == 0 { 0.05 } else { -0.05 });
+        }
+        level
+    }
+
+    #[test]
+    fn motion_and_rest_as_the_model_says_obey() {
+        let (level, mut standstill) = (noise(), Standstill::new());
+        for k in 0..1000 {
+            let y = if k < 500 { 0.3 * k as f32 } else { 150.0 };
+            assert_eq!(
+                standstill.judge(y, 0.1, &level, 1e-3, LIMITS, || 1.0),
+                Motion::Obeys
+            );
+            // However wrong a model is: in motion nothing is held.
+            if k < 500 && k % 3 == 0 {
+                let mut other = standstill.clone();
+                let found = other.judge(y + 2.0, 100.0, &level, 1e-3, LIMITS, || 1.0);
+                assert_eq!(found, Motion::Obeys);
+            }
+        }
+    }
+
+    #[test]
+    fn a_blocked_axis_is_held_and_the_motion_after_it_too_for_a_while() {
+        let (level, mut standstill) = (noise(), Standstill::new());
+        let mut judge = |y: f32, e: f32| standstill.judge(y, e, &level, 1e-3, LIMITS, || 1.0);
+        for k in 1..200 {
+            let expected = match k {
+                ..5 => Motion::Obeys,
+                5..54 => Motion::Doubtful,
+                _ => Motion::Stands,
+            };
+            assert_eq!(judge(0.0, 30.0), expected, "{k}");
+        }
+        for k in 0..700 {
+            let expected = match k {
+                0 => Motion::Stands,
+                1..=600 => Motion::Doubtful,
+                _ => Motion::Obeys,
+            };
+            assert_eq!(judge(10.0 * (k + 1) as f32, 30.0), expected, "{k}");
+        }
+    }
+}
