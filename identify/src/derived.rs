@@ -79,6 +79,40 @@ impl Problem<'_> {
         found.map(time_constant).collect()
     }
 
+    /// Real and imaginary part of the poles behind the integrator \[rad/s\], slowest first; derivatives by differences.
+    pub fn poles(&self, estimate: &Estimate) -> Vec<(Quantity, Quantity)> {
+        let integrators = usize::from(self.structure.integrator);
+        let of = |theta: &[f64]| {
+            self.polynomials(theta)
+                .poles(integrators)
+                .unwrap_or_default()
+        };
+        let at = of(&estimate.theta);
+        let mut gradients = vec![
+            [
+                vec![0.0; estimate.theta.len()],
+                vec![0.0; estimate.theta.len()]
+            ];
+            at.len()
+        ];
+        for j in 0..self.structure.order - integrators {
+            let step = 1e-5 * estimate.theta[j].abs() + 1e-5 * estimate.sigma[j];
+            let mut moved = estimate.theta.clone();
+            moved[j] += step;
+            for ((gradient, at), (re, im)) in gradients.iter_mut().zip(&at).zip(of(&moved)) {
+                gradient[0][j] = (re - at.0) / step;
+                gradient[1][j] = (im - at.1) / step;
+            }
+        }
+        let quantity = |value: f64, gradient: &[f64]| Quantity {
+            value,
+            sigma: estimate.sigma_of(gradient),
+        };
+        let both = at.iter().zip(&gradients);
+        both.map(|((re, im), [by_re, by_im])| (quantity(*re, by_re), quantity(*im, by_im)))
+            .collect()
+    }
+
     /// What a force balance `u = J v' + F v + Fc sgn(v) + offset` calls the parameters of `1/(s (s + a_1))`, in
     /// units of the first input; empty for other structures.
     pub fn force_balance(&self, estimate: &Estimate) -> Vec<(&'static str, Quantity)> {

@@ -19,9 +19,11 @@
 //! | [`folds`] | a model judged by what it has not seen |
 //! | [`filter_choice`] | the filter by that judge |
 //! | [`polynomials`] | a model as its polynomials |
+//! | [`delay_choice`] | the delay by that judge |
 //! | [`search`] | what a search may choose |
 //! | [`identification`] | one structure: search, estimate, held-out fit |
 //! | [`structure_choice`] | many structures compared |
+//! | [`mod@standstill`] | where friction holds a drive |
 //! | [`coulomb_input`] | sgn(v) from a velocity or a position |
 //!
 //! ```
@@ -49,6 +51,7 @@
 //! ```
 
 pub mod coulomb_input;
+pub mod delay_choice;
 pub mod derived;
 pub mod dynamic;
 pub mod error;
@@ -64,13 +67,14 @@ pub mod run;
 mod sampled;
 pub mod search;
 pub mod signals;
+pub mod standstill;
 pub mod structure_choice;
 pub mod tuning;
 
 pub use error::{Error, Weakness};
 pub use estimate::{Estimate, Reading};
 pub use free_run::FreeRun;
-pub use identification::{Identification, identify};
+pub use identification::{Identification, Way, identify};
 pub use problem::{Options, Problem, Structure};
 pub use run::{PredictionErrors, Run, Trace};
 pub use search::{Choice, Freedom, Progress};

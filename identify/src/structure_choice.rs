@@ -7,10 +7,11 @@
 
 use rayon::prelude::*;
 
+use crate::delay_choice::{DELAYS, best_delay};
 use crate::error::Error;
-use crate::filter_choice::{self, Judged, judged};
+use crate::filter_choice::{self, Judged};
 use crate::folds::{Folds, Refitted};
-use crate::instruments::{Found, Method};
+use crate::instruments::Found;
 use crate::polynomials::Polynomials;
 use crate::problem::{Options, Problem, Structure};
 use crate::search::{Choice, Freedom, Progress};
@@ -30,12 +31,6 @@ const ALIKE_ERROR: f64 = 1.5;
 
 /// Error over that of the best that is alike in any case.
 const ALIKE_AT_ONCE: f64 = 1.03;
-
-/// Delays that are tried first, and as many more for as long as the longest wins.
-const DELAYS: usize = 7;
-
-/// Longest delay that is tried, in samples.
-pub const LONGEST_DELAY: usize = 200;
 
 /// Why a structure is not among the candidates.
 #[derive(Debug, Clone, PartialEq)]
@@ -279,29 +274,6 @@ fn best<'a>(problem: &'a Problem<'a>, freedom: Freedom) -> Result<(Judged<'a>, b
         .collect();
     let again = filter_choice::choose(problem, &near, delay as f64, &());
     Ok((again.unwrap_or(first), at_end))
-}
-
-/// The delay with the smallest error at a filter, and whether it is the longest that is offered.
-fn best_delay(problem: &Problem, start: &Judged) -> (usize, bool) {
-    let error = |delay: usize| {
-        let judged = judged(problem, start.pole, delay as f64, Method::Instruments);
-        judged.map_or(f64::INFINITY, |j| j.folds.total(Refitted::StateAndConstant))
-    };
-    let (mut best, mut smallest) = (start.fit.delay() as usize, f64::INFINITY);
-    let mut next = 0;
-    loop {
-        let end = (next + DELAYS).min(LONGEST_DELAY + 1);
-        for delay in next..end {
-            let error = error(delay);
-            if error < smallest {
-                (best, smallest) = (delay, error);
-            }
-        }
-        next = end;
-        if best + 2 < end || next > LONGEST_DELAY {
-            return (best, best == LONGEST_DELAY);
-        }
-    }
 }
 
 /// Whether the parameters that the structure rests on are told from zero: the highest b of every delayed input and,

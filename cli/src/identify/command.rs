@@ -16,8 +16,12 @@ Example (a drive with Coulomb friction, whose record has the columns t, u, y):
 
 The model is A(s) y = B(s) u(t - d dt) + c sgn(v) + constant. The fit is
 100 (1 - |y - y_sim| / |y - mean|) of a free simulation of the second half with the
-model of the first half: `x0` with the initial state refitted, `x0+c` with the
-constant refitted too, the fair figure behind an integrator.";
+model of the first half, its filter and delay chosen there too: `x0` with the initial
+state refitted, `x0+c` with the constant refitted too, the fair figure behind an
+integrator. Parameters are found by instruments, the inputs filtered twice, which no
+noise of the output biases; least squares stands beside them. Standard deviations come
+from sixteen blocks of the record and take no noise for white. With --memory,
+--scheme goodwin or --filter none the recursion of the core is used alone.";
 
 /// Rows of the picture of the parameters, about.
 const TRACE_POINTS: usize = 1000;
@@ -37,11 +41,11 @@ pub(crate) struct IdentifyArgs {
     /// Number of zeros: b0 .. bK of each input are estimated
     #[arg(long, value_name = "K", default_value_t = 0)]
     zeros: usize,
-    /// Delay of the inputs in samples, or the best of 0 to 10
+    /// Delay of the inputs in samples, or the best of 0 to 6 and of longer ones, up to 200, for as long as the longest wins
     #[arg(long, value_name = "D|auto", default_value = "0", value_parser = parse_delay)]
     delay: Choice<usize>,
-    /// Filter poles in rad/s (1 to 1.5 times the bandwidth of the plant), `auto` (those whose model simulates the record best,
-    /// or the poles of that model itself where they do better), or `none` for raw trends
+    /// Filter poles in rad/s, `auto` (those whose model is sharpest where it simulates eighths of the record that it has not seen
+    /// as well as the best, or the poles of that model itself where they do better), or `none` for raw trends
     #[arg(long, value_name = "POLE|auto|none", default_value = "auto", value_parser = parse_filter, allow_negative_numbers = true)]
     filter: Choice<Option<f64>>,
     /// Memory of the estimator; without it nothing is forgotten

@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use trendid_identify::derived::Quantity;
-use trendid_identify::search::LONGEST_DELAY;
-use trendid_identify::tuning::ModelFilter;
-use trendid_identify::{Choice, Freedom, Identification, Problem};
+use trendid_identify::{Choice, Freedom, Identification, Problem, Way};
 
-use crate::format::{counted, polynomial, significant, table, transfer_function, with_sigma};
+use crate::format::{polynomial, significant, table, transfer_function, with_sigma};
 
 /// Below this fit in percent a model says little about the drive.
 const POOR: f64 = 50.0;
+
+/// From this fit on it says most.
+const GOOD: f64 = 80.0;
 
 /// Everything that is printed.
 pub(super) struct Report<'a> {
@@ -26,7 +27,7 @@ pub(super) struct Report<'a> {
 
 impl Report<'_> {
     pub(super) fn delay_s(&self) -> f64 {
-        self.found.tuning.delay as f64 * self.problem.signals.dt
+        self.found.delay * self.problem.signals.dt
     }
 
     pub(super) fn fits(&self) -> [f64; 2] {
@@ -34,38 +35,45 @@ impl Report<'_> {
         free_run.map_or([f64::NAN; 2], |f| [f.fit_x0, f.fit_x0c])
     }
 
-    /// Whether the longest delay of a search was taken.
-    pub(super) fn delay_at_end(&self) -> bool {
-        self.freedom.delay == Choice::Auto && self.found.tuning.delay == LONGEST_DELAY
+    /// Seconds of standstill that were left out.
+    pub(super) fn standstill_s(&self) -> f64 {
+        let still = self.problem.signals.standstill.into_iter().flatten();
+        still.filter(|still| **still).count() as f64 * self.problem.signals.dt
     }
 
     /// The report for people.
     pub(super) fn text(&self) -> String {
         let mut text = self.head();
         text += &self.equations();
-        let mut rows = vec![vec![
-            "parameter".into(),
-            "value +- standard deviation".into(),
-        ]];
+        let way = match self.found.way {
+            Way::Instruments => "instruments",
+            Way::WeakInstruments => "least squares (instruments are weak)",
+            Way::Recursion => "value +- standard deviation",
+        };
         let e = &self.found.estimate;
-        let names = self.problem.parameter_names();
-        for ((name, value), sigma) in names.iter().zip(&e.theta).zip(&e.sigma) {
-            rows.push(vec![name.clone(), with_sigma(*value, *sigma)]);
+        let least_squares = self.found.least_squares.as_ref();
+        let least_squares = least_squares.filter(|_| self.found.way == Way::Instruments);
+        let mut rows = vec![vec!["parameter".to_owned(), way.to_owned()]];
+        rows[0].extend(least_squares.map(|_| "least squares".to_owned()));
+        for (j, name) in self.problem.parameter_names().into_iter().enumerate() {
+            let mut row = vec![name, with_sigma(e.theta[j], e.sigma[j])];
+            row.extend(least_squares.map(|e| with_sigma(e.theta[j], e.sigma[j])));
+            rows.push(row);
         }
         text += &format!("\n{}\n", table(&rows));
         text += &table(&self.physical_rows());
-        text + &self.verdict()
+        text + &self.conclusion()
     }
 
     /// The record, the filter, the delay, the memory.
     fn head(&self) -> String {
-        let (p, tuning) = (self.problem, &self.found.tuning);
+        let (p, found) = (self.problem, self.found);
         let end = self.start + (p.samples() - 1) as f64 * p.signals.dt;
-        let filter = match (tuning.pole, &tuning.model) {
+        let filter = match (found.pole, &found.own_filter) {
             (None, _) => "raw trends".into(),
-            (Some(_), Some(model)) => format!(
+            (Some(_), Some(filter)) => format!(
                 "filter 1/({}), the poles of the model itself (auto)",
-                denominator(model)
+                monic(filter)
             ),
             (Some(pole), None) => {
                 let auto = match self.freedom.pole {
@@ -79,19 +87,19 @@ impl Report<'_> {
             .options
             .memory
             .map_or("no forgetting".into(), |m| format!("memory {m} s"));
+        let at_end = match found.delay_at_end {
+            true => " (the longest that was tried: give a longer one by --delay)",
+            false => "",
+        };
+        let plural = if found.delay == 1.0 { "" } else { "s" };
         format!(
-            "{}: {} samples every {} s, t = {} .. {} s\n{filter}, delay {}{}, {memory}\n\n",
+            "{}: {} samples every {} s, t = {} .. {} s\n{filter}, delay {} sample{plural}{at_end}, {memory}\n\n",
             self.file.display(),
             p.samples(),
             significant(p.signals.dt, 5),
             significant(self.start, 6),
             significant(end, 6),
-            counted(tuning.delay, "sample"),
-            if self.delay_at_end() {
-                " (the longest that was tried: give a longer one by --delay)"
-            } else {
-                ""
-            }
+            found.delay,
         )
     }
 
@@ -123,7 +131,7 @@ impl Report<'_> {
     }
 
     /// The fits and what they say.
-    fn verdict(&self) -> String {
+    fn conclusion(&self) -> String {
         let [x0, x0c] = self.fits();
         let model = if self.found.held_out {
             "model of the first half"
@@ -135,17 +143,62 @@ impl Report<'_> {
             None => " it runs away".into(),
         };
         let mut text = format!("\n  free simulation of the second half ({model}):{fit}\n");
+        let errors = self.found.errors;
+        if errors.samples > 0 {
+            text += &format!(
+                "  one-step prediction of the recursion: ISE {}, IAE {} over {} samples\n",
+                significant(errors.ise, 4),
+                significant(errors.iae, 4),
+                errors.samples
+            );
+        }
+        if let Some(blocks) = self.found.effective_blocks {
+            text += &format!(
+                "  standard deviations from 16 blocks of the record, effectively {blocks:.0}\n"
+            );
+        }
         for remark in self.remarks() {
             text += &format!("  {remark}\n");
         }
-        let errors = self.found.errors;
-        text += &format!(
-            "  one-step prediction: ISE {}, IAE {} over {} samples\n",
-            significant(errors.ise, 4),
-            significant(errors.iae, 4),
-            errors.samples
-        );
-        text
+        text + &format!("  verdict: {}\n", self.verdict())
+    }
+
+    /// One line on what the model is worth, by both fits.
+    pub(super) fn verdict(&self) -> String {
+        let [x0, x0c] = self.fits();
+        let worth = if !self.found.estimate.reading.stable {
+            "unstable"
+        } else if !(x0c >= POOR) {
+            "poor"
+        } else if x0 >= GOOD && x0c >= GOOD {
+            "good"
+        } else if x0 < POOR {
+            "doubtful: it fits with the constant refitted only"
+        } else {
+            "fair"
+        };
+        let mut verdict = worth.to_owned();
+        let untold = self.untold();
+        if !untold.is_empty() {
+            verdict += &format!("; not told from zero: {}", untold.join(", "));
+        }
+        let still = self.standstill_s();
+        if still > 0.0 {
+            verdict += &format!("; standstill removed: {} s", significant(still, 3));
+        }
+        verdict
+    }
+
+    /// Parameters within two standard deviations of zero.
+    fn untold(&self) -> Vec<String> {
+        let e = &self.found.estimate;
+        let names = self.problem.parameter_names().into_iter();
+        let untold = |(j, _): &(usize, String)| e.theta[*j].abs() < 2.0 * e.sigma[*j];
+        names
+            .enumerate()
+            .filter(untold)
+            .map(|(_, name)| name)
+            .collect()
     }
 
     /// What speaks against the model.
@@ -163,6 +216,15 @@ impl Report<'_> {
             remarks.push(
                 "it fits only with the constant refitted: the record has an offset or a drift that the model does not hold",
             );
+        }
+        match self.found.way {
+            Way::WeakInstruments => remarks.push(
+                "instruments are weak on this record, least squares took their place: noise of the output biases it",
+            ),
+            Way::Recursion => remarks.push(
+                "by the recursion alone: noise of the output may bias it, and its standard deviations take the noise for white",
+            ),
+            Way::Instruments => {}
         }
         remarks
     }
@@ -202,6 +264,22 @@ impl Report<'_> {
         for (name, q) in self.problem.force_balance(e) {
             push(format!("{name} [{unit}]"), q);
         }
+        for (re, im) in self.problem.poles(e) {
+            let name = "pole [rad/s]".to_owned();
+            let text = match im.value {
+                0.0 => with_sigma(re.value, re.sigma),
+                // Of a pair the one above the axis.
+                im_value if im_value < 0.0 => continue,
+                im_value => {
+                    let (re, im) = (
+                        with_sigma(re.value, re.sigma),
+                        with_sigma(im_value, im.sigma),
+                    );
+                    format!("({re}) +-j ({im})")
+                }
+            };
+            rows.push(vec![name, text]);
+        }
         let stable = if r.stable { "yes" } else { "no" };
         rows.push(vec!["stable".into(), stable.into()]);
         rows
@@ -226,13 +304,9 @@ impl Report<'_> {
     }
 }
 
-fn denominator(model: &ModelFilter) -> String {
-    let mut f: Vec<f64> = model
-        .coefficients()
-        .iter()
-        .copied()
-        .map(f64::from)
-        .collect();
+/// A monic polynomial from its lower coefficients.
+fn monic(lower: &[f64]) -> String {
+    let mut f = lower.to_vec();
     f.push(1.0);
     polynomial(&f)
 }

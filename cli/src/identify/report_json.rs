@@ -1,6 +1,7 @@
 //! What `trendid identify --json` prints.
 
 use serde_json::{Value, json};
+use trendid_identify::Way;
 use trendid_identify::derived::Quantity;
 
 use crate::identify::report::Report;
@@ -19,16 +20,27 @@ impl Report<'_> {
             inputs.push(json!({"name": "1", "b": [number(e.constant)]}));
         }
         let [x0, x0c] = self.fits();
-        let (tuning, errors) = (&self.found.tuning, self.found.errors);
+        let (found, errors) = (self.found, self.found.errors);
+        let way = match found.way {
+            Way::Instruments => "instruments",
+            Way::WeakInstruments => "least squares",
+            Way::Recursion => "recursion",
+        };
+        let least_squares = found.least_squares.as_ref();
         json!({
             "a": list(&e.a),
             "inputs": inputs,
             "sigma": list(&e.sigma),
             "parameters": p.parameter_names(),
             "delay_s": number(self.delay_s()),
-            "delay_at_end": self.delay_at_end(),
-            "filter_pole": tuning.pole.map(number),
-            "filter": tuning.model.map(|model| model.coefficients().to_vec()),
+            "delay_at_end": found.delay_at_end,
+            "method": way,
+            "least_squares": least_squares.map(|e| json!({"theta": list(&e.theta), "sigma": list(&e.sigma)})),
+            "effective_blocks": found.effective_blocks.map(number),
+            "standstill_s": number(self.standstill_s()),
+            "verdict": self.verdict(),
+            "filter_pole": found.pole.map(number),
+            "filter": found.own_filter,
             "fit_pct": number(x0),
             "fit_x0c_pct": number(x0c),
             "fit_held_out": self.found.held_out,
@@ -67,6 +79,12 @@ impl Report<'_> {
         {
             sigma[name] = some(value.and_then(|_| self.reading_sigma(k)));
         }
+        let poles = p.poles(e);
+        let each = |of: fn(&Quantity) -> f64| -> Vec<Value> {
+            let pair = |(re, im): &(Quantity, Quantity)| json!([number(of(re)), number(of(im))]);
+            poles.iter().map(pair).collect()
+        };
+        sigma["poles"] = json!(each(|q| q.sigma));
         for (name, q) in p.force_balance(e) {
             physical[name] = number(q.value);
             sigma[name] = number(q.sigma);

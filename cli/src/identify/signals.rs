@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use trendid_identify::derived::COULOMB;
 use trendid_identify::dynamic::{DELAY, INPUTS};
-use trendid_identify::{Choice, Error, Hold, Input, Scheme, Signals, coulomb_input};
+use trendid_identify::{Choice, Error, Hold, Input, Scheme, Signals, coulomb_input, standstill};
 
 use crate::output::Refusal;
 use crate::record::{Clock, Record};
@@ -111,6 +111,8 @@ pub(crate) struct Loaded {
     y: Vec<f64>,
     /// Real inputs, then sgn(v) where wanted.
     inputs: Vec<LoadedInput>,
+    /// Where friction holds the drive, with sgn(v) as an input only.
+    standstill: Option<Vec<bool>>,
 }
 
 struct LoadedInput {
@@ -133,7 +135,7 @@ impl Loaded {
             dt: self.dt,
             output: &self.y,
             inputs: inputs.collect(),
-            standstill: None,
+            standstill: self.standstill.as_deref(),
         }
     }
 }
@@ -194,7 +196,20 @@ impl SignalArgs {
                 hold: Hold::Zero,
             });
         }
+        let still = self
+            .coulomb
+            .as_ref()
+            .and_then(|_| standstill::standstill(&y));
+        if let Some(still) = &still {
+            for input in &mut inputs {
+                let samples = input.samples.iter_mut().zip(still);
+                samples
+                    .filter(|(_, still)| **still)
+                    .for_each(|(u, _)| *u = 0.0);
+            }
+        }
         Ok(Loaded {
+            standstill: still,
             start: record.start,
             dt: record.dt,
             y,

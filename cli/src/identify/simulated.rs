@@ -86,42 +86,6 @@ fn trial(seed: u64) -> Trial {
         delay: Choice::Auto,
     };
     let selection = select(&signals, range, Options::default(), freedom, &());
-    if std::env::var_os("TRENDID_VERBOSE").is_some()
-        && selection.as_ref().ok().map(chosen).map(|c| c.0) != Some(truth)
-    {
-        println!(
-            "seed {seed}: {truth:?} delay {} drift {} {:?} {:?} dt {}",
-            drawn.delay, drawn.drift, drawn.a, drawn.b, drawn.dt
-        );
-        if let Ok(s) = &selection {
-            for (k, c) in s.candidates.iter().enumerate() {
-                println!(
-                    "   {}{} {} zeros d {} pole {:.2} fit {:.3} behind {:.2} {}{}",
-                    c.structure.order,
-                    if c.structure.integrator { "I" } else { " " },
-                    c.structure.zeros,
-                    c.delay,
-                    c.pole,
-                    c.fit_x0c,
-                    c.folds.behind(
-                        &s.candidates[s.smallest].folds,
-                        trendid_identify::folds::Refitted::StateAndConstant
-                    ),
-                    if s.alike.contains(&k) { "alike " } else { "" },
-                    if k == s.recommended { "<==" } else { "" }
-                );
-            }
-            for d in &s.dropped {
-                println!(
-                    "   {}{} {} zeros: {}",
-                    d.structure.order,
-                    if d.structure.integrator { "I" } else { " " },
-                    d.structure.zeros,
-                    d.reason
-                );
-            }
-        }
-    }
     Trial {
         truth: (truth, drawn.delay),
         drift: drawn.drift,

@@ -162,12 +162,12 @@ impl Sums {
     }
 }
 
-/// How many equal squares spread as these: (sum)^2 / sum of squares.
+/// How many normal scores spread their squares as these: 3 (sum)^2 / sum of squares.
 fn effective(squares: &[f64]) -> f64 {
     let sum: f64 = squares.iter().sum();
     let of_squares: f64 = squares.iter().map(|s| s * s).sum();
     if of_squares > 0.0 {
-        sum * sum / of_squares
+        3.0 * sum * sum / of_squares
     } else {
         0.0
     }
