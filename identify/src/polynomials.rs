@@ -24,7 +24,7 @@ pub(crate) fn roots(coefficients: &[f64]) -> Option<Vec<Pole>> {
     // In units of a rate, so that all coefficients are of one size.
     let of = |i: usize| coefficients[i].abs().powf(1.0 / (n - i) as f64);
     let rate = (0..n).map(of).fold(0.0, f64::max);
-    if !rate.is_finite() {
+    if !coefficients.iter().all(|c| c.is_finite()) || !rate.is_finite() {
         return None;
     }
     if rate == 0.0 {

@@ -41,7 +41,16 @@ pub fn standstill(y: &[f64]) -> Option<Vec<bool>> {
             last += 1;
         }
         if high - low <= limit && last > first {
-            still[first * half..((last + 1) * half).min(n)].fill(true);
+            let (mut from, mut to) = (first * half, ((last + 1) * half).min(n));
+            // To the sample at which it came to rest, and to the one at which it leaves.
+            let rests = |y: f64| high.max(y) - low.min(y) <= limit;
+            while from > 0 && rests(y[from - 1]) {
+                from -= 1;
+            }
+            while to < n && rests(y[to]) {
+                to += 1;
+            }
+            still[from..to].fill(true);
             any = true;
         }
         first = last + 1;
