@@ -163,6 +163,8 @@ pub(crate) struct MonitoringDesign {
     pub(crate) push_time: f32,
     /// Acceleration that the drive can give while there is no model.
     pub(crate) acceleration: f32,
+    /// Position over acceleration by which the motion from measured positions lags, in s^2.
+    pub(crate) tracking_lag: f32,
     /// Implausible readings in a row that are a jump.
     pub(crate) jump: u32,
     /// Shares of a new sample in the mean residual, and in the share of missing readings.

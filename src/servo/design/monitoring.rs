@@ -7,7 +7,7 @@ use crate::servo::design::constants as c;
 
 impl Config {
     /// The resolution is that of a sensor, see [`MonitoringDesign::with_resolution`].
-    pub(crate) fn monitoring(&self, clock: Clock) -> MonitoringDesign {
+    pub(crate) fn monitoring(&self, clock: Clock, tracking_rate: f32) -> MonitoringDesign {
         let length = self.travel.length();
         let noise = self.noise.unwrap_or(c::NOISE_RATIO * length);
         let window = c::REST_WINDOW_RATIO * length;
@@ -25,6 +25,7 @@ impl Config {
                 .unwrap_or(c::ERROR_DEADBAND_RATIO * length),
             push_time: c::PUSH_MAX / self.controller.breakaway_ramp,
             acceleration: c::FIRST_ACCELERATION_RATIO * length * self.bandwidth * self.bandwidth,
+            tracking_lag: 0.27 / (tracking_rate * tracking_rate),
             jump: clock.samples(c::JUMP_TIME),
             residual_share: clock.share(1.0 / c::RESIDUAL_TIME),
             gap_share: clock.share(1.0 / c::GAP_TIME),

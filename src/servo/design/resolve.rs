@@ -21,14 +21,15 @@ impl Config {
         };
         let length = self.travel.length();
         let excitation = self.excitation(clock)?;
+        let tracking_rate =
+            (c::TRACKING_RATIO * self.bandwidth).min(c::TRACKING_STEP_MAX / self.sample_time);
         Ok(Design {
             sample_time: self.sample_time,
             travel: self.travel,
             adaptive: self.adaptive,
             motion: self.motion_limits()?,
             run_out_rate: c::RUN_OUT_RATIO * self.bandwidth,
-            tracking_rate: (c::TRACKING_RATIO * self.bandwidth)
-                .min(c::TRACKING_STEP_MAX / self.sample_time),
+            tracking_rate,
             sensor_errors: clock.samples(c::SENSOR_ERROR_TIME),
             identification: IdentificationDesign {
                 bandwidth: self.bandwidth,
@@ -52,7 +53,7 @@ impl Config {
                 min_power: self.min_excitation * self.min_excitation,
             },
             supervision: self.supervision(clock)?,
-            monitoring: self.monitoring(clock),
+            monitoring: self.monitoring(clock, tracking_rate),
         })
     }
 

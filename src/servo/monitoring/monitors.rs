@@ -16,6 +16,9 @@ use crate::servo::monitoring::twin::Twin;
 use crate::servo::motion::{Motion, Setpoint};
 use crate::servo::supervision::state::Reason;
 
+/// Largest breakaway over Coulomb friction.
+const BREAKAWAY: f32 = 2.5;
+
 /// One sample in control, as the monitors see it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Seen<'a> {
@@ -95,7 +98,8 @@ impl Monitors {
     pub(crate) fn tune(&mut self, model: Model) {
         self.bounds = Bounds::new(&self.design, &model);
         self.twin.tune(model);
-        self.readings.tune(self.bounds.gain * self.bounds.frequency);
+        self.readings
+            .tune(self.bounds.gain * self.bounds.frequency + BREAKAWAY * model.friction);
     }
 
     /// Judges a reading; `missed`: samples in a row without one.

@@ -6,11 +6,12 @@ use crate::servo::motion::Motion;
 /// A gate on every reading: the distance that the axis can have moved since the last good one, and no more.
 ///
 /// ```text
-/// |y - x| <= 8 sigma + 3 resolutions + 2 |v| Delta + a (t + 2 Delta)^2 / 2
+/// |y - x| <= 8 sigma + 3 resolutions + 2 |v| Delta + a ((t + 2 Delta)^2 / 2 + 0.27 / rate^2)
 /// ```
 ///
 /// x, v: position and velocity expected from earlier readings alone; t: time since the last good reading. Two missed slots move
-/// the axis by 2 |v| Delta, an obstacle takes at most |v| Delta away; a = C w is what the full force can change. sigma is
+/// the axis by 2 |v| Delta, an obstacle takes at most |v| Delta away; a = C w is what the full force can change, 2.5 times the friction what a
+/// breakaway can; the filter with three poles at `-rate` that x comes from lags behind a step of the acceleration by 0.27 a / rate^2. sigma is
 /// the larger of the stated noise and the rms of the residual itself, each part of which enters with at most the gate, so
 /// that no outlier opens it.
 ///
@@ -21,6 +22,8 @@ pub(crate) struct Plausibility {
     noise: f32,
     resolution: f32,
     acceleration: f32,
+    /// Position over acceleration by which the expectation lags.
+    lag: f32,
     longest: u32,
     /// Mean of the absolute residual.
     residual: f32,
@@ -47,6 +50,7 @@ impl Plausibility {
             noise: design.noise,
             resolution: design.resolution,
             acceleration: design.acceleration,
+            lag: design.tracking_lag,
             longest: design.jump,
             residual: 0.0,
             residual_share: design.residual_share,
@@ -76,7 +80,7 @@ impl Plausibility {
         let gate = 8.0 * sigma
             + 3.0 * self.resolution
             + 2.0 * speed * self.sample_time
-            + 0.5 * self.acceleration * late * late;
+            + self.acceleration * (0.5 * late * late + self.lag);
         let next = earlier.position + self.sample_time * earlier.velocity;
         let residual = (y - next).abs();
         if residual <= gate {
