@@ -1,5 +1,7 @@
 //! One structure over one record: filter, delay, estimate and a fit on samples that nothing of it has seen.
 
+use std::ops::Range;
+
 use trendid::trends::Scheme;
 
 use crate::delay_choice::{best_delay, between_samples};
@@ -7,7 +9,7 @@ use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::filter_choice::{self, Judged, choose, guarded, with_own_filter};
 use crate::free_run::FreeRun;
-use crate::instruments::{Found, Method};
+use crate::instruments::{Fit, Found, Method};
 use crate::problem::{Options, Problem};
 use crate::run::{PredictionErrors, Trace};
 use crate::search::{Choice, Freedom, Progress};
@@ -16,6 +18,9 @@ use crate::tuning::{ModelFilter, Tuning};
 
 /// The recursion settles in 30 time constants of its filter over a record, at the slowest.
 const RECURSION: f64 = 30.0;
+
+/// Samples over which filter and delay are searched at most.
+const LONGEST_SEARCH: usize = 200_000;
 
 /// How the model was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -95,13 +100,13 @@ pub fn identify(
         Err(_) if matches!(freedom.pole, Choice::Given(_)) => {
             return recursion(problem, freedom, trace_points);
         }
-        Err(error) => return Err(error),
+        Err(error) => return Err(inseparable(problem, given(freedom.delay)).unwrap_or(error)),
     };
     problem.check(&sharp.found.estimate)?;
     let tuning = sharp.tuning(problem);
     let (errors, trace) = recursive_errors(problem, tuning, trace_points).unwrap_or_default();
     let n = problem.samples();
-    let half = first_half(problem.signals);
+    let half = part(problem.signals, 0..n / 2);
     let half = Problem::new(&half, problem.structure, problem.options)
         .and_then(|half| self::sharp(&half, freedom, &()).map(|s| (s.found.estimate, s.delay)));
     let held_out = half.is_ok();
@@ -122,32 +127,74 @@ pub fn identify(
     })
 }
 
-/// The first half of some signals.
-fn first_half<'a>(signals: &Signals<'a>) -> Signals<'a> {
-    let n = signals.output.len() / 2;
+/// The delay to begin with.
+fn given(delay: Choice<usize>) -> usize {
+    match delay {
+        Choice::Given(delay) => delay,
+        Choice::Auto => 0,
+    }
+}
+
+/// What the recursion cannot tell apart, behind the middle one of all filters.
+fn inseparable(problem: &Problem, delay: usize) -> Option<Error> {
+    let poles = filter_choice::poles(problem.samples(), problem.signals.dt);
+    let tuning = Tuning {
+        pole: poles.get(poles.len() / 2).copied(),
+        model: None,
+        delay,
+    };
+    let run = problem.run(tuning, None).ok()?;
+    problem.check(&run.end).err()
+}
+
+/// Some samples of all signals.
+fn part<'a>(signals: &Signals<'a>, range: Range<usize>) -> Signals<'a> {
     let inputs = signals.inputs.iter().map(|input| Input {
-        samples: &input.samples[..n],
+        samples: &input.samples[range.clone()],
         ..*input
     });
     Signals {
         dt: signals.dt,
-        output: &signals.output[..n],
+        output: &signals.output[range.clone()],
         inputs: inputs.collect(),
-        standstill: signals.standstill.map(|still| &still[..n]),
+        standstill: signals.standstill.map(|still| &still[range.clone()]),
     }
 }
 
-/// Filter and delay by folds, then the model of the whole record.
-fn sharp(problem: &Problem, freedom: Freedom, progress: &dyn Progress) -> Result<Sharp, Error> {
+/// Filter and delay, found or given.
+struct Chosen {
+    pole: f64,
+    own: bool,
+    filter: Vec<f64>,
+    delay: f64,
+    at_end: bool,
+    method: Method,
+}
+
+/// The window of [`LONGEST_SEARCH`] samples, of eight, in which the output moves most.
+fn window<'a>(signals: &Signals<'a>) -> Signals<'a> {
+    let n = signals.output.len();
+    let starts = (0..8).map(|i| i * (n - LONGEST_SEARCH) / 7);
+    let movement = |start: usize| {
+        let y = &signals.output[start..start + LONGEST_SEARCH];
+        let mean = y.iter().sum::<f64>() / y.len() as f64;
+        y.iter().map(|y| (y - mean).powi(2)).sum::<f64>()
+    };
+    let most = starts.map(|start| (movement(start), start));
+    let start = most
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or(0, |(_, start)| start);
+    part(signals, start..start + LONGEST_SEARCH)
+}
+
+/// Filter and delay by folds.
+fn chosen(problem: &Problem, freedom: Freedom, progress: &dyn Progress) -> Result<Chosen, Error> {
     let poles = match freedom.pole {
         Choice::Given(Some(pole)) => vec![pole],
         _ => filter_choice::poles(problem.samples(), problem.signals.dt),
     };
     progress.begin(poles.len());
-    let given = match freedom.delay {
-        Choice::Given(delay) => delay,
-        Choice::Auto => 0,
-    };
+    let given = given(freedom.delay);
     let mut judged = choose(problem, &poles, given as f64, progress)?;
     let mut at_end = false;
     if freedom.delay == Choice::Auto {
@@ -161,23 +208,49 @@ fn sharp(problem: &Problem, freedom: Freedom, progress: &dyn Progress) -> Result
     if freedom.pole == Choice::Auto {
         judged = with_own_filter(problem, judged);
     }
-    let (judged, weak) = guarded(problem, judged);
-    let Judged { pole, own, fit, .. } = judged;
-    let (filter, delay) = (fit.filter().to_vec(), fit.delay());
-    let fit = fit.refined()?;
-    let least_squares = crate::instruments::Fit::new(problem, &filter, delay, Method::LeastSquares)
-        .and_then(|fit| fit.refined()?.found());
-    Ok(Sharp {
-        way: match weak {
-            true => Way::WeakInstruments,
-            false => Way::Instruments,
-        },
+    let (Judged { pole, own, fit, .. }, _) = guarded(problem, judged);
+    Ok(Chosen {
         pole,
-        own_filter: own.then_some(filter),
-        delay,
+        own,
+        filter: fit.filter().to_vec(),
+        delay: fit.delay(),
         at_end,
-        found: fit.found()?,
-        least_squares: least_squares.ok().map(|found| found.estimate),
+        method: fit.method(),
+    })
+}
+
+/// Filter and delay by folds, in a long record over a part of it, then the model of the whole record.
+fn sharp(problem: &Problem, freedom: Freedom, progress: &dyn Progress) -> Result<Sharp, Error> {
+    let chosen = if problem.samples() > LONGEST_SEARCH {
+        let window = window(problem.signals);
+        let part = Problem::new(&window, problem.structure, problem.options)?;
+        self::chosen(&part, freedom, progress)?
+    } else {
+        self::chosen(problem, freedom, progress)?
+    };
+    let Chosen {
+        filter,
+        delay,
+        method,
+        ..
+    } = chosen;
+    let fitted = |method: Method| {
+        Fit::new(problem, &filter, delay, method)?
+            .refined()?
+            .found()
+    };
+    let least_squares = fitted(Method::LeastSquares).map(|found| found.estimate);
+    Ok(Sharp {
+        way: match method {
+            Method::LeastSquares => Way::WeakInstruments,
+            Method::Instruments => Way::Instruments,
+        },
+        found: fitted(method)?,
+        least_squares: least_squares.ok(),
+        pole: chosen.pole,
+        own_filter: chosen.own.then(|| filter.clone()),
+        delay,
+        at_end: chosen.at_end,
     })
 }
 
