@@ -136,6 +136,7 @@ fn dryer_has_its_static_gain_and_delay() {
 
 /// Reference: output error, asymmetric gains of extending and retracting; seven records of one rig.
 #[test]
+#[ignore = "needs the records: TRENDID_RECORDS=DIRECTORY"]
 fn cylinder_has_its_lag_and_its_two_gains() {
     let records = [
         ("1_1", 10.33, 10.46, 13.92),
@@ -147,9 +148,7 @@ fn cylinder_has_its_lag_and_its_two_gains() {
         ("4_4", 7.99, 10.45, 16.22),
     ];
     for (name, a, extending, retracting) in records {
-        let Some(file) = record(&format!("eha_{name}.csv")) else {
-            return;
-        };
+        let file = record(&format!("eha_{name}.csv"));
         let mut args = vec!["identify", &file, "--order", "2", "--integrator"];
         args.extend(["--constant", "--input", "u1", "--input", "u2"]);
         args.extend(["--hold", "foh", "--json"]);
