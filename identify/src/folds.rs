@@ -104,3 +104,31 @@ impl Folds {
             .sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folds(squares: [f64; FOLDS], sigma: &[f64]) -> Folds {
+        Folds {
+            squares: squares.map(|square| [square, 0.5 * square]),
+            sigma: sigma.to_vec(),
+            models: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_difference_counts_in_its_own_standard_errors() {
+        let one = folds([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0], &[0.1, 2.0]);
+        // Larger in every fold by about the same: surely worse, however uneven the folds are.
+        let worse = folds([1.1, 2.1, 3.1, 4.1, 5.1, 6.1, 7.1, 8.2], &[0.1, 1.0]);
+        assert!(worse.behind(&one, Refitted::State) > 8.0);
+        // Larger in one of them only: as well by chance.
+        let uneven = folds([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 9.0], &[0.1, 1.0]);
+        let behind = uneven.behind(&one, Refitted::State);
+        assert!((behind - 1.0).abs() < 1e-12, "{behind}");
+        assert_eq!(one.behind(&one, Refitted::State), 0.0);
+        assert_eq!(one.total(Refitted::StateAndConstant), 18.0);
+        assert!(worse.sharpness() < one.sharpness());
+    }
+}

@@ -304,18 +304,24 @@ fn rests_on(problem: &Problem, found: &Found, folds: &Folds) -> Result<(), Drop>
     Ok(())
 }
 
-/// Whether a zero is so near to a pole that both may go.
+/// Whether a zero is so near to a pole that both may go; one near an integrator, in units of the slowest other pole,
+/// takes out of the record what the integrator brings in.
 fn cancels(problem: &Problem, model: &Polynomials) -> Result<(), Drop> {
-    let Some(poles) = model.poles(0) else {
+    let integrators = usize::from(problem.structure.integrator);
+    let Some(poles) = model.poles(integrators) else {
         return Err(Drop::Unstable);
     };
-    for (input, _) in problem.signals.inputs.iter().enumerate() {
+    let size = |(re, im): (f64, f64)| re.hypot(im);
+    let slowest = poles.first().copied().map(size);
+    for input in 0..problem.signals.inputs.len() {
         for zero in model.zeros(input) {
-            let size = zero.0.hypot(zero.1);
             let near = |pole: &(f64, f64)| {
-                (zero.0 - pole.0).hypot(zero.1 - pole.1) < CANCELS * size.max(pole.0.hypot(pole.1))
+                let distance = (zero.0 - pole.0).hypot(zero.1 - pole.1);
+                distance < CANCELS * size(zero).max(size(*pole))
             };
-            if poles.iter().any(near) {
+            let differences =
+                integrators > 0 && slowest.is_some_and(|slowest| size(zero) < CANCELS * slowest);
+            if differences || poles.iter().any(near) {
                 return Err(Drop::Cancels { zero });
             }
         }

@@ -307,3 +307,20 @@ fn every_option_gains() {
     let text = stdout(&["options", "--seeds", "2"]);
     assert!(text.contains("| exact hold") && text.contains("seeds 500000 to 500001"));
 }
+
+/// Four drawn plants; more, and their confusion, by the command itself.
+#[test]
+fn structures_of_simulated_plants_are_found() {
+    let args = ["select", "--simulated", "4", "--first-seed", "1"];
+    let value = json(&[&args[..], &["--json"]].concat());
+    assert_eq!(
+        (&value["plants"], &value["first_seed"]),
+        (&4.into(), &1.into())
+    );
+    assert!(value["hit_pct"].as_f64().unwrap() >= 75.0, "{value}");
+    assert!(
+        value["confusion"]
+            .as_object()
+            .is_some_and(|rows| !rows.is_empty())
+    );
+}

@@ -157,8 +157,8 @@ fn numerator(rng: &mut ChaCha8Rng, zeros: usize, rates: &[f64], a: &[f64]) -> Ve
             if placed.iter().all(|r| ratio(*r, zero) > APART) {
                 break zero;
             }
-            // Always some room: the range is wider than what the poles take.
-            placed.truncate(rates.len().min(placed.len()).max(1));
+            // Below the slowest pole there is room, but perhaps not apart from an earlier zero too.
+            placed.truncate(rates.len());
         };
         placed.push(zero);
         let sign = if rng.random_bool(0.25) { -1.0 } else { 1.0 };
