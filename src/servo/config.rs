@@ -23,17 +23,23 @@ use crate::servo::motion::{MotionLimits, Travel};
 pub struct Config {
     /// Sample time in s.
     pub sample_time: f32,
-    /// Rough bandwidth of the plant in rad/s; 0.8 to 1.4 times its natural frequency.
-    pub bandwidth: f32,
+    /// Rough bandwidth of the plant in rad/s, if it is known: the commissioning then looks there first. What it finds
+    /// replaces it.
+    pub bandwidth: Option<f32>,
     /// Travel of the axis.
     pub travel: Travel,
-    /// Standard deviation of the position noise, in units of y; default 2.5e-5 of the travel.
+    /// Whether a positive command moves the axis towards smaller positions, if it is known. What was stated or found before
+    /// must be found again: otherwise the commissioning ends with [`Reason::WrongSign`](crate::servo::Reason::WrongSign).
+    pub reversed: Option<bool>,
+    /// Standard deviation of the position noise, in units of y; default what the commissioning finds, before it 2.5e-5 of the
+    /// travel.
     pub noise: Option<f32>,
     /// Largest command, within 0..=1; default 1.
     pub range: f32,
     /// Largest rate of the command per s; default 400.
     pub rate: f32,
-    /// Delay of the valve in s, at most 8 samples; default 2 ms. It is rounded to samples.
+    /// Delay of the valve in s, at most 8 samples; default 2 ms. It is rounded to samples. What the commissioning finds
+    /// replaces it.
     pub delay: f32,
     /// Memory of the identifier in s; default 1.5.
     pub memory: f32,
@@ -102,12 +108,6 @@ pub struct ControllerSettings {
 pub struct ExcitationSettings {
     /// Largest command, within 0..=1; default 0.5.
     pub amplitude: f32,
-    /// Time for which a level is held, in s; default 1.4 over the bandwidth of the plant.
-    pub hold: Option<f32>,
-    /// How far the axis may go from where it was, in units of y; default a fifth of the travel.
-    pub stroke: Option<f32>,
-    /// Time in which the axis stops when the command reverses, in s; default 2 over the bandwidth of the plant.
-    pub stopping_time: Option<f32>,
 }
 
 /// Bounds that a model must keep.
@@ -121,15 +121,10 @@ pub struct SupervisionSettings {
     pub frequency_factor: f32,
     /// Largest velocity gain, units of y per s and unit of u; default 50 travels.
     pub max_gain: Option<f32>,
-    /// Largest relative standard deviation of gain and natural frequency; damping may have four times as much; default 0.1.
-    #[doc(alias = "certainty")]
-    pub max_relative_std: f32,
-    /// The same while the model follows the drive; there the comparison with the model in use decides; default 0.2.
+    /// Largest relative standard deviation of gain and natural frequency while the model follows the drive; damping may have
+    /// four times as much. The comparison with the model in use decides; default 0.2.
     pub max_relative_std_adapting: f32,
-    /// Least R^2 of a free simulation, `1 - SSE/SST`; default 0.975.
-    #[doc(alias = "explained")]
-    pub min_r_squared: f32,
-    /// The same while the model follows the drive, in shorter movements; default 0.9.
+    /// Least R^2 of a free simulation, `1 - SSE/SST`, while the model follows the drive; default 0.9.
     pub min_r_squared_adapting: f32,
     /// A model replaces another when its squared error is below this share of the other's; default 0.7 ..
     #[doc(alias = "better")]
@@ -143,7 +138,7 @@ pub struct SupervisionSettings {
     /// Time of free simulation in a validation, in s; default 0.12.
     #[doc(alias = "window")]
     pub validation_time: f32,
-    /// Longest commissioning, in s; default 3.
+    /// Longest commissioning, in s; default 6.
     pub time_limit: f32,
     /// Velocity below which the axis does not count as moving, units of y per s; default 0.05 travels per s.
     pub min_speed: Option<f32>,
@@ -158,13 +153,31 @@ pub struct SupervisionSettings {
     pub error_deadband: Option<f32>,
 }
 
+/// Bandwidth per sample before it is known.
+const PROVISIONAL_STEP: f32 = 0.02;
+
 impl Config {
     /// The defaults for a `sample_time` (s) and a plant of a rough `bandwidth` (rad/s) on a `travel`.
     pub const fn new(sample_time: f32, bandwidth: f32, travel: Travel) -> Self {
         Self {
+            bandwidth: Some(bandwidth),
+            ..Self::minimal(sample_time, travel)
+        }
+    }
+
+    /// The bandwidth that was stated, or one that serves until the commissioning has found it.
+    pub(crate) fn rough_bandwidth(&self) -> f32 {
+        self.bandwidth
+            .unwrap_or(PROVISIONAL_STEP / self.sample_time)
+    }
+
+    /// The defaults for a plant of which nothing is known but `sample_time` (s) and `travel`.
+    pub const fn minimal(sample_time: f32, travel: Travel) -> Self {
+        Self {
             sample_time,
-            bandwidth,
+            bandwidth: None,
             travel,
+            reversed: None,
             noise: None,
             range: 1.0,
             rate: 400.0,
@@ -189,24 +202,17 @@ impl Config {
                 stiction_velocity: None,
                 transition: 0.05,
             },
-            excitation: ExcitationSettings {
-                amplitude: 0.5,
-                hold: None,
-                stroke: None,
-                stopping_time: None,
-            },
+            excitation: ExcitationSettings { amplitude: 0.5 },
             supervision: SupervisionSettings {
                 frequency_factor: 4.0,
                 max_gain: None,
-                max_relative_std: 0.1,
                 max_relative_std_adapting: 0.2,
-                min_r_squared: 0.975,
                 min_r_squared_adapting: 0.9,
                 replace_ratio: 0.7,
                 min_improvement: 0.3,
                 excite_time: 0.26,
                 validation_time: 0.12,
-                time_limit: 3.0,
+                time_limit: 6.0,
                 min_speed: None,
                 min_travel: None,
                 alarm_ratio: 5.0,

@@ -2,7 +2,6 @@
 
 use crate::estimation::structure::Structure;
 use crate::estimation::terms::Terms;
-use crate::identifier::inputs::{coulomb, dead_zone};
 use crate::identifier::{Config, Identifier};
 use crate::servo::control::controller::Controller;
 use crate::servo::design::IdentificationDesign;
@@ -40,12 +39,6 @@ pub(crate) fn identifier(
     config.memory = Some(design.memory);
     config.delays = [design.delay, design.delay, 0];
     Ok(Identifier::try_new(&config, trends)?)
-}
-
-/// The inputs while commissioning: dead zone and friction are unknown.
-pub(crate) fn inputs_of_unknown(command: f32, velocity: f32, friction_velocity: f32) -> [f32; 3] {
-    let [active, sign] = dead_zone(command, 0.0);
-    [active, sign, coulomb(velocity, friction_velocity)]
 }
 
 /// The inputs in control: valve and friction are those of the controller.

@@ -17,6 +17,7 @@
 //! | servo_loop, supervise, protect | all of it behind one call per sample |
 //! | store | a verified model in flash |
 
+pub(crate) mod commissioning;
 pub(crate) mod config;
 pub(crate) mod control;
 pub(crate) mod design;
@@ -31,6 +32,7 @@ pub(crate) mod servo_loop;
 pub mod store;
 mod supervise;
 pub(crate) mod supervision;
+mod tune;
 
 pub use config::{Config, ControllerSettings, ExcitationSettings, SupervisionSettings};
 pub use control::controller::Controller;

@@ -85,7 +85,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// The command outside of commissioning and control: a brake for a while after a fault, then the middle of the valve.
     pub(crate) fn stopping(&mut self, y: f32) -> f32 {
         if self.stop.brakes() {
-            self.controller.brake(y)
+            self.sign * self.controller.brake(y)
         } else {
             self.centre()
         }
@@ -95,7 +95,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     pub(crate) fn centre(&self) -> f32 {
         match (self.supervisor.state(), self.supervisor.verified_model()) {
             (State::Failed(Reason::WrongSign | Reason::ValveStuck), _) => 0.0,
-            (State::Failed(_), Some(model)) => -model.offset,
+            (State::Failed(_), Some(model)) => -self.sign * model.offset,
             _ => 0.0,
         }
     }

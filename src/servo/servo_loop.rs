@@ -1,15 +1,14 @@
 //! Sensor, identifier, supervisor, controller and valve in one call per sample.
 
 use crate::hardware::{Axis, PositionSensor, Valve};
+use crate::servo::commissioning::{Commissioning, CommissioningDesign, Progress};
 use crate::servo::config::Config;
 use crate::servo::control::controller::Controller;
 use crate::servo::control::limiter::CommandLimiter;
 use crate::servo::design::Design;
 use crate::servo::design::constants::REOPENED_STD;
 use crate::servo::error::Error;
-use crate::servo::identification::{
-    LoopIdentifier, identifier, inputs_of_known, inputs_of_unknown, reopen,
-};
+use crate::servo::identification::{LoopIdentifier, identifier, inputs_of_known, reopen};
 use crate::servo::model::Model;
 use crate::servo::monitoring::reading::Verdict;
 use crate::servo::monitoring::{Monitors, stop::Stop};
@@ -17,7 +16,6 @@ use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
 use crate::servo::motion::trajectory::Trajectory;
 use crate::servo::motion::{Motion, Setpoint};
 use crate::servo::report::Report;
-use crate::servo::supervision::excitation::Excitation;
 use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
 use crate::servo::supervision::state::Reason;
 use crate::servo::supervision::supervisor::Supervisor;
@@ -54,19 +52,24 @@ use crate::servo::supervision::supervisor::Supervisor;
 pub struct ServoLoop<S, V> {
     pub(crate) sensor: S,
     pub(crate) valve: V,
-    axis: Axis,
+    pub(crate) axis: Axis,
     pub(crate) adaptive: bool,
     sample_time: f32,
     pub(crate) run_out_rate: f32,
     sensor_errors: u32,
-    /// Velocity below which the direction of friction is open.
-    friction_velocity: f32,
     /// Samples after a breakaway in which the filtered signals still contain friction.
     pub(crate) settled: u32,
     pub(crate) identifier: LoopIdentifier,
     pub(crate) supervisor: Supervisor,
     pub(crate) controller: Controller,
-    pub(crate) excitation: Excitation,
+    pub(crate) config: Config,
+    pub(crate) commissioning: Commissioning,
+    /// Sign of the valve.
+    pub(crate) sign: f32,
+    /// Delay of the valve in s.
+    pub(crate) delay: f32,
+    /// What the commissioning made of the newest sample.
+    pub(crate) progress: Progress,
     pub(crate) trajectory: Trajectory,
     pub(crate) limiter: CommandLimiter,
     pub(crate) tracking: AlphaBetaGamma,
@@ -105,12 +108,19 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             sample_time: *sample_time,
             run_out_rate: design.run_out_rate,
             sensor_errors: design.sensor_errors,
-            friction_velocity: identification.friction_velocity,
             settled: identification.settled,
             identifier: identifier(identification, *sample_time)?,
             supervisor: Supervisor::new(&design.supervision),
             controller: Controller::new(&design, placeholder(config)),
-            excitation: Excitation::new(&design.excitation),
+            commissioning: Commissioning::new(commissioning(config, &axis)),
+            config: config.clone(),
+            sign: if config.reversed == Some(true) {
+                -1.0
+            } else {
+                1.0
+            },
+            delay: config.delay,
+            progress: Progress::Command(0.0),
             trajectory: Trajectory::new(design.motion, design.travel, *sample_time),
             limiter: CommandLimiter::new(&design.limiter),
             tracking: AlphaBetaGamma::new(design.tracking_rate, *sample_time),
@@ -192,19 +202,25 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.position = y;
         self.begin(y);
         self.tracking.update(y);
-        let (setpoint, requested) = self.requested(y);
+        let (setpoint, requested) = self.requested(y, same_code);
         let Ok(command) = self.valve.drive(self.limiter.update(requested)) else {
             self.fail(Reason::ValveFault);
             return self.report(setpoint, 0.0, None, false);
         };
-        self.controller.applied(command);
-        let inputs = self.inputs(command);
-        self.monitor.update(command);
+        if self.supervisor.state().is_commissioning() {
+            self.commissioning.applied(y, command);
+            let retuned = self.commission_on();
+            return self.report(setpoint, command, None, retuned);
+        }
+        let along = self.sign * command;
+        self.controller.applied(along);
+        let inputs = inputs_of_known(along, &self.controller);
+        self.monitor.update(along);
         let outcome = self.identifier.update_inputs(inputs, y);
-        let retuned = if self.is_stopped(&setpoint, y, command, same_code) {
+        let retuned = if self.is_stopped(&setpoint, y, along, same_code) {
             false
         } else {
-            self.supervise(&setpoint, y, command, same_code, outcome)
+            self.supervise(&setpoint, y, along, same_code, outcome)
         };
         self.report(setpoint, command, outcome.innovation(), retuned)
     }
@@ -256,33 +272,30 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
         if self.start_requested {
             self.start_requested = false;
-            self.supervisor.begin(y);
-            self.excitation.begin(y);
-            self.identifier.reset();
+            self.supervisor.begin();
+            let known =
+                self.config.reversed.is_some() || self.supervisor.verified_model().is_some();
+            self.commissioning.begin(y, known.then_some(self.sign));
         }
     }
 
     /// The setpoint, and the command before its limits.
-    fn requested(&mut self, y: f32) -> (Setpoint, f32) {
+    fn requested(&mut self, y: f32, same_code: bool) -> (Setpoint, f32) {
         let state = self.supervisor.state();
         if state.is_commissioning() {
-            let velocity = self.tracking.motion().velocity;
-            (Setpoint::at(y), self.excitation.update(y, velocity))
+            self.progress = self.commissioning.update(y, same_code);
+            let command = match self.progress {
+                Progress::Command(command) => command,
+                Progress::Found(_) => self.limiter.last(),
+                Progress::Failed(_) => 0.0,
+            };
+            (Setpoint::at(y), command)
         } else if state.is_controlling() {
             let setpoint = self.trajectory.update();
-            (setpoint, self.controller.update(&setpoint, y))
+            (setpoint, self.sign * self.controller.update(&setpoint, y))
         } else {
             (Setpoint::at(y), self.stopping(y))
         }
-    }
-
-    /// The inputs of the identifier: everything is unknown while commissioning, valve and friction are known in control.
-    fn inputs(&self, command: f32) -> [f32; 3] {
-        if self.supervisor.state().is_controlling() {
-            return inputs_of_known(command, &self.controller);
-        }
-        let velocity = self.tracking.motion().velocity;
-        inputs_of_unknown(command, velocity, self.friction_velocity)
     }
 
     fn report(
@@ -337,8 +350,26 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     }
 }
 
+/// What the commissioning needs to know of the settings.
+fn commissioning(config: &Config, axis: &Axis) -> CommissioningDesign {
+    CommissioningDesign {
+        sample_time: config.sample_time,
+        travel: config.travel,
+        resolution: axis.scale.units(1).abs() / config.travel.length(),
+        amplitude: config.excitation.amplitude,
+        frequency: config.bandwidth,
+        delay: config.delay,
+        excite_time: config.supervision.excite_time,
+        time_limit: config.supervision.time_limit,
+    }
+}
+
 /// A stable model for the controller until one is verified.
 fn placeholder(config: &Config) -> Model {
-    let square = config.bandwidth * config.bandwidth;
-    Model::linear(square, config.bandwidth, square * config.travel.length())
+    let square = config.rough_bandwidth() * config.rough_bandwidth();
+    Model::linear(
+        square,
+        config.rough_bandwidth(),
+        square * config.travel.length(),
+    )
 }

@@ -2,6 +2,7 @@
 
 use crate::Outcome;
 use crate::hardware::{PositionSensor, Valve};
+use crate::servo::commissioning::Progress;
 use crate::servo::control::controller::Controller;
 use crate::servo::design::constants::{CHANGED_STD, REOPENED_STD};
 use crate::servo::identification::{LoopIdentifier, candidate, reopen};
@@ -10,7 +11,7 @@ use crate::servo::motion::{Motion, Setpoint};
 use crate::servo::servo_loop::ServoLoop;
 use crate::servo::supervision::event::{Event, Observation};
 use crate::servo::supervision::screening::Candidate;
-use crate::servo::supervision::state::{Reason, State};
+use crate::servo::supervision::state::State;
 use crate::servo::supervision::supervisor::Supervisor;
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
@@ -34,14 +35,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             error: setpoint.position - motion.position,
             innovation: outcome.innovation(),
         };
-        let mut event = if state.is_commissioning() && self.excitation.runs_away(y) {
-            let reason = self.runaway_reason();
-            self.supervisor.give_up(reason)
-        } else {
-            self.supervisor.update(&seen)
-        };
-        let learns = self.adaptive || self.supervisor.state().is_commissioning();
-        if learns && event == Event::None && self.supervisor.wants_candidate() {
+        let mut event = self.supervisor.update(&seen);
+        if self.adaptive && event == Event::None && self.supervisor.wants_candidate() {
             let candidate = self.candidate();
             event = self.supervisor.submit(&candidate, &seen);
         }
@@ -52,11 +47,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// Whether the identifier learns from this sample.
     fn learns(&self) -> bool {
         let state = self.supervisor.state();
-        state.is_commissioning()
-            || (self.adaptive
-                && state == State::Adapting
-                && self.monitor.is_exciting()
-                && self.slides())
+        self.adaptive && state == State::Adapting && self.monitor.is_exciting() && self.slides()
     }
 
     /// Whether the axis has slid for a while: a start shows more of friction than of the model.
@@ -72,7 +63,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             Event::Accepted(model) => {
                 if before.is_commissioning() {
                     reopen(&mut self.identifier, &model, REOPENED_STD);
-                    self.take_over(model, self.tracking.motion());
+                    self.take_over(model, self.commissioning.motion());
                 } else {
                     self.retune(model);
                     self.identifier.set_nominal();
@@ -82,7 +73,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             Event::Restored(model) => {
                 reopen(&mut self.identifier, &model, REOPENED_STD);
                 if before.is_commissioning() {
-                    self.take_over(model, self.tracking.motion());
+                    self.take_over(model, self.commissioning.motion());
                 } else {
                     self.retune(model);
                 }
@@ -101,23 +92,29 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
 
     /// The controller takes over the moving axis on a verified model, and lets it run out.
     pub(crate) fn take_over(&mut self, model: Model, motion: Motion) {
-        self.controller.begin(model, motion, self.limiter.last());
-        self.monitors.begin(model, motion, self.limiter.last());
+        let along = self.sign * self.limiter.last();
+        self.controller.begin(model, motion, along);
+        self.monitors.begin(model, motion, along);
         self.known_good = Some(model);
         self.derate(1.0);
         self.trajectory.run_out(motion, self.run_out_rate);
     }
 
-    /// Why the axis left its band.
-    fn runaway_reason(&self) -> Reason {
-        let candidate = self.candidate();
-        if self.supervisor.commissioning().is_one_way() || !candidate.has_certain_sign() {
-            Reason::ValveStuck
-        } else if candidate.model.b0 < 0.0 {
-            Reason::WrongSign
-        } else {
-            Reason::TravelEnd
-        }
+    /// What the newest sample of the commissioning leads to; whether a model reached the controller.
+    pub(crate) fn commission_on(&mut self) -> bool {
+        let before = self.supervisor.state();
+        let event = match self.progress {
+            Progress::Command(_) => {
+                self.supervisor.commission(self.commissioning.is_sweeping());
+                Event::None
+            }
+            Progress::Found(found) => match self.tune(&found) {
+                Ok(()) => self.supervisor.commissioned(found.model),
+                Err(reason) => self.supervisor.give_up(reason),
+            },
+            Progress::Failed(reason) => self.supervisor.give_up(reason),
+        };
+        self.follow(event, before)
     }
 
     /// The present estimate; in control with the valve and the friction of the controller.
@@ -129,6 +126,16 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// The supervisor, for its state, its reasons and the fit of models.
     pub const fn supervisor(&self) -> &Supervisor {
         &self.supervisor
+    }
+
+    /// Sign of the valve as the commissioning found it: -1 when the axis moves against a positive command.
+    pub const fn sign(&self) -> f32 {
+        self.sign
+    }
+
+    /// Delay of the valve in s, as the commissioning found it.
+    pub const fn delay(&self) -> f32 {
+        self.delay
     }
 
     /// The identifier, for its estimate.

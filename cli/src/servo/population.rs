@@ -1,12 +1,14 @@
 //! `trendid loop --population`: the position loop on axes drawn at random.
 
+use std::ops::Range;
+
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use trendid_host_tests::servo::population::family::Family;
-use trendid_host_tests::servo::population::summary::{Summary, refusal};
-use trendid_host_tests::servo::population::trial::Trial;
+use trendid_host_tests::servo::population::summary::{CommissioningFigures, Summary, refusal};
+use trendid_host_tests::servo::population::trial::{LoopRun, Trial, commissioned};
 
 use crate::format::significant;
 use crate::output::{Refusal, emit, emit_json, number, progress};
@@ -33,6 +35,9 @@ pub(super) struct PopulationArgs {
     /// Draw from the half of each range about an ordinary machine
     #[arg(long, requires = "population")]
     usual: bool,
+    /// Commission only
+    #[arg(long, requires = "population", conflicts_with = "worst")]
+    commission: bool,
     /// Name the seeds of the worst axes
     #[arg(long, requires = "population")]
     worst: bool,
@@ -56,6 +61,10 @@ pub(super) fn run(args: &PopulationArgs, axes: u64, first: u64, json: bool) -> R
         return Err(Refusal::new("--first-seed is too large for so many axes"));
     };
     let family = Family::from_name(&args.family).unwrap_or(Family::Pneumatic);
+    if args.commission {
+        commission(family, args.usual, first..end, json);
+        return Ok(());
+    }
     let bar = progress(axes, "axes");
     let trials: Vec<Trial> = (first..end)
         .into_par_iter()
@@ -76,9 +85,7 @@ pub(super) fn run(args: &PopulationArgs, axes: u64, first: u64, json: bool) -> R
         }
         emit_json(&value);
     } else {
-        let kind = if args.usual { "usual " } else { "" };
-        let name = family.name();
-        let head = format!("{axes} {kind}{name} axes, seeds {first} to {}.\n", end - 1);
+        let head = head(family, args.usual, &(first..end));
         let faults = faults.as_ref().map(FaultTables::markdown);
         let faults = faults.unwrap_or_default();
         emit(&(head + &markdown(&summary) + &faults + &sentences(&worst)));
@@ -86,13 +93,64 @@ pub(super) fn run(args: &PopulationArgs, axes: u64, first: u64, json: bool) -> R
     Ok(())
 }
 
+fn head(family: Family, usual: bool, seeds: &Range<u64>) -> String {
+    let kind = if usual { "usual " } else { "" };
+    format!(
+        "{} {kind}{} axes, seeds {} to {}.\n",
+        seeds.end - seeds.start,
+        family.name(),
+        seeds.start,
+        seeds.end - 1
+    )
+}
+
+/// Commissions the axes and prints what came of it.
+fn commission(family: Family, usual: bool, seeds: Range<u64>, json: bool) {
+    let bar = progress(seeds.end - seeds.start, "axes");
+    let runs: Vec<LoopRun> = seeds
+        .clone()
+        .into_par_iter()
+        .map(|seed| {
+            let run = commissioned(family, usual, seed);
+            bar.inc(1);
+            run
+        })
+        .collect();
+    bar.finish_and_clear();
+    let runs: Vec<&LoopRun> = runs.iter().collect();
+    let figures = CommissioningFigures::new(&runs);
+    if json {
+        let mut top = Map::new();
+        top.insert("axes".into(), json!(runs.len()));
+        insert(&figures, &mut top);
+        emit_json(&Value::Object(top));
+    } else {
+        emit(&(head(family, usual, &seeds) + &commissioning_table(&figures)));
+    }
+}
+
+fn insert(figures: &CommissioningFigures, top: &mut Map<String, Value>) {
+    for (key, _, _, value) in COMMISSIONING {
+        top.insert(key.into(), number(value(figures)));
+    }
+    top.insert("refused".into(), json!(figures.refused));
+}
+
+fn commissioning_table(figures: &CommissioningFigures) -> String {
+    let mut table = String::from("\n| commissioning | |\n|---|---|\n");
+    for (_, unit, title, value) in COMMISSIONING {
+        table += &format!("| {title} [{unit}] | {} |\n", text(value(figures)));
+    }
+    for (reason, axes) in &figures.refused {
+        table += &format!("| not accepted: {reason} [axes] | {axes} |\n");
+    }
+    table
+}
+
 fn object(summary: &Summary, worst: &[(&'static str, Vec<(u64, f64)>)]) -> Value {
     let mut top = Map::new();
     top.insert("axes".into(), json!(summary.axes));
-    for (key, _, _, value) in COMMISSIONING {
-        top.insert(key.into(), number(value(&summary.commissioning)));
-    }
-    top.insert("refused".into(), json!(summary.commissioning.refused));
+    insert(&summary.commissioning, &mut top);
     for (name, _, figures) in columns(summary) {
         let mut own = Map::new();
         own.insert("controlled".into(), json!(figures.motion.controlled));
@@ -128,14 +186,7 @@ fn text(value: f64) -> String {
 }
 
 fn markdown(summary: &Summary) -> String {
-    let mut text_of = String::from("\n| commissioning | |\n|---|---|\n");
-    for (_, unit, title, value) in COMMISSIONING {
-        let value = value(&summary.commissioning);
-        text_of += &format!("| {title} [{unit}] | {} |\n", text(value));
-    }
-    for (reason, axes) in &summary.commissioning.refused {
-        text_of += &format!("| not accepted: {reason} [axes] | {axes} |\n");
-    }
+    let mut text_of = commissioning_table(&summary.commissioning);
     text_of += "\n| motion |";
     for (_, title, _) in columns(summary) {
         text_of += &format!(" {title} |");

@@ -76,19 +76,13 @@ pub(super) const ROWS: [Row<ControllerFigures>; 11] = [
 ];
 
 /// Figures of the commissioning.
-pub(super) const COMMISSIONING: [Row<CommissioningFigures>; 9] = [
+pub(super) const COMMISSIONING: [Row<CommissioningFigures>; 13] = [
     ("accepted_pct", "%", "accepted within 3 s", |c| {
         c.accepted_pct
     }),
     ("accepted_6s_pct", "%", "accepted within 6 s", |c| {
         c.accepted_6s_pct
     }),
-    (
-        "slowed_pct",
-        "%",
-        "taken with a slower controller only",
-        |c| c.slowed_pct,
-    ),
     (
         "verified_median_s",
         "s",
@@ -118,5 +112,26 @@ pub(super) const COMMISSIONING: [Row<CommissioningFigures>; 9] = [
         "% of accepted",
         "velocity gain within 20 %",
         |c| c.c_within_20pct,
+    ),
+    (
+        "grossly_wrong_pct",
+        "% of accepted",
+        "one of both wrong by more than 50 %",
+        |c| c.grossly_wrong_pct,
+    ),
+    ("dead_zone_p90", "u", "error of the dead zone, 90 %", |c| {
+        c.dead_zone_p90
+    }),
+    ("offset_p90", "u", "error of the offset, 90 %", |c| {
+        c.offset_p90
+    }),
+    ("delay_p90_ms", "ms", "error of the delay, 90 %", |c| {
+        c.delay_p90_ms
+    }),
+    (
+        "commissioning_struck_pct",
+        "%",
+        "strikes an end stop",
+        |c| c.struck_pct,
     ),
 ];

@@ -81,7 +81,7 @@ impl Run<'_> {
     /// Commissions; whether there is a model.
     fn commission(&mut self) -> Option<bool> {
         self.request(Request::Commission);
-        for k in 1..=4000 {
+        for k in 1..=7000 {
             let state = self.step()?.report.state;
             if state == State::Verified {
                 self.figures.verified_at_s = Some(1e-3 * f64::from(k));
@@ -169,7 +169,7 @@ impl Run<'_> {
             .plant
             .change(self.figures.scenario, self.figures.seed);
         let mut last_bad = 0;
-        for k in 1..=4000 {
+        for k in 1..=7000 {
             if error(&self.step()?).abs() > 1.5 * 0.7 {
                 last_bad = k;
             }

@@ -142,7 +142,7 @@ fn faults_are_refused_for_the_right_reason_and_the_gains_are_kept() {
 fn the_axis_commissions_itself_and_follows() {
     for seed in 1..=5 {
         let f = run(Scenario::Nominal, &Options::adaptive(seed), &mut |_, _| {});
-        assert!(f.verified_at_s.is_some_and(|t| t <= 0.5), "seed {seed}");
+        assert!(f.verified_at_s.is_some_and(|t| t <= 3.0), "seed {seed}");
         let missed = f.outside();
         assert!(missed.is_empty(), "seed {seed}: {missed:?}");
     }

@@ -103,10 +103,10 @@ fn the_plant_obeys_the_shadow() {
 
 #[test]
 fn a_run_ends_where_the_shadow_ends_it() {
-    let mut twin = Twin::new(700, u32::MAX);
+    let mut twin = Twin::new(2500, u32::MAX);
     let figures = twin.run(Scenario::Nominal);
-    assert_eq!(twin.samples, 700);
-    assert!(figures.verified_at_s.is_some_and(|t| t < 0.7));
+    assert_eq!(twin.samples, 2500);
+    assert!(figures.verified_at_s.is_some_and(|t| t < 2.5));
     assert_eq!(figures.steady_state_mm, None);
 }
 

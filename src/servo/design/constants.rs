@@ -15,6 +15,14 @@ pub(crate) const NOISE_RATIO: f32 = 2.5e-5;
 pub(crate) const CONTROLLER_RATIO: f32 = 2.5;
 /// Rate of the observer over the bandwidth of the controller: faster, it passes on the noise of the position.
 pub(crate) const OBSERVER_RATIO: f32 = 3.5;
+/// Stated bandwidth over the natural frequency that was found: the ratios to w were found with a cautious w.
+pub(crate) const ROUGH_RATIO: f32 = 0.83;
+/// Bandwidth in rad/s of the fastest axis, for what must hold before anything is known.
+pub(crate) const BANDWIDTH_MAX: f32 = 150.0;
+/// Largest bandwidth of the controller times the delay of the valve.
+pub(crate) const DELAY_STEP_MAX: f32 = 0.3;
+/// Largest bandwidth of a controller that follows from what was found, per sample: its observer still works.
+pub(crate) const TUNED_STEP_MAX: f32 = 0.0857;
 /// Velocity limit in L per s.
 pub(crate) const VELOCITY_RATIO: f32 = 2.0;
 /// Acceleration over L w^2, and jerk over L w^3: a move of some 15 % of L stays just below saturation of the valve.
@@ -27,12 +35,6 @@ pub(crate) const BREAKAWAY_DISTANCE_RATIO: f32 = 4e-5;
 pub(crate) const CATCH_UP_RATIO: f32 = 0.08;
 /// Velocity over L per s below which friction rules the motion.
 pub(crate) const STICTION_VELOCITY_RATIO: f32 = 0.14;
-/// Time over 1/w for which a level of the excitation is held: the spectrum then covers the resonance.
-pub(crate) const HOLD_RATIO: f32 = 1.4;
-/// Stroke of the excitation over L.
-pub(crate) const STROKE_RATIO: f32 = 0.2;
-/// Stopping time over 1/w.
-pub(crate) const STOPPING_RATIO: f32 = 2.0;
 /// Largest velocity gain over L, per s.
 pub(crate) const GAIN_MAX_RATIO: f32 = 50.0;
 /// Velocity over L per s below which the axis does not count as moving.
@@ -59,8 +61,6 @@ pub(crate) const VALIDATION_OBSERVE_RATIO: f32 = 1.4;
 pub(crate) const RUN_OUT_RATIO: f32 = 1.0;
 /// Time over 1/w after a breakaway in which the filtered signals still contain friction.
 pub(crate) const SETTLED_RATIO: f32 = 0.75;
-/// Velocity over the least speed below which the sign of the friction is an open question.
-pub(crate) const FRICTION_VELOCITY_RATIO: f32 = 0.1;
 /// Time constant in s of the excitation monitor: shorter than a move, longer than a level.
 pub(crate) const MONITOR_TIME: f32 = 0.05;
 /// Longest delay of the valve, in samples: the room in the identifier.
@@ -74,8 +74,6 @@ pub(crate) const ACCELERATION_MAX: f32 = 1e7;
 
 /// Time in s of consecutive sensor errors that stops the axis; fewer are bridged by prediction.
 pub(crate) const SENSOR_ERROR_TIME: f32 = 0.003;
-/// Time in s in which a position code that never changes is a stuck sensor: noise alone changes it sooner.
-pub(crate) const STUCK_TIME: f32 = 0.15;
 
 // Observer.
 // Held by: the_axis_commissions_itself_and_follows.
@@ -159,14 +157,8 @@ pub(crate) const TRANSITION_RATE_MAX: f32 = 5.0;
 pub(crate) const LOOK_TIME: f32 = 0.016;
 /// Time in s after a rejected estimate without candidates; also the length of `Rejected`.
 pub(crate) const REJECTION_TIME: f32 = 0.064;
-/// Failed validations that end a commissioning: among many wrong models one would pass by chance.
-pub(crate) const FAILED_VALIDATIONS_MAX: u32 = 2;
 /// Time in s without motion after which the model is no longer adapted.
 pub(crate) const STILL_TIME: f32 = 0.2;
-/// Time in s beyond the band of the excitation, or at an end of the travel, that ends a commissioning.
-pub(crate) const RUNAWAY_TIME: f32 = 0.1;
-/// Slack of that band, over its length.
-pub(crate) const RUNAWAY_SLACK_RATIO: f32 = 0.5;
 /// Standard deviations, squared, at which the sign of b0 counts as known.
 pub(crate) const SIGN_SIGMA_SQUARED: f32 = 9.0;
 /// Standard deviations, squared, below which a friction counts as none: it would let the observer stick without cause.

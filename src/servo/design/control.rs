@@ -11,7 +11,7 @@ impl Config {
         let (settings, length) = (&self.controller, self.travel.length());
         let w = settings
             .bandwidth
-            .unwrap_or(c::CONTROLLER_RATIO * self.bandwidth);
+            .unwrap_or(c::CONTROLLER_RATIO * self.rough_bandwidth());
         let observer = self.observer(clock, w)?;
         let catch_up = settings.catch_up.unwrap_or(c::CATCH_UP_RATIO * length);
         Error::unless_positive("controller.damping", settings.damping)?;

@@ -24,7 +24,6 @@ pub struct Design {
     pub(crate) identification: IdentificationDesign,
     pub(crate) limiter: LimiterDesign,
     pub(crate) controller: ControllerDesign,
-    pub(crate) excitation: ExcitationDesign,
     pub(crate) monitor: MonitorDesign,
     pub(crate) supervision: SupervisionDesign,
     pub(crate) monitoring: MonitoringDesign,
@@ -42,8 +41,6 @@ pub(crate) struct IdentificationDesign {
     pub(crate) memory: f32,
     /// Samples.
     pub(crate) delay: usize,
-    /// Velocity below which the direction of friction is open.
-    pub(crate) friction_velocity: f32,
     /// Samples after a breakaway in which the filtered signals still contain friction.
     pub(crate) settled: u32,
 }
@@ -122,20 +119,6 @@ pub(crate) struct StandstillDesign {
     pub(crate) ramp_haste: f32,
 }
 
-/// Numbers of the excitation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct ExcitationDesign {
-    pub(crate) amplitude: f32,
-    /// Samples of a level.
-    pub(crate) hold: u32,
-    pub(crate) stroke: f32,
-    /// Seconds to stop.
-    pub(crate) stopping_time: f32,
-    pub(crate) travel: Travel,
-    /// Samples outside of the band that end a commissioning.
-    pub(crate) runaway: u32,
-}
-
 /// Numbers of the excitation monitor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct MonitorDesign {
@@ -187,7 +170,6 @@ pub(crate) struct SupervisionDesign {
     pub(crate) screening: ScreeningDesign,
     pub(crate) validation: ValidationDesign,
     pub(crate) change: ChangeDesign,
-    pub(crate) min_r_squared: f32,
     pub(crate) min_r_squared_adapting: f32,
     pub(crate) replace_ratio: f32,
     pub(crate) min_improvement: f32,
@@ -196,14 +178,11 @@ pub(crate) struct SupervisionDesign {
     pub(crate) error_deadband: f32,
     /// Share of the largest tracking error that is forgotten per sample.
     pub(crate) peak_error_leak: f32,
-    /// Samples: between two candidates, after a rejected estimate, of a stuck code, without motion, of excitation, of
-    /// the whole commissioning.
+    /// Samples: between two candidates, after a rejected estimate, without motion, without another alarm.
     pub(crate) look: u32,
     pub(crate) rejection: u32,
-    pub(crate) stuck: u32,
     pub(crate) still: u32,
     pub(crate) excite: u32,
-    pub(crate) limit: u32,
 }
 
 /// Bounds of a candidate that need no samples.
@@ -215,8 +194,7 @@ pub(crate) struct ScreeningDesign {
     pub(crate) max_gain: f32,
     /// Velocity gain with which the full command just counts as motion.
     pub(crate) min_gain: f32,
-    /// Largest relative variance while commissioning, and in control.
-    pub(crate) max_variance: f32,
+    /// Largest relative variance of a candidate in control.
     pub(crate) max_variance_adapting: f32,
 }
 

@@ -10,6 +10,7 @@ impl Config {
     pub(crate) fn monitoring(&self, clock: Clock, tracking_rate: f32) -> MonitoringDesign {
         let length = self.travel.length();
         let noise = self.noise.unwrap_or(c::NOISE_RATIO * length);
+        let fastest = self.bandwidth.unwrap_or(c::BANDWIDTH_MAX);
         let window = c::REST_WINDOW_RATIO * length;
         MonitoringDesign {
             sample_time: self.sample_time,
@@ -24,7 +25,7 @@ impl Config {
                 .error_deadband
                 .unwrap_or(c::ERROR_DEADBAND_RATIO * length),
             push_time: c::PUSH_MAX / self.controller.breakaway_ramp,
-            acceleration: c::FIRST_ACCELERATION_RATIO * length * self.bandwidth * self.bandwidth,
+            acceleration: c::FIRST_ACCELERATION_RATIO * length * fastest * fastest,
             tracking_lag: 0.27 / (tracking_rate * tracking_rate),
             jump: clock.samples(c::JUMP_TIME),
             residual_share: clock.share(1.0 / c::RESIDUAL_TIME),

@@ -3,9 +3,7 @@
 use crate::servo::config::Config;
 use crate::servo::design::clock::Clock;
 use crate::servo::design::constants as c;
-use crate::servo::design::{
-    Design, ExcitationDesign, IdentificationDesign, LimiterDesign, MonitorDesign,
-};
+use crate::servo::design::{Design, IdentificationDesign, LimiterDesign, MonitorDesign};
 use crate::servo::error::Error;
 use crate::servo::motion::MotionLimits;
 
@@ -20,34 +18,32 @@ impl Config {
             sample_time: self.sample_time,
         };
         let length = self.travel.length();
-        let excitation = self.excitation(clock)?;
-        let tracking_rate =
-            (c::TRACKING_RATIO * self.bandwidth).min(c::TRACKING_STEP_MAX / self.sample_time);
+        self.check_excitation()?;
+        let w = self.rough_bandwidth();
+        let tracking_rate = (c::TRACKING_RATIO * w).min(c::TRACKING_STEP_MAX / self.sample_time);
         Ok(Design {
             sample_time: self.sample_time,
             travel: self.travel,
             adaptive: self.adaptive,
             motion: self.motion_limits()?,
-            run_out_rate: c::RUN_OUT_RATIO * self.bandwidth,
+            run_out_rate: c::RUN_OUT_RATIO * w,
             tracking_rate,
             sensor_errors: clock.samples(c::SENSOR_ERROR_TIME),
             identification: IdentificationDesign {
-                bandwidth: self.bandwidth,
-                trends_rate: c::TRENDS_RATIO * self.bandwidth,
+                bandwidth: self.rough_bandwidth(),
+                trends_rate: c::TRENDS_RATIO * self.rough_bandwidth(),
                 input_range: self.excitation.amplitude,
                 output_range: c::OUTPUT_RANGE_RATIO * length,
                 output_noise: self.noise.unwrap_or(c::NOISE_RATIO * length),
                 memory: self.memory,
                 delay: (self.delay / self.sample_time + 0.5) as usize,
-                friction_velocity: c::FRICTION_VELOCITY_RATIO * self.min_speed(),
-                settled: (c::SETTLED_RATIO / (self.bandwidth * self.sample_time)) as u32,
+                settled: (c::SETTLED_RATIO / (self.rough_bandwidth() * self.sample_time)) as u32,
             },
             limiter: LimiterDesign {
                 range: self.range,
                 step: self.rate * self.sample_time,
             },
             controller: self.controller(clock)?,
-            excitation,
             monitor: MonitorDesign {
                 share: self.sample_time / c::MONITOR_TIME,
                 min_power: self.min_excitation * self.min_excitation,
@@ -60,9 +56,11 @@ impl Config {
     /// What belongs to no part alone.
     fn check(&self) -> Result<(), Error> {
         Error::unless_positive("sample_time", self.sample_time)?;
-        Error::unless_positive("bandwidth", self.bandwidth)?;
+        if let Some(bandwidth) = self.bandwidth {
+            Error::unless_positive("bandwidth", bandwidth)?;
+        }
         self.travel.check()?;
-        let acceleration = self.bandwidth * self.bandwidth * self.travel.length();
+        let acceleration = self.rough_bandwidth() * self.rough_bandwidth() * self.travel.length();
         if acceleration > c::ACCELERATION_MAX {
             return Err(Error::Unit { acceleration });
         }
@@ -75,7 +73,7 @@ impl Config {
     }
 
     fn motion_limits(&self) -> Result<MotionLimits, Error> {
-        let (length, w) = (self.travel.length(), self.bandwidth);
+        let (length, w) = (self.travel.length(), self.rough_bandwidth());
         let limits = self.motion.unwrap_or(MotionLimits {
             velocity: c::VELOCITY_RATIO * length,
             acceleration: c::ACCELERATION_RATIO * length * w * w,
@@ -95,28 +93,10 @@ impl Config {
             .unwrap_or(c::SPEED_MIN_RATIO * self.travel.length())
     }
 
-    fn excitation(&self, clock: Clock) -> Result<ExcitationDesign, Error> {
-        let (settings, w) = (&self.excitation, self.bandwidth);
-        let amplitude = settings.amplitude;
+    fn check_excitation(&self) -> Result<(), Error> {
+        let amplitude = self.excitation.amplitude;
         Error::unless_positive("excitation.amplitude", amplitude)?;
-        Error::unless_within("excitation.amplitude", amplitude, 0.0, 1.0)?;
-        let hold = settings.hold.unwrap_or(c::HOLD_RATIO / w);
-        Error::unless_positive("excitation.hold", hold)?;
-        Error::unless_within("excitation.hold", hold, 0.0, 1e6 * self.sample_time)?;
-        let stroke = settings
-            .stroke
-            .unwrap_or(c::STROKE_RATIO * self.travel.length());
-        Error::unless_positive("excitation.stroke", stroke)?;
-        let stopping_time = settings.stopping_time.unwrap_or(c::STOPPING_RATIO / w);
-        Error::unless_positive("excitation.stopping_time", stopping_time)?;
-        Ok(ExcitationDesign {
-            amplitude,
-            hold: clock.whole(hold),
-            stroke,
-            stopping_time,
-            travel: self.travel,
-            runaway: clock.samples(c::RUNAWAY_TIME),
-        })
+        Error::unless_within("excitation.amplitude", amplitude, 0.0, 1.0)
     }
 }
 
@@ -154,8 +134,8 @@ mod tests {
         );
         assert_eq!(design.controller.transition_step, 0.005);
         let s = &design.supervision;
-        assert_eq!((s.look, s.rejection, s.stuck, s.still), (16, 64, 150, 200));
-        assert_eq!((design.excitation.runaway, design.sensor_errors), (100, 3));
+        assert_eq!((s.look, s.rejection, s.still), (16, 64, 200));
+        assert_eq!(design.sensor_errors, 3);
         assert_eq!(design.identification.delay, 2);
         Ok(())
     }
@@ -168,9 +148,7 @@ mod tests {
         for (a, b) in [
             (a.look, b.look),
             (a.rejection, b.rejection),
-            (a.stuck, b.stuck),
             (a.still, b.still),
-            (slow.excitation.runaway, fast.excitation.runaway),
             (slow.sensor_errors, fast.sensor_errors),
             (
                 slow.controller.standstill.rest,
@@ -196,7 +174,7 @@ mod tests {
         };
         let mut changed = Config::new(1e-3, 25.0, TRAVEL);
         changed.sample_time = 5e-4;
-        changed.bandwidth = 15.0;
+        changed.bandwidth = Some(15.0);
         changed.travel = other;
         let fresh = Config::new(5e-4, 15.0, other);
         assert_eq!(changed.resolve()?, fresh.resolve()?);

@@ -16,7 +16,6 @@ impl Config {
             .error_deadband
             .unwrap_or(c::ERROR_DEADBAND_RATIO * length);
         for (name, value) in [
-            ("supervision.min_r_squared", settings.min_r_squared),
             (
                 "supervision.min_r_squared_adapting",
                 settings.min_r_squared_adapting,
@@ -35,12 +34,13 @@ impl Config {
             Error::unless_within(name, seconds, 0.0, 1e5)?;
             Ok::<u32, Error>(clock.whole(seconds))
         };
+        count("supervision.time_limit", settings.time_limit)?;
         let excite = count("supervision.excite_time", settings.excite_time)?;
         Ok(SupervisionDesign {
             screening: self.screening()?,
             validation: ValidationDesign {
                 observer: self.validation_observer(clock),
-                observe: clock.whole(c::VALIDATION_OBSERVE_RATIO / self.bandwidth),
+                observe: clock.whole(c::VALIDATION_OBSERVE_RATIO / self.rough_bandwidth()),
                 window: count("supervision.validation_time", settings.validation_time)?,
             },
             change: ChangeDesign {
@@ -49,7 +49,6 @@ impl Config {
                 alarm_ratio: settings.alarm_ratio,
                 pause: excite,
             },
-            min_r_squared: settings.min_r_squared,
             min_r_squared_adapting: settings.min_r_squared_adapting,
             replace_ratio: settings.replace_ratio,
             min_improvement: settings.min_improvement,
@@ -59,10 +58,8 @@ impl Config {
             peak_error_leak: self.sample_time / c::PEAK_ERROR_TIME,
             look: clock.samples(c::LOOK_TIME),
             rejection: clock.samples(c::REJECTION_TIME),
-            stuck: clock.samples(c::STUCK_TIME),
             still: clock.samples(c::STILL_TIME),
             excite,
-            limit: count("supervision.time_limit", settings.time_limit)?,
         })
     }
 
@@ -71,27 +68,22 @@ impl Config {
         let max_gain = settings
             .max_gain
             .unwrap_or(c::GAIN_MAX_RATIO * self.travel.length());
-        let (std, adapting) = (
-            settings.max_relative_std,
-            settings.max_relative_std_adapting,
-        );
+        let adapting = settings.max_relative_std_adapting;
         Error::unless_positive("supervision.frequency_factor", settings.frequency_factor)?;
         Error::unless_positive("supervision.max_gain", max_gain)?;
-        Error::unless_positive("supervision.max_relative_std", std)?;
         Error::unless_positive("supervision.max_relative_std_adapting", adapting)?;
         Ok(ScreeningDesign {
-            frequency_squared: self.bandwidth * self.bandwidth,
+            frequency_squared: self.rough_bandwidth() * self.rough_bandwidth(),
             factor_squared: settings.frequency_factor * settings.frequency_factor,
             max_gain,
             min_gain: self.min_speed(),
-            max_variance: std * std,
             max_variance_adapting: adapting * adapting,
         })
     }
 
     /// An observer of the motion alone: what remains is the error of the model.
     fn validation_observer(&self, clock: Clock) -> ObserverDesign {
-        let rate = c::VALIDATION_OBSERVER_RATIO * self.bandwidth;
+        let rate = c::VALIDATION_OBSERVER_RATIO * self.rough_bandwidth();
         ObserverDesign {
             rate,
             sample_time: self.sample_time,

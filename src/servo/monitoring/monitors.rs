@@ -77,6 +77,20 @@ impl Monitors {
         }
     }
 
+    /// Goes on with other numbers; the counters stay.
+    pub(crate) fn redesign(
+        &mut self,
+        design: &MonitoringDesign,
+        observer: &ObserverDesign,
+        model: Model,
+    ) {
+        let counters = self.counters;
+        *self = Self {
+            counters,
+            ..Self::new(design, observer, model)
+        };
+    }
+
     /// Begins with a verified model, at a motion and with the command in force.
     pub(crate) fn begin(&mut self, model: Model, motion: Motion, command: f32) {
         self.tune(model);

@@ -38,6 +38,11 @@ impl AlphaBetaGamma {
         self.motion = Motion::at(position);
     }
 
+    /// Starts again with a motion.
+    pub(crate) fn begin(&mut self, motion: Motion) {
+        self.motion = motion;
+    }
+
     /// Takes a measured position.
     #[inline]
     pub(crate) fn update(&mut self, y: f32) {

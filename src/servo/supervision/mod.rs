@@ -2,9 +2,7 @@
 
 mod adapting;
 pub(crate) mod change;
-pub(crate) mod commissioning;
 pub(crate) mod event;
-pub(crate) mod excitation;
 pub(crate) mod excitation_monitor;
 pub(crate) mod screening;
 pub(crate) mod state;

@@ -33,16 +33,12 @@ impl Candidate {
 
 impl ScreeningDesign {
     /// Whether a candidate is certain and may control; w0, C and xi by their squares, no roots.
-    pub(crate) fn screen(&self, candidate: &Candidate, commissioning: bool) -> Result<(), Reason> {
+    pub(crate) fn screen(&self, candidate: &Candidate) -> Result<(), Reason> {
         let model = &candidate.model;
         if model.b0 <= 0.0 && candidate.has_certain_sign() {
             return Err(Reason::WrongSign);
         }
-        let limit = if commissioning {
-            self.max_variance
-        } else {
-            self.max_variance_adapting
-        };
+        let limit = self.max_variance_adapting;
         let certain = candidate.gain_variance < limit
             && candidate.frequency_variance < limit
             && candidate.damping_variance < DAMPING_VARIANCE_RATIO * limit;

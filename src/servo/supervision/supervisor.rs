@@ -1,10 +1,8 @@
 //! The supervisor: which model may reach the controller, and when.
 
 use crate::servo::design::SupervisionDesign;
-use crate::servo::design::constants::FAILED_VALIDATIONS_MAX;
 use crate::servo::model::Model;
 use crate::servo::supervision::change::ChangeDetector;
-use crate::servo::supervision::commissioning::Commissioning;
 use crate::servo::supervision::event::{Event, Observation};
 use crate::servo::supervision::screening::Candidate;
 use crate::servo::supervision::state::{Reason, State};
@@ -24,7 +22,6 @@ pub struct Supervisor {
     pub(crate) ticks: u32,
     /// Samples since the last look at the estimate.
     since_look: u32,
-    commissioning: Commissioning,
     pub(crate) change: ChangeDetector,
     pub(crate) validation: Option<Validation>,
     report: FitReport,
@@ -46,7 +43,6 @@ impl Supervisor {
             verified_model: None,
             ticks: 0,
             since_look: 0,
-            commissioning: Commissioning::default(),
             change: ChangeDetector::new(&design.change),
             validation: None,
             report: FitReport::default(),
@@ -85,11 +81,6 @@ impl Supervisor {
         self.report
     }
 
-    /// What the commissioning has seen.
-    pub(crate) const fn commissioning(&self) -> &Commissioning {
-        &self.commissioning
-    }
-
     /// Takes a verified model that may control; the controller may start without commissioning.
     pub(crate) fn install(&mut self, model: Model) -> Result<(), Reason> {
         self.design.screening.admits(&model)?;
@@ -98,11 +89,10 @@ impl Supervisor {
         Ok(())
     }
 
-    /// Begins the commissioning at `position`.
-    pub(crate) fn begin(&mut self, position: f32) {
+    /// Begins the commissioning.
+    pub(crate) fn begin(&mut self) {
         self.enter(State::Exciting);
         self.refusal = None;
-        self.commissioning = Commissioning::at(position);
     }
 
     /// Ends the commissioning or the control at once; the verified model is kept.
@@ -165,12 +155,7 @@ impl Supervisor {
         if !candidate.model.is_finite() {
             return Err(Reason::NotFinite);
         }
-        let commissioning = self.state.is_commissioning();
-        if commissioning && !self.commissioning.is_two_way() {
-            // A drift fits a model with a large offset.
-            return Err(Reason::ValveStuck);
-        }
-        self.design.screening.screen(candidate, commissioning)
+        self.design.screening.screen(candidate)
     }
 
     pub(crate) fn refuse(&mut self, reason: Reason) -> Event {
@@ -201,7 +186,7 @@ impl Supervisor {
         };
         match self.state {
             State::Idle | State::Failed(_) => {}
-            State::Exciting | State::Identifying => return self.commission(seen),
+            State::Exciting | State::Identifying => {}
             State::Adapting => return self.adapt(seen),
             State::Verified if self.ticks > self.design.look => self.enter(State::Adapting),
             State::Frozen if moving => self.enter(State::Adapting),
@@ -222,33 +207,31 @@ impl Supervisor {
         }
     }
 
-    fn commission(&mut self, seen: &Observation) -> Event {
-        let (velocity, min_speed) = (seen.motion.velocity, self.design.min_speed);
-        self.commissioning
-            .update(seen.y, velocity, min_speed, seen.same_code);
-        if self.commissioning.repeated_codes() >= self.design.stuck {
-            return self.give_up(Reason::SensorStuck);
-        }
-        if self.state == State::Exciting && self.ticks >= self.design.excite {
-            if self.commissioning.range() < self.design.min_travel {
-                return self.give_up(Reason::Blocked);
-            }
+    /// One sample of a commissioning that goes on.
+    pub(crate) fn commission(&mut self, identifying: bool) {
+        self.ticks = self.ticks.saturating_add(1);
+        if identifying && self.state == State::Exciting {
             self.state = State::Identifying;
         }
-        if let Some(report) = self.validate(seen) {
-            if report.r_squared() >= self.design.min_r_squared {
-                return self.accept();
-            }
-            self.validation = None;
-            let _ = self.refuse(Reason::PoorFit);
-            if self.commissioning.fail_validation() >= FAILED_VALIDATIONS_MAX {
-                return self.give_up(Reason::PoorFit);
-            }
+    }
+
+    /// The end of a commissioning with a model.
+    pub(crate) fn commissioned(&mut self, model: Model) -> Event {
+        if let Err(reason) = self.design.screening.admits(&model) {
+            return self.give_up(reason);
         }
-        if self.ticks >= self.design.limit {
-            return self.give_up(self.refusal.unwrap_or(Reason::Uncertain));
-        }
-        Event::None
+        self.accepted = self.accepted.saturating_add(1);
+        self.verified_model = Some(model);
+        self.refusal = None;
+        self.enter(State::Verified);
+        self.change.restart();
+        Event::Accepted(model)
+    }
+
+    /// Goes on with other numbers.
+    pub(crate) fn redesign(&mut self, design: &SupervisionDesign) {
+        self.design = design.clone();
+        self.change = ChangeDetector::new(&design.change);
     }
 
     /// The end of a commissioning without a model; an older verified model comes back into force.

@@ -1,11 +1,8 @@
 //! The loop of the core on the bench: commissioning from power-up, then a positioner.
 //!
-//! Its user states what [`servo::Config`] wants to know: sample time; travel; a rough bandwidth (the true natural frequency
-//! in the middle of the travel times a factor drawn from 0.8 to 1.4); the noise of the sensor; the delay of the valve (dead
-//! time and lag, at most the 8 samples that the loop takes); limits of motion that the drive can carry out. When the loop
-//! refuses these because its controller would be too fast for the samples, he states the fastest that it takes. He does not
-//! know the wiring: when the loop says that the sign is wrong, he swaps the wires and commissions again. After any other
-//! refusal he commissions again from where the axis stands, until [`PATIENCE`] is over.
+//! Its user states sample time, travel, sensor, and limits of motion that the drive can carry out; nothing else is known: no
+//! bandwidth, no delay, no noise, no wiring. After a refusal he commissions again from where the axis stands, until
+//! [`PATIENCE`] is over.
 
 use trendid::hardware::{Axis, Scale};
 use trendid::servo::{self, Model, MotionLimits, Reason, ServoLoop, State, Travel};
@@ -21,11 +18,8 @@ pub const PATIENCE: f64 = 6.0;
 /// Pause between a refusal and the next commissioning \[s\].
 const PAUSE: f64 = 0.2;
 
-/// Bandwidth squared times travel beyond which positions are stated in a larger unit than mm, as the loop asks for.
-const ACCELERATION_MAX: f64 = 1e7;
-
-/// Largest bandwidth of the controller, per sample, whose observer the loop takes: 0.3 over 3.5, less a rounding.
-const SLOWED: f32 = 0.0857;
+/// Unit in which positions are stated \[mm\]: accelerations of any axis are then within what the loop takes.
+const UNIT_MM: f64 = 100.0;
 
 /// The loop with the unit of its positions.
 #[derive(Debug)]
@@ -33,8 +27,6 @@ pub struct LoopPositioner {
     servo: ServoLoop<SimulatedSensor, SimulatedValve>,
     unit_mm: f64,
     target_mm: f64,
-    /// Whether the user had to state a slower controller.
-    pub slowed: bool,
 }
 
 /// What came of a commissioning.
@@ -46,7 +38,9 @@ pub struct Commissioned {
     pub verified_s: Option<f64>,
     /// Velocity gain \[mm/s\] and natural frequency \[rad/s\] of the accepted model, over those of the axis.
     pub ratios: Option<[f64; 2]>,
-    /// Whether a model was accepted although the valve was connected the wrong way round.
+    /// Errors of the dead zone and of the offset of the valve, and of its delay \[s\].
+    pub valve_errors: Option<[f64; 3]>,
+    /// Whether a model was accepted with the other sign than that of the wiring.
     pub wrong_sign: bool,
 }
 
@@ -56,11 +50,8 @@ fn config(axis: &AxisDraw, adaptive: bool, unit_mm: f64) -> servo::Config {
         min: 0.0,
         max: (axis.stroke_mm() / unit_mm) as f32,
     };
-    let mut config =
-        servo::Config::new(axis.sample_time as f32, axis.told_bandwidth as f32, travel);
+    let mut config = servo::Config::minimal(axis.sample_time as f32, travel);
     let limits = axis.limits();
-    config.noise = Some((axis.sigma_mm() / unit_mm) as f32);
-    config.delay = axis.delay().min(8.0 * axis.sample_time) as f32;
     config.motion = Some(MotionLimits {
         velocity: (limits.velocity / unit_mm) as f32,
         acceleration: (limits.acceleration / unit_mm) as f32,
@@ -76,12 +67,7 @@ impl LoopPositioner {
     /// # Errors
     /// What the loop says to its settings.
     pub fn new(axis: &AxisDraw, adaptive: bool) -> Result<Self, servo::Error> {
-        let square = axis.told_bandwidth * axis.told_bandwidth;
-        let unit_mm = if square * axis.stroke_mm() > ACCELERATION_MAX {
-            100.0
-        } else {
-            1.0
-        };
+        let unit_mm = UNIT_MM;
         let Some(scale) = Scale::new((axis.resolution_mm / unit_mm) as f32) else {
             panic!("resolution {} mm", axis.resolution_mm);
         };
@@ -89,22 +75,12 @@ impl LoopPositioner {
             scale,
             reference: 0,
         };
-        let mut config = config(axis, adaptive, unit_mm);
-        let build = |config: &servo::Config| {
-            ServoLoop::try_new(config, sensor, SimulatedSensor::default(), SimulatedValve)
-        };
-        let (servo, slowed) = match build(&config) {
-            Ok(servo) => (servo, false),
-            Err(_) => {
-                config.controller.bandwidth = Some(SLOWED / config.sample_time);
-                (build(&config)?, true)
-            }
-        };
+        let config = config(axis, adaptive, unit_mm);
+        let (sensor_of, valve) = (SimulatedSensor::default(), SimulatedValve);
         Ok(Self {
-            servo,
+            servo: ServoLoop::try_new(&config, sensor, sensor_of, valve)?,
             unit_mm,
             target_mm: 0.0,
-            slowed,
         })
     }
 
@@ -122,9 +98,6 @@ impl LoopPositioner {
             match report.state {
                 State::Failed(reason) if next.is_infinite() => {
                     done.refusals.push((reason, bench.reversed));
-                    if reason == Reason::WrongSign {
-                        bench.reversed = !bench.reversed;
-                    }
                     next = bench.time() + PAUSE;
                 }
                 State::Failed(_) if bench.time() >= next => {
@@ -134,9 +107,10 @@ impl LoopPositioner {
                 }
                 state if state.is_controlling() => {
                     done.verified_s = Some(bench.time());
-                    done.wrong_sign = bench.reversed;
+                    done.wrong_sign = (self.servo.sign() < 0.0) != bench.reversed;
                     let model = self.servo.supervisor().verified_model();
                     done.ratios = model.map(|m| self.ratios(&m, bench.axis(), sum / samples));
+                    done.valve_errors = model.map(|m| self.valve_errors(&m, bench.axis()));
                     bench.hold(f64::from(report.command));
                     return done;
                 }
@@ -146,6 +120,15 @@ impl LoopPositioner {
         }
         self.servo.abort();
         done
+    }
+
+    fn valve_errors(&self, model: &Model, axis: &AxisDraw) -> [f64; 3] {
+        let [dead_zone, offset] = axis.valve_null();
+        [
+            f64::from(model.dead_zone) - dead_zone,
+            f64::from(model.offset) - offset,
+            f64::from(self.servo.delay()) - axis.delay(),
+        ]
     }
 
     /// Velocity gain and natural frequency of a model over those of the axis about a position.

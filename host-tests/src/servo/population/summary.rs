@@ -20,8 +20,6 @@ pub struct CommissioningFigures {
     pub accepted_pct: f64,
     /// Within 6 s.
     pub accepted_6s_pct: f64,
-    /// The settings were taken with a slower controller only.
-    pub slowed_pct: f64,
     /// Time to acceptance of the accepted \[s\].
     pub verified_median_s: f64,
     /// The same that 95 % of the accepted keep \[s\].
@@ -36,6 +34,16 @@ pub struct CommissioningFigures {
     pub w0_within_10pct: f64,
     /// Its velocity gain within 20 %, of the accepted.
     pub c_within_20pct: f64,
+    /// One of both is wrong by more than 50 %, of the accepted.
+    pub grossly_wrong_pct: f64,
+    /// Errors of the dead zone and of the offset of the valve that 90 % of the accepted keep.
+    pub dead_zone_p90: f64,
+    /// The offset.
+    pub offset_p90: f64,
+    /// Error of the delay that 90 % keep \[ms\].
+    pub delay_p90_ms: f64,
+    /// Axes that struck an end stop at more than 50 mm/s while commissioning or after it.
+    pub struck_pct: f64,
 }
 
 /// Figures of the motion of the axes that were controlled.
@@ -140,10 +148,18 @@ pub fn refusal(run: &LoopRun) -> Option<String> {
 }
 
 impl CommissioningFigures {
-    fn new(runs: &[&LoopRun]) -> Self {
+    /// The figures of runs.
+    pub fn new(runs: &[&LoopRun]) -> Self {
         let done: Vec<_> = runs.iter().map(|r| &r.commissioned).collect();
         let times: Vec<f64> = done.iter().filter_map(|c| c.verified_s).collect();
         let ratios: Vec<[f64; 2]> = done.iter().filter_map(|c| c.ratios).collect();
+        let within_90 = |k: usize| {
+            let errors: Vec<f64> = done
+                .iter()
+                .filter_map(|c| Some(c.valve_errors?[k].abs()))
+                .collect();
+            quantile(&errors, 0.9)
+        };
         let mut refused = BTreeMap::new();
         for reason in runs.iter().filter_map(|run| refusal(run)) {
             *refused.entry(reason).or_insert(0) += 1;
@@ -151,7 +167,6 @@ impl CommissioningFigures {
         Self {
             accepted_pct: share(&done, |c| c.verified_s.is_some_and(|t| t <= IN_TIME)),
             accepted_6s_pct: share(&done, |c| c.verified_s.is_some()),
-            slowed_pct: share(runs, |run| run.slowed),
             verified_median_s: quantile(&times, 0.5),
             verified_p95_s: quantile(&times, 0.95),
             refused,
@@ -159,6 +174,11 @@ impl CommissioningFigures {
             wrong_sign_pct: share(&done, |c| c.wrong_sign),
             w0_within_10pct: share(&ratios, |[_, w0]| (w0 - 1.0).abs() <= 0.1),
             c_within_20pct: share(&ratios, |[c, _]| (c - 1.0).abs() <= 0.2),
+            grossly_wrong_pct: share(&ratios, |r| r.iter().any(|x| (x - 1.0).abs() > 0.5)),
+            dead_zone_p90: within_90(0),
+            offset_p90: within_90(1),
+            delay_p90_ms: 1e3 * within_90(2),
+            struck_pct: share(runs, |run| run.blow_mm_s > BLOW_MM_S),
         }
     }
 }

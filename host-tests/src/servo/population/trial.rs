@@ -14,8 +14,6 @@ use crate::servo::population::sequence::{Exercise, Motion};
 pub struct LoopRun {
     /// Why the settings were refused.
     pub settings: Option<String>,
-    /// Whether a slower controller had to be stated.
-    pub slowed: bool,
     /// The commissioning.
     pub commissioned: Commissioned,
     /// Motion under control, when it came to that.
@@ -54,12 +52,20 @@ impl Trial {
     }
 }
 
+/// Commissions the loop from power-up, and no more.
+pub fn commissioned(family: Family, usual: bool, seed: u64) -> LoopRun {
+    run_loop(&AxisDraw::new(family, usual, seed), true, false)
+}
+
 /// Commissions the loop from power-up and runs the sequence with it.
 pub fn with_loop(axis: &AxisDraw, adaptive: bool) -> LoopRun {
+    run_loop(axis, adaptive, true)
+}
+
+fn run_loop(axis: &AxisDraw, adaptive: bool, moves: bool) -> LoopRun {
     let mut bench = Bench::new(axis, Purpose::Disturbance);
     let mut run = LoopRun {
         settings: None,
-        slowed: false,
         commissioned: Commissioned::default(),
         motion: None,
         blow_mm_s: 0.0,
@@ -67,9 +73,8 @@ pub fn with_loop(axis: &AxisDraw, adaptive: bool) -> LoopRun {
     match LoopPositioner::new(axis, adaptive) {
         Err(error) => run.settings = Some(error.to_string()),
         Ok(mut positioner) => {
-            run.slowed = positioner.slowed;
             run.commissioned = positioner.commission(&mut bench);
-            if run.commissioned.verified_s.is_some() {
+            if moves && run.commissioned.verified_s.is_some() {
                 run.motion = Some(Exercise::new(&mut bench, &mut positioner).run());
             }
         }

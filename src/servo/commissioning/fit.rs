@@ -1,0 +1,460 @@
+//! A least-squares fit of the model to the record, a few points per sample.
+
+use crate::math::matrix::{Matrix, backward, cholesky, forward};
+use crate::math::sqrt;
+use crate::servo::commissioning::predictor::{PARAMETERS, Point, Prediction, REACH, Theta};
+use crate::servo::commissioning::record::Record;
+
+/// Largest rate of a correction times the spacing of the points.
+const STEP_MAX: f32 = 0.3;
+/// Difference of a parameter, in its scale, from which sensitivities are taken.
+const DIFFERENCE: f32 = 0.02;
+/// Cost over the one before from which a pass has gained next to nothing.
+const CONVERGED: f32 = 0.97;
+/// Points after a start in which the direction of the motion is uncertain.
+const STARTING: u32 = 3;
+
+/// What is read of the record, and how.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct View {
+    /// First point, and the one after the last.
+    pub(crate) begin: usize,
+    pub(crate) end: usize,
+    /// Spacing in s.
+    pub(crate) time: f32,
+    pub(crate) rest_velocity: f32,
+    /// Sign of the valve.
+    pub(crate) sign: f32,
+}
+
+impl View {
+    /// Nothing.
+    pub(crate) const EMPTY: Self = Self {
+        begin: 0,
+        end: 0,
+        time: 1.0,
+        rest_velocity: 0.0,
+        sign: 1.0,
+    };
+}
+
+/// Levenberg-Marquardt on the errors of a prediction that is corrected with a fixed rate.
+///
+/// The prediction sees about 1/rate ahead: less is blind to friction and delay, more loses the axis where it sticks.
+/// Sensitivities are differences. Each pass over the points gives the cost and the next step.
+///
+/// Known as: prediction-error method (Ljung 1999), Levenberg-Marquardt (Marquardt 1963).
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Fit {
+    view: View,
+    rate: f32,
+    gains: [f32; 3],
+    /// Best parameters with their cost and normal equations.
+    best: Theta,
+    best_sums: Sums,
+    damping: f32,
+    /// Parameters of this pass and those beside them.
+    tried: [Theta; PARAMETERS + 1],
+    scale: [f32; PARAMETERS],
+    at: [Prediction; PARAMETERS + 1],
+    next: usize,
+    moving: u32,
+    sums: Sums,
+    passes: u32,
+    converged: bool,
+}
+
+/// Sums over a pass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Sums {
+    normal: Matrix<PARAMETERS>,
+    gradient: [f32; PARAMETERS],
+    cost: f32,
+    /// Sum of products of neighbouring errors, and the last error.
+    lagged: f32,
+    last: f32,
+    count: f32,
+}
+
+const NO_SUMS: Sums = Sums {
+    normal: [[0.0; PARAMETERS]; PARAMETERS],
+    gradient: [0.0; PARAMETERS],
+    cost: 0.0,
+    lagged: 0.0,
+    last: 0.0,
+    count: 0.0,
+};
+
+/// What a parameter is varied by: itself, or a part of what it acts on.
+fn scales(theta: &Theta) -> [f32; PARAMETERS] {
+    let w = sqrt(theta.a1);
+    [
+        theta.a1,
+        theta.a2 + 0.1 * w,
+        theta.b0,
+        0.05,
+        0.05,
+        0.1 * theta.b0 / w,
+        0.1 / w,
+        0.5 * w,
+    ]
+}
+
+/// Standard deviations, in scales, with which the parameters are known beforehand: weak, so that nothing runs away.
+const PRIOR: [f32; PARAMETERS] = [5.0, 3.0, 5.0, 2.0, 2.0, 3.0, 5.0, 0.2];
+/// Largest correlation of neighbouring errors that counts.
+const CORRELATION_MAX: f32 = 0.8;
+
+impl Fit {
+    pub(crate) fn new() -> Self {
+        let theta = Theta::from_array([1.0; PARAMETERS]);
+        Self {
+            view: View::EMPTY,
+            rate: 1.0,
+            gains: [0.0; 3],
+            best: theta,
+            best_sums: NO_SUMS,
+            damping: 0.0,
+            tried: [theta; PARAMETERS + 1],
+            scale: [1.0; PARAMETERS],
+            at: [Prediction::default(); PARAMETERS + 1],
+            next: 0,
+            moving: 0,
+            sums: NO_SUMS,
+            passes: 0,
+            converged: false,
+        }
+    }
+
+    /// Begins at `theta`, with a correction of `ratio` times its natural frequency.
+    pub(crate) fn begin(&mut self, record: &Record, view: View, theta: Theta, ratio: f32) {
+        let rate = ratio * sqrt(theta.a1);
+        self.view = view;
+        self.rate = if rate * view.time < STEP_MAX {
+            rate
+        } else {
+            STEP_MAX / view.time
+        };
+        self.best = theta;
+        self.best_sums.cost = f32::INFINITY;
+        self.damping = 1e-2;
+        self.passes = 0;
+        self.converged = false;
+        self.open(record, theta);
+    }
+
+    fn open(&mut self, record: &Record, theta: Theta) {
+        self.scale = scales(&theta);
+        self.gains = theta.gains(self.rate, self.view.time);
+        let base = theta.to_array();
+        for (j, tried) in self.tried.iter_mut().enumerate() {
+            let mut other = base;
+            if j > 0 {
+                other[j - 1] += DIFFERENCE * self.scale[j - 1];
+            }
+            *tried = Theta::from_array(other);
+        }
+        let first = self.point(record, self.view.begin);
+        for (at, theta) in self.at.iter_mut().zip(&self.tried) {
+            *at = Prediction {
+                x: first.y,
+                v: first.velocity,
+                p: theta.a2 * first.velocity + theta.friction * first.direction,
+            };
+        }
+        self.next = self.view.begin;
+        self.moving = 0;
+        self.sums = NO_SUMS;
+    }
+
+    fn point(&self, record: &Record, i: usize) -> Point {
+        Point::of(record, i, self.view.time, self.view.rest_velocity)
+    }
+
+    /// Takes `points` more; whether the pass is over. Cost: some 800 instructions per point.
+    pub(crate) fn advance(&mut self, record: &Record, points: usize) -> bool {
+        let inverse = 1.0 / self.view.time;
+        let settled = self.view.begin + (2.0 / (self.rate * self.view.time)) as usize;
+        for _ in 0..points {
+            let i = self.next;
+            // A pass that is worse already need not be finished.
+            let worse = self.sums.cost > self.best_sums.cost;
+            if i + REACH >= self.view.end || worse {
+                return true;
+            }
+            let point = self.point(record, i);
+            self.moving = if point.direction == 0.0 {
+                0
+            } else {
+                self.moving.saturating_add(1)
+            };
+            let counts = i >= settled && self.moving > STARTING;
+            self.correct(&point, counts);
+            for (theta, at) in self.tried.iter().zip(&mut self.at) {
+                let flow = theta.flow_at(record, self.view.sign, i, inverse);
+                theta.advance(at, flow, point.direction, point.time);
+            }
+            self.next += 1;
+        }
+        false
+    }
+
+    fn correct(&mut self, point: &Point, counts: bool) {
+        if counts {
+            let [base, others @ ..] = &self.at;
+            let error = point.y - base.x;
+            let mut slope = [0.0; PARAMETERS];
+            for (slope, other) in slope.iter_mut().zip(others) {
+                *slope = (other.x - base.x) * (1.0 / DIFFERENCE);
+            }
+            self.sums.add(&slope, error);
+        }
+        for at in &mut self.at {
+            let error = point.y - at.x;
+            if point.direction == 0.0 {
+                at.x = point.y;
+                continue;
+            }
+            at.x += self.gains[0] * error;
+            at.v += self.gains[1] * error;
+            at.p += self.gains[2] * error;
+        }
+    }
+
+    /// Ends a pass: takes its parameters if they are better, and begins the next one. Cost: some 1500 instructions.
+    pub(crate) fn next_pass(&mut self, record: &Record) {
+        self.passes += 1;
+        // Written so that NaN is worse.
+        if self.sums.cost < self.best_sums.cost {
+            self.converged = self.sums.cost > CONVERGED * self.best_sums.cost;
+            self.best = self.tried[0];
+            self.best_sums = self.sums;
+            self.damping *= 0.2;
+        } else {
+            self.damping *= 10.0;
+        }
+        let theta = self.step();
+        self.open(record, theta);
+    }
+
+    /// The best parameters, moved to where the normal equations lead.
+    fn step(&self) -> Theta {
+        let scale = scales(&self.best);
+        let mut normal = self.best_sums.normal;
+        let mut gradient = self.best_sums.gradient;
+        let variance = self.variance();
+        for j in 0..PARAMETERS {
+            let prior = variance / (PRIOR[j] * PRIOR[j]);
+            normal[j][j] += prior + self.damping * (normal[j][j] + prior);
+            if j > 4 && j != 6 {
+                // Friction and loss of flow are none unless they are seen.
+                gradient[j] -= prior * self.best.to_array()[j] / scale[j];
+            }
+        }
+        let Some(factor) = cholesky(&normal) else {
+            return self.best;
+        };
+        let step = backward(&factor, forward(&factor, gradient));
+        let mut theta = self.best.to_array();
+        for (j, value) in theta.iter_mut().enumerate() {
+            let limit = if j < 3 { 0.5 } else { 1.0 };
+            let step = if step[j] > limit {
+                limit
+            } else if step[j] < -limit {
+                -limit
+            } else {
+                step[j]
+            };
+            *value += step * scale[j];
+        }
+        bounded(theta)
+    }
+
+    /// Variance of an error that counts alone: neighbouring errors are alike.
+    fn variance(&self) -> f32 {
+        let sums = &self.best_sums;
+        let correlation = sums.lagged / sums.cost;
+        let correlation = if correlation > CORRELATION_MAX {
+            CORRELATION_MAX
+        } else if correlation > 0.0 {
+            correlation
+        } else {
+            0.0
+        };
+        let factor = (1.0 + correlation) / (1.0 - correlation);
+        factor * sums.cost / (sums.count + 1.0)
+    }
+
+    /// Standard deviations of the parameters in their scales; infinite when they are not known.
+    pub(crate) fn std(&self) -> [f32; PARAMETERS] {
+        let mut normal = self.best_sums.normal;
+        let variance = self.variance();
+        for j in 0..PARAMETERS {
+            normal[j][j] += variance / (PRIOR[j] * PRIOR[j]);
+        }
+        let Some(factor) = cholesky(&normal) else {
+            return [f32::INFINITY; PARAMETERS];
+        };
+        let mut std = [0.0; PARAMETERS];
+        let mut cross = 0.0;
+        for (j, std) in std.iter_mut().enumerate() {
+            let mut unit = [0.0; PARAMETERS];
+            unit[j] = 1.0;
+            let column = backward(&factor, forward(&factor, unit));
+            *std = sqrt(variance * column[j]);
+            if j == 2 {
+                cross = variance * column[0];
+            }
+        }
+        let gain = std[2] * std[2] + std[0] * std[0] - 2.0 * cross;
+        std[2] = sqrt(gain);
+        std
+    }
+
+    pub(crate) const fn best(&self) -> Theta {
+        self.best
+    }
+
+    /// Number after the last point of the fit.
+    pub(crate) const fn end(&self) -> usize {
+        self.view.end
+    }
+
+    /// Whether the last pass has gained next to nothing, or there were `most` of them.
+    pub(crate) const fn is_done(&self, most: u32) -> bool {
+        self.converged || self.passes >= most
+    }
+}
+
+/// Parameters that a drive can have.
+fn bounded(theta: [f32; PARAMETERS]) -> Theta {
+    let within = |x: f32, low: f32, high: f32| {
+        if x > high {
+            high
+        } else if x > low {
+            x
+        } else {
+            low
+        }
+    };
+    let [a1, a2, b0, dead_zone, offset, friction, delay, kappa] = theta;
+    let a1 = within(a1, 9.0, 9e4);
+    let w = sqrt(a1);
+    let b0 = within(b0, 1e-3 * a1, 50.0 * a1);
+    Theta {
+        a1,
+        a2: within(a2, 0.02 * w, 8.0 * w),
+        b0,
+        dead_zone: within(dead_zone, 0.0, 0.3),
+        offset: within(offset, -0.3, 0.3),
+        friction: within(friction, 0.0, b0 / w),
+        delay: within(delay, 0.0, 0.03),
+        kappa: within(kappa, 0.0, 2.0 * w),
+    }
+}
+
+impl Sums {
+    #[inline]
+    fn add(&mut self, slope: &[f32; PARAMETERS], error: f32) {
+        for (row, (si, (sum, line))) in slope
+            .iter()
+            .zip(self.gradient.iter_mut().zip(&mut self.normal))
+            .enumerate()
+        {
+            *sum += si * error;
+            for (sum, sj) in line.iter_mut().zip(slope).take(row + 1) {
+                *sum += si * sj;
+            }
+        }
+        self.cost += error * error;
+        self.lagged += error * self.last;
+        self.last = error;
+        self.count += 1.0;
+    }
+}
+
+/// A model in free simulation beside the record.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Simulation {
+    view: View,
+    theta: Theta,
+    gains: [f32; 3],
+    at: Prediction,
+    next: usize,
+    /// Point from which the model runs by itself.
+    release: usize,
+    origin: f32,
+    sums: [f32; 3],
+    count: f32,
+}
+
+impl Simulation {
+    /// Begins with a correction that ends at `release`.
+    pub(crate) fn new(
+        record: &Record,
+        view: View,
+        theta: Theta,
+        ratio: f32,
+        release: usize,
+    ) -> Self {
+        let first = Point::of(record, view.begin, view.time, view.rest_velocity);
+        let rate = ratio * sqrt(theta.a1);
+        let rate = if rate * view.time < STEP_MAX {
+            rate
+        } else {
+            STEP_MAX / view.time
+        };
+        Self {
+            view,
+            theta,
+            gains: theta.gains(rate, view.time),
+            at: Prediction {
+                x: first.y,
+                v: first.velocity,
+                p: theta.a2 * first.velocity + theta.friction * first.direction,
+            },
+            next: view.begin,
+            release,
+            origin: record.y(release),
+            sums: [0.0; 3],
+            count: 0.0,
+        }
+    }
+
+    /// Takes `points` more; at the end the mean squared error and the variance of the position.
+    ///
+    /// Cost: some 120 instructions per point.
+    pub(crate) fn advance(&mut self, record: &Record, points: usize) -> Option<[f32; 2]> {
+        let inverse = 1.0 / self.view.time;
+        for _ in 0..points {
+            let i = self.next;
+            if i + REACH >= self.view.end {
+                let [sse, sum, squares] = self.sums;
+                let mean = sum / self.count;
+                return Some([sse / self.count, squares / self.count - mean * mean]);
+            }
+            let point = Point::of(record, i, self.view.time, self.view.rest_velocity);
+            let error = point.y - self.at.x;
+            if i < self.release {
+                if point.direction == 0.0 {
+                    self.at.x = point.y;
+                } else {
+                    self.at.x += self.gains[0] * error;
+                    self.at.v += self.gains[1] * error;
+                    self.at.p += self.gains[2] * error;
+                }
+            } else {
+                let moved = point.y - self.origin;
+                self.sums[0] += error * error;
+                self.sums[1] += moved;
+                self.sums[2] += moved * moved;
+                self.count += 1.0;
+            }
+            let flow = self.theta.flow_at(record, self.view.sign, i, inverse);
+            self.theta
+                .advance(&mut self.at, flow, point.direction, point.time);
+            self.next += 1;
+        }
+        None
+    }
+}

@@ -1,0 +1,155 @@
+//! The model of the fit: a drive of third order behind a delayed valve, corrected by the record as it goes.
+
+use crate::servo::commissioning::record::Record;
+
+/// Number of parameters.
+pub(crate) const PARAMETERS: usize = 8;
+
+/// The parameters in the order of the fit; positions are in travels.
+///
+/// ```text
+/// v' = p - a2 v - F s        p' = b0 f(u(t - tau)) - a1 v - kappa |f| p        f(u) = q(u + offset)
+/// ```
+///
+/// s is the direction of the measured motion; kappa is the loss of flow under load of an open valve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Theta {
+    pub(crate) a1: f32,
+    pub(crate) a2: f32,
+    pub(crate) b0: f32,
+    pub(crate) dead_zone: f32,
+    pub(crate) offset: f32,
+    pub(crate) friction: f32,
+    pub(crate) delay: f32,
+    pub(crate) kappa: f32,
+}
+
+/// Position, velocity, drive.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Prediction {
+    pub(crate) x: f32,
+    pub(crate) v: f32,
+    pub(crate) p: f32,
+}
+
+/// What a point of the record shows beside position and command.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Point {
+    /// Spacing of the points in s.
+    pub(crate) time: f32,
+    /// Position.
+    pub(crate) y: f32,
+    /// Mean velocity about this point.
+    pub(crate) velocity: f32,
+    /// Direction of the motion, 0 at rest.
+    pub(crate) direction: f32,
+}
+
+/// Points on each side of which the mean velocity is taken.
+pub(crate) const REACH: usize = 3;
+
+impl Point {
+    /// Point `i` of a record with `REACH` more points on each side.
+    #[inline]
+    pub(crate) fn of(record: &Record, i: usize, time: f32, rest_velocity: f32) -> Self {
+        let span = 2.0 * REACH as f32 * time;
+        let velocity = (record.y(i + REACH) - record.y(i.saturating_sub(REACH))) / span;
+        let direction = if velocity > rest_velocity {
+            1.0
+        } else if velocity < -rest_velocity {
+            -1.0
+        } else {
+            0.0
+        };
+        Self {
+            time,
+            y: record.y(i),
+            velocity,
+            direction,
+        }
+    }
+}
+
+impl Theta {
+    pub(crate) fn to_array(self) -> [f32; PARAMETERS] {
+        let Self {
+            a1,
+            a2,
+            b0,
+            dead_zone,
+            offset,
+            friction,
+            delay,
+            kappa,
+        } = self;
+        [a1, a2, b0, dead_zone, offset, friction, delay, kappa]
+    }
+
+    pub(crate) fn from_array(theta: [f32; PARAMETERS]) -> Self {
+        let [a1, a2, b0, dead_zone, offset, friction, delay, kappa] = theta;
+        Self {
+            a1,
+            a2,
+            b0,
+            dead_zone,
+            offset,
+            friction,
+            delay,
+            kappa,
+        }
+    }
+
+    /// Flow of a command.
+    #[inline]
+    fn flow(&self, command: f32) -> f32 {
+        let (d, opening) = (self.dead_zone, command + self.offset);
+        if opening > d {
+            opening - d
+        } else if opening < -d {
+            opening + d
+        } else {
+            0.0
+        }
+    }
+
+    /// Mean flow of the interval that begins at point `i`, with the delay in parts of the spacing.
+    #[inline]
+    pub(crate) fn flow_at(&self, record: &Record, sign: f32, i: usize, inverse_time: f32) -> f32 {
+        let back = self.delay * inverse_time;
+        let whole = back as usize;
+        let part = back - whole as f32;
+        let newer = self.flow(sign * record.u(i, whole));
+        let older = self.flow(sign * record.u(i, whole + 1));
+        newer + part * (older - newer)
+    }
+
+    /// Moves a prediction on by the spacing of the points. Cost: about 60 instructions.
+    #[inline]
+    pub(crate) fn advance(&self, at: &mut Prediction, flow: f32, direction: f32, time: f32) {
+        let k = self.kappa * if flow < 0.0 { -flow } else { flow };
+        if direction == 0.0 {
+            // At rest only the drive changes.
+            at.p += time * (self.b0 * flow - k * at.p);
+            at.v = 0.0;
+            return;
+        }
+        let step = |v: f32, p: f32| (p - self.a2 * v, -self.a1 * v - k * p);
+        let (dv, dp) = step(at.v, at.p);
+        let (v1, p1) = (dv - self.friction * direction, dp + self.b0 * flow);
+        let (v2, p2) = step(v1, p1);
+        let (v3, p3) = step(v2, p2);
+        let (v4, p4) = step(v3, p3);
+        let (h2, h3, h4) = (0.5 * time, time * (1.0 / 3.0), 0.25 * time);
+        at.x += time * (at.v + h2 * (v1 + h3 * (v2 + h4 * v3)));
+        at.v += time * (v1 + h2 * (v2 + h3 * (v3 + h4 * v4)));
+        at.p += time * (p1 + h2 * (p2 + h3 * (p3 + h4 * p4)));
+    }
+
+    /// Gains, per point, of a correction with three poles at `-rate`.
+    pub(crate) fn gains(&self, rate: f32, time: f32) -> [f32; 3] {
+        let l1 = 3.0 * rate - self.a2;
+        let l2 = 3.0 * rate * rate - self.a2 * l1 - self.a1;
+        let l3 = rate * rate * rate - self.a2 * l2 - self.a1 * l1;
+        [time * l1, time * l2, time * (l3 + self.a2 * l2)]
+    }
+}

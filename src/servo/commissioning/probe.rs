@@ -1,0 +1,108 @@
+//! Stage 1: growing triangles of the command until the axis moves.
+
+use crate::servo::commissioning::rest::Still;
+
+/// Slope of the command per s.
+const RATE: f32 = 1.5;
+/// Peaks of the triangles, each there and back on both sides.
+const PEAKS: [f32; 3] = [0.25, 0.45, 0.45];
+/// Growth of the first peak per attempt after one that changed no code, up to the others.
+const PEAK_STEP: f32 = 0.1;
+/// Time in s by which the motion comes after the command that caused it.
+const LATENESS: f32 = 0.02;
+
+/// What the triangles have led to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Probed {
+    /// This command is next.
+    Command(f32),
+    /// The axis moved: sign of the valve, and the size of the command that did it.
+    Moved { sign: f32, command: f32 },
+    /// No code has ever changed.
+    SameCode,
+    /// The largest command moved nothing.
+    Still,
+}
+
+/// The triangles, and the mean of the last positions.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Probe {
+    time: f32,
+    recent: [f32; 3],
+    changed: bool,
+    /// Attempts before this one that changed no code.
+    asked_again: u8,
+}
+
+impl Probe {
+    /// Triangles after `asked_again` attempts that changed no code.
+    pub(crate) fn new(asked_again: u8) -> Self {
+        Self {
+            asked_again,
+            ..Self::default()
+        }
+    }
+
+    /// The peaks of this attempt: the first one grows when the user asks again.
+    fn peaks(&self) -> [f32; 3] {
+        let [first, most, _] = PEAKS;
+        let grown = first + PEAK_STEP * f32::from(self.asked_again);
+        [if grown < most { grown } else { most }, most, most]
+    }
+
+    /// The command after `time` s; `None` when all triangles are over.
+    fn command(&self, mut time: f32, scale: f32) -> Option<f32> {
+        if time < 0.0 {
+            return Some(0.0);
+        }
+        for peak in self.peaks() {
+            let peak = scale * peak;
+            let side = 2.0 * peak / RATE;
+            for sign in [1.0, -1.0] {
+                if time < side {
+                    let up = RATE * time;
+                    let down = RATE * (side - time);
+                    return Some(sign * if up < down { up } else { down });
+                }
+                time -= side;
+            }
+        }
+        None
+    }
+
+    /// Takes a position. `scale` is 1 or less and shrinks the triangles.
+    pub(crate) fn update(
+        &mut self,
+        y: f32,
+        same_code: bool,
+        still: &Still,
+        step: f32,
+        scale: f32,
+    ) -> Probed {
+        if self.time == 0.0 {
+            self.recent = [y; 3];
+        }
+        self.changed |= !same_code;
+        self.recent = [y, self.recent[0], self.recent[1]];
+        let mean = (self.recent[0] + self.recent[1] + self.recent[2]) * (1.0 / 3.0);
+        let rested = still.place + still.drift * (still.since + self.time);
+        let away = mean - rested;
+        if away > still.detection || away < -still.detection {
+            let late = self.command(self.time - LATENESS, scale).unwrap_or(0.0);
+            let same = (away > 0.0) == (late >= 0.0);
+            let now = self.command(self.time, scale).unwrap_or(0.0);
+            let command = if late < 0.0 { -late } else { late };
+            return Probed::Moved {
+                sign: if same { 1.0 } else { -1.0 },
+                command: if command > 0.0 { command } else { now.abs() },
+            };
+        }
+        self.time += step;
+        let first = 4.0 * scale * self.peaks()[0] / RATE;
+        if self.time > first && !self.changed {
+            return Probed::SameCode;
+        }
+        self.command(self.time, scale)
+            .map_or(Probed::Still, Probed::Command)
+    }
+}

@@ -1,0 +1,229 @@
+//! A first model by linear regression on filtered signals, for several delays at once.
+
+use crate::math::matrix::{Matrix, backward, cholesky, forward};
+use crate::math::sqrt;
+use crate::servo::commissioning::fit::View;
+use crate::servo::commissioning::predictor::{Point, REACH, Theta};
+use crate::servo::commissioning::record::Record;
+
+/// Parameters: a1, a2, b0, b0 times the dead zone, friction, constant.
+const TERMS: usize = 6;
+/// Delays of the valve in s that are compared, beside the one that was stated.
+const DELAYS: [f32; 3] = [5e-3, 9e-3, 14e-3];
+const COMPARED: usize = DELAYS.len() + 1;
+/// Points of filtered commands that are kept for the delays.
+const KEPT: usize = 32;
+/// Times over 1/rate in which the filters settle, at first and after a start of the axis.
+const SETTLED: f32 = 4.0;
+const STARTED: f32 = 1.2;
+
+/// A filter rate^3/(s + rate)^3 of a signal and its derivatives.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Filter {
+    state: [f32; 3],
+}
+
+impl Filter {
+    /// Third derivative of the output under an input.
+    #[inline]
+    fn highest([z, z1, z2]: [f32; 3], input: f32, rate: f32) -> f32 {
+        rate * (rate * (rate * (input - z) - 3.0 * z1) - 3.0 * z2)
+    }
+
+    /// One spacing on under a held input: Taylor series to the fifth derivative.
+    #[inline]
+    fn advance(&mut self, input: f32, rate: f32, time: f32) {
+        let [z, z1, z2] = self.state;
+        let z3 = Self::highest([z, z1, z2], input, rate);
+        let z4 = Self::highest([z1, z2, z3], 0.0, rate);
+        let z5 = Self::highest([z2, z3, z4], 0.0, rate);
+        let (h2, h3, h4) = (0.5 * time, time * (1.0 / 3.0), 0.25 * time);
+        self.state = [
+            z + time * (z1 + h2 * (z2 + h3 * (z3 + h4 * (z4 + 0.2 * time * z5)))),
+            z1 + time * (z2 + h2 * (z3 + h3 * (z4 + h4 * z5))),
+            z2 + time * (z3 + h2 * (z4 + h3 * z5)),
+        ];
+    }
+}
+
+/// Normal equations of one delay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Normal {
+    matrix: Matrix<TERMS>,
+    right: [f32; TERMS],
+}
+
+/// The regression, a few points per sample.
+///
+/// ```text
+/// y''' = - a1 y' - a2 y'' + b0 q(u(t - tau)) - b0 (dz - dz0) sgn(u(t - tau)) - F d/dt sgn(v) + constant
+/// ```
+///
+/// All signals pass the same filter, so that no derivative is taken of the position. Filtered commands are smooth: a
+/// delay is read between them. The delay with the smallest error wins.
+///
+/// Known as: state-variable filter, least squares (Young 1981).
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Regression {
+    view: View,
+    rate: f32,
+    dead_zone: f32,
+    position: Filter,
+    active: Filter,
+    sign: Filter,
+    direction: Filter,
+    kept: [[f32; 2]; KEPT],
+    next: usize,
+    moving: u32,
+    origin: f32,
+    squares: f32,
+    delays: [f32; COMPARED],
+    normals: [Normal; COMPARED],
+}
+
+impl Regression {
+    /// `stated` is the delay that the user knows or guesses.
+    pub(crate) const fn new(stated: f32) -> Self {
+        let [second, third, fourth] = DELAYS;
+        Self {
+            delays: [stated, second, third, fourth],
+            view: View::EMPTY,
+            rate: 1.0,
+            dead_zone: 0.0,
+            position: Filter { state: [0.0; 3] },
+            active: Filter { state: [0.0; 3] },
+            sign: Filter { state: [0.0; 3] },
+            direction: Filter { state: [0.0; 3] },
+            kept: [[0.0; 2]; KEPT],
+            next: 0,
+            moving: 0,
+            origin: 0.0,
+            squares: 0.0,
+            normals: [Normal {
+                matrix: [[0.0; TERMS]; TERMS],
+                right: [0.0; TERMS],
+            }; COMPARED],
+        }
+    }
+
+    /// Begins with filters of this rate and a dead zone that is surely not larger than the true one.
+    pub(crate) fn begin(&mut self, record: &Record, view: View, rate: f32, dead_zone: f32) {
+        *self = Self {
+            view,
+            rate: rate.min(0.35 / view.time),
+            dead_zone,
+            next: view.begin,
+            origin: record.y(view.begin),
+            ..Self::new(self.delays[0])
+        };
+    }
+
+    /// Takes `points` more; whether it is over. Cost: some 900 instructions per point.
+    pub(crate) fn advance(&mut self, record: &Record, points: usize) -> bool {
+        let time = self.view.time;
+        let settled = self.view.begin + (SETTLED / (self.rate * time)) as usize;
+        let started = (STARTED / (self.rate * time)) as u32;
+        for _ in 0..points {
+            let i = self.next;
+            if i + REACH + 1 >= self.view.end {
+                return true;
+            }
+            let point = Point::of(record, i, time, self.view.rest_velocity);
+            self.moving = if point.direction == 0.0 {
+                0
+            } else {
+                self.moving.saturating_add(1)
+            };
+            self.kept[i % KEPT] = [self.active.state[0], self.sign.state[0]];
+            if i >= settled && self.moving > started {
+                self.add(i, point.y - self.origin);
+            }
+            let u = self.view.sign * record.u(i, 0);
+            let d = self.dead_zone;
+            let (active, sign) = if u > d {
+                (u - d, 1.0)
+            } else if u < -d {
+                (u + d, -1.0)
+            } else {
+                (0.0, 0.0)
+            };
+            let y = 0.5 * (point.y + record.y(i + 1)) - self.origin;
+            self.position.advance(y, self.rate, time);
+            self.active.advance(active, self.rate, time);
+            self.sign.advance(sign, self.rate, time);
+            self.direction.advance(point.direction, self.rate, time);
+            self.next += 1;
+        }
+        false
+    }
+
+    /// Adds the equation of point `i` to the sums of every delay.
+    fn add(&mut self, i: usize, y: f32) {
+        let rate = self.rate;
+        let state = self.position.state;
+        let cube = rate * rate * rate;
+        // In units of the filter, so that all terms are of one size.
+        let target = Filter::highest(state, y, rate) / cube;
+        let (first, second) = (state[1] / rate, state[2] / (rate * rate));
+        let friction = self.direction.state[1] / rate;
+        self.squares += target * target;
+        for (normal, delay) in self.normals.iter_mut().zip(self.delays) {
+            let back = delay / self.view.time;
+            let whole = back as usize;
+            let part = back - whole as f32;
+            let newer = self.kept[(i + KEPT - whole) % KEPT];
+            let older = self.kept[(i + KEPT - whole - 1) % KEPT];
+            let read = |k: usize| newer[k] + part * (older[k] - newer[k]);
+            let row = [-first, -second, read(0), -read(1), -friction, 1.0];
+            for (j, a) in row.iter().enumerate() {
+                normal.right[j] += a * target;
+                for (sum, b) in normal.matrix[j].iter_mut().zip(&row).take(j + 1) {
+                    *sum += a * b;
+                }
+            }
+        }
+    }
+
+    /// The model of the delay with the smallest error; nothing when no delay gives a drive.
+    pub(crate) fn best(&self) -> Option<Theta> {
+        let mut best: Option<(f32, Theta)> = None;
+        for (normal, delay) in self.normals.iter().zip(self.delays) {
+            let Some((error, theta)) = self.solve(normal, delay) else {
+                continue;
+            };
+            if best.is_none_or(|(other, _)| error < other) {
+                best = Some((error, theta));
+            }
+        }
+        best.map(|(_, theta)| theta)
+    }
+
+    fn solve(&self, normal: &Normal, delay: f32) -> Option<(f32, Theta)> {
+        let mut matrix = normal.matrix;
+        for (j, row) in matrix.iter_mut().enumerate() {
+            row[j] *= 1.0 + 1e-4;
+        }
+        let factor = cholesky(&matrix)?;
+        let found = backward(&factor, forward(&factor, normal.right));
+        let explained: f32 = found.iter().zip(&normal.right).map(|(a, b)| a * b).sum();
+        let rate = self.rate;
+        let [a1, a2, b0, null, friction, constant] = found;
+        let (a1, a2, b0) = (a1 * rate * rate, a2 * rate, b0 * rate * rate * rate);
+        if !(a1 > 9.0 && a1 < 9e4 && b0 > 1e-3 * a1 && b0 < 50.0 * a1) {
+            return None;
+        }
+        let w = sqrt(a1);
+        let gain = b0 / (rate * rate * rate);
+        let theta = Theta {
+            a1,
+            a2: a2.clamp(0.02 * w, 8.0 * w),
+            b0,
+            dead_zone: (self.dead_zone + null / gain).clamp(0.0, 0.3),
+            offset: (constant / gain).clamp(-0.3, 0.3),
+            friction: (friction * rate * rate).clamp(0.0, b0 / w),
+            delay,
+            kappa: 0.0,
+        };
+        Some((self.squares - explained, theta))
+    }
+}

@@ -1,0 +1,141 @@
+//! Stage 1b: a relay about the start, which is brake, test of the sign and first time scale at once.
+
+/// Time in s by which the velocity leads the position.
+const LEAD: f32 = 0.04;
+/// Switches that end the stage, the one at the first movement included, and its longest time in s.
+const SWITCHES: u32 = 3;
+const TIME_MAX: f32 = 0.8;
+/// Command over that at the first movement, its least value, and its growth per s beyond this time on one side.
+const RATIO: f32 = 1.5;
+const COMMAND_MIN: f32 = 0.08;
+const GROWTH: f32 = 1.0;
+const GROWTH_AFTER: f32 = 0.05;
+/// Time in s of inward command after which an axis this far out (travels) that gains this speed (travels per s) outward
+/// within the last 30 ms obeys the other sign.
+const SIGN_TIME: f32 = 0.15;
+const SIGN_DISTANCE: f32 = 0.03;
+const SIGN_SPEED: f32 = 0.1;
+const SIGN_LOOK: f32 = 0.03;
+/// The same for an axis that runs away fast: time in s, and outward speed in travels per s, at least twice the first one.
+const FAST_TIME: f32 = 0.06;
+const FAST_SPEED: f32 = 0.25;
+/// Changes of the sign that are one too many.
+const FLIPS_MAX: u32 = 2;
+
+/// What the relay has led to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Relayed {
+    /// This command is next, with this sign of the valve.
+    Command { command: f32, sign: f32 },
+    /// The axis obeys: half a period of the relay in s.
+    Obeys { half: f32, sign: f32 },
+    /// The axis moves as it likes.
+    Disobeys,
+}
+
+/// The relay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Relay {
+    place: f32,
+    /// Hysteresis, and command at the first movement.
+    hysteresis: f32,
+    command: f32,
+    sign: f32,
+    time: f32,
+    /// Time since the last switch and the interval before it.
+    since: f32,
+    half: f32,
+    switches: u32,
+    flips: u32,
+    /// Side of the axis that is braked: 1 above, -1 below.
+    side: f32,
+    /// Outward speed at the begin or the last switch, some 30 ms ago, and the time since.
+    first: f32,
+    before: f32,
+    looked: f32,
+}
+
+impl Relay {
+    /// A relay about `place`, after a `command` moved the axis to `side` of it.
+    pub(crate) fn new(place: f32, detection: f32, command: f32, sign: f32, side: f32) -> Self {
+        let command = RATIO * command;
+        Self {
+            place,
+            hysteresis: 0.5 * detection,
+            command: if command > COMMAND_MIN {
+                command
+            } else {
+                COMMAND_MIN
+            },
+            sign,
+            time: 0.0,
+            since: 0.0,
+            half: 0.0,
+            switches: 1,
+            flips: 0,
+            side,
+            first: 0.0,
+            before: 0.0,
+            looked: 0.0,
+        }
+    }
+
+    /// Takes a position and a velocity.
+    pub(crate) fn update(&mut self, y: f32, v: f32, step: f32, amplitude: f32) -> Relayed {
+        self.time += step;
+        self.since += step;
+        self.looked += step;
+        let ahead = y + LEAD * v - self.place;
+        if ahead * self.side < -self.hysteresis {
+            self.side = -self.side;
+            self.half = self.since;
+            self.since = 0.0;
+            self.looked = 0.0;
+            self.before = self.side * v;
+            self.first = self.before;
+            self.switches += 1;
+        }
+        if self.looked > SIGN_LOOK {
+            let outward = self.side * v;
+            let gained = outward - self.before;
+            self.before = outward;
+            self.looked = 0.0;
+            let out = self.side * (y - self.place) > SIGN_DISTANCE;
+            let slowly = self.since > SIGN_TIME && out;
+            let fast = self.since > FAST_TIME
+                && outward > FAST_SPEED
+                && outward > 2.0 * self.first
+                && self.switches == 1;
+            if (slowly || fast) && gained > SIGN_SPEED {
+                self.first = outward;
+                self.sign = -self.sign;
+                self.flips += 1;
+                self.since = 0.0;
+                self.half = 0.0;
+                self.switches = 1;
+                // The other sign deserves the time that the first one had.
+                self.time = 0.0;
+            }
+        }
+        if self.flips > FLIPS_MAX {
+            return Relayed::Disobeys;
+        }
+        let over = self.switches >= SWITCHES || self.time > TIME_MAX;
+        if over && self.half > 0.0 {
+            return Relayed::Obeys {
+                half: self.half,
+                sign: self.sign,
+            };
+        }
+        if self.time > 2.0 * TIME_MAX {
+            return Relayed::Disobeys;
+        }
+        let late = self.since - GROWTH_AFTER;
+        let grown = self.command + if late > 0.0 { GROWTH * late } else { 0.0 };
+        let size = if grown < amplitude { grown } else { amplitude };
+        Relayed::Command {
+            command: -self.sign * self.side * size,
+            sign: self.sign,
+        }
+    }
+}

@@ -1,0 +1,308 @@
+//! Stages 3 and 4: fits from several starts, free simulation of later samples, and agreement of two estimates.
+
+use crate::math::sqrt;
+use crate::servo::commissioning::fit::{Fit, Simulation, View};
+use crate::servo::commissioning::predictor::Theta;
+use crate::servo::commissioning::record::{POINTS, Record};
+use crate::servo::commissioning::regression::Regression;
+use crate::servo::supervision::state::Reason;
+
+/// Points of the ring that a fit reads; the others come while it does.
+const WINDOW: usize = 384;
+/// Points of a fit and of a simulation per s: some 4 million instructions.
+const FIT_POINTS: f32 = 3e3;
+const SIMULATION_POINTS: f32 = 2e4;
+/// Natural frequencies in rad/s at which a fit starts, beside what is known.
+const STARTS: [f32; 3] = [80.0, 40.0, 17.0];
+/// Most passes of a refinement.
+const REFINE_PASSES: u32 = 8;
+/// Rate of the correction over the natural frequency.
+const CORRECTION: f32 = 2.0;
+/// Standard deviation of the position in travels below which a movement shows nothing.
+const MOVEMENT_MIN: f32 = 0.005;
+/// Length of a free simulation over 1/w0, and its range in s.
+const HOLD_OUT: f32 = 4.5;
+const HOLD_OUT_RANGE: [f32; 2] = [0.1, 0.4];
+
+/// Bounds of an accepted model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Bounds {
+    /// Largest error of a free simulation over the movement, squared.
+    pub(crate) misfit: f32,
+    /// Largest relative change of gain and natural frequency, and change of damping, between two estimates.
+    pub(crate) change: [f32; 3],
+    /// Largest relative standard deviation of gain and frequency, and standard deviation of the damping.
+    pub(crate) std: [f32; 3],
+}
+
+const BOUNDS: Bounds = Bounds {
+    misfit: 0.25 * 0.25,
+    change: [0.15, 0.08, 0.15],
+    std: [0.12, 0.07, 0.15],
+};
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Phase {
+    /// Until the record has this many points.
+    Waiting(usize),
+    /// A fit from a start; its free simulation.
+    Trying(usize),
+    Ranking(usize),
+    Refining,
+    /// Until the record has this many points; then those from the first number on are simulated.
+    Holding(usize, usize),
+    Validating,
+}
+
+/// The search for a model.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Search {
+    phase: Phase,
+    regression: Regression,
+    fit: Fit,
+    simulation: Option<Simulation>,
+    starts: [f32; STARTS.len() + 1],
+    best: Option<(Theta, f32)>,
+    previous: Option<Theta>,
+    failures: u32,
+    /// Spacing, velocity of rest, sign of the valve, sigma of the position.
+    view: View,
+    variance: f32,
+    /// Dead zone of a start.
+    dead_zone: f32,
+    /// Why the last estimate was not accepted.
+    refusal: Option<Reason>,
+    latest: Option<Theta>,
+    /// Result of the present start.
+    started: Option<Theta>,
+    /// Points of a fit and of a simulation per sample.
+    pace: [usize; 2],
+}
+
+/// Velocity gain, natural frequency, damping.
+pub(crate) fn physical(theta: &Theta) -> [f32; 3] {
+    let w = sqrt(theta.a1);
+    [theta.b0 / theta.a1, w, 0.5 * theta.a2 / w]
+}
+
+impl Search {
+    pub(crate) fn new(sample_time: f32, delay: f32) -> Self {
+        let pace = [FIT_POINTS, SIMULATION_POINTS].map(|rate| (rate * sample_time + 0.6) as usize);
+        Self {
+            pace: pace.map(|points| points.clamp(1, WINDOW)),
+            phase: Phase::Waiting(usize::MAX),
+            regression: Regression::new(delay),
+            fit: Fit::new(),
+            simulation: None,
+            starts: [0.0; STARTS.len() + 1],
+            best: None,
+            previous: None,
+            failures: 0,
+            view: View::EMPTY,
+            variance: 0.0,
+            dead_zone: 0.0,
+            refusal: None,
+            latest: None,
+            started: None,
+        }
+    }
+
+    /// Begins when the record has `points`, with a first guess of the natural frequency.
+    pub(crate) fn begin(
+        &mut self,
+        points: usize,
+        view: View,
+        sigma: f32,
+        [frequency, dead_zone]: [f32; 2],
+    ) {
+        self.phase = Phase::Waiting(points);
+        self.view = view;
+        self.variance = sigma * sigma;
+        self.starts[0] = frequency;
+        self.starts[1..].copy_from_slice(&STARTS);
+        self.dead_zone = dead_zone;
+        self.best = None;
+        self.previous = None;
+        self.latest = None;
+        self.failures = 0;
+        self.refusal = None;
+    }
+
+    /// Why the last estimate was not accepted.
+    pub(crate) const fn refusal(&self) -> Option<Reason> {
+        self.refusal
+    }
+
+    /// The newest estimate that is worth something for the excitation.
+    pub(crate) const fn latest(&self) -> Option<&Theta> {
+        self.latest.as_ref()
+    }
+
+    fn window(&self, record: &Record) -> View {
+        let end = record.end();
+        View {
+            begin: end.saturating_sub(WINDOW),
+            end,
+            ..self.view
+        }
+    }
+
+    fn points(&self, theta: &Theta) -> usize {
+        let [low, high] = HOLD_OUT_RANGE;
+        let time = (HOLD_OUT / sqrt(theta.a1)).clamp(low, high);
+        (time / self.view.time) as usize
+    }
+
+    /// One sample; a model, when one is accepted. `slack` widens the bounds.
+    pub(crate) fn update(&mut self, record: &Record, slack: f32) -> Option<Theta> {
+        match self.phase {
+            Phase::Waiting(points) => {
+                if record.end() >= points {
+                    self.attempt(record, 0);
+                }
+            }
+            Phase::Trying(k) => {
+                if self.regression.advance(record, self.pace[0]) {
+                    self.started = self.regression.best();
+                    match self.started {
+                        Some(theta) => {
+                            let view = self.window(record);
+                            let release = view.end - (view.end - view.begin) * 2 / 5;
+                            self.simulate(record, view, theta, release);
+                            self.phase = Phase::Ranking(k);
+                        }
+                        None => self.ranked(record, k, f32::NAN),
+                    }
+                }
+            }
+            Phase::Ranking(k) => self.rank(record, k),
+            Phase::Refining => {
+                if self.fit.advance(record, self.pace[0]) {
+                    self.fit.next_pass(record);
+                    if self.fit.is_done(REFINE_PASSES) {
+                        let theta = self.fit.best();
+                        let from = self.fit.end();
+                        self.phase = Phase::Holding(from, from + self.points(&theta));
+                    }
+                }
+            }
+            Phase::Holding(from, until) => {
+                if record.end() >= until {
+                    let view = self.window(record);
+                    self.simulate(record, view, self.fit.best(), from);
+                    self.phase = Phase::Validating;
+                }
+            }
+            Phase::Validating => return self.judge(record, slack),
+        }
+        None
+    }
+
+    fn attempt(&mut self, record: &Record, k: usize) {
+        let view = self.window(record);
+        let rate = self.starts[k];
+        self.regression.begin(record, view, rate, self.dead_zone);
+        self.phase = Phase::Trying(k);
+    }
+
+    fn simulate(&mut self, record: &Record, view: View, theta: Theta, release: usize) {
+        self.simulation = Some(Simulation::new(record, view, theta, CORRECTION, release));
+    }
+
+    /// Error over movement, squared, at the end of the simulation.
+    fn misfit(&mut self, record: &Record) -> Option<[f32; 2]> {
+        let [error, moved] = self.simulation.as_mut()?.advance(record, self.pace[1])?;
+        let noise = 9.0 * self.variance;
+        Some([
+            error / (moved + MOVEMENT_MIN * MOVEMENT_MIN),
+            if error < noise { 1.0 } else { 0.0 },
+        ])
+    }
+
+    fn rank(&mut self, record: &Record, k: usize) {
+        if let Some([misfit, _]) = self.misfit(record) {
+            self.ranked(record, k, misfit);
+        }
+    }
+
+    /// Takes the misfit of a start; the best one is refined when all are there.
+    fn ranked(&mut self, record: &Record, k: usize, misfit: f32) {
+        if let Some(theta) = self.started
+            && misfit.is_finite()
+            && self.best.is_none_or(|(_, other)| misfit < other)
+        {
+            self.best = Some((theta, misfit));
+        }
+        if k + 1 < self.starts.len() {
+            self.attempt(record, k + 1);
+        } else if let Some((theta, misfit)) = self.best {
+            if misfit < 0.3 {
+                self.latest = Some(theta);
+            }
+            self.refine(record, theta);
+        } else {
+            self.refusal = Some(Reason::PoorFit);
+            self.attempt(record, 0);
+        }
+    }
+
+    fn refine(&mut self, record: &Record, theta: Theta) {
+        let view = self.window(record);
+        self.fit.begin(record, view, theta, CORRECTION);
+        self.phase = Phase::Refining;
+    }
+
+    fn judge(&mut self, record: &Record, slack: f32) -> Option<Theta> {
+        let [misfit, silent] = self.misfit(record)?;
+        let theta = self.fit.best();
+        let verdict = self.verdict(&theta, misfit, silent > 0.0, slack);
+        self.previous = Some(theta);
+        match verdict {
+            Ok(()) => return Some(theta),
+            Err(reason) => self.refusal = Some(reason),
+        }
+        if misfit < 0.3 {
+            self.latest = Some(theta);
+            self.failures = 0;
+        } else {
+            self.failures += 1;
+        }
+        if self.failures >= 2 {
+            self.failures = 0;
+            self.best = None;
+            self.attempt(record, 0);
+        } else {
+            self.refine(record, theta);
+        }
+        None
+    }
+
+    fn verdict(&self, theta: &Theta, misfit: f32, silent: bool, slack: f32) -> Result<(), Reason> {
+        if !(misfit < slack * slack * BOUNDS.misfit || silent) {
+            return Err(Reason::PoorFit);
+        }
+        let Some(previous) = &self.previous else {
+            return Err(Reason::Uncertain);
+        };
+        let [c, w, xi] = physical(theta);
+        let [other_c, other_w, other_xi] = physical(previous);
+        let changes = [c / other_c - 1.0, w / other_w - 1.0, xi - other_xi];
+        let agrees = changes
+            .iter()
+            .zip(BOUNDS.change)
+            .all(|(change, most)| change.abs() < slack * most);
+        let std = self.fit.std();
+        let stds = [std[2], 0.5 * std[0], 0.5 * std[1] * (theta.a2 / w + 0.1)];
+        let certain = stds
+            .iter()
+            .zip(BOUNDS.std)
+            .all(|(std, most)| *std < slack * most);
+        if agrees && certain {
+            Ok(())
+        } else {
+            Err(Reason::Uncertain)
+        }
+    }
+}
+
+const _: () = assert!(WINDOW < POINTS);

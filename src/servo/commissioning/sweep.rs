@@ -1,0 +1,150 @@
+//! Stage 2: random levels of the command for random times, within a band of the travel.
+
+/// Band about its middle, and the range of the middle, in travels.
+const BAND: f32 = 0.15;
+const MIDDLE: [f32; 2] = [0.28, 0.72];
+/// Places beyond which the command leads inwards whatever else.
+const SAFE: [f32; 2] = [0.05, 0.95];
+/// Least, first and largest amplitude of the flow.
+const AMPLITUDE: [f32; 3] = [0.07, 0.2, 0.4];
+/// Movement within two holds, in travels, below which the amplitude grows and above which it shrinks.
+const MOVEMENT: [f32; 2] = [0.025, 0.1];
+/// Growth and shrinking of the amplitude.
+const GROWTH: f32 = 1.4;
+const SHRINKING: f32 = 0.8;
+
+/// Levels, holds and signs drawn at random; known as APRBS (Isermann and Munchhof 2011).
+///
+/// Levels and holds are drawn again at every reversal, forced ones too: two levels alone cannot tell a dead zone from a
+/// gain. The place where the axis will be when a reversed command takes effect decides about reversals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Sweep {
+    random: u32,
+    middle: f32,
+    /// Half a period of the axis in s.
+    half: f32,
+    dead_zone: f32,
+    offset: f32,
+    amplitude: f32,
+    limit: f32,
+    /// Command along the sign of the axis, and the time for which it is still held.
+    level: f32,
+    left: f32,
+    /// Range of the positions in the present look, and its time.
+    low: f32,
+    high: f32,
+    looked: f32,
+}
+
+impl Sweep {
+    pub(crate) fn new(place: f32, half: f32, dead_zone: f32, limit: f32, attempt: u32) -> Self {
+        let [low, high] = MIDDLE;
+        let middle = if place < low {
+            low
+        } else if place > high {
+            high
+        } else {
+            place
+        };
+        Self {
+            random: (attempt + 1).wrapping_mul(0x9E37_79B9) | 1,
+            middle,
+            half,
+            dead_zone,
+            offset: 0.0,
+            amplitude: AMPLITUDE[1],
+            limit,
+            level: 0.0,
+            left: 0.0,
+            low: place,
+            high: place,
+            looked: 0.0,
+        }
+    }
+
+    /// Whether a place is within the safe travel.
+    pub(crate) fn is_safe(&self, y: f32) -> bool {
+        let [low, high] = SAFE;
+        y > low && y < high
+    }
+
+    /// What a model of the axis says about its time scale and its valve.
+    pub(crate) const fn inform(&mut self, half: f32, dead_zone: f32, offset: f32) {
+        self.half = half;
+        self.dead_zone = dead_zone;
+        self.offset = offset;
+    }
+
+    /// A number from 0 to 1; xorshift (Marsaglia 2003).
+    fn draw(&mut self) -> f32 {
+        self.random ^= self.random << 13;
+        self.random ^= self.random >> 17;
+        self.random ^= self.random << 5;
+        (self.random >> 8) as f32 * (1.0 / 16_777_216.0)
+    }
+
+    /// The next command along the sign of the axis. Cost: about 60 instructions.
+    pub(crate) fn update(&mut self, y: f32, v: f32, step: f32) -> f32 {
+        self.look(y, step);
+        self.left -= step;
+        let ahead = y + (0.45 * self.half + 0.012) * v - self.middle;
+        let end = y + (0.6 * self.half + 0.015) * v;
+        let outward = (end > SAFE[1] && self.level > 0.0) || (end < SAFE[0] && self.level < 0.0);
+        let beyond = (ahead > BAND && self.level > 0.0) || (ahead < -BAND && self.level < 0.0);
+        if outward || beyond {
+            let inward = if self.level > 0.0 { -1.0 } else { 1.0 };
+            self.next(inward, if outward { 0.7 } else { 0.0 });
+        } else if self.left <= 0.0 {
+            let error = (y + 0.3 * self.half * v - self.middle) / BAND;
+            let share = 0.45 * if error < 0.0 { -error } else { error };
+            let inwards = 0.5 + if share < 0.45 { share } else { 0.45 };
+            let inward = if error > 0.0 { -1.0 } else { 1.0 };
+            let sign = if self.draw() < inwards {
+                inward
+            } else {
+                -inward
+            };
+            self.next(sign, 0.0);
+        }
+        self.level
+    }
+
+    fn next(&mut self, sign: f32, least: f32) {
+        let part = 0.35 + 1.15 * self.draw();
+        let flow = (self.amplitude - 0.6 * self.dead_zone) * part;
+        let flow = if flow > 0.05 { flow } else { 0.05 };
+        let size = self.dead_zone + flow;
+        let size = if size > least * self.limit {
+            size
+        } else {
+            least * self.limit
+        };
+        let level = sign * size - self.offset;
+        self.level = if level > self.limit {
+            self.limit
+        } else if level < -self.limit {
+            -self.limit
+        } else {
+            level
+        };
+        self.left = self.half * (0.35 + 0.9 * self.draw());
+    }
+
+    /// The amplitude follows the movement within two holds.
+    fn look(&mut self, y: f32, step: f32) {
+        self.low = if y < self.low { y } else { self.low };
+        self.high = if y > self.high { y } else { self.high };
+        self.looked += step;
+        if self.looked < 2.0 * self.half {
+            return;
+        }
+        let moved = self.high - self.low;
+        let [least, _, most] = AMPLITUDE;
+        if moved < MOVEMENT[0] {
+            self.amplitude = (GROWTH * self.amplitude).min(most);
+        } else if moved > MOVEMENT[1] {
+            self.amplitude = (SHRINKING * self.amplitude).max(least);
+        }
+        (self.low, self.high, self.looked) = (y, y, 0.0);
+    }
+}
