@@ -2,41 +2,18 @@
 
 use crate::math::matrix::{Matrix, backward, cholesky, forward};
 use crate::math::sqrt;
-use crate::servo::commissioning::predictor::{PARAMETERS, Point, Prediction, REACH, Theta};
+use crate::servo::commissioning::predictor::{
+    PARAMETERS, Point, Prediction, REACH, Theta, bounded, scales,
+};
 use crate::servo::commissioning::record::Record;
+use crate::servo::commissioning::view::{STEP_MAX, View};
 
-/// Largest rate of a correction times the spacing of the points.
-const STEP_MAX: f32 = 0.3;
 /// Difference of a parameter, in its scale, from which sensitivities are taken.
 const DIFFERENCE: f32 = 0.02;
 /// Cost over the one before from which a pass has gained next to nothing.
 const CONVERGED: f32 = 0.97;
 /// Points after a start in which the direction of the motion is uncertain.
 const STARTING: u32 = 3;
-
-/// What is read of the record, and how.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct View {
-    /// First point, and the one after the last.
-    pub(crate) begin: usize,
-    pub(crate) end: usize,
-    /// Spacing in s.
-    pub(crate) time: f32,
-    pub(crate) rest_velocity: f32,
-    /// Sign of the valve.
-    pub(crate) sign: f32,
-}
-
-impl View {
-    /// Nothing.
-    pub(crate) const EMPTY: Self = Self {
-        begin: 0,
-        end: 0,
-        time: 1.0,
-        rest_velocity: 0.0,
-        sign: 1.0,
-    };
-}
 
 /// Levenberg-Marquardt on the errors of a prediction that is corrected with a fixed rate.
 ///
@@ -84,21 +61,6 @@ const NO_SUMS: Sums = Sums {
     last: 0.0,
     count: 0.0,
 };
-
-/// What a parameter is varied by: itself, or a part of what it acts on.
-fn scales(theta: &Theta) -> [f32; PARAMETERS] {
-    let w = sqrt(theta.a1);
-    [
-        theta.a1,
-        theta.a2 + 0.1 * w,
-        theta.b0,
-        0.05,
-        0.05,
-        0.1 * theta.b0 / w,
-        0.1 / w,
-        0.5 * w,
-    ]
-}
 
 /// Standard deviations, in scales, with which the parameters are known beforehand: weak, so that nothing runs away.
 const PRIOR: [f32; PARAMETERS] = [5.0, 3.0, 5.0, 2.0, 2.0, 3.0, 5.0, 0.2];
@@ -285,17 +247,17 @@ impl Fit {
         factor * sums.cost / (sums.count + 1.0)
     }
 
-    /// Standard deviations of the parameters in their scales; infinite when they are not known.
-    pub(crate) fn std(&self) -> [f32; PARAMETERS] {
+    /// Standard deviations of a1, a2 and of the gain b0/a1, in the scales of a1, a2 and b0; infinite when they are not known.
+    pub(crate) fn std(&self) -> [f32; 3] {
         let mut normal = self.best_sums.normal;
         let variance = self.variance();
         for j in 0..PARAMETERS {
             normal[j][j] += variance / (PRIOR[j] * PRIOR[j]);
         }
         let Some(factor) = cholesky(&normal) else {
-            return [f32::INFINITY; PARAMETERS];
+            return [f32::INFINITY; 3];
         };
-        let mut std = [0.0; PARAMETERS];
+        let mut std = [0.0; 3];
         let mut cross = 0.0;
         for (j, std) in std.iter_mut().enumerate() {
             let mut unit = [0.0; PARAMETERS];
@@ -326,33 +288,6 @@ impl Fit {
     }
 }
 
-/// Parameters that a drive can have.
-fn bounded(theta: [f32; PARAMETERS]) -> Theta {
-    let within = |x: f32, low: f32, high: f32| {
-        if x > high {
-            high
-        } else if x > low {
-            x
-        } else {
-            low
-        }
-    };
-    let [a1, a2, b0, dead_zone, offset, friction, delay, kappa] = theta;
-    let a1 = within(a1, 9.0, 9e4);
-    let w = sqrt(a1);
-    let b0 = within(b0, 1e-3 * a1, 50.0 * a1);
-    Theta {
-        a1,
-        a2: within(a2, 0.02 * w, 8.0 * w),
-        b0,
-        dead_zone: within(dead_zone, 0.0, 0.3),
-        offset: within(offset, -0.3, 0.3),
-        friction: within(friction, 0.0, b0 / w),
-        delay: within(delay, 0.0, 0.03),
-        kappa: within(kappa, 0.0, 2.0 * w),
-    }
-}
-
 impl Sums {
     #[inline]
     fn add(&mut self, slope: &[f32; PARAMETERS], error: f32) {
@@ -370,91 +305,5 @@ impl Sums {
         self.lagged += error * self.last;
         self.last = error;
         self.count += 1.0;
-    }
-}
-
-/// A model in free simulation beside the record.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Simulation {
-    view: View,
-    theta: Theta,
-    gains: [f32; 3],
-    at: Prediction,
-    next: usize,
-    /// Point from which the model runs by itself.
-    release: usize,
-    origin: f32,
-    sums: [f32; 3],
-    count: f32,
-}
-
-impl Simulation {
-    /// Begins with a correction that ends at `release`.
-    pub(crate) fn new(
-        record: &Record,
-        view: View,
-        theta: Theta,
-        ratio: f32,
-        release: usize,
-    ) -> Self {
-        let first = Point::of(record, view.begin, view.time, view.rest_velocity);
-        let rate = ratio * sqrt(theta.a1);
-        let rate = if rate * view.time < STEP_MAX {
-            rate
-        } else {
-            STEP_MAX / view.time
-        };
-        Self {
-            view,
-            theta,
-            gains: theta.gains(rate, view.time),
-            at: Prediction {
-                x: first.y,
-                v: first.velocity,
-                p: theta.a2 * first.velocity + theta.friction * first.direction,
-            },
-            next: view.begin,
-            release,
-            origin: record.y(release),
-            sums: [0.0; 3],
-            count: 0.0,
-        }
-    }
-
-    /// Takes `points` more; at the end the mean squared error and the variance of the position.
-    ///
-    /// Cost: some 120 instructions per point.
-    pub(crate) fn advance(&mut self, record: &Record, points: usize) -> Option<[f32; 2]> {
-        let inverse = 1.0 / self.view.time;
-        for _ in 0..points {
-            let i = self.next;
-            if i + REACH >= self.view.end {
-                let [sse, sum, squares] = self.sums;
-                let mean = sum / self.count;
-                return Some([sse / self.count, squares / self.count - mean * mean]);
-            }
-            let point = Point::of(record, i, self.view.time, self.view.rest_velocity);
-            let error = point.y - self.at.x;
-            if i < self.release {
-                if point.direction == 0.0 {
-                    self.at.x = point.y;
-                } else {
-                    self.at.x += self.gains[0] * error;
-                    self.at.v += self.gains[1] * error;
-                    self.at.p += self.gains[2] * error;
-                }
-            } else {
-                let moved = point.y - self.origin;
-                self.sums[0] += error * error;
-                self.sums[1] += moved;
-                self.sums[2] += moved * moved;
-                self.count += 1.0;
-            }
-            let flow = self.theta.flow_at(record, self.view.sign, i, inverse);
-            self.theta
-                .advance(&mut self.at, flow, point.direction, point.time);
-            self.next += 1;
-        }
-        None
     }
 }

@@ -8,6 +8,7 @@
 //! | 2 [`sweep`] | random levels within a band of the travel | the record | `TravelEnd` |
 //! | 3, 4 [`search`] | fits from several starts, free simulation of later samples, two estimates that agree | the model | `PoorFit`, `Uncertain` |
 
+mod face;
 mod fit;
 mod predictor;
 mod probe;
@@ -16,9 +17,12 @@ mod regression;
 mod relay;
 mod rest;
 mod search;
+mod simulation;
 mod sweep;
+mod view;
 
-use crate::servo::commissioning::fit::View;
+pub(crate) use face::{CommissioningDesign, Found, Progress};
+
 use crate::servo::commissioning::predictor::Theta;
 use crate::servo::commissioning::probe::{Probe, Probed};
 use crate::servo::commissioning::record::Record;
@@ -26,9 +30,10 @@ use crate::servo::commissioning::relay::{Relay, Relayed};
 use crate::servo::commissioning::rest::{Rest, Still};
 use crate::servo::commissioning::search::Search;
 use crate::servo::commissioning::sweep::Sweep;
+use crate::servo::commissioning::view::View;
 use crate::servo::model::Model;
+use crate::servo::motion::Motion;
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
-use crate::servo::motion::{Motion, Travel};
 use crate::servo::supervision::state::Reason;
 
 /// Poles in rad/s of the filter that gives the velocity.
@@ -43,48 +48,6 @@ const RETURN_TIME: f32 = 0.25;
 const RETURN_SPEED: f32 = 0.02;
 /// Time in s from and to which the bounds of a model widen, and by how much.
 const WIDENING: [f32; 3] = [1.8, 2.8, 1.6];
-
-/// What the commissioning needs to know.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct CommissioningDesign {
-    pub(crate) sample_time: f32,
-    pub(crate) travel: Travel,
-    /// Resolution of the sensor in travels.
-    pub(crate) resolution: f32,
-    /// Largest command.
-    pub(crate) amplitude: f32,
-    /// Natural frequency in rad/s, if it is known.
-    pub(crate) frequency: Option<f32>,
-    /// Delay of the valve in s with which the fits begin, among others.
-    pub(crate) delay: f32,
-    /// Time in s of random levels before the first fit.
-    pub(crate) excite_time: f32,
-    /// Longest time in s.
-    pub(crate) time_limit: f32,
-}
-
-/// What was found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Found {
-    pub(crate) model: Model,
-    /// Delay of the valve in s.
-    pub(crate) delay: f32,
-    /// Sign of the valve.
-    pub(crate) sign: f32,
-    /// Standard deviation of the position, in units of y.
-    pub(crate) noise: f32,
-}
-
-/// What one sample of the commissioning led to.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Progress {
-    /// This command is next.
-    Command(f32),
-    /// A model was accepted.
-    Found(Found),
-    /// There is none, for this reason.
-    Failed(Reason),
-}
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Stage {

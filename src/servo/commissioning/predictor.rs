@@ -1,5 +1,6 @@
 //! The model of the fit: a drive of third order behind a delayed valve, corrected by the record as it goes.
 
+use crate::math::sqrt;
 use crate::servo::commissioning::record::Record;
 
 /// Number of parameters.
@@ -151,5 +152,47 @@ impl Theta {
         let l2 = 3.0 * rate * rate - self.a2 * l1 - self.a1;
         let l3 = rate * rate * rate - self.a2 * l2 - self.a1 * l1;
         [time * l1, time * l2, time * (l3 + self.a2 * l2)]
+    }
+}
+
+/// What a parameter is varied by: itself, or a part of what it acts on.
+pub(crate) fn scales(theta: &Theta) -> [f32; PARAMETERS] {
+    let w = sqrt(theta.a1);
+    [
+        theta.a1,
+        theta.a2 + 0.1 * w,
+        theta.b0,
+        0.05,
+        0.05,
+        0.1 * theta.b0 / w,
+        0.1 / w,
+        0.5 * w,
+    ]
+}
+
+/// Parameters that a drive can have.
+pub(crate) fn bounded(theta: [f32; PARAMETERS]) -> Theta {
+    let within = |x: f32, low: f32, high: f32| {
+        if x > high {
+            high
+        } else if x > low {
+            x
+        } else {
+            low
+        }
+    };
+    let [a1, a2, b0, dead_zone, offset, friction, delay, kappa] = theta;
+    let a1 = within(a1, 9.0, 9e4);
+    let w = sqrt(a1);
+    let b0 = within(b0, 1e-3 * a1, 50.0 * a1);
+    Theta {
+        a1,
+        a2: within(a2, 0.02 * w, 8.0 * w),
+        b0,
+        dead_zone: within(dead_zone, 0.0, 0.3),
+        offset: within(offset, -0.3, 0.3),
+        friction: within(friction, 0.0, b0 / w),
+        delay: within(delay, 0.0, 0.03),
+        kappa: within(kappa, 0.0, 2.0 * w),
     }
 }

@@ -2,9 +2,9 @@
 
 use crate::math::matrix::{Matrix, backward, cholesky, forward};
 use crate::math::sqrt;
-use crate::servo::commissioning::fit::View;
 use crate::servo::commissioning::predictor::{Point, REACH, Theta};
 use crate::servo::commissioning::record::Record;
+use crate::servo::commissioning::view::View;
 
 /// Parameters: a1, a2, b0, b0 times the dead zone, friction, constant.
 const TERMS: usize = 6;

@@ -1,10 +1,12 @@
 //! Stages 3 and 4: fits from several starts, free simulation of later samples, and agreement of two estimates.
 
 use crate::math::sqrt;
-use crate::servo::commissioning::fit::{Fit, Simulation, View};
+use crate::servo::commissioning::fit::Fit;
 use crate::servo::commissioning::predictor::Theta;
 use crate::servo::commissioning::record::{POINTS, Record};
 use crate::servo::commissioning::regression::Regression;
+use crate::servo::commissioning::simulation::Simulation;
+use crate::servo::commissioning::view::View;
 use crate::servo::supervision::state::Reason;
 
 /// Points of the ring that a fit reads; the others come while it does.
