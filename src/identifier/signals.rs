@@ -31,6 +31,8 @@ pub(crate) struct Signals<T: TrendOperator<M>, const M: usize, const I: usize, c
     pub(crate) last_inputs: [f32; I],
     /// Samples without y since the last one.
     pub(crate) gap: u32,
+    /// Samples until the memories are flushed.
+    turn: u32,
 }
 
 impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signals<T, M, I, D> {
@@ -52,6 +54,7 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
             last: 0.0,
             last_inputs: plan.initial_inputs,
             gap: 0,
+            turn: 0,
         }
     }
 
@@ -99,6 +102,16 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         plan.trends.output(&mut self.output, y, plan.output_form)
     }
 
+    /// Once in a while: what has decayed becomes zero before it becomes subnormal.
+    #[inline(never)]
+    fn flush(&mut self) {
+        self.output.flush();
+        self.constant.flush();
+        for input in &mut self.inputs {
+            input.flush();
+        }
+    }
+
     /// The trends of the inputs, of the constant and of the initial state.
     #[inline(always)]
     pub(crate) fn other_trends<const N: usize>(
@@ -107,6 +120,10 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         u: [f32; I],
     ) -> Others<M, I> {
         self.last_inputs = u;
+        self.turn = self.turn.wrapping_add(1);
+        if self.turn.is_multiple_of(64) {
+            self.flush();
+        }
         Others {
             inputs: self.input_trends(plan, u),
             extra: self.extra_columns(plan),

@@ -7,9 +7,9 @@
 //!
 //! An integrating drive that stands where the model moves by more than twice the band does not obey the model, and its
 //! rows teach what is wrong; a model that is not known yet (phi' P phi) does not contradict. The estimate is held from
-//! the fifth such sample in a row until the axis leaves the band, and then for four times as long, at most the settling time of the trends: they
-//! still carry what was not of the model. Once it has been held for 1/bandwidth the standstill is certain: the trends begin
-//! again at rest, as often as it contradicts and when it ends.
+//! the fifth such sample in a row until the axis leaves the band, and then for four times as long, at most the settling
+//! time of the trends: they still carry what was not of the model. Once it has been held for 1/bandwidth the standstill is
+//! certain: the trends begin again at rest, as often as it contradicts and when it ends.
 //!
 //! A model that is merely wrong is not held up: while the drive moves, it crosses the band in few samples, and the pause
 //! is in proportion to them.

@@ -267,6 +267,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// Forgets the signals; the next `warm_up` samples are not estimated from.
     pub(crate) fn restart_signals(&mut self, plan: &Plan<T, M, N, I>, warm_up: u32) {
         self.signals = Signals::new(plan, warm_up);
+        self.standstill = Standstill::new();
     }
 
     /// Begins the recursion again from `prior`, whose mean becomes nominal.

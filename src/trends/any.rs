@@ -42,6 +42,10 @@ impl<const M: usize> Memory<M> for AnyMemory<M> {
             chain: Memory::input_at_rest(design, hold, value),
         }
     }
+
+    fn flush(&mut self) {
+        self.chain.flush();
+    }
 }
 
 impl<const M: usize> sealed::Sealed for AnyTrends<M> {}

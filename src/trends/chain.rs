@@ -35,7 +35,19 @@ impl<const M: usize> Memory<M> for Chain<M> {
         }
         memory
     }
+
+    #[inline(never)]
+    fn flush(&mut self) {
+        for state in &mut self.states {
+            if state.abs() < NEGLIGIBLE {
+                *state = 0.0;
+            }
+        }
+    }
 }
+
+/// States below this change no digit of any trend.
+const NEGLIGIBLE: f32 = 1e-25;
 
 /// Shares of the newest value and of the one before in one integration.
 fn shares(scheme: Scheme, sample_time: f32) -> (f32, f32) {

@@ -42,6 +42,8 @@ pub trait Memory<const M: usize>: Clone + Debug + PartialEq + sealed::Sealed {
     /// Memory of an input that has always had this value.
     #[doc(alias = "settled_input")]
     fn input_at_rest(design: &Design<M>, hold: Hold, value: f32) -> Self;
+    /// Sets what has decayed beyond any use to zero, before it becomes subnormal; nothing decays in windows of samples.
+    fn flush(&mut self) {}
 }
 
 /// The step from samples to trends; one implementation per kind of trend.

@@ -12,6 +12,7 @@ mod chain;
 mod dead_zone;
 mod defects;
 mod delay;
+mod endurance;
 mod evaluation;
 mod exact;
 mod faults;

@@ -1,0 +1,266 @@
+//! What holds for hours and for every configuration: the bound, no subnormal number, a filter that follows the plant.
+
+use proptest::prelude::*;
+use rand::RngExt;
+use trendid::estimation::StabilisedForgetting;
+use trendid::trends::{ExactTrends, FilteredTrends, RawTrends, Scheme, TrendOperator};
+use trendid::{Config, Identifier, Structure};
+use trendid_host_tests::plants::servo::Servo;
+use trendid_host_tests::signals::noise::{Stream, generator};
+
+const DT: f32 = 1e-3;
+
+/// A servo whose bandwidth grows threefold within an hour, its filter following each ten seconds.
+#[test]
+fn a_bandwidth_that_drifts_is_followed_by_retuning() {
+    let servo = |w: f64| Servo {
+        c: 2500.0,
+        omega0: w,
+        xi: 0.5,
+    };
+    let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, DT, 20.0).unwrap();
+    let mut config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
+    config.memory = Some(2.0);
+    let mut identifier: Identifier<_, 3, 5> = Identifier::try_new(&config, trends).unwrap();
+    let mut random = generator(230_000, Stream::White);
+    let mut plant = servo(20.0).plant(f64::from(DT));
+    let (mut retuned, mut worst_step, mut worst_error, mut bit) = (0, 0.0_f32, 0.0_f64, 0.4);
+    let seconds = 3600;
+    for second in 0..seconds {
+        let w = 20.0 * 3.0_f64.powf(f64::from(second) / f64::from(seconds));
+        let state = [plant.output(), plant.derivative(1), plant.derivative(2)];
+        plant = servo(w).plant(f64::from(DT));
+        plant.place(&state);
+        for k in 0..1000 {
+            if k % 40 == 0 {
+                bit = if random.random::<bool>() { 0.4 } else { -0.4 };
+            }
+            let noise = 0.01 * (random.random::<f64>() - 0.5);
+            let _ = identifier.update(bit as f32, (plant.output() + noise) as f32);
+            plant.step(&[bit]);
+        }
+        let diagonal = identifier.estimator().diagonal();
+        assert!(diagonal.iter().all(|d| *d > 0.0 && d.is_finite()));
+        if second > 5 {
+            let found = identifier.estimate().physical().omega0.unwrap();
+            worst_error = worst_error.max((f64::from(found) / w - 1.0).abs());
+        }
+        if second % 10 == 9 {
+            let before = identifier.theta();
+            let found = identifier.estimate().physical().omega0.unwrap();
+            identifier.retune_to(found).unwrap();
+            retuned += 1;
+            for (a, b) in identifier.theta().iter().zip(before).take(3) {
+                worst_step = worst_step.max((a / b - 1.0).abs());
+            }
+        }
+    }
+    println!(
+        "{retuned} retunings within an hour from 20 to 60 rad/s: largest error of omega0 {:.2} %, largest step {worst_step:.1e}",
+        100.0 * worst_error
+    );
+    assert!(worst_step < 1e-4 && worst_error < 0.03);
+}
+
+/// Numbers in the text of a value that are subnormal.
+fn subnormal(text: &str) -> Vec<&str> {
+    text.split(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | 'e')))
+        .filter(|word| word.parse::<f32>().is_ok_and(f32::is_subnormal))
+        .collect()
+}
+
+#[test]
+fn a_long_rest_leaves_no_subnormal_number() {
+    assert_eq!(subnormal("x: [1.0, -1e-40]"), ["-1e-40"]);
+    for (memory, noise) in [
+        (Some(0.2), 0.0),
+        (Some(2.0), 0.01),
+        (None, 0.0),
+        (None, 0.01),
+    ] {
+        let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, DT, 20.0).unwrap();
+        let mut config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
+        config.memory = memory;
+        let mut identifier: Identifier<_, 3, 5> = Identifier::try_new(&config, trends).unwrap();
+        let mut plant = Servo {
+            c: 2500.0,
+            omega0: 20.0,
+            xi: 0.5,
+        }
+        .plant(f64::from(DT));
+        let mut random = generator(231_000, Stream::White);
+        for k in 0..510_000 {
+            let u = match k {
+                ..10_000 if (k / 50) * 7919 % 13 < 6 => 0.4,
+                ..10_000 => -0.4,
+                _ => 0.0,
+            };
+            let noise = noise * (random.random::<f64>() - 0.5);
+            let _ = identifier.update(u as f32, (plant.output() + noise) as f32);
+            // The plant's own state decays too; it is left where it stands.
+            if k < 20_000 {
+                plant.step(&[u]);
+            }
+        }
+        let text = format!("{identifier:?}");
+        let found = subnormal(&text);
+        assert!(
+            found.is_empty(),
+            "memory {memory:?}, noise {noise}: {found:?}"
+        );
+    }
+}
+
+/// What is fed in for a while.
+#[derive(Clone, Copy, Debug)]
+enum Signal {
+    Rest,
+    Constant,
+    Binary,
+    Ramp,
+    Noise,
+    Spikes,
+    Blocked,
+}
+
+/// Any memory, bandwidth, noise and prior that a configuration accepts, and what is fed in.
+#[derive(Clone, Copy, Debug)]
+struct Setting {
+    samples: f32,
+    angle: f32,
+    noise: f32,
+    prior: Option<f32>,
+    signals: [Signal; 4],
+    seed: u64,
+}
+
+fn setting() -> impl Strategy<Value = Setting> {
+    let logarithmic =
+        |from: f32, to: f32| (from.ln()..to.ln()).prop_map(f32::exp as fn(f32) -> f32);
+    let signal = || {
+        prop::sample::select(vec![
+            Signal::Rest,
+            Signal::Constant,
+            Signal::Binary,
+            Signal::Ramp,
+            Signal::Noise,
+            Signal::Spikes,
+            Signal::Blocked,
+        ])
+    };
+    (
+        logarithmic(60.0, 1e6),
+        logarithmic(1.1e-4, 0.9),
+        logarithmic(1e-6, 1.0),
+        prop::option::of(logarithmic(1e-3, 1e3)),
+        [signal(), signal(), signal(), signal()],
+        any::<u64>(),
+    )
+        .prop_map(|(samples, angle, noise, prior, signals, seed)| Setting {
+            samples,
+            angle,
+            noise,
+            prior,
+            signals,
+            seed,
+        })
+}
+
+fn attack<T: TrendOperator<M>, const M: usize, const N: usize>(
+    setting: &Setting,
+    structure: Structure<M, N, 1>,
+    trends: T,
+) -> Result<(), TestCaseError> {
+    let mut config = Config::new(structure, setting.angle / DT, [1.0], 1.0);
+    config.memory = Some(setting.samples * DT);
+    config.output_noise = setting.noise;
+    config.prior_std = setting.prior.map(|std| [std; N]);
+    let mut identifier: Identifier<T, M, N> = match Identifier::try_new(&config, trends) {
+        Ok(identifier) => identifier,
+        Err(_) => return Ok(()),
+    };
+    let prior: [f32; N] = std::array::from_fn(|j| identifier.estimator().covariance(j, j));
+    let forgetting = 1.0 - 1.0 / setting.samples;
+    let bound = StabilisedForgetting::new([0.0; N], forgetting).bound();
+    let growth = 1.0 + N as f32 / setting.samples;
+    let mut random = generator(setting.seed, Stream::White);
+    let (mut y, mut speed) = (0.0_f32, 0.0_f32);
+    for k in 0..4000 {
+        let mut number = || 2.0 * random.random::<f32>() - 1.0;
+        let sign = if (k / 37) % 2 == 0 { 1.0 } else { -1.0 };
+        let (u, moves) = match setting.signals[k / 1000] {
+            Signal::Rest => (0.0, true),
+            Signal::Constant => (0.7, true),
+            Signal::Binary => (sign, true),
+            Signal::Ramp => {
+                speed = 1.0;
+                (0.0, true)
+            }
+            Signal::Noise => (number(), true),
+            Signal::Spikes => (sign, true),
+            Signal::Blocked => (0.3, false),
+        };
+        if moves {
+            speed += setting.angle * (u - speed);
+            y += setting.angle * speed;
+        }
+        let spike = matches!(setting.signals[k / 1000], Signal::Spikes) && k % 83 == 0;
+        let measured = y + 0.1 * setting.noise * number() + if spike { 1e3 } else { 0.0 };
+        let _ = identifier.update(u, measured);
+        if k % 50 != 49 {
+            continue;
+        }
+        let estimator = identifier.estimator();
+        prop_assert!(
+            estimator.theta().iter().all(|t| t.is_finite()),
+            "theta {:?}",
+            estimator.theta()
+        );
+        for j in 0..N {
+            let limit = bound.max(prior[j] * growth);
+            let p = estimator.covariance(j, j);
+            prop_assert!(
+                estimator.diagonal()[j] > 0.0,
+                "D {:?}",
+                estimator.diagonal()
+            );
+            prop_assert!(p <= 1.02 * limit, "P_{j}{j} {p} of {limit}, sample {k}");
+        }
+    }
+    Ok(())
+}
+
+/// Every operator with this structure.
+fn operators<const M: usize, const N: usize>(
+    setting: &Setting,
+    structure: Structure<M, N, 1>,
+) -> Result<(), TestCaseError> {
+    let bandwidth = setting.angle / DT;
+    for scheme in [Scheme::Tustin, Scheme::Goodwin] {
+        if let Ok(trends) = FilteredTrends::for_bandwidth(scheme, DT, bandwidth) {
+            attack(setting, structure, trends)?;
+        }
+        if let Ok(trends) = RawTrends::try_new(scheme, DT) {
+            attack(setting, structure, trends)?;
+        }
+    }
+    if let Ok(trends) = ExactTrends::for_bandwidth(DT, bandwidth) {
+        attack(setting, structure, trends)?;
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(96) })]
+
+    /// D > 0, P_ii below its bound and theta finite for whatever a configuration accepts.
+    #[test]
+    fn the_bound_holds_for_every_configuration(setting in setting()) {
+        operators(&setting, Structure::<1, 2, 1>::FULL)?;
+        operators(&setting, Structure::<2, 2, 1>::INTEGRATING)?;
+        operators(&setting, Structure::<2, 4, 1>::FULL)?;
+        operators(&setting, Structure::<3, 3, 1>::INTEGRATING)?;
+        operators(&setting, Structure::<3, 5, 1>::SERVO)?;
+        operators(&setting, Structure::<4, 8, 1>::FULL)?;
+    }
+}
