@@ -98,7 +98,7 @@ impl Script {
 
     /// The first start: nothing moves before the request, then control, then three overruns.
     fn control(&mut self, now: &Snapshot) {
-        self.controlled |= now.state.is_controlling() && now.overruns == 0 && now.model.is_some();
+        self.controlled |= now.state.is_controlling() && now.overruns == 0 && now.record.is_some();
         if now.tick == EVERY {
             self.expect(self.fault.is_none() && rests(now) && !now.stopped);
             ask(RUN);

@@ -5,7 +5,6 @@
 
 use stm32f4xx_hal::flash::{FlashExt, LockedFlash};
 use stm32f4xx_hal::pac;
-use trendid::servo::Model;
 use trendid::servo::store::{Identity, Keeper, ModelStore, Record, StoreError};
 
 use crate::config;
@@ -25,8 +24,8 @@ pub(crate) struct Keep {
 }
 
 impl Keep {
-    /// What the flash holds, and its model; makes room for the next ones, which may take a second.
-    pub(crate) fn load(flash: pac::FLASH) -> (Self, Option<Model>) {
+    /// What the flash holds, and its record; makes room for the next ones, which may take a second.
+    pub(crate) fn load(flash: pac::FLASH) -> (Self, Option<Record>) {
         let mut flash = LockedFlash::new(flash);
         let identity = Identity::new(PLANT, &config());
         let loaded = ModelStore::new(flash.unlocked(), BEGIN, SECTOR).and_then(|mut store| {
@@ -34,10 +33,10 @@ impl Keep {
             store.make_room()?;
             loaded
         });
-        let model = match loaded {
+        let record = match loaded {
             Ok(record) => {
                 defmt::info!("stored model: {}", record.model);
-                Some(record.model)
+                Some(record)
             }
             Err(StoreError::Refused(reason)) => {
                 defmt::info!("no stored model: {}", reason);
@@ -48,20 +47,20 @@ impl Keep {
                 None
             }
         };
-        let keeper = Keeper::new(model);
+        let keeper = Keeper::new(record.map(|record| record.model));
         let keep = Self {
             flash,
             keeper,
             identity,
         };
-        (keep, model)
+        (keep, record)
     }
 
     /// Saves a verified model that is worth it, a byte at a time, which delays a slot by 16 us at most.
     ///
     /// A sector that is full is erased at the next start: here it would stop the chip for longer than the watchdog waits.
-    pub(crate) fn consider(&mut self, model: &Model, seconds: u32) {
-        if !self.keeper.is_due(model, seconds) {
+    pub(crate) fn consider(&mut self, record: &Record, seconds: u32) {
+        if !self.keeper.is_due(&record.model, seconds) {
             return;
         }
         let Ok(mut store) = ModelStore::new(self.flash.unlocked(), BEGIN, SECTOR) else {
@@ -70,13 +69,8 @@ impl Keep {
         if !matches!(store.must_erase(), Ok(false)) {
             return;
         }
-        let record = Record {
-            model: *model,
-            std: [f32::INFINITY; 6],
-            delay: config().delay,
-        };
-        if store.save(&self.identity, &record).is_ok() {
-            self.keeper.saved(model, seconds);
+        if store.save(&self.identity, record).is_ok() {
+            self.keeper.saved(&record.model, seconds);
             defmt::info!("model stored");
         } else {
             defmt::error!("the model could not be stored");

@@ -71,7 +71,7 @@ impl Slot {
             stopped,
             refused: 0,
             longest: 0,
-            model: None,
+            record: None,
         };
         Self {
             servo,
@@ -177,7 +177,7 @@ impl Slot {
         let us = (u64::from(ticks) * 1000 / u64::from(self.period)) as u32;
         self.now.longest = self.now.longest.max(us);
         if core::mem::discriminant(&self.now.state) != before {
-            self.now.model = self.servo.supervisor().verified_model();
+            self.now.record = self.servo.record();
             self.send();
         }
     }

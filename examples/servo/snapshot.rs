@@ -1,6 +1,7 @@
 //! What the interrupt shows the idle loop.
 
-use trendid::servo::{self, State};
+use trendid::servo::State;
+use trendid::servo::store::Record;
 
 /// Overruns in a row that end in the safe output.
 pub(crate) const OVERRUNS: u8 = 3;
@@ -25,5 +26,6 @@ pub(crate) struct Snapshot {
     pub refused: u32,
     /// Longest update so far in us; in the emulator in thousands of instructions.
     pub longest: u32,
-    pub model: Option<servo::Model>,
+    /// The verified model and what was found with it.
+    pub record: Option<Record>,
 }

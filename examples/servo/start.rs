@@ -95,13 +95,13 @@ fn main() -> ! {
     let (keep, stored) = if emulated {
         (None, None)
     } else {
-        let (keep, model) = Keep::load(chip.FLASH);
-        (Some(keep), model)
+        let (keep, record) = Keep::load(chip.FLASH);
+        (Some(keep), record)
     };
-    if let Some(model) = stored
+    if let Some(record) = stored
         && RESUME
         && !stopped
-        && servo.install(model).is_err()
+        && servo.resume(&record).is_err()
     {
         defmt::error!("the stored model is refused");
     }
@@ -140,15 +140,15 @@ fn idle(
             now.dropped,
             now.longest
         );
-        if let Some(model) = now.model
-            && known != now.model
+        if let Some(record) = now.record
+            && known != now.record
         {
-            known = now.model;
-            log::model(&model);
+            known = now.record;
+            log::model(&record.model);
         }
-        if let (Some(keep), Some(model)) = (&mut keep, &now.model) {
+        if let (Some(keep), Some(record)) = (&mut keep, &now.record) {
             // The horizon of 136 years is that of the seconds.
-            keep.consider(model, (now.tick / SLOTS_PER_S) as u32);
+            keep.consider(record, (now.tick / SLOTS_PER_S) as u32);
         }
         if now.stopped {
             defmt::error!(

@@ -42,7 +42,7 @@ impl Valve for LineValve {
 /// sample.requests.push(Request::Reset(setup)).map_err(|_| "full")?;
 /// sample.requests.push(Request::Commission).map_err(|_| "full")?;
 /// let reply = controller.update(&sample);
-/// assert!(reply.command != 0.0 && reply.position == 200.0);
+/// assert!(reply.state != code::NO_LOOP && reply.position == 200.0);
 /// # Ok::<(), &str>(())
 /// ```
 #[derive(Clone, Debug, Default)]

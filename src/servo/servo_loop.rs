@@ -68,6 +68,8 @@ pub struct ServoLoop<S, V> {
     pub(crate) sign: f32,
     /// Delay of the valve in s.
     pub(crate) delay: f32,
+    /// Standard deviation of the position, in units of y.
+    pub(crate) noise: f32,
     /// What the commissioning made of the newest sample.
     pub(crate) progress: Progress,
     pub(crate) trajectory: Trajectory,
@@ -120,6 +122,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 1.0
             },
             delay: config.delay,
+            noise: config.noise.unwrap_or(0.0),
             progress: Progress::Command(0.0),
             trajectory: Trajectory::new(design.motion, design.travel, *sample_time),
             limiter: CommandLimiter::new(&design.limiter),

@@ -1,5 +1,6 @@
 //! From what the commissioning found to a loop that controls.
 
+use crate::hardware::{PositionSensor, Valve};
 use crate::servo::commissioning::Found;
 use crate::servo::config::Config;
 use crate::servo::control::controller::Controller;
@@ -10,6 +11,7 @@ use crate::servo::model::Model;
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
 use crate::servo::motion::trajectory::Trajectory;
 use crate::servo::servo_loop::ServoLoop;
+use crate::servo::store::Record;
 use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
 use crate::servo::supervision::state::Reason;
 
@@ -55,7 +57,67 @@ impl<S, V> ServoLoop<S, V> {
             .map_err(|_| Reason::OutOfRange)?;
         self.sign = found.sign;
         self.delay = found.delay;
+        self.noise = found.noise;
         Ok(())
+    }
+
+    /// Control from the next sample on with what an earlier commissioning found, at the actual position.
+    ///
+    /// # Errors
+    /// [`Error::Model`] with the reason, when the model does not pass what every candidate must, when delay or noise are
+    /// negative or not finite, or when the sign is not that of the settings; the loop is as before.
+    pub fn resume(&mut self, record: &Record) -> Result<(), Error>
+    where
+        S: PositionSensor,
+        V: Valve,
+    {
+        let Record {
+            model,
+            delay,
+            sign,
+            noise,
+            ..
+        } = *record;
+        let stated = self
+            .config
+            .reversed
+            .map(|reversed| if reversed { -1.0 } else { 1.0 });
+        if !(sign == 1.0 || sign == -1.0) || stated.is_some_and(|stated| stated != sign) {
+            return Err(Error::Model(Reason::WrongSign));
+        }
+        let fits = |number: f32| number >= 0.0 && number.is_finite();
+        if !(model.is_finite() && fits(delay) && fits(noise)) {
+            return Err(Error::Model(Reason::NotFinite));
+        }
+        if !(model.a1 > 0.0) {
+            return Err(Error::Model(Reason::Unstable));
+        }
+        let found = Found {
+            model,
+            delay,
+            sign,
+            noise,
+        };
+        let design = tuned(&self.config, &found).resolve()?;
+        design
+            .supervision
+            .screening
+            .admits(&model)
+            .map_err(Error::Model)?;
+        self.tune(&found).map_err(Error::Model)?;
+        self.install(model)
+    }
+
+    /// What the loop found, for [`resume`](Self::resume) after a loss of power; `None` before a model was verified.
+    pub fn record(&self) -> Option<Record> {
+        let model = self.supervisor.verified_model()?;
+        Some(Record {
+            model,
+            std: [f32::INFINITY; 6],
+            delay: self.delay,
+            sign: self.sign,
+            noise: self.noise,
+        })
     }
 
     fn rebuild(&mut self, config: &Config, model: Model) -> Result<(), Error> {

@@ -84,7 +84,7 @@ fn servo(build_only: bool) -> Result<String, String> {
 const PIL: [&str; 3] = [
     "--scenario nominal --samples 4000",
     "--scenario mass --samples 11000",
-    "--scenario nominal --samples 1500 --faults 10 --failures 700",
+    "--scenario nominal --samples 2500 --faults 10 --failures 700",
 ];
 
 /// The processor in the loop; gives what the runs print.

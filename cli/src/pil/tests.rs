@@ -81,10 +81,10 @@ fn run(target: Here, scenario: Scenario, options: &[&str]) -> (Target, Figures) 
 
 #[test]
 fn a_run_compares_every_field_of_every_sample() {
-    let (target, figures) = run(Here::default(), Scenario::Nominal, &["--samples", "1200"]);
+    let (target, figures) = run(Here::default(), Scenario::Nominal, &["--samples", "2600"]);
     assert_eq!(target.trouble, None);
-    assert_eq!(target.samples, 1200);
-    assert_eq!(target.numbers, 1200 * FIELDS as u64);
+    assert_eq!(target.samples, 2600);
+    assert_eq!(target.numbers, 2600 * FIELDS as u64);
     assert!(figures.verified_at_s.is_some());
 }
 

@@ -44,7 +44,7 @@ fn one_object_per_seed_with_every_key() {
         }
         assert_eq!(value["seed"], seed);
         assert_eq!(value["scenario"], "stuck-sensor");
-        assert!(value["verified_at_s"].as_f64().unwrap() < 0.5, "{value}");
+        assert!(value["verified_at_s"].as_f64().unwrap() < 3.0, "{value}");
         assert_eq!(value["refused_rightly"], true, "{value}");
         assert_eq!(value["gains_kept"], true, "{value}");
     }
@@ -120,7 +120,6 @@ fn a_population_has_exactly_its_keys() {
         "axes",
         "accepted_pct",
         "accepted_6s_pct",
-        "slowed_pct",
         "verified_median_s",
         "verified_p95_s",
         "refused",
@@ -128,6 +127,11 @@ fn a_population_has_exactly_its_keys() {
         "wrong_sign_pct",
         "w0_within_10pct",
         "c_within_20pct",
+        "grossly_wrong_pct",
+        "dead_zone_p90",
+        "offset_p90",
+        "delay_p90_ms",
+        "commissioning_struck_pct",
         "fixed_gains",
         "baseline",
         "baseline_same_axes",

@@ -126,6 +126,8 @@ fn record(number: usize) -> Record {
         },
         std: [1.0, 0.1, 2.0e3, f32::INFINITY, value, 0.0],
         delay: 2e-3,
+        sign: -1.0,
+        noise: 0.01,
     }
 }
 

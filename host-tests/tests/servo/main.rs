@@ -9,3 +9,4 @@ mod population;
 mod position_loop;
 mod settings;
 mod shadow;
+mod stored;

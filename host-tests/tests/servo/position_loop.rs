@@ -187,9 +187,9 @@ fn a_unit_too_small_for_the_accelerations_is_refused() {
     assert!(matches!(refused, Err(servo::Error::Unit { acceleration }) if acceleration == 2.5e8));
 }
 
-/// Largest error \[mm\] in the second after the first verified model, on an axis up to 15 % off in mass, valve, dead zone
-/// and friction; `None` without a model.
-fn error_after_the_handover(seed: u64) -> Option<f64> {
+/// Largest error \[mm\] in the second after the first verified model, and the speed \[mm/s\] at which the controller took
+/// over, on an axis up to 15 % off in mass, valve, dead zone and friction; `None` without a model.
+fn error_after_the_handover(seed: u64) -> Option<[f64; 2]> {
     let axis = Axis {
         scale: Scale::new(RESOLUTION_MM as f32).expect("scale"),
         reference: 0,
@@ -207,32 +207,34 @@ fn error_after_the_handover(seed: u64) -> Option<f64> {
     let mut plant = PneumaticAxis::new(&parameters, seed);
     servo.commission();
     let mut since = None;
-    let mut worst = 0.0_f64;
+    let (mut worst, mut speed) = (0.0_f64, 0.0);
     for k in 0..4000 {
         servo.sensor_mut().code = Some(plant.measure_counts());
         let report = servo.update();
         plant.step(f64::from(report.command));
         if since.is_none() && report.state == State::Verified {
             since = Some(k);
+            speed = plant.velocity_mm_s().abs();
         }
         if since.is_some_and(|since| k > since && k <= since + 1000) {
             let error = f64::from(report.setpoint.position) - plant.position_mm();
             worst = worst.max(error.abs());
         }
     }
-    since.map(|_| worst)
+    since.map(|_| [worst, speed])
 }
 
 #[test]
 fn the_first_sample_in_control_is_that_of_the_verified_model() {
-    let mut errors: Vec<f64> = (1..=24).filter_map(error_after_the_handover).collect();
-    errors.sort_by(f64::total_cmp);
-    assert!(errors.len() >= 20, "{} of 24 have a model", errors.len());
-    let (median, worst) = (errors[errors.len() / 2], errors[errors.len() - 1]);
-    assert!(
-        median < 1.0 && worst < 3.0,
-        "{median} mm, at worst {worst} mm"
-    );
+    let mut runs: Vec<_> = (1..=24).filter_map(error_after_the_handover).collect();
+    runs.sort_by(|a, b| f64::total_cmp(&a[0], &b[0]));
+    println!("error [mm] and speed [mm/s]: {runs:.2?}");
+    assert!(runs.len() >= 20, "{} of 24 have a model", runs.len());
+    let median = runs[runs.len() / 2][0];
+    assert!(median < 1.0, "{median} mm");
+    // What is left is the error of the model, not that of another model: one per cent of the travel.
+    let worst = runs[runs.len() - 1][0];
+    assert!(worst < 0.01 * f64::from(TRAVEL.length()), "{worst} mm");
 }
 
 #[test]

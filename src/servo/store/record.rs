@@ -17,8 +17,8 @@ const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 /// Words in front of the numbers: version, plant, settings, sequence.
 const HEAD: usize = 4;
 
-/// Numbers of a record: the model, its standard deviations, the delay.
-const NUMBERS: usize = 13;
+/// Numbers of a record: the model, its standard deviations, delay, sign, noise.
+const NUMBERS: usize = 15;
 
 /// What a record belongs to.
 ///
@@ -27,8 +27,8 @@ const NUMBERS: usize = 13;
 /// | version | 4 | layout of what follows, little-endian |
 /// | plant, settings | 8 | this |
 /// | sequence | 4 | counts the records |
-/// | numbers | 52 | f32: model (6), standard deviations (6), delay (1) |
-/// | zero | 24 | room |
+/// | numbers | 60 | f32: model (6), standard deviations (6), delay, sign, noise |
+/// | zero | 16 | room |
 /// | CRC-32 | 4 | of all bytes before, ISO-HDLC |
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -64,6 +64,10 @@ pub struct Record {
     pub std: [f32; 6],
     /// Delay of the valve in s.
     pub delay: f32,
+    /// Sign of the valve: -1 when the axis moves against a positive command.
+    pub sign: f32,
+    /// Standard deviation of the position, in units of y.
+    pub noise: f32,
 }
 
 /// Why there is no model to load.
@@ -126,7 +130,8 @@ impl Record {
         [words[0], words[1], words[2], words[3]] =
             [VERSION, identity.plant, identity.settings, sequence];
         let model = self.model.parameters_as_stored();
-        let numbers = model.iter().chain(&self.std).chain([&self.delay]);
+        let rest = [self.delay, self.sign, self.noise];
+        let numbers = model.iter().chain(&self.std).chain(&rest);
         for (word, number) in words[HEAD..].iter_mut().zip(numbers) {
             *word = number.to_bits();
         }
@@ -153,7 +158,18 @@ impl Record {
         }
         let numbers: [f32; NUMBERS] =
             core::array::from_fn(|place| f32::from_bits(word(bytes, HEAD + place)));
-        let [a1, a2, b0, dead_zone, offset, friction, std @ .., delay] = numbers;
+        let [
+            a1,
+            a2,
+            b0,
+            dead_zone,
+            offset,
+            friction,
+            std @ ..,
+            delay,
+            sign,
+            noise,
+        ] = numbers;
         Ok(Self {
             model: Model {
                 a1,
@@ -165,6 +181,8 @@ impl Record {
             },
             std,
             delay,
+            sign,
+            noise,
         })
     }
 }
