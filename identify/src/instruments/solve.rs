@@ -92,22 +92,22 @@ impl Sums {
         method: Method,
         left_out: impl Fn(usize) -> bool + Copy,
     ) -> Option<Vec<f64>> {
-        let (theta, ..) = self.found(method, left_out)?;
-        Some(theta.as_slice()[..self.layout.parameters()].to_vec())
+        let found = self.found(method, left_out)?;
+        Some(found.theta.as_slice()[..self.layout.parameters()].to_vec())
     }
 
-    fn found(
-        &self,
-        method: Method,
-        left_out: impl Fn(usize) -> bool + Copy,
-    ) -> Option<(DVector<f64>, Option<Vec<f64>>, Vec<usize>)> {
+    fn found(&self, method: Method, left_out: impl Fn(usize) -> bool + Copy) -> Option<Found> {
         let whole = self.total(|_| false);
         let sums = self.total(left_out);
         let present = self.present(&sums, &whole);
         let mut theta = solved(&self.combined(&sums, None), &present)?;
         let q = self.layout.outputs();
         if method == Method::LeastSquares || q == 0 {
-            return Some((theta, None, present));
+            return Some(Found {
+                theta,
+                numerators: None,
+                present,
+            });
         }
         let numerators: usize = self.layout.terms.iter().sum();
         let mut b = Vec::new();
@@ -115,7 +115,11 @@ impl Sums {
             b = theta.as_slice()[q..q + numerators].to_vec();
             theta = solved(&self.combined(&sums, Some(&b)), &present)?;
         }
-        Some((theta, Some(b), present))
+        Some(Found {
+            theta,
+            numerators: Some(b),
+            present,
+        })
     }
 
     /// Parameters of the whole record with their covariance.
@@ -123,7 +127,11 @@ impl Sums {
     /// Known as: cluster-robust (sandwich) covariance over blocks of time, batch means. The scores of a block are its
     /// equations at the parameters of the whole record.
     pub(super) fn solve_whole(&self, method: Method) -> Option<Solution> {
-        let (theta, b, present) = self.found(method, |_| false)?;
+        let Found {
+            theta,
+            numerators: b,
+            present,
+        } = self.found(method, |_| false)?;
         let p = self.layout.parameters();
         let n = present.len();
         let scores: Vec<DVector<f64>> = self
@@ -160,6 +168,15 @@ impl Sums {
             effective_blocks: effective,
         })
     }
+}
+
+/// A solution of the combined equations.
+struct Found {
+    theta: DVector<f64>,
+    /// Numerators that combined the instruments; least squares have none.
+    numerators: Option<Vec<f64>>,
+    /// The columns with data.
+    present: Vec<usize>,
 }
 
 /// How many normal scores spread their squares as these: 3 (sum)^2 / sum of squares.
