@@ -123,10 +123,18 @@ pub(crate) fn msrv() -> Done {
 }
 
 /// Packs and builds what is published.
+///
+/// In a directory of its own every time: cargo keeps the packages of an earlier run by their path and version, and would
+/// build one package against another's past.
 pub(crate) fn package() -> Done {
-    let mut arguments = vec!["package", "-q", "--allow-dirty"];
-    arguments.extend(PUBLISHED.iter().flat_map(|name| ["-p", name]));
-    process::run(cargo(&arguments))
+    let place = process::target_directory()?.join(format!("packages-{}", std::process::id()));
+    let mut command = cargo(&["package", "-q", "--allow-dirty", "--target-dir"]);
+    command.arg(&place);
+    command.args(PUBLISHED.iter().flat_map(|name| ["-p", name]));
+    let done = process::run(command);
+    // What is left is only room on the disk.
+    let _ = std::fs::remove_dir_all(&place);
+    done
 }
 
 /// Documentation.
