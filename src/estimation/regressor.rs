@@ -67,12 +67,15 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
             feedthrough: [0.0; N],
             feedthrough_floor: 0.0,
         };
+        // A structure has no power and no input beyond these: nothing is looked up in vain.
+        let size_of = |power: usize| sizes.get(power).copied().unwrap_or(1.0);
+        let range_of = |input: usize| input_range.get(input).copied().unwrap_or(1.0);
         for (j, parameter) in structure.parameters().into_iter().enumerate() {
             let (index, scale, sign) = match parameter {
-                Parameter::Output { power } => (power, 1.0 / (sizes[power] * output_range), -1.0),
+                Parameter::Output { power } => (power, 1.0 / (size_of(power) * output_range), -1.0),
                 Parameter::Input { input, power } => (
                     M + input * M + power,
-                    1.0 / (sizes[power] * input_range[input]),
+                    1.0 / (size_of(power) * range_of(input)),
                     1.0,
                 ),
                 Parameter::Constant => (M + I * M, 1.0 / sizes[0], 1.0),

@@ -70,7 +70,8 @@ impl Record {
 
     /// Doubles the stride. Only before the ring has turned. Cost: about 5 instructions per point.
     fn halve(&mut self) {
-        let half = self.end / 2;
+        // The ring has not turned: no more than all points.
+        let half = (self.end / 2).min(POINTS / 2);
         for i in 0..half {
             self.y[i] = self.y[2 * i];
             self.u[i] = 0.5 * (self.u[2 * i] + self.u[2 * i + 1]);

@@ -216,11 +216,11 @@ impl Regression {
         let gain = b0 / (rate * rate * rate);
         let theta = Theta {
             a1,
-            a2: a2.clamp(0.02 * w, 8.0 * w),
+            a2: a2.max(0.02 * w).min(8.0 * w),
             b0,
             dead_zone: (self.dead_zone + null / gain).clamp(0.0, 0.3),
             offset: (constant / gain).clamp(-0.3, 0.3),
-            friction: (friction * rate * rate).clamp(0.0, b0 / w),
+            friction: (friction * rate * rate).max(0.0).min(b0 / w),
             delay,
             kappa: 0.0,
         };

@@ -151,7 +151,7 @@ impl Search {
 
     fn points(&self, theta: &Theta) -> usize {
         let [low, high] = HOLD_OUT_RANGE;
-        let time = (HOLD_OUT / sqrt(theta.a1)).clamp(low, high);
+        let time = (HOLD_OUT / sqrt(theta.a1)).max(low).min(high);
         (time / self.view.time) as usize
     }
 
