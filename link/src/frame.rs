@@ -8,7 +8,10 @@ use heapless::Vec;
 
 use crate::Message;
 
-/// Longest body (tag, payload and check sum) in bytes.
+/// Second byte of every body: a receiver refuses frames of another version. It changes with the layout of any message.
+pub const VERSION: u8 = 2;
+
+/// Longest body (tag, version, payload and check sum) in bytes.
 pub const MAX_BODY: usize = 128;
 
 // Up to here the stuffing takes one byte and splits no run.
@@ -38,9 +41,10 @@ impl Frame {
         let mut body = [0; MAX_BODY];
         let mut wire = [0; MAX_WIRE];
         // The first byte and the one after the stuffed body stay zero: the delimiters.
-        let stuffed = postcard::to_slice_crc32(&(M::TAG, message), &mut body, CRC.digest())
-            .ok()
-            .and_then(|body| cobs::try_encode(body, &mut wire[1..]).ok());
+        let stuffed =
+            postcard::to_slice_crc32(&(M::TAG, VERSION, message), &mut body, CRC.digest())
+                .ok()
+                .and_then(|body| cobs::try_encode(body, &mut wire[1..]).ok());
         let len = stuffed.map_or(0, |len| len + 2);
         Self { wire, len }
     }
@@ -108,8 +112,8 @@ impl<M: Message> Receiver<M> {
         }
         let body = self.body()?;
         // A body with bytes left over is a frame of another version.
-        match postcard::take_from_bytes_crc32::<(u8, M)>(&body, CRC.digest()) {
-            Ok(((tag, message), [])) if tag == M::TAG => Some(message),
+        match postcard::take_from_bytes_crc32::<(u8, u8, M)>(&body, CRC.digest()) {
+            Ok(((tag, VERSION, message), [])) if tag == M::TAG => Some(message),
             _ => None,
         }
     }

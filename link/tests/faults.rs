@@ -276,15 +276,17 @@ fn the_layout_on_the_wire_is_as_documented() {
     let mut sample = plain(300, -25);
     sample.requests.push(Request::MoveTo(1.0)).expect("room");
     let frame = Frame::encode(&sample);
-    // 'S', 300 in 7-bit groups, a code, -25 in zigzag, one request: the fourth, 1.0f32 little endian, check sum.
-    let mut body = vec![0x53, 0xAC, 0x02, 1, 49, 1, 3, 0x00, 0x00, 0x80, 0x3F];
+    // 'S', the version, 300 in 7-bit groups, a code, -25 in zigzag, one request: the fourth, 1.0f32 little endian, check sum.
+    let mut body = vec![
+        0x53, VERSION, 0xAC, 0x02, 1, 49, 1, 3, 0x00, 0x00, 0x80, 0x3F,
+    ];
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&body);
     body.extend_from_slice(&crc.to_le_bytes());
-    let mut wire = vec![0, 8, 0x53, 0xAC, 0x02, 1, 49, 1, 3, 1, 7];
-    wire.extend_from_slice(&body[9..]);
+    let mut wire = vec![0, 9, 0x53, VERSION, 0xAC, 0x02, 1, 49, 1, 3, 1, 7];
+    wire.extend_from_slice(&body[10..]);
     wire.push(0);
     assert!(
-        !body[11..].contains(&0),
+        !body[12..].contains(&0),
         "the example has no zero in its check sum"
     );
     assert_eq!(frame.bytes(), wire);
@@ -311,10 +313,10 @@ fn the_longest_messages_fit() {
         ..reply(0x3FC0_0000)
     };
     // From this follows how many samples per second a serial line takes.
-    assert_eq!(Frame::encode(&longest).bytes().len(), 124);
+    assert_eq!(Frame::encode(&longest).bytes().len(), 125);
     assert_eq!(there_and_back(&longest), Some(longest));
     let asks_nothing = plain(u32::MAX, i32::MIN);
-    assert_eq!(Frame::encode(&asks_nothing).bytes().len(), 20);
+    assert_eq!(Frame::encode(&asks_nothing).bytes().len(), 21);
     let mut longest = reset(u32::MAX);
     longest.code = Some(i32::MIN);
     while longest.requests.push(longest.requests[0]).is_ok() {}

@@ -1,0 +1,40 @@
+//! What a running controller tells, and what may be asked of it.
+//!
+//! ```text
+//! target   Station  --- Notice: samples, estimate, health, events, answers --->  Client   host
+//!                   <-- Order: requests, one at a time, each answered --------
+//! ```
+//!
+//! | content | when | when the line is full |
+//! |---|---|---|
+//! | [`Sample`] | every n-th sample, n by request | dropped and counted |
+//! | [`Learned`], [`Health`] | ten times a second | dropped and counted |
+//! | [`Event`] | at once, and again until it is acknowledged | waits |
+//! | [`Answer`] | to each order, done or refused with its reason | waits |
+//!
+//! # What holds on a bad line
+//!
+//! - A frame that is damaged, of another version, or cut short changes nothing but a counter.
+//! - An order that comes again is answered again and carried out once.
+//! - An order carries the tick of the newest sample that its sender saw. What moves the axis is refused when that is older than
+//!   [`STALE_MS`]: bytes that were kept somewhere and arrive later move nothing.
+//! - A watchdog can be asked for: without an intact order for that long the station asks the machine to stop, once.
+//! - The slot never waits: what does not fit into the outbox of [`OUTBOX`] bytes is dropped (samples) or waits (the rest).
+//!
+//! [`operate`] carries requests out on a [`ServoLoop`](trendid::servo::ServoLoop); [`settings`] is the table of what may be set.
+
+mod client;
+mod operate;
+mod outbox;
+mod schema;
+pub mod settings;
+mod station;
+
+pub use client::{Client, Heard, Losses};
+pub use operate::{Machine, operate, reason_of, state_of};
+pub use outbox::{EVENTS, OUTBOX};
+pub use schema::{
+    Answer, Content, Event, Health, Identity, Learned, Notice, NumberedEvent, Order, Outcome,
+    Refusal, Request, Sample, SettingValue, Text, Trick,
+};
+pub use station::{STALE_MS, Station, Wanted};
