@@ -9,13 +9,17 @@ use core::sync::atomic::{AtomicU8, Ordering};
 use cortex_m_semihosting::debug;
 use trendid::servo::State;
 use trendid_example_support::button::Request;
+use trendid_example_support::machine::{BEGIN, TRACED};
 use trendid_example_support::survivor::Fault;
 
 use crate::snapshot::{EVERY, OVERRUNS, Snapshot};
 use crate::survival;
 
-/// End of the first start, in samples; three overruns are provoked before it.
-const END: u64 = 4500;
+/// End of the first start, in samples; three overruns are provoked before it, after what is compared by its hash.
+const END: u64 = TRACED + EVERY;
+
+/// The request after the first message is heard in the sample in which every other loop hears it.
+const _: () = assert!(EVERY + 1 == BEGIN);
 
 /// Place of the simulated drive at the start in mm, and how far its sensor may be from it.
 const START: f32 = 200.0;
@@ -103,7 +107,12 @@ impl Script {
             self.expect(self.fault.is_none() && rests(now) && !now.stopped);
             ask(RUN);
         }
-        if now.tick == END - EVERY {
+        if now.tick == TRACED {
+            defmt::info!(
+                "emulated: hash of {=u64} samples: {=u64:016x}",
+                TRACED,
+                now.trace.value()
+            );
             FAULT.store(OVERRUNS, Ordering::Relaxed);
         }
         if now.tick >= END {

@@ -7,7 +7,7 @@ use stm32f4xx_hal::flash::{FlashExt, LockedFlash};
 use stm32f4xx_hal::pac;
 use trendid::servo::store::{Identity, Keeper, ModelStore, Record, StoreError};
 
-use crate::config;
+use trendid_example_support::machine::config;
 
 /// The machine: its model is of no use to another one. A serial number, where there is one.
 const PLANT: u32 = 1;

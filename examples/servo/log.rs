@@ -1,17 +1,11 @@
-//! What is shown of a model, of a start and of a fault, and where the frames of defmt go: over RTT on a board, over semihosting in the emulator, from the same image.
-//!
-//! Only the idle loop may log. A frame goes out with interrupts off, which on a board takes the time of a copy; in the
-//! emulator no time passes meanwhile.
+//! What is shown of a model, of a start and of a fault. Only the idle loop may log.
 
-use core::cell::UnsafeCell;
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-
-use cortex_m::{interrupt, register::primask};
-use cortex_m_semihosting::hio;
 use micromath::F32Ext;
 use trendid::servo;
 use trendid_example_support::reset::{Cause, Causes};
 use trendid_example_support::survivor::{Fault, Survivor};
+
+use crate::logger;
 
 /// Shows a model as its parameters, and as frequency and damping of the drive behind the integrator.
 ///
@@ -78,151 +72,12 @@ pub(crate) fn fault(fault: Option<Fault>) {
         Some(Fault::HardFault { pc, lr }) => {
             defmt::error!("fault: hard fault");
             // Addresses are another with every build: no lines for the quoted log.
-            if !SEMIHOSTING.load(Ordering::Relaxed) {
+            if !logger::is_over_semihosting() {
                 defmt::error!("at {=u32:#x}, return address {=u32:#x}", pc, lr);
             }
         }
         Some(Fault::Exception { number }) => {
             defmt::error!("fault: exception {=i32} has no handler", number);
         }
-    }
-}
-
-/// Whether the frames go over semihosting.
-static SEMIHOSTING: AtomicBool = AtomicBool::new(false);
-
-/// Chooses semihosting for all frames from now on.
-pub(crate) fn over_semihosting() {
-    SEMIHOSTING.store(true, Ordering::Relaxed);
-}
-
-#[defmt::global_logger]
-struct Logger;
-
-/// What belongs to the frame that is being written.
-struct Frame {
-    encoder: UnsafeCell<defmt::Encoder>,
-    masked: UnsafeCell<bool>,
-}
-
-// SAFETY: used between acquire and release only, with interrupts off, on a single core.
-unsafe impl Sync for Frame {}
-
-static FRAME: Frame = Frame {
-    encoder: UnsafeCell::new(defmt::Encoder::new()),
-    masked: UnsafeCell::new(false),
-};
-
-// SAFETY: acquire turns interrupts off and release restores them, so frames exclude each other.
-unsafe impl defmt::Logger for Logger {
-    fn acquire() {
-        let masked = primask::read().is_inactive();
-        interrupt::disable();
-        // SAFETY: interrupts are off.
-        unsafe {
-            *FRAME.masked.get() = masked;
-            (*FRAME.encoder.get()).start_frame(put);
-        }
-    }
-
-    unsafe fn flush() {}
-
-    unsafe fn release() {
-        // SAFETY: interrupts are off since acquire; they were on before unless masked says otherwise.
-        unsafe {
-            (*FRAME.encoder.get()).end_frame(put);
-            if !*FRAME.masked.get() {
-                interrupt::enable();
-            }
-        }
-    }
-
-    unsafe fn write(bytes: &[u8]) {
-        // SAFETY: interrupts are off since acquire.
-        unsafe { (*FRAME.encoder.get()).write(bytes, put) };
-    }
-}
-
-/// Sends encoded bytes.
-fn put(bytes: &[u8]) {
-    if SEMIHOSTING.load(Ordering::Relaxed) {
-        if let Ok(mut out) = hio::hstdout() {
-            // Without a debugger there is no receiver.
-            let _ = out.write_all(bytes);
-        }
-    } else {
-        bytes.iter().for_each(|&byte| RTT.put(byte));
-    }
-}
-
-const SIZE: usize = 1024;
-
-/// Control block of SEGGER's real-time transfer with one channel up; the debugger finds it by its symbol and its first
-/// bytes and reads the ring behind the back of the processor.
-#[repr(C)]
-struct Rtt {
-    id: [u8; 16],
-    channels_up: u32,
-    channels_down: u32,
-    name: Pointer,
-    ring: Pointer,
-    size: u32,
-    write: AtomicU32,
-    read: AtomicU32,
-    mode: AtomicU32,
-}
-
-/// An address in a static.
-#[repr(transparent)]
-struct Pointer(*const u8);
-
-// SAFETY: the addresses are constant; what they point to is the business of Rtt::put.
-unsafe impl Sync for Pointer {}
-
-#[repr(transparent)]
-struct Ring(UnsafeCell<[u8; SIZE]>);
-
-// SAFETY: written by Rtt::put only, with interrupts off.
-unsafe impl Sync for Ring {}
-
-static RING: Ring = Ring(UnsafeCell::new([0; SIZE]));
-
-// SAFETY: the name that debuggers look for; nothing else has it.
-#[unsafe(export_name = "_SEGGER_RTT")]
-static RTT: Rtt = Rtt {
-    id: *b"SEGGER RTT\0\0\0\0\0\0",
-    channels_up: 1,
-    channels_down: 0,
-    // The name tells probe-rs that the bytes are frames of defmt.
-    name: Pointer(c"defmt".as_ptr().cast()),
-    ring: Pointer(RING.0.get().cast()),
-    size: SIZE as u32,
-    write: AtomicU32::new(0),
-    read: AtomicU32::new(0),
-    mode: AtomicU32::new(0),
-};
-
-/// Value of the two low bits of the mode when a debugger asks the processor to wait for it.
-const BLOCKING: u32 = 2;
-
-impl Rtt {
-    /// Puts a byte into the ring; drops it when the ring is full and no debugger wants to be waited for.
-    fn put(&self, byte: u8) {
-        let write = self.write.load(Ordering::Relaxed);
-        let next = (write + 1) % SIZE as u32;
-        while next == self.read.load(Ordering::Acquire) {
-            if self.mode.load(Ordering::Relaxed) & 3 != BLOCKING {
-                return;
-            }
-        }
-        // SAFETY: write is below SIZE, and the debugger reads what lies before it only.
-        unsafe {
-            RING.0
-                .get()
-                .cast::<u8>()
-                .add(write as usize)
-                .write_volatile(byte)
-        };
-        self.write.store(next, Ordering::Release);
     }
 }

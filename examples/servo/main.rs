@@ -34,6 +34,8 @@ mod keep;
 #[cfg(target_os = "none")]
 mod log;
 #[cfg(target_os = "none")]
+mod logger;
+#[cfg(target_os = "none")]
 mod slot;
 #[cfg(target_os = "none")]
 mod snapshot;
@@ -44,82 +46,20 @@ mod survival;
 #[cfg(target_os = "none")]
 mod wiring;
 
-use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
-use trendid::servo::{self, ServoLoop, Travel};
-
-/// Units of the encoder: 5 um per count.
-const MM_PER_COUNT: f32 = 0.005;
-
-/// Code of the transducer at the begin of the travel, read once when the machine was built.
-const ORIGIN: i32 = 8_000_000;
-
-/// The machine: 400 mm of travel, a valve and a cylinder of about 20 rad/s.
-const TRAVEL: Travel = Travel {
-    min: 0.0,
-    max: 400.0,
-};
-/// The time slot in s.
-const SAMPLE_TIME: f32 = 1e-3;
-
-const BANDWIDTH: f32 = 20.0;
-
-/// Time in s from the command to the flow: none in the simulated drive, 2 ms with a spool valve of 100 Hz. Two ms that are not
-/// there cost 5 % in a1, 15 % in a2 and the dead zone.
-const DELAY: f32 = 0.0;
-
-/// Time in s of excitation before a model is tried. After the default of 0.26 s the loop controls, with b0 10 % too large and a
-/// dead zone of 0.073 instead of 0.030; after 0.5 s both are found.
-const EXCITE_TIME: f32 = 0.5;
-
 /// Whether control begins after a reset with the model in flash, without a request. A latched fault prevents it.
 #[cfg(target_os = "none")]
 const RESUME: bool = false;
 
-/// Targets of the moves in mm, and the samples between them.
-const TARGETS: [f32; 2] = [120.0, 280.0];
-const DWELL: u64 = 1500;
-
-/// From codes to millimetres.
-const AXIS: Axis = Axis {
-    scale: Scale::new(MM_PER_COUNT).unwrap(),
-    reference: ORIGIN,
-};
-
-/// The control loop of this machine, idle.
-fn machine<S: PositionSensor, V: Valve>(
-    sensor: S,
-    valve: V,
-) -> Result<ServoLoop<S, V>, servo::Error> {
-    ServoLoop::try_new(&config(), AXIS, sensor, valve)
-}
-
-/// The settings of this machine.
-fn config() -> servo::Config {
-    let mut config = servo::Config::new(SAMPLE_TIME, BANDWIDTH, TRAVEL);
-    config.delay = DELAY;
-    config.supervision.excite_time = EXCITE_TIME;
-    config
-}
-
-/// The next move, when one is due in sample `tick`.
-fn target(tick: u64) -> Option<f32> {
-    tick.is_multiple_of(DWELL)
-        .then(|| TARGETS[(tick / DWELL) as usize % TARGETS.len()])
-}
-
 #[cfg(not(target_os = "none"))]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     use trendid_example_support::drive::{Drive, SimulatedValve};
+    use trendid_example_support::machine::{Machine, ORIGIN, TRACED, plan};
 
-    let mut servo = machine(Drive::new(ORIGIN), SimulatedValve)?;
-    // The request that on a board the button makes.
-    servo.commission();
+    let mut machine = Machine::try_new(Drive::new(ORIGIN), SimulatedValve)?;
     let mut last = None;
     for tick in 1..=10_000 {
-        if let Some(target) = target(tick) {
-            servo.move_to(target)?;
-        }
-        let report = servo.update();
+        // The requests that on a board a person makes.
+        let report = machine.update(plan(tick).map(|request| request.action));
         if last != Some(report.state) || tick.is_multiple_of(1000) {
             last = Some(report.state);
             println!(
@@ -131,7 +71,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             );
         }
     }
-    let model = servo
+    let model = machine
+        .servo
         .supervisor()
         .verified_model()
         .ok_or("no model was verified")?;
@@ -139,5 +80,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "model: a1 {:.1} a2 {:.2} b0 {:.0} dead zone {:.4}",
         model.a1, model.a2, model.b0, model.dead_zone
     );
+    println!("hash of {TRACED} samples: {:016x}", machine.trace().value());
     Ok(())
 }

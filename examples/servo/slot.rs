@@ -12,11 +12,12 @@ use stm32f4xx_hal::{ReadFlags, pac::interrupt};
 use trendid::hardware::{PositionSensor, Valve};
 use trendid::servo::{Reason, ServoLoop, State};
 use trendid_example_support::button::Request;
+use trendid_example_support::machine::{AXIS, TRACED, Trace, target};
 use trendid_example_support::survivor::{Fault, Text};
 
 use crate::snapshot::{EVERY, OVERRUNS, Snapshot};
 use crate::wiring::{FRESH, Output, Panel, Sensor};
-use crate::{AXIS, emulated, survival, target};
+use crate::{emulated, survival};
 
 /// Everything the interrupt owns.
 pub(crate) struct Slot {
@@ -71,6 +72,7 @@ impl Slot {
             stopped,
             refused: 0,
             longest: 0,
+            trace: Trace::new(),
             record: None,
         };
         Self {
@@ -142,6 +144,9 @@ impl Slot {
             let _ = self.servo.move_to(target);
         }
         let report = self.servo.update();
+        if matches!(self.panel, Panel::Emulated) && self.now.tick <= TRACED {
+            self.now.trace.take(&report);
+        }
         let before = core::mem::discriminant(&self.now.state);
         self.now.state = report.state;
         self.now.position = report.position;

@@ -2,6 +2,7 @@
 
 use trendid::servo::State;
 use trendid::servo::store::Record;
+use trendid_example_support::machine::Trace;
 
 /// Overruns in a row that end in the safe output.
 pub(crate) const OVERRUNS: u8 = 3;
@@ -26,6 +27,8 @@ pub(crate) struct Snapshot {
     pub refused: u32,
     /// Longest update so far in us; in the emulator in thousands of instructions.
     pub longest: u32,
+    /// What the loop did, in the emulator.
+    pub trace: Trace,
     /// The verified model and what was found with it.
     pub record: Option<Record>,
 }

@@ -8,6 +8,7 @@ use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use stm32f4xx_hal::{prelude::*, rcc};
 use trendid::hardware::Valve;
 use trendid_example_support::drive::{Drive, SimulatedValve};
+use trendid_example_support::machine::{ORIGIN, servo_loop};
 use trendid_example_support::reset::{Causes, brown_out_level};
 
 use crate::emulated::Script;
@@ -15,7 +16,7 @@ use crate::keep::Keep;
 use crate::slot::{self, Slot};
 use crate::snapshot::Snapshot;
 use crate::wiring::{self, CRYSTAL_MHZ, Output, Panel, Ports, Sensor};
-use crate::{ORIGIN, RESUME, log, machine, survival};
+use crate::{RESUME, log, logger, survival};
 
 /// Ticks of TIM2 per second in QEMU, whatever the clock control says.
 const EMULATED_HZ: u32 = 1_000_000_000;
@@ -46,7 +47,7 @@ fn main() -> ! {
     let emulated = chip.RCC.cr().read().hsirdy().bit_is_clear();
     let brown_out = brown_out_level(chip.FLASH.optcr().read().bits());
     let config = if emulated {
-        log::over_semihosting();
+        logger::over_semihosting();
         rcc::Config::hsi()
     } else {
         rcc::Config::hse(CRYSTAL_MHZ.MHz()).sysclk(168.MHz())
@@ -74,7 +75,7 @@ fn main() -> ! {
     };
     // A converter keeps its last code over a restart of the chip. A failure is written again in every slot.
     let _ = valve.safe();
-    let mut servo = machine(sensor, valve).unwrap();
+    let mut servo = servo_loop(sensor, valve).unwrap();
 
     let mut timer = chip.TIM2.counter_hz(&mut rcc);
     // QEMU counts with its own frequency, so there the rate is that of a clock which is so much slower.

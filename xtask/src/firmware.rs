@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::elf::Image;
-use crate::log;
+use crate::{frameworks, log};
 use crate::process::{Done, M0, M3, M4F, Machine, cargo};
 
 /// Options of the task.
@@ -72,8 +72,9 @@ fn servo(build_only: bool) -> Result<String, String> {
         return Ok(String::new());
     }
     let lines = log::lines(&path, &M4F.output(&path, LIMIT)?)?;
+    let same = frameworks::same_as_host(&lines)?;
     Ok(format!(
-        "servo on {} ({}):\n{}",
+        "servo on {} ({}):\n{}{same}",
         M4F.name,
         M4F.target,
         indented(lines)

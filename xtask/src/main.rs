@@ -6,6 +6,7 @@ mod ci;
 mod docs;
 mod elf;
 mod firmware;
+mod frameworks;
 mod golden;
 mod icount;
 mod log;

@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::{firmware, icount};
+use crate::{firmware, frameworks, icount};
 
 /// A task that gives text.
 #[derive(Subcommand)]
@@ -15,6 +15,8 @@ pub(crate) enum Task {
     Size,
     /// The controller on the emulated target against the simulated plant on the host, bit for bit.
     Pil,
+    /// The servo loop in RTIC 2, in the emulator; the same hash as on the host.
+    Rtic,
 }
 
 impl Task {
@@ -25,6 +27,7 @@ impl Task {
             Self::Icount(options) => icount::run(options),
             Self::Size => firmware::size(),
             Self::Pil => firmware::pil(),
+            Self::Rtic => frameworks::rtic(),
         }
     }
 

@@ -4,7 +4,7 @@ use core::fmt::{self, Write};
 
 use cortex_m_semihosting::{debug, hio};
 // The interrupt vectors of the chip; on the other cores there are none.
-#[cfg(target_abi = "eabihf")]
+#[cfg(all(target_abi = "eabihf", feature = "vectors"))]
 use stm32f4xx_hal as _;
 
 /// Writes a line through the debugger or the emulator.

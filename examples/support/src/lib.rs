@@ -4,6 +4,7 @@
 pub mod button;
 pub mod drive;
 pub mod hash;
+pub mod machine;
 pub mod record;
 pub mod reset;
 pub mod rows;
