@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use crate::elf::Image;
-use crate::{frameworks, log};
 use crate::process::{Done, M0, M3, M4F, Machine, cargo};
+use crate::{frameworks, log};
 
 /// Options of the task.
 #[derive(Default, clap::Args)]

@@ -60,9 +60,10 @@ impl Package {
     /// A cargo command in it; what it builds is kept beside that of the workspace.
     fn cargo(&self, arguments: &[&str]) -> Result<std::process::Command, String> {
         let mut command = cargo(arguments);
-        command
-            .current_dir(self.directory())
-            .env("CARGO_TARGET_DIR", process::target_directory()?.join(self.0));
+        command.current_dir(self.directory()).env(
+            "CARGO_TARGET_DIR",
+            process::target_directory()?.join(self.0),
+        );
         Ok(command)
     }
 
