@@ -9,7 +9,7 @@ use trendid_host_tests::endurance::scenario::{Case, cases};
 use crate::format::significant;
 use crate::output::{Refusal, emit, emit_json, number, progress};
 
-/// What is asked of the command.
+/// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   trendid endurance

@@ -38,7 +38,7 @@ enum Command {
     Select(identify::select::SelectArgs),
     /// The tables and the figure of the paper again
     Paper(paper::PaperArgs),
-    /// What each option of the core costs in instructions, beside what it gains in accuracy
+    /// Cost in instructions and gain in accuracy of each option of the core
     Options(options::OptionsArgs),
     /// Whether the estimate stays true over hours: every motion with every memory, other ways to forget beside
     Endurance(endurance::EnduranceArgs),

@@ -13,6 +13,7 @@ use meter::Meter;
 use position_loop::{Servo, Still, motion, servo};
 use trendid::Outcome;
 use trendid::estimation::{Estimator, StabilisedForgetting};
+use trendid::model::Physical;
 use trendid::servo::Report;
 use trendid::trends::{FilteredTrends, Scheme};
 use trendid_example_support::drive::SimulatedValve;
@@ -55,12 +56,16 @@ functions! {
     row_bank(rows::Bank, f32) -> Outcome, |state, u, y| state.update_inputs([u], y);
     row_estimate(rows::Default, f32) -> [f32; 5], |state, _u, _y| state.theta();
     row_std(rows::Default, f32) -> [f32; 5], |state, _u, _y| state.estimate().std();
+    row_readings(rows::Default, f32) -> Readings, |state, _u, _y| {
+        let found = state.estimate();
+        (found.theta(), found.std(), found.covariance(), found.physical(), found.physical_std())
+    };
     row_exact_estimate(rows::Exact, f32) -> [f32; 5], |state, _u, _y| state.theta();
     row_retune((rows::Default, [FilteredTrends<3>; 2]), f32) -> bool, |state, _u, _y| {
         // Another filter in every call.
         let (identifier, [next, after]) = state;
         core::mem::swap(next, after);
-        identifier.retune(*after, 0.1).is_ok()
+        identifier.retune(after.clone(), 0.1).is_ok()
     };
     row_bare_3(Estimator<3>, &[f32; 3]) -> f32, |state, phi, psi| state.update(phi, psi);
     row_bare_4(Estimator<4>, &[f32; 4]) -> f32, |state, phi, psi| state.update(phi, psi);
@@ -72,8 +77,17 @@ functions! {
     row_bounded_6(Bounded<6>, &[f32; 6]) -> f32, |state, phi, psi| state.update(phi, psi);
 }
 
+/// All that is asked of a model, from one reading of the identifier.
+type Readings = (
+    [f32; 5],
+    [f32; 5],
+    [[f32; 5]; 5],
+    Physical<3>,
+    Option<[f32; 3]>,
+);
+
 /// The bare estimator with its covariance bounded.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Bounded<const N: usize> {
     estimator: Estimator<N>,
     forgetting: StabilisedForgetting<N>,
@@ -181,6 +195,7 @@ fn now_and_then(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     rows! { meter;
         "estimate, per call", 5, *row_estimate, default.clone(), calls();
         "deviations, per call", 5, *row_std, default.clone(), calls();
+        "all readings, per call", 5, *row_readings, default.clone(), calls();
         "exact estimate, per call", 5, *row_exact_estimate, exact, calls();
     }
     let behind =

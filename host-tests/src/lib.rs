@@ -11,6 +11,7 @@
 //! | [`paper`] | the paper's Table 1: its conditions, one record through every method, statistics over many |
 //! | [`servo`] | the adaptive position loop of the core on simulated axes |
 //! | [`endurance`] | recursions over hours |
+//! | [`settings`] | names of settings |
 //!
 //! A room uses only the rooms above it.
 
@@ -19,4 +20,5 @@ pub mod oracles;
 pub mod paper;
 pub mod plants;
 pub mod servo;
+pub mod settings;
 pub mod signals;

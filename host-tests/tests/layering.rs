@@ -6,10 +6,14 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use proc_macro2::Ident;
-use syn::punctuated::Punctuated;
-use syn::visit::{self, Visit};
-use syn::{Attribute, Expr, ItemMod, ItemUse, Macro, Token, UseTree, Visibility};
+use layering::arrows::{arrows, module};
+use layering::source::{Names, Source};
+
+/// In the folder beside this file.
+mod layering {
+    pub(crate) mod arrows;
+    pub(crate) mod source;
+}
 
 /// The rooms of a package, each using only those before it; the crate root may use all.
 const ORDERS: [(&str, &[&str]); 2] = [
@@ -43,208 +47,10 @@ const ORDERS: [(&str, &[&str]); 2] = [
 /// Rooms that only these may use, beside the crate root.
 const RESERVED: [(&str, &str, &[&str]); 1] = [("src", "hardware", &["servo"])];
 
-/// Packages and programs; in those that contain others, each folder with a `main.rs` or `lib.rs` is one.
-const PACKAGES: [&str; 9] = [
-    "src",
-    "identify/src",
-    "cli/src",
-    "host-tests/src",
-    "link/src",
-    "xtask/src",
-    "xtask/log/src",
-    "host-tests/tests",
-    "examples",
-];
-
-/// Path of a module, and name of what it holds at the end.
-type Names = Vec<String>;
-
-/// What a `use` brings into a file.
-struct Import {
-    path: Names,
-    /// Name in the file; empty for `*`.
-    local: String,
-    line: usize,
-    /// `pub use`: the file passes it on and need not use it.
-    passed_on: bool,
-}
-
-/// One file: its path, and what is read from it.
-struct Source {
-    file: String,
-    /// Modules declared with `mod name;`.
-    children: Names,
-    imports: Vec<Import>,
-    /// Paths in the code, with their line.
-    paths: Vec<(Names, usize)>,
-}
-
-impl Source {
-    fn read(file: &str, text: &str) -> Self {
-        let mut source = Self {
-            file: file.into(),
-            children: Names::new(),
-            imports: Vec::new(),
-            paths: Vec::new(),
-        };
-        let parsed = syn::parse_file(text).unwrap_or_else(|e| panic!("{file}: {e}"));
-        source.visit_file(&parsed);
-        source
-    }
-
-    fn import(&mut self, tree: &UseTree, mut path: Names, passed_on: bool) {
-        let (name, local, at) = match tree {
-            UseTree::Path(one) => {
-                path.push(one.ident.to_string());
-                return self.import(&one.tree, path, passed_on);
-            }
-            UseTree::Group(all) => {
-                let each = all.items.iter();
-                return each.for_each(|tree| self.import(tree, path.clone(), passed_on));
-            }
-            UseTree::Name(one) => (
-                one.ident.to_string(),
-                one.ident.to_string(),
-                one.ident.span(),
-            ),
-            UseTree::Rename(one) => (
-                one.ident.to_string(),
-                one.rename.to_string(),
-                one.ident.span(),
-            ),
-            UseTree::Glob(one) => (String::new(), String::new(), one.star_token.spans[0]),
-        };
-        if !["self", ""].contains(&name.as_str()) || path.is_empty() {
-            path.push(name);
-        }
-        let same = local == "self";
-        self.imports.push(Import {
-            local: if same {
-                path[path.len() - 1].clone()
-            } else {
-                local
-            },
-            path,
-            line: at.start().line,
-            passed_on,
-        });
-    }
-}
-
-impl Visit<'_> for Source {
-    fn visit_item_mod(&mut self, item: &ItemMod) {
-        let test = |a: &Attribute| {
-            a.path().is_ident("cfg") && a.parse_args::<Ident>().is_ok_and(|i| i == "test")
-        };
-        if item.attrs.iter().any(test) {
-            return;
-        }
-        if item.content.is_none() {
-            self.children.push(item.ident.to_string());
-        }
-        visit::visit_item_mod(self, item);
-    }
-
-    fn visit_item_use(&mut self, item: &ItemUse) {
-        self.import(
-            &item.tree,
-            Names::new(),
-            !matches!(item.vis, Visibility::Inherited),
-        );
-    }
-
-    /// `pub(in crate::room)` uses nothing.
-    fn visit_visibility(&mut self, _: &Visibility) {}
-
-    fn visit_path(&mut self, path: &syn::Path) {
-        let names = path.segments.iter().map(|s| s.ident.to_string()).collect();
-        self.paths
-            .push((names, path.segments[0].ident.span().start().line));
-        visit::visit_path(self, path);
-    }
-
-    /// Arguments such as those of `format!`; the tokens of other macros are not read.
-    fn visit_macro(&mut self, item: &Macro) {
-        let arguments = item.parse_body_with(Punctuated::<Expr, Token![,]>::parse_terminated);
-        arguments.iter().flatten().for_each(|e| self.visit_expr(e));
-    }
-}
-
-/// The module that a file below the root of its package is.
-fn module(file: &str) -> Names {
-    let names = file.trim_end_matches(".rs").split('/');
-    let mut names: Names = names.map(str::to_owned).collect();
-    names.pop_if(|last| ["mod", "lib", "main"].contains(&last.as_str()));
-    names
-}
-
-/// The module in which `path`, named in `from`, ends; nothing for what lies outside of the package.
-fn target(
-    modules: &BTreeMap<Names, Source>,
-    from: &Names,
-    path: &[String],
-    depth: u32,
-) -> Option<Names> {
-    let source = &modules[from];
-    let mut at = from.clone();
-    let mut rest = path;
-    match path[0].as_str() {
-        "crate" => (at, rest) = (Names::new(), &path[1..]),
-        "self" => rest = &path[1..],
-        "super" => {
-            while let [first, more @ ..] = rest
-                && first == "super"
-            {
-                at.pop();
-                rest = more;
-            }
-        }
-        child if source.children.iter().any(|c| c == child) => {}
-        local => {
-            let import = source
-                .imports
-                .iter()
-                .find(|i| i.local == local && i.path != path)?;
-            let path: Names = import.path.iter().chain(&path[1..]).cloned().collect();
-            return target(modules, from, &path, depth.checked_sub(1)?);
-        }
-    }
-    while let [name, more @ ..] = rest {
-        let below: Names = at.iter().chain([name]).cloned().collect();
-        if modules.contains_key(&below) {
-            (at, rest) = (below, more);
-            continue;
-        }
-        let Some(import) = modules
-            .get(&at)
-            .and_then(|m| m.imports.iter().find(|i| i.local == *name))
-        else {
-            return Some(at);
-        };
-        let path: Names = import.path.iter().chain(more).cloned().collect();
-        return target(modules, &at, &path, depth.checked_sub(1)?);
-    }
-    Some(at)
-}
-
-/// Which file uses which, with the first line that does.
-fn arrows(modules: &BTreeMap<Names, Source>) -> BTreeMap<(&Names, Names), usize> {
-    let mut arrows = BTreeMap::new();
-    for (from, source) in modules {
-        let imports = source.imports.iter().filter(|i| !i.passed_on);
-        let imports = imports.map(|i| (&i.path, i.line));
-        let paths = source.paths.iter().map(|(path, line)| (path, *line));
-        for (path, line) in imports.chain(paths) {
-            if let Some(to) = target(modules, from, path, 8)
-                && to != *from
-                && modules.contains_key(&to)
-            {
-                arrows.entry((from, to)).or_insert(line);
-            }
-        }
-    }
-    arrows
-}
+/// Folders of the root package and of the tests; those of the other packages are found.
+///
+/// In those that contain programs, each folder with a `main.rs` or `lib.rs` is one.
+const FOLDERS: [&str; 3] = ["src", "examples", "host-tests/tests"];
 
 /// Whether a file of the room `from` may not use one of the room `to`; the crate root is no room, and no file uses it.
 fn denied(package: &str, from: &str, to: &str) -> bool {
@@ -305,11 +111,34 @@ fn sources(folder: &Path) -> Vec<(String, String)> {
     files
 }
 
-/// Each package and program in the folders of [`PACKAGES`].
+/// The folders below `at` that hold a package; none of them is a package of another workspace or of a build.
+fn package_folders(root: &Path, at: &str, found: &mut Vec<String>) {
+    let entries = std::fs::read_dir(root.join(at)).expect("a folder");
+    for entry in entries.map(|entry| entry.expect("an entry")) {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let skipped = name.starts_with('.') || ["target", "src", "examples"].contains(&&*name);
+        if skipped || !entry.path().is_dir() {
+            continue;
+        }
+        let folder = if at.is_empty() {
+            name
+        } else {
+            format!("{at}/{name}")
+        };
+        if entry.path().join("Cargo.toml").exists() && entry.path().join("src").exists() {
+            found.push(format!("{folder}/src"));
+            package_folders(root, &folder, found);
+        }
+    }
+}
+
+/// Each package and program.
 fn packages() -> Vec<(String, Vec<(String, String)>)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut folders: Vec<String> = FOLDERS.map(String::from).to_vec();
+    package_folders(&root, "", &mut folders);
     let mut found = Vec::new();
-    for package in PACKAGES {
+    for package in &folders {
         let files = sources(&root.join(package));
         let programs = files.iter().filter_map(|(file, _)| {
             file.strip_suffix("/main.rs")
@@ -324,7 +153,7 @@ fn packages() -> Vec<(String, Vec<(String, String)>)> {
         }
         let is_root = |(file, _): &(String, String)| ["lib.rs", "main.rs"].contains(&file.as_str());
         if files.iter().any(is_root) {
-            found.push((package.to_owned(), files));
+            found.push((package.clone(), files));
         }
     }
     found

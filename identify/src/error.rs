@@ -5,7 +5,7 @@ use trendid::ConfigError;
 
 use crate::dynamic::{INPUTS, PARAMETERS};
 
-/// What is wrong with the signals, the structure or the options.
+/// Errors of the signals, the structure or the options.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -95,7 +95,7 @@ pub enum Error {
         order: usize,
         /// Its parameters.
         parameters: usize,
-        /// What is missing.
+        /// The missing item.
         weakness: Weakness,
     },
     /// No structure passed.

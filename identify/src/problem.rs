@@ -29,7 +29,7 @@ pub struct Structure {
     pub constant: bool,
 }
 
-/// What does not belong to the structure.
+/// Options beside the structure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
     /// Trends of Goodwin (4) or modified Tustin (8).

@@ -1,4 +1,4 @@
-//! What a search over a record may choose.
+//! Freedom of a search over a record.
 
 /// A value that is given, or one to be found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -9,7 +9,7 @@ pub enum Choice<T> {
     Auto,
 }
 
-/// What a search may choose: a given pole or delay is left alone.
+/// Freedom of a search: a given pole or delay is left alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Freedom {
     /// The filter poles \[rad/s\]; `Given(None)` for raw trends.

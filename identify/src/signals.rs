@@ -13,7 +13,7 @@ pub struct Input<'a> {
     pub samples: &'a [f64],
     /// Whether the zeros and the delay of the plant apply; without, one coefficient acts at once.
     pub delayed: bool,
-    /// What the input does between samples.
+    /// Course of the input between samples.
     pub hold: Hold,
 }
 

@@ -108,7 +108,7 @@ pub struct Dropped {
 pub struct Selection {
     /// In the order of orders, integrators and zeros.
     pub candidates: Vec<Candidate>,
-    /// What was dropped, in the same order.
+    /// Dropped structures, in the same order.
     pub dropped: Vec<Dropped>,
     /// Index of the recommended candidate.
     pub recommended: usize,

@@ -1,6 +1,6 @@
-//! What a run over a record may choose: the filter and the delay.
+//! The choices of a run over a record: filter and delay.
 
-use trendid::trends::Scheme;
+use trendid::trends::{Scheme, polynomial_of_poles};
 
 use crate::dynamic::Filter;
 use crate::estimate::Estimate;
@@ -111,16 +111,19 @@ impl Tuning {
 }
 
 /// Coefficients f_0 .. f_{m-1} of `(s + pole)^m`.
+///
+/// An order outside 1..=4 has none.
 pub fn binomial(pole: f64, m: usize) -> Vec<f32> {
-    let mut coefficient = 1.0;
-    let mut falling = Vec::new();
-    for i in 0..m {
-        // C(m, i+1) pole^(i+1), the coefficient of s^(m-1-i).
-        coefficient *= pole * (m - i) as f64 / (i + 1) as f64;
-        falling.push(coefficient as f32);
+    fn of<const M: usize>(pole: f64) -> Vec<f32> {
+        polynomial_of_poles([pole as f32; M]).to_vec()
     }
-    falling.reverse();
-    falling
+    match m {
+        1 => of::<1>(pole),
+        2 => of::<2>(pole),
+        3 => of::<3>(pole),
+        4 => of::<4>(pole),
+        _ => Vec::new(),
+    }
 }
 
 #[cfg(test)]

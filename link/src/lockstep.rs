@@ -2,7 +2,7 @@
 
 use crate::{Counters, Frame, Receiver, Reply, Sample};
 
-/// What the target has to do with a sample that came in.
+/// Duty of the target for a sample that came in.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Incoming {
     /// A new sample: process it, then call [`Responder::answer`].

@@ -35,7 +35,7 @@ pub struct Setup {
     pub adaptive: bool,
 }
 
-/// What is asked of the loop before it processes a sample, outside of the 1 ms path.
+/// Request to the loop before it processes a sample, outside of the 1 ms path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Request {
     /// Start of a run: the target forgets its loop and its counters and builds a new loop.

@@ -1,4 +1,4 @@
-//! The factors U D U' of a covariance, and what a row does to them.
+//! The factors U D U' of a covariance, and their update by a row.
 
 use crate::estimation::mean_square::flush;
 
@@ -13,7 +13,7 @@ pub(crate) struct Factors<const N: usize> {
     diagonal: [f32; N],
 }
 
-/// What travels from column to column while one row is folded in.
+/// Gain and variance carried from column to column while one row is folded in.
 pub(crate) struct Row<const N: usize> {
     /// k, the gain before it is divided by alpha.
     pub(crate) gain: [f32; N],
@@ -154,7 +154,7 @@ impl<const N: usize> Factors<N> {
         }
     }
 
-    /// Row `index` of U without what is too small to matter.
+    /// Row `index` of U, entries that change no digit as zero.
     #[inline(always)]
     pub(crate) fn flush(&mut self, index: usize) {
         for column in &mut self.upper {

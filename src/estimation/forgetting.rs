@@ -85,7 +85,7 @@ const FOLLOWS: f32 = 0.1;
 /// assert!((estimator.theta()[1] + 1.0).abs() < 1e-3);
 /// assert!(estimator.covariance(1, 1) < forgetting.bound());
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct StabilisedForgetting<const N: usize> {
     nominal: [f32; N],
     /// Variance of nominal values that no data support, relative to the noise of psi as in the prior.
@@ -144,7 +144,7 @@ impl<const N: usize> StabilisedForgetting<N> {
         self.set = true;
     }
 
-    /// Tells how uncertain the present nominal values are: their standard deviations, relative to the noise of psi.
+    /// Sets the standard deviations of the present nominal values, relative to the noise of psi.
     ///
     /// P counts the observations of nominal values as if they had the noise of the data; a reading adds this. It
     /// is forgotten parameter by parameter, when the data show one.
@@ -154,7 +154,7 @@ impl<const N: usize> StabilisedForgetting<N> {
         }
     }
 
-    /// Variances of the nominal values that no data support, and what they add to `covariance` when P is that.
+    /// Variances of the nominal values without support in the data, 0 for the others; `None` where nothing is forgotten.
     pub(crate) fn unsupported(&self) -> Option<&[f32; N]> {
         (self.bound > 0.0).then_some(&self.unsupported)
     }
@@ -175,7 +175,7 @@ impl<const N: usize> StabilisedForgetting<N> {
         self.nominal = nominal;
     }
 
-    /// What every P_ii stays below once the start is forgotten, relative to the noise of psi.
+    /// Upper limit of every P_ii once the start is forgotten, relative to the noise of psi.
     pub const fn bound(&self) -> f32 {
         self.bound
     }

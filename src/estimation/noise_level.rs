@@ -52,7 +52,7 @@ impl NoiseLevel {
         (y - y3) - 3.0 * (y1 - y2)
     }
 
-    /// Takes a value in place of y(k) that tells nothing of the noise.
+    /// Takes a replacement of y(k), which carries no information on the noise.
     #[inline(always)]
     pub fn pass(&mut self, y: f32) {
         let [y1, y2, _] = self.past;

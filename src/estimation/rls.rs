@@ -42,7 +42,7 @@ use crate::estimation::two_words::TwoWords;
 /// }
 /// assert!((estimator.theta()[0] - 3.0).abs() < 1e-4);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Estimator<const N: usize> {
     theta: TwoWords<N>,
     factors: Factors<N>,

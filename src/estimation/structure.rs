@@ -40,23 +40,13 @@ use crate::estimation::terms::{Parameter, Terms};
 /// use trendid::Structure;
 /// let autonomous = Structure::<3, 3, 0>::FULL;
 /// ```
-/// Other terms are checked in the same way within `const`, also in a `let`:
-/// ```
-/// use trendid::Structure;
-/// use trendid::estimation::Terms;
-/// let double = const { Structure::<3, 2, 1>::new(Terms::of(&[2]), [Terms::of(&[0])], false) };
-/// assert_eq!(double.integrators(), 2);
-/// ```
+/// The same as a constant:
 /// ```compile_fail,E0080
 /// use trendid::Structure;
-/// use trendid::estimation::Terms;
-/// let wrong = const { Structure::<3, 4, 1>::new(Terms::of(&[1, 2]), [Terms::of(&[0])], false) };
+/// const SERVO: Structure<3, 4, 1> = Structure::SERVO;
 /// ```
-/// ```compile_fail,E0080
-/// use trendid::Structure;
-/// use trendid::estimation::Terms;
-/// let power = const { Structure::<2, 2, 1>::new(Terms::of(&[2]), [Terms::of(&[0])], false) };
-/// ```
+/// Other terms are checked in the same way by [`structure!`](crate::structure), those known at run time only by
+/// [`Structure::try_new`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Structure<const M: usize, const N: usize, const I: usize> {
@@ -81,7 +71,10 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
     pub const SERVO: Self = Self::servo(true, true);
 
     /// Every a_i and every b_i.
-    pub const FULL: Self = Self::new(Terms::up_to(M), [Terms::up_to(M); I], false);
+    pub const FULL: Self = {
+        let all = Terms::up_to(M);
+        Self::expect_valid(Self::try_new(all, [all; I], false))
+    };
 
     /// Every a_i except a_0, and b_0 of each input.
     const fn servo(constant: bool, initial_state: bool) -> Self {
@@ -94,16 +87,6 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
         ))
     }
 
-    /// The structure with these terms, for constants and `const` blocks.
-    ///
-    /// # Panics
-    /// Where [`Structure::try_new`] gives an error; in a constant that is a compile error.
-    #[track_caller]
-    pub const fn new(output: Terms, inputs: [Terms; I], constant: bool) -> Self {
-        Self::expect_valid(Self::try_new(output, inputs, constant))
-    }
-
-    #[track_caller]
     const fn expect_valid(structure: Result<Self, ConfigError>) -> Self {
         match structure {
             Ok(structure) => structure,
@@ -249,6 +232,55 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
         }
         parameters
     }
+}
+
+/// The [`Structure`] with these terms of y, of each input, and with or without a constant input 1.
+///
+/// # Examples
+/// ```
+/// use trendid::estimation::Terms;
+/// use trendid::{Structure, structure};
+/// let double: Structure<3, 2, 1> = structure!(Terms::of(&[2]), [Terms::of(&[0])], false);
+/// assert_eq!(double.integrators(), 2);
+/// ```
+/// Terms that contradict the sizes do not compile, in a `let` as in a constant. Another number of parameters:
+/// ```compile_fail,E0080
+/// use trendid::estimation::Terms;
+/// use trendid::{Structure, structure};
+/// let wrong: Structure<3, 4, 1> = structure!(Terms::of(&[1, 2]), [Terms::of(&[0])], false);
+/// ```
+/// ```compile_fail,E0080
+/// use trendid::estimation::Terms;
+/// use trendid::{Structure, structure};
+/// const WRONG: Structure<3, 4, 1> = structure!(Terms::of(&[1, 2]), [Terms::of(&[0])], false);
+/// ```
+/// A power of the order, in y and in an input:
+/// ```compile_fail,E0080
+/// use trendid::estimation::Terms;
+/// use trendid::{Structure, structure};
+/// let power: Structure<2, 2, 1> = structure!(Terms::of(&[2]), [Terms::of(&[0])], false);
+/// ```
+/// ```compile_fail,E0080
+/// use trendid::estimation::Terms;
+/// use trendid::{Structure, structure};
+/// let power: Structure<2, 2, 1> = structure!(Terms::of(&[1]), [Terms::of(&[2])], false);
+/// ```
+/// Inputs without any term:
+/// ```compile_fail,E0080
+/// use trendid::estimation::Terms;
+/// use trendid::{Structure, structure};
+/// let autonomous: Structure<2, 2, 1> = structure!(Terms::up_to(2), [Terms::NONE], false);
+/// ```
+#[macro_export]
+macro_rules! structure {
+    ($output:expr, $inputs:expr, $constant:expr) => {
+        const {
+            match $crate::Structure::try_new($output, $inputs, $constant) {
+                Ok(structure) => structure,
+                Err(_) => panic!("the terms contradict the sizes M, N, I of the structure"),
+            }
+        }
+    };
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Sets of powers of s, and what each entry of theta means.
+//! Sets of powers of s, and the meaning of each entry of theta.
 
 /// A set of powers of s: which a_i, or which b_i of one input, exist.
 ///
@@ -62,7 +62,7 @@ impl Terms {
     }
 }
 
-/// What one entry of theta means.
+/// Meaning of one entry of theta.
 #[doc(alias = "Column")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

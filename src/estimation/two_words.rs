@@ -9,7 +9,7 @@ const NEGLIGIBLE: f32 = 1e-18;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct TwoWords<const N: usize> {
     high: [f32; N],
-    /// What rounding left of each correction.
+    /// Rounding error of each correction.
     low: [f32; N],
 }
 

@@ -46,22 +46,41 @@ use crate::trends::TrendOperator;
 /// assert!((servo.estimate().physical().omega0.unwrap() - 20.0).abs() < 0.2);
 /// # Ok::<(), trendid::ConfigError>(())
 /// ```
+/// Delay lines that are too short for the longest candidate do not compile, and neither does an empty bank:
+/// ```compile_fail,E0080
+/// use trendid::{Servo, identifier::DelayBank};
+/// let bank = DelayBank::<Servo<6>, 8>::new(0.001, 20.0, 1.0, 50.0);
+/// ```
+/// ```compile_fail,E0080
+/// use trendid::{Servo, identifier::DelayBank};
+/// let bank = DelayBank::<Servo<7>, 0>::new(0.001, 20.0, 1.0, 50.0);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct DelayBank<C, const K: usize> {
     candidates: [C; K],
+}
+
+/// Fails the build where there is no candidate, or the delay lines do not hold the longest one.
+const fn assert_bank(line: usize, candidates: usize) {
+    assert!(candidates > 0, "a bank has at least one candidate");
+    assert!(
+        candidates <= line + 1,
+        "the delay lines are shorter than the longest candidate"
+    );
 }
 
 impl<const D: usize, const K: usize> DelayBank<Servo<D>, K> {
     /// A bank of [`Servo`]s, with the arguments of [`Servo::new`].
     ///
     /// # Errors
-    /// As [`Servo::new`]; [`ConfigError::OutOfRange`] where the delay line is shorter than the longest candidate.
+    /// As [`Servo::new`].
     pub fn new(
         sample_time: f32,
         bandwidth: f32,
         input_range: f32,
         output_range: f32,
     ) -> Result<Self, ConfigError> {
+        const { assert_bank(D, K) };
         Self::from_candidates(|delay| {
             Servo::with_delay(sample_time, bandwidth, input_range, output_range, delay)
         })
@@ -77,7 +96,6 @@ impl<C: Clone, const K: usize> DelayBank<C, K> {
     fn from_candidates(
         candidate: impl Fn(usize) -> Result<C, ConfigError>,
     ) -> Result<Self, ConfigError> {
-        const { assert!(K > 0, "a bank has at least one candidate") };
         let first = candidate(0)?;
         let mut candidates = core::array::from_fn(|_| first.clone());
         for (delay, slot) in candidates.iter_mut().enumerate() {
@@ -99,13 +117,13 @@ impl<
     /// Candidates for the delay of `input`; the other inputs keep the delays of `config`.
     ///
     /// # Errors
-    /// As [`Identifier::try_new`]; [`ConfigError::OutOfRange`] where the delay line is shorter than the longest candidate;
-    /// [`ConfigError::NoInput`] where there is no such input.
+    /// As [`Identifier::try_new`]; [`ConfigError::NoInput`] where there is no such input.
     pub fn try_new(config: &Config<M, N, I>, trends: T, input: usize) -> Result<Self, ConfigError> {
+        const { assert_bank(D, K) };
         Self::from_candidates(|delay| {
             let mut config = config.clone();
             *config.delays.get_mut(input).ok_or(ConfigError::NoInput)? = delay;
-            Identifier::try_new(&config, trends)
+            Identifier::try_new(&config, trends.clone())
         })
     }
 

@@ -14,13 +14,13 @@ use crate::estimation::noise_level::NoiseLevel;
 /// Standard deviations of the noise beyond which the innovation is implausible.
 const INNOVATION: f32 = 4.0;
 
-/// The same for the third difference of y, whose own standard deviation is sqrt(20) times that of the noise.
+/// The same for the third difference of y, relative to its own standard deviation, sqrt(20) times that of the noise.
 const THIRD: f32 = 1.2;
 
 /// Share of the newest innovation in its mean.
 const SHARE: f32 = 0.125;
 
-/// What a sample of y is.
+/// Kind of a sample of y.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Verdict {
     Plausible,
@@ -30,7 +30,7 @@ pub(crate) enum Verdict {
     Lasting,
 }
 
-/// What the gate remembers; `T` is the memory of the trends of y.
+/// Memory of the gate; `T` is the memory of the trends of y.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Gate<T> {
     /// Mean of the innovation.
@@ -51,7 +51,7 @@ impl<T> Gate<T> {
         }
     }
 
-    /// Judges a sample by its innovation and its third difference, in the unit of y; `least` is a noise that counts always.
+    /// Classifies a sample by its innovation and its third difference, in the unit of y; `least` is the smallest noise assumed.
     #[inline(always)]
     pub(crate) fn judge(
         &mut self,

@@ -52,7 +52,7 @@ pub fn dead_zone(u: f32, delta: f32) -> [f32; 2] {
 ///
 /// # Limits
 /// Two levels of the command do not determine gain, width and constant; three do if each of them lasts long enough, some
-/// 3 / bandwidth. Until then [`DeadZone::std`] says how little is known of the width.
+/// 3 / bandwidth. Until then [`DeadZone::std`] is large.
 ///
 /// | symbol | argument | unit |
 /// |---|---|---|

@@ -108,8 +108,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// Lets `samples` sample times pass without a measurement, under the newest inputs.
     ///
-    /// A short gap (up to 5 over the bandwidth) is bridged by what the model predicts; after a longer one the trends begin
-    /// anew with the next sample, as by [`Identifier::restart_trends`].
+    /// The model bridges a short gap (up to 5 over the bandwidth); after a longer one the trends begin anew with the next
+    /// sample, as by [`Identifier::restart_trends`].
     pub fn skip(&mut self, samples: u32) {
         for _ in 0..samples.min(self.plan.longest_gap.saturating_add(1)) {
             self.state.skip_held(&self.plan);

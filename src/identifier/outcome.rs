@@ -1,4 +1,4 @@
-//! What one sample did.
+//! The outcome of one sample.
 
 /// Why a sample was refused; no number of it entered any buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,7 +11,7 @@ pub enum Refusal {
     Output,
 }
 
-/// What one sample did.
+/// Outcome of one sample.
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

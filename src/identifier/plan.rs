@@ -18,8 +18,8 @@ const MOVES: f32 = 5.0;
 /// Upper limit of the relative prior standard deviation; its square must fit f32.
 const UNKNOWN: f32 = 1e8;
 
-/// Largest bandwidth times sample time with an innovation gate: beyond, the third difference of the motion itself is no
-/// smaller than a spike, and a sample that a rough model misses would be replaced by what this model says.
+/// Largest bandwidth times sample time with an innovation gate: beyond, the third difference of the motion itself is as
+/// large as a spike, and the predictions of a rough model would replace good samples.
 const FINE: f32 = 0.1;
 
 /// Prior standard deviation of a normalised parameter whose size by design is 1.
@@ -101,25 +101,19 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
         );
         let prior_noise = regressor.noise(config.output_noise);
         let angle = config.bandwidth * sample_time;
-        let forgetting = match config.memory {
-            Some(memory) => 1.0 - sample_time / memory,
-            None => 1.0,
-        };
         let mut plan = Self {
-            trends,
             configured: None,
             structure: config.structure,
             regressor,
             noise_weights: noise_weights(&regressor, &design.noise_gain),
-            output_form: match config.structure.integrators() {
-                0 => Form::Position,
-                _ => Form::Increment,
-            },
+            output_form: output_form(&config.structure),
             prior: Prior {
                 theta: [0.0; N],
                 std: [0.0; N],
             },
-            forgetting,
+            forgetting: config
+                .memory
+                .map_or(1.0, |memory| 1.0 - sample_time / memory),
             holds: config.holds,
             delays: config.delays,
             initial_inputs: config.initial_input,
@@ -142,15 +136,22 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             after_step: (2.0 / angle) as u32,
             longest_gap: (5.0 / angle) as u32,
             warm_up: design.warm_up.max((config.settling / sample_time) as u32),
+            // Last: the design above is theirs.
+            trends,
         };
-        plan.prior = match config.prior_std {
-            Some(std) => plan.prior_of(&config.initial, &std)?,
-            None => Prior {
-                theta: plan.normalised(&config.initial)?,
-                std: plan.default_std(),
-            },
-        };
+        plan.prior = plan.first_prior(config)?;
         Ok(plan)
+    }
+
+    /// The prior of the settings.
+    fn first_prior(&self, config: &Config<M, N, I>) -> Result<Prior<N>, ConfigError> {
+        match config.prior_std {
+            Some(std) => self.prior_of(&config.initial, &std),
+            None => Ok(Prior {
+                theta: self.normalised(&config.initial)?,
+                std: self.default_std(),
+            }),
+        }
     }
 
     /// The prior with this mean and these standard deviations, both in the user's units.
@@ -222,7 +223,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
 
     /// Goes on with other trends; those of the construction are kept.
     pub(crate) fn retune(&mut self, trends: T) {
-        self.configured = Some(self.configured.unwrap_or(self.trends));
+        if self.configured.is_none() {
+            self.configured = Some(self.trends.clone());
+        }
         self.set_trends(trends);
     }
 
@@ -237,6 +240,16 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
         self.regressor.set_feedthrough(&trends.design().feedthrough);
         self.noise_weights = noise_weights(&self.regressor, &trends.design().noise_gain);
         self.trends = trends;
+    }
+}
+
+/// Behind an integrator y enters its trends by increments.
+fn output_form<const M: usize, const N: usize, const I: usize>(
+    structure: &Structure<M, N, I>,
+) -> Form {
+    match structure.integrators() {
+        0 => Form::Position,
+        _ => Form::Increment,
     }
 }
 

@@ -68,7 +68,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             state.estimator.widen_last(std * std);
         }
         let settling = (settling / sample_time) as u32;
-        state.restart_signals(&self.plan, trends.design().warm_up.max(settling));
+        let warm_up = self.plan.trends.design().warm_up;
+        state.restart_signals(&self.plan, warm_up.max(settling));
         Ok(())
     }
 }

@@ -18,7 +18,7 @@ pub(crate) struct Signals<T: TrendOperator<M>, const M: usize, const I: usize, c
     inputs: [T::Memory; I],
     constant: T::Memory,
     lines: [DelayLine<D>; I],
-    /// What the initial state still contributes to the trends.
+    /// Contribution of the initial state to the trends.
     initial: f32,
     /// Zero of the output.
     pub(crate) reference: f32,
@@ -45,7 +45,7 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
                 .holds
                 .map(|hold| Memory::input_at_rest(design, hold, 0.0)),
             constant: Memory::input_at_rest(design, Hold::Zero, 0.0),
-            lines: [DelayLine::new(); I],
+            lines: [const { DelayLine::new() }; I],
             initial: 0.0,
             reference: 0.0,
             remaining: warm_up,

@@ -26,10 +26,10 @@ const CONTRADICTS: f32 = 2.0 * BAND;
 /// Contradictions in a row before anything is concluded.
 const LEAST: u32 = 5;
 
-/// Samples of pause per sample of doubt.
+/// Samples of pause per suspicious sample.
 const PAUSE: u32 = 4;
 
-/// What a sample says of standstill.
+/// Evidence of standstill in a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Motion {
     /// Nothing contradicts the model.
@@ -40,7 +40,7 @@ pub(crate) enum Motion {
     Stands,
 }
 
-/// What is remembered of the band that y is in.
+/// Memory of the band that y is in.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Standstill {
     /// y_0 and e_0.

@@ -99,12 +99,12 @@ impl<const M: usize, const I: usize> OutputEvaluation<M, I> {
     pub fn with_holds(trends: RawTrends<M>, holds: [Hold; I]) -> Self {
         let design = trends.design();
         Self {
-            trends,
             holds,
             output: Window::output_at_rest(design, Form::Position, 0.0),
             inputs: holds.map(|hold| Window::input_at_rest(design, hold, 0.0)),
             filled: 0,
             errors: PredictionError::new(),
+            trends,
         }
     }
 

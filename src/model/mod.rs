@@ -1,4 +1,4 @@
-//! What the parameters mean: transfer function, physical reading, output evaluation.
+//! Meaning of the parameters: transfer function, physical reading, output evaluation.
 
 pub(crate) mod evaluation;
 pub(crate) mod physical;

@@ -9,10 +9,10 @@ use crate::math::matrix::{
 use crate::math::sqrt;
 use crate::readout::source::ReadOut;
 
-/// The third difference counts as noise while it does not exceed what the residual allows by this factor.
+/// The third difference counts as noise up to this multiple of the noise that the residual allows.
 const PLAUSIBLE: f32 = 1.3;
 
-/// White noise on y and what it makes of the regression.
+/// White noise on y and its effect on the regression.
 struct Noise<const N: usize> {
     /// M and m: phi phi' and phi psi per sample of noise of variance 1.
     matrix: Matrix<N>,
@@ -55,10 +55,10 @@ impl<const N: usize> Noise<N> {
         }
     }
 
-    /// Splits the residual into what white noise explains and the rest.
+    /// Splits the residual into the part that white noise explains and the rest.
     ///
-    /// What white noise does not explain is slow (drift, friction, a wrong model): about `2/(omega Delta)` samples
-    /// say the same thing; `angle` is omega Delta.
+    /// The rest is slow (drift, friction, a wrong model): about `2/(omega Delta)` samples count as one; `angle` is
+    /// omega Delta.
     fn split(&self, top_scale: f32, samples: f32, angle: f32) -> Residual {
         let Some(white) = self.white else {
             return Residual {
@@ -68,7 +68,7 @@ impl<const N: usize> Noise<N> {
             };
         };
         let excess = |explained: f32| (self.residual - explained).max(0.0) * 2.0 / angle;
-        // Chance alone makes no excess; the significance of a constant allows for it.
+        // Chance alone must not count as excess; the significance of a constant allows for it.
         let chance = 4.0 * sqrt(2.0 / samples.max(1.0));
         let explained = white * self.spread;
         Residual {
@@ -95,7 +95,7 @@ pub(crate) struct Compensated<const N: usize> {
     pub(crate) theta: [f32; N],
     /// I + 2 w P M; `None` where nothing was corrected.
     transform: Option<Matrix<N>>,
-    /// What one step of the correction leaves of each parameter, in the user's units.
+    /// Remaining bias of each parameter after one step of the correction, in the user's units.
     pub(crate) left: [f32; N],
     pub(crate) residual: Residual,
 }
@@ -109,7 +109,7 @@ impl<const N: usize> Compensated<N> {
         }
     }
 
-    /// Row `index` of P_c: all that an estimate without its deviations needs of it.
+    /// Row `index` of P_c, enough for an estimate without deviations.
     pub(crate) fn covariance_row(&self, p: &Matrix<N>, index: usize) -> Option<[f32; N]> {
         match &self.transform {
             Some(transform) => {

@@ -1,4 +1,4 @@
-//! A model as it was found: parameters, their covariance and what both mean.
+//! An identified model: parameters, their covariance and their meaning.
 
 use crate::estimation::structure::Structure;
 use crate::estimation::terms::{Parameter, index_of};

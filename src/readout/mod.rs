@@ -1,4 +1,4 @@
-//! From the recursion to the numbers the user sees: the noise bias taken out, the uncertainty put in.
+//! From the recursion to the user's numbers: noise bias removed, uncertainty added.
 //!
 //! Least squares with noisy regressors is biased. White noise of variance s on y puts
 //! `s M` into every phi phi' and `s m` into every phi psi, where M and m are constants
@@ -14,8 +14,8 @@
 //! 1 ms path but the level s. In P_c one w P M is the step, the other the noise of the
 //! regressors times that of the residual. The residual of the filtered equation is not
 //! white: it is `A/A_f` times the noise. T weighs it by the frequencies at which a parameter is
-//! seen. The floor is the error of trends in place of derivatives, of f32, and what a damped
-//! step leaves of the bias. Then an insignificant constant is withdrawn (`significance`), and
+//! seen. The floor covers the error of trends in place of derivatives, the rounding of f32, and the
+//! remaining bias after a damped step. Then an insignificant constant is withdrawn (`significance`), and
 //! trends that have a plane of their own are mapped to the s plane (`s_plane`).
 //!
 //! Known as: bias-compensated least squares with sandwich covariance and a pre-test; sources in the files.

@@ -19,7 +19,7 @@ use crate::math::{pow, raised};
 
 /// The model whose residual it is; everything in the user's units.
 pub(crate) struct ResidualSpectrum<'a, const M: usize, const N: usize> {
-    /// What each parameter is.
+    /// Meaning of each parameter.
     pub(crate) parameters: [Parameter; N],
     /// User's value of one normalised unit.
     pub(crate) units: &'a [f32; N],

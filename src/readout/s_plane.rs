@@ -1,6 +1,6 @@
 //! From the parameters of the trends to those of the s plane, and back.
 //!
-//! Only trends that know their own plane ([`Design::to_s_plane`]) change anything here.
+//! Trends without a plane of their own ([`Design::to_s_plane`]) leave the estimate as it is.
 
 use crate::estimation::structure::Structure;
 use crate::estimation::terms::Parameter;

@@ -61,11 +61,11 @@ fn whitened<const N: usize>(s: &Matrix<N>, l: &Matrix<N>) -> Matrix<N> {
     core::array::from_fn(|j| forward(l, column(&rows, j)))
 }
 
-/// What distinguishes a constant from the initial state and a command in a short record lies above the frequencies of the
-/// constant: noise counts this many times. Chosen on separate seeds with offsets of 0.1 to 10 %.
+/// Noise counts this many times for a constant: in a short record it differs from the initial state and from a command only
+/// above its own frequencies. Chosen on separate seeds with offsets of 0.1 to 10 %.
 const SEPARATION: f32 = 1.5;
 
-/// T P T' of least squares without the constant; what the constant adds is seen where the constant is.
+/// T P T' of least squares without the constant, plus the contribution of the constant at the frequencies of the constant.
 ///
 /// T does not know how a constant and the command resemble each other in a short record; P does.
 pub(crate) fn sandwich<const N: usize>(

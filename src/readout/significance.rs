@@ -21,7 +21,7 @@ use crate::estimation::terms::{Parameter, index_of};
 use crate::math::matrix::Matrix;
 use crate::math::sqrt;
 
-/// How much of the constant is withdrawn, and what the other parameters take over.
+/// The withdrawn share of the constant, and the change of the other parameters.
 pub(crate) struct Withdrawal<const N: usize> {
     index: usize,
     /// |theta_c| over the limit below which all of it is withdrawn, in [0, 2).
@@ -33,7 +33,7 @@ pub(crate) struct Withdrawal<const N: usize> {
 }
 
 impl<const N: usize> Withdrawal<N> {
-    /// What to withdraw from the estimate `theta`, in the user's units; `None` for a significant constant.
+    /// The withdrawal from the estimate `theta`, in the user's units; `None` for a significant constant.
     ///
     /// `row_of` gives a row of P, normalised; `residual` the variance of the innovation, or more where it is not white;
     /// `limit` the number of standard deviations.

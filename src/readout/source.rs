@@ -1,4 +1,4 @@
-//! What is read out: the recursion and what it was planned with.
+//! Input of the read-out: the recursion and its plan.
 
 use crate::estimation::forgetting::StabilisedForgetting;
 use crate::estimation::noise_level::NoiseLevel;
@@ -8,7 +8,7 @@ use crate::estimation::structure::Structure;
 use crate::math::matrix::Matrix;
 use crate::trends::Design;
 
-/// The recursion and what it was planned with, to be read.
+/// The recursion and its plan, borrowed for one reading.
 pub(crate) struct ReadOut<'a, const M: usize, const N: usize, const I: usize> {
     pub(crate) structure: &'a Structure<M, N, I>,
     pub(crate) design: &'a Design<M>,
@@ -33,7 +33,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             .unwrap_or(self.prior_noise * self.prior_noise)
     }
 
-    /// Adds what nominal values that no data support leave open.
+    /// Adds the uncertainty of nominal values without support in the data.
     ///
     /// P counts a prior of standard deviation s sigma_0 as s times the noise; where the noise found is smaller than the
     /// expected sigma_0, so is what P makes of the prior. The weight of the nominal value k in theta is P e_k over what

@@ -1,8 +1,8 @@
-//! What the user says about an axis.
+//! Settings of an axis.
 
 use crate::servo::motion::{MotionLimits, Travel};
 
-/// What the user knows of an axis, and which defaults to override.
+/// Settings of an axis: its data, and overrides of the defaults.
 ///
 /// A setting that is `None` follows from the others when the loop is built, so nothing that follows goes stale.
 ///
@@ -23,23 +23,23 @@ use crate::servo::motion::{MotionLimits, Travel};
 pub struct Config {
     /// Sample time in s.
     pub sample_time: f32,
-    /// Rough bandwidth of the plant in rad/s, if it is known: the commissioning then looks there first. What it finds
+    /// Rough bandwidth of the plant in rad/s, if known: the commissioning then searches there first. Its result
     /// replaces it.
     pub bandwidth: Option<f32>,
     /// Travel of the axis.
     pub travel: Travel,
-    /// Whether a positive command moves the axis towards smaller positions, if it is known. What was stated or found before
-    /// must be found again: otherwise the commissioning ends with [`Reason::WrongSign`](crate::servo::Reason::WrongSign).
+    /// Whether a positive command moves the axis towards smaller positions, if known. A commissioning must confirm a sign
+    /// that was stated or found before: otherwise it ends with [`Reason::WrongSign`](crate::servo::Reason::WrongSign).
     pub reversed: Option<bool>,
-    /// Standard deviation of the position noise, in units of y; default what the commissioning finds, before it 2.5e-5 of the
-    /// travel.
+    /// Standard deviation of the position noise, in units of y; default the one found by the commissioning, before it 2.5e-5
+    /// of the travel.
     pub noise: Option<f32>,
     /// Largest command, within 0..=1; default 1.
     pub range: f32,
     /// Largest rate of the command per s; default 400.
     pub rate: f32,
-    /// Delay of the valve in s, at most 8 samples; default 2 ms. It is rounded to samples. What the commissioning finds
-    /// replaces it.
+    /// Delay of the valve in s, at most 8 samples; default 2 ms. It is rounded to samples. The delay found by the
+    /// commissioning replaces it.
     pub delay: f32,
     /// Memory of the identifier in s; default 1.5.
     pub memory: f32,
@@ -54,7 +54,7 @@ pub struct Config {
     pub controller: ControllerSettings,
     /// The commissioning.
     pub excitation: ExcitationSettings,
-    /// What a model must satisfy.
+    /// Conditions that a model must satisfy.
     pub supervision: SupervisionSettings,
 }
 

@@ -5,7 +5,7 @@ use core::fmt;
 use crate::error::{ConfigError, check_positive, check_range};
 use crate::servo::supervision::state::Reason;
 
-/// A configuration of the servo loop that cannot work; names the setting, its value and what was expected.
+/// A configuration of the servo loop that cannot work; names the setting, its value and the expected values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]

@@ -17,10 +17,10 @@ use crate::trends::filtered::FilteredTrends;
 pub type LoopIdentifier = Identifier<FilteredTrends<3>, 3, 6, 3, 8>;
 
 /// The third input is sgn v times s: Coulomb friction acts on the acceleration, one integration behind the valve.
-const STRUCTURE: Structure<3, 6, 3> = Structure::new(
+const STRUCTURE: Structure<3, 6, 3> = crate::structure!(
     Terms::of(&[1, 2]),
     [Terms::of(&[0]), Terms::of(&[0]), Terms::of(&[1])],
-    true,
+    true
 );
 
 /// An identifier for this axis.

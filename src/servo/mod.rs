@@ -6,7 +6,7 @@
 //! (u, y) -> identifier -> candidate -> supervisor -> verified model -> controller
 //! ```
 //!
-//! | room | what it does |
+//! | folder | task |
 //! |---|---|
 //! | config, design | settings of the user; every number that follows from them |
 //! | motion | reference: moves, sine, run-out; the motion before there is a model |

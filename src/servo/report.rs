@@ -1,12 +1,12 @@
-//! What one sample of the loop did.
+//! The report of one sample of the loop.
 
 use crate::servo::monitoring::FaultCounters;
 use crate::servo::motion::Setpoint;
 use crate::servo::supervision::state::State;
 
-/// What one sample of the loop did.
+/// Outcome of one sample of the loop.
 #[must_use]
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct Report {
@@ -22,6 +22,6 @@ pub struct Report {
     pub innovation: Option<f32>,
     /// Whether a model reached the controller in this sample.
     pub retuned: bool,
-    /// What the monitors have counted since the start.
+    /// Counters of the monitors since the start.
     pub faults: FaultCounters,
 }

@@ -108,7 +108,7 @@ impl<S, V> ServoLoop<S, V> {
         self.install(model)
     }
 
-    /// What the loop found, for [`resume`](Self::resume) after a loss of power; `None` before a model was verified.
+    /// The verified model and its conditions, for [`resume`](Self::resume) after a loss of power; `None` before there is one.
     pub fn record(&self) -> Option<Record> {
         let model = self.supervisor.verified_model()?;
         Some(Record {

@@ -9,7 +9,7 @@ use crate::trends::operator::{Form, Hold, Memory, TrendOperator, sealed};
 use crate::trends::raw::{RawTrends, Window};
 
 /// Raw, filtered or exact trends behind one type, for a host that chooses at run time.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum AnyTrends<const M: usize> {
     /// Without a filter.
     Raw(RawTrends<M>),

@@ -19,7 +19,7 @@ pub(crate) fn acceptable(value: f32, limit: f32) -> bool {
 /// assert_eq!(line.update(3.0, 2), 1.0);
 /// assert_eq!(line.update(4.0, 0), 4.0);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DelayLine<const D: usize> {
     ring: [f32; D],
     newest: usize,

@@ -15,7 +15,7 @@ use crate::trends::noise_gain::NoiseGain;
 /// | f_0 .. f_{m-1} | `filter` | rad^(m-i)/s^(m-i) |
 /// | - | `noise_gain` | products of those of the trends |
 /// | - | `slow_mode` | 1 |
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Design<const M: usize> {
     /// Sample time.

@@ -53,7 +53,7 @@ use crate::trends::operator::{Form, Hold, TrendOperator, sealed};
 /// use trendid::trends::ExactTrends;
 /// let trends = ExactTrends::<5>::for_bandwidth(0.001, 20.0);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ExactTrends<const M: usize> {
     chain: FilteredTrends<M>,
     numerators: Numerators<M>,
@@ -77,9 +77,10 @@ impl<const M: usize> ExactTrends<M> {
     ///
     /// # Errors
     /// [`ConfigError::NotFinite`], [`ConfigError::TooFast`] where A has a pole at 2/Delta or above.
-    pub fn with_model(self, a: [f32; M]) -> Result<Self, ConfigError> {
+    pub fn with_model(&self, a: [f32; M]) -> Result<Self, ConfigError> {
         let image = in_gamma_plane("a", &a, self.design().sample_time)?;
-        Ok(Self::of(self.chain, &a, image, &self.chain.filter()))
+        let filter = self.chain.filter();
+        Ok(Self::of(self.chain.clone(), &a, image, &filter))
     }
 
     /// Trends behind the default filter for a plant of rough bandwidth omega (rad/s), see [`FilteredTrends::for_bandwidth`].

@@ -11,6 +11,20 @@ pub(crate) fn settling_time(bandwidth: f32) -> f32 {
     3.0 / (DAMPING * CORNER * bandwidth)
 }
 
+/// Coefficients f_0 .. f_{m-1} of the filter with the real poles `-poles[i]`, in rad^(m-i)/s^(m-i).
+///
+/// # Examples
+/// ```
+/// assert_eq!(trendid::trends::polynomial_of_poles([2.0; 3]), [8.0, 12.0, 6.0]);
+/// ```
+pub fn polynomial_of_poles<const M: usize>(poles: [f32; M]) -> [f32; M] {
+    let mut filter = [0.0; M];
+    for (i, pole) in poles.into_iter().enumerate() {
+        filter = with_pole(filter, i, pole);
+    }
+    filter
+}
+
 /// The default filter for a plant of this rough bandwidth in rad/s.
 pub(crate) fn for_bandwidth<const M: usize>(bandwidth: f32) -> [f32; M] {
     let corner = CORNER * bandwidth;

@@ -4,11 +4,11 @@
 //! equal (Saha and Rao 1983).
 
 use crate::error::{ConfigError, assert_order, check_positive, check_range};
-use crate::math::polynomial::{is_hurwitz, slowest_rate, with_pole};
+use crate::math::polynomial::{is_hurwitz, slowest_rate};
 use crate::trends::chain::{Chain, Integrators};
 use crate::trends::design::{Design, Plane, Size};
 use crate::trends::difference::{Scheme, Trends};
-use crate::trends::filter::for_bandwidth;
+use crate::trends::filter::{for_bandwidth, polynomial_of_poles};
 use crate::trends::noise_gain::NoiseGain;
 use crate::trends::operator::{Form, Hold, TrendOperator, sealed};
 
@@ -55,7 +55,7 @@ use crate::trends::operator::{Form, Hold, TrendOperator, sealed};
 #[doc(alias = "state-variable filter")]
 #[doc(alias = "SVF")]
 #[doc(alias = "Poisson moment functional")]
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FilteredTrends<const M: usize> {
     design: Design<M>,
     integrators: Integrators<M>,
@@ -67,16 +67,14 @@ impl<const M: usize> FilteredTrends<M> {
     /// # Errors
     /// [`ConfigError::NotPositive`]; with forward rectangles [`ConfigError::OutOfRange`] for a pole above 1/Delta.
     pub fn try_new(scheme: Scheme, sample_time: f32, poles: [f32; M]) -> Result<Self, ConfigError> {
-        let mut filter = [0.0; M];
         check_positive("sample_time", sample_time)?;
         for (i, pole) in poles.into_iter().enumerate() {
             check_positive(("poles", i), pole)?;
             if let Scheme::Goodwin = scheme {
                 check_range(("poles", i), pole, [0.0, 1.0 / sample_time])?;
             }
-            filter = with_pole(filter, i, pole);
         }
-        Self::from_polynomial(scheme, sample_time, filter)
+        Self::from_polynomial(scheme, sample_time, polynomial_of_poles(poles))
     }
 
     /// Trends behind `1/A_f`, `A_f = s^m + filter[m-1] s^{m-1} + .. + filter[0]`.

@@ -6,7 +6,8 @@ use crate::trends::difference::{Scheme, Trends};
 use crate::trends::noise_gain::NoiseGain;
 use crate::trends::operator::{Form, Hold, Memory, TrendOperator, sealed};
 
-/// Trends over a span of `L` samples (linear integral filter, Sagara and Zhao 1990), recursive.
+/// Trends over a span of `L` samples (linear integral filter; S. Sagara, Z. Zhao: Numerical integration approach to
+/// on-line identification of continuous-time systems. 1990), recursive.
 ///
 /// Both sides of (5) are multiplied by `((1-q^-L)/(1-q^-1))^m`, which turns every
 /// difference over one sample into one over L samples, and every mean into an
@@ -43,12 +44,12 @@ use crate::trends::operator::{Form, Hold, Memory, TrendOperator, sealed};
 /// ```
 #[doc(alias = "linear integral filter")]
 #[doc(alias = "LIF")]
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct IntegralTrends<const M: usize, const L: usize> {
     design: Design<M>,
 }
 
-/// What [`IntegralTrends`] remembers of one signal.
+/// Memory of one signal of [`IntegralTrends`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Span<const M: usize, const L: usize> {
     /// Ring j holds the signal integrated j times, M spans long.
@@ -161,14 +162,16 @@ impl<const M: usize, const L: usize> sealed::Sealed for Span<M, L> {}
 
 impl<const M: usize, const L: usize> Memory<M> for Span<M, L> {
     fn output_at_rest(design: &Design<M>, form: Form, value: f32) -> Self {
-        let trends = IntegralTrends::<M, L> { design: *design };
+        let design = design.clone();
+        let trends = IntegralTrends::<M, L> { design };
         Self::settled(value, |memory| {
             trends.output(memory, value, form);
         })
     }
 
     fn input_at_rest(design: &Design<M>, hold: Hold, value: f32) -> Self {
-        let trends = IntegralTrends::<M, L> { design: *design };
+        let design = design.clone();
+        let trends = IntegralTrends::<M, L> { design };
         Self::settled(value, |memory| {
             trends.input(memory, value, hold);
         })

@@ -4,7 +4,7 @@ use crate::math::matrix::{Matrix, product, product_transposed};
 use crate::trends::difference::Trends;
 
 /// Covariances of the filtered trends of white noise of variance 1 on y.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct NoiseGain<const M: usize> {
     /// Between the trends of order i and j below m.
     pub lower: [[f32; M]; M],

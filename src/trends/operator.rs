@@ -5,7 +5,7 @@ use core::fmt::Debug;
 use crate::trends::design::Design;
 use crate::trends::difference::Trends;
 
-/// What an input does between two samples.
+/// Course of an input between two samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Hold {
@@ -34,7 +34,7 @@ pub(crate) mod sealed {
     pub trait Sealed {}
 }
 
-/// What the trends remember of one signal.
+/// Memory of the trends of one signal.
 pub trait Memory<const M: usize>: Clone + Debug + PartialEq + sealed::Sealed {
     /// Memory of an output that has always had this value.
     #[doc(alias = "settled")]
@@ -51,8 +51,8 @@ pub trait Memory<const M: usize>: Clone + Debug + PartialEq + sealed::Sealed {
 /// The operator holds coefficients only; the memory of each signal lives with
 /// its owner. Both schemes and all kinds give trends for the same model (5), so
 /// the estimator does not depend on the kind.
-pub trait TrendOperator<const M: usize>: Copy + Debug + PartialEq + sealed::Sealed {
-    /// What has to be remembered of one signal.
+pub trait TrendOperator<const M: usize>: Clone + Debug + PartialEq + sealed::Sealed {
+    /// Memory of one signal.
     type Memory: Memory<M>;
 
     /// Takes y(k), gives `R_i y` for i = 0..m.

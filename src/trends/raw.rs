@@ -38,7 +38,7 @@ use crate::trends::operator::{Form, Hold, Memory, TrendOperator, sealed};
 /// use trendid::trends::{RawTrends, Scheme};
 /// let trends = RawTrends::<0>::try_new(Scheme::Tustin, 0.001);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct RawTrends<const M: usize> {
     design: Design<M>,
     /// 1/Delta.

@@ -16,10 +16,11 @@ mod quote;
 mod record;
 mod setup;
 mod soak;
+mod workflow;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 /// Tasks of the project. On a fresh machine: `cargo xtask test`.
 #[derive(Parser)]
@@ -55,6 +56,8 @@ enum Task {
     Statistics,
     /// Simulated hours of the identifier and of the loop.
     Soak(soak::Options),
+    /// The workflow of continuous integration, by actionlint; its tasks are those of this program.
+    Workflow,
     /// Every test and check but `msrv`, `statistics` and `soak`.
     Ci,
 }
@@ -73,6 +76,11 @@ fn main() -> ExitCode {
         Task::Printed(task) => task.print(),
         Task::Statistics => ci::statistics(),
         Task::Soak(options) => soak::run(&options),
+        Task::Workflow => {
+            let command = Arguments::command();
+            let names = command.get_subcommands().map(|task| task.get_name());
+            workflow::run(&names.map(str::to_owned).collect())
+        }
         Task::Ci => ci::all(),
     };
     match done {

@@ -44,6 +44,19 @@ fn targets() -> Done {
     Ok(())
 }
 
+/// Installs a package of the system by apt-get.
+pub(crate) fn install(package: &str) -> Done {
+    let install = ["install", "-y", "--no-install-recommends", package];
+    for arguments in [&["update"][..], &install] {
+        let mut command = Command::new("apt-get");
+        command
+            .args(arguments)
+            .env("DEBIAN_FRONTEND", "noninteractive");
+        process::run(command)?;
+    }
+    Ok(())
+}
+
 /// The emulator; 7.2 is what the figures were counted with.
 fn emulator() -> Done {
     if !works("qemu-system-arm", &["--version"]) {
@@ -61,21 +74,7 @@ fn emulator() -> Done {
                 }
             ));
         }
-        for arguments in [
-            &["update"][..],
-            &[
-                "install",
-                "-y",
-                "--no-install-recommends",
-                "qemu-system-arm",
-            ],
-        ] {
-            let mut command = Command::new("apt-get");
-            command
-                .args(arguments)
-                .env("DEBIAN_FRONTEND", "noninteractive");
-            process::run(command)?;
-        }
+        install("qemu-system-arm")?;
     }
     let version =
         output("qemu-system-arm", &["--version"]).ok_or("qemu-system-arm does not start")?;

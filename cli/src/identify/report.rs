@@ -1,4 +1,4 @@
-//! What `trendid identify` prints for people.
+//! Output of `trendid identify` for people.
 
 use std::path::Path;
 
@@ -201,7 +201,7 @@ impl Report<'_> {
             .collect()
     }
 
-    /// What speaks against the model.
+    /// Objections to the model.
     pub(super) fn remarks(&self) -> Vec<&'static str> {
         let [x0, x0c] = self.fits();
         let mut remarks = Vec::new();

@@ -1,4 +1,4 @@
-//! What `trendid identify --json` prints.
+//! Output of `trendid identify --json`.
 
 use serde_json::{Value, json};
 use trendid_identify::Way;

@@ -1,4 +1,4 @@
-//! What `trendid select` prints, for people and as JSON.
+//! Output of `trendid select`, for people and as JSON.
 
 use std::path::Path;
 

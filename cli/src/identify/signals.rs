@@ -34,7 +34,7 @@ pub(crate) struct SignalArgs {
     /// Add sgn(v) as an input, v from COL or from the filtered position
     #[arg(long, value_name = "COL", num_args = 0..=1)]
     pub coulomb: Option<Option<String>>,
-    /// What the inputs do between samples
+    /// Course of the inputs between samples
     #[arg(long, value_enum, default_value = "zoh")]
     pub hold: HoldName,
     /// First time stamp used [s]

@@ -10,7 +10,7 @@ use trendid_identify::{Choice, Freedom, Hold, Input, Options, Signals, Structure
 
 use crate::format::table;
 
-/// What came of one plant.
+/// Result of one plant.
 struct Trial {
     truth: (Structure, usize),
     drift: bool,

@@ -1,4 +1,4 @@
-//! What an option costs in instructions.
+//! Cost of an option in instructions.
 
 use serde_json::Value;
 

@@ -17,7 +17,7 @@ pub(super) struct Tried {
     run: fn(u64) -> Pair,
 }
 
-/// What an option gains: rms errors of C, omega0, xi in percent without it and with it.
+/// Gain of an option: rms errors of C, omega0, xi in percent without it and with it.
 pub(super) struct Gain {
     pub tried: &'static Tried,
     pub without: [f64; 3],

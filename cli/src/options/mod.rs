@@ -12,7 +12,7 @@ use crate::options::cost::{COUNTS, Cost, instructions};
 use crate::options::gains::{Gain, gains};
 use crate::output::{Refusal, emit, emit_json, number, progress};
 
-/// What is asked of the command.
+/// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   trendid options

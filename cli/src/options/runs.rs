@@ -15,7 +15,7 @@ use trendid_host_tests::signals::noise::{Additive, Condition, Reading};
 /// Errors of one run without and with the option.
 pub(super) type Pair = [[f64; 3]; 2];
 
-/// What is known of the reference servo \[rad/s\].
+/// Rough bandwidth of the reference servo \[rad/s\].
 const BANDWIDTH: f32 = 20.0;
 /// Sample time unless stated otherwise \[s\].
 const DT: f64 = 0.001;
@@ -219,7 +219,8 @@ pub(super) fn exact(seed: u64) -> Pair {
     let mut without: Identifier<_, 3, 5> =
         Identifier::try_new(&config, plain.expect("5 ms")).expect("a servo");
     let trends = ExactTrends::for_bandwidth(SLOW as f32, bandwidth).expect("5 ms");
-    let mut with: Identifier<_, 3, 5> = Identifier::try_new(&config, trends).expect("a servo");
+    let mut with: Identifier<_, 3, 5> =
+        Identifier::try_new(&config, trends.clone()).expect("a servo");
     let mut noise = Additive::new(&Condition::white(10.0), seed);
     let mut plant = truth.plant(SLOW);
     let commands = Excitation::ABSOLUTE.sequence(800, SLOW, seed);

@@ -1,4 +1,4 @@
-//! What can be asked of the tables.
+//! Arguments of the tables.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use trendid_host_tests::signals::noise::Reading;
 
 use crate::output::Refusal;
 
-/// What is asked of `trendid paper table1`.
+/// Arguments of `trendid paper table1`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   trendid paper table1 --seeds 10
@@ -43,7 +43,7 @@ pub(super) struct Table1Args {
     pub plot: Option<PathBuf>,
 }
 
-/// What is asked of `trendid paper table2`.
+/// Arguments of `trendid paper table2`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   trendid paper table2

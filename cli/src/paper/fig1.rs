@@ -13,7 +13,7 @@ use crate::identify::signals::SchemeName;
 use crate::output::{self, Refusal};
 use crate::plot::{COLOURS, Curve, Figure, GREY, Panel};
 
-/// What is asked of the command.
+/// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   trendid paper fig1 --plot pictures

@@ -12,7 +12,7 @@ pub(super) struct Size {
     pub tustin: [f64; 7],
 }
 
-/// What a structure lacks.
+/// Missing part of a structure.
 pub(super) const NO: f64 = f64::NAN;
 
 /// Table 2 of the paper in the order of print.

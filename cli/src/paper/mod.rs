@@ -13,7 +13,7 @@ use clap::{Args, Subcommand};
 
 use crate::output::Refusal;
 
-/// What is asked of the command.
+/// Arguments of the command.
 #[derive(Debug, Args)]
 pub(crate) struct PaperArgs {
     #[command(subcommand)]

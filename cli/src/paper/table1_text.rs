@@ -10,7 +10,7 @@ use trendid_host_tests::signals::noise::Reading;
 use crate::format::{significant, table};
 use crate::paper::args::Table1Args;
 
-/// What stands under every table.
+/// The footnote of every table.
 const DEFINITIONS: &str = "\
 Errors are relative, in percent, of C, omega0, xi at the end of the record. Plant: b0 / (s (s^2 + 20 s + 400)), b0 = 1e6.
 ABSOLUTE: u = binary noise +-0.4 held 50 ms; w, eta, eps as printed in the paper, in um of position. The drift w is

@@ -10,7 +10,7 @@ use crate::output;
 use crate::paper::args::Table2Args;
 use crate::paper::found::Found;
 
-/// What the figures are.
+/// Meaning of the figures.
 const DEFINITIONS: &str = "\
 G = (b2 s^2 + b1 s + b0) / (s (a3 s^3 + a2 s^2 + a1 s + a0)), all related to a2 = 1 (m = 1: a1 = 1), b in 1e6; medians
 over the records +- half the distance of the quartiles. Truth: a1 = 20, a0 = 400, b0 = 1, all else 0.

@@ -1,4 +1,4 @@
-//! What `trendid pil` is asked for.
+//! Arguments of `trendid pil`.
 
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ use trendid_host_tests::servo::scenario::Scenario;
 The scenarios are those of `trendid demo`. The axis is simulated here and has the command of the target; the loop
 runs on the target and once more here, and after every sample all that both computed must be the same bits.")]
 pub(crate) struct PilArgs {
-    /// What happens to the axis, see `trendid demo`
+    /// Change or fault of the axis, see `trendid demo`
     #[arg(
         long,
         value_name = "NAME",

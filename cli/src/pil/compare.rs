@@ -33,7 +33,7 @@ pub(super) struct Target {
     pub numbers: u64,
     /// The target's newest reply.
     pub last: Option<Reply>,
-    /// What ended the run before its time.
+    /// Reason for which the run ended before its time.
     pub trouble: Option<String>,
 }
 

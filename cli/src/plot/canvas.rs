@@ -20,5 +20,5 @@ pub(crate) fn font(size: u32) -> (&'static str, u32) {
 /// Where is drawn.
 pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// What drawing gives.
+/// Result of drawing.
 pub(crate) type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;

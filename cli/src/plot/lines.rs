@@ -1,4 +1,4 @@
-//! What is drawn of a curve: ranges, ticks, bands and lines cut at the axes.
+//! Drawing of a curve: ranges, ticks, bands and lines cut at the axes.
 
 use std::ops::Range;
 

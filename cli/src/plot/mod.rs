@@ -37,7 +37,7 @@ pub(crate) struct Figure {
 const WIDTH: u32 = 1000;
 const PANEL_HEIGHT: u32 = 330;
 
-/// What can be drawn, lengths by [`px`].
+/// Elements of a picture, lengths by [`px`].
 pub(crate) trait Drawing {
     /// Width and height of the finished picture.
     fn size(&self) -> (u32, u32);

@@ -1,4 +1,4 @@
-//! What is wrong with a recorded file.
+//! Errors of a recorded file.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::format::{counted, significant};
 
-/// What is wrong with a record, as one sentence with its place.
+/// An error of a record, as one sentence with its place.
 #[derive(Debug, Error, PartialEq)]
 pub(crate) enum RecordError {
     /// The file cannot be opened or read.

@@ -47,7 +47,7 @@ fn scenario_names() -> PossibleValuesParser {
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct DemoArgs {
-    /// What happens to the axis
+    /// Change or fault of the axis
     #[arg(
         long,
         value_name = "NAME",

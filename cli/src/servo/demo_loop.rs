@@ -15,7 +15,7 @@ use crate::format::{significant, table};
 use crate::output::{Refusal, emit, emit_json, number, progress};
 use crate::servo::figure::{self, Course, Row};
 
-/// What is asked.
+/// Arguments of the run.
 pub(super) struct Task<'a> {
     pub scenario: Scenario,
     pub fixed: bool,

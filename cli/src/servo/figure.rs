@@ -18,7 +18,7 @@ pub(super) struct Row {
     pub controlling: bool,
 }
 
-/// What the picture needs of a run.
+/// The signals of a run in the picture.
 #[derive(Default)]
 pub(super) struct Course {
     pub rows: Vec<Row>,

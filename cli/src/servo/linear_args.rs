@@ -1,4 +1,4 @@
-//! What `trendid demo --linear` and `trendid simulate` are asked: the noise of the linear servo.
+//! Arguments of `trendid demo --linear` and `trendid simulate`: the noise of the linear servo.
 
 use std::path::PathBuf;
 
@@ -81,7 +81,7 @@ pub(crate) fn truth_lines(servo: &Servo) -> [String; 2] {
     ]
 }
 
-/// What the identification is asked to do.
+/// Options of the identification.
 pub(crate) struct LinearArgs {
     pub noise: NoiseArgs,
     pub scheme: SchemeName,

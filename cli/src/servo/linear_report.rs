@@ -1,4 +1,4 @@
-//! What `trendid demo --linear` shows: the course of the parameters beside their truth.
+//! Output of `trendid demo --linear`: the course of the parameters beside their truth.
 
 use serde_json::{Value, json};
 use trendid::trends::Scheme;

@@ -13,7 +13,7 @@ use crate::output::{Refusal, emit, emit_json, progress};
 use crate::servo::demo_loop::{COLUMNS, Column, json_of};
 use crate::servo::population::{self, PopulationArgs};
 
-/// What is asked of the command.
+/// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   trendid loop

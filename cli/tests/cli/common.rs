@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
+use serde_json::Value;
+
 /// Runs `trendid` with the arguments, outside any terminal.
 pub(crate) fn trendid(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_trendid"))
@@ -21,8 +23,20 @@ pub(crate) fn stdout(args: &[&str]) -> String {
 }
 
 /// The JSON that a run prints.
-pub(crate) fn json(args: &[&str]) -> serde_json::Value {
+pub(crate) fn json(args: &[&str]) -> Value {
     serde_json::from_str(&stdout(args)).expect("one JSON value")
+}
+
+/// The value lies within so many percent of the truth.
+pub(crate) fn near(value: &Value, truth: f64, percent: f64) {
+    let found = value
+        .as_f64()
+        .unwrap_or_else(|| panic!("{value} is no number"));
+    let off = 100.0 * (found / truth - 1.0).abs();
+    assert!(
+        off <= percent,
+        "{found} is {off:.3} % off {truth}, {percent} % allowed"
+    );
 }
 
 /// A directory of this test, removed at the end.

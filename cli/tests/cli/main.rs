@@ -7,3 +7,4 @@ mod paper;
 mod records;
 mod refusals;
 mod reports;
+mod simulated;

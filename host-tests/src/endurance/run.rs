@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use trendid::estimation::{StabilisedForgetting, Terms};
 use trendid::inputs::{coulomb, dead_zone};
 use trendid::trends::{FilteredTrends, Hold, Scheme};
-use trendid::{Config, Identifier, Outcome, Structure};
+use trendid::{Config, Identifier, Outcome, Structure, structure};
 
 use crate::endurance::axis::{Axis, Integrating, WithFriction};
 use crate::endurance::motion::{Commands, Motion};
@@ -119,13 +119,8 @@ pub fn run(case: &Case, seed: u64, samples: u64, others: u64) -> Found {
         Drive::Coulomb => {
             // Friction takes the acceleration of a command of 0.05.
             let friction = FrictionDrive::new(w, GAIN * w, 0.05 * GAIN * w, 0.0);
-            let structure = const {
-                Structure::<2, 3, 2>::new(
-                    Terms::of(&[1]),
-                    [Terms::of(&[0]), Terms::of(&[0])],
-                    false,
-                )
-            };
+            let structure: Structure<2, 3, 2> =
+                structure!(Terms::of(&[1]), [Terms::of(&[0]); 2], false);
             let identifier = identifier::<2, 3, 2>(case, structure, [0.4, 1.0]);
             let inputs = |u: f32, v: f64| [u, coulomb(v as f32, 1e-3)];
             let truth = [GAIN, w, 0.0];

@@ -31,6 +31,93 @@ pub enum Coefficient {
     Initial(usize),
 }
 
+/// `x' = system x + input v`, y the first state, in observer form; the last input is the constant 1.
+struct StateSpace {
+    system: DMatrix<f64>,
+    input: DMatrix<f64>,
+    state: DVector<f64>,
+}
+
+impl StateSpace {
+    /// The plant with these derivatives of the output at the first sample.
+    fn of(plant: &LinearPlant, initial: &[f64]) -> Self {
+        let a = plant.a();
+        let (m, columns) = (a.len(), plant.inputs().len() + 1);
+        let mut input = DMatrix::zeros(m, columns);
+        for (j, Input { b, .. }) in plant.inputs().iter().enumerate() {
+            for (i, &b) in b.iter().enumerate() {
+                input[(m - 1 - i, j)] = b;
+            }
+        }
+        input[(m - 1, columns - 1)] = plant.constant();
+        Self {
+            system: companion_matrix(a),
+            input,
+            state: DVector::from_fn(m, |i, _| {
+                initial[i] + (1..=i).map(|p| a[m - p] * initial[i - p]).sum::<f64>()
+            }),
+        }
+    }
+
+    /// The plant, below it the derivatives of its states by one coefficient.
+    fn with_sensitivity(&self, coefficient: Coefficient, initial: &[f64]) -> Self {
+        let (m, columns) = self.input.shape();
+        let mut system = DMatrix::zeros(2 * m, 2 * m);
+        system.view_mut((0, 0), (m, m)).copy_from(&self.system);
+        system.view_mut((m, m), (m, m)).copy_from(&self.system);
+        let mut input = DMatrix::zeros(2 * m, columns);
+        input.view_mut((0, 0), (m, columns)).copy_from(&self.input);
+        let mut state = DVector::zeros(2 * m);
+        state.rows_mut(0, m).copy_from(&self.state);
+        match coefficient {
+            Coefficient::A(i) => {
+                system[(m + m - 1 - i, 0)] = -1.0;
+                // The initial state in observer form contains a[i] times the lower derivatives.
+                for row in (m - i)..m {
+                    state[m + row] = initial[row - (m - i)];
+                }
+            }
+            Coefficient::B { input: j, power } => input[(m + m - 1 - power, j)] = 1.0,
+            Coefficient::Constant => input[(m + m - 1, columns - 1)] = 1.0,
+            Coefficient::Initial(i) => {
+                state[m + i] = 1.0;
+                // The first column of the companion matrix holds -a[m-1], -a[m-2], ..
+                for row in i + 1..m {
+                    state[m + row] = -self.system[(row - i - 1, 0)];
+                }
+            }
+        }
+        Self {
+            system,
+            input,
+            state,
+        }
+    }
+
+    /// Gives `see` the state at each sample.
+    fn run(self, dt: f64, acting: &[DVector<f64>], mut see: impl FnMut(usize, &DVector<f64>)) {
+        let (phi, gamma, _) = discretise(&self.system, &self.input, dt);
+        let mut state = self.state;
+        for (k, v) in acting.iter().enumerate() {
+            see(k, &state);
+            state = &phi * &state + &gamma * v;
+        }
+    }
+}
+
+/// The inputs of a plant as they act: delayed, and the constant as a last input 1.
+fn acting(plant: &LinearPlant, u: &[&[f64]]) -> Vec<DVector<f64>> {
+    (0..u[0].len())
+        .map(|k| {
+            let mut v = DVector::from_element(u.len() + 1, 1.0);
+            for (j, input) in plant.inputs().iter().enumerate() {
+                v[j] = k.checked_sub(input.delay).map_or(0.0, |i| u[j][i]);
+            }
+            v
+        })
+        .collect()
+}
+
 /// Output of a plant and its derivatives by the free coefficients, simulated from rest, exact for held inputs.
 #[derive(Clone, Debug)]
 pub struct Sensitivity {
@@ -53,77 +140,29 @@ impl Sensitivity {
         initial: &[f64],
         u: &[&[f64]],
     ) -> Self {
-        let (a, inputs) = (plant.a(), plant.inputs());
-        let (m, n) = (a.len(), u[0].len());
-        assert_eq!(u.len(), inputs.len(), "one sequence per input");
+        let n = u[0].len();
+        assert_eq!(u.len(), plant.inputs().len(), "one sequence per input");
         assert!(u.iter().all(|s| s.len() == n), "sequences of one length");
-        assert_eq!(initial.len(), m, "one initial derivative per order");
-        let columns = inputs.len() + 1;
-        let full = companion_matrix(a);
-        let mut drive = DMatrix::zeros(m, columns);
-        for (j, Input { b, .. }) in inputs.iter().enumerate() {
-            for (i, &b) in b.iter().enumerate() {
-                drive[(m - 1 - i, j)] = b;
-            }
-        }
-        drive[(m - 1, columns - 1)] = plant.constant();
-
-        // Inputs as they act: delayed, and the constant as a last input 1.
-        let acting: Vec<DVector<f64>> = (0..n)
-            .map(|k| {
-                let mut v = DVector::from_element(columns, 1.0);
-                for (j, input) in inputs.iter().enumerate() {
-                    v[j] = k.checked_sub(input.delay).map_or(0.0, |i| u[j][i]);
-                }
-                v
-            })
-            .collect();
-        let start = DVector::from_fn(m, |i, _| {
-            initial[i] + (1..=i).map(|p| a[m - p] * initial[i - p]).sum::<f64>()
-        });
-
+        assert_eq!(
+            initial.len(),
+            plant.a().len(),
+            "one initial derivative per order"
+        );
+        let system = StateSpace::of(plant, initial);
+        let acting = acting(plant, u);
         let mut y = vec![0.0; n];
         let mut jacobian = DMatrix::zeros(n, free.len());
         if free.is_empty() {
-            let (phi, gamma, _) = discretise(&full, &drive, plant.dt());
-            let mut state = start;
-            for k in 0..n {
-                y[k] = state[0];
-                state = &phi * &state + &gamma * &acting[k];
-            }
+            system.run(plant.dt(), &acting, |k, state| y[k] = state[0]);
             return Self { y, jacobian };
         }
+        let m = system.state.len();
         for (p, coefficient) in free.iter().enumerate() {
-            let mut system = DMatrix::zeros(2 * m, 2 * m);
-            system.view_mut((0, 0), (m, m)).copy_from(&full);
-            system.view_mut((m, m), (m, m)).copy_from(&full);
-            let mut input = DMatrix::zeros(2 * m, columns);
-            input.view_mut((0, 0), (m, columns)).copy_from(&drive);
-            let mut state = DVector::zeros(2 * m);
-            state.rows_mut(0, m).copy_from(&start);
-            match *coefficient {
-                Coefficient::A(i) => {
-                    system[(m + m - 1 - i, 0)] = -1.0;
-                    // The initial state in observer form contains a[i] times the lower derivatives.
-                    for row in (m - i)..m {
-                        state[m + row] = initial[row - (m - i)];
-                    }
-                }
-                Coefficient::B { input: j, power } => input[(m + m - 1 - power, j)] = 1.0,
-                Coefficient::Constant => input[(m + m - 1, columns - 1)] = 1.0,
-                Coefficient::Initial(i) => {
-                    state[m + i] = 1.0;
-                    for row in i + 1..m {
-                        state[m + row] = a[m - (row - i)];
-                    }
-                }
-            }
-            let (phi, gamma, _) = discretise(&system, &input, plant.dt());
-            for k in 0..n {
+            let both = system.with_sensitivity(*coefficient, initial);
+            both.run(plant.dt(), &acting, |k, state| {
                 y[k] = state[0];
                 jacobian[(k, p)] = state[m];
-                state = &phi * &state + &gamma * &acting[k];
-            }
+            });
         }
         Self { y, jacobian }
     }

@@ -76,73 +76,99 @@ pub fn output_error(
     u: &[&[f64]],
     y: &[f64],
 ) -> Option<OutputErrorFit> {
-    let mut model = Model {
+    let model = Model {
         a: start.a().to_vec(),
         inputs: start.inputs().to_vec(),
         constant: start.constant(),
         initial: initial.to_vec(),
         dt: start.dt(),
     };
-    let p = free.len();
-    let measured = DVector::from_column_slice(y);
-    let residuals = |s: &Sensitivity| &measured - DVector::from_column_slice(&s.y);
-    let mut here = model.simulated(free, u)?;
-    let mut error = residuals(&here);
-    let mut loss = error.norm_squared();
-    if !loss.is_finite() {
-        return None;
-    }
+    let record = Records { free, u, y };
+    let mut point = Point::of(model, &record).filter(|point| point.loss.is_finite())?;
     let mut damping = 1e-3;
     let mut converged = false;
     let mut iterations = 0;
     while iterations < 100 && !converged {
         iterations += 1;
-        let lengths: Vec<f64> = here.jacobian.column_iter().map(|c| c.norm()).collect();
-        if lengths.iter().any(|l| *l <= 0.0 || !l.is_finite()) {
-            return None;
-        }
-        let mut scaled = here.jacobian.clone();
-        for (mut column, l) in scaled.column_iter_mut().zip(&lengths) {
-            column /= *l;
-        }
-        let normal = scaled.tr_mul(&scaled) + DMatrix::identity(p, p) * damping;
-        let step = normal.cholesky()?.solve(&scaled.tr_mul(&error));
-        let mut next = model.clone();
-        for (i, &coefficient) in free.iter().enumerate() {
-            *next.value(coefficient) += step[i] / lengths[i];
-        }
-        // In scaled coordinates a deviation is residual / length of a unit column.
-        let deviation = (loss / y.len() as f64).sqrt();
-        let small = step.amax() <= 1e-8 * deviation + 1e-14;
-        let trial = next.simulated(free, u);
-        let better = trial.and_then(|s| {
-            let e = residuals(&s);
-            let l = e.norm_squared();
-            (l <= loss).then_some((s, e, l))
-        });
-        if let Some((s, e, l)) = better {
-            converged = small || loss - l <= 1e-14 * loss;
-            (model, here, error, loss) = (next, s, e, l);
+        let (next, small) = point.step(damping, &record)?;
+        if let Some(next) = next.filter(|next| next.loss <= point.loss) {
+            converged = small || point.loss - next.loss <= 1e-14 * point.loss;
+            point = next;
             damping = (damping * 0.1).max(1e-15);
         } else {
             converged = small;
             damping *= 10.0;
         }
     }
-    let freedom = y.len().saturating_sub(p).max(1);
-    let residual = (loss / freedom as f64).sqrt();
-    let covariance = here.covariance(residual)?;
+    let freedom = y.len().saturating_sub(free.len()).max(1);
+    let residual = (point.loss / freedom as f64).sqrt();
+    let covariance = point.simulated.covariance(residual)?;
+    let mut model = point.model;
     let mut plant = model.plant()?;
     plant.place(&model.initial);
     Some(OutputErrorFit {
         plant,
         theta: free.iter().map(|&c| *model.value(c)).collect(),
         covariance,
-        y: here.y,
+        y: point.simulated.y,
         residual,
         iterations,
         converged,
     })
+}
+
+/// What is fitted to what.
+struct Records<'a> {
+    free: &'a [Coefficient],
+    u: &'a [&'a [f64]],
+    y: &'a [f64],
+}
+
+/// A model with its simulation and what that misses.
+struct Point {
+    model: Model,
+    simulated: Sensitivity,
+    error: DVector<f64>,
+    /// Sum of the squared errors.
+    loss: f64,
+}
+
+impl Point {
+    fn of(model: Model, record: &Records) -> Option<Self> {
+        let simulated = model.simulated(record.free, record.u)?;
+        let error = DVector::from_column_slice(record.y) - DVector::from_column_slice(&simulated.y);
+        Some(Self {
+            loss: error.norm_squared(),
+            model,
+            simulated,
+            error,
+        })
+    }
+
+    /// A step of Levenberg and Marquardt, and whether it is too small to matter; no point where it cannot be simulated.
+    ///
+    /// Nothing when the record does not determine the coefficients.
+    fn step(&self, damping: f64, record: &Records) -> Option<(Option<Self>, bool)> {
+        let p = record.free.len();
+        let mut scaled = self.simulated.jacobian.clone();
+        let lengths: Vec<f64> = scaled.column_iter().map(|c| c.norm()).collect();
+        if lengths.iter().any(|l| *l <= 0.0 || !l.is_finite()) {
+            return None;
+        }
+        for (mut column, l) in scaled.column_iter_mut().zip(&lengths) {
+            column /= *l;
+        }
+        let normal = scaled.tr_mul(&scaled) + DMatrix::identity(p, p) * damping;
+        let step = normal.cholesky()?.solve(&scaled.tr_mul(&self.error));
+        let mut next = self.model.clone();
+        for (i, &coefficient) in record.free.iter().enumerate() {
+            *next.value(coefficient) += step[i] / lengths[i];
+        }
+        // In scaled coordinates a deviation is residual / length of a unit column.
+        let deviation = (self.loss / record.y.len() as f64).sqrt();
+        let small = step.amax() <= 1e-8 * deviation + 1e-14;
+        Some((Self::of(next, record), small))
+    }
 }
 
 #[cfg(test)]

@@ -18,7 +18,7 @@ pub fn own_numerators(
     rounds: usize,
 ) -> Result<Identifier<ExactTrends<3>, 3, 5>, ConfigError> {
     let filter = ExactTrends::for_bandwidth(record.dt as f32, config.bandwidth)?;
-    let mut identifier = Identifier::try_new(config, filter)?;
+    let mut identifier = Identifier::try_new(config, filter.clone())?;
     for round in 0..rounds {
         if round > 0 {
             let own = filter.with_model(identifier.estimate().transfer_function().a)?;

@@ -124,7 +124,7 @@ fn ramp(record: &Record, scheme: Scheme) -> Result<[Run; 2], ConfigError> {
     let mut config = usual(record, Structure::<3, 6, 2>::SERVO, inputs);
     // Relative to the command: 0.3 % of offset, moving by 0.7 % a second.
     // The prior by default: ten times the design, and 3 % for the constant.
-    let fresh: Identifier<_, 3, 6, 2> = Identifier::try_new(&config, trends)?;
+    let fresh: Identifier<_, 3, 6, 2> = Identifier::try_new(&config, trends.clone())?;
     let mut std = fresh.recursion().std();
     std[3] *= 0.0007 * config.input_range[1];
     std[4] *= 0.1;

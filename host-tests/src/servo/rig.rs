@@ -78,7 +78,7 @@ impl Request {
 }
 
 /// One instant of a scenario.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Instant {
     /// Time \[s\].
     pub t: f64,

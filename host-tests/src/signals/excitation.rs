@@ -108,14 +108,9 @@ impl Excitation {
                     .map(|_| random.random_range(0.0..2.0 * PI))
                     .collect();
                 let each = amplitude / f64::from(lines);
-                let value = |t: f64| {
-                    phases
-                        .iter()
-                        .zip(1..)
-                        .map(|(p, i)| each * (2.0 * PI * first_hz * f64::from(i) * t + p).sin())
-                        .sum()
-                };
-                (0..n).map(|k| value(k as f64 * dt)).collect()
+                (0..n)
+                    .map(|k| sum_of_sines(each, &phases, first_hz, k as f64 * dt))
+                    .collect()
             }
             Self::Chirp {
                 amplitude,
@@ -131,6 +126,12 @@ impl Excitation {
             Self::Constant(value) => vec![value; n],
         }
     }
+}
+
+/// Sum of sines of this amplitude at the multiples of a frequency, each with its phase.
+fn sum_of_sines(amplitude: f64, phases: &[f64], first_hz: f64, t: f64) -> f64 {
+    let sine = |(p, i): (&f64, i32)| amplitude * (2.0 * PI * first_hz * f64::from(i) * t + p).sin();
+    phases.iter().zip(1..).map(sine).sum()
 }
 
 /// Holds each level for `hold_s` rounded to whole samples, at least one.

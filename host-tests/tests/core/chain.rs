@@ -1,7 +1,7 @@
 //! The chain of filtered trends in the core against the chain in f64.
 
 use crate::common::{filter, rounded};
-use trendid::trends::{Chain, Form, Memory, TrendOperator};
+use trendid::trends::{Chain, FilteredTrends, Form, Memory, TrendOperator};
 use trendid_host_tests::oracles::trends::{
     Hold, Scheme, applied, chain_held, chain_output, input_trend, output_trend,
 };
@@ -20,68 +20,84 @@ fn distance(core: &[f32], oracle: &[f64]) -> f64 {
         / scale
 }
 
+/// Worst distance of every trend of y from the f64 chain and from "trend, then filter".
+fn output_chain<const M: usize>(scheme: Scheme, trends: &FilteredTrends<M>, y: &[f64]) -> f64 {
+    let (f, dt) = (coefficients(trends), f64::from(DT));
+    let mut memory = Chain::output_at_rest(trends.design(), Form::Position, 0.0);
+    let mut moved = Chain::output_at_rest(trends.design(), Form::Increment, 0.0);
+    let mut all = vec![Vec::new(); M + 1];
+    let mut increments = vec![Vec::new(); M + 1];
+    for y in y {
+        let t = trends.output(&mut memory, *y as f32, Form::Position);
+        let d = trends.output(&mut moved, *y as f32, Form::Increment);
+        for i in 0..M {
+            all[i].push(t.lower[i]);
+            increments[i].push(d.lower[i]);
+        }
+        all[M].push(t.top);
+        increments[M].push(d.top);
+    }
+    assert!(increments[0].iter().all(|v| *v == 0.0));
+    let chain = chain_output(scheme, &f, dt, y);
+    let mut worst = 0.0_f64;
+    for i in 0..=M {
+        worst = worst.max(distance(&all[i], &chain[i]));
+        if i > 0 {
+            worst = worst.max(distance(&increments[i], &chain[i]));
+        }
+        let operator = output_trend(scheme, M, i, dt);
+        let filtered = applied(&operator, scheme, Some(&f), dt, y);
+        worst = worst.max(distance(&all[i], &filtered));
+    }
+    worst
+}
+
+/// The same of every trend of u.
+fn input_chain<const M: usize>(
+    scheme: Scheme,
+    trends: &FilteredTrends<M>,
+    hold: Hold,
+    u: &[f64],
+) -> f64 {
+    let (f, dt) = (coefficients(trends), f64::from(DT));
+    let (core_hold, chain) = match hold {
+        Hold::Zero => (trendid::trends::Hold::Zero, chain_held(scheme, &f, dt, u)),
+        Hold::First => (
+            trendid::trends::Hold::First,
+            chain_output(scheme, &f, dt, u),
+        ),
+    };
+    let mut memory = Chain::input_at_rest(trends.design(), core_hold, 0.0);
+    let mut all = vec![Vec::new(); M];
+    for u in u {
+        let t = trends.input(&mut memory, *u as f32, core_hold);
+        for i in 0..M {
+            all[i].push(t[i]);
+        }
+    }
+    let mut worst = 0.0_f64;
+    for i in 0..M {
+        worst = worst.max(distance(&all[i], &chain[i]));
+        let operator = input_trend(scheme, hold, M, i, dt);
+        let filtered = applied(&operator, scheme, Some(&f), dt, u);
+        worst = worst.max(distance(&all[i], &filtered));
+    }
+    worst
+}
+
+/// f_0 .. f_{m-1}, 1.
+fn coefficients<const M: usize>(trends: &FilteredTrends<M>) -> Vec<f64> {
+    let f = trends.filter();
+    f.iter().map(|c| f64::from(*c)).chain([1.0]).collect()
+}
+
 /// Every trend of one order: the core's chain against the f64 chain and against "trend, then filter".
 fn chains<const M: usize>(u: &[f64], y: &[f64]) {
-    let dt = f64::from(DT);
     for scheme in [Scheme::Tustin, Scheme::Goodwin] {
         let trends = filter::<M>(scheme, 25.0);
-        let f: Vec<f64> = trends
-            .filter()
-            .iter()
-            .map(|c| f64::from(*c))
-            .chain([1.0])
-            .collect();
-        let mut worst = 0.0_f64;
-        let mut memory = Chain::output_at_rest(trends.design(), Form::Position, 0.0);
-        let mut moved = Chain::output_at_rest(trends.design(), Form::Increment, 0.0);
-        let mut all = vec![Vec::new(); M + 1];
-        let mut increments = vec![Vec::new(); M + 1];
-        for y in y {
-            let t = trends.output(&mut memory, *y as f32, Form::Position);
-            let d = trends.output(&mut moved, *y as f32, Form::Increment);
-            for i in 0..M {
-                all[i].push(t.lower[i]);
-                increments[i].push(d.lower[i]);
-            }
-            all[M].push(t.top);
-            increments[M].push(d.top);
-        }
-        let chain = chain_output(scheme, &f, dt, y);
-        for i in 0..=M {
-            worst = worst.max(distance(&all[i], &chain[i]));
-            if i > 0 {
-                worst = worst.max(distance(&increments[i], &chain[i]));
-            } else {
-                assert!(increments[0].iter().all(|v| *v == 0.0));
-            }
-            let operator = output_trend(scheme, M, i, dt);
-            let filtered = applied(&operator, scheme, Some(&f), dt, y);
-            worst = worst.max(distance(&all[i], &filtered));
-        }
-        for hold in [Hold::Zero, Hold::First] {
-            let core_hold = match hold {
-                Hold::Zero => trendid::trends::Hold::Zero,
-                Hold::First => trendid::trends::Hold::First,
-            };
-            let mut memory = Chain::input_at_rest(trends.design(), core_hold, 0.0);
-            let mut all = vec![Vec::new(); M];
-            for u in u {
-                let t = trends.input(&mut memory, *u as f32, core_hold);
-                for i in 0..M {
-                    all[i].push(t[i]);
-                }
-            }
-            let chain = match hold {
-                Hold::Zero => chain_held(scheme, &f, dt, u),
-                Hold::First => chain_output(scheme, &f, dt, u),
-            };
-            for i in 0..M {
-                worst = worst.max(distance(&all[i], &chain[i]));
-                let operator = input_trend(scheme, hold, M, i, dt);
-                let filtered = applied(&operator, scheme, Some(&f), dt, u);
-                worst = worst.max(distance(&all[i], &filtered));
-            }
-        }
+        let worst = output_chain(scheme, &trends, y)
+            .max(input_chain(scheme, &trends, Hold::Zero, u))
+            .max(input_chain(scheme, &trends, Hold::First, u));
         println!("order {M}, {scheme:?}: worst distance {worst:.1e} of the largest value");
         assert!(worst < 2e-5, "order {M}, {scheme:?}: {worst}");
     }

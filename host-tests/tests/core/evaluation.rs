@@ -100,7 +100,8 @@ fn raw_innovation_is_the_evaluation_error() {
     for scheme in [CoreScheme::Tustin, CoreScheme::Goodwin] {
         let trends = RawTrends::try_new(scheme, DT).unwrap();
         let config = Config::new(Structure::<3, 3, 1>::INTEGRATING, 20.0, [0.4], 50.0);
-        let mut identifier: Identifier<_, 3, 3> = Identifier::try_new(&config, trends).unwrap();
+        let mut identifier: Identifier<_, 3, 3> =
+            Identifier::try_new(&config, trends.clone()).unwrap();
         let mut evaluation = OutputEvaluation::<3, 1>::new(trends);
         let origin = record.y[0] as f32;
         let (mut worst, mut largest) = (0.0_f32, 0.0_f32);

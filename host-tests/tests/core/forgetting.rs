@@ -157,7 +157,7 @@ fn one_observation_is_that_of_dense_matrices() {
         let _ = estimator.update(&phi.map(|x| 1e-4 * x), 1e-4 * psi);
     }
     for index in 0..5 {
-        let before = estimator;
+        let before = estimator.clone();
         let dense = |i, j| f64::from(before.covariance(i, j));
         let value = 0.7;
         let returned = estimator.observe_parameter(index, value as f32, 8.0, 0.0);

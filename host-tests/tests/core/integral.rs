@@ -6,59 +6,67 @@ use trendid_host_tests::plants::servo::{REFERENCE, Servo};
 use trendid_host_tests::signals::experiment::Experiment;
 use trendid_host_tests::signals::noise::Condition;
 
+const L: usize = 7;
+const DT: f64 = 0.25;
+
+/// Sums of the last L values.
+fn moving(x: &[f64]) -> Vec<f64> {
+    (0..x.len())
+        .map(|k| (0..L.min(k + 1)).map(|i| x[k - i]).sum())
+        .collect()
+}
+
+/// One sample later.
+fn shifted(x: &[f64]) -> Vec<f64> {
+    let mut y = vec![0.0];
+    y.extend_from_slice(&x[..x.len() - 1]);
+    y
+}
+
+/// `1 + sign q^-1`.
+fn combined(x: &[f64], sign: f64) -> Vec<f64> {
+    x.iter()
+        .zip(shifted(x))
+        .map(|(a, b)| a + sign * b)
+        .collect()
+}
+
+/// The trend of order i over spans, by the definition: differences, means, lags as a difference equation, then M moving sums.
+fn defined<const M: usize>(x: &[f64], i: usize, means: usize, lags: usize) -> Vec<f64> {
+    let mut t = x.to_vec();
+    for _ in 0..i {
+        t = combined(&t, -1.0);
+    }
+    for _ in 0..means {
+        t = combined(&t, 1.0).iter().map(|v| 0.5 * v).collect();
+    }
+    for _ in 0..lags {
+        t = shifted(&t);
+    }
+    for _ in 0..M {
+        t = moving(&t);
+    }
+    t.iter().map(|v| v * DT.powi((M - i) as i32)).collect()
+}
+
 /// `((1-q^-L)/(1-q^-1))^m` applied to the raw trends in f64 is what the operator gives, up to the factor of the raw ones.
 fn against_the_definition<const M: usize>(scheme: Scheme) {
-    const L: usize = 7;
-    const DT: f64 = 0.25;
     let signal: Vec<f64> = (0..120)
         .map(|k| f64::from((k * 37 + k * k * 11) % 101) / 16.0 - 3.0)
         .collect();
-    // In f64 by the definition: the raw trend as a difference equation, then M moving sums.
-    let moving = |x: &[f64]| -> Vec<f64> {
-        (0..x.len())
-            .map(|k| (0..L.min(k + 1)).map(|i| x[k - i]).sum())
-            .collect()
-    };
-    let shift = |x: &[f64]| -> Vec<f64> {
-        let mut y = vec![0.0];
-        y.extend_from_slice(&x[..x.len() - 1]);
-        y
-    };
-    let combine = |x: &[f64], sign: f64| -> Vec<f64> {
-        x.iter().zip(shift(x)).map(|(a, b)| a + sign * b).collect()
-    };
-    let raw = |x: &[f64], i: usize, means: usize, lags: usize| -> Vec<f64> {
-        let mut t = x.to_vec();
-        for _ in 0..i {
-            t = combine(&t, -1.0);
-        }
-        for _ in 0..means {
-            t = combine(&t, 1.0).iter().map(|v| 0.5 * v).collect();
-        }
-        for _ in 0..lags {
-            t = shift(&t);
-        }
-        t
-    };
-    let span = |mut t: Vec<f64>, i: usize| -> Vec<f64> {
-        for _ in 0..M {
-            t = moving(&t);
-        }
-        t.iter().map(|v| v * DT.powi((M - i) as i32)).collect()
-    };
     let operator = IntegralTrends::<M, L>::try_new(scheme, DT as f32).unwrap();
     let mut y_memory = Span::<M, L>::output_at_rest(operator.design(), Form::Position, 0.0);
     let mut u_memory = Span::<M, L>::input_at_rest(operator.design(), Hold::Zero, 0.0);
     let expected_y: Vec<_> = (0..=M)
         .map(|i| match scheme {
-            Scheme::Tustin => span(raw(&signal, i, M - i, 0), i),
-            Scheme::Goodwin => span(raw(&signal, i, 0, M - i), i),
+            Scheme::Tustin => defined::<M>(&signal, i, M - i, 0),
+            Scheme::Goodwin => defined::<M>(&signal, i, 0, M - i),
         })
         .collect();
     let expected_u: Vec<_> = (0..M)
         .map(|i| match scheme {
-            Scheme::Tustin => span(raw(&signal, i, M - 1 - i, 1), i),
-            Scheme::Goodwin => span(raw(&signal, i, 0, M - i), i),
+            Scheme::Tustin => defined::<M>(&signal, i, M - 1 - i, 1),
+            Scheme::Goodwin => defined::<M>(&signal, i, 0, M - i),
         })
         .collect();
     for k in 0..signal.len() {

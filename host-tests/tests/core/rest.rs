@@ -71,14 +71,28 @@ fn run(seed: u64, eta_mm: f64, memory: f32, pause: Pause) -> Run {
         }
     }
     identifier.adapt(true);
-    // A heavier load: w0 falls by 25 %, C and xi stay.
+    let state = [plant.output(), plant.derivative(1), plant.derivative(2)];
+    Run {
+        worst_drift,
+        drift,
+        back: way_back(&mut identifier, &state, seed, pausing, &mut eta),
+    }
+}
+
+/// Samples from the first command that shows a heavier load (w0 falls by 25 %, C and xi stay) until the estimate has followed.
+fn way_back(
+    identifier: &mut Identifier<FilteredTrends<3>, 3, 5>,
+    state: &[f64],
+    seed: u64,
+    pausing: f64,
+    eta: &mut impl FnMut() -> f64,
+) -> usize {
     let changed = Servo {
         omega0: 0.75 * REFERENCE.omega0,
         ..REFERENCE
     };
-    let state = [plant.output(), plant.derivative(1), plant.derivative(2)];
     let mut plant = changed.plant(DT);
-    plant.place(&state);
+    plant.place(state);
     let mut back = 0;
     // A constant command does not show the change.
     let mut begun = None;
@@ -86,7 +100,7 @@ fn run(seed: u64, eta_mm: f64, memory: f32, pause: Pause) -> Run {
     for (k, u) in again.into_iter().enumerate() {
         let _ = identifier.update(u as f32, (plant.output() + eta()) as f32);
         plant.step(&[u]);
-        let good = reading(&identifier).is_some_and(|found| {
+        let good = reading(identifier).is_some_and(|found| {
             let [c, w, x] = found.error_pct(&changed);
             c.abs() < 5.0 && w.abs() < 5.0 && x.abs() < 10.0
         });
@@ -97,11 +111,7 @@ fn run(seed: u64, eta_mm: f64, memory: f32, pause: Pause) -> Run {
             back = k + 1 - begun.unwrap_or(k);
         }
     }
-    Run {
-        worst_drift,
-        drift,
-        back,
-    }
+    back
 }
 
 /// Worst drift over the seeds, at any time and at the end, and the 95th percentile of the way back.

@@ -78,7 +78,7 @@ fn widening_the_last_parameter_leaves_the_rest_of_the_covariance() {
         let x = k as f32;
         let _ = estimator.update(&[1.0, (0.3 * x).sin(), (0.7 * x).cos(), 0.9_f32.powi(k)], x);
     }
-    let before = estimator;
+    let before = estimator.clone();
     estimator.widen_last(5.0);
     for i in 0..4 {
         for j in 0..4 {

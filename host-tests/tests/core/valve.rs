@@ -164,8 +164,10 @@ fn coulomb_friction_is_an_input() {
         let u = binary.sequence(10_000, 1e-3, seed);
         let mut random = generator(seed, Stream::White);
         let mut drive = FrictionDrive::new(a, b, c, d);
-        let mut with: Identifier<_, 2, 4, 2> = Identifier::try_new(&config, trends).unwrap();
-        let mut without: Identifier<_, 2, 3> = Identifier::try_new(&plain_config, trends).unwrap();
+        let mut with: Identifier<_, 2, 4, 2> =
+            Identifier::try_new(&config, trends.clone()).unwrap();
+        let mut without: Identifier<_, 2, 3> =
+            Identifier::try_new(&plain_config, trends.clone()).unwrap();
         for u in u {
             let y = (drive.output() + 2e-6 * (random.random::<f64>() - 0.5)) as f32;
             let sign = coulomb(drive.velocity() as f32, 1e-6);

@@ -8,6 +8,7 @@ use trendid::servo::{Config, Error, Model, MotionLimits, ServoLoop};
 use trendid_host_tests::plants::pneumatic::{AxisParameters, PneumaticAxis};
 use trendid_host_tests::servo::plant::RESOLUTION_MM;
 use trendid_host_tests::servo::rig::{ROUGH_BANDWIDTH, SimulatedSensor, SimulatedValve, TRAVEL};
+use trendid_host_tests::settings::names;
 
 fn defaults() -> Config {
     Config::new(1e-3, ROUGH_BANDWIDTH, TRAVEL)
@@ -149,37 +150,6 @@ const CHANGES: &[(&str, Change)] = &[
         c.supervision.error_deadband = Some(300.0);
     }),
 ];
-
-/// The names of all settings, as their `Debug` prints them.
-fn names(config: &Config) -> BTreeSet<String> {
-    let text = format!("{config:?}");
-    let (mut path, mut word, mut names) = (Vec::new(), String::new(), BTreeSet::new());
-    for c in text.chars() {
-        match c {
-            // A group of settings is no setting itself.
-            '{' => {
-                names.remove(&path.join("."));
-            }
-            '}' => {
-                path.pop();
-            }
-            ':' => {
-                path.push(word.clone());
-                names.insert(path.join("."));
-            }
-            ',' => {
-                path.pop();
-            }
-            _ => {}
-        }
-        if c.is_alphanumeric() || c == '_' {
-            word.push(c);
-        } else {
-            word.clear();
-        }
-    }
-    names
-}
 
 #[test]
 fn every_setting_is_listed() {

@@ -84,7 +84,7 @@ fn sized<const M: usize>(
 impl<const M: usize> Design for Operator<M> {
     fn of_output(&self, form: Form, first: f32) -> Box<dyn Lane> {
         Box::new(Signal {
-            trends: self.0,
+            trends: self.0.clone(),
             memory: Memory::output_at_rest(self.0.design(), form, first),
             form,
             hold: Hold::Zero,
@@ -93,7 +93,7 @@ impl<const M: usize> Design for Operator<M> {
 
     fn of_input(&self, hold: Hold) -> Box<dyn Lane> {
         Box::new(Signal {
-            trends: self.0,
+            trends: self.0.clone(),
             memory: Memory::input_at_rest(self.0.design(), hold, 0.0),
             form: Form::Position,
             hold,

@@ -36,7 +36,7 @@ fn integrators_are_the_absent_lowest_terms() {
     assert_eq!(count(Terms::of(&[0])), 0);
     assert_eq!(count(Terms::of(&[1])), 1);
     assert_eq!(count(Terms::of(&[2])), 2);
-    let none = const { Structure::<2, 1, 1>::new(Terms::NONE, [Terms::of(&[0])], false) };
+    let none: Structure<2, 1, 1> = crate::structure!(Terms::NONE, [Terms::of(&[0])], false);
     assert_eq!(none.integrators(), 2);
 }
 

@@ -13,7 +13,7 @@ use crate::servo::motion::{Motion, Setpoint};
 /// ```text
 /// (s + w)(s^2 + 2 zeta w s + w^2) = s^3 + p2 s^2 + p1 s + p0
 /// flow = ( r''' + p2 r'' + p1 r' + p0 (r - x) - (p1 - a1) v - (p2 - a2) a ) / b0 - d
-/// u    = inverse of dead zone and offset (flow) + what is left of the last change of gains
+/// u    = inverse of dead zone and offset (flow) + remainder of the last change of gains
 /// ```
 ///
 /// x, v, a and the disturbance d come from an observer on the same model; the terms in r
@@ -53,7 +53,7 @@ pub struct Controller {
     arriving_factor: Option<f32>,
     wanted: [f32; 3],
     settling: [f32; 3],
-    /// What is left of the last change of gains, as a command.
+    /// Remainder of the last change of gains, as a command.
     trace: f32,
 }
 

@@ -31,7 +31,7 @@ pub(crate) struct StickSlip {
     design: StickSlipDesign,
     /// Coulomb friction of the model.
     nominal: f32,
-    /// Coulomb friction as it is now: that of the model, corrected by what reversals take.
+    /// Present Coulomb friction: that of the model, corrected by the forces of reversals.
     coulomb: f32,
     /// Direction of motion; 0 while the axis sticks or the model has no friction.
     direction: f32,
@@ -81,7 +81,7 @@ impl StickSlip {
         }
     }
 
-    /// Goes on with the friction of another model; what reversals have shown stays, within the range about it.
+    /// Goes on with the friction of another model; the correction by reversals stays, within the range about it.
     pub(crate) fn retune(&mut self, coulomb: f32) {
         self.nominal = coulomb;
         self.coulomb = if self.coulomb > 0.0 {

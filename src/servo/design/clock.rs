@@ -18,7 +18,7 @@ impl Clock {
         (seconds / self.sample_time) as u32
     }
 
-    /// What a rate per s makes in a sample; by way of 1 ms, where it is exact.
+    /// A rate per s as a rate per sample; by way of 1 ms, where it is exact.
     pub(crate) fn step(self, rate: f32) -> f32 {
         rate / 1000.0 * (self.sample_time / 1e-3)
     }

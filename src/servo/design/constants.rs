@@ -11,13 +11,13 @@
 
 /// Noise over L: 10 um on 400 mm, a magnetostrictive transducer.
 pub(crate) const NOISE_RATIO: f32 = 2.5e-5;
-/// Bandwidth of the controller over w: what a valve of 100 Hz and 1 ms still carry.
+/// Bandwidth of the controller over w: the limit with a valve of 100 Hz at 1 ms.
 pub(crate) const CONTROLLER_RATIO: f32 = 2.5;
 /// Rate of the observer over the bandwidth of the controller: faster, it passes on the noise of the position.
 pub(crate) const OBSERVER_RATIO: f32 = 3.5;
 /// Stated bandwidth over the natural frequency that was found: the ratios to w were found with a cautious w.
 pub(crate) const ROUGH_RATIO: f32 = 0.83;
-/// Bandwidth in rad/s of the fastest axis, for what must hold before anything is known.
+/// Bandwidth in rad/s of the fastest axis, for limits that hold before a model exists.
 pub(crate) const BANDWIDTH_MAX: f32 = 150.0;
 /// Largest bandwidth of the controller times the delay of the valve.
 pub(crate) const DELAY_STEP_MAX: f32 = 0.3;

@@ -1,4 +1,4 @@
-//! What the controller, its observer and the standstill follow from.
+//! Design of the controller, its observer and the standstill.
 
 use crate::servo::config::Config;
 use crate::servo::design::clock::Clock;

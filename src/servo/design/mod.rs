@@ -9,7 +9,7 @@ mod supervision;
 
 use crate::servo::motion::{MotionLimits, Travel};
 
-/// What [`Config::resolve`](crate::servo::Config::resolve) makes of the settings: checked, in samples, ready to run.
+/// The settings after [`Config::resolve`](crate::servo::Config::resolve): checked, in samples, ready to run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
     pub(crate) sample_time: f32,
@@ -139,14 +139,14 @@ pub(crate) struct MonitoringDesign {
     /// Standard deviation of the noise, and length of one code.
     pub(crate) noise: f32,
     pub(crate) resolution: f32,
-    /// What noise and resolution make of a displacement.
+    /// Effect of noise and resolution on a displacement.
     pub(crate) grain: f32,
     /// Tracking error that the user tolerates, and time in s in which the push at rest is as large as it may be.
     pub(crate) error: f32,
     pub(crate) push_time: f32,
     /// Acceleration that the drive can give while there is no model.
     pub(crate) acceleration: f32,
-    /// Position over acceleration by which the motion from measured positions lags, in s^2.
+    /// Lag of the motion from measured positions, as position over acceleration, in s^2.
     pub(crate) tracking_lag: f32,
     /// Implausible readings in a row that are a jump.
     pub(crate) jump: u32,

@@ -1,4 +1,4 @@
-//! What the fault monitors follow from, as far as it needs no model.
+//! Design of the fault monitors, the part that needs no model.
 
 use crate::servo::config::Config;
 use crate::servo::design::MonitoringDesign;

@@ -8,7 +8,7 @@ use crate::servo::error::Error;
 use crate::servo::motion::MotionLimits;
 
 impl Config {
-    /// Checks every setting and computes what follows from it. Cost: some 300 instructions, not for the 1 ms path.
+    /// Checks every setting and computes the design. Cost: some 300 instructions, not for the 1 ms path.
     ///
     /// # Errors
     /// An [`Error`] that names the setting. The settings of the identifier are checked when the loop is built.
@@ -53,7 +53,7 @@ impl Config {
         })
     }
 
-    /// What belongs to no part alone.
+    /// The part of the design that several parts share.
     fn check(&self) -> Result<(), Error> {
         Error::unless_positive("sample_time", self.sample_time)?;
         if let Some(bandwidth) = self.bandwidth {

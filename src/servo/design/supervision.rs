@@ -1,4 +1,4 @@
-//! What the supervisor, its screening and its validation follow from.
+//! Design of the supervisor, its screening and its validation.
 
 use crate::servo::config::Config;
 use crate::servo::design::clock::Clock;

@@ -1,6 +1,6 @@
-//! What the monitors have counted.
+//! Counters of the monitors.
 
-/// What the monitors have seen since the start; every number stops at its largest value.
+/// Events counted by the monitors since the start; every number stops at its largest value.
 ///
 /// The order is part of the link's protocol: new counters come last.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,4 +1,4 @@
-//! The motion of the axis before there is a model of it.
+//! Motion of the axis before a model exists.
 
 use crate::servo::motion::Motion;
 

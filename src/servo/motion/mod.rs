@@ -66,7 +66,7 @@ impl Setpoint {
         }
     }
 
-    /// The motion that is asked for at this instant.
+    /// The requested motion at this instant.
     pub const fn motion(&self) -> Motion {
         Motion {
             position: self.position,

@@ -16,7 +16,7 @@ pub(crate) struct Sine {
     turn: [f32; 2],
     /// cos and sin of the phase.
     phase: [f32; 2],
-    /// Share of the first period that has passed, and what a sample adds to it.
+    /// Elapsed share of the first period, and the share of a sample.
     share: f32,
     growth: f32,
 }

@@ -12,7 +12,7 @@ const BRAKE_DOUBLINGS: u8 = 6;
 /// Largest frequency of a sine, in periods per sample.
 const FREQUENCY_STEP_MAX: f32 = 0.1;
 
-/// What the generator does now.
+/// Present activity of the generator.
 #[derive(Debug, Clone, PartialEq)]
 enum Plan {
     Rest,

@@ -38,7 +38,7 @@ pub use record::{Identity, Record, Refused};
 /// Bytes of a record: a multiple of every write size up to 32.
 pub const RECORD_BYTES: usize = record::BYTES;
 
-/// What goes wrong with a store; `E` is the error of the flash.
+/// Errors of a store; `E` is the error of the flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -49,7 +49,7 @@ pub enum StoreError<E> {
     Place,
     /// The flash writes in units that do not divide a record, or erases in units that do not divide a sector.
     Unit,
-    /// What was written does not read back; the record before still counts.
+    /// The written record does not read back; the record before it still counts.
     NotKept,
     /// There is no model to load.
     Refused(Refused),
@@ -249,7 +249,7 @@ impl<F: NorFlash> ModelStore<F> {
     }
 }
 
-/// What the sectors hold.
+/// Content of the sectors.
 struct Scan {
     /// Place, sequence number and bytes of the newest record.
     newest: Option<(Place, u32, [u8; RECORD_BYTES])>,

@@ -1,4 +1,4 @@
-//! One record: a model with what is known beside it, and what it belongs to.
+//! One record: a model, the conditions of its commissioning, and the axis it belongs to.
 
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 
@@ -20,7 +20,7 @@ const HEAD: usize = 4;
 /// Numbers of a record: the model, its standard deviations, delay, sign, noise.
 const NUMBERS: usize = 15;
 
-/// What a record belongs to.
+/// Axis and firmware that a record belongs to.
 ///
 /// | field | bytes | |
 /// |---|---|---|
@@ -54,7 +54,7 @@ impl Identity {
     }
 }
 
-/// A verified model and what is known beside it.
+/// A verified model and the conditions of its commissioning.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Record {

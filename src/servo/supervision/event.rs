@@ -1,4 +1,4 @@
-//! What goes into the supervisor and what comes out.
+//! Input and output of the supervisor.
 
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
@@ -6,7 +6,7 @@ use crate::servo::motion::Motion;
 /// One sample, as the supervisor sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Observation {
-    /// The motion as far as it is known.
+    /// The motion, measured or observed.
     pub(crate) motion: Motion,
     /// Measured position.
     pub(crate) y: f32,
@@ -31,7 +31,7 @@ pub(crate) enum Event {
     Accepted(Model),
     /// The estimate is rejected: the identifier begins again from this model, which stays in force.
     Restored(Model),
-    /// The drive changed: the identifier discounts what it learned before.
+    /// The drive changed: the identifier discounts the samples before.
     Changed,
     /// The axis must stop.
     Stopped,

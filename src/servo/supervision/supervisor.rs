@@ -8,7 +8,7 @@ use crate::servo::supervision::screening::Candidate;
 use crate::servo::supervision::state::{Reason, State};
 use crate::servo::supervision::validation::{FitReport, Validation};
 
-/// Decides, from the samples and the candidates of the identifier, what the controller may use.
+/// Decides from samples and candidates of the identifier which model the controller may use.
 ///
 /// A candidate must be finite, of the right sign, in range, stable, certain, and must explain
 /// a window of later samples in free simulation, better than the model in use. The last
@@ -75,7 +75,7 @@ impl Supervisor {
         (self.accepted, self.refused)
     }
 
-    /// How the last validation ended: what to look at after [`Reason::PoorFit`].
+    /// Result of the last validation, to be looked at after [`Reason::PoorFit`].
     #[doc(alias = "verdict")]
     pub const fn fit_report(&self) -> FitReport {
         self.report

@@ -122,6 +122,30 @@ impl Dynamics {
         if outward { 0.0 } else { direction }
     }
 
+    /// Fraction of the step from `s` to `end` after which the axis turns or meets the stop ahead, and that stop.
+    fn event(&self, s: &State, end: &State, direction: f64) -> Option<(f64, Option<f64>)> {
+        let turns = end.v * direction <= 0.0;
+        let outside = end.x < 0.0 || end.x > self.p.stroke;
+        if !turns && !outside {
+            return None;
+        }
+        // The earlier one counts.
+        let stop = if direction > 0.0 { self.p.stroke } else { 0.0 };
+        let turn = if turns { s.v / (s.v - end.v) } else { 1.0 };
+        let strike = if outside {
+            (stop - s.x) / (end.x - s.x)
+        } else {
+            f64::INFINITY
+        };
+        let part = turn.min(strike);
+        let part = if part.is_finite() {
+            part.clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        Some((part, (strike <= turn).then_some(stop)))
+    }
+
     /// Advances by `h` with a held command. `blocked` clamps the axis where it is.
     pub(super) fn advance(&self, s: &mut State, command: f64, h: f64, blocked: bool) {
         let mut left = h;
@@ -143,34 +167,14 @@ impl Dynamics {
                 };
                 return;
             }
-            let turns = end.v * direction <= 0.0;
-            let outside = end.x < 0.0 || end.x > self.p.stroke;
-            if !turns && !outside {
+            let Some((part, stop)) = self.event(s, &end, direction) else {
                 *s = end;
                 return;
-            }
-            // Fractions of the step after which the axis turns or meets the stop ahead; the earlier one counts.
-            let stop = if direction > 0.0 { self.p.stroke } else { 0.0 };
-            let turn = if turns { s.v / (s.v - end.v) } else { 1.0 };
-            let strike = if outside {
-                (stop - s.x) / (end.x - s.x)
-            } else {
-                f64::INFINITY
-            };
-            let part = turn.min(strike);
-            let part = if part.is_finite() {
-                part.clamp(0.0, 1.0)
-            } else {
-                0.0
             };
             let until = self.runge_kutta(s, command, direction, part * left);
             // Impacts at the end stops are inelastic, so that both events end at rest.
             *s = State {
-                x: if strike <= turn {
-                    stop
-                } else {
-                    until.x.clamp(0.0, self.p.stroke)
-                },
+                x: stop.unwrap_or(until.x.clamp(0.0, self.p.stroke)),
                 v: 0.0,
                 ..until
             };
