@@ -1,22 +1,33 @@
 //! The run in the emulator: requests in the place of a person, provoked faults, restarts in the place of the watchdog.
 //!
-//! QEMU models neither the watchdog nor the reset flags. Its run is four starts of one image: control and three overruns;
-//! a request that is refused because the fault is latched; a panic; its report. In a fifth start QEMU 7.2 stops answering, so
-//! that the hard fault is left out. Nothing here has an effect on a board, where nobody asks for it.
+//! QEMU models neither the watchdog nor the reset flags, and its timers keep no period, so that the count of slots stands in for
+//! the counter that runs on. Each run goes over several starts of the same image, and is chosen by
+//! the name that QEMU hands over (`arg=`); nothing here has an effect on a board, where nobody asks for it.
+//!
+//! | run | first start | then |
+//! |---|---|---|
+//! | servo | control, a slot of 2.5 ms, three overruns | a request is refused, an acknowledgement; a start like the first |
+//! | panic | a panic in the interrupt | its report |
+//! | hardfault | a read where no memory is, in the interrupt | its report |
+//! | overflow | a recursion without end, in the interrupt | its report |
+//! | idle-overflow | the same in the idle loop | its report |
 
-use core::sync::atomic::{AtomicU8, Ordering};
+use core::hint::black_box;
+use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 
-use cortex_m_semihosting::debug;
+use cortex_m_semihosting::{debug, syscall};
 use trendid::servo::State;
 use trendid_example_support::button::Request;
+use trendid_example_support::guard::OVERRUNS;
 use trendid_example_support::machine::{BEGIN, TRACED};
 use trendid_example_support::survivor::Fault;
 
-use crate::snapshot::{EVERY, OVERRUNS, Snapshot};
+use crate::snapshot::{EVERY, Snapshot};
 use crate::survival;
 
-/// End of the first start, in samples; three overruns are provoked before it, after what is compared by its hash.
-const END: u64 = TRACED + EVERY;
+/// The slot of 2.5 ms comes before this sample of the first start, after what is compared by its hash; then three overruns.
+const GAP: u64 = TRACED + EVERY;
+const END: u64 = TRACED + 2 * EVERY;
 
 /// The request after the first message is heard in the sample in which every other loop hears it.
 const _: () = assert!(EVERY + 1 == BEGIN);
@@ -33,6 +44,9 @@ const ACKNOWLEDGE: u8 = 2;
 static REQUEST: AtomicU8 = AtomicU8::new(NOTHING);
 
 const PANIC: u8 = 100;
+const HARD_FAULT: u8 = 101;
+const OVERFLOW: u8 = 102;
+const LONG: u8 = 103;
 
 /// The fault that the interrupt is asked to provoke; a small number is that of overruns.
 static FAULT: AtomicU8 = AtomicU8::new(NOTHING);
@@ -46,20 +60,100 @@ pub(crate) fn request() -> Option<Request> {
     }
 }
 
-/// Provokes the fault that was asked for; whether this slot shall be late.
-pub(crate) fn provoke() -> bool {
+/// The counter that runs on, in the place of TIM5.
+static COUNTER: AtomicU32 = AtomicU32::new(0);
+
+/// The counter at the next call of a slot of `period` counts.
+pub(crate) fn counter(period: u32) -> u32 {
+    COUNTER
+        .fetch_add(period, Ordering::Relaxed)
+        .wrapping_add(period)
+}
+
+/// Provokes the fault that was asked for; `overrun` waits for the end of a slot of `period` counts.
+pub(crate) fn provoke(period: u32, overrun: impl Fn()) {
     match FAULT.load(Ordering::Relaxed) {
-        NOTHING => false,
+        NOTHING => {}
         PANIC => panic!("provoked"),
+        HARD_FAULT => read_nothing(),
+        OVERFLOW => {
+            black_box(endless(0));
+        }
+        LONG => {
+            FAULT.store(NOTHING, Ordering::Relaxed);
+            // A slot passes that is not called.
+            counter(period);
+            overrun();
+        }
         overruns => {
             FAULT.store(overruns - 1, Ordering::Relaxed);
-            true
+            overrun();
+        }
+    }
+}
+
+/// Reads where no memory is.
+fn read_nothing() {
+    // SAFETY: none; the fault is the purpose.
+    black_box(unsafe { (0x6000_0000 as *const u32).read_volatile() });
+}
+
+/// Calls itself until the stack ends.
+#[inline(never)]
+#[allow(unconditional_recursion, reason = "the overflow is the purpose")]
+fn endless(depth: u32) -> u32 {
+    let frame = black_box([depth; 16]);
+    endless(depth.wrapping_add(1)).wrapping_add(frame[depth as usize % 16])
+}
+
+/// What the emulator was asked to run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Run {
+    Servo,
+    Panic,
+    HardFault,
+    Overflow,
+    IdleOverflow,
+}
+
+impl Run {
+    /// The last word of the line that QEMU hands over.
+    fn asked() -> Self {
+        let mut line = [0_u8; 128];
+        // SAFETY: address and length are those of a buffer that lives on; QEMU writes nothing else.
+        let failed = unsafe { syscall!(GET_CMDLINE, line.as_mut_ptr(), line.len()) } != 0;
+        let end = line.iter().position(|&byte| byte == 0).unwrap_or(0);
+        let word = line[..end].rsplit(|&byte| byte == b' ').next();
+        match word.unwrap_or_default() {
+            _ if failed => Self::Servo,
+            b"panic" => Self::Panic,
+            b"hardfault" => Self::HardFault,
+            b"overflow" => Self::Overflow,
+            b"idle-overflow" => Self::IdleOverflow,
+            _ => Self::Servo,
+        }
+    }
+
+    /// Whether a fault is what this run has provoked.
+    fn explains(self, fault: Option<Fault>) -> bool {
+        match (self, fault) {
+            (Self::Panic, Some(Fault::Panic { line, file })) => {
+                line > 0 && file.as_str() == file!()
+            }
+            // In flash; the other register may hold any number by then.
+            (Self::HardFault, Some(Fault::HardFault { pc, .. })) => pc >> 24 == 0x08,
+            (Self::Overflow | Self::IdleOverflow, Some(Fault::StackOverflow { sp })) => {
+                // Below the RAM, and not by much.
+                (0x1FFF_F000..0x2000_0000).contains(&sp)
+            }
+            _ => false,
         }
     }
 }
 
 /// What one start of the image does and has seen.
 pub(crate) struct Script {
+    run: Run,
     /// Number of the start since power came.
     start: u32,
     /// The fault of the start before.
@@ -71,6 +165,7 @@ impl Script {
     pub(crate) fn new() -> Self {
         let survivor = survival::load();
         Self {
+            run: Run::asked(),
             start: survivor.starts(),
             fault: survivor.fault(),
             controlled: false,
@@ -79,28 +174,35 @@ impl Script {
 
     /// Looks at a message of the interrupt and goes on.
     pub(crate) fn step(&mut self, now: &Snapshot) {
-        match self.start {
-            1 => self.control(now),
-            2 => self.refused(now),
-            3 if now.tick == EVERY => {
+        match (self.run, self.start) {
+            (Run::Servo, 1) => self.control(now),
+            (Run::Servo, 2) => self.refused(now),
+            (Run::Servo, 3) => {
                 self.expect(self.fault.is_none() && rests(now) && !now.stopped);
-                defmt::info!("emulated: provokes a panic");
-                FAULT.store(PANIC, Ordering::Relaxed);
-            }
-            4 if now.tick == EVERY => {
-                let reported = matches!(
-                    self.fault,
-                    Some(Fault::Panic { line, file }) if line > 0 && file.as_str() == file!()
-                );
-                self.expect(reported && rests(now) && now.stopped);
                 debug::exit(debug::EXIT_SUCCESS);
             }
-            0 | 5.. => self.expect(false),
-            _ => {}
+            (_, 1) if now.tick == EVERY => {
+                self.expect(self.fault.is_none() && rests(now) && !now.stopped);
+                defmt::info!("emulated: provokes the fault");
+                match self.run {
+                    Run::Panic => FAULT.store(PANIC, Ordering::Relaxed),
+                    Run::HardFault => FAULT.store(HARD_FAULT, Ordering::Relaxed),
+                    Run::Overflow => FAULT.store(OVERFLOW, Ordering::Relaxed),
+                    Run::IdleOverflow | Run::Servo => {
+                        black_box(endless(0));
+                    }
+                }
+            }
+            (_, 2) if now.tick == EVERY => {
+                self.expect(self.run.explains(self.fault) && rests(now) && now.stopped);
+                debug::exit(debug::EXIT_SUCCESS);
+            }
+            (_, 1 | 2) => self.expect(now.tick <= 2 * EVERY),
+            _ => self.expect(false),
         }
     }
 
-    /// The first start: nothing moves before the request, then control, then three overruns.
+    /// The first start: nothing moves before the request, then control, a slot that is missing, and three overruns.
     fn control(&mut self, now: &Snapshot) {
         self.controlled |= now.state.is_controlling() && now.overruns == 0 && now.record.is_some();
         if now.tick == EVERY {
@@ -113,11 +215,17 @@ impl Script {
                 TRACED,
                 now.trace.value()
             );
-            FAULT.store(OVERRUNS, Ordering::Relaxed);
+            FAULT.store(LONG, Ordering::Relaxed);
+        }
+        if now.tick == GAP {
+            // One slot was late, one is missing, and control goes on.
+            let counted = (now.overruns, now.missed) == (1, 1);
+            self.expect(counted && now.state.is_controlling() && !now.stopped);
+            FAULT.store(OVERRUNS as u8, Ordering::Relaxed);
         }
         if now.tick >= END {
             let stopped = matches!(survival::load().fault(), Some(Fault::Stopped { .. }));
-            let counted = now.overruns == u32::from(OVERRUNS) && now.dropped == 0;
+            let counted = now.overruns == 1 + OVERRUNS && now.missed == 1 && now.dropped == 0;
             self.expect(self.controlled && now.stopped && stopped && counted);
             defmt::info!("emulated: restarts, as a watchdog would");
             survival::restart();

@@ -2,6 +2,7 @@
 
 use micromath::F32Ext;
 use trendid::servo;
+use trendid_example_support::brown_out::Setting;
 use trendid_example_support::reset::{Cause, Causes};
 use trendid_example_support::survivor::{Fault, Survivor};
 
@@ -26,16 +27,18 @@ pub(crate) fn model(model: &servo::Model) {
 }
 
 /// Shows what the start found: where it runs, why the chip restarted, how often, and what ended the run before.
-pub(crate) fn start(survivor: &Survivor, causes: Causes, emulated: bool, brown_out: Option<u8>) {
-    if emulated {
-        defmt::info!(
+pub(crate) fn start(survivor: &Survivor, causes: Causes, brown_out: Option<Setting>) {
+    match brown_out {
+        None => defmt::info!(
             "trendid servo, simulated drive; reset flags, brown-out and watchdog are not modelled"
-        );
-    } else {
-        defmt::info!("trendid servo, encoder on SPI2");
-        match brown_out {
-            Some(level) => defmt::info!("brown-out reset at level {=u8}", level),
-            None => defmt::warn!("the brown-out reset is off in the option bytes"),
+        ),
+        Some(setting) => {
+            defmt::info!("trendid servo, encoder on SPI2");
+            match setting {
+                Setting::Kept => {}
+                Setting::Written => defmt::info!("brown-out reset set, from the next start on"),
+                Setting::Refused => defmt::error!("the brown-out reset cannot be set"),
+            }
         }
     }
     defmt::info!(
@@ -74,6 +77,12 @@ pub(crate) fn fault(fault: Option<Fault>) {
             // Addresses are another with every build: no lines for the quoted log.
             if !logger::is_over_semihosting() {
                 defmt::error!("at {=u32:#x}, return address {=u32:#x}", pc, lr);
+            }
+        }
+        Some(Fault::StackOverflow { sp }) => {
+            defmt::error!("fault: the stack overflowed");
+            if !logger::is_over_semihosting() {
+                defmt::error!("its pointer was {=u32:#x}", sp);
             }
         }
         Some(Fault::Exception { number }) => {

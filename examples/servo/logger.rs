@@ -1,13 +1,15 @@
 //! Where the frames of defmt go: over RTT on a board, over semihosting in the emulator, from the same image.
 //!
 //! A frame goes out with interrupts off, which on a board takes the time of a copy; in the emulator no time passes
-//! meanwhile. The image of `examples/rtic` has this file too.
+//! meanwhile. Nobody waits for the reader: a frame that finds no room is dropped whole, whatever mode the debugger asks for.
+//! The image of `examples/rtic` has this file too.
 
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use cortex_m::{interrupt, register::primask};
 use cortex_m_semihosting::hio;
+use trendid_example_support::ring::{self, Ring};
 
 /// The choice.
 static SEMIHOSTING: AtomicBool = AtomicBool::new(false);
@@ -30,6 +32,7 @@ struct Logger;
 struct Frame {
     encoder: UnsafeCell<defmt::Encoder>,
     masked: UnsafeCell<bool>,
+    place: UnsafeCell<ring::Frame>,
 }
 
 // SAFETY: used between acquire and release only, with interrupts off, on a single core.
@@ -38,6 +41,7 @@ unsafe impl Sync for Frame {}
 static FRAME: Frame = Frame {
     encoder: UnsafeCell::new(defmt::Encoder::new()),
     masked: UnsafeCell::new(false),
+    place: UnsafeCell::new(ring::Frame::NONE),
 };
 
 // SAFETY: acquire turns interrupts off and release restores them, so frames exclude each other.
@@ -48,6 +52,7 @@ unsafe impl defmt::Logger for Logger {
         // SAFETY: interrupts are off.
         unsafe {
             *FRAME.masked.get() = masked;
+            *FRAME.place.get() = RING.begin(&RTT.write);
             (*FRAME.encoder.get()).start_frame(put);
         }
     }
@@ -58,6 +63,7 @@ unsafe impl defmt::Logger for Logger {
         // SAFETY: interrupts are off since acquire; they were on before unless masked says otherwise.
         unsafe {
             (*FRAME.encoder.get()).end_frame(put);
+            RING.end(*FRAME.place.get(), &RTT.write);
             if !*FRAME.masked.get() {
                 interrupt::enable();
             }
@@ -77,9 +83,19 @@ fn put(bytes: &[u8]) {
             // Without a debugger there is no receiver.
             let _ = out.write_all(bytes);
         }
-    } else {
-        bytes.iter().for_each(|&byte| RTT.put(byte));
+        return;
     }
+    // SAFETY: interrupts are off since acquire.
+    let place = unsafe { &mut *FRAME.place.get() };
+    bytes
+        .iter()
+        .for_each(|&byte| RING.put(place, byte, &RTT.read));
+}
+
+/// Frames that found no room.
+#[allow(dead_code, reason = "not every image of this file asks")]
+pub(crate) fn lost() -> u32 {
+    RING.lost()
 }
 
 const SIZE: usize = 1024;
@@ -96,6 +112,7 @@ struct Rtt {
     size: u32,
     write: AtomicU32,
     read: AtomicU32,
+    /// How the debugger wants a full ring to be met; it is left as it is, without waiting.
     mode: AtomicU32,
 }
 
@@ -103,16 +120,10 @@ struct Rtt {
 #[repr(transparent)]
 struct Pointer(*const u8);
 
-// SAFETY: the addresses are constant; what they point to is the business of Rtt::put.
+// SAFETY: the addresses are constant, and what they point to is read by the debugger only.
 unsafe impl Sync for Pointer {}
 
-#[repr(transparent)]
-struct Ring(UnsafeCell<[u8; SIZE]>);
-
-// SAFETY: written by Rtt::put only, with interrupts off.
-unsafe impl Sync for Ring {}
-
-static RING: Ring = Ring(UnsafeCell::new([0; SIZE]));
+static RING: Ring<SIZE> = Ring::new();
 
 // SAFETY: the name that debuggers look for; nothing else has it.
 #[unsafe(export_name = "_SEGGER_RTT")]
@@ -122,34 +133,9 @@ static RTT: Rtt = Rtt {
     channels_down: 0,
     // The name tells probe-rs that the bytes are frames of defmt.
     name: Pointer(c"defmt".as_ptr().cast()),
-    ring: Pointer(RING.0.get().cast()),
+    ring: Pointer(RING.as_ptr()),
     size: SIZE as u32,
     write: AtomicU32::new(0),
     read: AtomicU32::new(0),
     mode: AtomicU32::new(0),
 };
-
-/// Value of the two low bits of the mode when a debugger asks the processor to wait for it.
-const BLOCKING: u32 = 2;
-
-impl Rtt {
-    /// Puts a byte into the ring; drops it when the ring is full and no debugger wants to be waited for.
-    fn put(&self, byte: u8) {
-        let write = self.write.load(Ordering::Relaxed);
-        let next = (write + 1) % SIZE as u32;
-        while next == self.read.load(Ordering::Acquire) {
-            if self.mode.load(Ordering::Relaxed) & 3 != BLOCKING {
-                return;
-            }
-        }
-        // SAFETY: write is below SIZE, and the debugger reads what lies before it only.
-        unsafe {
-            RING.0
-                .get()
-                .cast::<u8>()
-                .add(write as usize)
-                .write_volatile(byte)
-        };
-        self.write.store(next, Ordering::Release);
-    }
-}

@@ -5,7 +5,7 @@
 //! | SSI encoder, 24 bits Gray with alarm and parity, 500 kHz | SPI2: clock PB13, data PB14 (RS-422 transceivers) |
 //! | valve by pulse width, 20 kHz, and direction | TIM4 channel 1: PB6; direction PB7 |
 //! | valve by voltage instead (`OUTPUT` in `wiring.rs`), DAC8551 | SPI3: clock PC10, data PC12; select PA15 |
-//! | time slot of 1 ms | TIM2 |
+//! | time slot of 1 ms; slots that are missing | TIM2; TIM5 |
 //! | button: short press runs or stops, two seconds acknowledge a fault | PA0, high when pressed |
 //! | watchdog | independent watchdog, 10 ms |
 //! | log | defmt over RTT (probe-rs) or semihosting (emulator) |
@@ -13,8 +13,9 @@
 //! Nothing moves by itself: after every reset the loop is idle until the button is pressed, which commissions the axis; the
 //! next press stops it. A verified model is kept in flash; `RESUME` lets control begin with it after a reset, at the position
 //! where the axis then is. The interrupt reads, identifies, controls and drives; it hands a snapshot to the idle loop, which
-//! alone logs. An update that is not done when the next slot begins is an overrun: it is counted, and three in a row stop
-//! the machine, as a fault of sensor, valve or axis does.
+//! alone logs, without waiting for a reader. An update that is not done when the next slot begins is an overrun: it is
+//! counted, the loop is told of every slot that is missing, and three in a row stop the machine, as a fault of sensor,
+//! valve or axis does.
 //!
 //! A machine that is stopped has the safe output until the button was held for two seconds. The fault is kept in memory
 //! that survives a reset, with a panic, a hard fault and a bite of the watchdog, so that a restart does not forget it. The

@@ -5,17 +5,19 @@ use core::sync::atomic::Ordering;
 
 use cortex_m::interrupt::{Mutex, free};
 use heapless::spsc::Producer;
-use stm32f4xx_hal::pac::TIM2;
+use stm32f4xx_hal::pac::{TIM2, TIM5};
 use stm32f4xx_hal::timer::{CounterHz, Flag};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use stm32f4xx_hal::{ReadFlags, pac::interrupt};
 use trendid::hardware::{PositionSensor, Valve};
 use trendid::servo::{Reason, ServoLoop, State};
 use trendid_example_support::button::Request;
+use trendid_example_support::guard::{self, Guard, Verdict};
 use trendid_example_support::machine::{AXIS, TRACED, Trace, target};
+use trendid_example_support::slots::Slots;
 use trendid_example_support::survivor::{Fault, Text};
 
-use crate::snapshot::{EVERY, OVERRUNS, Snapshot};
+use crate::snapshot::{EVERY, Snapshot};
 use crate::wiring::{FRESH, Output, Panel, Sensor};
 use crate::{emulated, survival};
 
@@ -29,7 +31,8 @@ pub(crate) struct Slot {
     panel: Panel,
     out: Producer<'static, Snapshot>,
     now: Snapshot,
-    in_a_row: u8,
+    slots: Slots,
+    guard: Guard,
 }
 
 static SLOT: Mutex<RefCell<Option<Slot>>> = Mutex::new(RefCell::new(None));
@@ -68,6 +71,7 @@ impl Slot {
             setpoint: 0.0,
             command: 0.0,
             overruns: 0,
+            missed: 0,
             dropped: 0,
             stopped,
             refused: 0,
@@ -83,7 +87,8 @@ impl Slot {
             panel,
             out,
             now,
-            in_a_row: 0,
+            slots: Slots::new(period),
+            guard: Guard::new(),
         }
     }
 
@@ -91,16 +96,22 @@ impl Slot {
         let begin = count();
         // Ends the request, so that the next one shows whether this slot was too long.
         let _ = self.timer.wait();
-        self.now.tick += 1;
+        let now = match self.panel {
+            Panel::Button(..) => running(),
+            Panel::Emulated => emulated::counter(self.period),
+        };
+        let missed = self.slots.missed(now);
+        self.now.missed = self.now.missed.saturating_add(missed);
+        self.now.tick += 1 + u64::from(missed);
         if let Some(request) = self.panel.request() {
             self.answer(request);
         }
         if self.now.stopped {
             self.rest();
         } else {
-            self.control(begin);
+            self.control(begin, missed);
         }
-        if self.now.tick.is_multiple_of(EVERY) {
+        if self.now.tick / EVERY != (self.now.tick - 1 - u64::from(missed)) / EVERY {
             self.send();
         }
     }
@@ -115,7 +126,9 @@ impl Slot {
                 survival::restart();
             }
             Request::Acknowledge => {}
-            Request::Run if self.now.stopped => self.now.refused += 1,
+            Request::Run if self.now.stopped => {
+                self.now.refused = self.now.refused.saturating_add(1);
+            }
             Request::Run if state.is_commissioning() || state.is_controlling() => {
                 self.servo.abort();
             }
@@ -131,18 +144,20 @@ impl Slot {
             self.now.position = AXIS.position(code);
         }
         // Stopped is a state in which the chip may stay, so that the fault can be read.
-        if safe && !self.late() {
+        if Guard::rest(safe, self.late()) == Verdict::Feed {
             self.watchdog.feed();
         }
     }
 
-    fn control(&mut self, begin: u32) {
+    fn control(&mut self, begin: u32, missed: u32) {
         if self.now.state.is_controlling()
-            && let Some(target) = target(self.now.tick)
+            && let Some(target) =
+                (self.now.tick - u64::from(missed)..=self.now.tick).find_map(target)
         {
             // The targets are finite: nothing to refuse.
             let _ = self.servo.move_to(target);
         }
+        self.servo.skip(missed);
         let report = self.servo.update();
         if matches!(self.panel, Panel::Emulated) && self.now.tick <= TRACED {
             self.now.trace.take(&report);
@@ -152,25 +167,26 @@ impl Slot {
         self.now.position = report.position;
         self.now.setpoint = report.setpoint.position;
         self.now.command = report.command;
-        if emulated::provoke() {
-            while !self.late() {}
+        emulated::provoke(self.period, || while !self.late() {});
+        let slot = guard::Slot {
+            missed,
+            late: self.late(),
+            fresh: FRESH.swap(false, Ordering::Relaxed),
+            fault: match report.state {
+                State::Failed(reason) => fault(reason),
+                _ => None,
+            },
+        };
+        if slot.late {
+            self.now.overruns = self.now.overruns.saturating_add(1);
         }
-        let fresh = FRESH.swap(false, Ordering::Relaxed);
-        if self.late() {
-            self.now.overruns += 1;
-            self.in_a_row += 1;
-            if self.in_a_row >= OVERRUNS {
-                self.stop("overruns in a row");
-            }
+        match self.guard.control(&slot) {
+            Verdict::Feed => self.watchdog.feed(),
+            Verdict::Starve => {}
+            Verdict::Stop(why) => self.stop(why),
+        }
+        if slot.late {
             return;
-        }
-        self.in_a_row = 0;
-        if let State::Failed(reason) = report.state
-            && let Some(why) = fault(reason)
-        {
-            self.stop(why);
-        } else if fresh {
-            self.watchdog.feed();
         }
         let end = count();
         // The counter of the chip begins again with each slot, that of the emulator runs on.
@@ -202,7 +218,7 @@ impl Slot {
     /// To the idle loop.
     fn send(&mut self) {
         if self.out.enqueue(self.now).is_err() {
-            self.now.dropped += 1;
+            self.now.dropped = self.now.dropped.saturating_add(1);
         }
     }
 
@@ -212,9 +228,17 @@ impl Slot {
     }
 }
 
-/// The reasons that are a fault of the machine; after the others a new request may commission.
+/// The reasons that are a fault of the machine: all but those for which a model was refused, after which a new request may
+/// commission, and the person who stopped it.
 const fn fault(reason: Reason) -> Option<&'static str> {
     Some(match reason {
+        Reason::NotFinite
+        | Reason::OutOfRange
+        | Reason::Unstable
+        | Reason::Uncertain
+        | Reason::PoorFit
+        | Reason::NotBetter
+        | Reason::Aborted => return None,
         Reason::SensorFault => "the sensor reported errors",
         Reason::ValveFault => "the valve reported an error",
         Reason::SensorStuck => "the sensor is stuck",
@@ -222,7 +246,11 @@ const fn fault(reason: Reason) -> Option<&'static str> {
         Reason::Blocked => "the axis is blocked",
         Reason::WrongSign => "sign of sensor or valve is wrong",
         Reason::TravelEnd => "the axis came to its end",
-        _ => return None,
+        Reason::Implausible => "the position jumped",
+        Reason::FollowingError => "the axis does not follow",
+        Reason::Saturated => "the full command lasts too long",
+        // A reason that this list does not know is no reason to move.
+        _ => "a fault of the loop",
     })
 }
 
@@ -230,4 +258,10 @@ const fn fault(reason: Reason) -> Option<&'static str> {
 fn count() -> u32 {
     // SAFETY: reading the counter has no side effect.
     unsafe { (*TIM2::ptr()).cnt().read().bits() }
+}
+
+/// The counter that runs on over all slots, at the rate of the slot timer.
+fn running() -> u32 {
+    // SAFETY: as above.
+    unsafe { (*TIM5::ptr()).cnt().read().bits() }
 }

@@ -4,9 +4,6 @@ use trendid::servo::State;
 use trendid::servo::store::Record;
 use trendid_example_support::machine::Trace;
 
-/// Overruns in a row that end in the safe output.
-pub(crate) const OVERRUNS: u8 = 3;
-
 /// Samples between two lines of the log.
 pub(crate) const EVERY: u64 = 500;
 
@@ -18,7 +15,10 @@ pub(crate) struct Snapshot {
     pub position: f32,
     pub setpoint: f32,
     pub command: f32,
+    /// Slots that ended after their time.
     pub overruns: u32,
+    /// Slots that passed without a call, of which the loop was told.
+    pub missed: u32,
     /// Slots that could not be logged because the queue was full.
     pub dropped: u32,
     /// Safe output until a person has acknowledged the fault.

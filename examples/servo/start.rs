@@ -2,20 +2,21 @@
 
 use cortex_m_rt::entry;
 use heapless::spsc::{Consumer, Queue};
-use stm32f4xx_hal::pac::{self, NVIC, TIM2};
+use stm32f4xx_hal::pac::{self, NVIC, RCC, TIM2, TIM5};
 use stm32f4xx_hal::timer::Event;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use stm32f4xx_hal::{prelude::*, rcc};
 use trendid::hardware::Valve;
+use trendid_example_support::brown_out::set_brown_out_level;
 use trendid_example_support::drive::{Drive, SimulatedValve};
 use trendid_example_support::machine::{ORIGIN, servo_loop};
-use trendid_example_support::reset::{Causes, brown_out_level};
+use trendid_example_support::reset::Causes;
 
 use crate::emulated::Script;
 use crate::keep::Keep;
 use crate::slot::{self, Slot};
 use crate::snapshot::Snapshot;
-use crate::wiring::{self, CRYSTAL_MHZ, Output, Panel, Ports, Sensor};
+use crate::wiring::{self, CRYSTAL_MHZ, Chip, Output, Panel, Ports, Sensor};
 use crate::{RESUME, log, logger, survival};
 
 /// Ticks of TIM2 per second in QEMU, whatever the clock control says.
@@ -33,6 +34,10 @@ const KEEP_MS: u32 = 4000;
 /// Time in which a slot must have fed the watchdog.
 const WATCHDOG_MS: u32 = 10;
 
+/// Level of the brown-out reset: below 2.7 V or so the chip is held in reset, and neither runs nor writes its flash. For a
+/// supply of 3.3 V.
+const BROWN_OUT: u8 = 3;
+
 #[entry]
 fn main() -> ! {
     let chip = pac::Peripherals::take().unwrap();
@@ -45,7 +50,6 @@ fn main() -> ! {
 
     // The internal oscillator runs after reset on every chip; a clock control that does not know it is QEMU's.
     let emulated = chip.RCC.cr().read().hsirdy().bit_is_clear();
-    let brown_out = brown_out_level(chip.FLASH.optcr().read().bits());
     let config = if emulated {
         logger::over_semihosting();
         rcc::Config::hsi()
@@ -87,11 +91,12 @@ fn main() -> ! {
     };
     timer.start(rate.Hz()).unwrap();
     timer.listen(Event::Update);
-    // SAFETY: reading the reload value has no side effect.
-    let period = unsafe { (*TIM2::ptr()).arr().read().bits() } + 1;
-    log::start(&survivor, causes, emulated, brown_out);
+    let period = run_on(chip.TIM5);
     let stopped = survivor.fault().is_some();
     watchdog.start(KEEP_MS.millis());
+    // Nothing moves yet: option bytes may be written, as a sector may be erased.
+    let brown_out = (!emulated).then(|| set_brown_out_level(&mut Chip, BROWN_OUT));
+    log::start(&survivor, causes, brown_out);
     // QEMU has no flash controller.
     let (keep, stored) = if emulated {
         (None, None)
@@ -118,26 +123,47 @@ fn main() -> ! {
     idle(consumer, emulated.then(Script::new), keep)
 }
 
+/// Starts a counter that runs on, at the rate of the slot timer; gives the counts in a slot.
+fn run_on(counter: TIM5) -> u32 {
+    // SAFETY: the clocks of the ports and timers are set up; nobody else changes this register at this time.
+    unsafe {
+        (*RCC::ptr())
+            .apb1enr()
+            .modify(|_, word| word.tim5en().set_bit())
+    };
+    // SAFETY: reading prescaler and reload value has no side effect.
+    let slot = unsafe { &*TIM2::ptr() };
+    let scale = slot.psc().read().bits();
+    // SAFETY: any number is a prescaler or a reload value.
+    counter.psc().write(|word| unsafe { word.bits(scale) });
+    // SAFETY: as above.
+    counter.arr().write(|word| unsafe { word.bits(u32::MAX) });
+    counter.egr().write(|word| word.ug().set_bit());
+    counter.cr1().modify(|_, word| word.cen().set_bit());
+    slot.arr().read().bits() + 1
+}
+
 /// Logs what the interrupt hands over, and keeps the model.
 fn idle(
     mut snapshots: Consumer<'static, Snapshot>,
     mut script: Option<Script>,
     mut keep: Option<Keep>,
 ) -> ! {
-    let mut known = None;
+    let (mut known, mut lost) = (None, 0);
     loop {
         let Some(now) = snapshots.dequeue() else {
             cortex_m::asm::wfi();
             continue;
         };
         defmt::info!(
-            "{=u64} ms {}: position {=f32} mm, set {=f32} mm, command {=f32}; overruns {=u32}, dropped {=u32}, longest {=u32} us",
+            "{=u64} ms {}: position {=f32} mm, set {=f32} mm, command {=f32}; overruns {=u32}, missed {=u32}, dropped {=u32}, longest {=u32} us",
             now.tick,
             now.state,
             now.position,
             now.setpoint,
             now.command,
             now.overruns,
+            now.missed,
             now.dropped,
             now.longest
         );
@@ -150,6 +176,11 @@ fn idle(
         if let (Some(keep), Some(record)) = (&mut keep, &now.record) {
             // The horizon of 136 years is that of the seconds.
             keep.consider(record, (now.tick / SLOTS_PER_S) as u32);
+        }
+        let frames = logger::lost();
+        if frames != lost {
+            lost = frames;
+            defmt::warn!("lines of the log that found no room: {=u32}", lost);
         }
         if now.stopped {
             defmt::error!(

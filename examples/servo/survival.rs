@@ -1,11 +1,12 @@
 //! Where the pure code of the record meets the chip: memory that the start does not clear, and the handlers of the last resort.
 
+use core::arch::global_asm;
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 
 use cortex_m::interrupt::free;
 use cortex_m::peripheral::SCB;
-use cortex_m_rt::{ExceptionFrame, exception};
+use cortex_m_rt::exception;
 use trendid_example_support::survivor::{Fault, Survivor, Text, WORDS};
 
 use crate::wiring;
@@ -67,16 +68,44 @@ fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     })
 }
 
-// SAFETY: the handler does not return, so what it interrupted never sees what it changed.
-#[exception]
-unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    end(Fault::HardFault {
-        pc: frame.pc(),
-        lr: frame.lr(),
+// The entry of the hard fault. The stack may be what failed, so it begins anew before anything is pushed; what it held
+// is needed no more, but for the two addresses that the processor has pushed, if it could.
+global_asm!(
+    ".section .HardFault.user,\"ax\",%progbits",
+    ".global HardFault",
+    ".type HardFault,%function",
+    ".thumb_func",
+    "HardFault:",
+    "mrs r2, msp",
+    "ldr r3, =_stack_start",
+    "movs r0, #0",
+    "movs r1, #0",
+    "ldr r4, =_stack_end",
+    "cmp r2, r4",
+    "blo 1f",
+    "ldr r0, [r2, #24]", // program counter
+    "ldr r1, [r2, #20]", // return address
+    "1:",
+    "msr msp, r3",
+    "b {handler}",
+    handler = sym hard_fault,
+);
+
+/// Ends the run; `sp` is where the stack pointer was, the addresses are zero where it had left the stack.
+unsafe extern "C" fn hard_fault(pc: u32, lr: u32, sp: u32) -> ! {
+    unsafe extern "C" {
+        static _stack_end: u8;
+    }
+    // A symbol of the linker, of which only the address is taken.
+    let floor = &raw const _stack_end as u32;
+    end(if sp < floor {
+        Fault::StackOverflow { sp }
+    } else {
+        Fault::HardFault { pc, lr }
     })
 }
 
-// SAFETY: as above.
+// SAFETY: the handler does not return, so what it interrupted never sees what it changed.
 #[exception]
 unsafe fn DefaultHandler(number: i16) -> ! {
     end(Fault::Exception {

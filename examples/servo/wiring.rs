@@ -16,6 +16,8 @@ use trendid::hardware::{
 
 use trendid_example_support::button::{Button, Request};
 use trendid_example_support::drive::{Drive, SimulatedValve};
+use trendid_example_support::registers::Registers;
+use trendid_example_support::safe_output;
 
 use crate::emulated;
 
@@ -132,38 +134,34 @@ impl Panel {
     }
 }
 
-/// Bounds a wait for the bus of the converter: 24 bits take less than 3 us.
-const PATIENCE: u32 = 2000;
-
 /// Centres the valve by its registers, whatever state the drivers are in: for handlers that do not return, and restarts.
-///
-/// Before the ports are set up it has no effect, and the valve is at rest by its hardware.
 pub(crate) fn centre() {
     // The simulated valve cannot fail.
     let _ = SimulatedValve.drive(0.0);
-    if OUTPUT == Wiring::Pwm {
-        // SAFETY: the caller does not return, so that nobody else uses the timer any more.
-        let pulse = unsafe { pac::TIM4::steal() };
-        // SAFETY: any number is a compare value; zero is no pulse.
-        pulse.ccr1().write(|word| unsafe { word.bits(0) });
-        // The compare value counts from the next period on; this begins it now.
-        pulse.egr().write(|word| word.ug().set_bit());
-        return;
+    match OUTPUT {
+        Wiring::Pwm => safe_output::stop_pulse(&mut Chip),
+        Wiring::Dac => safe_output::middle_voltage(&mut Chip),
     }
-    // SAFETY: the caller does not return, so that nobody else uses the bus and its select line any more.
-    let (bus, port) = unsafe { (pac::SPI3::steal(), pac::GPIOA::steal()) };
-    let _ = (0..PATIENCE).find(|_| bus.sr().read().bsy().bit_is_clear());
-    // A new falling edge of the select line begins a frame, whatever was sent of the last one.
-    port.bsrr().write(|word| word.bs15().set_bit());
-    port.bsrr().write(|word| word.br15().set_bit());
-    // Normal operation, then the middle code.
-    for byte in [0u8, 0x80, 0] {
-        let _ = (0..PATIENCE).find(|_| bus.sr().read().txe().bit_is_set());
-        bus.dr8().write(|word| word.dr().set(byte));
+}
+
+/// The registers of this chip.
+pub(crate) struct Chip;
+
+impl Registers for Chip {
+    fn read(&mut self, address: u32) -> u32 {
+        // SAFETY: the callers name registers of the STM32F405/407, which are aligned; those that are read may be.
+        unsafe { (address as *const u32).read_volatile() }
     }
-    let _ = (0..PATIENCE).find(|_| bus.sr().read().txe().bit_is_set());
-    let _ = (0..PATIENCE).find(|_| bus.sr().read().bsy().bit_is_clear());
-    port.bsrr().write(|word| word.bs15().set_bit());
+
+    fn write(&mut self, address: u32, word: u32) {
+        // SAFETY: as above; no register here changes memory.
+        unsafe { (address as *mut u32).write_volatile(word) };
+    }
+
+    fn write_byte(&mut self, address: u32, byte: u8) {
+        // SAFETY: as above.
+        unsafe { (address as *mut u8).write_volatile(byte) };
+    }
 }
 
 /// The parts of the chip that the wiring needs.

@@ -1,5 +1,7 @@
 //! Sensor, identifier, supervisor, controller and valve in one call per sample.
 
+mod skip;
+
 use crate::hardware::{Axis, PositionSensor, Valve};
 use crate::servo::commissioning::{Commissioning, CommissioningDesign, Progress};
 use crate::servo::config::Config;

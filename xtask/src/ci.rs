@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use crate::printed::Task;
 use crate::process::{self, Done, M0, M4F, cargo};
-use crate::{docs, setup};
+use crate::{deny, docs, setup};
 
 /// The examples that are firmware; the others need an operating system.
 const FIRMWARE_EXAMPLES: [&str; 5] = ["selftest", "icount", "footprint", "servo", "pil"];
@@ -135,6 +135,11 @@ pub(crate) fn package() -> Done {
     // What is left is only room on the disk.
     let _ = std::fs::remove_dir_all(&place);
     done
+}
+
+/// What is published, against its last release.
+pub(crate) fn semver() -> Done {
+    deny::semver(&PUBLISHED)
 }
 
 /// Documentation.

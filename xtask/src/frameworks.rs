@@ -125,7 +125,7 @@ pub(crate) fn rtic() -> Result<String, String> {
     let package = Package("rtic");
     package.lint(&[""])?;
     let (image, mut text) = package.build("trendid-example-rtic", "")?;
-    let lines = log::lines(&image, &M4F.output(&image, LIMIT)?)?;
+    let lines = log::lines(&image, &M4F.output(&image, "", LIMIT)?)?;
     for line in &lines {
         text += &format!("    {line}\n");
     }

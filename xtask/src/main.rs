@@ -3,19 +3,25 @@
 //! The steps of continuous integration are these tasks under these names, so that what fails there is repeated here.
 
 mod ci;
+mod coverage;
+mod deny;
 mod docs;
 mod elf;
 mod firmware;
 mod frameworks;
+mod fuzz;
 mod golden;
 mod icount;
 mod log;
+mod miri;
+mod mutants;
 mod printed;
 mod process;
 mod quote;
 mod record;
 mod setup;
 mod soak;
+mod tool;
 mod workflow;
 
 use std::process::ExitCode;
@@ -58,7 +64,21 @@ enum Task {
     Soak(soak::Options),
     /// The workflow of continuous integration, by actionlint; its tasks are those of this program.
     Workflow,
-    /// Every test and check but `msrv`, `statistics` and `soak`.
+    /// libFuzzer on every target of `fuzz/`, with a stable compiler.
+    Fuzz(fuzz::Options),
+    /// Undefined behaviour in the tests of core, link, support and store, by interpretation (needs a nightly compiler).
+    Miri(miri::Options),
+    /// Which lines of the core the tests run: 95 % at least.
+    Coverage,
+    /// Whether a test notices when a line of the core is wrong: 90 % at least.
+    Mutants(mutants::Options),
+    /// Licences, sources and versions of the dependencies, against `deny.toml`.
+    Deny(deny::Options),
+    /// Dependencies that nobody uses.
+    Machete,
+    /// Whether a published package breaks its users, against the last release.
+    Semver,
+    /// Every test and check but `msrv`, `statistics`, `soak` and what proves the tests: `fuzz` to `semver`.
     Ci,
 }
 
@@ -81,6 +101,13 @@ fn main() -> ExitCode {
             let names = command.get_subcommands().map(|task| task.get_name());
             workflow::run(&names.map(str::to_owned).collect())
         }
+        Task::Fuzz(options) => fuzz::run(&options),
+        Task::Miri(options) => miri::run(&options),
+        Task::Coverage => coverage::run(),
+        Task::Mutants(options) => mutants::run(&options),
+        Task::Deny(options) => deny::deny(&options),
+        Task::Machete => deny::machete(),
+        Task::Semver => ci::semver(),
         Task::Ci => ci::all(),
     };
     match done {

@@ -128,8 +128,9 @@ impl Machine {
             .join(example))
     }
 
-    /// Starts an image; one instruction is one nanosecond of its clock, and waiting takes no time.
-    pub(crate) fn start(self, image: &std::path::Path) -> Result<Child, String> {
+    /// Starts an image and hands it a word; one instruction is one nanosecond of its clock, and waiting takes no time.
+    pub(crate) fn start(self, image: &std::path::Path, word: &str) -> Result<Child, String> {
+        let semihosting = format!("enable=on,target=native,arg=image,arg={word}");
         Command::new("qemu-system-arm")
             .args([
                 "-machine",
@@ -142,7 +143,7 @@ impl Machine {
             ])
             .args([
                 "-semihosting-config",
-                "enable=on,target=native",
+                &semihosting,
                 "-icount",
                 "shift=0,sleep=off",
                 "-kernel",
@@ -156,13 +157,14 @@ impl Machine {
             })
     }
 
-    /// Runs an image to its end and gives its output; an error when it fails or needs longer than `limit`.
+    /// Runs an image to its end with a word for it and gives its output; an error when it fails or needs longer than `limit`.
     pub(crate) fn output(
         self,
         image: &std::path::Path,
+        word: &str,
         limit: Duration,
     ) -> Result<Vec<u8>, String> {
-        let mut child = self.start(image)?;
+        let mut child = self.start(image, word)?;
         let mut stdout = child.stdout.take().ok_or("no output of the emulator")?;
         let (sender, receiver) = mpsc::channel();
         std::thread::spawn(move || {
@@ -195,7 +197,7 @@ impl Machine {
         image: &std::path::Path,
         limit: Duration,
     ) -> Result<Vec<String>, String> {
-        let output = self.output(image, limit)?;
+        let output = self.output(image, "", limit)?;
         Ok(String::from_utf8_lossy(&output)
             .lines()
             .map(str::to_owned)

@@ -1,23 +1,136 @@
 //! Simulated hours of the identifier and of the loop.
 
-use crate::process::{self, Done, cargo};
+use std::fs;
+use std::process::{Command, Stdio};
+
+use crate::process::{Done, cargo, root};
 
 /// Options of the task.
 #[derive(Default, clap::Args)]
 pub(crate) struct Options {
-    /// Simulated seconds of each scenario; a day has 86400.
+    /// Simulated seconds of each scenario of the identifier and of each axis of the loop; a day has 86400.
     #[arg(long, value_name = "S", default_value_t = SHORT)]
     seconds: u32,
+    /// Only scenarios of the identifier whose name contains this, and no axis.
+    #[arg(long, value_name = "TEXT")]
+    only: Option<String>,
+    /// Puts the results into docs/soak.md, under the date and the commit.
+    #[arg(long)]
+    write: bool,
 }
 
-/// What continuous integration runs.
-const SHORT: u32 = 1000;
+/// What continuous integration runs: minutes on two cores.
+const SHORT: u32 = 60;
 
-/// Runs every scenario of `trendid endurance`, which fails when a limit is broken.
+const PAGE: &str = "docs/soak.md";
+
+/// Runs every scenario of `trendid endurance` and a working day of the loop, each on all cores; fails when either does.
 pub(crate) fn run(options: &Options) -> Done {
     let seconds = options.seconds.to_string();
-    let command = ["run", "-q", "--release", "-p", "trendid-cli", "--"];
-    process::run(cargo(
-        &[&command[..], &["endurance", "--seconds", &seconds]].concat(),
-    ))
+    let mut endurance = vec!["endurance", "--seconds", &seconds];
+    if let Some(only) = &options.only {
+        endurance.extend(["--only", only]);
+    }
+    let program = ["run", "-q", "--release", "-p", "trendid-cli", "--"];
+    let mut parts = vec![part("trendid", &program, &endurance)?];
+    if options.only.is_none() {
+        let example = [
+            "run",
+            "-q",
+            "--release",
+            "-p",
+            "trendid-host-tests",
+            "--example",
+            "working_day",
+            "--",
+        ];
+        parts.push(part("working_day", &example, &[&seconds])?);
+    }
+    if options.write {
+        write(options, &parts)?;
+    }
+    let failed: Vec<_> = parts
+        .iter()
+        .filter_map(|part| part.failed.as_deref())
+        .collect();
+    if failed.is_empty() {
+        Ok(())
+    } else {
+        Err(failed.join("; "))
+    }
+}
+
+/// A command, what it printed, and how it failed.
+struct Part {
+    command: String,
+    text: String,
+    failed: Option<String>,
+}
+
+fn part(name: &str, program: &[&str], arguments: &[&str]) -> Result<Part, String> {
+    let command = format!("{name} {}", arguments.join(" "));
+    eprintln!("$ {command}");
+    let output = cargo(&[program, arguments].concat())
+        .stderr(Stdio::piped())
+        .output()
+        .map_err(|error| format!("cargo: {error}"))?;
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    print!("{text}");
+    let failed = (!output.status.success()).then(|| {
+        let errors = String::from_utf8_lossy(&output.stderr);
+        let last = errors.lines().last().unwrap_or_default();
+        eprintln!("{last}");
+        format!("{command} ended with {}", output.status)
+    });
+    Ok(Part {
+        command,
+        text,
+        failed,
+    })
+}
+
+/// Puts a section on top of those before it: of the long tables the rows that break a limit, and the last line.
+fn write(options: &Options, parts: &[Part]) -> Done {
+    let date = shown("date", &["-u", "+%Y-%m-%d"])?;
+    let commit = shown("git", &["rev-parse", "--short=10", "HEAD"])?;
+    let changed = !shown("git", &["status", "--porcelain", "--untracked-files=no"])?.is_empty();
+    let mut section = format!(
+        "## {date}, commit {commit}{}, {} s\n",
+        if changed { " with changes" } else { "" },
+        options.seconds
+    );
+    for part in parts {
+        section += &format!("\n`{}`\n\n{}", part.command, shortened(&part.text));
+    }
+    let path = root().join(PAGE);
+    let page = fs::read_to_string(&path).map_err(|error| format!("{PAGE}: {error}"))?;
+    let at = page.find("\n## ").map_or(page.len(), |at| at + 1);
+    let (head, tail) = page.split_at(at);
+    fs::write(&path, format!("{head}{section}\n{tail}")).map_err(|error| format!("{PAGE}: {error}"))
+}
+
+/// Rows of a table that keep their limits are counted, not shown.
+fn shortened(text: &str) -> String {
+    let kept = text
+        .lines()
+        .filter(|line| line.ends_with("| kept |"))
+        .count();
+    let mut short: Vec<_> = text
+        .lines()
+        .filter(|line| !line.ends_with("| kept |"))
+        .map(str::to_owned)
+        .collect();
+    if kept > 0 {
+        short.push(format!("{kept} of them keep every limit."));
+    }
+    short.join("\n") + "\n"
+}
+
+fn shown(program: &str, arguments: &[&str]) -> Result<String, String> {
+    let output = Command::new(program)
+        .args(arguments)
+        .current_dir(root())
+        .output()
+        .map_err(|error| format!("{program}: {error}"))?;
+    Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }

@@ -63,7 +63,7 @@ impl Record {
         Self::parse(path, &bytes, clock, signals)
     }
 
-    fn parse(
+    pub(crate) fn parse(
         path: &Path,
         bytes: &[u8],
         clock: Clock,

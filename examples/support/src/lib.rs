@@ -1,13 +1,19 @@
 //! What the firmware examples share. Each uses a part of it.
 #![no_std]
 
+pub mod brown_out;
 pub mod button;
 pub mod drive;
+pub mod guard;
 pub mod hash;
 pub mod machine;
 pub mod record;
+pub mod registers;
 pub mod reset;
+pub mod ring;
 pub mod rows;
+pub mod safe_output;
+pub mod slots;
 pub mod survivor;
 
 #[cfg(target_os = "none")]

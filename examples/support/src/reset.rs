@@ -1,4 +1,4 @@
-//! Why the chip restarted: the flags of the STM32F405/407 as a cause (RM0090, RCC_CSR and FLASH_OPTCR).
+//! Why the chip restarted: the flags of the STM32F405/407 as a cause (RM0090, RCC_CSR).
 
 /// A cause of a reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,17 +114,6 @@ impl Causes {
     }
 }
 
-/// Brown-out level of the option bytes, from the word of FLASH_OPTCR; 3 is the highest, none is off.
-#[must_use]
-pub const fn brown_out_level(optcr: u32) -> Option<u8> {
-    match (optcr >> 2) & 3 {
-        0 => Some(3),
-        1 => Some(2),
-        2 => Some(1),
-        _ => None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -160,14 +149,5 @@ mod tests {
         assert!(causes.contain_watchdog());
         assert!(Causes::from_csr(0x4400_0000).contain_watchdog());
         assert!(!Causes::from_csr(0x9E00_0000).contain_watchdog());
-    }
-
-    #[test]
-    fn brown_out_levels_count_downwards() {
-        // 0x0FFF_AAED is the reset value: off.
-        assert_eq!(brown_out_level(0x0FFF_AAED), None);
-        assert_eq!(brown_out_level(0x0FFF_AAE9), Some(1));
-        assert_eq!(brown_out_level(0x0FFF_AAE5), Some(2));
-        assert_eq!(brown_out_level(0x0FFF_AAE1), Some(3));
     }
 }

@@ -72,6 +72,11 @@ pub enum Fault {
         /// Return address, of the caller or of an exception.
         lr: u32,
     },
+    /// The stack had no room left.
+    StackOverflow {
+        /// Where the stack pointer was.
+        sp: u32,
+    },
     /// An exception or interrupt that nobody handles.
     Exception {
         /// Number of the interrupt, negative for an exception of the core.
@@ -92,6 +97,7 @@ impl Fault {
             Some(Self::Panic { line, file }) => (3, *line, 0, file),
             Some(Self::HardFault { pc, lr }) => (4, *pc, *lr, &EMPTY),
             Some(Self::Exception { number }) => (5, number.cast_unsigned(), 0, &EMPTY),
+            Some(Self::StackOverflow { sp }) => (6, *sp, 0, &EMPTY),
         };
         let [a, b, c, d, e, f, g, h] = text.words();
         [kind, first, second, a, b, c, d, e, f, g, h]
@@ -116,6 +122,7 @@ impl Fault {
             5 => Some(Self::Exception {
                 number: first.cast_signed(),
             }),
+            6 => Some(Self::StackOverflow { sp: first }),
             _ => return None,
         })
     }

@@ -4,7 +4,9 @@ use std::convert::Infallible;
 
 use crate::flash::{Cut, Flash, SECTOR};
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
-use trendid::servo::store::{Identity, ModelStore, RECORD_BYTES, Record, Refused, StoreError};
+use trendid::servo::store::{
+    Identity, Keeper, ModelStore, RECORD_BYTES, Record, Refused, StoreError,
+};
 use trendid::servo::{Config, Model, Travel};
 
 fn identity() -> Identity {
@@ -241,4 +243,46 @@ fn a_flash_that_does_not_keep_what_was_written_is_noticed() {
     }
     assert!(kept.contains(&Err(StoreError::NotKept)), "{kept:?}");
     assert!(kept.iter().any(Result::is_ok), "{kept:?}");
+}
+
+#[test]
+fn a_model_is_written_for_a_change_beyond_two_percent_and_once_a_minute() {
+    let model = record(0).model;
+    let changes: [fn(&mut Model, f32); 6] = [
+        |model, share| model.a1 *= share,
+        |model, share| model.a2 *= share,
+        |model, share| model.b0 *= share,
+        |model, share| model.friction *= share,
+        |model, share| model.dead_zone += 0.1 * (share - 1.0),
+        |model, share| model.offset += 0.1 * (share - 1.0),
+    ];
+    // The seconds wrap around, too.
+    for begin in [0, 1000, u32::MAX - 30] {
+        for change in changes {
+            let changed = |share| {
+                let mut model = model;
+                change(&mut model, share);
+                model
+            };
+            let mut keeper = Keeper::new(Some(model));
+            assert!(!keeper.is_due(&changed(1.0), begin), "the same model");
+            assert!(!keeper.is_due(&changed(1.019), begin), "less than 2 %");
+            assert!(keeper.is_due(&changed(1.022), begin), "more than 2 %");
+            keeper.saved(&changed(1.022), begin);
+            for second in 0..60_u32 {
+                let now = begin.wrapping_add(second);
+                assert!(!keeper.is_due(&model, now), "{second} s after a record");
+            }
+            assert!(keeper.is_due(&model, begin.wrapping_add(60)));
+            assert!(!keeper.is_due(&changed(1.022), begin.wrapping_add(60)));
+        }
+        assert!(!Keeper::new(None).is_due(
+            &Model {
+                a1: f32::NAN,
+                ..model
+            },
+            begin
+        ));
+        assert!(Keeper::new(None).is_due(&model, begin));
+    }
 }

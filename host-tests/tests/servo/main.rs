@@ -9,4 +9,5 @@ mod population;
 mod position_loop;
 mod settings;
 mod shadow;
+mod skipped;
 mod stored;

@@ -3,7 +3,7 @@ use super::*;
 const WATCHDOG: Causes = Causes::from_csr(0x2400_0000);
 const SOFTWARE: Causes = Causes::from_csr(0x1400_0000);
 
-fn faults() -> [Option<Fault>; 6] {
+fn faults() -> [Option<Fault>; 7] {
     [
         None,
         Some(Fault::Stopped {
@@ -19,6 +19,7 @@ fn faults() -> [Option<Fault>; 6] {
             lr: 0xFFFF_FFE9,
         }),
         Some(Fault::Exception { number: -4 }),
+        Some(Fault::StackOverflow { sp: 0x1FFF_FFF8 }),
     ]
 }
 
@@ -76,7 +77,7 @@ fn memory_after_power_on_is_no_record() {
 
 #[test]
 fn another_layout_or_kind_is_no_record() {
-    for (place, word) in [(0, MAGIC + 1), (2 + COUNTERS, 6)] {
+    for (place, word) in [(0, MAGIC + 1), (2 + COUNTERS, 7)] {
         let mut words = survivor(None).words();
         words[place] = word;
         let [body @ .., low, high] = &mut words;

@@ -1,0 +1,170 @@
+//! What a slot may do for the watchdog, and when the machine stops: the decisions of `servo`, apart from the chip.
+//!
+//! | slot | fed | else |
+//! |---|---|---|
+//! | in time, fresh reading, no fault | yes | |
+//! | in time, no fresh reading | no | ten of them end in a restart |
+//! | late, or after slots that are missing | no | three in a row stop |
+//! | fault of sensor, valve or axis | no | stops |
+//! | stopped, in time, safe output written | yes | the fault can be read |
+
+/// Slots in a row that were late or missing and end in the safe output.
+pub const OVERRUNS: u32 = 3;
+
+/// One slot in control, as it ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Slot {
+    /// Slots that passed before this one began.
+    pub missed: u32,
+    /// Whether the next slot had begun when this one ended.
+    pub late: bool,
+    /// Whether the sensor gave a reading.
+    pub fresh: bool,
+    /// A fault of the machine, by its name.
+    pub fault: Option<&'static str>,
+}
+
+/// What follows from a slot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The watchdog is fed.
+    Feed,
+    /// The watchdog is not fed.
+    Starve,
+    /// The safe output, for this reason, until a person has acknowledged it.
+    Stop(&'static str),
+}
+
+/// Watches over the slots.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Guard {
+    in_a_row: u32,
+}
+
+impl Guard {
+    /// Begins without an overrun.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { in_a_row: 0 }
+    }
+
+    /// Judges a slot in control.
+    pub const fn control(&mut self, slot: &Slot) -> Verdict {
+        if let Some(fault) = slot.fault {
+            return Verdict::Stop(fault);
+        }
+        self.in_a_row = self.in_a_row.saturating_add(slot.missed);
+        if slot.late {
+            self.in_a_row = self.in_a_row.saturating_add(1);
+        }
+        if self.in_a_row >= OVERRUNS {
+            return Verdict::Stop("overruns in a row");
+        }
+        if slot.late {
+            return Verdict::Starve;
+        }
+        self.in_a_row = 0;
+        if slot.fresh {
+            Verdict::Feed
+        } else {
+            Verdict::Starve
+        }
+    }
+
+    /// Judges a slot of a stopped machine; `safe`: the safe output was written.
+    #[must_use]
+    pub const fn rest(safe: bool, late: bool) -> Verdict {
+        if safe && !late {
+            Verdict::Feed
+        } else {
+            Verdict::Starve
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: Slot = Slot {
+        missed: 0,
+        late: false,
+        fresh: true,
+        fault: None,
+    };
+    const LATE: Slot = Slot { late: true, ..GOOD };
+    const BLIND: Slot = Slot {
+        fresh: false,
+        ..GOOD
+    };
+
+    /// The verdict on the last of these slots.
+    fn last(slots: &[Slot]) -> Verdict {
+        let mut guard = Guard::default();
+        let mut verdict = Verdict::Starve;
+        for slot in slots {
+            verdict = guard.control(slot);
+        }
+        verdict
+    }
+
+    #[test]
+    fn only_a_slot_in_time_with_a_reading_and_without_a_fault_feeds() {
+        for missed in [0, 1, OVERRUNS, u32::MAX] {
+            for late in [false, true] {
+                for fresh in [false, true] {
+                    for fault in [None, Some("the valve is stuck")] {
+                        let slot = Slot {
+                            missed,
+                            late,
+                            fresh,
+                            fault,
+                        };
+                        let feeds = missed < OVERRUNS && !late && fresh && fault.is_none();
+                        assert_eq!(last(&[slot]) == Verdict::Feed, feeds, "{slot:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn three_overruns_in_a_row_stop_and_two_do_not() {
+        let stop = Verdict::Stop("overruns in a row");
+        assert_eq!(last(&[LATE, LATE]), Verdict::Starve);
+        assert_eq!(last(&[LATE, LATE, LATE]), stop);
+        assert_eq!(last(&[LATE, LATE, GOOD, LATE, LATE]), Verdict::Starve);
+        assert_eq!(last(&[LATE, LATE, GOOD]), Verdict::Feed);
+    }
+
+    #[test]
+    fn a_missing_slot_counts_as_much_as_a_late_one() {
+        let after = |missed| Slot { missed, ..GOOD };
+        // A slot of 2.5 ms is late, and one is missing after it.
+        assert_eq!(last(&[LATE, after(1)]), Verdict::Feed);
+        assert_eq!(last(&[LATE, after(2)]), Verdict::Stop("overruns in a row"));
+        assert_eq!(last(&[after(u32::MAX)]), Verdict::Stop("overruns in a row"));
+    }
+
+    #[test]
+    fn a_fault_stops_even_in_a_late_slot() {
+        let fault = Slot {
+            fault: Some("the sensor is stuck"),
+            ..LATE
+        };
+        assert_eq!(last(&[fault]), Verdict::Stop("the sensor is stuck"));
+    }
+
+    #[test]
+    fn slots_without_a_reading_starve_the_watchdog_for_good() {
+        assert_eq!(last(&[BLIND; 20]), Verdict::Starve);
+        assert_eq!(last(&[BLIND, GOOD]), Verdict::Feed);
+    }
+
+    #[test]
+    fn a_stopped_machine_stays_stopped_while_its_safe_output_is_written() {
+        assert_eq!(Guard::rest(true, false), Verdict::Feed);
+        assert_eq!(Guard::rest(false, false), Verdict::Starve);
+        assert_eq!(Guard::rest(true, true), Verdict::Starve);
+    }
+}
