@@ -159,7 +159,8 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
         let mut matrix = [[0.0; N]; N];
         let mut vector = [0.0; N];
         for (i, row) in self.sources.iter().enumerate() {
-            let Some(gains) = gain.lower.get(row.index as usize) else {
+            let at = row.index as usize;
+            let (Some(gains), Some(mixed)) = (gain.lower.get(at), gain.mixed.get(at)) else {
                 continue;
             };
             for (j, column) in self.sources.iter().enumerate() {
@@ -167,7 +168,7 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
                     matrix[i][j] = row.scale * column.scale * gain;
                 }
             }
-            vector[i] = row.scale * self.top_scale * gain.mixed[row.index as usize];
+            vector[i] = row.scale * self.top_scale * mixed;
         }
         (matrix, vector, self.top_scale * self.top_scale * gain.top)
     }

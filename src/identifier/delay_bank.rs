@@ -169,7 +169,7 @@ impl<
                 next = next.min(error?);
             }
         }
-        Some(next / errors[best]?)
+        Some(next / (*errors.get(best)?)?)
     }
 
     /// The identifier with the best delay, to go on with a clone of it.

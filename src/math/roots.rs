@@ -31,7 +31,10 @@ pub(crate) fn roots(c: &[f32], roots: &mut [Complex]) -> Option<()> {
         }
         _ => {
             let (normal, scale) = normalise(c)?;
-            let moved = iterate(normal.get(..c.len())?, roots);
+            let (found, moved) = iterate(normal.get(..c.len())?);
+            for (root, found) in roots.iter_mut().zip(found) {
+                *root = found;
+            }
             clean(roots, scale);
             (moved < SETTLED).then_some(())
         }
@@ -66,19 +69,21 @@ fn normalise(c: &[f32]) -> Option<([f32; ORDER], f32)> {
         1.0
     };
     let mut normal = [0.0; ORDER];
-    for (i, value) in normal.get_mut(..order)?.iter_mut().enumerate() {
-        *value = c[i] / raised(scale, order - i);
+    for (i, (value, c)) in normal.get_mut(..order)?.iter_mut().zip(c).enumerate() {
+        *value = c / raised(scale, order - i);
     }
     Some((normal, scale))
 }
 
-/// All roots at once by Durand's and Kerner's iteration; gives the sum of the smallest steps.
-fn iterate(normal: &[f32], roots: &mut [Complex]) -> f32 {
-    let order = normal.len();
+/// All roots at once by Durand's and Kerner's iteration, and the sum of the smallest steps.
+fn iterate(normal: &[f32]) -> ([Complex; ORDER], f32) {
+    // The bound spares every index below its check, and so the image a panic.
+    let order = normal.len().min(ORDER);
+    let mut roots = [Complex::ZERO; ORDER];
     // Starting values on a spiral that no symmetry of the polynomial can trap.
     let seed = Complex { re: 0.4, im: 0.9 };
     let mut start = Complex::ONE;
-    for root in roots.iter_mut() {
+    for root in roots.iter_mut().take(order) {
         start = start.times(seed);
         *root = start;
     }
@@ -99,14 +104,13 @@ fn iterate(normal: &[f32], roots: &mut [Complex]) -> f32 {
         }
         if moved < calmest {
             calmest = moved;
-            best[..order].copy_from_slice(roots);
+            best = roots;
         }
         if moved < 1e-6 {
             break;
         }
     }
-    roots.copy_from_slice(&best[..order]);
-    calmest
+    (best, calmest)
 }
 
 /// Real roots without an imaginary part, in the unit `scale`, by rising distance from zero.

@@ -2,10 +2,12 @@
 //!
 //! The steps of continuous integration are these tasks under these names, so that what fails there is repeated here.
 
+mod capi;
 mod ci;
 mod coverage;
 mod deny;
 mod docs;
+mod edges;
 mod elf;
 mod firmware;
 mod frameworks;
@@ -79,6 +81,11 @@ enum Task {
     /// Whether a published package breaks its users, against the last release.
     Semver,
     /// Every test and check but `msrv`, `statistics`, `soak` and what proves the tests: `fuzz` to `semver`.
+    /// The MEX function in GNU Octave, against Rust.
+    Octave,
+    /// Units of FMI 2.0 of identifier and loop, validated and simulated by FMPy, against Rust.
+    Fmu,
+    /// Every test and check but `msrv`, `statistics` and `soak`.
     Ci,
 }
 
@@ -108,6 +115,8 @@ fn main() -> ExitCode {
         Task::Deny(options) => deny::deny(&options),
         Task::Machete => deny::machete(),
         Task::Semver => ci::semver(),
+        Task::Octave => edges::octave(),
+        Task::Fmu => edges::fmu(),
         Task::Ci => ci::all(),
     };
     match done {

@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::{firmware, frameworks, icount};
+use crate::{capi, firmware, frameworks, icount};
 
 /// A task that gives text.
 #[derive(Subcommand)]
@@ -17,6 +17,8 @@ pub(crate) enum Task {
     Pil,
     /// The servo loop in RTIC 2, in the emulator; the same hash as on the host.
     Rtic,
+    /// The C interface: header, no panic, the example on host and target against Rust, instructions over the edge.
+    Capi(capi::Options),
 }
 
 impl Task {
@@ -28,6 +30,7 @@ impl Task {
             Self::Size => firmware::size(),
             Self::Pil => firmware::pil(),
             Self::Rtic => frameworks::rtic(),
+            Self::Capi(options) => capi::task(options),
         }
     }
 

@@ -105,13 +105,24 @@ pub(crate) const M0: Machine = Machine {
 };
 
 impl Machine {
-    /// Builds an example for this machine and gives the path of its image.
+    /// Builds an example of the core for this machine and gives the path of its image.
     pub(crate) fn build(self, example: &str, profile: &str) -> Result<PathBuf, String> {
+        self.build_of("trendid", example, profile)
+    }
+
+    /// As [`build`](Self::build), of another package.
+    pub(crate) fn build_of(
+        self,
+        package: &str,
+        example: &str,
+        profile: &str,
+    ) -> Result<PathBuf, String> {
         let arguments = [
             "build",
             "-q",
             "-p",
-            "trendid",
+            package,
+            "--no-default-features",
             "--profile",
             profile,
             "--target",

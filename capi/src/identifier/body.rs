@@ -1,0 +1,202 @@
+//! The kinds of identifiers behind one table of functions.
+
+use crate::detail::Detail;
+use crate::error::Error;
+use crate::identifier::Identifier;
+use crate::identifier::kind::Kind;
+use crate::identifier::outputs::{Estimate, Outcome, Parameter, Status};
+use crate::identifier::recursion::{Change, Recursion};
+use crate::memory::{Inside, Object, make, object, object_mut, write, write_if_wanted};
+
+/// What every handle can do. The functions take a handle of the kind that the table belongs to.
+pub(crate) struct Methods {
+    pub update: unsafe fn(*mut Identifier, f32, f32, *mut Outcome) -> Error,
+    pub update_inputs: unsafe fn(*mut Identifier, &[f32], f32, *mut Outcome) -> Error,
+    pub change: unsafe fn(*mut Identifier, Change<'_>) -> Result<(), Detail>,
+    pub theta: unsafe fn(*const Identifier, &mut [f32]) -> Result<(), Error>,
+    pub estimate: unsafe fn(*const Identifier, *mut Estimate) -> Result<(), Error>,
+    pub covariance: unsafe fn(*const Identifier, &mut [f32]) -> Result<(), Error>,
+    pub parameters: unsafe fn(*const Identifier, &mut [Parameter]) -> Result<(), Error>,
+    pub status: unsafe fn(*const Identifier, *mut Status) -> Result<(), Error>,
+}
+
+/// What the object of an identifier holds, whatever its kind.
+#[repr(C)]
+pub(crate) struct Head {
+    methods: &'static Methods,
+}
+
+impl Inside for Head {
+    const MAGIC: u32 = 0x7E1D_1DE7;
+}
+
+/// What the object of an identifier of this kind holds.
+#[repr(C)]
+pub(crate) struct Body<K> {
+    methods: &'static Methods,
+    pub(crate) kind: K,
+}
+
+impl<K> Inside for Body<K> {
+    const MAGIC: u32 = Head::MAGIC;
+}
+
+/// The table of an initialised identifier.
+///
+/// # Safety
+/// The handle is NULL, or points to the memory of an identifier that nobody writes meanwhile.
+#[inline(always)]
+pub(crate) unsafe fn methods(identifier: *const Identifier) -> Result<&'static Methods, Error> {
+    // SAFETY: the object of every kind begins with a `Head`.
+    unsafe { object(identifier.cast::<Object<Head>>()) }.map(|head| head.methods)
+}
+
+/// Makes an identifier in memory of the caller.
+///
+/// # Safety
+/// As [`make`]; `handle` is NULL or points to a handle.
+pub(crate) unsafe fn begin<W, K: Kind>(
+    memory: *mut W,
+    kind: impl FnOnce() -> Result<K, Detail>,
+    handle: *mut *mut Identifier,
+    detail: *mut Detail,
+) -> Error {
+    const {
+        // The handle finds word and table at one place, whatever the kind.
+        assert!(align_of::<Body<K>>() == align_of::<Head>());
+    }
+    let body = || {
+        Ok(Body {
+            methods: Table::<K>::METHODS,
+            kind: kind()?,
+        })
+    };
+    // SAFETY: by the contract of this function.
+    let done = unsafe { make(memory, body, detail) };
+    if done == Error::Ok {
+        // SAFETY: by the contract of this function.
+        unsafe { write_if_wanted(handle, memory.cast()) };
+    }
+    done
+}
+
+/// The kind behind a handle of this kind.
+///
+/// # Safety
+/// The handle points to an initialised identifier of the kind `K` that nobody writes meanwhile.
+#[inline(always)]
+unsafe fn kind<'a, K: 'a>(identifier: *const Identifier) -> Result<&'a K, Error> {
+    // SAFETY: by the contract of this function.
+    unsafe { object(identifier.cast::<Object<Body<K>>>()) }.map(|body| &body.kind)
+}
+
+/// As [`kind`], to be changed.
+///
+/// # Safety
+/// As [`kind`], and nobody else uses the identifier.
+#[inline(always)]
+unsafe fn kind_mut<'a, K: 'a>(identifier: *mut Identifier) -> Result<&'a mut K, Error> {
+    // SAFETY: by the contract of this function.
+    unsafe { object_mut(identifier.cast::<Object<Body<K>>>()) }.map(|body| &mut body.kind)
+}
+
+/// The functions of a kind. Each takes a handle that was found initialised, of its own kind.
+struct Table<K>(core::marker::PhantomData<K>);
+
+impl<K: Kind> Table<K> {
+    const METHODS: &'static Methods = &Methods {
+        update: Self::update,
+        update_inputs: Self::update_inputs,
+        change: Self::change,
+        theta: Self::theta,
+        estimate: Self::estimate,
+        covariance: Self::covariance,
+        parameters: Self::parameters,
+        status: Self::status,
+    };
+
+    /// The update itself stands in one of the next two, the other one calls it.
+    unsafe fn update(identifier: *mut Identifier, u: f32, y: f32, outcome: *mut Outcome) -> Error {
+        if K::SINGLE {
+            // SAFETY: the contract of this function.
+            unsafe { Self::sample(identifier, &[u], y, outcome) }
+        } else {
+            // SAFETY: the contract of this function.
+            unsafe { Self::update_inputs(identifier, &[u], y, outcome) }
+        }
+    }
+
+    unsafe fn update_inputs(
+        identifier: *mut Identifier,
+        u: &[f32],
+        y: f32,
+        outcome: *mut Outcome,
+    ) -> Error {
+        match u {
+            // SAFETY: the contract of this function.
+            [u] if K::SINGLE => unsafe { Self::update(identifier, *u, y, outcome) },
+            _ if K::SINGLE => Error::Length,
+            // SAFETY: the contract of this function.
+            _ => unsafe { Self::sample(identifier, u, y, outcome) },
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn sample(
+        identifier: *mut Identifier,
+        u: &[f32],
+        y: f32,
+        outcome: *mut Outcome,
+    ) -> Error {
+        // SAFETY: the handle is initialised and of this kind, and nobody else uses it.
+        let kind = unsafe { &mut (*identifier.cast::<Object<Body<K>>>()).inside.kind };
+        match kind.update(u, y) {
+            None => Error::Length,
+            Some(done) => {
+                // SAFETY: NULL, or memory of the caller for an outcome.
+                unsafe { write_if_wanted(outcome, done.into()) };
+                Error::Ok
+            }
+        }
+    }
+
+    unsafe fn change(identifier: *mut Identifier, change: Change<'_>) -> Result<(), Detail> {
+        // SAFETY: the handle is of this kind and nobody else uses it.
+        let kind = unsafe { kind_mut::<K>(identifier) }?;
+        kind.follow(&change);
+        kind.core_mut().change(change)
+    }
+
+    unsafe fn theta(identifier: *const Identifier, theta: &mut [f32]) -> Result<(), Error> {
+        // SAFETY: the handle is of this kind and nobody writes it.
+        unsafe { kind::<K>(identifier) }?.core().theta(theta)
+    }
+
+    unsafe fn estimate(identifier: *const Identifier, to: *mut Estimate) -> Result<(), Error> {
+        // SAFETY: the handle is of this kind and nobody writes it.
+        let kind = unsafe { kind::<K>(identifier) }?;
+        let found = Estimate {
+            inputs: kind.inputs() as u8,
+            ..kind.core().estimate()
+        };
+        // SAFETY: NULL, or memory of the caller for an estimate.
+        unsafe { write(to, found) }
+    }
+
+    unsafe fn covariance(identifier: *const Identifier, to: &mut [f32]) -> Result<(), Error> {
+        // SAFETY: the handle is of this kind and nobody writes it.
+        unsafe { kind::<K>(identifier) }?.core().covariance(to)
+    }
+
+    unsafe fn parameters(identifier: *const Identifier, to: &mut [Parameter]) -> Result<(), Error> {
+        // SAFETY: the handle is of this kind and nobody writes it.
+        unsafe { kind::<K>(identifier) }?.core().parameters(to)
+    }
+
+    unsafe fn status(identifier: *const Identifier, to: *mut Status) -> Result<(), Error> {
+        // SAFETY: the handle is of this kind and nobody writes it.
+        let kind = unsafe { kind::<K>(identifier) }?;
+        // SAFETY: NULL, or memory of the caller for a status.
+        unsafe { write(to, kind.core().status(kind.dead_zone())) }
+    }
+}

@@ -1,0 +1,229 @@
+//! What an identifier gives.
+
+use trendid::Estimate as CoreEstimate;
+use trendid::estimation::Parameter as CoreParameter;
+
+/// Most parameters of a model.
+pub const PARAMETERS_MAX: usize = 8;
+
+/// Highest order of a model.
+pub const ORDER_MAX: usize = 4;
+
+/// Most inputs of a model: those of the caller, and the sign of a command with a dead zone.
+pub const MODEL_INPUTS_MAX: usize = 3;
+
+/// What one sample did.
+#[repr(u8)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SampleKind {
+    /// The trends are settling.
+    WarmingUp = 0,
+    /// An input was not finite or far beyond its range: the sample was refused, its time passed.
+    InputRefused = 1,
+    /// The position was not finite or far beyond its range: the sample was refused, its time passed.
+    OutputRefused = 2,
+    /// The position was implausible (a spike) and replaced by its prediction.
+    Replaced = 3,
+    /// The sample was predicted; the estimate is held, by the caller or because the drive does not move.
+    Held = 4,
+    /// The sample was predicted and the estimate updated.
+    Estimated = 5,
+}
+
+/// What one sample did.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome {
+    /// What happened.
+    pub kind: SampleKind,
+    /// Position of the refused input; else 0.
+    pub input: u8,
+    /// Samples until the first estimate, while warming up; else 0.
+    pub remaining: u32,
+    /// Measured minus predicted position, in the unit of y, where there was a prediction; else 0.
+    pub innovation: f32,
+}
+
+impl From<trendid::Outcome> for Outcome {
+    #[inline(always)]
+    fn from(outcome: trendid::Outcome) -> Self {
+        use trendid::Outcome as Core;
+        use trendid::identifier::Refusal;
+        let of = |kind, innovation| Self {
+            kind,
+            input: 0,
+            remaining: 0,
+            innovation,
+        };
+        match outcome {
+            Core::WarmingUp { remaining } => Self {
+                remaining,
+                ..of(SampleKind::WarmingUp, 0.0)
+            },
+            Core::Refused(Refusal::Input(input)) => Self {
+                input: input as u8,
+                ..of(SampleKind::InputRefused, 0.0)
+            },
+            Core::Refused(_) => of(SampleKind::OutputRefused, 0.0),
+            Core::Replaced { innovation } => of(SampleKind::Replaced, innovation),
+            Core::Held { innovation } => of(SampleKind::Held, innovation),
+            Core::Estimated { innovation } => of(SampleKind::Estimated, innovation),
+            _ => of(SampleKind::Held, 0.0),
+        }
+    }
+}
+
+/// What a parameter means.
+#[repr(u8)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ParameterKind {
+    /// a_power, of y.
+    A = 0,
+    /// b_power of an input.
+    B = 1,
+    /// The contribution of a constant input 1.
+    Constant = 2,
+    /// Minus the error of the first position, in the unit of y.
+    InitialState = 3,
+}
+
+/// The meaning of one entry of theta.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Parameter {
+    /// Of y, of an input, or neither.
+    pub kind: ParameterKind,
+    /// Which input of the model; with a dead zone 0 is the command, 1 its sign.
+    pub input: u8,
+    /// The power of s.
+    pub power: u8,
+}
+
+impl From<CoreParameter> for Parameter {
+    fn from(parameter: CoreParameter) -> Self {
+        let of = |kind, input: usize, power: usize| Self {
+            kind,
+            input: input as u8,
+            power: power as u8,
+        };
+        match parameter {
+            CoreParameter::Output { power } => of(ParameterKind::A, 0, power),
+            CoreParameter::Input { input, power } => of(ParameterKind::B, input, power),
+            CoreParameter::Constant => of(ParameterKind::Constant, 0, 0),
+            CoreParameter::InitialState => of(ParameterKind::InitialState, 0, 0),
+        }
+    }
+}
+
+/// The model found, with its uncertainty; entries beyond the sizes of the model are 0.
+///
+/// A standard deviation is never NaN; it is infinite where nothing is known.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// Order m.
+    pub order: u8,
+    /// Number of inputs of the model.
+    pub inputs: u8,
+    /// Number of parameters.
+    pub parameters: u8,
+    /// Whether every pole behind the integrators is stable.
+    pub stable: bool,
+    /// Whether `gain` exists.
+    pub has_gain: bool,
+    /// Whether `omega0` and `damping` exist.
+    pub has_pair: bool,
+    /// Whether the standard deviations of gain, omega0 and damping exist.
+    pub has_physical_std: bool,
+    /// The parameters: a_i in s^(i-m), b_i in the unit of y per unit of u per s^(m-i).
+    pub theta: [f32; PARAMETERS_MAX],
+    /// Their standard deviations.
+    pub std: [f32; PARAMETERS_MAX],
+    /// a_0 .. a_(m-1) of the transfer function.
+    pub a: [f32; ORDER_MAX],
+    /// b_0 .. b_(m-1) of each input.
+    pub b: [[f32; ORDER_MAX]; MODEL_INPUTS_MAX],
+    /// The contribution of the constant input, in units of y per s^m.
+    pub constant: f32,
+    /// Static gain, or velocity gain C behind an integrator, of the first input: y or y/s per unit of u.
+    pub gain: f32,
+    /// Natural frequency in rad/s.
+    pub omega0: f32,
+    /// Damping ratio.
+    pub damping: f32,
+    /// Standard deviation of `gain`.
+    pub gain_std: f32,
+    /// Standard deviation of `omega0`, in rad/s.
+    pub omega0_std: f32,
+    /// Standard deviation of `damping`.
+    pub damping_std: f32,
+    /// Time constants of the real poles, longest first, in s; 0 where there is none.
+    pub time_constants: [f32; ORDER_MAX],
+}
+
+/// As many numbers as there is room for.
+fn fill<const L: usize>(from: impl IntoIterator<Item = f32>) -> [f32; L] {
+    let mut to = [0.0; L];
+    for (place, value) in to.iter_mut().zip(from) {
+        *place = value;
+    }
+    to
+}
+
+impl<const M: usize, const N: usize, const I: usize> From<&CoreEstimate<M, N, I>> for Estimate {
+    fn from(found: &CoreEstimate<M, N, I>) -> Self {
+        let transfer = found.transfer_function();
+        let physical = found.physical();
+        let std = found.physical_std();
+        let [gain_std, omega0_std, damping_std] = std.unwrap_or([0.0; 3]);
+        let mut b = [[0.0; ORDER_MAX]; MODEL_INPUTS_MAX];
+        for (place, input) in b.iter_mut().zip(transfer.b) {
+            *place = fill(input);
+        }
+        Self {
+            order: M as u8,
+            inputs: I as u8,
+            parameters: N as u8,
+            stable: physical.stable,
+            has_gain: physical.gain.is_some(),
+            has_pair: physical.omega0.is_some() && physical.damping.is_some(),
+            has_physical_std: std.is_some(),
+            theta: fill(found.theta()),
+            std: fill(found.std()),
+            a: fill(transfer.a),
+            b,
+            constant: transfer.constant,
+            gain: physical.gain.unwrap_or(0.0),
+            omega0: physical.omega0.unwrap_or(0.0),
+            damping: physical.damping.unwrap_or(0.0),
+            gain_std,
+            omega0_std,
+            damping_std,
+            time_constants: fill(physical.time_constants.into_iter().flatten()),
+        }
+    }
+}
+
+/// What is known beside the model.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Status {
+    /// Prediction of the newest position from the samples before it, in the unit of y.
+    pub prediction: f32,
+    /// Standard deviation of the innovation, in the unit of y; 0 while `has_noise_std` is false.
+    pub noise_std: f32,
+    /// Sum of the squared innovations, in the unit of y squared.
+    pub ise: f32,
+    /// Sum of the absolute innovations, in the unit of y.
+    pub iae: f32,
+    /// Number of innovations in the sums.
+    pub samples: u32,
+    /// How many samples of the position were replaced by their prediction.
+    pub replaced: u32,
+    /// Half width of the dead zone, in the unit of u; 0 for a kind without one.
+    pub dead_zone: f32,
+    /// Standard deviation of `dead_zone`, infinite before the first correction; 0 for a kind without one.
+    pub dead_zone_std: f32,
+    /// Whether there are more samples than parameters.
+    pub has_noise_std: bool,
+}

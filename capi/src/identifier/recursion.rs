@@ -1,0 +1,126 @@
+//! The identifiers of the core behind one face, whatever their sizes.
+
+use trendid::ConfigError;
+use trendid::identifier::Identifier as Core;
+use trendid::inputs::DeadZone;
+use trendid::trends::FilteredTrends;
+
+use crate::detail::Detail;
+use crate::error::Error;
+use crate::identifier::outputs::{Estimate, Parameter, Status};
+
+/// The core behind the default filter.
+pub(crate) type Filtered<const M: usize, const N: usize, const I: usize, const D: usize> =
+    Core<FilteredTrends<M>, M, N, I, D>;
+
+/// What the main loop asks of an identifier.
+pub(crate) enum Change<'a> {
+    Skip(u32),
+    Reset,
+    RestartTrends,
+    WarmStart(&'a [f32], &'a [f32]),
+    SetNominal,
+    Adapt(bool),
+    Retune(f32),
+}
+
+/// The identifiers of the core, whatever their sizes.
+pub(crate) trait Recursion {
+    fn change(&mut self, change: Change<'_>) -> Result<(), Detail>;
+    fn theta(&self, theta: &mut [f32]) -> Result<(), Error>;
+    fn estimate(&self) -> Estimate;
+    fn covariance(&self, covariance: &mut [f32]) -> Result<(), Error>;
+    fn parameters(&self, parameters: &mut [Parameter]) -> Result<(), Error>;
+    fn status(&self, dead_zone: Option<&DeadZone>) -> Status;
+}
+
+/// Copies into a list of the caller that has exactly this length.
+fn copy<T: Copy>(from: &[T], to: &mut [T]) -> Result<(), Error> {
+    if from.len() != to.len() {
+        return Err(Error::Length);
+    }
+    for (place, value) in to.iter_mut().zip(from) {
+        *place = *value;
+    }
+    Ok(())
+}
+
+/// A list of the caller as an array.
+fn array<const N: usize>(list: &[f32]) -> Result<[f32; N], Detail> {
+    list.try_into().map_err(|_| Error::Length.into())
+}
+
+/// The estimate of the core, once in the image.
+#[inline(never)]
+fn found<const M: usize, const N: usize, const I: usize, const D: usize>(
+    identifier: &Filtered<M, N, I, D>,
+) -> trendid::Estimate<M, N, I> {
+    identifier.estimate()
+}
+
+impl<const M: usize, const N: usize, const I: usize, const D: usize> Recursion
+    for Filtered<M, N, I, D>
+{
+    fn change(&mut self, change: Change<'_>) -> Result<(), Detail> {
+        let done: Result<(), ConfigError> = match change {
+            Change::WarmStart(theta, std) => self.warm_start(array(theta)?, array(std)?),
+            Change::Retune(omega0) => self.retune_to(omega0),
+            Change::Skip(samples) => {
+                self.skip(samples);
+                Ok(())
+            }
+            Change::Reset => {
+                self.reset();
+                Ok(())
+            }
+            Change::RestartTrends => {
+                self.restart_trends();
+                Ok(())
+            }
+            Change::SetNominal => {
+                self.set_nominal();
+                Ok(())
+            }
+            Change::Adapt(on) => {
+                self.adapt(on);
+                Ok(())
+            }
+        };
+        Ok(done?)
+    }
+
+    fn theta(&self, theta: &mut [f32]) -> Result<(), Error> {
+        copy(&Core::theta(self), theta)
+    }
+
+    fn estimate(&self) -> Estimate {
+        Estimate::from(&found(self))
+    }
+
+    fn covariance(&self, covariance: &mut [f32]) -> Result<(), Error> {
+        copy(found(self).covariance().as_flattened(), covariance)
+    }
+
+    fn parameters(&self, parameters: &mut [Parameter]) -> Result<(), Error> {
+        copy(
+            &self.structure().parameters().map(Parameter::from),
+            parameters,
+        )
+    }
+
+    fn status(&self, dead_zone: Option<&DeadZone>) -> Status {
+        let errors = self.prediction_error();
+        let noise_std = self.noise_std();
+        Status {
+            prediction: self.prediction(),
+            noise_std: noise_std.unwrap_or(0.0),
+            ise: errors.ise(),
+            iae: errors.iae(),
+            samples: errors.samples(),
+            replaced: self.replaced(),
+            dead_zone: dead_zone.map_or(0.0, DeadZone::delta),
+            dead_zone_std: dead_zone.map_or(0.0, DeadZone::std),
+            has_noise_std: noise_std.is_some(),
+        }
+    }
+}

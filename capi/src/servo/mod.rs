@@ -1,0 +1,12 @@
+//! The adaptive position loop: code of the sensor in, command of the valve out.
+
+mod calls;
+mod edge;
+mod report;
+mod settings;
+
+pub use calls::*;
+pub(crate) use edge::Body;
+pub(crate) use report::reason_code;
+pub use report::*;
+pub use settings::*;

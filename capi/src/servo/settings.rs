@@ -1,0 +1,168 @@
+//! What the user says about an axis.
+
+use trendid::hardware::{Axis, Scale};
+use trendid::servo::{Config, MotionLimits, Travel};
+
+use crate::detail::Detail;
+use crate::error::{Error, code};
+use crate::memory::write;
+
+/// Settings of a position loop, made by `trendid_loop_settings_init`; a setting of 0 follows from the others unless said.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoopSettings {
+    /// Sample time in s.
+    pub sample_time: f32,
+    /// Lowest position, in the unit of y (mm).
+    pub travel_min: f32,
+    /// Highest position, in the unit of y.
+    pub travel_max: f32,
+    /// Unit of y per count of the sensor; negative when the sensor counts against the axis.
+    pub units_per_count: f32,
+    /// Code of the sensor at position zero.
+    pub reference_code: i32,
+    /// Rough bandwidth of the drive in rad/s, if it is known.
+    pub bandwidth: f32,
+    /// 1 or -1: a positive command moves towards larger or smaller positions; 0: not known, the commissioning finds it.
+    pub direction: i32,
+    /// Standard deviation of the position noise, in the unit of y.
+    pub noise: f32,
+    /// Largest command, within 0..=1; default 1.
+    pub range: f32,
+    /// Largest rate of the command per s; default 400.
+    pub rate: f32,
+    /// Steps of the output between zero and full command, e.g. 2047 of a DAC with 12 bits; 0: the output has no steps.
+    pub command_steps: u32,
+    /// Delay of the valve in s; default 0.002. What the commissioning finds replaces it.
+    pub delay: f32,
+    /// Memory of the identifier in s; default 1.5.
+    pub memory: f32,
+    /// Whether the model follows the drive after the commissioning: 1 (default) or 0.
+    pub adaptive: i32,
+    /// Largest velocity of a move, in units of y per s; 0 with the next two for the defaults of all three.
+    pub velocity: f32,
+    /// Largest acceleration of a move, in units of y per s^2.
+    pub acceleration: f32,
+    /// Largest jerk of a move, in units of y per s^3.
+    pub jerk: f32,
+    /// Wanted bandwidth of the closed loop in rad/s.
+    pub wanted_bandwidth: f32,
+    /// Wanted damping of the closed loop; default 0.8.
+    pub wanted_damping: f32,
+    /// Largest command of the commissioning, within 0..=1; default 0.5.
+    pub excitation: f32,
+    /// Longest commissioning in s; default 6.
+    pub time_limit: f32,
+}
+
+/// The defaults for an axis of which sample time (s), travel, scale and reference of the sensor are known.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn trendid_loop_settings_init(
+    settings: *mut LoopSettings,
+    sample_time: f32,
+    travel_min: f32,
+    travel_max: f32,
+    units_per_count: f32,
+    reference_code: i32,
+) -> Error {
+    let core = Config::minimal(
+        sample_time,
+        Travel {
+            min: travel_min,
+            max: travel_max,
+        },
+    );
+    let defaults = LoopSettings {
+        sample_time,
+        travel_min,
+        travel_max,
+        units_per_count,
+        reference_code,
+        bandwidth: 0.0,
+        direction: 0,
+        noise: 0.0,
+        range: core.range,
+        rate: core.rate,
+        command_steps: 0,
+        delay: core.delay,
+        memory: core.memory,
+        adaptive: i32::from(core.adaptive),
+        velocity: 0.0,
+        acceleration: 0.0,
+        jerk: 0.0,
+        wanted_bandwidth: 0.0,
+        wanted_damping: core.controller.damping,
+        excitation: core.excitation.amplitude,
+        time_limit: core.supervision.time_limit,
+    };
+    // SAFETY: by the contract of the header.
+    code(unsafe { write(settings, defaults) })
+}
+
+/// `None` for 0.
+fn stated(value: f32) -> Option<f32> {
+    (value != 0.0).then_some(value)
+}
+
+impl LoopSettings {
+    /// The settings of the core.
+    pub(crate) fn config(&self) -> Result<Config, Detail> {
+        let travel = Travel {
+            min: self.travel_min,
+            max: self.travel_max,
+        };
+        let mut config = Config::minimal(self.sample_time, travel);
+        config.bandwidth = stated(self.bandwidth);
+        config.reversed = match self.direction {
+            0 => None,
+            1 => Some(false),
+            -1 => Some(true),
+            other => return Err(Detail::out_of_range("direction", other as f32, [-1.0, 1.0])),
+        };
+        config.noise = stated(self.noise);
+        config.range = self.range;
+        config.rate = self.rate;
+        config.delay = self.delay;
+        config.memory = self.memory;
+        config.adaptive = self.adaptive != 0;
+        let limits = [self.velocity, self.acceleration, self.jerk];
+        if limits != [0.0; 3] {
+            let [velocity, acceleration, jerk] = limits;
+            config.motion = Some(MotionLimits {
+                velocity,
+                acceleration,
+                jerk,
+            });
+        }
+        config.controller.bandwidth = stated(self.wanted_bandwidth);
+        config.controller.damping = self.wanted_damping;
+        config.excitation.amplitude = self.excitation;
+        config.supervision.time_limit = self.time_limit;
+        Ok(config)
+    }
+
+    /// Scale and reference of the sensor.
+    pub(crate) fn axis(&self) -> Result<Axis, Detail> {
+        let refused = || Detail::not_positive("units_per_count", self.units_per_count);
+        let scale = Scale::new(self.units_per_count).ok_or_else(refused)?;
+        Ok(Axis {
+            scale,
+            reference: self.reference_code,
+        })
+    }
+
+    /// The steps of the output.
+    pub(crate) fn steps(&self) -> Result<f32, Detail> {
+        // Beyond, f32 has no halves of a step.
+        const MOST: u32 = 1 << 22;
+        let steps = self.command_steps as f32;
+        if self.command_steps > MOST {
+            return Err(Detail::out_of_range(
+                "command_steps",
+                steps,
+                [0.0, MOST as f32],
+            ));
+        }
+        Ok(steps)
+    }
+}

@@ -1,0 +1,150 @@
+//! The example in C and C++: strict, under sanitizers, on the host and in the emulator, and its lines against those of Rust.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+use crate::capi::archive::Archive;
+use crate::capi::release;
+use crate::process::{M4F, cargo, root, run, target_directory};
+
+/// Builds and runs all of it; gives what it found.
+pub(crate) fn run_all() -> Result<String, String> {
+    let expected = reference()?;
+    let place = target_directory()?.join("capi-example");
+    // By `find_package` on a tree as a release has it.
+    Archive::HOST_FAST.build()?;
+    let tree = place.join("package");
+    release::stage(&tree, &[Archive::HOST_FAST])?;
+    let package = format!("-Dtrendid_DIR={}", tree.join("lib/cmake/trendid").display());
+    let from_package = ["-DTRENDID_FROM=package", &package];
+    let host = built(&place.join("host"), &from_package)?;
+    same("host, C", &expected, &lines(&host.join("example"))?)?;
+    let of_wrapper: Vec<_> = ["servo3", "loop"]
+        .iter()
+        .filter_map(|name| line(&expected, name))
+        .collect();
+    same("host, C++", &of_wrapper, &lines(&host.join("example-cpp"))?)?;
+    let sanitized = built(
+        &place.join("sanitized"),
+        &[&from_package[..], &["-DSANITIZE=ON"]].concat(),
+    )?;
+    same(
+        "host, C, sanitizers",
+        &expected,
+        &lines(&sanitized.join("example"))?,
+    )?;
+    same(
+        "host, C++, sanitizers",
+        &of_wrapper,
+        &lines(&sanitized.join("example-cpp"))?,
+    )?;
+    // By `add_subdirectory`, which calls cargo; in the directory where the archive is already built.
+    let toolchain = root().join("examples/c/cmake/stm32f405.cmake");
+    let target = built(
+        &place.join("stm32f405"),
+        &[
+            &format!("-DCMAKE_TOOLCHAIN_FILE={}", toolchain.display()),
+            &format!(
+                "-DTRENDID_CARGO_TARGET_DIR={}",
+                target_directory()?.display()
+            ),
+        ],
+    )?;
+    // An archive for a microcontroller is without `trendid_any`.
+    let on_target: Vec<_> = expected
+        .iter()
+        .filter(|line| !line.starts_with("any"))
+        .cloned()
+        .collect();
+    same(
+        "STM32F405 in the emulator, C",
+        &on_target,
+        &M4F.lines(&target.join("example"), Duration::from_secs(300))?,
+    )?;
+    Ok(format!(
+        "{} lines of numbers, in C and C++, on the host, under sanitizers and in the emulator: those of Rust\n",
+        expected.len()
+    ))
+}
+
+/// The lines of the same runs in Rust.
+fn reference() -> Result<Vec<String>, String> {
+    let mut command = cargo(&["run", "-q", "--release", "--example", "c-reference"]);
+    collected(&mut command)
+}
+
+/// The line that begins with this name.
+fn line(lines: &[String], name: &str) -> Option<String> {
+    lines
+        .iter()
+        .find(|line| line.split(' ').next() == Some(name))
+        .cloned()
+}
+
+/// Configures and builds the example in a directory of its own.
+fn built(place: &Path, settings: &[&str]) -> Result<PathBuf, String> {
+    let mut command = Command::new("cmake");
+    command
+        .arg("-S")
+        .arg(root().join("examples/c"))
+        .arg("-B")
+        .arg(place)
+        .args(["-DCMAKE_BUILD_TYPE=Release"])
+        .args(settings);
+    run(command)?;
+    let mut command = Command::new("cmake");
+    command.arg("--build").arg(place);
+    run(command)?;
+    Ok(place.to_owned())
+}
+
+fn lines(program: &Path) -> Result<Vec<String>, String> {
+    collected(&mut Command::new(program))
+}
+
+/// What a program prints; an error when it fails.
+fn collected(command: &mut Command) -> Result<Vec<String>, String> {
+    let name = command.get_program().to_string_lossy().into_owned();
+    let output = command
+        .output()
+        .map_err(|error| format!("{name}: {error}"))?;
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    if output.status.success() {
+        Ok(text.lines().map(str::to_owned).collect())
+    } else {
+        let errors = String::from_utf8_lossy(&output.stderr);
+        Err(format!(
+            "{name} ended with {}:\n{text}{errors}",
+            output.status
+        ))
+    }
+}
+
+/// The same lines in any order: each run has a name.
+fn same(what: &str, expected: &[String], found: &[String]) -> Result<(), String> {
+    let sorted = |lines: &[String]| {
+        let mut lines = lines.to_vec();
+        lines.sort();
+        lines
+    };
+    let (expected, found) = (sorted(expected), sorted(found));
+    if expected == found && !expected.is_empty() {
+        return Ok(());
+    }
+    let missing: Vec<_> = expected
+        .iter()
+        .filter(|line| !found.contains(line))
+        .map(String::as_str)
+        .collect();
+    let others: Vec<_> = found
+        .iter()
+        .filter(|line| !expected.contains(line))
+        .map(String::as_str)
+        .collect();
+    Err(format!(
+        "{what}: Rust has\n  {}\nand not\n  {}",
+        missing.join("\n  "),
+        others.join("\n  ")
+    ))
+}
