@@ -3,7 +3,9 @@
 usage: test_fmu.py identifier.fmu loop.fmu servo.csv
 """
 
+import contextlib
 import ctypes
+import io
 import shutil
 import struct
 import sys
@@ -157,4 +159,8 @@ def refuse(path):
 if __name__ == "__main__":
     identify(sys.argv[1], sys.argv[3])
     control(sys.argv[2])
-    refuse(sys.argv[1])
+    # What the units say of it goes to the terminal.
+    with contextlib.redirect_stdout(io.StringIO()) as said:
+        refuse(sys.argv[1])
+    assert "bandwidth" in said.getvalue(), said.getvalue()
+    print(said.getvalue().splitlines()[-1])
