@@ -159,7 +159,7 @@ mod target {
             let mut outcome = c::Outcome::from(Outcome::WarmingUp { remaining: 0 });
             row(clock, idle, "servo3 update", |_, u, y| {
                 let rust = clock.ticks(|| rust_servo(&mut native, u, y));
-                let edge = clock.ticks(|| update(handle, u, y, &mut outcome));
+                let edge = clock.ticks(|| update(handle, u, y, &raw mut outcome));
                 [rust, edge]
             });
             let theta =
@@ -167,7 +167,7 @@ mod target {
             let mut found = [0.0; 5];
             row(clock, idle, "servo3 theta", |_, u, y| {
                 let _ = rust_servo(&mut native, u, y);
-                let _ = update(handle, u, y, null_mut());
+                let _ = update(handle, u, y, &raw mut outcome);
                 let rust = clock.ticks(|| rust_theta(&native));
                 let edge = clock.ticks(|| theta(handle, found.as_mut_ptr(), 5));
                 [rust, edge]
@@ -194,7 +194,7 @@ mod target {
             );
             row(clock, idle, "valve3 update", |_, u, y| {
                 let rust = clock.ticks(|| rust_valve(&mut native, u, y));
-                let edge = clock.ticks(|| update(handle, u, y, &mut outcome));
+                let edge = clock.ticks(|| update(handle, u, y, &raw mut outcome));
                 [rust, edge]
             });
         }
