@@ -32,6 +32,7 @@
 //! | [`model`] | [`TransferFunction`], [`model::Physical`] | what theta means; output evaluation (9)-(11) |
 //! | `readout` | [`Estimate`] | noise bias taken out, an insignificant constant withdrawn, covariance |
 //! | [`identifier`] | [`Identifier`], [`Config`], [`Outcome`], [`Servo`] | all of it behind one call per sample |
+//! | [`instruments`] | [`instruments::Instrumented`] | estimates without the bias of noise, standard deviations by batch means |
 //! | [`inputs`] | [`inputs::DeadZone`], [`inputs::coulomb`] | inputs for valves and friction |
 //! | [`hardware`] | [`hardware::PositionSensor`], [`hardware::Valve`] | the edge to sensors and valves: traits, drivers, scale |
 //! | [`servo`] | [`servo::ServoLoop`], [`servo::Config`] | trajectory, pole placement on a verified model, supervision; the whole loop in one call per sample |
@@ -77,6 +78,7 @@ pub mod error;
 pub mod estimation;
 pub mod hardware;
 pub mod identifier;
+pub mod instruments;
 mod math;
 pub mod model;
 mod readout;

@@ -11,7 +11,9 @@ mod pil;
 mod plot;
 mod record;
 mod servo;
+mod sigma;
 mod simulate;
+mod tune;
 
 use std::process::ExitCode;
 
@@ -36,12 +38,14 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     Identify(identify::command::IdentifyArgs),
     Select(identify::select::SelectArgs),
+    Tune(tune::TuneArgs),
     /// The tables and the figure of the paper again
     Paper(paper::PaperArgs),
     /// Cost in instructions and gain in accuracy of each option of the core
     Options(options::OptionsArgs),
     /// Whether the estimate stays true over hours: every motion with every memory, other ways to forget beside
     Endurance(endurance::EnduranceArgs),
+    Sigma(sigma::SigmaArgs),
     /// The adaptive position loop in every scenario, with fixed gains beside
     Loop(servo::position_loop::LoopArgs),
     /// A scenario of the demonstration with the loop on an emulated or real processor, bit for bit as on the host
@@ -62,9 +66,11 @@ fn main() -> ExitCode {
         Command::Simulate(args) => simulate::run(args),
         Command::Identify(args) => identify::command::run(args),
         Command::Select(args) => identify::select::run(args),
+        Command::Tune(args) => tune::run(args),
         Command::Paper(args) => paper::run(args),
         Command::Options(args) => options::run(args),
         Command::Endurance(args) => endurance::run_all(args),
+        Command::Sigma(args) => sigma::run(args),
         Command::Loop(args) => servo::position_loop::run(args),
         Command::Pil(args) => pil::run(args),
     };

@@ -13,6 +13,7 @@ use meter::Meter;
 use position_loop::{Servo, Still, motion, servo};
 use trendid::Outcome;
 use trendid::estimation::{Estimator, StabilisedForgetting};
+use trendid::instruments::Reading;
 use trendid::model::Physical;
 use trendid::servo::Report;
 use trendid::trends::{FilteredTrends, Scheme};
@@ -48,6 +49,11 @@ functions! {
     };
     row_constant(rows::Offset, f32) -> Outcome, |state, u, y| state.update(u, y);
     row_default(rows::Default, f32) -> Outcome, |state, u, y| state.update(u, y);
+    row_instruments(rows::Instrumented, f32) -> Outcome, |state, u, y| state.update(u, y);
+    row_reading((rows::Instrumented, Reading<5, 5>), f32) -> bool, |state, _u, _y| {
+        let (instrumented, reading) = state;
+        reading.step(instrumented).is_some()
+    };
     row_dead_zone(rows::DeadZone, f32) -> Outcome, |state, u, y| {
         state.update_inputs(rows::dead_zone_inputs(u), y)
     };
@@ -165,6 +171,7 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     if cfg!(target_has_atomic = "32") {
         rows! { meter;
             "default, exact hold", 5, *row_exact, rows::exact()?, samples();
+            "default with instruments", 5, *row_instruments, rows::instrumented()?, samples();
             "delay bank of 8", 5, *row_bank, rows::bank()?, samples();
         }
         now_and_then(meter)?;
@@ -187,15 +194,18 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
 fn now_and_then(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     let calls = || record::samples().take(CALLS);
     let (mut default, mut exact) = (rows::default()?, rows::exact()?);
+    let mut instrumented = rows::instrumented()?;
     for (u, y) in record::samples() {
         // The counted functions themselves: a second copy of an update would change how both are compiled.
         let _ = row_default(&mut default, u, y);
         let _ = row_exact(&mut exact, u, y);
+        let _ = row_instruments(&mut instrumented, u, y);
     }
     rows! { meter;
         "estimate, per call", 5, *row_estimate, default.clone(), calls();
         "deviations, per call", 5, *row_std, default.clone(), calls();
         "all readings, per call", 5, *row_readings, default.clone(), calls();
+        "instruments, per step of 36", 5, *row_reading, (instrumented, Reading::new()), calls();
         "exact estimate, per call", 5, *row_exact_estimate, exact, calls();
     }
     let behind =

@@ -106,6 +106,19 @@ pub enum Error {
         /// Highest order tried.
         max_order: usize,
     },
+    /// A model that no controller is designed for.
+    #[error("no controller for this model: {0}")]
+    Model(String),
+    /// A bandwidth that the sampling does not carry.
+    #[error(
+        "a bandwidth of {bandwidth} rad/s was asked for; above 0 and up to {fastest} rad/s, half of the sampling rate, is possible"
+    )]
+    Bandwidth {
+        /// Asked for \[rad/s\].
+        bandwidth: f64,
+        /// The largest \[rad/s\].
+        fastest: f64,
+    },
     /// The core's own refusal.
     #[error(transparent)]
     Core(#[from] ConfigError),

@@ -23,6 +23,7 @@
 //! | [`search`] | what a search may choose |
 //! | [`identification`] | one structure: search, estimate, held-out fit |
 //! | [`structure_choice`] | many structures compared |
+//! | [`mod@tune`] | gains of a cascade, a PID controller and a state feedback for a model, with their margins |
 //! | [`mod@standstill`] | where friction holds a drive |
 //! | [`coulomb_input`] | sgn(v) from a velocity or a position |
 //!
@@ -69,6 +70,7 @@ pub mod search;
 pub mod signals;
 pub mod standstill;
 pub mod structure_choice;
+pub mod tune;
 pub mod tuning;
 
 pub use error::{Error, Weakness};

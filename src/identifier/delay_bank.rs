@@ -5,6 +5,7 @@ use crate::identifier::Identifier;
 use crate::identifier::config::Config;
 use crate::identifier::outcome::Outcome;
 use crate::identifier::servo::Servo;
+use crate::math::within;
 use crate::trends::TrendOperator;
 
 /// Identifiers of the same structure with the delays 0, 1, .. `K-1` of one input, side by side.
@@ -157,6 +158,32 @@ impl<
             }
         }
         best
+    }
+
+    /// The delay between the samples, by a parabola through the squared errors of the best candidate and its neighbours.
+    ///
+    /// Half a sample at most from [`DelayBank::best`], which it is for the first and the last candidate. An identifier for it
+    /// is made by [`Config::set_delay`].
+    pub fn refined(&self) -> Option<f32> {
+        let best = self.best()?;
+        let errors = self.errors();
+        let square = |delay: Option<usize>| -> Option<f32> {
+            let error = (*errors.get(delay?)?)?;
+            Some(error * error)
+        };
+        let (Some(before), Some(at), Some(after)) = (
+            square(best.checked_sub(1)),
+            square(Some(best)),
+            square(best.checked_add(1)),
+        ) else {
+            return Some(best as f32);
+        };
+        let curvature = before - 2.0 * at + after;
+        let step = match curvature > 0.0 {
+            true => 0.5 * (before - after) / curvature,
+            false => 0.0,
+        };
+        Some(best as f32 + within(step, 0.5))
     }
 
     /// Prediction error of the second best candidate over that of the best: at least 1, larger for a clearer choice.

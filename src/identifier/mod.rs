@@ -11,6 +11,7 @@ pub(crate) mod servo;
 mod signals;
 mod standstill;
 mod state;
+pub(crate) mod witness;
 
 pub use config::Config;
 pub use delay_bank::DelayBank;
@@ -22,6 +23,7 @@ use crate::estimation::rls::Estimator;
 use crate::estimation::structure::Structure;
 use crate::identifier::plan::Plan;
 use crate::identifier::state::State;
+use crate::identifier::witness::Witness;
 use crate::math::sqrt;
 use crate::model::evaluation::PredictionError;
 use crate::readout::ReadOut;
@@ -97,7 +99,18 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// Cost: see the table of instruction counts.
     #[inline]
     pub fn update_inputs(&mut self, u: [f32; I], y: f32) -> Outcome {
-        self.state.update(&self.plan, u, y)
+        self.state.update(&self.plan, u, y, &mut ())
+    }
+
+    /// As [`Identifier::update_inputs`], with somebody who sees its trends and its row.
+    #[inline(always)]
+    pub(crate) fn update_seen(
+        &mut self,
+        u: [f32; I],
+        y: f32,
+        witness: &mut impl Witness<M, N, I>,
+    ) -> Outcome {
+        self.state.update(&self.plan, u, y, witness)
     }
 
     /// Back to the identifier as constructed, in every field: the filter, prior, estimate and signals, and it adapts.
@@ -111,8 +124,13 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// The model bridges a short gap (up to 5 over the bandwidth); after a longer one the trends begin anew with the next
     /// sample, as by [`Identifier::restart_trends`].
     pub fn skip(&mut self, samples: u32) {
+        self.skip_seen(samples, &mut ());
+    }
+
+    /// As [`Identifier::skip`], with somebody who sees the trends.
+    pub(crate) fn skip_seen(&mut self, samples: u32, witness: &mut impl Witness<M, N, I>) {
         for _ in 0..samples.min(self.plan.longest_gap.saturating_add(1)) {
-            self.state.skip_held(&self.plan);
+            self.state.skip_held(&self.plan, witness);
         }
     }
 
@@ -172,7 +190,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.read_out().recursion()
     }
 
-    fn read_out(&self) -> ReadOut<'_, M, N, I> {
+    pub(crate) fn read_out(&self) -> ReadOut<'_, M, N, I> {
         let Plan {
             structure,
             trends,

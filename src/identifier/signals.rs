@@ -138,10 +138,13 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
     ) -> [[f32; M]; I] {
         let mut inputs = [[0.0; M]; I];
         for c in 0..I {
-            let delayed = if D > 0 {
-                self.lines[c].update(u[c], plan.delays[c])
-            } else {
+            let (delay, part) = (plan.delays[c], plan.delay_parts[c]);
+            let delayed = if D == 0 {
                 u[c]
+            } else if part > 0.0 {
+                self.lines[c].update_between(u[c], delay, part)
+            } else {
+                self.lines[c].update(u[c], delay)
             };
             inputs[c] = plan
                 .trends

@@ -8,6 +8,7 @@ use crate::identifier::outcome::{Outcome, Refusal};
 use crate::identifier::plan::{Plan, Prior};
 use crate::identifier::signals::{Others, Signals};
 use crate::identifier::standstill::{Motion, Standstill};
+use crate::identifier::witness::Witness;
 use crate::model::evaluation::PredictionError;
 use crate::trends::TrendOperator;
 use crate::trends::delay_line::acceptable;
@@ -18,6 +19,7 @@ const STEP: f32 = 1.0 / 18.0;
 /// The regressor with its equation error, and that as an innovation in the unit of y.
 struct Row<const N: usize> {
     phi: [f32; N],
+    psi: f32,
     error: f32,
     innovation: f32,
 }
@@ -66,19 +68,27 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// Takes u(k) and y(k).
     #[inline(always)]
-    pub(crate) fn update(&mut self, plan: &Plan<T, M, N, I>, u: [f32; I], y: f32) -> Outcome {
+    pub(crate) fn update(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        u: [f32; I],
+        y: f32,
+        witness: &mut impl Witness<M, N, I>,
+    ) -> Outcome {
         if let Some(refusal) = refused(plan, &u, y) {
-            self.refuse(plan, &u);
+            self.refuse(plan, &u, witness);
             return Outcome::Refused(refusal);
         }
         if !self.signals.begun {
             let settled = self.signals.begin(plan, y);
             self.noise.settle(settled);
+            witness.begin();
         }
         let reference = self.signals.reference;
         let y = y - reference;
         self.signals.gap = 0;
         let others = self.signals.other_trends(plan, u);
+        witness.inputs(&others.inputs);
         if self.signals.remaining > 0 {
             self.signals.last = y;
             self.noise.update(y);
@@ -119,14 +129,20 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.noise.update(y);
         self.prediction = y - row.innovation + reference;
         self.errors.update(row.innovation);
-        self.learn(plan, &row, y)
+        self.learn(plan, &row, y, witness)
     }
 
     /// Takes the row in, unless the estimate is held.
     #[inline(always)]
-    fn learn(&mut self, plan: &Plan<T, M, N, I>, row: &Row<N>, y: f32) -> Outcome {
+    fn learn(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        row: &Row<N>,
+        y: f32,
+        witness: &mut impl Witness<M, N, I>,
+    ) -> Outcome {
         let innovation = row.innovation;
-        let obeys = !plan.can_stand || self.obeys(plan, row, y);
+        let obeys = !plan.can_stand || self.obeys(plan, row, y, witness);
         if !self.adapting {
             return Outcome::Held { innovation };
         }
@@ -135,6 +151,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             let moves = obeys && plan.moves(&row.phi, &self.noise);
             if moves {
                 self.estimator.correct(&row.phi, row.error);
+                witness.row(&row.phi, row.psi);
             } else {
                 self.estimator.pass();
             }
@@ -144,6 +161,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             }
         } else if obeys {
             self.estimator.correct(&row.phi, row.error);
+            witness.row(&row.phi, row.psi);
         } else {
             return Outcome::Held { innovation };
         }
@@ -152,7 +170,13 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// Whether the row may be of the model; where the axis stands against it the trends begin again at rest.
     #[inline(always)]
-    fn obeys(&mut self, plan: &Plan<T, M, N, I>, row: &Row<N>, y: f32) -> bool {
+    fn obeys(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        row: &Row<N>,
+        y: f32,
+        witness: &mut impl Witness<M, N, I>,
+    ) -> bool {
         let limits = [plan.certain, plan.settled];
         let estimator = &self.estimator;
         let expected = || 1.0 + estimator.spread(&row.phi);
@@ -166,6 +190,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         );
         if found == Motion::Stands {
             self.signals.rest(plan, y);
+            witness.begin();
         }
         found == Motion::Obeys
     }
@@ -182,6 +207,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let beta = plan.regressor.feedthrough(self.estimator.theta());
         Row {
             phi,
+            psi,
             error,
             innovation: error / beta,
         }
@@ -234,7 +260,12 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// One sample time without y: the trends go on with what the model predicts under the inputs `u`.
     #[inline(never)]
-    pub(crate) fn skip(&mut self, plan: &Plan<T, M, N, I>, u: [f32; I]) {
+    pub(crate) fn skip(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        u: [f32; I],
+        witness: &mut impl Witness<M, N, I>,
+    ) {
         if !self.signals.begun {
             return;
         }
@@ -244,6 +275,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             return;
         }
         let others = self.signals.other_trends(plan, u);
+        witness.inputs(&others.inputs);
         let before = self.signals.output.clone();
         self.signals.gate.replaced = None;
         self.signals.gate.keep_open(plan.gate_pause);
@@ -251,16 +283,25 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     }
 
     /// One sample time without y, under the newest inputs.
-    pub(crate) fn skip_held(&mut self, plan: &Plan<T, M, N, I>) {
-        self.skip(plan, self.signals.last_inputs);
+    pub(crate) fn skip_held(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        witness: &mut impl Witness<M, N, I>,
+    ) {
+        self.skip(plan, self.signals.last_inputs, witness);
     }
 
     /// A refused sample is a sample time without y; inputs that cannot be taken stay what they were.
     #[inline(never)]
-    fn refuse(&mut self, plan: &Plan<T, M, N, I>, u: &[f32; I]) {
+    fn refuse(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        u: &[f32; I],
+        witness: &mut impl Witness<M, N, I>,
+    ) {
         match refused(plan, u, 0.0) {
-            None => self.skip(plan, *u),
-            Some(_) => self.skip_held(plan),
+            None => self.skip(plan, *u, witness),
+            Some(_) => self.skip_held(plan, witness),
         }
     }
 

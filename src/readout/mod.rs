@@ -25,6 +25,7 @@ pub(crate) mod estimate;
 mod residual_spectrum;
 pub(crate) mod s_plane;
 mod sandwich;
+mod scores;
 mod significance;
 mod source;
 
@@ -148,8 +149,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             slowest: (1.0 - self.design.slow_mode) / sample_time,
         };
         let angle = spectrum.natural * sample_time;
-        let floor =
-            ARITHMETIC + DISCRETE * angle * angle * self.design.discretisation_share(&denominator);
+        let (floor, parameter_rounding) = self.floor(spectrum.natural, &denominator);
         let (r, s) = spectrum.sums();
         let in_band = match transform(r, s, core::array::from_fn(|j| p[j][j] > 0.0)) {
             Some(t) => sandwich(&t, &covariance, &parameters),
@@ -164,9 +164,17 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
                 covariance[i][j] = shaped * in_band[i][j] + even * covariance[i][j];
             }
         }
+        (covariance, floor, parameter_rounding)
+    }
+
+    /// Errors relative to a parameter that no residual shows: one that all share, and what rounding adds to each.
+    fn floor(&self, natural: f32, denominator: &[f32; M]) -> (f32, f32) {
+        let angle = natural * self.design.sample_time;
+        let floor =
+            ARITHMETIC + DISCRETE * angle * angle * self.design.discretisation_share(denominator);
         let forgets = self.forgetting.bound() > 0.0;
         let parameter = if forgets { PARAMETER_ROUNDING } else { 0.0 };
-        (covariance, floor, parameter / angle)
+        (floor, parameter / angle)
     }
 
     /// The recursion as it stands in the user's units, its covariance that of a white residual.

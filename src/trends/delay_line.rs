@@ -54,6 +54,44 @@ impl<const D: usize> DelayLine<D> {
         out
     }
 
+    /// Takes u(k), gives the mean over the sample interval from k on of an input held from sample to sample that is
+    /// `delay + part` samples late, `part` from 0 to 1: `(1 - part) u(k - delay) + part u(k - delay - 1)`.
+    ///
+    /// What a held input integrates to over an interval is exact with it; a delay beyond `D - 1` counts as that.
+    ///
+    /// # Examples
+    /// ```
+    /// use trendid::trends::DelayLine;
+    /// let mut line = DelayLine::<4>::new();
+    /// assert_eq!(line.update_between(0.0, 1, 0.25), 0.0);
+    /// assert_eq!(line.update_between(4.0, 1, 0.25), 0.0);
+    /// assert_eq!(line.update_between(4.0, 1, 0.25), 3.0);
+    /// assert_eq!(line.update_between(4.0, 1, 0.25), 4.0);
+    /// ```
+    #[inline(never)]
+    pub fn update_between(&mut self, value: f32, delay: usize, part: f32) -> f32 {
+        // Before the push u(k-1) is the newest of the ring.
+        let older = self.past(delay + 1);
+        let newer = match delay {
+            0 => value,
+            _ => self.past(delay),
+        };
+        self.push(value);
+        newer + part * (older - newer)
+    }
+
+    /// u(k - back) before u(k) is in the ring.
+    fn past(&self, back: usize) -> f32 {
+        let back = if back < D { back } else { D };
+        let back = back.saturating_sub(1);
+        let index = if self.newest >= back {
+            self.newest - back
+        } else {
+            self.newest + D - back
+        };
+        self.ring.get(index).copied().unwrap_or(0.0)
+    }
+
     #[inline]
     fn push(&mut self, value: f32) {
         let next = self.newest + 1;

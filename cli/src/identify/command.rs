@@ -90,6 +90,7 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<(), Refusal> {
         file: &args.signals.file,
         output: &args.signals.output,
         start: loaded.start,
+        jitter: loaded.jitter,
         problem: &problem,
         freedom,
         found: &found,

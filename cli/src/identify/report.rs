@@ -20,6 +20,8 @@ pub(super) struct Report<'a> {
     pub output: &'a str,
     /// First time stamp \[s\].
     pub start: f64,
+    /// Largest departure of a time step where the samples were moved to equal intervals.
+    pub jitter: Option<f64>,
     pub problem: &'a Problem<'a>,
     pub freedom: Freedom,
     pub found: &'a Identification,
@@ -92,8 +94,14 @@ impl Report<'_> {
             false => "",
         };
         let plural = if found.delay == 1.0 { "" } else { "s" };
+        let jitter = self.jitter.map_or(String::new(), |jitter| {
+            format!(
+                "time steps vary by up to {} %: moved to equal intervals\n",
+                significant(100.0 * jitter, 2)
+            )
+        });
         format!(
-            "{}: {} samples every {} s, t = {} .. {} s\n{filter}, delay {} sample{plural}{at_end}, {memory}\n\n",
+            "{}: {} samples every {} s, t = {} .. {} s\n{jitter}{filter}, delay {} sample{plural}{at_end}, {memory}\n\n",
             self.file.display(),
             p.samples(),
             significant(p.signals.dt, 5),

@@ -48,6 +48,7 @@ impl Report<'_> {
             "ise": number(errors.ise),
             "iae": number(errors.iae),
             "samples": p.samples(),
+            "jitter": self.jitter.map(number),
             "physical": self.physical_json(),
         })
     }

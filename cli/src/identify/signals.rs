@@ -22,6 +22,9 @@ pub(crate) struct SignalArgs {
     /// Unit of the time stamps, s without; needed where the name of the column says another one
     #[arg(long, value_enum)]
     pub time_unit: Option<TimeUnit>,
+    /// Sampling interval in s; the time stamps are then not read
+    #[arg(long, value_name = "S", value_parser = parse_interval)]
+    pub dt: Option<f64>,
     /// Input column, or COL^K for its K-th power; may be repeated
     #[arg(long, value_name = "COL", default_value = "u")]
     pub input: Vec<String>,
@@ -108,6 +111,8 @@ pub(crate) struct Loaded {
     pub start: f64,
     /// Sampling interval \[s\].
     pub dt: f64,
+    /// The largest departure of a time step, relative to the interval, where the samples were moved to equal intervals.
+    pub jitter: Option<f64>,
     y: Vec<f64>,
     /// Real inputs, then sgn(v) where wanted.
     inputs: Vec<LoadedInput>,
@@ -171,6 +176,8 @@ impl SignalArgs {
         let clock = Clock {
             column: &self.time,
             unit: self.time_unit.map(TimeUnit::seconds),
+            dt: self.dt,
+            held: self.hold == HoldName::Zoh,
         };
         let record = Record::read(&self.file, clock, &columns)?.window(self.from, self.to, 2)?;
         let mut signals = record.signals.into_iter();
@@ -212,6 +219,7 @@ impl SignalArgs {
             standstill: still,
             start: record.start,
             dt: record.dt,
+            jitter: record.jitter,
             y,
             inputs,
         })
@@ -240,6 +248,14 @@ pub(crate) fn parse_filter(text: &str) -> Result<Choice<Option<f64>>, String> {
             Ok(pole) if pole != 0.0 && pole.is_finite() => Ok(Choice::Given(Some(pole.abs()))),
             _ => Err("expected a number of rad/s other than 0, `auto` or `none`".into()),
         },
+    }
+}
+
+/// `--dt S` for clap.
+fn parse_interval(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(dt) if dt > 0.0 && dt.is_finite() => Ok(dt),
+        _ => Err("expected a number of seconds above 0".into()),
     }
 }
 

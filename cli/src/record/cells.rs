@@ -8,6 +8,9 @@ use super::error::RecordError;
 /// the interval; time stamps are often rounded in the file.
 const STEP_TOLERANCE: f64 = 0.01;
 
+/// Departures below this are jitter, and the samples are moved; from half a step on a sample may be missing.
+const JITTER: f64 = 1.0 / 3.0;
+
 /// Columns that a refusal names at most.
 const NAMED: usize = 20;
 
@@ -91,6 +94,13 @@ pub(super) fn cell(
             column,
             value: printable(text),
         }),
+        Err(_) if text.replacen(',', ".", 1).parse::<f64>().is_ok() => {
+            Err(RecordError::DecimalComma {
+                line,
+                column,
+                value: printable(text),
+            })
+        }
         Err(_) => Err(RecordError::NotANumber {
             line,
             column,
@@ -99,13 +109,33 @@ pub(super) fn cell(
     }
 }
 
-/// The sampling interval that all stamps keep: their median step decides what
-/// is irregular, their whole span gives the figure.
-pub(super) fn sampling_interval(
-    stamps: &[f64],
-    lines: &[u64],
-    column: &str,
-) -> Result<f64, RecordError> {
+/// Refuses a row with more cells than the header has names, as decimal commas make them.
+pub(super) fn surplus(
+    line: u64,
+    names: &csv::StringRecord,
+    row: &csv::StringRecord,
+) -> Result<(), RecordError> {
+    let surplus = row.iter().skip(names.len()).any(|cell| !cell.is_empty());
+    match surplus {
+        true => Err(RecordError::LongLine {
+            line,
+            found: row.len(),
+            expected: names.len(),
+        }),
+        false => Ok(()),
+    }
+}
+
+/// What the time stamps are.
+pub(super) enum Timing {
+    /// Equally spaced, up to the rounding in the file.
+    Regular(f64),
+    /// Around equal intervals: the mean interval and the largest departure of a step, relative to it.
+    Jitter { dt: f64, largest: f64 },
+}
+
+/// The sampling interval of the stamps: their median step decides what is irregular, their whole span gives the figure.
+pub(super) fn timing(stamps: &[f64], lines: &[u64], column: &str) -> Result<Timing, RecordError> {
     if stamps.len() < 2 {
         return Err(RecordError::TooFewSamples {
             found: stamps.len(),
@@ -130,9 +160,15 @@ pub(super) fn sampling_interval(
     }
     if let Some(k) = steps
         .iter()
-        .position(|s| (s - median).abs() > STEP_TOLERANCE * median)
+        .position(|s| (s - median).abs() > JITTER * median)
     {
         return Err(irregular(k, median));
     }
-    Ok((stamps[stamps.len() - 1] - stamps[0]) / steps.len() as f64)
+    let dt = (stamps[stamps.len() - 1] - stamps[0]) / steps.len() as f64;
+    let largest = steps.iter().map(|s| (s - median).abs() / median);
+    let largest = largest.fold(0.0, f64::max);
+    Ok(match largest > STEP_TOLERANCE {
+        true => Timing::Jitter { dt, largest },
+        false => Timing::Regular(dt),
+    })
 }

@@ -42,6 +42,22 @@ pub(crate) enum RecordError {
         column: String,
         value: String,
     },
+    /// A cell holds a number with a decimal comma.
+    #[error("line {line}, column `{column}`: `{value}` has a decimal comma; write a point")]
+    DecimalComma {
+        line: u64,
+        column: String,
+        value: String,
+    },
+    /// A line is longer than the header.
+    #[error(
+        "line {line} has {found} cells under {expected} names; decimal commas need another separator, such as `;`, and then points"
+    )]
+    LongLine {
+        line: u64,
+        found: usize,
+        expected: usize,
+    },
     /// A cell is a number, but NaN or infinite.
     #[error("line {line}, column `{column}`: `{value}` is not finite (expected a finite number)")]
     NotFinite {
@@ -51,7 +67,7 @@ pub(crate) enum RecordError {
     },
     /// The time stamps are not equally spaced.
     #[error(
-        "line {line}: irregular time stamps, a step of {} s where {} s was expected (column `{column}`)",
+        "line {line}: irregular time stamps, a step of {} s where {} s was expected (column `{column}`); --dt S takes the rows as equally spaced",
         significant(*found, 4), significant(*expected, 4)
     )]
     IrregularTime {

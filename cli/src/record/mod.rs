@@ -3,13 +3,14 @@
 
 mod cells;
 mod error;
+mod resample;
 #[cfg(test)]
 mod tests;
 
 use std::io::Read;
 use std::path::Path;
 
-use cells::{cell, position, sampling_interval, unit_of};
+use cells::{Timing, cell, position, surplus, timing, unit_of};
 pub(crate) use error::RecordError;
 
 /// The column of the time stamps.
@@ -18,6 +19,10 @@ pub(crate) struct Clock<'a> {
     pub column: &'a str,
     /// Its unit in s; without it the name of the column must not say another one than s.
     pub unit: Option<f64>,
+    /// The sampling interval in s, where no column is read.
+    pub dt: Option<f64>,
+    /// Whether the signals after the first are held between their samples, not straight: how jitter is taken out.
+    pub held: bool,
 }
 
 /// Equally sampled signals read from one file.
@@ -29,6 +34,9 @@ pub(crate) struct Record {
     pub start: f64,
     /// Sampling interval in s.
     pub dt: f64,
+    /// The largest departure of a time step from the interval, relative to it, where the samples were therefore moved to
+    /// equal intervals.
+    pub jitter: Option<f64>,
     /// The signals in the order in which they were asked for.
     pub signals: Vec<Vec<f64>>,
 }
@@ -71,7 +79,17 @@ impl Record {
     ) -> Result<Self, RecordError> {
         let text = String::from_utf8_lossy(bytes);
         let lines = Lines::of(text.trim_start_matches('\u{feff}'));
-        let (columns, numbers) = lines.columns(path, clock.column, signals)?;
+        if let Some(dt) = clock.dt {
+            let (signals, _) = lines.columns(path, None, signals)?;
+            return Ok(Self {
+                comments: lines.comments,
+                start: 0.0,
+                dt,
+                jitter: None,
+                signals,
+            });
+        }
+        let (columns, numbers) = lines.columns(path, Some(clock.column), signals)?;
         let unit = match clock.unit {
             Some(unit) => unit,
             None => match unit_of(clock.column) {
@@ -87,12 +105,21 @@ impl Record {
         let mut columns = columns.into_iter();
         let stamps: Vec<f64> = columns.next().unwrap_or_default();
         let stamps: Vec<f64> = stamps.iter().map(|t| unit * t).collect();
-        let dt = sampling_interval(&stamps, &numbers, clock.column)?;
+        let timing = timing(&stamps, &numbers, clock.column)?;
+        let mut signals: Vec<Vec<f64>> = columns.collect();
+        let (dt, jitter) = match timing {
+            Timing::Regular(dt) => (dt, None),
+            Timing::Jitter { dt, largest } => {
+                signals = resample::resampled(&stamps, dt, &signals, clock.held);
+                (dt, Some(largest))
+            }
+        };
         Ok(Self {
             comments: lines.comments,
             start: stamps[0],
             dt,
-            signals: columns.collect(),
+            jitter,
+            signals,
         })
     }
 
@@ -142,6 +169,7 @@ impl Record {
             comments: self.comments.clone(),
             start: self.start + first as f64 * self.dt,
             dt: self.dt,
+            jitter: self.jitter,
             signals: self
                 .signals
                 .iter()
@@ -183,11 +211,11 @@ impl Lines {
         lines
     }
 
-    /// The column `time`, then those of the signals; and the number of the line of each row.
+    /// The column `time` where there is one, then those of the signals; and the number of the line of each row.
     fn columns(
         &self,
         path: &Path,
-        time: &str,
+        time: Option<&str>,
         signals: &[String],
     ) -> Result<(Vec<Vec<f64>>, Vec<u64>), RecordError> {
         let header = self.table.lines().next();
@@ -208,8 +236,8 @@ impl Lines {
             reason: e.to_string(),
         };
         let names = rows.headers().map_err(unreadable)?.clone();
-        let mut wanted = vec![position(path, &names, time)?];
-        for name in signals {
+        let mut wanted = Vec::new();
+        for name in time.into_iter().chain(signals.iter().map(String::as_str)) {
             wanted.push(position(path, &names, name)?);
         }
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); wanted.len()];
@@ -221,6 +249,7 @@ impl Lines {
             if row.iter().all(str::is_empty) {
                 continue;
             }
+            surplus(line, &names, &row)?;
             for (values, &c) in columns.iter_mut().zip(&wanted) {
                 values.push(cell(line, &names, &row, c)?);
             }

@@ -5,6 +5,8 @@ use super::*;
 const SECONDS: Clock = Clock {
     column: "t",
     unit: None,
+    dt: None,
+    held: true,
 };
 
 fn parse(text: &str, signals: &[&str]) -> Result<Record, RecordError> {
@@ -97,7 +99,7 @@ fn the_first_irregular_step_is_named() {
     let text = "t,u,y\n0,1,2\n0.1,3,4\n0.2,3,4\n0.35,3,4\n0.45,3,4\n";
     assert_eq!(
         refusal(text),
-        "line 5: irregular time stamps, a step of 0.1500 s where 0.1000 s was expected (column `t`)"
+        "line 5: irregular time stamps, a step of 0.1500 s where 0.1000 s was expected (column `t`); --dt S takes the rows as equally spaced"
     );
     assert!(refusal("t,u,y\n0,1,2\n0,3,4\n0,3,4\n").starts_with("line 3: irregular time stamps"));
     assert!(refusal("t,u,y\n2,1,2\n1,3,4\n0,3,4\n").starts_with("line 3: irregular time stamps"));
@@ -135,6 +137,7 @@ fn a_clock_in_another_unit_is_asked_for() {
         let clock = Clock {
             column: "t_ms",
             unit,
+            ..SECONDS
         };
         Record::parse(
             Path::new("x.csv"),
@@ -164,7 +167,7 @@ fn fast_steps_are_told_apart() {
     let text = "t,u,y\n0,1,2\n1e-7,3,4\n2e-7,3,4\n4e-7,3,4\n";
     assert_eq!(
         refusal(text),
-        "line 5: irregular time stamps, a step of 2.000e-7 s where 1.000e-7 s was expected (column `t`)"
+        "line 5: irregular time stamps, a step of 2.000e-7 s where 1.000e-7 s was expected (column `t`); --dt S takes the rows as equally spaced"
     );
 }
 
@@ -176,5 +179,44 @@ fn control_bytes_are_not_repeated() {
     assert_eq!(
         said,
         "line 3, column `u`: `\\u{1b}[31m` is not a number (expected one like -1.5e-3)"
+    );
+}
+
+#[test]
+fn jitter_is_moved_to_equal_intervals_and_said() {
+    let text = "t,y,u\n0,0,1\n1.1,2.2,0\n2,4,0\n2.9,5.8,1\n4,8,1\n";
+    let found = parse(text, &["y", "u"]).unwrap();
+    assert_eq!((found.dt, found.signals[0].len()), (1.0, 5));
+    // The median step is 1.1, the others 0.9.
+    assert!((found.jitter.unwrap() - 0.2 / 1.1).abs() < 1e-12);
+    for (k, y) in found.signals[0].iter().enumerate() {
+        assert!((y - 2.0 * k as f64).abs() < 1e-12);
+    }
+    let regular = parse("t,u\n0,1\n1,2\n2,3\n", &["u"]).unwrap();
+    assert_eq!(regular.jitter, None);
+}
+
+#[test]
+fn a_given_interval_needs_no_time_stamps() {
+    let clock = Clock {
+        dt: Some(0.25),
+        ..SECONDS
+    };
+    let text = b"u,y\n1,2\n3,4\n";
+    let names = ["y".to_owned(), "u".to_owned()];
+    let found = Record::parse(Path::new("x.csv"), text, clock, &names).unwrap();
+    assert_eq!((found.dt, found.start), (0.25, 0.0));
+    assert_eq!(found.signals, [[2.0, 4.0], [1.0, 3.0]]);
+}
+
+#[test]
+fn decimal_commas_are_hinted_at() {
+    assert_eq!(
+        refusal("t;u;y\n0;1,5;2\n1;2;3\n"),
+        "line 2, column `u`: `1,5` has a decimal comma; write a point"
+    );
+    assert_eq!(
+        refusal("t,u,y\n0,0,1,5,2,0\n"),
+        "line 2 has 6 cells under 3 names; decimal commas need another separator, such as `;`, and then points"
     );
 }

@@ -15,6 +15,71 @@ fn every_command_helps_with_an_example() {
 }
 
 #[test]
+fn tune_gives_gains_with_margins_for_a_model_and_for_a_record() {
+    let dir = Scratch::new("tune");
+    let plant = ["--numerator", "1e6", "--denominator", "1,20,400,0"];
+    let rest = [
+        "--sample-time",
+        "0.001",
+        "--delay",
+        "0.5",
+        "--bandwidth",
+        "4",
+    ];
+    let mut args = vec!["tune", "model"];
+    args.extend(plant);
+    args.extend(rest);
+    let text = stdout(&args);
+    for word in [
+        "cascade",
+        "PID",
+        "state feedback",
+        "phase",
+        "feedforward",
+        "max sensitivity",
+    ] {
+        assert!(text.contains(word), "{word} is missing in {text}");
+    }
+    args.push("--json");
+    let out = dir.path("pictures");
+    args.extend(["--plot", &out]);
+    let found = json(&args);
+    let loops = found["loops"].as_array().unwrap();
+    assert_eq!(loops.len(), 3);
+    assert!(loops.iter().all(|l| l["margins"]["stable"] == true));
+    near(&loops[0]["gains"]["kv"], 4.0, 0.001);
+    for name in ["step", "bode"] {
+        let svg = std::fs::read_to_string(format!("{out}/{name}.svg")).unwrap();
+        assert!(svg.contains("state feedback"));
+    }
+    let record = dir.path("servo.csv");
+    stdout(&[
+        "simulate",
+        "--out",
+        &record,
+        "--seconds",
+        "4",
+        "--seed",
+        "1",
+        "--eta",
+        "500",
+    ]);
+    let found = json(&[
+        "tune",
+        "record",
+        &record,
+        "--order",
+        "3",
+        "--integrator",
+        "--delay",
+        "0",
+        "--json",
+    ]);
+    let first = &found["loops"][0];
+    assert!(first["within_2_sigma"]["max_sensitivity"].as_f64().unwrap() <= 1.7);
+}
+
+#[test]
 fn demo_shows_truth_beside_estimate_and_draws() {
     let dir = Scratch::new("demo");
     let out = dir.path("pictures");

@@ -96,7 +96,7 @@ fn irregular_time_stamps() {
     });
     assert_eq!(
         identified("time-stamps", &text, &[]),
-        "line 33: irregular time stamps, a step of 1.500 s where 1.000 s was expected (column `t`)"
+        "line 33: irregular time stamps, a step of 1.500 s where 1.000 s was expected (column `t`); --dt S takes the rows as equally spaced"
     );
 }
 

@@ -15,6 +15,7 @@ pub mod coverage;
 pub mod iterations;
 pub mod methods;
 pub mod offline;
+pub mod sigma;
 pub mod statistics;
 pub mod table1;
 pub mod transient;

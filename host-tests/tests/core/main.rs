@@ -20,6 +20,7 @@ mod exact;
 mod faults;
 mod flash;
 mod forgetting;
+mod instruments;
 mod integral;
 mod oracle;
 mod planes;

@@ -1,0 +1,223 @@
+//! What `trendid tune` prints.
+
+use serde_json::{Value, json};
+use trendid_identify::tune::{Gains, Goal, Margins, Model, Tuned, TunedLoop};
+
+use crate::format::{counted, significant, transfer_function};
+use crate::output::number;
+
+/// Significant digits of a gain.
+const DIGITS: usize = 6;
+
+pub(super) struct Report<'a> {
+    pub(super) model: &'a Model,
+    pub(super) goal: Goal,
+    pub(super) tuned: &'a Tuned,
+}
+
+fn gain(value: f64) -> String {
+    significant(value, DIGITS)
+}
+
+/// `3.2 (10.1 dB)`.
+fn factor(value: f64) -> String {
+    match value.is_finite() {
+        true => format!("{} ({:.1} dB)", significant(value, 3), 20.0 * value.log10()),
+        false => "none".into(),
+    }
+}
+
+fn margins(what: &str, m: &Margins) -> String {
+    let limited = |value: f64, unit: &str| match value.is_finite() {
+        true => format!("{} {unit}", significant(value, 3)),
+        false => "none".into(),
+    };
+    format!(
+        "  {what:<18} gain {}, phase {}, delay {}, max sensitivity {}{}\n",
+        factor(m.gain),
+        limited(m.phase_deg, "deg"),
+        limited(m.delay, "s"),
+        significant(m.max_sensitivity, 3),
+        if m.stable { "" } else { ", UNSTABLE" }
+    )
+}
+
+impl Report<'_> {
+    /// The report for people.
+    pub(super) fn text(&self) -> String {
+        let Self { model, goal, tuned } = self;
+        let samples = model.delay / goal.sample_time;
+        let samples = match samples == 1.0 {
+            true => "1 sample".into(),
+            false => format!("{} samples", significant(samples, 3)),
+        };
+        let mut text = format!(
+            "y / u = {}\ncontroller every {} s, delay of the plant {samples}\n",
+            transfer_function(&model.b, &model.a, model.delay),
+            goal.sample_time
+        );
+        for found in &tuned.loops {
+            text += &format!(
+                "\n{}, bandwidth {} rad/s{}\n",
+                title(&found.gains),
+                significant(found.bandwidth, 4),
+                if goal.bandwidth.is_none() {
+                    " (auto)"
+                } else {
+                    ""
+                }
+            );
+            text += &self.gains(&found.gains);
+            text += &margins("margins", &found.margins);
+            if let Some(worst) = &found.worst {
+                text += &margins("within 2 sigma", worst);
+            }
+            text += &self.step(found);
+        }
+        for (kind, reason) in &tuned.refused {
+            text += &format!("\nno {kind}: {reason}\n");
+        }
+        let terms: Vec<String> = tuned
+            .feedforward
+            .iter()
+            .enumerate()
+            .filter(|(_, value)| **value != 0.0)
+            .map(|(i, value)| format!("{} r{}", gain(*value), "'".repeat(i)))
+            .collect();
+        text += &format!("\nfeedforward        u += {}\n", terms.join(" + "));
+        text
+    }
+
+    fn gains(&self, gains: &Gains) -> String {
+        let dt = self.goal.sample_time;
+        match gains {
+            Gains::Cascade(c) => format!(
+                "  kv = {} 1/s, kp = {}, ti = {} s, velocity filter tf = {} s\n  \
+                 v += {} ((y - y1)/T - v); e = kv (r - y) - v; u = kp e + I; I += {} e\n",
+                gain(c.kv),
+                gain(c.kp),
+                gain(c.ti),
+                gain(c.tf),
+                gain(dt / (c.tf + dt)),
+                gain(c.kp * dt / c.ti),
+            ),
+            Gains::Pid(c) => {
+                let (b, a) = c.difference_equation(dt);
+                format!(
+                    "  kp = {}, ti = {} s, td = {} s, tf = {} s; parallel ki = {} 1/s, kd = {} s\n  \
+                     u = {} u1 + {} u2 + {} e + {} e1 + {} e2, e = r - y; or e = -y in the derivative, as simulated\n",
+                    gain(c.kp),
+                    gain(c.ti),
+                    gain(c.td),
+                    gain(c.tf),
+                    gain(c.kp / c.ti),
+                    gain(c.kp * c.td),
+                    gain(-a[0]),
+                    gain(-a[1]),
+                    gain(b[0]),
+                    gain(b[1]),
+                    gain(b[2]),
+                )
+            }
+            Gains::StateFeedback(c) => {
+                let list = |values: &[f64]| {
+                    let each: Vec<String> = values.iter().map(|v| gain(*v)).collect();
+                    each.join(", ")
+                };
+                let states = match c.derivatives {
+                    true => "y and its derivatives",
+                    false => "the controllable form",
+                };
+                let input = match c.k_input == 0.0 {
+                    true => String::new(),
+                    false => format!(", of the input before {}", gain(c.k_input)),
+                };
+                format!(
+                    "  {} of {states}: k = [{}]{input}, of the reference {}\n  observer l = [{}], the last of the disturbance\n",
+                    counted(c.k.len(), "state"),
+                    list(&c.k),
+                    gain(c.n),
+                    list(&c.l),
+                )
+            }
+        }
+    }
+
+    fn step(&self, found: &TunedLoop) -> String {
+        if !found.margins.stable {
+            return String::new();
+        }
+        let course = found.step(&self.tuned.plant, span(found));
+        let highest = course.iter().map(|s| s.output).fold(0.0, f64::max);
+        let command = course.iter().map(|s| s.command.abs()).fold(0.0, f64::max);
+        let reached = |share: f64| {
+            let sample = course.iter().find(|s| s.output >= share);
+            sample.map_or(f64::NAN, |s| s.time)
+        };
+        format!(
+            "  step of 1          rise (10 to 90 %) {} s, overshoot {} %, largest command {}\n",
+            significant(reached(0.9) - reached(0.1), 3),
+            significant(100.0 * (highest - 1.0).max(0.0), 2),
+            significant(command, 3)
+        )
+    }
+
+    /// The report for machines.
+    pub(super) fn json(&self) -> Value {
+        let Self { model, goal, tuned } = self;
+        let list = |values: &[f64]| -> Vec<Value> { values.iter().map(|v| number(*v)).collect() };
+        let margins = |m: &Margins| {
+            json!({
+                "gain": number(m.gain), "phase_deg": number(m.phase_deg), "delay_s": number(m.delay),
+                "max_sensitivity": number(m.max_sensitivity), "crossover": number(m.crossover), "stable": m.stable,
+            })
+        };
+        let gains = |gains: &Gains| match gains {
+            Gains::Cascade(c) => json!({"kv": c.kv, "kp": c.kp, "ti": c.ti, "tf": c.tf}),
+            Gains::Pid(c) => {
+                let (b, a) = c.difference_equation(goal.sample_time);
+                json!({"kp": c.kp, "ti": c.ti, "td": c.td, "tf": c.tf, "b": b, "a": a})
+            }
+            Gains::StateFeedback(c) => json!({
+                "k": list(&c.k), "k_input": c.k_input, "n": c.n, "l": list(&c.l), "derivatives": c.derivatives,
+            }),
+        };
+        let loops: Vec<Value> = tuned
+            .loops
+            .iter()
+            .map(|found| {
+                json!({
+                    "kind": found.gains.name(),
+                    "bandwidth": number(found.bandwidth),
+                    "gains": gains(&found.gains),
+                    "margins": margins(&found.margins),
+                    "within_2_sigma": found.worst.as_ref().map(margins),
+                })
+            })
+            .collect();
+        let refused: Vec<Value> = tuned
+            .refused
+            .iter()
+            .map(|(kind, reason)| json!({"kind": kind, "reason": reason}))
+            .collect();
+        json!({
+            "a": list(&model.a), "b": list(&model.b), "delay_s": number(model.delay),
+            "sample_time": number(goal.sample_time),
+            "loops": loops, "refused": refused, "feedforward": list(&tuned.feedforward),
+        })
+    }
+}
+
+/// Seconds that show a step.
+pub(super) fn span(found: &TunedLoop) -> f64 {
+    15.0 / found.bandwidth
+}
+
+fn title(gains: &Gains) -> &'static str {
+    match gains {
+        Gains::Cascade(_) => "cascade, position P around velocity PI",
+        Gains::Pid(c) if c.td == 0.0 => "PI",
+        Gains::Pid(_) => "PID, derivative of the output filtered",
+        Gains::StateFeedback(_) => "state feedback with observer",
+    }
+}

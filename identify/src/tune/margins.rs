@@ -1,0 +1,169 @@
+//! How far a loop is from instability.
+
+use std::f64::consts::PI;
+
+use nalgebra::{Complex, DMatrix};
+
+use super::controller::Controller;
+use super::plant::SampledPlant;
+
+/// Frequencies of a sweep.
+const FREQUENCIES: usize = 400;
+/// Decades of the sweep below half the sampling frequency.
+const DECADES: f64 = 5.0;
+/// Steps that sharpen a crossing.
+const BISECTIONS: usize = 40;
+
+/// Margins of a loop that is broken at the input of the plant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Margins {
+    /// Smallest factor on the gain that makes the loop unstable; infinite where none does.
+    pub gain: f64,
+    /// Smallest lag that does \[deg\].
+    pub phase_deg: f64,
+    /// Smallest delay that does \[s\].
+    pub delay: f64,
+    /// Largest amplification of a disturbance of the output: `max |1/(1+L)|`.
+    pub max_sensitivity: f64,
+    /// Where the gain of the loop crosses one last \[rad/s\].
+    pub crossover: f64,
+    /// Whether all poles of the closed loop are inside the unit circle.
+    pub stable: bool,
+}
+
+impl Margins {
+    /// The worse of two in each figure.
+    pub(super) fn worse(self, other: Self) -> Self {
+        Self {
+            gain: self.gain.min(other.gain),
+            phase_deg: self.phase_deg.min(other.phase_deg),
+            delay: self.delay.min(other.delay),
+            max_sensitivity: self.max_sensitivity.max(other.max_sensitivity),
+            crossover: self.crossover.max(other.crossover),
+            stable: self.stable && other.stable,
+        }
+    }
+}
+
+/// Frequencies evenly on a logarithmic scale up to half the sampling frequency.
+pub(super) fn frequencies(dt: f64) -> Vec<f64> {
+    let top = 0.999 * PI / dt;
+    let at = |k: usize| {
+        let share = 1.0 - k as f64 / (FREQUENCIES - 1) as f64;
+        top * 10f64.powf(-DECADES * share)
+    };
+    (0..FREQUENCIES).map(at).collect()
+}
+
+/// The margins of a controller with a plant.
+pub(super) fn margins(plant: &SampledPlant, controller: &Controller) -> Margins {
+    let dt = plant.dt;
+    let open = |omega: f64| plant.response(omega) * controller.response(omega, dt);
+    let grid = frequencies(dt);
+    let values: Vec<Complex<f64>> = grid.iter().map(|omega| open(*omega)).collect();
+    let mut found = Margins {
+        gain: f64::INFINITY,
+        phase_deg: f64::INFINITY,
+        delay: f64::INFINITY,
+        max_sensitivity: 0.0,
+        crossover: 0.0,
+        stable: is_stable(plant, controller),
+    };
+    let sensitivity = |l: Complex<f64>| 1.0 / (l + 1.0).norm();
+    for k in 0..grid.len() {
+        found.max_sensitivity = found.max_sensitivity.max(sensitivity(values[k]));
+        let Some((next, now)) = values.get(k + 1).zip(Some(values[k])) else {
+            break;
+        };
+        let [low, high] = [grid[k], grid[k + 1]];
+        if (now.norm() - 1.0) * (next.norm() - 1.0) < 0.0 {
+            let omega = crossing(low, high, |omega| open(omega).norm() - 1.0);
+            // The lag down to -180 degrees, from 0 to 360.
+            let lag = (open(omega).arg() + PI).rem_euclid(2.0 * PI);
+            found.phase_deg = found.phase_deg.min(lag.to_degrees());
+            found.phase_deg = found.phase_deg.min(360.0 - lag.to_degrees());
+            found.delay = found.delay.min(lag / omega);
+            found.crossover = found.crossover.max(omega);
+        }
+        // The negative real axis.
+        if now.im * next.im < 0.0 && now.re.min(next.re) < 0.0 {
+            let omega = crossing(low, high, |omega| open(omega).im);
+            let real = open(omega).re;
+            if real < 0.0 {
+                let factor = -1.0 / real;
+                found.gain = found.gain.min(factor.max(1.0 / factor));
+            }
+        }
+    }
+    let peak = grid.iter().zip(&values).map(|(w, l)| (*w, sensitivity(*l)));
+    if let Some((peak, _)) = peak.max_by(|x, y| x.1.total_cmp(&y.1)) {
+        // Three parabolas' worth of refinement: a finer grid around the peak.
+        for k in -100..=100 {
+            let omega = peak * (1.0 + 3e-4 * f64::from(k));
+            if omega < PI / dt {
+                found.max_sensitivity = found.max_sensitivity.max(sensitivity(open(omega)));
+            }
+        }
+    }
+    found
+}
+
+fn crossing(low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (low, high);
+    let sign = f(low).signum();
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (low + high);
+        match f(middle).signum() == sign {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// Whether the closed loop is stable: states of the plant, past inputs, states of the controller.
+fn is_stable(plant: &SampledPlant, controller: &Controller) -> bool {
+    let (m, d, n) = (plant.order(), plant.delay + 1, controller.states());
+    let size = m + d + n;
+    let mut closed = DMatrix::zeros(size, size);
+    let chain = |lag: usize| m + lag - 1;
+    closed.view_mut((0, 0), (m, m)).copy_from(&plant.a);
+    // u(k) in all states.
+    let mut u = DMatrix::zeros(1, size);
+    for i in 0..m {
+        u[(0, i)] = controller.d[1] * plant.c[i];
+    }
+    for j in 0..n {
+        u[(0, m + d + j)] = controller.c[j];
+    }
+    for (share, lag) in plant.b.iter().zip([plant.delay, plant.delay + 1]) {
+        for i in 0..m {
+            match lag {
+                0 => (0..size).for_each(|j| closed[(i, j)] += share[i] * u[(0, j)]),
+                lag => closed[(i, chain(lag))] += share[i],
+            }
+        }
+    }
+    for j in 0..size {
+        closed[(chain(1), j)] = u[(0, j)];
+    }
+    for lag in 2..=d {
+        closed[(chain(lag), chain(lag - 1))] = 1.0;
+    }
+    for i in 0..n {
+        for j in 0..m {
+            closed[(m + d + i, j)] = controller.b[1][i] * plant.c[j];
+        }
+        for j in 0..n {
+            closed[(m + d + i, m + d + j)] = controller.a[(i, j)];
+        }
+    }
+    if !closed.iter().all(|v| v.is_finite()) {
+        return false;
+    }
+    let Some(schur) = closed.try_schur(f64::EPSILON, 100_000) else {
+        return false;
+    };
+    let eigenvalues = schur.complex_eigenvalues();
+    eigenvalues.iter().all(|z| z.norm() < 1.0 - 1e-9)
+}

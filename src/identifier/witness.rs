@@ -1,0 +1,20 @@
+//! What an identifier shows of its samples to something that runs beside it.
+
+/// Sees the trends of the inputs and the rows of an identifier; `()` sees nothing and costs nothing.
+pub(crate) trait Witness<const M: usize, const N: usize, const I: usize> {
+    /// The trends of the inputs begin anew, at rest.
+    fn begin(&mut self);
+    /// The trends of the inputs of a sample, also of one without y.
+    fn inputs(&mut self, trends: &[[f32; M]; I]);
+    /// A row that the estimator takes: the normalised regressor and its left-hand side.
+    fn row(&mut self, phi: &[f32; N], psi: f32);
+}
+
+impl<const M: usize, const N: usize, const I: usize> Witness<M, N, I> for () {
+    #[inline(always)]
+    fn begin(&mut self) {}
+    #[inline(always)]
+    fn inputs(&mut self, _: &[[f32; M]; I]) {}
+    #[inline(always)]
+    fn row(&mut self, _: &[f32; N], _: f32) {}
+}

@@ -1,0 +1,332 @@
+//! Sums of products over blocks of time, as many as fit a ring.
+//!
+//! ```text
+//! S_b = sum over the rows of block b of z [phi' psi]          b = 0 .. 15
+//! ```
+//!
+//! When all blocks are in use neighbours are added, which leaves eight, and a new block gets twice the rows: whatever the
+//! length of the record, there are 8 to 16 blocks of equal length. With a memory the blocks are scaled by
+//! `lambda^rows` when one closes and grow no longer than an eighth of the memory; the two oldest are then added.
+//! At most one pair of blocks is added with a row.
+//!
+//! Rows are summed apart before they enter their block: f32 adds at most [`APART`] rows, then at most as many of these
+//! sums, with a rounding of `2^-24 sqrt(rows)` rather than of `2^-24` times as many.
+
+/// Blocks in the ring.
+pub(crate) const BLOCKS: usize = 16;
+
+/// Rows of the first blocks at least.
+const FIRST: u32 = 8;
+
+/// Rows that are summed apart.
+const APART: u32 = 128;
+
+/// Sums of z phi' and of z psi.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Products<const N: usize, const R: usize> {
+    pub(crate) phi: [[f32; N]; R],
+    pub(crate) psi: [f32; R],
+}
+
+impl<const N: usize, const R: usize> Products<N, R> {
+    pub(crate) const ZERO: Self = Self {
+        phi: [[0.0; N]; R],
+        psi: [0.0; R],
+    };
+
+    /// Adds the products of a row, of the first `columns` regressors.
+    #[inline(always)]
+    fn add_row(&mut self, z: &[f32; R], phi: &[f32; N], psi: f32) {
+        for r in 0..R {
+            for j in 0..N {
+                self.phi[r][j] += z[r] * phi[j];
+            }
+            self.psi[r] += z[r] * psi;
+        }
+    }
+
+    /// `own` times these plus `weight` times others.
+    #[inline(never)]
+    pub(crate) fn add(&mut self, own: f32, other: &Self, weight: f32) {
+        let sums = self.phi.as_flattened_mut();
+        for (sum, value) in sums.iter_mut().zip(other.phi.as_flattened()) {
+            *sum = own * *sum + weight * value;
+        }
+        for (sum, value) in self.psi.iter_mut().zip(&other.psi) {
+            *sum = own * *sum + weight * value;
+        }
+    }
+}
+
+/// The sums of a block.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Block<const N: usize, const R: usize> {
+    sums: Products<N, R>,
+    /// What they count now.
+    weight: f32,
+    /// Rows in them.
+    rows: f32,
+}
+
+impl<const N: usize, const R: usize> Block<N, R> {
+    const EMPTY: Self = Self {
+        sums: Products::ZERO,
+        weight: 1.0,
+        rows: 0.0,
+    };
+}
+
+/// The ring of blocks.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Blocks<const N: usize, const R: usize> {
+    /// Rows that are not in a block yet.
+    fresh: Products<N, R>,
+    fresh_rows: u32,
+    blocks: [Block<N, R>; BLOCKS],
+    /// Blocks from the oldest to the newest; the last one in use takes the rows.
+    order: [u8; BLOCKS],
+    used: usize,
+    /// Rows of a whole block, and of the present one so far.
+    length: u32,
+    taken: u32,
+    /// Rows of the longest block, for a memory.
+    longest: u32,
+    /// lambda^length.
+    decay: f32,
+    /// The next pair of neighbours to be added; all are where it is half of the blocks.
+    pair: usize,
+    /// Rows for which the blocks are left as they are, because somebody reads them.
+    held: u32,
+    /// Changes of the blocks so far.
+    pub(crate) changes: u32,
+}
+
+impl<const N: usize, const R: usize> Blocks<N, R> {
+    /// No rows; `forgetting` is lambda.
+    pub(crate) fn new(forgetting: f32) -> Self {
+        let mut order = [0; BLOCKS];
+        for (i, slot) in order.iter_mut().enumerate() {
+            *slot = i as u8;
+        }
+        // With a memory the last doubling ends at an eighth of it.
+        let longest = match forgetting < 1.0 {
+            true => ((0.125 / (1.0 - forgetting)) as u32).max(FIRST),
+            false => FIRST << 26,
+        };
+        let length = longest >> (longest / FIRST).ilog2();
+        let mut decay = 1.0;
+        for _ in 0..length {
+            decay *= forgetting;
+        }
+        Self {
+            fresh: Products::ZERO,
+            fresh_rows: 0,
+            blocks: [Block::EMPTY; BLOCKS],
+            order,
+            used: 1,
+            length,
+            taken: 0,
+            longest,
+            decay,
+            pair: BLOCKS / 2,
+            held: 0,
+            changes: 0,
+        }
+    }
+
+    /// Takes the products of a row.
+    #[inline(always)]
+    pub(crate) fn update(&mut self, z: &[f32; R], phi: &[f32; N], psi: f32) {
+        self.fresh.add_row(z, phi, psi);
+        self.fresh_rows = self.fresh_rows.saturating_add(1);
+        if self.fresh_rows >= APART.min(self.length) || self.pair < BLOCKS / 2 {
+            self.tidy();
+        }
+    }
+
+    /// Leaves the blocks as they are for so many rows.
+    pub(crate) fn hold(&mut self, rows: u32) {
+        self.held = rows;
+    }
+
+    /// Adds a pair of neighbours, or lets the rows summed apart into their block.
+    #[inline(never)]
+    fn tidy(&mut self) {
+        if self.held > 0 {
+            self.held -= 1;
+            return;
+        }
+        self.changes = self.changes.wrapping_add(1);
+        if self.pair < BLOCKS / 2 {
+            self.add_pair();
+            return;
+        }
+        let newest = self.slot(self.used - 1);
+        if let Some(block) = self.blocks.get_mut(newest) {
+            block.sums.add(1.0, &self.fresh, 1.0);
+            block.rows += self.fresh_rows as f32;
+        }
+        self.taken = self.taken.saturating_add(self.fresh_rows);
+        self.fresh = Products::ZERO;
+        self.fresh_rows = 0;
+        if self.taken >= self.length {
+            self.close();
+        }
+    }
+
+    fn slot(&self, place: usize) -> usize {
+        usize::from(self.order.get(place).copied().unwrap_or(0))
+    }
+
+    /// Ends the newest block and begins another.
+    fn close(&mut self) {
+        self.taken = 0;
+        for block in &mut self.blocks {
+            block.weight *= self.decay;
+        }
+        if self.used < BLOCKS {
+            self.used += 1;
+        } else if self.length <= self.longest / 2 {
+            self.length *= 2;
+            self.decay *= self.decay;
+            // Firsts of the pairs, then the seconds that become free.
+            let before = self.order;
+            let (firsts, seconds) = self.order.split_at_mut(BLOCKS / 2);
+            for (places, pair) in firsts.iter_mut().zip(seconds).zip(before.chunks_exact(2)) {
+                if let [first, second] = pair {
+                    (*places.0, *places.1) = (*first, *second);
+                }
+            }
+            self.used = BLOCKS / 2 + 1;
+            self.pair = 0;
+            self.add_pair();
+        } else {
+            self.add_to(0, 1);
+            if let Some(rest) = self.order.get_mut(1..) {
+                rest.rotate_left(1);
+            }
+        }
+        let newest = self.slot(self.used - 1);
+        if let Some(block) = self.blocks.get_mut(newest) {
+            *block = Block::EMPTY;
+        }
+    }
+
+    /// Adds the next pair of neighbours.
+    fn add_pair(&mut self) {
+        self.add_to(self.pair, BLOCKS / 2 + self.pair);
+        self.pair += 1;
+    }
+
+    /// Adds the block at one place to that at another and empties it.
+    fn add_to(&mut self, place: usize, other: usize) {
+        let (place, other) = (self.slot(place), self.slot(other));
+        let Some(taken) = self.blocks.get_mut(other) else {
+            return;
+        };
+        let added = *taken;
+        *taken = Block::EMPTY;
+        if let Some(block) = self.blocks.get_mut(place) {
+            block.sums.add(block.weight, &added.sums, added.weight);
+            block.rows = block.weight * block.rows + added.weight * added.rows;
+            block.weight = 1.0;
+        }
+    }
+
+    /// A block with its weight; `None` where it is empty. The rows that are summed apart belong to none.
+    pub(crate) fn block(&self, index: usize) -> Option<(&Products<N, R>, f32)> {
+        let block = self.blocks.get(index).filter(|block| block.rows > 0.0)?;
+        Some((&block.sums, block.weight))
+    }
+
+    /// Rows that no block has yet.
+    pub(crate) fn fresh(&self) -> &Products<N, R> {
+        &self.fresh
+    }
+
+    /// How many blocks of equal size would spread their rows as these.
+    pub(crate) fn effective(&self) -> f32 {
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for block in &self.blocks {
+            let rows = block.weight * block.rows;
+            sum += rows;
+            squares += rows * rows;
+        }
+        if squares > 0.0 {
+            sum * (sum / squares)
+        } else {
+            0.0
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The total and the rows in it, over all blocks.
+    fn total(blocks: &Blocks<1, 1>) -> (f32, f32) {
+        let (mut sum, mut rows) = (blocks.fresh.psi[0], blocks.fresh_rows as f32);
+        for block in &blocks.blocks {
+            sum += block.weight * block.sums.psi[0];
+            rows += block.weight * block.rows;
+        }
+        (sum, rows)
+    }
+
+    #[test]
+    fn nothing_is_lost_and_blocks_stay_of_one_length() {
+        let mut blocks = Blocks::<1, 1>::new(1.0);
+        for k in 1..20_000_u32 {
+            blocks.update(&[1.0], &[2.0], 3.0);
+            let (sum, rows) = total(&blocks);
+            assert_eq!((sum, rows), (3.0 * k as f32, k as f32));
+            let effective = blocks.effective();
+            assert!(
+                k < 128 || (7.9..=16.0).contains(&effective),
+                "{k}: {effective}"
+            );
+        }
+        // 20 000 rows in 8 to 16 blocks of 8 times a power of two.
+        assert_eq!(blocks.length, 2048);
+        let whole = blocks.blocks.iter().filter(|block| block.rows == 2048.0);
+        assert_eq!(whole.count(), 9);
+    }
+
+    #[test]
+    fn with_a_memory_blocks_fade() {
+        // A memory of 1000 rows: blocks of 15, 30, .. 120 rows.
+        let mut blocks = Blocks::<1, 1>::new(0.999);
+        for _ in 0..50_000 {
+            blocks.update(&[1.0], &[1.0], 1.0);
+        }
+        assert_eq!(blocks.length, 120);
+        let (_, rows) = total(&blocks);
+        // 1000, up to half a block.
+        assert!((rows - 1000.0).abs() < 70.0, "{rows}");
+        assert!(
+            (10.0..14.0).contains(&blocks.effective()),
+            "{}",
+            blocks.effective()
+        );
+    }
+
+    #[test]
+    fn held_blocks_stay() {
+        let mut blocks = Blocks::<1, 1>::new(1.0);
+        for _ in 0..200 {
+            blocks.update(&[1.0], &[1.0], 1.0);
+        }
+        let before = blocks.blocks;
+        for _ in 0..300 {
+            blocks.hold(8);
+            blocks.update(&[1.0], &[1.0], 1.0);
+        }
+        assert_eq!(blocks.blocks, before);
+        for _ in 0..20 {
+            blocks.update(&[1.0], &[1.0], 1.0);
+        }
+        assert!(blocks.blocks != before);
+        assert_eq!(total(&blocks), (520.0, 520.0));
+    }
+}

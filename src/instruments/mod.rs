@@ -1,0 +1,283 @@
+//! Instruments beside the recursion: estimates without the bias of noise, standard deviations without a noise model.
+//!
+//! Known as: instrumental variables with a fixed auxiliary denominator (Young, Refined instrumental variable methods,
+//! 1981; Garnier and Wang, Identification of Continuous-time Models from Sampled Data, 2008), with a covariance by batch
+//! means of the scores (cluster-robust or sandwich covariance).
+//!
+//! Least squares has the noise of y in its regressors and is biased by it; white noise is taken out at the read-out, drift
+//! and colour are not. Instruments are functions of the inputs alone:
+//!
+//! ```text
+//! x_cj = s^j / (A_f A_z) u_c                                   A_z fixed, stable, of order q = m - integrators
+//! z    = (x_cj of all inputs ; the regressors that are not of y)                        R rows
+//! per sample     G += z [phi' psi]                             no auxiliary model runs: nothing can diverge
+//! at read-out    row of a_i := - sum_c sum_j b_cj (row of x_c,i-integrators+j)           `layout`
+//!                theta = (Z'Phi)^-1 Z'psi                      b by least squares first, then repeated      `solve`
+//!                V = M^-1 (sum_b s_b s_b') M^-T K/(K-1) K/(K-p),  s_b = g_b - G_b theta,  M = sum G_b       `reading`
+//! ```
+//!
+//! The sums stand in a ring of up to 16 blocks of time (`blocks`), so that the scores s_b tell how much the estimate would
+//! vary, whatever the spectrum of the noise; p parameters, K blocks. The equations are linear in the rows of the sums, so
+//! a better b counts for all past samples.
+//!
+//! Everything else, forgetting, held samples, gaps, delay, is the identifier's: only rows that its recursion takes enter the
+//! sums.
+
+mod auxiliary;
+mod blocks;
+mod layout;
+mod reading;
+mod solve;
+
+pub use layout::rows;
+pub use reading::Reading;
+
+use crate::error::ConfigError;
+use crate::identifier::witness::Witness;
+use crate::identifier::{Config, Identifier, Outcome};
+use crate::instruments::auxiliary::{Auxiliary, Lane};
+use crate::instruments::blocks::Blocks;
+use crate::instruments::layout::Layout;
+use crate::readout::estimate::Estimate;
+use crate::trends::TrendOperator;
+
+/// What an estimate rests on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Way {
+    /// Instruments, with standard deviations from the blocks.
+    Instruments,
+    /// The recursion: there are too few blocks of samples yet.
+    TooFewBlocks,
+    /// The recursion: the instruments are weak, they hardly move with what y does.
+    WeakInstruments,
+}
+
+/// An estimate with what it rests on.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Found<const M: usize, const N: usize, const I: usize> {
+    /// The model.
+    pub estimate: Estimate<M, N, I>,
+    /// What it rests on.
+    pub way: Way,
+    /// How many blocks carry the standard deviations: 16 at most, fewer where most of the motion is in some of them.
+    pub effective_blocks: f32,
+}
+
+/// An [`Identifier`] with instruments beside its recursion.
+///
+/// | symbol | const parameter | meaning |
+/// |---|---|---|
+/// | r | `R` | rows of the instruments, [`rows`] of the structure |
+///
+/// The other parameters are those of [`Identifier`], which runs inside and gives the same numbers as alone.
+///
+/// Guarantees: as [`Identifier`]. Cost: see the table of instruction counts; 17 R (N + 1) floats of memory. The filter
+/// stays as it is: [`Identifier::retune`] is not offered, because instruments through two filters do not add up.
+///
+/// # Examples
+/// ```
+/// # let (mut y, mut v, mut a) = (0.0_f64, 0.0, 0.0);
+/// # let mut drive = |u: f32| {
+/// #     let now = y as f32;
+/// #     for _ in 0..10 {
+/// #         y += 1e-4 * v;
+/// #         v += 1e-4 * a;
+/// #         a += 1e-4 * (1e6 * f64::from(u) - 400.0 * v - 20.0 * a);
+/// #     }
+/// #     now
+/// # };
+/// use trendid::instruments::{self, Instrumented, Way};
+/// use trendid::trends::{FilteredTrends, Scheme};
+/// use trendid::{Config, Structure};
+///
+/// const ROWS: usize = instruments::rows(&Structure::<3, 5, 1>::SERVO);
+/// let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, 20.0)?;
+/// let config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [1.0], 50.0);
+/// let mut servo: Instrumented<_, 3, 5, 1, ROWS> = Instrumented::try_new(&config, trends)?;
+/// for k in 0..2000 {
+///     let u = if k % 300 < 150 { 0.4 } else { -0.4 };
+///     let _ = servo.update(u, drive(u) + 0.2 * (k as f32).sin());
+/// }
+/// let found = servo.estimate();
+/// assert_eq!(found.way, Way::Instruments);
+/// assert!((found.estimate.physical().gain.unwrap() - 2500.0).abs() < 10.0);
+/// # Ok::<(), trendid::ConfigError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Instrumented<
+    T: TrendOperator<M>,
+    const M: usize,
+    const N: usize,
+    const I: usize,
+    const R: usize,
+    const D: usize = 0,
+> {
+    identifier: Identifier<T, M, N, I, D>,
+    instruments: Instruments<M, N, I, R>,
+}
+
+/// The instruments: what they follow from, and what a sample changes.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Instruments<const M: usize, const N: usize, const I: usize, const R: usize> {
+    layout: Layout<M, N, I>,
+    auxiliary: Auxiliary<M>,
+    lanes: [Lane<M>; I],
+    /// The newest instruments.
+    z: [f32; R],
+    blocks: Blocks<N, R>,
+    /// lambda.
+    forgetting: f32,
+    /// Samples until the filters are flushed.
+    turn: u32,
+}
+
+impl<
+    T: TrendOperator<M>,
+    const M: usize,
+    const N: usize,
+    const I: usize,
+    const R: usize,
+    const D: usize,
+> Instrumented<T, M, N, I, R, D>
+{
+    /// An identifier at rest with its instruments.
+    ///
+    /// # Errors
+    /// As [`Identifier::try_new`]; [`ConfigError::ParameterCount`] where `R` is not [`rows`] of the structure,
+    /// [`ConfigError::Unstable`] for trends without a filter (or with one whose poles are not found).
+    pub fn try_new(config: &Config<M, N, I>, trends: T) -> Result<Self, ConfigError> {
+        let found = rows(&config.structure);
+        if found != R {
+            return Err(ConfigError::ParameterCount { found, expected: R });
+        }
+        let identifier = Identifier::try_new(config, trends)?;
+        let design = trends.design();
+        let auxiliary = design.filter.and_then(|filter| {
+            let integrators = config.structure.integrators();
+            Auxiliary::new(&filter, integrators, config.bandwidth, design.sample_time)
+        });
+        let auxiliary = auxiliary.ok_or(ConfigError::Unstable {
+            setting: "filter".into(),
+        })?;
+        let forgetting = match config.memory {
+            Some(memory) => 1.0 - design.sample_time / memory,
+            None => 1.0,
+        };
+        let top = design.scale(config.bandwidth);
+        Ok(Self {
+            identifier,
+            instruments: Instruments {
+                layout: Layout::of(&config.structure),
+                auxiliary,
+                lanes: config
+                    .input_range
+                    .map(|range| Lane::new(range, top, config.bandwidth)),
+                z: [0.0; R],
+                blocks: Blocks::new(forgetting),
+                forgetting,
+                turn: 0,
+            },
+        })
+    }
+
+    /// As [`Identifier::update_inputs`].
+    #[inline]
+    pub fn update_inputs(&mut self, u: [f32; I], y: f32) -> Outcome {
+        self.identifier.update_seen(u, y, &mut self.instruments)
+    }
+
+    /// As [`Identifier::skip`].
+    pub fn skip(&mut self, samples: u32) {
+        self.identifier.skip_seen(samples, &mut self.instruments);
+    }
+
+    /// As [`Identifier::restart_trends`].
+    pub fn restart_trends(&mut self) {
+        self.identifier.restart_trends();
+    }
+
+    /// As [`Identifier::adapt`]; while the estimate is held no sums are taken.
+    pub fn adapt(&mut self, on: bool) {
+        self.identifier.adapt(on);
+    }
+
+    /// Back to what was constructed.
+    pub fn reset(&mut self) {
+        self.identifier.reset();
+        let instruments = &mut self.instruments;
+        for lane in &mut instruments.lanes {
+            lane.reset();
+        }
+        instruments.z = [0.0; R];
+        instruments.turn = 0;
+        instruments.blocks = Blocks::new(instruments.forgetting);
+    }
+
+    /// The identifier: least squares, predictions, noise.
+    pub const fn identifier(&self) -> &Identifier<T, M, N, I, D> {
+        &self.identifier
+    }
+
+    /// The model by instruments, or by the recursion where it says so.
+    ///
+    /// Cost: see the table of instruction counts; [`Reading`] spreads it over samples.
+    pub fn estimate(&self) -> Found<M, N, I> {
+        let mut reading = Reading::new();
+        loop {
+            if let Some(found) = reading.step_of(&self.instruments, &self.identifier) {
+                return found;
+            }
+        }
+    }
+}
+
+impl<T: TrendOperator<M>, const M: usize, const N: usize, const R: usize, const D: usize>
+    Instrumented<T, M, N, 1, R, D>
+{
+    /// Takes u(k), in force from now until the next sample, and y(k).
+    #[inline]
+    pub fn update(&mut self, u: f32, y: f32) -> Outcome {
+        self.update_inputs([u], y)
+    }
+}
+
+impl<const M: usize, const N: usize, const I: usize, const R: usize> Witness<M, N, I>
+    for Instruments<M, N, I, R>
+{
+    #[inline(never)]
+    fn begin(&mut self) {
+        for lane in &mut self.lanes {
+            lane.begin();
+        }
+    }
+
+    #[inline(always)]
+    fn inputs(&mut self, trends: &[[f32; M]; I]) {
+        self.turn = self.turn.wrapping_add(1);
+        if self.turn.is_multiple_of(64) {
+            for lane in &mut self.lanes {
+                lane.flush();
+            }
+        }
+        let mut rows = self.z.as_mut_slice();
+        for c in 0..I {
+            let Some((own, others)) = rows.split_at_mut_checked(self.layout.counts[c]) else {
+                return;
+            };
+            self.lanes[c].update(&self.auxiliary, &trends[c], own);
+            rows = others;
+        }
+    }
+
+    #[inline(always)]
+    fn row(&mut self, phi: &[f32; N], psi: f32) {
+        let own = self.z.iter_mut().skip(self.layout.twice);
+        for (z, phi) in own.zip(phi.iter().skip(self.layout.outputs)) {
+            *z = *phi;
+        }
+        self.blocks.update(&self.z, phi, psi);
+    }
+}

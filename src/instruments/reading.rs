@@ -1,0 +1,314 @@
+//! From the sums to an estimate, in steps that fit a sample each.
+
+use crate::estimation::terms::Parameter;
+use crate::identifier::Identifier;
+use crate::instruments::blocks::{BLOCKS, Products};
+use crate::instruments::layout::Layout;
+use crate::instruments::solve::Factored;
+use crate::instruments::{Found, Instrumented, Instruments, Way};
+use crate::math::matrix::Matrix;
+use crate::math::polynomial::largest_rate;
+use crate::math::{deviation, raised};
+use crate::trends::TrendOperator;
+
+/// Solutions with the numerators of the one before.
+const REPETITIONS: usize = 3;
+
+/// Rows for which the blocks are held from one step to the next.
+const HELD: u32 = 16;
+
+/// A standard deviation beyond this share of what it belongs to shows weak instruments: ratios of sums as uncertain as
+/// that have no variance that a first order could tell.
+const WEAK: f32 = 1.0 / 3.0;
+
+/// An estimate by instruments under way: 16 steps of at most a block each, 3 solutions, 16 scores, the covariance.
+///
+/// # Examples
+/// ```
+/// use trendid::instruments::{self, Instrumented, Reading};
+/// use trendid::trends::{FilteredTrends, Scheme};
+/// use trendid::{Config, Structure};
+/// const ROWS: usize = instruments::rows(&Structure::<1, 2, 1>::FULL);
+/// let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, 20.0)?;
+/// let config = Config::new(Structure::<1, 2, 1>::FULL, 20.0, [1.0], 1.0);
+/// let mut lag: Instrumented<_, 1, 2, 1, ROWS> = Instrumented::try_new(&config, trends)?;
+/// let mut reading = Reading::new();
+/// let (mut y, mut found) = (0.0, None);
+/// for k in 0..1000 {
+///     let u = if k % 200 < 100 { 1.0 } else { 0.0 };
+///     let _ = lag.update(u, y); // every sample ...
+///     if k >= 900 && found.is_none() {
+///         found = reading.step(&mut lag); // ... and in some of them a step of the reading
+///     }
+///     y += (1.0 - (-0.01_f32).exp()) * (u - y); // y' = 10 (u - y)
+/// }
+/// let [a0, b0] = found.unwrap().estimate.theta();
+/// assert!((a0 - 10.0).abs() < 0.01 && (b0 - 10.0).abs() < 0.01);
+/// # Ok::<(), trendid::ConfigError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reading<const N: usize, const R: usize> {
+    step: usize,
+    /// Changes of the blocks when it began.
+    changes: u32,
+    total: Products<N, R>,
+    theta: [f32; N],
+    /// Numerators that combined the rows of `factored`.
+    combined: [f32; N],
+    /// Parameters that are not solved for: known ones, and those of which nothing is left in the sums.
+    fixed: [bool; N],
+    factored: Option<Factored<N>>,
+    covariance: Matrix<N>,
+    fourth: [f32; N],
+}
+
+impl<const N: usize, const R: usize> Default for Reading<N, R> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const N: usize, const R: usize> Reading<N, R> {
+    /// A reading that begins with its first step.
+    pub const fn new() -> Self {
+        Self {
+            step: 0,
+            changes: 0,
+            total: Products::ZERO,
+            theta: [0.0; N],
+            combined: [0.0; N],
+            fixed: [false; N],
+            factored: None,
+            covariance: [[0.0; N]; N],
+            fourth: [0.0; N],
+        }
+    }
+
+    /// One step; the estimate with the last one, after which the next reading begins.
+    ///
+    /// The samples between two steps enter the next reading: the blocks wait up to 16 samples for a step, then go on, and the
+    /// reading begins again.
+    pub fn step<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize>(
+        &mut self,
+        of: &mut Instrumented<T, M, N, I, R, D>,
+    ) -> Option<Found<M, N, I>> {
+        of.instruments.blocks.hold(HELD);
+        self.step_of(&of.instruments, &of.identifier)
+    }
+
+    pub(super) fn step_of<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize>(
+        &mut self,
+        instruments: &Instruments<M, N, I, R>,
+        identifier: &Identifier<T, M, N, I, D>,
+    ) -> Option<Found<M, N, I>> {
+        const SCORES: usize = BLOCKS + REPETITIONS;
+        let blocks = &instruments.blocks;
+        if self.step == 0 || blocks.changes != self.changes {
+            *self = Self::new();
+            self.changes = blocks.changes;
+        }
+        let step = self.step;
+        self.step += 1;
+        if step < BLOCKS {
+            if let Some((sums, weight)) = blocks.block(step) {
+                self.total.add(1.0, sums, weight);
+            }
+            return None;
+        }
+        if step < SCORES {
+            if step == BLOCKS {
+                self.total.add(1.0, blocks.fresh(), 1.0);
+                self.begin(identifier);
+            }
+            if let Err(way) = self.solve(&instruments.layout) {
+                return Some(self.recursion(identifier, way));
+            }
+            return None;
+        }
+        if step < SCORES + BLOCKS {
+            if let Some((sums, weight)) = blocks.block(step - SCORES) {
+                self.add_score(&instruments.layout, sums, weight);
+            }
+            return None;
+        }
+        Some(self.finish(instruments, identifier))
+    }
+
+    /// The estimate of the recursion instead, and the end of this reading.
+    fn recursion<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize>(
+        &mut self,
+        identifier: &Identifier<T, M, N, I, D>,
+        way: Way,
+    ) -> Found<M, N, I> {
+        self.step = 0;
+        Found {
+            estimate: identifier.estimate(),
+            way,
+            effective_blocks: 0.0,
+        }
+    }
+
+    /// Begins with the parameters of the recursion.
+    fn begin<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize>(
+        &mut self,
+        identifier: &Identifier<T, M, N, I, D>,
+    ) {
+        let read_out = identifier.read_out();
+        self.theta = read_out.normalised_theta();
+        self.fixed = read_out.known();
+        for j in 0..N {
+            let mut seen = 0.0_f32;
+            for row in &self.total.phi {
+                seen = seen.max(row[j].abs());
+            }
+            self.fixed[j] |= !(seen > f32::MIN_POSITIVE);
+        }
+    }
+
+    /// The combined equations of some sums with the present numerators: M, and what is left of the right-hand side.
+    fn equations<const M: usize, const I: usize>(
+        &self,
+        layout: &Layout<M, N, I>,
+        sums: &Products<N, R>,
+        numerators: &[f32; N],
+    ) -> (Matrix<N>, [f32; N]) {
+        let mut matrix = [[0.0; N]; N];
+        let mut right = [0.0; N];
+        for i in 0..N {
+            if self.fixed[i] {
+                continue;
+            }
+            layout.combine(i, numerators, |row, weight| {
+                let (Some(phi), Some(psi)) = (sums.phi.get(row), sums.psi.get(row)) else {
+                    return;
+                };
+                for j in 0..N {
+                    matrix[i][j] += weight * phi[j];
+                }
+                right[i] += weight * psi;
+            });
+        }
+        (matrix, right)
+    }
+
+    /// theta with the numerators of the theta before.
+    fn solve<const M: usize, const I: usize>(
+        &mut self,
+        layout: &Layout<M, N, I>,
+    ) -> Result<(), Way> {
+        let numerators = self.theta;
+        let (mut matrix, mut right) = self.equations(layout, &self.total, &numerators);
+        for j in 0..N {
+            if !self.fixed[j] {
+                continue;
+            }
+            for i in 0..N {
+                right[i] -= matrix[i][j] * self.theta[j];
+                matrix[i][j] = 0.0;
+            }
+            matrix[j][j] = 1.0;
+            right[j] = self.theta[j];
+        }
+        let factored = Factored::new(&matrix).ok_or(Way::WeakInstruments)?;
+        let theta = factored.solve_refined(&matrix, &right);
+        if !theta.iter().all(|value| value.is_finite()) {
+            return Err(Way::WeakInstruments);
+        }
+        self.theta = theta;
+        self.combined = numerators;
+        self.factored = Some(factored);
+        Ok(())
+    }
+
+    /// The influence of a block on theta, squared.
+    fn add_score<const M: usize, const I: usize>(
+        &mut self,
+        layout: &Layout<M, N, I>,
+        sums: &Products<N, R>,
+        weight: f32,
+    ) {
+        let Some(factored) = &self.factored else {
+            return;
+        };
+        let (matrix, mut score) = self.equations(layout, sums, &self.combined);
+        for i in 0..N {
+            for j in 0..N {
+                score[i] -= matrix[i][j] * self.theta[j];
+            }
+            score[i] *= weight;
+        }
+        let influence = factored.solve(&score);
+        for i in 0..N {
+            for j in 0..N {
+                self.covariance[i][j] += influence[i] * influence[j];
+            }
+            let square = influence[i] * influence[i];
+            self.fourth[i] += square * square;
+        }
+    }
+
+    fn finish<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize>(
+        &mut self,
+        instruments: &Instruments<M, N, I, R>,
+        identifier: &Identifier<T, M, N, I, D>,
+    ) -> Found<M, N, I> {
+        let blocks = instruments.blocks.effective();
+        let parameters = self.fixed.iter().filter(|fixed| !**fixed).count() as f32;
+        if !(blocks >= parameters + 2.0) {
+            return self.recursion(identifier, Way::TooFewBlocks);
+        }
+        let mut effective = BLOCKS as f32;
+        for j in 0..N {
+            let square = self.covariance[j][j];
+            let found = 3.0 * square * (square / self.fourth[j]);
+            if !self.fixed[j] && found < effective {
+                effective = found;
+            }
+        }
+        let freedom = blocks / (blocks - 1.0) * (blocks / (blocks - parameters));
+        for value in self.covariance.as_flattened_mut() {
+            *value *= freedom;
+        }
+        if self.is_weak(&instruments.layout) {
+            return self.recursion(identifier, Way::WeakInstruments);
+        }
+        self.step = 0;
+        Found {
+            estimate: identifier
+                .read_out()
+                .with_covariance(&self.theta, &self.covariance),
+            way: Way::Instruments,
+            effective_blocks: effective,
+        }
+    }
+
+    /// Whether an a_i is not known to a third of its power of the largest rate, or of an input no b_i to a third.
+    fn is_weak<const M: usize, const I: usize>(&self, layout: &Layout<M, N, I>) -> bool {
+        let mut a = [0.0; M];
+        for (parameter, value) in layout.parameters.iter().zip(&self.theta) {
+            if let Parameter::Output { power } = parameter
+                && let Some(slot) = a.get_mut(*power)
+            {
+                *slot = *value;
+            }
+        }
+        let rate = largest_rate(&a);
+        let (mut weak, mut known) = (false, [false; I]);
+        for j in 0..N {
+            let sigma = deviation(self.covariance[j][j]);
+            match layout.parameters[j] {
+                Parameter::Output { power } => {
+                    weak |= !(sigma <= WEAK * raised(rate, M - power.min(M)));
+                }
+                Parameter::Input { input, .. } => {
+                    if let Some(known) = known.get_mut(input) {
+                        *known |= sigma <= WEAK * self.theta[j].abs();
+                    }
+                }
+                Parameter::Constant | Parameter::InitialState => {}
+            }
+        }
+        // Only the first input must act: friction or a ramp may be absent.
+        weak || !known.first().copied().unwrap_or(false)
+    }
+}
