@@ -22,7 +22,7 @@ const FIRST: u32 = 8;
 const APART: u32 = 128;
 
 /// Sums of z phi' and of z psi.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Products<const N: usize, const R: usize> {
     pub(crate) phi: [[f32; N]; R],
     pub(crate) psi: [f32; R],
@@ -59,7 +59,7 @@ impl<const N: usize, const R: usize> Products<N, R> {
 }
 
 /// The sums of a block.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 struct Block<const N: usize, const R: usize> {
     sums: Products<N, R>,
     /// What they count now.
@@ -121,7 +121,7 @@ impl<const N: usize, const R: usize> Blocks<N, R> {
         Self {
             fresh: Products::ZERO,
             fresh_rows: 0,
-            blocks: [Block::EMPTY; BLOCKS],
+            blocks: [const { Block::EMPTY }; BLOCKS],
             order,
             used: 1,
             length,
@@ -224,8 +224,7 @@ impl<const N: usize, const R: usize> Blocks<N, R> {
         let Some(taken) = self.blocks.get_mut(other) else {
             return;
         };
-        let added = *taken;
-        *taken = Block::EMPTY;
+        let added = core::mem::replace(taken, Block::EMPTY);
         if let Some(block) = self.blocks.get_mut(place) {
             block.sums.add(block.weight, &added.sums, added.weight);
             block.rows = block.weight * block.rows + added.weight * added.rows;
@@ -317,7 +316,7 @@ mod tests {
         for _ in 0..200 {
             blocks.update(&[1.0], &[1.0], 1.0);
         }
-        let before = blocks.blocks;
+        let before = blocks.blocks.clone();
         for _ in 0..300 {
             blocks.hold(8);
             blocks.update(&[1.0], &[1.0], 1.0);

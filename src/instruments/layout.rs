@@ -37,7 +37,7 @@ const fn twice_filtered(poles: usize, highest: Option<usize>) -> usize {
 }
 
 /// Places of the instruments of a structure; without a check of `R`, see [`rows`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Layout<const M: usize, const N: usize, const I: usize> {
     pub(crate) parameters: [Parameter; N],
     /// nu.

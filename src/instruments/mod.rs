@@ -154,7 +154,7 @@ impl<
             return Err(ConfigError::ParameterCount { found, expected: R });
         }
         let identifier = Identifier::try_new(config, trends)?;
-        let design = trends.design();
+        let design = identifier.trends().design();
         let auxiliary = design.filter.and_then(|filter| {
             let integrators = config.structure.integrators();
             Auxiliary::new(&filter, integrators, config.bandwidth, design.sample_time)
@@ -168,7 +168,6 @@ impl<
         };
         let top = design.scale(config.bandwidth);
         Ok(Self {
-            identifier,
             instruments: Instruments {
                 layout: Layout::of(&config.structure),
                 auxiliary,
@@ -180,6 +179,7 @@ impl<
                 forgetting,
                 turn: 0,
             },
+            identifier,
         })
     }
 

@@ -14,7 +14,7 @@ const SINGULAR: f32 = 1e-4;
 const SWEEPS: usize = 2;
 
 /// A matrix ready to solve for any right-hand side.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Factored<const N: usize> {
     /// Q, column by column.
     columns: Matrix<N>,

@@ -422,7 +422,7 @@ fn a_delay_a_ramp_hold_gaps_and_unusable_readings() {
         config.holds = [hold];
         config.delays = [if hold == Hold::Zero { delay } else { 0 }];
         let mut servo: Instrumented<_, 3, 5, 1, ROWS, 8> =
-            Instrumented::try_new(&config, trends).unwrap();
+            Instrumented::try_new(&config, trends.clone()).unwrap();
         let u = Excitation::Multisine {
             amplitude: 0.6,
             first_hz: 0.4,
