@@ -39,12 +39,11 @@ impl<const M: usize> Auxiliary<M> {
         let mut poles = [Complex::ZERO; M];
         roots(filter, &mut poles)?;
         let mut denominator = [0.0; M];
-        let mut order = 0;
         // A pair of which the integrators have taken one pole leaves a real pole of its size.
         let chosen = poles.iter().skip(integrators);
         let mut alone = chosen.filter(|pole| pole.im != 0.0).count() % 2 == 1;
         let mut product = [Complex::ZERO; M];
-        for pole in poles.iter().skip(integrators) {
+        for (order, pole) in poles.iter().skip(integrators).enumerate() {
             let size = -sqrt(pole.re * pole.re + pole.im * pole.im) / bandwidth;
             let scaled = match alone && pole.im != 0.0 {
                 true => Complex { re: size, im: 0.0 },
@@ -55,7 +54,6 @@ impl<const M: usize> Auxiliary<M> {
             };
             alone = alone && pole.im == 0.0;
             multiply(&mut product, order, scaled);
-            order += 1;
         }
         for (slot, value) in denominator.iter_mut().skip(integrators).zip(&product) {
             *slot = value.re;

@@ -268,7 +268,7 @@ fn drawn<const M: usize, const N: usize, const I: usize, const R: usize>(
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, dt as f32, omega as f32).unwrap();
     let mut config = Config::new(structure, omega as f32, [1.0; I], size as f32);
     config.offset_significance = 0.0;
-    if seed % 2 == 0 {
+    if seed.is_multiple_of(2) {
         config.memory = Some(4.0);
     }
     let mut found: Instrumented<_, M, N, I, R> = Instrumented::try_new(&config, trends).unwrap();

@@ -10,7 +10,7 @@
 //! |---|---|
 //! | position P around velocity PI | bandwidth W of the position; velocity loop at 3 W with 65 degrees where the PI lag allows |
 //! | PID, derivative of the output filtered | crossover at W with 60 degrees |
-//! | state feedback with observer | poles on a circle of radius W, observer at 3 W, a constant disturbance estimated |
+//! | state feedback with observer | slower poles onto a circle of radius W, observer at 3 W, a constant disturbance estimated |
 //!
 //! Gain and phase at the crossover: Astrom and Hagglund, Advanced PID Control (2006); sensitivity as the measure of
 //! robustness, the same, section 4; delays ahead of the state: Astrom and Wittenmark, Computer-Controlled Systems (1997).
@@ -322,8 +322,8 @@ fn judged(
         let pid = shaping::pid(plant, bandwidth).ok_or("no gain at this bandwidth")?;
         (Gains::Pid(pid), pid.controller(dt))
     } else {
-        let (gains, controller) = state_feedback::design(plant, &model.b, bandwidth)
-            .ok_or("its poles cannot be placed")?;
+        let (gains, controller) =
+            state_feedback::design(plant, model, bandwidth).ok_or("its poles cannot be placed")?;
         (Gains::StateFeedback(gains), controller)
     };
     let nominal = margins::margins(plant, &controller);

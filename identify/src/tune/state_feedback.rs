@@ -7,13 +7,16 @@
 //! u      = N r - K x(k+d) - K_u v(k-1) - w                   x(k+d): the state that the inputs under way lead to
 //! ```
 //!
-//! Poles of the feedback on a circle of the bandwidth, those of the observer three times as fast.
+//! Poles of the plant that are slower than the bandwidth go onto a circle of that radius; faster ones stay where they are, because
+//! to slow them down costs robustness. The observer likewise, at three times the bandwidth.
 
-use nalgebra::{DMatrix, DVector, RowDVector};
+use nalgebra::{Complex, DMatrix, DVector, RowDVector};
 
+use super::Model;
 use super::controller::Controller;
 use super::placement::{circle, equal, gains};
 use super::plant::SampledPlant;
+use crate::polynomials::roots;
 
 /// The observer is so many times faster than the feedback.
 const OBSERVER: f64 = 3.0;
@@ -36,14 +39,16 @@ pub struct StateFeedback {
 /// The gains and the controller for a bandwidth \[rad/s\]; `None` where the poles cannot be placed.
 pub(super) fn design(
     plant: &SampledPlant,
-    b: &[f64],
+    model: &Model,
     bandwidth: f64,
 ) -> Option<(StateFeedback, Controller)> {
-    let m = plant.order();
+    let (m, b) = (plant.order(), &model.b);
+    let own = roots(&model.a)?;
     let both = &plant.b[0] + &plant.b[1];
     let between = plant.b[1].iter().any(|b| *b != 0.0);
     let step = plant.rate * plant.dt;
-    let mut wanted = circle(m, bandwidth, plant.dt);
+    let (mut wanted, slow) = kept(&own, bandwidth, plant.dt);
+    wanted.extend(circle(slow, bandwidth, plant.dt));
     let (k, k_input) = if between {
         // The input before is a state, its pole at 0.
         let mut a = DMatrix::zeros(m + 1, m + 1);
@@ -66,7 +71,8 @@ pub(super) fn design(
     for i in 0..m {
         seen[i] = plant.c[i];
     }
-    let fast = equal(m + 1, OBSERVER * bandwidth, plant.dt);
+    let (mut fast, slow) = kept(&own, OBSERVER * bandwidth, plant.dt);
+    fast.extend(equal(slow + 1, OBSERVER * bandwidth, plant.dt));
     let l = gains(&watched.transpose(), &seen, &fast, step)?.transpose();
     let n = reference_gain(plant, &both, &k, k_input)?;
     let controller = controller(plant, &both, (&k, k_input, n), &l);
@@ -86,6 +92,18 @@ pub(super) fn design(
         derivatives,
     };
     Some((gains, controller))
+}
+
+/// Stable poles of the plant from `rate` on, as poles of the samples, and how many others there are.
+fn kept(own: &[(f64, f64)], rate: f64, dt: f64) -> (Vec<Complex<f64>>, usize) {
+    let fast = own
+        .iter()
+        .filter(|(re, im)| *re < 0.0 && re.hypot(*im) >= rate);
+    let kept: Vec<_> = fast
+        .map(|(re, im)| (Complex::new(*re, *im) * dt).exp())
+        .collect();
+    let others = own.len() - kept.len();
+    (kept, others)
 }
 
 /// N: in equilibrium at the reference, the feedback gives what holds it there.
