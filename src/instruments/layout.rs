@@ -108,7 +108,8 @@ mod tests {
         assert_eq!(rows(&Structure::<1, 2, 1>::FULL), 2);
         // Nothing but integrators: the regressor is its own instrument.
         assert_eq!(rows(&Structure::<1, 1, 1>::INTEGRATING), 1);
-        let double = const { Structure::<3, 2, 1>::new(Terms::of(&[2]), [Terms::of(&[0])], false) };
+        let double =
+            Structure::<3, 2, 1>::try_new(Terms::of(&[2]), [Terms::of(&[0])], false).unwrap();
         assert_eq!(rows(&double), 2);
     }
 
