@@ -15,6 +15,8 @@ pub fn run(bytes: &[u8]) {
     let clock = Clock {
         column: if options & 1 == 0 { "t" } else { "time [ms]" },
         unit: (options & 2 != 0).then_some(1e-3),
+        dt: (options & 16 != 0).then_some(0.01),
+        held: options & 32 != 0,
     };
     let names = ["u", "y", "x y"];
     let signals: Vec<String> = names
