@@ -138,6 +138,7 @@ fn judge(room: &str, drawn: &[String], tests: &[&str]) -> Result<Outcome, String
     let place = output_directory()?.join(room.trim_matches('/').replace('/', "-"));
     // What is there is of an earlier run.
     let _ = std::fs::remove_dir_all(&place);
+    std::fs::create_dir_all(&place).map_err(|error| format!("{}: {error}", place.display()))?;
     let mut command = cargo(&[
         "mutants",
         "-p",
@@ -165,12 +166,15 @@ fn judge(room: &str, drawn: &[String], tests: &[&str]) -> Result<Outcome, String
         // Its copy of the tree is another one each time; what that depends on is built once, here as for every test.
         .env("CARGO_TARGET_DIR", target_directory()?);
     eprintln!("{} mutants of {room}", drawn.len());
-    // Its code says that some were missed; what counts is the report.
-    command
+    // Its code says that some were missed or took too long; what counts is the report.
+    let status = command
         .current_dir(root())
         .stdout(std::process::Stdio::null())
         .status()
         .map_err(|error| format!("cargo mutants: {error}"))?;
+    if !matches!(status.code(), Some(0 | 2 | 3)) {
+        return Err(format!("cargo mutants ended with {status}"));
+    }
     let names = |file: &str| -> Vec<String> {
         let text = std::fs::read_to_string(place.join("mutants.out").join(file));
         let text = text.unwrap_or_default();
