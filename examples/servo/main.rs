@@ -60,7 +60,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut last = None;
     for tick in 1..=10_000 {
         // The requests that on a board a person makes.
-        let report = machine.update(plan(tick).map(|request| request.action));
+        let request = plan(tick);
+        if let Some(request) = request {
+            println!("request: {request}");
+        }
+        let report = machine.update(request.map(|request| request.action));
         if last != Some(report.state) || tick.is_multiple_of(1000) {
             last = Some(report.state);
             println!(

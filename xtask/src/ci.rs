@@ -107,21 +107,6 @@ pub(crate) fn host() -> Done {
     process::run(cargo(&["test", "-q", "--release", "--example", "selftest"]))
 }
 
-/// Every package with the oldest compiler that `Cargo.toml` promises.
-pub(crate) fn msrv() -> Done {
-    let version = format!("+{}", env!("CARGO_PKG_RUST_VERSION"));
-    let mut command = std::process::Command::new("cargo");
-    // Without the variables of the compiler that built this task.
-    command
-        .current_dir(process::root())
-        .args([&version, "check", "--workspace", "--target-dir"])
-        .arg(process::target_directory()?.join("msrv"))
-        .env_remove("RUSTFLAGS")
-        .env_remove("RUSTC")
-        .env_remove("RUSTUP_TOOLCHAIN");
-    process::run(command)
-}
-
 /// Packs and builds what is published.
 ///
 /// In a directory of its own every time: cargo keeps the packages of an earlier run by their path and version, and would

@@ -13,30 +13,40 @@ const LIMIT: Duration = Duration::from_secs(300);
 /// What stands before the hash, on the host and on the target.
 const MARK: &str = "hash of ";
 
-/// The hash of the servo example on the host, with the number of its samples.
-pub(crate) fn host_hash() -> Result<String, String> {
+/// Samples of the hash; later requests are of no effect on it.
+const COMPARED: u64 = 4000;
+
+/// What stands before a request of the servo example on the host.
+const REQUEST: &str = "request: ";
+
+/// What the servo example prints on the host.
+fn host() -> Result<String, String> {
     let output = cargo(&["run", "-q", "-p", "trendid", "--example", "servo"])
         .stderr(std::process::Stdio::inherit())
         .output()
         .map_err(|error| format!("cargo: {error}"))?;
-    if !output.status.success() {
-        return Err(format!(
+    if output.status.success() {
+        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    } else {
+        Err(format!(
             "the servo example on the host ended with {}",
             output.status
-        ));
+        ))
     }
-    let text = String::from_utf8_lossy(&output.stdout);
-    hash(text.lines()).ok_or_else(|| "the servo example on the host printed no hash".into())
 }
 
-/// The hash among the lines of a run.
+/// The hash among the lines of a run, with the number of its samples.
 fn hash<'a>(mut lines: impl Iterator<Item = &'a str>) -> Option<String> {
     lines.find_map(|line| Some(line[line.find(MARK)?..].trim_end().to_owned()))
 }
 
 /// A sentence that says that the lines of an image hold the hash of the host.
 pub(crate) fn same_as_host(lines: &[String]) -> Result<String, String> {
-    let expected = host_hash()?;
+    compared(lines, &host()?)
+}
+
+fn compared(lines: &[String], host: &str) -> Result<String, String> {
+    let expected = hash(host.lines()).ok_or("the servo example on the host printed no hash")?;
     let found = hash(lines.iter().map(String::as_str));
     if found.as_ref() == Some(&expected) {
         Ok("same hash as the servo example on the host\n".into())
@@ -49,6 +59,9 @@ pub(crate) fn same_as_host(lines: &[String]) -> Result<String, String> {
     }
 }
 
+/// Where the packages are built, below the target directory: what they share is built once.
+const PLACE: &str = "frameworks";
+
 /// A package below `examples`, outside of the workspace.
 struct Package(&'static str);
 
@@ -57,13 +70,12 @@ impl Package {
         process::root().join("examples").join(self.0)
     }
 
-    /// A cargo command in it; what it builds is kept beside that of the workspace.
+    /// A cargo command in it; what it builds is kept apart from the workspace's.
     fn cargo(&self, arguments: &[&str]) -> Result<std::process::Command, String> {
         let mut command = cargo(arguments);
-        command.current_dir(self.directory()).env(
-            "CARGO_TARGET_DIR",
-            process::target_directory()?.join(self.0),
-        );
+        command
+            .current_dir(self.directory())
+            .env("CARGO_TARGET_DIR", process::target_directory()?.join(PLACE));
         Ok(command)
     }
 
@@ -103,7 +115,7 @@ impl Package {
             name,
         ])?)?;
         let path = process::target_directory()?
-            .join(self.0)
+            .join(PLACE)
             .join(M4F.target)
             .join("release")
             .join(name);
@@ -131,4 +143,34 @@ pub(crate) fn rtic() -> Result<String, String> {
     }
     text += &same_as_host(&lines)?;
     Ok(text)
+}
+
+/// Embassy: requests go over the serial line as the servo example on the host made them, and the log comes back over it.
+pub(crate) fn embassy() -> Result<String, String> {
+    setup::run()?;
+    let package = Package("embassy");
+    package.lint(&["emulated", "board"])?;
+    let (_, board) = package.build("board", "board")?;
+    let (image, emulated) = package.build("emulated", "emulated")?;
+    let host = host()?;
+    let mut requests = String::from("never\n");
+    for line in host.lines().filter_map(|line| line.strip_prefix(REQUEST)) {
+        let tick = line.split(' ').next().and_then(|tick| tick.parse().ok());
+        if tick.is_some_and(|tick: u64| tick <= COMPARED) {
+            requests += &format!("{line}\n");
+        }
+    }
+    let output = M4F.talk(&image, requests.as_bytes(), LIMIT)?;
+    let text = String::from_utf8_lossy(&output);
+    let lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    if !lines.iter().any(|line| line == "not heard: never") {
+        return Err(format!(
+            "{text}\na line that is no request was not answered"
+        ));
+    }
+    let mut report = board + &emulated;
+    for line in &lines {
+        report += &format!("    {line}\n");
+    }
+    Ok(report + &compared(&lines, &host)?)
 }

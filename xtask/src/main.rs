@@ -16,9 +16,11 @@ mod golden;
 mod icount;
 mod log;
 mod miri;
+mod msrv;
 mod mutants;
 mod printed;
 mod process;
+mod python;
 mod quote;
 mod record;
 mod setup;
@@ -55,11 +57,13 @@ enum Task {
     /// Each feature of the core alone, none and all; the core for Cortex-M4F and Cortex-M0.
     Features,
     /// Every package with the oldest compiler that is promised.
-    Msrv,
+    Msrv(msrv::Options),
     /// What would be published, built from the package.
     Package,
     #[command(flatten)]
     Printed(printed::Task),
+    /// The Python package: wheel, tests in a fresh environment, types, and the page that is executed.
+    Python(python::Options),
     /// The claims that need hundreds of runs.
     Statistics,
     /// Simulated hours of the identifier and of the loop.
@@ -98,7 +102,8 @@ fn main() -> ExitCode {
         Task::Doc => ci::doc(),
         Task::Docs(options) => docs::run(&options),
         Task::Features => ci::features(),
-        Task::Msrv => ci::msrv(),
+        Task::Msrv(options) => msrv::run(&options),
+        Task::Python(options) => python::run(&options),
         Task::Package => ci::package(),
         Task::Printed(task) => task.print(),
         Task::Statistics => ci::statistics(),

@@ -19,6 +19,8 @@ pub(crate) enum Task {
     Rtic,
     /// The C interface: header, no panic, the example on host and target against Rust, instructions over the edge.
     Capi(capi::Options),
+    /// The servo loop in Embassy, in the emulator, with requests over its serial line; the same hash as on the host.
+    Embassy,
 }
 
 impl Task {
@@ -31,6 +33,7 @@ impl Task {
             Self::Pil => firmware::pil(),
             Self::Rtic => frameworks::rtic(),
             Self::Capi(options) => capi::task(options),
+            Self::Embassy => frameworks::embassy(),
         }
     }
 

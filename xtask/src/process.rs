@@ -1,6 +1,6 @@
 //! Other programs: cargo, the emulator.
 
-use std::io::Read;
+use std::io::{Read, Write};
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc;
@@ -141,6 +141,17 @@ impl Machine {
 
     /// Starts an image and hands it a word; one instruction is one nanosecond of its clock, and waiting takes no time.
     pub(crate) fn start(self, image: &std::path::Path, word: &str) -> Result<Child, String> {
+        self.launch(image, word, "null", Stdio::null())
+    }
+
+    /// Starts an image with its first serial line on `serial`.
+    fn launch(
+        self,
+        image: &std::path::Path,
+        word: &str,
+        serial: &str,
+        input: Stdio,
+    ) -> Result<Child, String> {
         let semihosting = format!("enable=on,target=native,arg=image,arg={word}");
         Command::new("qemu-system-arm")
             .args([
@@ -150,7 +161,7 @@ impl Machine {
                 "-monitor",
                 "none",
                 "-serial",
-                "null",
+                serial,
             ])
             .args([
                 "-semihosting-config",
@@ -160,7 +171,7 @@ impl Machine {
                 "-kernel",
             ])
             .arg(image)
-            .stdin(Stdio::null())
+            .stdin(input)
             .stdout(Stdio::piped())
             .spawn()
             .map_err(|error| {
@@ -168,14 +179,37 @@ impl Machine {
             })
     }
 
-    /// Runs an image to its end with a word for it and gives its output; an error when it fails or needs longer than `limit`.
+    /// Runs an image to its end and gives its output; an error when it fails or needs longer than `limit`.
     pub(crate) fn output(
         self,
         image: &std::path::Path,
         word: &str,
         limit: Duration,
     ) -> Result<Vec<u8>, String> {
-        let mut child = self.start(image, word)?;
+        self.finish(self.start(image, word)?, image, limit)
+    }
+
+    /// As [`output`](Self::output), with `said` on the first serial line; what comes back over it is in the output.
+    pub(crate) fn talk(
+        self,
+        image: &std::path::Path,
+        said: &[u8],
+        limit: Duration,
+    ) -> Result<Vec<u8>, String> {
+        let mut child = self.launch(image, "run", "stdio", Stdio::piped())?;
+        if let Some(input) = &mut child.stdin {
+            input.write_all(said).map_err(|error| error.to_string())?;
+        }
+        self.finish(child, image, limit)
+    }
+
+    /// Waits for the end of an image.
+    fn finish(
+        self,
+        mut child: Child,
+        image: &std::path::Path,
+        limit: Duration,
+    ) -> Result<Vec<u8>, String> {
         let mut stdout = child.stdout.take().ok_or("no output of the emulator")?;
         let (sender, receiver) = mpsc::channel();
         std::thread::spawn(move || {

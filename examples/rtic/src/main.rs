@@ -56,7 +56,8 @@ mod app {
     use stm32f4xx_hal::watchdog::IndependentWatchdog;
     use stm32f4xx_hal::{prelude::*, rcc};
     use trendid_example_support::drive::{Drive, SimulatedValve};
-    use trendid_example_support::machine::{Machine, ORIGIN, Request, TRACED, plan};
+    use trendid_example_support::machine::{Machine, ORIGIN, TRACED, plan};
+    use trendid_example_support::request::Request;
 
     use crate::{EVERY, Output, Sensor, Snapshot, logger};
 

@@ -9,6 +9,7 @@ pub mod hash;
 pub mod machine;
 pub mod record;
 pub mod registers;
+pub mod request;
 pub mod reset;
 pub mod ring;
 pub mod rows;

@@ -7,6 +7,7 @@ use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
 use trendid::servo::{Config, Error, Report, ServoLoop, Travel};
 
 use crate::hash::Hash;
+use crate::request::{Action, Request};
 
 /// Units of the encoder: 5 um per count.
 const MM_PER_COUNT: f32 = 0.005;
@@ -73,26 +74,6 @@ pub fn servo_loop<S: PositionSensor, V: Valve>(
 pub fn target(tick: u64) -> Option<f32> {
     tick.is_multiple_of(DWELL)
         .then(|| TARGETS[(tick / DWELL) as usize % TARGETS.len()])
-}
-
-/// What the machine is asked to do.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Action {
-    /// To find its model, and to control from then on.
-    Commission,
-    /// To move to this place in mm; ignored outside of control.
-    MoveTo(f32),
-    /// To let the valve go to zero.
-    Abort,
-}
-
-/// An action and the sample in which it is due, so that it does not matter when the request is heard before that.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Request {
-    /// The sample, counted from 1.
-    pub tick: u64,
-    /// What is due then.
-    pub action: Action,
 }
 
 /// What a person, or the control above, asks for in sample `tick`.

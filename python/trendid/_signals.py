@@ -1,0 +1,135 @@
+"""Arrays, series and tables as signals."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, List, Mapping, Optional, Tuple, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._trendid import Refusal
+
+Array = NDArray[np.float64]
+
+#: Largest difference between the steps of the time stamps, in parts of a step; that of the command line.
+_STEP_TOLERANCE = 0.01
+
+
+def column(values: Any, name: str) -> Array:
+    """One dimension of finite float64, whatever it was."""
+    try:
+        array = np.ascontiguousarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise Refusal(f"{name} is no array of numbers: {error}") from None
+    if array.ndim == 2 and 1 in array.shape:
+        array = array.reshape(-1)
+    if array.ndim != 1:
+        raise Refusal(f"{name} has the shape {array.shape}, expected one dimension")
+    return array
+
+
+def sampling(t: Any) -> Tuple[float, float]:
+    """Sampling interval and first time stamp [s]: of time stamps, or of the interval itself."""
+    if np.ndim(t) == 0:
+        dt = float(t)
+        if not (math.isfinite(dt) and dt > 0.0):
+            raise Refusal(f"the sampling interval {dt} s is not a positive number")
+        return dt, 0.0
+    stamps = np.asarray(t)
+    if np.issubdtype(stamps.dtype, np.datetime64) or np.issubdtype(stamps.dtype, np.timedelta64):
+        stamps = (stamps - stamps[0]) / np.timedelta64(1, "ns") * 1e-9
+    stamps = column(stamps, "t")
+    if len(stamps) < 2:
+        raise Refusal(f"t has {len(stamps)} time stamps, expected at least 2")
+    bad = np.flatnonzero(~np.isfinite(stamps))
+    if len(bad):
+        raise Refusal(f"t[{bad[0]}] is {stamps[bad[0]]}, expected a finite number of seconds")
+    steps = np.diff(stamps)
+    median = float(np.sort(steps)[len(steps) // 2])
+    wrong = steps <= 0.0 if median <= 0.0 else np.abs(steps - median) > _STEP_TOLERANCE * median
+    if wrong.any():
+        k = int(np.flatnonzero(wrong)[0])
+        raise Refusal(
+            f"t[{k + 1}] is {stamps[k + 1]}, {steps[k]:.6g} s after the one before it, expected {median:.6g} s: "
+            "the samples must be equally spaced"
+        )
+    return float((stamps[-1] - stamps[0]) / len(steps)), float(stamps[0])
+
+
+def inputs(u: Any, names: Optional[List[str]]) -> List[Tuple[str, Array]]:
+    """The inputs with their names: one array, a table with a column for each, or a mapping."""
+    columns: List[Tuple[str, Any]]
+    if isinstance(u, Mapping) or hasattr(u, "columns"):
+        columns = [(str(name), u[name]) for name in u]
+    elif np.ndim(u) == 2 and 1 not in np.shape(u):
+        table = np.asarray(u)
+        columns = [(f"u{i + 1}", table[:, i]) for i in range(table.shape[1])]
+    else:
+        columns = [(str(getattr(u, "name", None) or "u"), u)]
+    if names is not None:
+        if len(names) != len(columns):
+            raise Refusal(f"{len(names)} names for {len(columns)} inputs")
+        columns = list(zip(names, (values for _, values in columns)))
+    return [(name, column(values, f"the input {name!r}")) for name, values in columns]
+
+
+Coulomb = Union[bool, ArrayLike]
+
+
+def signals(
+    t: Any,
+    u: Any,
+    y: Any,
+    names: Optional[List[str]],
+    hold: str,
+    coulomb: Coulomb,
+) -> Tuple[dict[str, Any], float]:
+    """What the native part takes, and the first time stamp [s]."""
+    dt, start = sampling(t)
+    output = column(y, "y")
+    if np.ndim(t) != 0 and len(np.asarray(t)) != len(output):
+        raise Refusal(f"t has {len(np.asarray(t))} samples, y {len(output)}")
+    measured = not isinstance(coulomb, (bool, np.bool_))
+    velocity = column(coulomb, "the velocity `coulomb`") if measured else None
+    if velocity is not None and len(velocity) != len(output):
+        raise Refusal(f"`coulomb` has {len(velocity)} samples, y {len(output)}")
+    return {
+        "dt": dt,
+        "output": output,
+        "inputs": inputs(u, names),
+        "hold": hold,
+        "coulomb": bool(measured or coulomb),
+        "velocity": velocity,
+    }, start
+
+
+def pole_of(pole: Union[str, float, None]) -> Optional[float]:
+    """`auto` is None, no filter 0.0, else rad/s."""
+    if pole is None:
+        return 0.0
+    if isinstance(pole, str):
+        if pole == "auto":
+            return None
+        raise Refusal(f"pole is {pole!r}, expected a number of rad/s other than 0, 'auto' or None")
+    if not math.isfinite(pole) or pole == 0.0:
+        raise Refusal(f"pole is {pole}, expected a number of rad/s other than 0, 'auto' or None")
+    return abs(float(pole))
+
+
+def delay_of(delay: Union[str, int]) -> Optional[int]:
+    """`auto` is None, else samples."""
+    if isinstance(delay, str):
+        if delay == "auto":
+            return None
+        raise Refusal(f"delay is {delay!r}, expected a number of samples from 0 to 512, or 'auto'")
+    if int(delay) != delay or not 0 <= delay <= 512:
+        raise Refusal(f"delay is {delay}, expected a number of samples from 0 to 512, or 'auto'")
+    return int(delay)
+
+
+def count_of(value: Any, name: str, low: int, high: int) -> int:
+    """A whole number within limits."""
+    if isinstance(value, (bool, np.bool_)) or int(value) != value or not low <= value <= high:
+        raise Refusal(f"{name} is {value!r}, expected a whole number from {low} to {high}")
+    return int(value)
