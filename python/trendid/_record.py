@@ -210,7 +210,7 @@ def identify(
     scheme : ``'tustin'`` or ``'goodwin'``, the trends of the recursion
     hold : what the inputs do between samples, ``'zoh'`` or ``'foh'``
     names : of the inputs
-    trace : about so many rows of the course of the parameters
+    trace : about so many rows of the course of the parameters, those before the filter has settled left out
 
     Returns
     -------
