@@ -25,46 +25,23 @@
 
 mod auxiliary;
 mod blocks;
+mod found;
 mod layout;
 mod reading;
 mod solve;
+mod sums;
 
+pub use found::{Found, Way};
 pub use layout::rows;
 pub use reading::Reading;
 
 use crate::error::ConfigError;
-use crate::identifier::witness::Witness;
 use crate::identifier::{Config, Identifier, Outcome};
 use crate::instruments::auxiliary::{Auxiliary, Lane};
 use crate::instruments::blocks::Blocks;
 use crate::instruments::layout::Layout;
-use crate::readout::estimate::Estimate;
+use crate::instruments::sums::Instruments;
 use crate::trends::TrendOperator;
-
-/// What an estimate rests on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum Way {
-    /// Instruments, with standard deviations from the blocks.
-    Instruments,
-    /// The recursion: there are too few blocks of samples yet.
-    TooFewBlocks,
-    /// The recursion: the instruments are weak, they hardly move with what y does.
-    WeakInstruments,
-}
-
-/// An estimate with what it rests on.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct Found<const M: usize, const N: usize, const I: usize> {
-    /// The model.
-    pub estimate: Estimate<M, N, I>,
-    /// What it rests on.
-    pub way: Way,
-    /// How many blocks carry the standard deviations: 16 at most, fewer where most of the motion is in some of them.
-    pub effective_blocks: f32,
-}
 
 /// An [`Identifier`] with instruments beside its recursion.
 ///
@@ -117,21 +94,6 @@ pub struct Instrumented<
 > {
     identifier: Identifier<T, M, N, I, D>,
     instruments: Instruments<M, N, I, R>,
-}
-
-/// The instruments: what they follow from, and what a sample changes.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Instruments<const M: usize, const N: usize, const I: usize, const R: usize> {
-    layout: Layout<M, N, I>,
-    auxiliary: Auxiliary<M>,
-    lanes: [Lane<M>; I],
-    /// The newest instruments.
-    z: [f32; R],
-    blocks: Blocks<N, R>,
-    /// lambda.
-    forgetting: f32,
-    /// Samples until the filters are flushed.
-    turn: u32,
 }
 
 impl<
@@ -244,40 +206,19 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const R: usize, const 
     }
 }
 
-impl<const M: usize, const N: usize, const I: usize, const R: usize> Witness<M, N, I>
-    for Instruments<M, N, I, R>
-{
-    #[inline(never)]
-    fn begin(&mut self) {
-        for lane in &mut self.lanes {
-            lane.begin();
-        }
-    }
-
-    #[inline(always)]
-    fn inputs(&mut self, trends: &[[f32; M]; I]) {
-        self.turn = self.turn.wrapping_add(1);
-        if self.turn.is_multiple_of(64) {
-            for lane in &mut self.lanes {
-                lane.flush();
-            }
-        }
-        let mut rows = self.z.as_mut_slice();
-        for c in 0..I {
-            let Some((own, others)) = rows.split_at_mut_checked(self.layout.counts[c]) else {
-                return;
-            };
-            self.lanes[c].update(&self.auxiliary, &trends[c], own);
-            rows = others;
-        }
-    }
-
-    #[inline(always)]
-    fn row(&mut self, phi: &[f32; N], psi: f32) {
-        let own = self.z.iter_mut().skip(self.layout.twice);
-        for (z, phi) in own.zip(phi.iter().skip(self.layout.outputs)) {
-            *z = *phi;
-        }
-        self.blocks.update(&self.z, phi, psi);
+impl<const N: usize, const R: usize> Reading<N, R> {
+    /// One step; the estimate with the last one, after which the next reading begins.
+    ///
+    /// The samples between two steps enter the next reading: the blocks wait up to 16 samples for a step, then go on, and the
+    /// reading begins again.
+    pub fn step<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize>(
+        &mut self,
+        of: &mut Instrumented<T, M, N, I, R, D>,
+    ) -> Option<Found<M, N, I>> {
+        of.instruments.blocks.hold(HELD);
+        self.step_of(&of.instruments, &of.identifier)
     }
 }
+
+/// Rows for which the blocks are held from one step to the next.
+const HELD: u32 = 16;

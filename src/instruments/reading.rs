@@ -3,9 +3,10 @@
 use crate::estimation::terms::Parameter;
 use crate::identifier::Identifier;
 use crate::instruments::blocks::{BLOCKS, Products};
+use crate::instruments::found::{Found, Way};
 use crate::instruments::layout::Layout;
 use crate::instruments::solve::Factored;
-use crate::instruments::{Found, Instrumented, Instruments, Way};
+use crate::instruments::sums::Instruments;
 use crate::math::matrix::Matrix;
 use crate::math::polynomial::largest_rate;
 use crate::math::{deviation, raised};
@@ -13,9 +14,6 @@ use crate::trends::TrendOperator;
 
 /// Solutions with the numerators of the one before.
 const REPETITIONS: usize = 3;
-
-/// Rows for which the blocks are held from one step to the next.
-const HELD: u32 = 16;
 
 /// A standard deviation beyond this share of what it belongs to shows weak instruments: ratios of sums as uncertain as
 /// that have no variance that a first order could tell.
@@ -82,18 +80,6 @@ impl<const N: usize, const R: usize> Reading<N, R> {
             covariance: [[0.0; N]; N],
             fourth: [0.0; N],
         }
-    }
-
-    /// One step; the estimate with the last one, after which the next reading begins.
-    ///
-    /// The samples between two steps enter the next reading: the blocks wait up to 16 samples for a step, then go on, and the
-    /// reading begins again.
-    pub fn step<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize>(
-        &mut self,
-        of: &mut Instrumented<T, M, N, I, R, D>,
-    ) -> Option<Found<M, N, I>> {
-        of.instruments.blocks.hold(HELD);
-        self.step_of(&of.instruments, &of.identifier)
     }
 
     pub(super) fn step_of<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize>(

@@ -30,27 +30,24 @@
 
 mod controller;
 mod margins;
+mod model;
 mod placement;
 mod plant;
 mod shaping;
 mod state_feedback;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use crate::error::Error;
-use crate::estimate::Estimate;
-use crate::problem::Problem;
 
 pub use controller::{Cascade, Controller, Pid};
 pub use margins::Margins;
+pub use model::Model;
 pub use plant::SampledPlant;
 pub use state_feedback::StateFeedback;
 
 /// Largest sensitivity of a loop whose bandwidth is chosen: a gain margin of 2.4 and a phase margin of 34 degrees at least.
 pub const SENSITIVITY: f64 = 1.7;
-
-/// Standard deviations by which the model is varied.
-const VARIED: f64 = 2.0;
 
 /// Bandwidths that are tried between the slowest and the fastest, and steps that sharpen the choice.
 const TRIED: usize = 24;
@@ -58,98 +55,6 @@ const SHARPENED: usize = 5;
 
 /// Longest delay in samples.
 const LONGEST_DELAY: f64 = 1000.0;
-
-/// `B(s)/A(s) e^(-s delay)` of one input.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Model {
-    /// a_0 .. a_{m-1} of the monic denominator, order 1 to 4.
-    pub a: Vec<f64>,
-    /// b_0 .., fewer than the order and one.
-    pub b: Vec<f64>,
-    /// \[s\], with what the controller adds to it.
-    pub delay: f64,
-}
-
-impl Model {
-    /// The model of the first input of an estimate.
-    pub fn of(estimate: &Estimate, delay: f64) -> Self {
-        Self {
-            a: estimate.a.clone(),
-            b: estimate.b[0].clone(),
-            delay,
-        }
-    }
-
-    /// Two standard deviations to both sides along each principal axis of the covariance.
-    pub fn around(problem: &Problem, estimate: &Estimate, delay: f64) -> Vec<Self> {
-        let n = estimate.theta.len();
-        let known = |j: &usize| estimate.sigma[*j].is_finite() && estimate.sigma[*j] > 0.0;
-        let places: Vec<usize> = (0..n).filter(known).collect();
-        // In units of the standard deviations: an axis depends on the units otherwise.
-        let correlation = DMatrix::from_fn(places.len(), places.len(), |i, j| {
-            let (i, j) = (places[i], places[j]);
-            estimate.covariance[i][j] / (estimate.sigma[i] * estimate.sigma[j])
-        });
-        if places.is_empty() || !correlation.iter().all(|v| v.is_finite()) {
-            return Vec::new();
-        }
-        let axes = correlation.symmetric_eigen();
-        let mut models = Vec::new();
-        for (axis, variance) in axes.eigenvectors.column_iter().zip(&axes.eigenvalues) {
-            for side in [-VARIED, VARIED] {
-                let mut theta = estimate.theta.clone();
-                for (place, part) in places.iter().zip(axis.iter()) {
-                    theta[*place] +=
-                        side * variance.max(0.0).sqrt() * part * estimate.sigma[*place];
-                }
-                let model = problem.polynomials(&theta);
-                models.push(Self {
-                    a: model.a,
-                    b: model.b[0].clone(),
-                    delay,
-                });
-            }
-        }
-        models
-    }
-
-    fn check(&self) -> Result<(), Error> {
-        let refuse = |what: String| Err(Error::Model(what));
-        let m = self.a.len();
-        if !(1..=4).contains(&m) {
-            return refuse(format!("its order is {m}, not 1 to 4"));
-        }
-        if self.b.is_empty() || self.b.len() > m {
-            return refuse(format!(
-                "{} numerator coefficients for order {m}; 1 to {m} are possible",
-                self.b.len()
-            ));
-        }
-        if !self.a.iter().chain(&self.b).all(|v| v.is_finite()) {
-            return refuse("a coefficient is not a finite number".into());
-        }
-        if self.b[0] == 0.0 {
-            return refuse("its numerator is 0 at rest: a constant command moves nothing".into());
-        }
-        if !(self.delay >= 0.0 && self.delay.is_finite()) {
-            return refuse(format!("its delay is {} s, not 0 or more", self.delay));
-        }
-        Ok(())
-    }
-
-    /// Coefficients of r, r', r'' .. in the command that lets the undelayed plant follow: `A(s)/B(s)` by powers of s.
-    fn feedforward(&self) -> Vec<f64> {
-        let m = self.a.len();
-        let a = |i: usize| self.a.get(i).copied().unwrap_or(1.0);
-        let mut series: Vec<f64> = Vec::new();
-        for i in 0..=m {
-            let before = (1..=i).map(|j| self.b.get(j).copied().unwrap_or(0.0) * series[i - j]);
-            let before: f64 = before.sum();
-            series.push((a(i) - before) / self.b[0]);
-        }
-        series
-    }
-}
 
 /// What the loops are for.
 #[derive(Debug, Clone, Copy, PartialEq)]

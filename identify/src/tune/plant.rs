@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector, RowDVector};
 
-use super::Model;
+use super::model::Model;
 
 /// `x(k+1) = A x(k) + B_0 u(k-d) + B_1 u(k-d-1)`, `y = C x`.
 ///

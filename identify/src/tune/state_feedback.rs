@@ -12,8 +12,8 @@
 
 use nalgebra::{Complex, DMatrix, DVector, RowDVector};
 
-use super::Model;
 use super::controller::Controller;
+use super::model::Model;
 use super::placement::{circle, equal, gains};
 use super::plant::SampledPlant;
 use crate::polynomials::roots;
