@@ -4,6 +4,7 @@
 mod endurance;
 mod format;
 mod identify;
+mod monitor;
 mod options;
 mod output;
 mod paper;
@@ -48,6 +49,7 @@ enum Command {
     Sigma(sigma::SigmaArgs),
     /// The adaptive position loop in every scenario, with fixed gains beside
     Loop(servo::position_loop::LoopArgs),
+    Monitor(monitor::MonitorArgs),
     /// A scenario of the demonstration with the loop on an emulated or real processor, bit for bit as on the host
     Pil(pil::PilArgs),
 }
@@ -72,6 +74,7 @@ fn main() -> ExitCode {
         Command::Endurance(args) => endurance::run_all(args),
         Command::Sigma(args) => sigma::run(args),
         Command::Loop(args) => servo::position_loop::run(args),
+        Command::Monitor(args) => monitor::run(args),
         Command::Pil(args) => pil::run(args),
     };
     match done {

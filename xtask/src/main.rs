@@ -2,6 +2,7 @@
 //!
 //! The steps of continuous integration are these tasks under these names, so that what fails there is repeated here.
 
+mod browser;
 mod capi;
 mod ci;
 mod coverage;
@@ -26,6 +27,7 @@ mod record;
 mod setup;
 mod soak;
 mod tool;
+mod web;
 mod workflow;
 
 use std::process::ExitCode;
@@ -66,6 +68,8 @@ enum Task {
     Python(python::Options),
     /// The claims that need hundreds of runs.
     Statistics,
+    /// Monitor and playground driven in a headless browser; installs what is missing.
+    Browser,
     /// Simulated hours of the identifier and of the loop.
     Soak(soak::Options),
     /// The workflow of continuous integration, by actionlint; its tasks are those of this program.
@@ -107,6 +111,7 @@ fn main() -> ExitCode {
         Task::Package => ci::package(),
         Task::Printed(task) => task.print(),
         Task::Statistics => ci::statistics(),
+        Task::Browser => browser::run(),
         Task::Soak(options) => soak::run(&options),
         Task::Workflow => {
             let command = Arguments::command();

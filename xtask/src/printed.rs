@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::{capi, firmware, frameworks, icount};
+use crate::{capi, firmware, frameworks, icount, web};
 
 /// A task that gives text.
 #[derive(Subcommand)]
@@ -21,6 +21,8 @@ pub(crate) enum Task {
     Capi(capi::Options),
     /// The servo loop in Embassy, in the emulator, with requests over its serial line; the same hash as on the host.
     Embassy,
+    /// The playground as static files, in `target/web-page`; prints their sizes.
+    Web,
 }
 
 impl Task {
@@ -34,6 +36,7 @@ impl Task {
             Self::Rtic => frameworks::rtic(),
             Self::Capi(options) => capi::task(options),
             Self::Embassy => frameworks::embassy(),
+            Self::Web => web::run(),
         }
     }
 

@@ -26,15 +26,17 @@
 mod client;
 mod operate;
 mod outbox;
+mod reasons;
 mod schema;
 pub mod settings;
 mod station;
 
 pub use client::{Client, Heard, Losses};
-pub use operate::{Machine, operate, reason_of, state_of};
+pub use operate::{Machine, operate};
 pub use outbox::{EVENTS, OUTBOX};
+pub use reasons::{reason_of, state_of};
 pub use schema::{
     Answer, Content, Event, Health, Identity, Learned, Notice, NumberedEvent, Order, Outcome,
-    Refusal, Request, Sample, SettingValue, Text, Trick,
+    Refusal, Request, Sample, SettingValue, Text, Trick, text,
 };
 pub use station::{STALE_MS, Station, Wanted};

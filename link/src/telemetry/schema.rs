@@ -8,10 +8,23 @@ use serde::{Deserialize, Serialize};
 use trendid::hardware::{PositionSensor, Valve};
 use trendid::servo::{Report, ServoLoop};
 
+use crate::telemetry::reasons::reason_of;
 use crate::{Message, code};
 
 /// A short text: what does not fit is cut.
 pub type Text = heapless::String<40>;
+
+/// As much of a text as fits.
+#[must_use]
+pub fn text(words: &str) -> Text {
+    let mut text = Text::new();
+    for letter in words.chars() {
+        if text.push(letter).is_err() {
+            break;
+        }
+    }
+    text
+}
 
 /// Host to target: one request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -429,7 +442,7 @@ impl fmt::Display for Refusal {
                 limits: [low, high],
             } => return write!(f, "{name} = {value} is not within {low}..={high}"),
             Self::Setting(name) => return write!(f, "{name} contradicts the other settings"),
-            Self::Model(reason) => match super::operate::reason_of(*reason) {
+            Self::Model(reason) => match reason_of(*reason) {
                 Some(reason) => return write!(f, "the model may not control: {reason}"),
                 None => "the model may not control",
             },

@@ -2,8 +2,7 @@
 
 use trendid::servo::Config;
 
-use crate::telemetry::Refusal;
-use crate::telemetry::operate::text;
+use crate::telemetry::schema::{Refusal, text};
 
 /// A setting.
 #[derive(Clone, Copy, Debug)]

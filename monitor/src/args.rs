@@ -1,0 +1,113 @@
+//! The arguments.
+
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::path::PathBuf;
+
+use clap::{ArgGroup, Parser};
+use trendid_host_tests::servo::population::family::Family;
+
+/// A live page of a servo loop: what it does, what it has learned, and a button for every request
+#[derive(Clone, Debug, Parser)]
+#[command(
+    name = "trendid-monitor",
+    version,
+    about,
+    group = ArgGroup::new("source").required(true),
+    after_help = "Examples:\n  trendid-monitor --axis 7\n  trendid-monitor --port /dev/ttyUSB0\n  trendid-monitor --replay out/record-1.csv"
+)]
+pub(crate) struct Args {
+    /// A simulated axis of the population, with the loop on this computer: its seed
+    #[arg(long, value_name = "SEED", group = "source")]
+    pub axis: Option<u64>,
+    /// A board on a serial port
+    #[arg(long, value_name = "DEVICE", group = "source")]
+    pub port: Option<String>,
+    /// A target behind a TCP socket, e.g. an emulator that runs already
+    #[arg(long, value_name = "HOST:PORT", group = "source")]
+    pub tcp: Option<String>,
+    /// A record that this monitor has written, in its own time
+    #[arg(long, value_name = "FILE", group = "source")]
+    pub replay: Option<PathBuf>,
+
+    /// With --axis: pneumatic, linear, ball-screw or hydraulic
+    #[arg(long, default_value = "pneumatic", value_parser = family)]
+    pub family: Family,
+    /// With --axis: draw from the whole range of the population and not from usual machines
+    #[arg(long)]
+    pub rare: bool,
+    /// With --port: baud rate
+    #[arg(long, default_value_t = 921_600)]
+    pub baud: u32,
+    /// Ms without a word from this program after which the target stops; 0 for never
+    #[arg(long, default_value_t = 1000)]
+    pub watchdog: u16,
+
+    /// Port of the page; 0 for any
+    #[arg(long, default_value_t = 8765)]
+    pub http: u16,
+    /// Serves other computers too, without encryption; needs --token
+    #[arg(long, value_name = "ADDRESS", requires = "token")]
+    pub listen: Option<IpAddr>,
+    /// The token of the address, at least 16 letters or digits; default a random one
+    #[arg(long, value_parser = token)]
+    pub token: Option<String>,
+    /// Folder of records and reports
+    #[arg(long, default_value = "out")]
+    pub out: PathBuf,
+
+    /// Records to this file from the first sample on
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Sends every sample to Teleplot over UDP
+    #[arg(long, value_name = "HOST:PORT")]
+    pub teleplot: Option<SocketAddr>,
+    /// Sends every sample as JSON over UDP, for PlotJuggler
+    #[arg(long, value_name = "HOST:PORT")]
+    pub plotjuggler: Option<SocketAddr>,
+    /// Ends after so many seconds and prints what was received and lost
+    #[arg(long, value_name = "SECONDS")]
+    pub seconds: Option<f64>,
+}
+
+impl Args {
+    /// Where the page is served.
+    pub(crate) fn address(&self) -> SocketAddr {
+        let ip = self.listen.unwrap_or(IpAddr::V4(Ipv4Addr::LOCALHOST));
+        SocketAddr::new(ip, self.http)
+    }
+}
+
+fn family(name: &str) -> Result<Family, String> {
+    Family::from_name(name).ok_or_else(|| {
+        let names = Family::ALL.map(Family::name).join(", ");
+        format!("expected one of {names}")
+    })
+}
+
+/// Shortest token that is taken.
+const TOKEN: usize = 16;
+
+fn token(token: &str) -> Result<String, String> {
+    if token.len() >= TOKEN && token.bytes().all(|b| b.is_ascii_alphanumeric()) {
+        Ok(token.to_owned())
+    } else {
+        Err(format!("expected at least {TOKEN} letters or digits"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn other_computers_are_served_with_a_token_of_the_user_only() {
+        let parse = |words: &str| Args::try_parse_from(words.split(' '));
+        assert!(parse("m --axis 1").is_ok_and(|a| a.address().ip().is_loopback()));
+        assert!(parse("m --axis 1 --listen 0.0.0.0").is_err());
+        assert!(parse("m --axis 1 --listen 0.0.0.0 --token short").is_err());
+        let open = parse("m --axis 1 --listen 0.0.0.0 --token abcdefgh12345678").unwrap();
+        assert!(!open.address().ip().is_loopback());
+        assert!(parse("m").is_err() && parse("m --axis 1 --tcp 127.0.0.1:1").is_err());
+        assert!(parse("m --axis 1 --family steam").is_err());
+    }
+}

@@ -1,0 +1,159 @@
+//! What a page asks for, from its JSON.
+
+use serde_json::Value;
+use trendid_link::telemetry::settings::SETTINGS;
+use trendid_link::telemetry::{Request, Trick};
+
+/// What a page asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Wish {
+    /// To be in control.
+    Control,
+    /// A request to the target.
+    Ask(Request),
+    /// A record, begun or ended.
+    Record(bool),
+}
+
+/// Reads a message of a page; what it does not understand is refused in one sentence.
+pub(super) fn read(text: &str) -> Result<Wish, String> {
+    let value: Value = serde_json::from_str(text).map_err(|error| format!("no JSON: {error}"))?;
+    let number = |name: &str| -> Result<f32, String> {
+        let found = value.get(name).and_then(Value::as_f64);
+        found
+            .map(|x| x as f32)
+            .filter(|x| x.is_finite())
+            .ok_or_else(|| format!("`{name}` is not a finite number"))
+    };
+    let done = value.get("do").and_then(Value::as_str).unwrap_or_default();
+    Ok(Wish::Ask(match done {
+        "control" => return Ok(Wish::Control),
+        "record" => {
+            let on = value.get("on").and_then(Value::as_bool);
+            return on
+                .map(Wish::Record)
+                .ok_or_else(|| "`on` is not true or false".into());
+        }
+        "commission" => Request::Commission,
+        "move" => Request::Move(number("target")?),
+        "oscillate" => Request::Oscillate {
+            amplitude: number("amplitude")?,
+            frequency: number("frequency")?,
+        },
+        "stop" => Request::Stop,
+        "limits" => Request::Limits {
+            velocity: number("velocity")?,
+            acceleration: number("acceleration")?,
+            jerk: number("jerk")?,
+        },
+        "set" => {
+            let name = value
+                .get("name")
+                .and_then(Value::as_str)
+                .unwrap_or_default();
+            let setting = SETTINGS
+                .iter()
+                .position(|setting| setting.name == name)
+                .ok_or_else(|| format!("there is no setting `{name}`"))?
+                as u8;
+            let value = match value.get("value") {
+                Some(Value::Null) => None,
+                _ => Some(number("value")?),
+            };
+            Request::Set { setting, value }
+        }
+        "install" => {
+            let model = value.get("model").and_then(Value::as_array);
+            let numbers: Option<Vec<f32>> = model.and_then(|model| {
+                let finite = |x: &Value| x.as_f64().map(|x| x as f32).filter(|x| x.is_finite());
+                model.iter().map(finite).collect()
+            });
+            let model = numbers.and_then(|numbers| numbers.try_into().ok());
+            Request::Install(model.ok_or("`model` is not a1, a2, b0, dead zone, offset, friction")?)
+        }
+        "store" => Request::Store,
+        "acknowledge" => Request::Acknowledge,
+        "play" => {
+            let trick = value
+                .get("trick")
+                .and_then(Value::as_str)
+                .unwrap_or_default();
+            Request::Play(match trick {
+                "heal" => Trick::Heal,
+                "freeze" => Trick::FreezeSensor,
+                "lose" => Trick::LoseReadings,
+                "close" => Trick::CloseValve,
+                "mass" => Trick::TripleMass,
+                _ => return Err(format!("there is no trick `{}`", short(trick))),
+            })
+        }
+        other => return Err(format!("`{}` is nothing that can be asked", short(other))),
+    }))
+}
+
+/// The begin of a word that a page has sent.
+fn short(word: &str) -> String {
+    word.chars().take(20).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn every_request_is_understood() {
+        let ask = |text: &str| read(text).unwrap();
+        assert_eq!(
+            ask(r#"{"do":"move","target":120}"#),
+            Wish::Ask(Request::Move(120.0))
+        );
+        assert_eq!(ask(r#"{"do":"record","on":true}"#), Wish::Record(true));
+        assert_eq!(
+            ask(r#"{"do":"play","trick":"freeze"}"#),
+            Wish::Ask(Request::Play(Trick::FreezeSensor))
+        );
+        let set = Request::Set {
+            setting: 9,
+            value: Some(2.0),
+        };
+        assert_eq!(
+            ask(r#"{"do":"set","name":"memory","value":2}"#),
+            Wish::Ask(set)
+        );
+        for word in ["control", "commission", "stop", "store", "acknowledge"] {
+            ask(&format!(r#"{{"do":"{word}"}}"#));
+        }
+    }
+
+    #[test]
+    fn what_is_not_a_number_is_refused() {
+        for target in ["null", "\"1\"", "1e39", "[]", "{}", "true"] {
+            assert!(
+                read(&format!(r#"{{"do":"move","target":{target}}}"#)).is_err(),
+                "{target}"
+            );
+        }
+        assert!(read(r#"{"do":"install","model":[1,2,3,4,5]}"#).is_err());
+        assert!(read(r#"{"do":"set","name":"no","value":1}"#).is_err());
+        assert!(read("").is_err() && read("[]").is_err() && read("{}").is_err());
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(512) })]
+
+        #[test]
+        fn any_text_is_refused_or_understood(text in ".{0,200}") {
+            let _ = read(&text);
+        }
+
+        #[test]
+        fn whatever_is_asked_is_finite(name in "[a-z]{0,12}", x in any::<f64>(), key in "[a-z]{0,9}") {
+            let text = serde_json::json!({"do": name, key: x, "target": x, "amplitude": x, "frequency": x}).to_string();
+            if let Ok(Wish::Ask(Request::Move(x) | Request::Oscillate { amplitude: x, .. })) = read(&text) {
+                prop_assert!(x.is_finite());
+            }
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! A live page of a servo loop: telemetry over the wire of `trendid-link`, a button for every request, records.
+//!
+//! ```text
+//! source (thread) -- bytes of the wire --> hub -- JSON --> pages
+//! simulated axis, port, record              `--> record, UDP
+//! ```
+#![allow(missing_docs)] // a program: its documentation is `--help`
+
+mod args;
+mod hub;
+mod outputs;
+mod record;
+mod server;
+mod source;
+
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, AtomicUsize};
+use std::time::Duration;
+
+use clap::Parser;
+use tokio::net::TcpListener;
+use tokio::sync::mpsc::channel;
+
+use crate::args::Args;
+use crate::hub::{Hub, Summary};
+use crate::server::{Server, router};
+
+/// Messages of all pages that wait for the hub.
+const WAITING: usize = 256;
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build();
+    let done = match runtime {
+        Ok(runtime) => runtime.block_on(run(args)),
+        Err(error) => Err(error.to_string()),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(sentence) => {
+            eprintln!("error: {sentence}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+async fn run(args: Args) -> Result<(), String> {
+    let wanted = args.address();
+    let listener = TcpListener::bind(wanted)
+        .await
+        .map_err(|error| format!("{wanted}: {error} (choose another port with --http)"))?;
+    let address = listener.local_addr().map_err(|error| error.to_string())?;
+    let token = match &args.token {
+        Some(token) => token.clone(),
+        None => random_token()?,
+    };
+    if !address.ip().is_loopback() {
+        eprintln!(
+            "warning: {address} is open to other computers, without encryption: who reads the token on the way can move the axis"
+        );
+    }
+    let (to_hub, from_pages) = channel(WAITING);
+    let hub = Hub::new(&args)?;
+    let server = Arc::new(Server {
+        token: token.clone(),
+        address,
+        out: args.out.clone(),
+        hub: to_hub,
+        next: AtomicU64::new(1),
+        open: AtomicUsize::new(0),
+    });
+    println!("http://{address}/?token={token}");
+    let serving = tokio::spawn(async move { axum::serve(listener, router(server)).await });
+    let end = args.seconds.map(Duration::from_secs_f64);
+    let summary = hub.run(from_pages, end).await;
+    serving.abort();
+    print(&summary);
+    Ok(())
+}
+
+fn random_token() -> Result<String, String> {
+    let mut bytes = [0_u8; 16];
+    getrandom::fill(&mut bytes).map_err(|error| format!("no random numbers: {error}"))?;
+    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+fn print(summary: &Summary) {
+    let Summary {
+        tally,
+        losses,
+        seconds,
+    } = summary;
+    println!(
+        "{seconds:.1} s, starts of the line {}, samples {} ({:.1} per s), missing {}, dropped at the target {}, events {}",
+        tally.starts,
+        tally.samples,
+        tally.samples as f64 / seconds,
+        tally.missing,
+        tally.dropped,
+        tally.events
+    );
+    println!(
+        "frames lost on the line {}, damaged {}, orders without an answer {}",
+        losses.lost, losses.corrupt, losses.unanswered
+    );
+}

@@ -1,0 +1,75 @@
+// The playground as its user, from a file: a servo is found, the loop is broken, a record is identified.
+import { spawnSync } from "node:child_process";
+import fs from "node:fs";
+import path from "node:path";
+import { browser, check, open, out, pictures, sleep, until } from "./common.mjs";
+
+const { TRENDID, WEB, RECORD } = process.env;
+const chrome = await browser();
+try {
+  const page = await open(chrome, `file://${WEB}/index.html`);
+  const requests = [];
+  page.on("request", (request) => requests.push(request.url()));
+  await until(page, "the servo runs", () => window.playground.servo && window.playground.servo.t > 8, 60);
+  const servo = await page.evaluate(() => window.playground.servo);
+  const truth = [400, 20, 1e6, 2500, 20, 0.5];
+  servo.values.forEach((x, k) => check(`${["a1", "a2", "b0", "C", "omega0", "xi"][k]} within four of its standard deviations`, Math.abs(x - truth[k]) < 4 * servo.sigma[k] && servo.sigma[k] < 0.05 * truth[k], `${x} +- ${servo.sigma[k]}, bound ${servo.bound[k]}`));
+  await until(page, "speed is measured", () => window.playground.milliseconds, 30);
+  const ms = await page.evaluate(() => window.playground.milliseconds);
+  check("1e5 samples within 20 ms", ms <= 20, `${ms.toFixed(1)} ms`);
+  await pictures(page, "servo");
+  await page.$eval("#eta", (e) => { e.value = 3000; e.oninput(); });
+  await until(page, "a slider begins again", () => window.playground.servo.t < 3, 5);
+
+  await page.click("#tab-loop");
+  await page.click("#loop-commission");
+  await until(page, "a model is verified", () => window.playground.loop && ["verified", "adapting", "frozen"].some((s) => window.playground.loop.state.startsWith(s)), 60);
+  await page.click("#loop-move button");
+  await until(page, "moves to 300 mm", () => Math.abs(window.playground.loop.position - 300) < 1, 30);
+  const before = await page.evaluate(() => window.playground.loop.model);
+  await page.click("#loop-mass");
+  await page.click("#loop-osc button");
+  await until(page, "three times the mass is learned", (a1) => window.playground.loop.model[0] < 0.7 * a1, 60, before[0]);
+  const after = await page.evaluate(() => window.playground.loop.model);
+  check("the model in control", true, `a1 ${before[0].toFixed(0)} -> ${after[0].toFixed(0)}`);
+  await page.$eval("#loop-again", (e) => e.scrollIntoView());
+  await pictures(page, "loop");
+  await page.click("#loop-freeze");
+  await until(page, "the frozen sensor is found", () => /^failed: .*(stuck|follow|jumped)/.test(window.playground.loop.state), 15);
+  check("the reason", true, await page.$eval("#loop-state", (e) => e.textContent));
+
+  await page.click("#tab-record");
+  check("identify is not loaded before", !requests.some((url) => url.includes("identify")));
+  await (await page.$("#file")).uploadFile(RECORD);
+  await until(page, "the record is read", () => !document.getElementById("problem").hidden, 10);
+  await page.click("#problem .row button");
+  await until(page, "the record is identified", () => window.playground.found, 120);
+  const found = await page.evaluate(() => window.playground.found);
+  const reference = JSON.parse(spawnSync(TRENDID, ["identify", RECORD, "--order", "3", "--integrator", "--json"], { encoding: "utf8" }).stdout);
+  fs.writeFileSync(path.join(out, "reference.json"), JSON.stringify(reference, null, 1));
+  const theirs = (reference.model ?? reference).a ?? reference.estimate?.a;
+  const apart = Math.max(...found.model.a.map((a, k) => Math.abs(a - theirs[k]) / Math.max(1, Math.abs(theirs[k]))));
+  check("the model is that of the command line", apart < 1e-6, `largest relative difference ${apart.toExponential(1)}, ${found.seconds.toFixed(2)} s`);
+  for (const [language, has] of [["rust", "TransferFunction::<3, 1>"], ["c", "static const float model_a[3]"], ["python", "signal.TransferFunction"], ["matlab", "tf(["]]) {
+    await page.click(`[data-lang="${language}"]`);
+    check(`a snippet in ${language}`, (await page.$eval("#code", (e) => e.textContent)).includes(has));
+    fs.writeFileSync(path.join(out, `snippet.${language}`), await page.$eval("#code", (e) => e.textContent));
+  }
+  await page.click("#copy");
+  await until(page, "it is copied", () => document.getElementById("copy").textContent === "Copied", 5);
+  await pictures(page, "record");
+  await page.click("#compare");
+  await until(page, "structures are compared", () => window.playground.selected, 300);
+  const best = await page.evaluate(() => window.playground.selected.candidates.find((c) => c.recommended));
+  check("the recommended structure", best.order === 3 && best.integrator, JSON.stringify(best));
+  // A record that is broken is named by its line.
+  const broken = path.join(out, "broken.csv");
+  fs.writeFileSync(broken, "t,u,y\n0,1,2\n0.1,1\n");
+  await (await page.$("#file")).uploadFile(broken);
+  await until(page, "a broken record is named by its line", () => /line 3: 2 cells/.test(document.getElementById("file-says").textContent), 5);
+  await sleep(200);
+  check("nothing but files was asked for", requests.every((url) => url.startsWith("file:") || url.startsWith("data:")), `${requests.length} requests`);
+  check("no error in the console", page.errors.length === 0, page.errors.join(" | ") || "none");
+} finally {
+  await chrome.close();
+}

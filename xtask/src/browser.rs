@@ -1,0 +1,114 @@
+//! Both pages in a headless browser, used as their users would; pictures go to `target/browser`.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::process::{self, Done, cargo, root, target_directory, works};
+use crate::web;
+
+/// Seed of the simulated axis.
+const SEED: &str = "200017";
+
+/// Names under which systems have the browser.
+const BROWSERS: [&str; 4] = [
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "google-chrome-stable",
+];
+
+/// Installs what is missing, builds both pages and drives them.
+pub(crate) fn run() -> Done {
+    let chromium = chromium()?;
+    let out = target_directory()?.join("browser");
+    fs::create_dir_all(&out).map_err(|error| format!("{}: {error}", out.display()))?;
+    let scripts = scripts(&out)?;
+    process::run(cargo(&[
+        "build",
+        "-q",
+        "-p",
+        "trendid-monitor",
+        "-p",
+        "trendid-cli",
+    ]))?;
+    let page = web::build()?;
+    let bin = target_directory()?.join("debug");
+    for script in ["monitor.mjs", "playground.mjs"] {
+        let mut command = Command::new("node");
+        command
+            .arg(scripts.join(script))
+            .env("CHROMIUM", &chromium)
+            .env("OUT", &out)
+            .env("AXE", scripts.join("node_modules/axe-core/axe.min.js"))
+            .env("MONITOR", bin.join("trendid-monitor"))
+            .env("TRENDID", bin.join("trendid"))
+            .env("SEED", SEED)
+            .env("WEB", &page)
+            .env("RECORD", root().join("examples/data/servo.csv"));
+        process::run(command)?;
+    }
+    println!("pictures: {}", out.display());
+    Ok(())
+}
+
+/// The scripts beside the packages that they need.
+fn scripts(out: &std::path::Path) -> Result<PathBuf, String> {
+    let place = out.join("node");
+    fs::create_dir_all(&place).map_err(|error| format!("{}: {error}", place.display()))?;
+    let from = root().join("xtask/browser");
+    for name in [
+        "package.json",
+        "common.mjs",
+        "monitor.mjs",
+        "playground.mjs",
+    ] {
+        let (from, to) = (from.join(name), place.join(name));
+        fs::copy(&from, &to).map_err(|error| format!("{}: {error}", from.display()))?;
+    }
+    if !works("node", &["--version"]) {
+        return Err("node is missing: install Node.js 20 or newer".into());
+    }
+    if !place.join("node_modules/axe-core/axe.min.js").exists()
+        || !place.join("node_modules/puppeteer-core").exists()
+    {
+        let mut command = Command::new("npm");
+        command.current_dir(&place).args([
+            "install",
+            "--no-audit",
+            "--no-fund",
+            "--no-package-lock",
+            "--loglevel=error",
+        ]);
+        process::run(command)?;
+    }
+    Ok(place)
+}
+
+/// The browser; installed where that is possible.
+fn chromium() -> Result<PathBuf, String> {
+    let find = || {
+        let paths = std::env::var_os("PATH")?;
+        BROWSERS.iter().find_map(|name| {
+            std::env::split_paths(&paths)
+                .map(|folder| folder.join(name))
+                .find(|path| path.is_file())
+        })
+    };
+    if let Some(path) = find() {
+        return Ok(path);
+    }
+    if works("apt-get", &["--version"]) {
+        for arguments in [
+            &["update"][..],
+            &["install", "-y", "--no-install-recommends", "chromium"],
+        ] {
+            let mut command = Command::new("apt-get");
+            command
+                .args(arguments)
+                .env("DEBIAN_FRONTEND", "noninteractive");
+            process::run(command)?;
+        }
+    }
+    find().ok_or_else(|| "no Chromium is installed, and apt cannot install it".into())
+}

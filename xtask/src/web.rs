@@ -1,0 +1,140 @@
+//! The playground as static files: two WebAssembly modules, one page with everything that its first paint needs.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+use crate::process::{self, Done, cargo, root, target_directory};
+
+/// Target of the modules.
+const TARGET: &str = "wasm32-unknown-unknown";
+
+/// Largest page in bytes, compressed.
+const LARGEST: usize = 150_000;
+
+/// Builds; gives the sizes.
+pub(crate) fn run() -> Result<String, String> {
+    let place = build()?;
+    let mut text = format!("{:16} {:>9} {:>9}\n", "file", "bytes", "gzip -9");
+    let mut page = 0;
+    for name in ["index.html", "identify.js"] {
+        let bytes = read(&place.join(name))?;
+        let small = compressed(bytes.as_bytes())?;
+        text += &format!("{name:16} {:9} {small:9}\n", bytes.len());
+        if name == "index.html" {
+            page = small;
+        }
+    }
+    if page > LARGEST {
+        return Err(format!(
+            "the page has more than {LARGEST} bytes compressed:\n{text}"
+        ));
+    }
+    Ok(text)
+}
+
+/// Builds the playground; gives its folder.
+pub(crate) fn build() -> Result<PathBuf, String> {
+    add_target()?;
+    process::run(cargo(&[
+        "build",
+        "-q",
+        "--profile",
+        "web",
+        "--target",
+        TARGET,
+        "-p",
+        "trendid-web",
+        "-p",
+        "trendid-web-identify",
+    ]))?;
+    let target = target_directory()?;
+    let module = |name: &str| -> Result<String, String> {
+        let path = target.join(TARGET).join("web").join(format!("{name}.wasm"));
+        let bytes = fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        Ok(STANDARD.encode(gzip(&bytes)?))
+    };
+    let page = root().join("web/page");
+    let shared = root().join("monitor/page");
+    let scripts = [
+        read(&shared.join("uplot/uPlot.iife.min.js"))?,
+        read(&shared.join("plots.js"))?,
+        read(&page.join("record.js"))?,
+        read(&page.join("play.js"))?,
+        format!(
+            "\"use strict\";const CORE=\"{}\";start();",
+            module("trendid_web")?
+        ),
+    ];
+    let scripts: String = scripts
+        .iter()
+        .map(|script| format!("<script>{script}</script>\n"))
+        .collect();
+    let styles = read(&shared.join("uplot/uPlot.min.css"))? + &read(&page.join("style.css"))?;
+    let html = read(&page.join("index.html"))?
+        .replace("<!-- style -->", &format!("<style>{styles}</style>"))
+        .replace("<!-- scripts -->", &scripts);
+    let place = target.join("web-page");
+    fs::create_dir_all(&place).map_err(|error| format!("{}: {error}", place.display()))?;
+    write(&place.join("index.html"), &html)?;
+    let identify = format!("window.IDENTIFY=\"{}\";", module("trendid_web_identify")?);
+    write(&place.join("identify.js"), &identify)?;
+    write(
+        &place.join("LICENSE-uPlot"),
+        &read(&shared.join("uplot/LICENSE"))?,
+    )?;
+    Ok(place)
+}
+
+/// Adds the target where it is missing.
+fn add_target() -> Done {
+    let output = Command::new("rustc").args(["--print", "sysroot"]).output();
+    let sysroot = output.map_err(|error| format!("rustc: {error}"))?.stdout;
+    let sysroot = String::from_utf8_lossy(&sysroot).trim().to_owned();
+    if Path::new(&sysroot)
+        .join("lib/rustlib")
+        .join(TARGET)
+        .join("lib")
+        .exists()
+    {
+        return Ok(());
+    }
+    let mut command = Command::new("rustup");
+    command.args(["target", "add", TARGET]);
+    process::run(command)
+}
+
+/// Bytes after gzip, as a server would send them.
+fn compressed(bytes: &[u8]) -> Result<usize, String> {
+    gzip(bytes).map(|bytes| bytes.len())
+}
+
+fn gzip(bytes: &[u8]) -> Result<Vec<u8>, String> {
+    let failed = |error: std::io::Error| format!("gzip: {error}");
+    let mut gzip = Command::new("gzip")
+        .args(["-9", "-n", "-c"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .map_err(failed)?;
+    let mut input = gzip.stdin.take().ok_or("gzip takes nothing")?;
+    let bytes = bytes.to_vec();
+    let feed = std::thread::spawn(move || input.write_all(&bytes));
+    let output = gzip.wait_with_output().map_err(failed)?;
+    feed.join()
+        .map_err(|_| "gzip takes nothing")?
+        .map_err(failed)?;
+    Ok(output.stdout)
+}
+
+fn read(path: &Path) -> Result<String, String> {
+    fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+fn write(path: &Path, text: &str) -> Done {
+    fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()))
+}
