@@ -10,11 +10,11 @@ use crate::servo::motion::{MotionLimits, Travel};
 /// ```
 /// use trendid::servo::{Config, Travel};
 /// let mut config = Config::new(0.001, 20.0, Travel { min: 0.0, max: 400.0 });
-/// config.controller.bandwidth = Some(30.0); // the observer follows
+/// config.controller.bandwidth = Some(30.0); // not more, whatever the margins allow
 /// assert!(config.resolve().is_ok());
-/// config.sample_time = 0.01;
+/// config.range = 2.0;
 /// let refused = config.resolve().unwrap_err();
-/// assert_eq!(refused.to_string(), "controller.bandwidth = 30 is not within 0..=20");
+/// assert_eq!(refused.to_string(), "range = 2 is not within 0..=1");
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -38,8 +38,8 @@ pub struct Config {
     pub range: f32,
     /// Largest rate of the command per s; default 400.
     pub rate: f32,
-    /// Delay of the valve in s, at most 8 samples; default 2 ms. It is rounded to samples. The delay found by the
-    /// commissioning replaces it.
+    /// Delay of the valve in s, at most 40 samples; default 2 ms. It is rounded to samples. What the commissioning finds
+    /// replaces it.
     pub delay: f32,
     /// Memory of the identifier in s; default 1.5.
     pub memory: f32,
@@ -58,44 +58,22 @@ pub struct Config {
     pub supervision: SupervisionSettings,
 }
 
-/// Wanted closed loop, and how friction is met.
+/// What is asked of the closed loop. Its bandwidth follows from the verified model, delay, noise and sample time.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 #[doc(alias = "ControllerConfig")]
 pub struct ControllerSettings {
-    /// Wanted bandwidth w in rad/s; default 2.5 times that of the plant.
+    /// Largest bandwidth in rad/s; default none but what the margins allow.
     pub bandwidth: Option<f32>,
-    /// Wanted damping zeta of the pair of poles; default 0.8.
-    pub damping: f32,
-    /// Rate of the observer in rad/s; default 3.5 times the wanted bandwidth.
-    pub observer_rate: Option<f32>,
-    /// Half width of the flow over which the inverse of the dead zone changes sign; default 0.005.
+    /// Half width of the flow over which the inverse of the dead zone changes sign; default 0.01.
     pub blend: f32,
-    /// Position error within which the valve rests at standstill, in units of y; 0 never rests, default 1.15e-4 of the travel.
+    /// Least position error within which the valve rests at standstill, in units of y; default one code and two
+    /// standard deviations of the noise. Hunting widens it.
     pub rest_window: Option<f32>,
-    /// How far ahead a reversal is prepared, in s: the time in which the valve turns friction over; default 6 ms.
-    #[doc(alias = "reversal")]
-    pub reversal_lookahead: f32,
-    /// Rate at which the drive force is moved while the axis sticks, in rad/s; default 230.
-    pub stick_rate: f32,
-    /// Movement that counts as breaking away, in units of y; default 4e-5 of the travel, 1.6 times the default noise.
-    #[doc(alias = "start")]
-    pub breakaway_distance: Option<f32>,
-    /// Growth of the push beside the target, flow per s; default 0.045.
-    #[doc(alias = "creep")]
-    pub breakaway_ramp: f32,
-    /// Friction at the smallest speed beyond Coulomb friction, in parts of it; default 0.8.
-    pub stribeck: f32,
-    /// Bandwidth at the end of a move over the wanted one: slow motion under friction needs more; default 2.8.
-    #[doc(alias = "settle")]
-    pub settling_bandwidth_ratio: f32,
-    /// Speed, beside that of the reference, at which a position error is worked off at most, in units of y per s;
-    /// default 0.08 travels per s.
-    pub catch_up: Option<f32>,
-    /// Velocity below which friction rules the motion, in units of y per s; default 0.14 travels per s.
-    #[doc(alias = "slow")]
-    pub stiction_velocity: Option<f32>,
+    /// Dead volume of a chamber over that of the stroke: how much stiffer the axis gets towards its ends. Default 0.06, a
+    /// cylinder; infinite for a drive that is as stiff everywhere.
+    pub dead_volume: f32,
     /// Time in which the offset of a bumpless change of gains fades, in s; default 50 ms.
     pub transition: f32,
 }
@@ -188,18 +166,9 @@ impl Config {
             motion: None,
             controller: ControllerSettings {
                 bandwidth: None,
-                damping: 0.8,
-                observer_rate: None,
-                blend: 0.005,
+                blend: 0.01,
                 rest_window: None,
-                reversal_lookahead: 0.006,
-                stick_rate: 230.0,
-                breakaway_distance: None,
-                breakaway_ramp: 0.045,
-                stribeck: 0.8,
-                settling_bandwidth_ratio: 2.8,
-                catch_up: None,
-                stiction_velocity: None,
+                dead_volume: 0.06,
                 transition: 0.05,
             },
             excitation: ExcitationSettings { amplitude: 0.5 },

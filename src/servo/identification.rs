@@ -14,7 +14,7 @@ use crate::trends::filtered::FilteredTrends;
 
 /// The identifier of the loop: order 3, theta = (a1, a2, b0 of u, b0 of sgn u, b1 of sgn v, constant).
 #[doc(alias = "ServoIdentifier")]
-pub type LoopIdentifier = Identifier<FilteredTrends<3>, 3, 6, 3, 8>;
+pub type LoopIdentifier = Identifier<FilteredTrends<3>, 3, 6, 3>;
 
 /// The third input is sgn v times s: Coulomb friction acts on the acceleration, one integration behind the valve.
 const STRUCTURE: Structure<3, 6, 3> = crate::structure!(
@@ -37,14 +37,12 @@ pub(crate) fn identifier(
     );
     config.output_noise = design.output_noise;
     config.memory = Some(design.memory);
-    config.delays = [design.delay, design.delay, 0];
     Ok(Identifier::try_new(&config, trends)?)
 }
 
-/// The inputs in control: valve and friction are those of the controller.
-pub(crate) fn inputs_of_known(command: f32, controller: &Controller) -> [f32; 3] {
-    let flow = controller.model().flow(command);
-    [flow, 0.0, controller.observer().friction().force()]
+/// The inputs in control: valve, delay and friction are those of the controller.
+pub(crate) fn inputs_of_known(controller: &Controller) -> [f32; 3] {
+    [controller.flow_in_force(), 0.0, controller.friction_force()]
 }
 
 /// Identifies on from `model` with `share` of a1, a2 and b0 as standard deviation.
@@ -81,9 +79,11 @@ pub(crate) fn candidate(identifier: &LoopIdentifier, controller: Option<&Control
     let mut model = Model::from_parameters(&theta);
     if let Some(controller) = controller {
         let Model {
-            dead_zone, offset, ..
+            dead_zone,
+            offset,
+            friction,
+            ..
         } = *controller.model();
-        let friction = controller.observer().friction().coulomb();
         model = Model {
             dead_zone,
             offset,

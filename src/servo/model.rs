@@ -130,6 +130,34 @@ impl Model {
         }
     }
 
+    /// The command for a wanted flow through a valve whose spool is off by the offset; within `blend` of none the jump of the
+    /// dead zone is a steep line.
+    #[inline]
+    pub(crate) fn valve_command(&self, flow: f32, blend: f32) -> f32 {
+        let jump = if flow > blend {
+            self.dead_zone
+        } else if flow < -blend {
+            -self.dead_zone
+        } else {
+            self.dead_zone * flow / blend
+        };
+        flow + jump - self.offset
+    }
+
+    /// The flow for which [`Model::valve_command`] gives this command.
+    #[inline]
+    pub(crate) fn valve_flow_of(&self, command: f32, blend: f32) -> f32 {
+        let spool = command + self.offset;
+        let edge = blend + self.dead_zone;
+        if spool > edge {
+            spool - self.dead_zone
+        } else if spool < -edge {
+            spool + self.dead_zone
+        } else {
+            spool * blend / edge
+        }
+    }
+
     /// Moves `motion` on by `time` seconds under a held flow.
     ///
     /// Taylor series of the solution to the fourth derivative of velocity: the error per

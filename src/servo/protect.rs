@@ -33,6 +33,10 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 self.calm();
                 false
             }
+            Some(Alarm::Brake) => {
+                self.ends = true;
+                false
+            }
             Some(Alarm::Stop(reason)) => {
                 self.fail(reason);
                 true
@@ -79,6 +83,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// The controller and the monitors go on with another model.
     pub(crate) fn retune(&mut self, model: Model) {
         self.controller.retune(model);
+        self.search_again(model);
         self.monitors.tune(model);
     }
 

@@ -6,6 +6,7 @@ use crate::hardware::{Axis, PositionSensor, Valve};
 use crate::servo::commissioning::{Commissioning, CommissioningDesign, Progress};
 use crate::servo::config::Config;
 use crate::servo::control::controller::Controller;
+use crate::servo::control::estimator::DELAY_MAX;
 use crate::servo::control::limiter::CommandLimiter;
 use crate::servo::design::Design;
 use crate::servo::design::constants::REOPENED_STD;
@@ -21,6 +22,7 @@ use crate::servo::report::Report;
 use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
 use crate::servo::supervision::state::Reason;
 use crate::servo::supervision::supervisor::Supervisor;
+use crate::servo::tune::Tuned;
 
 /// The adaptive position loop.
 ///
@@ -84,12 +86,21 @@ pub struct ServoLoop<S, V> {
     pub(crate) derating: f32,
     /// The model of the commissioning, until it has answered an oscillation.
     pub(crate) known_good: Option<Model>,
+    /// The search of poles for the model that is being validated.
+    pub(crate) tuning: Option<Tuned>,
+    /// Samples in which the observer of the controller settles before it takes over.
+    pub(crate) watching: u32,
+    /// The latest commands: what is on its way when a controller takes over.
+    pub(crate) commands: [f32; DELAY_MAX + 1],
+    pub(crate) newest: usize,
     code: i32,
-    position: f32,
+    pub(crate) position: f32,
     begun: bool,
     /// Consecutive sensor errors.
     errors: u32,
     start_requested: bool,
+    /// The stopping distance to an end of the travel is used up.
+    pub(crate) ends: bool,
 }
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
@@ -115,7 +126,10 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             settled: identification.settled,
             identifier: identifier(identification, *sample_time)?,
             supervisor: Supervisor::new(&design.supervision),
-            controller: Controller::new(&design, placeholder(config)),
+            controller: Controller::provisional(
+                &design.controller.with_resolution(axis.scale.units(1).abs()),
+                placeholder(config),
+            ),
             commissioning: Commissioning::new(commissioning(config, &axis)),
             config: config.clone(),
             sign: if config.reversed == Some(true) {
@@ -138,15 +152,21 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             stop: Stop::default(),
             derating: 1.0,
             known_good: None,
+            tuning: None,
+            watching: 0,
+            commands: [0.0; DELAY_MAX + 1],
+            newest: 0,
             code: 0,
             position: 0.0,
             begun: false,
             errors: 0,
             start_requested: false,
+            ends: false,
         })
     }
 
-    /// Takes a model that is known to be good: control begins with the next sample, at the actual position.
+    /// Takes a model that is known to be good: control begins with the next sample, at the actual position. Searches the
+    /// poles at once, some million instructions: not for the 1 ms path.
     ///
     /// # Errors
     /// [`Error::Model`] with the reason, when it does not pass what every candidate must: finite, of the right sign, stable,
@@ -155,6 +175,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.supervisor.install(model).map_err(Error::Model)?;
         reopen(&mut self.identifier, &model, REOPENED_STD);
         self.start_requested = false;
+        self.controller.search(&model);
         self.take_over(model, Motion::at(self.position));
         Ok(())
     }
@@ -208,24 +229,27 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.begin(y);
         self.tracking.update(y);
         let (setpoint, requested) = self.requested(y, same_code);
-        let Ok(command) = self.valve.drive(self.limiter.update(requested)) else {
+        let limited = self.limiter.update(requested);
+        self.remember(limited);
+        let Ok(command) = self.valve.drive(limited) else {
             self.fail(Reason::ValveFault);
             return self.report(setpoint, 0.0, None, false);
         };
         if self.supervisor.state().is_commissioning() {
             self.commissioning.applied(y, command);
-            let retuned = self.commission_on();
+            let retuned = self.commission_on(command);
             return self.report(setpoint, command, None, retuned);
         }
         let along = self.sign * command;
+        self.refine_poles();
         self.controller.applied(along);
-        let inputs = inputs_of_known(along, &self.controller);
+        let inputs = inputs_of_known(&self.controller);
         self.monitor.update(along);
         let outcome = self.identifier.update_inputs(inputs, y);
         let retuned = if self.is_stopped(&setpoint, y, along, same_code) {
             false
         } else {
-            self.supervise(&setpoint, y, along, same_code, outcome)
+            self.supervise(&setpoint, y, same_code, outcome)
         };
         self.report(setpoint, command, outcome.innovation(), retuned)
     }
@@ -278,6 +302,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         if self.start_requested {
             self.start_requested = false;
             self.supervisor.begin();
+            self.watching = 0;
             let known =
                 self.config.reversed.is_some() || self.supervisor.verified_model().is_some();
             self.commissioning.begin(y, known.then_some(self.sign));
@@ -290,14 +315,20 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         if state.is_commissioning() {
             self.progress = self.commissioning.update(y, same_code);
             let command = match self.progress {
-                Progress::Command(command) => command,
-                Progress::Found(_) => self.limiter.last(),
+                Progress::Command(command) | Progress::Found(_, command) => command,
                 Progress::Failed(_) => 0.0,
             };
             (Setpoint::at(y), command)
         } else if state.is_controlling() {
             let setpoint = self.trajectory.update();
-            (setpoint, self.sign * self.controller.update(&setpoint, y))
+            let command = self.controller.update(&setpoint, y);
+            let ends = core::mem::take(&mut self.ends);
+            let against = if self.tracking.motion().velocity > 0.0 {
+                -1.0
+            } else {
+                1.0
+            };
+            (setpoint, self.sign * if ends { against } else { command })
         } else {
             (Setpoint::at(y), self.stopping(y))
         }

@@ -20,7 +20,6 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         &mut self,
         setpoint: &Setpoint,
         y: f32,
-        command: f32,
         same_code: bool,
         outcome: Outcome,
     ) -> bool {
@@ -29,9 +28,9 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let seen = Observation {
             motion,
             y,
-            u: command,
+            flow: self.controller.flow_in_force(),
             same_code,
-            sticks: state.is_controlling() && self.controller.observer().sticks(),
+            sticks: state.is_controlling() && self.controller.sticks(),
             error: setpoint.position - motion.position,
             innovation: outcome.innovation(),
         };
@@ -52,8 +51,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
 
     /// Whether the axis has slid for a while: a start shows more of friction than of the model.
     fn slides(&self) -> bool {
-        let observer = self.controller.observer();
-        !observer.sticks() && observer.friction().since() > self.settled
+        !self.controller.sticks() && self.controller.since() > self.settled
     }
 
     /// Carries out what the supervisor decided; whether a model reached the controller.
@@ -63,7 +61,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             Event::Accepted(model) => {
                 if before.is_commissioning() {
                     reopen(&mut self.identifier, &model, REOPENED_STD);
-                    self.take_over(model, self.commissioning.motion());
+                    self.controller.engage();
+                    self.engage(model, self.controller.motion());
                 } else {
                     self.retune(model);
                     self.identifier.set_nominal();
@@ -92,8 +91,23 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
 
     /// The controller takes over the moving axis on a verified model, and lets it run out.
     pub(crate) fn take_over(&mut self, model: Model, motion: Motion) {
+        self.begin_control(model, motion);
+        self.engage(model, motion);
+    }
+
+    /// The controller knows the motion and the commands that are on their way.
+    fn begin_control(&mut self, model: Model, motion: Motion) {
+        let (sign, length) = (self.sign, self.commands.len());
+        let commands = (0..length).map(|age| {
+            let at = (self.newest + length - age) % length;
+            sign * self.commands.get(at).copied().unwrap_or(0.0)
+        });
+        self.controller.begin(model, motion, commands);
+    }
+
+    /// Control begins at a motion of the controller, and lets it run out.
+    fn engage(&mut self, model: Model, motion: Motion) {
         let along = self.sign * self.limiter.last();
-        self.controller.begin(model, motion, along);
         self.monitors.begin(model, motion, along);
         self.known_good = Some(model);
         self.derate(1.0);
@@ -101,17 +115,37 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     }
 
     /// What the newest sample of the commissioning leads to; whether a model reached the controller.
-    pub(crate) fn commission_on(&mut self) -> bool {
+    pub(crate) fn commission_on(&mut self, command: f32) -> bool {
         let before = self.supervisor.state();
         let event = match self.progress {
             Progress::Command(_) => {
                 self.supervisor.commission(self.commissioning.is_sweeping());
+                if let Some(found) = self.commissioning.candidate() {
+                    self.search_poles(&found);
+                }
                 Event::None
             }
-            Progress::Found(found) => match self.tune(&found) {
-                Ok(()) => self.supervisor.commissioned(found.model),
-                Err(reason) => self.supervisor.give_up(reason),
-            },
+            Progress::Found(found, _) => {
+                if self.watching > 0 {
+                    self.watching -= 1;
+                    self.controller.watch(self.position, self.sign * command);
+                    if self.watching > 0 {
+                        return false;
+                    }
+                    self.supervisor.commissioned(found.model)
+                } else if !self.search_poles(&found) {
+                    return false;
+                } else {
+                    match self.tune(&found) {
+                        Ok(()) => {
+                            self.begin_control(found.model, self.commissioning.motion());
+                            self.watching = self.controller.settling();
+                            return false;
+                        }
+                        Err(reason) => self.supervisor.give_up(reason),
+                    }
+                }
+            }
             Progress::Failed(reason) => self.supervisor.give_up(reason),
         };
         self.follow(event, before)

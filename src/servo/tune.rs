@@ -4,6 +4,8 @@ use crate::hardware::{PositionSensor, Valve};
 use crate::servo::commissioning::Found;
 use crate::servo::config::Config;
 use crate::servo::control::controller::Controller;
+use crate::servo::control::estimator::DELAY_MAX;
+use crate::servo::control::tuning::{Tuning, TuningDesign};
 use crate::servo::design::constants as c;
 use crate::servo::error::Error;
 use crate::servo::identification::identifier;
@@ -15,40 +17,93 @@ use crate::servo::store::Record;
 use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
 use crate::servo::supervision::state::Reason;
 
+/// Frequencies per sample of the search for poles.
+const FREQUENCIES_PER_SAMPLE: u32 = 3;
+
+/// The poles for a model, a few frequencies per sample.
+#[derive(Debug, Clone)]
+pub(crate) struct Tuned {
+    model: Model,
+    tuning: Tuning,
+    done: bool,
+}
+
 /// The settings with what was found in the place of what was stated.
 fn tuned(config: &Config, found: &Found) -> Config {
     let w = c::ROUGH_RATIO * crate::math::sqrt(found.model.a1);
-    let time = config.sample_time;
     let mut tuned = config.clone();
     tuned.bandwidth = Some(w);
-    tuned.delay = found.delay.min(c::DELAY_MAX as f32 * time);
+    tuned.delay = found.delay.min(DELAY_MAX as f32 * config.sample_time);
     tuned.noise = Some(config.noise.unwrap_or(found.noise));
-    // What the noise must not reach.
-    let length = config.travel.length();
-    let least = |ratio: f32| {
-        // A little more noise than usual is within the windows.
-        let scaled = 0.75 * ratio / c::NOISE_RATIO * found.noise;
-        let usual = ratio * length;
-        Some(if scaled > usual { scaled } else { usual })
-    };
-    let controller = &mut tuned.controller;
-    controller.rest_window = controller.rest_window.or(least(c::REST_WINDOW_RATIO));
-    controller.breakaway_distance = controller
-        .breakaway_distance
-        .or(least(c::BREAKAWAY_DISTANCE_RATIO));
-    if config.controller.bandwidth.is_none() {
-        let mut wanted = c::CONTROLLER_RATIO * w;
-        for most in [c::DELAY_STEP_MAX / found.delay, c::TUNED_STEP_MAX / time] {
-            if most < wanted {
-                wanted = most;
-            }
-        }
-        tuned.controller.bandwidth = Some(wanted);
-    }
     tuned
 }
 
 impl<S, V> ServoLoop<S, V> {
+    /// The newest command, for the controller that takes over.
+    #[inline]
+    pub(crate) fn remember(&mut self, command: f32) {
+        self.newest += 1;
+        if self.newest >= self.commands.len() {
+            self.newest = 0;
+        }
+        if let Some(slot) = self.commands.get_mut(self.newest) {
+            *slot = command;
+        }
+    }
+
+    /// A few frequencies of the search for what was found; whether there are poles. Begins again for another model.
+    pub(crate) fn search_poles(&mut self, found: &Found) -> bool {
+        if self.tuning.as_ref().is_none_or(|t| t.model != found.model) {
+            let time = self.config.sample_time;
+            let settings = &self.config.controller;
+            let samples = (found.delay / time + 0.5) as usize;
+            let design = TuningDesign {
+                sample_time: time,
+                delay: samples.min(DELAY_MAX) as f32 * time,
+                dead_volume: settings.dead_volume,
+                noise: self.config.noise.unwrap_or(found.noise),
+                bandwidth_max: settings.bandwidth.unwrap_or(f32::INFINITY),
+            };
+            self.tuning = Some(Tuned {
+                model: found.model,
+                tuning: Tuning::new(&design, &found.model),
+                done: false,
+            });
+            return false;
+        }
+        let Some(tuned) = &mut self.tuning else {
+            return false;
+        };
+        for _ in 0..FREQUENCIES_PER_SAMPLE {
+            tuned.done = tuned.done || tuned.tuning.step();
+        }
+        tuned.done || tuned.tuning.has_some()
+    }
+
+    /// One frequency more of a search that goes on in control; faster poles that it finds come into force.
+    pub(crate) fn refine_poles(&mut self) {
+        let Some(tuned) = &mut self.tuning else {
+            return;
+        };
+        if !tuned.tuning.step() {
+            return;
+        }
+        let (poles, margins) = tuned.tuning.poles();
+        if self.supervisor.verified_model() == Some(tuned.model) {
+            self.controller.replace_poles(poles, margins);
+        }
+        self.tuning = None;
+    }
+
+    /// Searches the poles for another model from now on.
+    pub(crate) fn search_again(&mut self, model: Model) {
+        self.tuning = Some(Tuned {
+            model,
+            tuning: Tuning::new(self.controller.tuning_design(), &model),
+            done: false,
+        });
+    }
+
     /// Builds identifier, controller and supervision for the axis that was found.
     ///
     /// Cost: see the table of instruction counts.
@@ -126,12 +181,20 @@ impl<S, V> ServoLoop<S, V> {
         self.identifier = identifier;
         self.run_out_rate = design.run_out_rate;
         self.settled = design.identification.settled;
-        self.controller = Controller::new(&design, model);
+        let resolution = self.axis.scale.units(1).abs();
+        let controller = design.controller.with_resolution(resolution);
+        self.controller = match &self.tuning {
+            Some(tuned) if tuned.model == model => {
+                let (poles, margins) = tuned.tuning.poles();
+                Controller::with_poles(&controller, model, poles, margins)
+            }
+            // The poles are searched where the model is installed.
+            _ => Controller::provisional(&controller, model),
+        };
         self.trajectory = Trajectory::new(design.motion, design.travel, design.sample_time);
         self.trajectory.hold(self.commissioning.motion().position);
         self.monitor = ExcitationMonitor::new(&design.monitor);
         self.supervisor.redesign(&design.supervision);
-        let resolution = self.axis.scale.units(1).abs();
         self.monitors.redesign(
             &design.monitoring.with_resolution(resolution),
             &design.supervision.validation.observer,

@@ -81,7 +81,7 @@ fn the_command_keeps_range_and_rate_in_a_million_wild_samples() {
 fn a_change_of_gains_steps_the_command_by_at_most_one_percent() {
     let mut random = ChaCha8Rng::seed_from_u64(78);
     let mut worst = 0.0_f32;
-    for case in 0..2000 {
+    for case in 0..400 {
         let mut model = || servo::Model {
             dead_zone: random.random_range(0.0..0.06_f32),
             offset: random.random_range(-0.02..0.02_f32),
@@ -94,12 +94,9 @@ fn a_change_of_gains_steps_the_command_by_at_most_one_percent() {
         };
         let (plant, first, second) = (model(), model(), model());
         let mut config = servo::Config::new(1e-3, 24.0, TRAVEL);
-        // No rest and no friction seen: the change of gains alone.
+        // No rest: the change of gains alone.
         config.controller.bandwidth = Some(60.0);
         config.controller.rest_window = Some(0.0);
-        config.controller.breakaway_distance = Some(f32::MAX);
-        config.controller.catch_up = Some(f32::MAX);
-        config.controller.stiction_velocity = Some(0.0);
         let mut kept = Controller::new(&config.resolve().expect("settings"), first);
         let mut motion = Motion::default();
         let start = random.random_range(50..400);

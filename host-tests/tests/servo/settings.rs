@@ -23,8 +23,8 @@ fn stored() -> Model {
     }
 }
 
-/// Commands and states of 13.5 s: a sine on a stored model with the mass tripled and back; then commissioning, moves, rest, a
-/// sine, with the mass tripled at 8.5 s and back at 10.5 s.
+/// Commands and states of 13.5 s: a sine on a stored model with five times the mass and back; then commissioning, moves, rest, a
+/// sine, with five times the mass at 8.5 s and back at 10.5 s.
 fn trace(config: &Config) -> Result<Vec<(u32, u8)>, Error> {
     let axis = Axis {
         scale: Scale::new(RESOLUTION_MM as f32).expect("scale"),
@@ -38,14 +38,14 @@ fn trace(config: &Config) -> Result<Vec<(u32, u8)>, Error> {
         match k {
             // A model that a setting refuses is a change as well.
             50 => drop(servo.install(stored())),
-            60 => servo.oscillate(30.0, 1.0)?,
-            900 => plant.set_mass(3.0 * mass),
+            60 => servo.oscillate(45.0, 1.0)?,
+            900 => plant.set_mass(5.0 * mass),
             2400 => plant.set_mass(mass),
             3900 => servo.abort(),
             4200 => servo.commission(),
             6500 => servo.move_to(250.0)?,
-            7300 => servo.oscillate(30.0, 1.0)?,
-            8500 => plant.set_mass(3.0 * mass),
+            7300 => servo.oscillate(45.0, 1.0)?,
+            8500 => plant.set_mass(5.0 * mass),
             10_500 => plant.set_mass(mass),
             12_000 => servo.move_to(180.0)?,
             _ => {}
@@ -82,36 +82,17 @@ const CHANGES: &[(&str, Change)] = &[
         });
     }),
     ("controller.bandwidth", |c| {
-        c.controller.bandwidth = Some(50.0)
-    }),
-    ("controller.damping", |c| c.controller.damping = 1.0),
-    ("controller.observer_rate", |c| {
-        c.controller.observer_rate = Some(180.0);
+        c.controller.bandwidth = Some(15.0)
     }),
     ("controller.blend", |c| c.controller.blend = 0.02),
     ("controller.rest_window", |c| {
-        c.controller.rest_window = Some(0.0)
+        c.controller.rest_window = Some(1.0)
     }),
-    ("controller.reversal_lookahead", |c| {
-        c.controller.reversal_lookahead = 0.0;
-    }),
-    ("controller.stick_rate", |c| c.controller.stick_rate = 100.0),
-    ("controller.breakaway_distance", |c| {
-        c.controller.breakaway_distance = Some(0.1);
-    }),
-    ("controller.breakaway_ramp", |c| {
-        c.controller.breakaway_ramp = 0.5
-    }),
-    ("controller.stribeck", |c| c.controller.stribeck = 0.0),
-    ("controller.settling_bandwidth_ratio", |c| {
-        c.controller.settling_bandwidth_ratio = 1.5;
-    }),
-    ("controller.catch_up", |c| c.controller.catch_up = Some(5.0)),
-    ("controller.stiction_velocity", |c| {
-        c.controller.stiction_velocity = Some(10.0);
+    ("controller.dead_volume", |c| {
+        c.controller.dead_volume = 0.2;
     }),
     ("controller.transition", |c| c.controller.transition = 0.5),
-    ("excitation.amplitude", |c| c.excitation.amplitude = 0.4),
+    ("excitation.amplitude", |c| c.excitation.amplitude = 0.2),
     ("supervision.frequency_factor", |c| {
         c.supervision.frequency_factor = 1.01;
     }),
@@ -184,10 +165,12 @@ fn a_value_that_cannot_work_is_refused_with_the_name_of_its_setting() {
             ("rate", |c, x| c.rate = x),
             ("delay", |c, x| c.delay = x),
             ("min_excitation", |c, x| c.min_excitation = x),
-            ("controller.observer_rate", |c, x| {
-                c.controller.observer_rate = Some(x);
+            ("controller.bandwidth", |c, x| {
+                c.controller.bandwidth = Some(x);
             }),
-            ("controller.stribeck", |c, x| c.controller.stribeck = x),
+            ("controller.dead_volume", |c, x| {
+                c.controller.dead_volume = if x > 0.0 { f32::NAN } else { x };
+            }),
             ("controller.rest_window", |c, x| {
                 c.controller.rest_window = Some(if x > 0.0 { f32::NAN } else { x });
             }),

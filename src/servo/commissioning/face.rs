@@ -40,8 +40,8 @@ pub(crate) struct Found {
 pub(crate) enum Progress {
     /// This command is next.
     Command(f32),
-    /// A model was accepted.
-    Found(Found),
+    /// A model was accepted; this command is next until it is taken.
+    Found(Found, f32),
     /// There is none, for this reason.
     Failed(Reason),
 }

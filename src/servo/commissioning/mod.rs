@@ -77,6 +77,10 @@ pub(crate) struct Commissioning {
     tracking: AlphaBetaGamma,
     record: Record,
     search: Search,
+    /// The model that was accepted.
+    accepted: Option<Theta>,
+    /// Samples since the code changed.
+    same: u32,
 }
 
 impl Commissioning {
@@ -94,6 +98,8 @@ impl Commissioning {
             tracking: AlphaBetaGamma::new(rate, design.sample_time),
             record: Record::new(),
             search: Search::new(design.sample_time, design.delay),
+            accepted: None,
+            same: 0,
             design,
         }
     }
@@ -104,6 +110,8 @@ impl Commissioning {
         self.stage = Stage::Resting(Rest::default());
         self.sign = 1.0;
         self.outside = 0.0;
+        self.accepted = None;
+        self.same = 0;
         self.time = 0.0;
         self.attempt = self.attempt.wrapping_add(1);
         self.tracking.place(self.share(position));
@@ -122,8 +130,16 @@ impl Commissioning {
         let step = self.design.sample_time;
         self.tracking.update(y);
         self.time += step;
-        if self.time > self.design.time_limit {
+        if self.time > self.design.time_limit && self.accepted.is_none() {
             return Progress::Failed(self.search.refusal().unwrap_or(Reason::Uncertain));
+        }
+        self.same = if same_code {
+            self.same.saturating_add(1)
+        } else {
+            0
+        };
+        if self.still.is_stuck(self.same, step) {
+            return Progress::Failed(Reason::SensorStuck);
         }
         let v = self.tracking.motion().velocity;
         match self.stage {
@@ -138,7 +154,10 @@ impl Commissioning {
             }
             Stage::Probing(probe) => self.probe(probe, y, same_code),
             Stage::Relaying(relay) => self.relay(relay, y, v),
-            Stage::Sweeping(sweep) => self.sweep(sweep, y, v),
+            Stage::Sweeping(mut sweep) => {
+                sweep.see(same_code);
+                self.sweep(sweep, y, v)
+            }
         }
     }
 
@@ -220,7 +239,13 @@ impl Commissioning {
         self.search
             .begin(points, view, self.still.sigma, [frequency, dead_zone]);
         let hold = half.min(0.25);
-        let sweep = Sweep::new(y, hold, dead_zone, self.design.amplitude, self.attempt);
+        let sweep = Sweep::new(
+            y,
+            hold,
+            [dead_zone, self.still.since],
+            self.design.amplitude,
+            self.attempt,
+        );
         self.stage = Stage::Sweeping(sweep);
         Progress::Command(0.0)
     }
@@ -239,8 +264,8 @@ impl Commissioning {
         let [from, to, most] = WIDENING;
         let share = ((self.time - from) / (to - from)).clamp(0.0, 1.0);
         let slack = 1.0 + share * (most - 1.0);
-        if let Some(theta) = self.search.update(&self.record, slack) {
-            return Progress::Found(self.found(&theta));
+        if self.accepted.is_none() {
+            self.accepted = self.search.update(&self.record, slack);
         }
         if let Some(theta) = self.search.latest() {
             let half = 2.6 / crate::math::sqrt(theta.a1);
@@ -248,8 +273,20 @@ impl Commissioning {
             sweep.inform(half.min(0.35), theta.dead_zone.max(least), theta.offset);
         }
         let command = sweep.update(y, v, self.design.sample_time);
+        if sweep.is_blind() {
+            return Progress::Failed(Reason::SensorStuck);
+        }
         self.stage = Stage::Sweeping(sweep);
-        Progress::Command(self.sign * command)
+        match self.accepted {
+            // The axis moves on until the loop is ready for it.
+            Some(theta) => Progress::Found(self.found(&theta), self.sign * command),
+            None => Progress::Command(self.sign * command),
+        }
+    }
+
+    /// The estimate that waits for its validation.
+    pub(crate) fn candidate(&self) -> Option<Found> {
+        self.search.candidate().map(|theta| self.found(&theta))
     }
 
     fn found(&self, theta: &Theta) -> Found {

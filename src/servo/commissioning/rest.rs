@@ -20,6 +20,24 @@ pub(crate) struct Still {
     pub(crate) since: f32,
     /// Deviation that counts as movement.
     pub(crate) detection: f32,
+    /// Longest run of equal positions, where the noise changes the code often; 0 where it does not.
+    pub(crate) run: u32,
+}
+
+/// Standard deviation over resolution from which on the noise changes the code often, wherever between two codes the
+/// axis stands: quantisation alone gives up to a half.
+const SPANNING: f32 = 0.75;
+/// How much longer than the longest run at rest a run must be that noise does not explain, and its least time in s.
+const RUN_RATIO: u32 = 8;
+const RUN_TIME_MIN: f32 = 0.01;
+
+impl Still {
+    /// Whether so many samples of one code are a stuck sensor: its noise would have changed it, moving or not.
+    pub(crate) fn is_stuck(&self, same: u32, step: f32) -> bool {
+        self.run > 0
+            && same > RUN_RATIO.saturating_mul(self.run)
+            && same as f32 * step > RUN_TIME_MIN
+    }
 }
 
 /// Means, slope and second differences over the rest.
@@ -31,6 +49,9 @@ pub(crate) struct Rest {
     sum: f32,
     weighted: f32,
     differences: f32,
+    /// Present run of equal positions, and the longest.
+    run: u32,
+    longest: u32,
 }
 
 impl Rest {
@@ -44,6 +65,12 @@ impl Rest {
             let second = moved - 2.0 * self.last[0] + self.last[1];
             self.differences += second * second;
         }
+        if self.count > 0.0 && moved == self.last[0] {
+            self.run += 1;
+        } else {
+            self.run = 1;
+        }
+        self.longest = self.longest.max(self.run);
         self.last = [moved, self.last[0]];
         self.sum += moved;
         self.weighted += self.count * moved;
@@ -80,6 +107,11 @@ impl Rest {
             drift: if certain { slope / time } else { 0.0 },
             since: 0.5 * (n - 1.0) * time,
             detection,
+            run: if sigma > SPANNING * resolution {
+                self.longest
+            } else {
+                0
+            },
         }
     }
 }

@@ -140,6 +140,12 @@ impl Search {
         self.latest.as_ref()
     }
 
+    /// The estimate that waits for its validation.
+    pub(crate) fn candidate(&self) -> Option<Theta> {
+        let waits = matches!(self.phase, Phase::Holding(..) | Phase::Validating);
+        waits.then(|| self.fit.best())
+    }
+
     fn window(&self, record: &Record) -> View {
         let end = record.end();
         View {

@@ -34,10 +34,25 @@ pub(crate) struct Sweep {
     low: f32,
     high: f32,
     looked: f32,
+    /// Command at which the axis moved first, holds since the code changed, and the direction of the present one.
+    moves: f32,
+    blind: u32,
+    direction: f32,
 }
 
+/// Holds without a change of the code, each the other way, after which the sensor is stuck.
+const BLIND_MAX: u32 = 5;
+/// Command in these holds over that of the first movement: it moves the axis.
+const BLIND_COMMAND: f32 = 1.5;
+
 impl Sweep {
-    pub(crate) fn new(place: f32, half: f32, dead_zone: f32, limit: f32, attempt: u32) -> Self {
+    pub(crate) fn new(
+        place: f32,
+        half: f32,
+        [dead_zone, moves]: [f32; 2],
+        limit: f32,
+        attempt: u32,
+    ) -> Self {
         let [low, high] = MIDDLE;
         let middle = if place < low {
             low
@@ -59,6 +74,9 @@ impl Sweep {
             low: place,
             high: place,
             looked: 0.0,
+            moves,
+            blind: 0,
+            direction: 0.0,
         }
     }
 
@@ -66,6 +84,18 @@ impl Sweep {
     pub(crate) fn is_safe(&self, y: f32) -> bool {
         let [low, high] = SAFE;
         y > low && y < high
+    }
+
+    /// Takes whether the code is that of the sample before.
+    pub(crate) const fn see(&mut self, same_code: bool) {
+        if !same_code {
+            self.blind = 0;
+        }
+    }
+
+    /// Whether the code has not changed in so many holds that must have moved the axis.
+    pub(crate) const fn is_blind(&self) -> bool {
+        self.blind > BLIND_MAX
     }
 
     /// What a model of the axis says about its time scale and its valve.
@@ -91,7 +121,7 @@ impl Sweep {
         let end = y + (0.6 * self.half + 0.015) * v;
         let outward = (end > SAFE[1] && self.level > 0.0) || (end < SAFE[0] && self.level < 0.0);
         let beyond = (ahead > BAND && self.level > 0.0) || (ahead < -BAND && self.level < 0.0);
-        if outward || beyond {
+        if (outward || beyond) && self.blind < 2 {
             let inward = if self.level > 0.0 { -1.0 } else { 1.0 };
             self.next(inward, if outward { 0.7 } else { 0.0 });
         } else if self.left <= 0.0 {
@@ -110,6 +140,16 @@ impl Sweep {
     }
 
     fn next(&mut self, sign: f32, least: f32) {
+        // Without a change of the code nothing is known of the place: what one hold may have moved, the next one moves back.
+        let blind = self.blind > 0 && self.direction != 0.0;
+        let sign = if blind { -self.direction } else { sign };
+        let seen = if blind {
+            BLIND_COMMAND * self.moves
+        } else {
+            0.0
+        };
+        self.direction = sign;
+        self.blind += 1;
         let part = 0.35 + 1.15 * self.draw();
         let flow = (self.amplitude - 0.6 * self.dead_zone) * part;
         let flow = if flow > 0.05 { flow } else { 0.05 };
@@ -119,6 +159,7 @@ impl Sweep {
         } else {
             least * self.limit
         };
+        let size = if size > seen { size } else { seen };
         let level = sign * size - self.offset;
         self.level = if level > self.limit {
             self.limit
@@ -127,7 +168,8 @@ impl Sweep {
         } else {
             level
         };
-        self.left = self.half * (0.35 + 0.9 * self.draw());
+        let part = if blind { 0.8 } else { 0.35 + 0.9 * self.draw() };
+        self.left = self.half * part;
     }
 
     /// The amplitude follows the movement within two holds.

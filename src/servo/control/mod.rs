@@ -1,7 +1,13 @@
-//! Control on a verified model: law, observer, friction that sticks, standstill, limits of the command.
+//! Control on a verified model: poles from margins, estimator over the delay, law, friction that holds, rest, limits.
 
+pub(crate) mod anchor;
 pub(crate) mod controller;
+pub(crate) mod estimator;
 pub(crate) mod friction;
 pub(crate) mod limiter;
+pub(crate) mod margins;
 pub(crate) mod observer;
-pub(crate) mod standstill;
+pub(crate) mod place;
+pub(crate) mod poles;
+pub(crate) mod rest;
+pub(crate) mod tuning;

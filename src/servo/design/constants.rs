@@ -11,30 +11,18 @@
 
 /// Noise over L: 10 um on 400 mm, a magnetostrictive transducer.
 pub(crate) const NOISE_RATIO: f32 = 2.5e-5;
-/// Bandwidth of the controller over w: the limit with a valve of 100 Hz at 1 ms.
-pub(crate) const CONTROLLER_RATIO: f32 = 2.5;
-/// Rate of the observer over the bandwidth of the controller: faster, it passes on the noise of the position.
-pub(crate) const OBSERVER_RATIO: f32 = 3.5;
 /// Stated bandwidth over the natural frequency that was found: the ratios to w were found with a cautious w.
 pub(crate) const ROUGH_RATIO: f32 = 0.83;
 /// Bandwidth in rad/s of the fastest axis, for limits that hold before a model exists.
 pub(crate) const BANDWIDTH_MAX: f32 = 150.0;
-/// Largest bandwidth of the controller times the delay of the valve.
-pub(crate) const DELAY_STEP_MAX: f32 = 0.3;
-/// Largest bandwidth of a controller that follows from what was found, per sample: its observer still works.
-pub(crate) const TUNED_STEP_MAX: f32 = 0.0857;
 /// Velocity limit in L per s.
 pub(crate) const VELOCITY_RATIO: f32 = 2.0;
 /// Acceleration over L w^2, and jerk over L w^3: a move of some 15 % of L stays just below saturation of the valve.
 pub(crate) const ACCELERATION_RATIO: f32 = 0.04;
-/// Rest window over L: above the noise and the resolution.
-pub(crate) const REST_WINDOW_RATIO: f32 = 1.15e-4;
-/// Breakaway distance over L, 1.6 times the noise: below it noise counts as movement, above it a movement is noticed late.
-pub(crate) const BREAKAWAY_DISTANCE_RATIO: f32 = 4e-5;
-/// Speed over L per s at which a position error is worked off.
-pub(crate) const CATCH_UP_RATIO: f32 = 0.08;
-/// Velocity over L per s below which friction rules the motion.
-pub(crate) const STICTION_VELOCITY_RATIO: f32 = 0.14;
+/// Least rest window over one code and two standard deviations: the mean of a rest is better known.
+pub(crate) const REST_WINDOW_GRAINS: f32 = 1.0;
+/// Time over 1/w in which the push of a sticking axis meets any breakaway and dead zone.
+pub(crate) const PUSH_TIME_RATIO: f32 = 10.0;
 /// Largest velocity gain over L, per s.
 pub(crate) const GAIN_MAX_RATIO: f32 = 50.0;
 /// Velocity over L per s below which the axis does not count as moving.
@@ -63,8 +51,6 @@ pub(crate) const RUN_OUT_RATIO: f32 = 1.0;
 pub(crate) const SETTLED_RATIO: f32 = 0.75;
 /// Time constant in s of the excitation monitor: shorter than a move, longer than a level.
 pub(crate) const MONITOR_TIME: f32 = 0.05;
-/// Longest delay of the valve, in samples: the room in the identifier.
-pub(crate) const DELAY_MAX: usize = 8;
 /// Largest w^2 L: friction, as an acceleration, is an input of the identifier and must stay within its range.
 /// Held by: a_unit_too_small_for_the_accelerations_is_refused.
 pub(crate) const ACCELERATION_MAX: f32 = 1e7;
@@ -75,74 +61,14 @@ pub(crate) const ACCELERATION_MAX: f32 = 1e7;
 /// Time in s of consecutive sensor errors that stops the axis; fewer are bridged by prediction.
 pub(crate) const SENSOR_ERROR_TIME: f32 = 0.003;
 
-// Observer.
-// Held by: the_axis_commissions_itself_and_follows.
-
-/// Largest disturbance, as a flow: more than the full command is no disturbance.
-pub(crate) const DISTURBANCE_MAX: f32 = 1.0;
-/// Pole of the disturbance over the three of the motion: integral action slower than the loop.
-pub(crate) const DISTURBANCE_POLE_RATIO: f32 = 0.3;
-/// Leak of the disturbance in slow motion over the rate of the observer: friction is no flow.
-pub(crate) const DISTURBANCE_LEAK_RATIO: f32 = 0.2;
-/// Largest rate of the observer per sample: the correction is a rectangle.
-pub(crate) const OBSERVER_STEP_MAX: f32 = 0.3;
-/// Largest bandwidth of the controller per sample.
-pub(crate) const BANDWIDTH_STEP_MAX: f32 = 0.2;
-/// Largest rate of the drive at rest per sample.
-pub(crate) const STICK_STEP_MAX: f32 = 0.5;
-
 // Stick-slip friction.
 // Held by: the_axis_commissions_itself_and_follows (sines through reversals), changes_in_motion_.. (doubled friction).
 
 /// Drive over friction up to which a stop ends in sticking, and at which an axis without measurements starts.
 pub(crate) const STOP_HOLD_RATIO: f32 = 1.2;
-/// Upper limit of the drive at rest over friction: the dead zone is not known so well.
-pub(crate) const REST_DRIVE_MAX_RATIO: f32 = 4.0;
-/// Breakaway over Coulomb friction at a reversal.
-pub(crate) const BREAKAWAY_RATIO: f32 = 1.5;
-/// Rate of the drive over friction, per s, above which a reversal shows the friction: slower, creep blurs it.
-pub(crate) const REVERSAL_RAMP_MIN: f32 = 10.0;
-/// Share of a new friction in the mean.
-pub(crate) const FRICTION_LEARNING_SHARE: f32 = 0.5;
-/// Friction over that of the model, at least and at most.
-pub(crate) const FRICTION_RANGE: [f32; 2] = [0.25, 4.0];
-/// Time in s by which the valve and the mean of the innovation are late when the axis is seen to start.
-pub(crate) const BREAKAWAY_LATENCY: f32 = 0.005;
-/// Rate per s of the mean innovation and of the mean ramp at rest: 5 ms.
-pub(crate) const REST_MEAN_RATE: f32 = 200.0;
-/// Movement over the mean innovation at the moment when it is noticed.
-pub(crate) const MEAN_LAG_RATIO: f32 = 2.0;
-/// Time in s in which the place of rest is found, and the rate per s at which it is.
-pub(crate) const REST_FINDING_TIME: f32 = 0.006;
-pub(crate) const REST_FINDING_RATE: f32 = 300.0;
-/// Rate per s at which the place of rest follows the measured position afterwards.
-pub(crate) const REST_DRIFT_RATE: f32 = 20.0;
-/// Time in s within which a start that ends was none.
-pub(crate) const FALSE_START_TIME: f32 = 0.025;
 
 // Standstill.
 // Held by: sixty_seconds_at_rest_move_neither_gains_nor_axis, the_axis_commissions_itself_and_follows.
-
-/// Time in s within the rest window before the valve rests.
-pub(crate) const REST_TIME: f32 = 0.01;
-/// Window that the axis must enter, over the one that it must not leave.
-pub(crate) const REST_WINDOW_ENTRY_RATIO: f32 = 0.9;
-/// Least rate of the drive over friction, per s, behind a reference that moves, and its relative growth per s of sticking.
-pub(crate) const STICTION_RAMP_MIN: f32 = 25.0;
-pub(crate) const STICTION_RAMP_GROWTH: f32 = 30.0;
-/// Hops beside a target after which the rest window grows, its growth per hop, and the number of hops that count.
-pub(crate) const HUNTING_HOPS_MIN: u16 = 2;
-pub(crate) const HUNTING_WINDOW_GROWTH: f32 = 0.15;
-pub(crate) const HUNTING_HOPS_MAX: u16 = 3;
-/// Push of an axis beside its target, as a flow: the first one, and the largest.
-pub(crate) const PUSH_START: f32 = 0.01;
-pub(crate) const PUSH_MAX: f32 = 0.05;
-/// Relative growth per s of the growth of the push.
-pub(crate) const PUSH_HASTE: f32 = 2.0;
-/// Where a push begins, over the one at which the axis moved last.
-pub(crate) const PUSH_RESTART_RATIO: f32 = 0.8;
-/// Share of a new push in the one that is remembered.
-pub(crate) const PUSH_LEARNING_SHARE: f32 = 0.5;
 
 // Change of gains.
 // Held by: a_change_of_gains_steps_the_command_by_at_most_one_percent.

@@ -7,6 +7,9 @@ mod monitoring;
 mod resolve;
 mod supervision;
 
+use crate::servo::control::anchor::AnchorDesign;
+use crate::servo::control::estimator::EstimatorDesign;
+use crate::servo::control::tuning::TuningDesign;
 use crate::servo::motion::{MotionLimits, Travel};
 
 /// The settings after [`Config::resolve`](crate::servo::Config::resolve): checked, in samples, ready to run.
@@ -39,8 +42,6 @@ pub(crate) struct IdentificationDesign {
     pub(crate) output_range: f32,
     pub(crate) output_noise: f32,
     pub(crate) memory: f32,
-    /// Samples.
-    pub(crate) delay: usize,
     /// Samples after a breakaway in which the filtered signals still contain friction.
     pub(crate) settled: u32,
 }
@@ -54,23 +55,23 @@ pub(crate) struct LimiterDesign {
 }
 
 /// Numbers of the controller.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ControllerDesign {
-    /// p0, p1, p2.
-    pub(crate) wanted: [f32; 3],
-    /// The same for slow motion at the target.
-    pub(crate) settling: [f32; 3],
+    pub(crate) estimator: EstimatorDesign,
+    pub(crate) anchor: AnchorDesign,
+    pub(crate) tuning: TuningDesign,
+    /// Least window at rest; what was stated, if it was.
+    pub(crate) rest_window: f32,
+    pub(crate) stated_window: Option<f32>,
+    /// What noise and resolution make of a position: one code and two standard deviations.
+    pub(crate) grain: f32,
+    /// Delay in s that the controller predicts over.
+    pub(crate) delay: f32,
+    /// Flow within which the inverse of the dead zone changes sign.
     pub(crate) blend: f32,
-    pub(crate) catch_up: f32,
-    pub(crate) stribeck: f32,
-    pub(crate) stiction_velocity: f32,
-    pub(crate) inverse_stiction_velocity: f32,
-    pub(crate) reversal_lookahead: f32,
     /// Share of the trace of a change of gains that fades per sample, and the most that may.
     pub(crate) fade: f32,
     pub(crate) transition_step: f32,
-    pub(crate) observer: ObserverDesign,
-    pub(crate) standstill: StandstillDesign,
 }
 
 /// Numbers of an observer.
@@ -79,44 +80,6 @@ pub(crate) struct ObserverDesign {
     /// Three poles, in rad/s.
     pub(crate) rate: f32,
     pub(crate) sample_time: f32,
-    /// Whether there is a disturbance in the model of the observer.
-    pub(crate) disturbed: bool,
-    /// Share of the disturbance that is forgotten per sample of slow motion.
-    pub(crate) disturbance_leak: f32,
-    /// Velocity below which motion is slow.
-    pub(crate) stiction_velocity: f32,
-    pub(crate) friction: StickSlipDesign,
-}
-
-/// Numbers of the friction that sticks.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct StickSlipDesign {
-    pub(crate) sample_time: f32,
-    /// Mean innovation that counts as motion; infinite where nothing is measured.
-    pub(crate) breakaway_distance: f32,
-    /// Samples in which the place of rest is found.
-    pub(crate) finding: u32,
-    /// Samples within which a start that ends was none.
-    pub(crate) false_start: u32,
-    /// Shares per sample of the mean, and of the place of rest while it is found and afterwards.
-    pub(crate) mean_share: f32,
-    pub(crate) finding_share: f32,
-    pub(crate) drift_share: f32,
-}
-
-/// Numbers of the standstill.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct StandstillDesign {
-    pub(crate) rest_window: f32,
-    /// Samples in the window before the valve rests.
-    pub(crate) rest: u32,
-    /// Rate in rad/s at which the drive is moved.
-    pub(crate) stick_rate: f32,
-    /// Growth per sample of the push, and relative growth of that growth.
-    pub(crate) push_growth: f32,
-    pub(crate) push_haste: f32,
-    /// Relative growth per sample of the least ramp.
-    pub(crate) ramp_haste: f32,
 }
 
 /// Numbers of the excitation monitor.
@@ -141,9 +104,8 @@ pub(crate) struct MonitoringDesign {
     pub(crate) resolution: f32,
     /// Effect of noise and resolution on a displacement.
     pub(crate) grain: f32,
-    /// Tracking error that the user tolerates, and time in s in which the push at rest is as large as it may be.
+    /// Tracking error that the user tolerates.
     pub(crate) error: f32,
-    pub(crate) push_time: f32,
     /// Acceleration that the drive can give while there is no model.
     pub(crate) acceleration: f32,
     /// Lag of the motion from measured positions, as position over acceleration, in s^2.

@@ -11,7 +11,6 @@ impl Config {
         let length = self.travel.length();
         let noise = self.noise.unwrap_or(c::NOISE_RATIO * length);
         let fastest = self.bandwidth.unwrap_or(c::BANDWIDTH_MAX);
-        let window = c::REST_WINDOW_RATIO * length;
         MonitoringDesign {
             sample_time: self.sample_time,
             delay: self.delay,
@@ -24,7 +23,6 @@ impl Config {
                 .supervision
                 .error_deadband
                 .unwrap_or(c::ERROR_DEADBAND_RATIO * length),
-            push_time: c::PUSH_MAX / self.controller.breakaway_ramp,
             acceleration: c::FIRST_ACCELERATION_RATIO * length * fastest * fastest,
             tracking_lag: 0.27 / (tracking_rate * tracking_rate),
             jump: clock.samples(c::JUMP_TIME),
@@ -32,7 +30,7 @@ impl Config {
             gap_share: clock.share(1.0 / c::GAP_TIME),
             many_codes: 16.0 * noise,
             least_run: clock.samples(c::LEAST_RUN_TIME),
-            cycle: 8.0 * noise + 2.0 * self.controller.rest_window.unwrap_or(window),
+            cycle: 8.0 * noise + 2.0 * self.controller.rest_window.unwrap_or(0.0),
             cycle_pause: clock.samples(c::CYCLE_PAUSE),
             cycle_settling: clock.samples(c::CYCLE_SETTLING),
             full: c::FULL_COMMAND * self.range,

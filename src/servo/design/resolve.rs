@@ -1,6 +1,7 @@
 //! From settings to numbers: checks, defaults, samples.
 
 use crate::servo::config::Config;
+use crate::servo::control::estimator::DELAY_MAX;
 use crate::servo::design::clock::Clock;
 use crate::servo::design::constants as c;
 use crate::servo::design::{Design, IdentificationDesign, LimiterDesign, MonitorDesign};
@@ -36,7 +37,6 @@ impl Config {
                 output_range: c::OUTPUT_RANGE_RATIO * length,
                 output_noise: self.noise.unwrap_or(c::NOISE_RATIO * length),
                 memory: self.memory,
-                delay: (self.delay / self.sample_time + 0.5) as usize,
                 settled: (c::SETTLED_RATIO / (self.rough_bandwidth() * self.sample_time)) as u32,
             },
             limiter: LimiterDesign {
@@ -67,7 +67,7 @@ impl Config {
         Error::unless_positive("range", self.range)?;
         Error::unless_within("range", self.range, 0.0, 1.0)?;
         Error::unless_positive("rate", self.rate)?;
-        let delay_max = c::DELAY_MAX as f32 * self.sample_time;
+        let delay_max = DELAY_MAX as f32 * self.sample_time;
         Error::unless_within("delay", self.delay, 0.0, delay_max)?;
         Error::unless_within("min_excitation", self.min_excitation, 0.0, 1.0)
     }
@@ -113,30 +113,11 @@ mod tests {
     #[test]
     fn at_1_khz_the_times_are_these_samples() -> Result<(), Error> {
         let design = Config::new(1e-3, 25.0, TRAVEL).resolve()?;
-        let (friction, standstill) = (
-            design.controller.observer.friction,
-            design.controller.standstill,
-        );
-        assert_eq!((friction.finding, friction.false_start), (6, 25));
-        let shares = [
-            friction.mean_share,
-            friction.finding_share,
-            friction.drift_share,
-        ];
-        assert_eq!(shares, [0.2, 0.3, 0.02]);
-        assert_eq!(
-            (
-                standstill.rest,
-                standstill.push_haste,
-                standstill.ramp_haste
-            ),
-            (10, 0.002, 0.03)
-        );
         assert_eq!(design.controller.transition_step, 0.005);
         let s = &design.supervision;
         assert_eq!((s.look, s.rejection, s.still), (16, 64, 200));
         assert_eq!(design.sensor_errors, 3);
-        assert_eq!(design.identification.delay, 2);
+        assert_eq!(design.controller.estimator.delay, 2);
         Ok(())
     }
 
@@ -150,19 +131,12 @@ mod tests {
             (a.rejection, b.rejection),
             (a.still, b.still),
             (slow.sensor_errors, fast.sensor_errors),
-            (
-                slow.controller.standstill.rest,
-                fast.controller.standstill.rest,
-            ),
         ] {
             assert_eq!(2 * a, b);
         }
         let (a, b) = (&slow.controller, &fast.controller);
         assert_eq!(a.transition_step, 2.0 * b.transition_step);
-        let (a, b) = (a.observer.friction, b.observer.friction);
-        assert_eq!(a.mean_share, 2.0 * b.mean_share);
-        assert_eq!(2 * a.false_start, b.false_start);
-        assert_eq!(fast.identification.delay, 4);
+        assert_eq!(2 * a.estimator.delay, b.estimator.delay);
         Ok(())
     }
 

@@ -39,7 +39,7 @@ impl Config {
         Ok(SupervisionDesign {
             screening: self.screening()?,
             validation: ValidationDesign {
-                observer: self.validation_observer(clock),
+                observer: self.validation_observer(),
                 observe: clock.whole(c::VALIDATION_OBSERVE_RATIO / self.rough_bandwidth()),
                 window: count("supervision.validation_time", settings.validation_time)?,
             },
@@ -82,15 +82,11 @@ impl Config {
     }
 
     /// An observer of the motion alone: what remains is the error of the model.
-    fn validation_observer(&self, clock: Clock) -> ObserverDesign {
+    fn validation_observer(&self) -> ObserverDesign {
         let rate = c::VALIDATION_OBSERVER_RATIO * self.rough_bandwidth();
         ObserverDesign {
             rate,
             sample_time: self.sample_time,
-            disturbed: false,
-            disturbance_leak: c::DISTURBANCE_LEAK_RATIO * rate * self.sample_time,
-            stiction_velocity: 0.0,
-            friction: self.friction(clock, f32::INFINITY),
         }
     }
 }

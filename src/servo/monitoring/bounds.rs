@@ -4,7 +4,7 @@ use crate::math::sqrt;
 use crate::servo::design::MonitoringDesign;
 use crate::servo::design::constants::{
     BRAKE_RATIO, EXPECTATION_TIME_RATIO, FLOW_SLACK, FOLLOWING_TIME_RATIO, FORCE_TIME_RATIO,
-    HELD_DEFLECTIONS, LAG_TIME_RATIO, NO_MOTION_TIME_RATIO, OPPOSITE_TIME_RATIO,
+    HELD_DEFLECTIONS, LAG_TIME_RATIO, NO_MOTION_TIME_RATIO, OPPOSITE_TIME_RATIO, PUSH_TIME_RATIO,
     SATURATED_CROSSINGS, STOP_TIME_RATIO,
 };
 use crate::servo::model::Model;
@@ -70,7 +70,7 @@ impl Bounds {
             opposite: samples(OPPOSITE_TIME_RATIO / w),
             lag: LAG_TIME_RATIO / w,
             rest_error: 2.0 * flow / w + 2.0 * deflection + design.error,
-            following: samples(FOLLOWING_TIME_RATIO / w + design.push_time),
+            following: samples((FOLLOWING_TIME_RATIO + PUSH_TIME_RATIO) / w),
             reaction: design.delay + FORCE_TIME_RATIO / w,
             braking: samples(design.delay + 1.0 / w),
             half_inverse_brake: BRAKE_RATIO / (gain * w),

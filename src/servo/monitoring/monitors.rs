@@ -11,7 +11,7 @@ use crate::servo::monitoring::oscillation::Oscillation;
 use crate::servo::monitoring::reading::{Plausibility, Verdict};
 use crate::servo::monitoring::saturation::Saturation;
 use crate::servo::monitoring::stuck_code::StuckCode;
-use crate::servo::monitoring::travel::TravelMonitor;
+use crate::servo::monitoring::travel::{End, TravelMonitor};
 use crate::servo::monitoring::twin::Twin;
 use crate::servo::motion::{Motion, Setpoint};
 use crate::servo::supervision::state::Reason;
@@ -39,6 +39,8 @@ pub(crate) enum Alarm {
     Stop(Reason),
     /// The axis oscillates: it becomes slower first.
     Oscillates,
+    /// The stopping distance is used up: the full command against the motion.
+    Brake,
 }
 
 /// All monitors; see the [module](super).
@@ -161,7 +163,7 @@ impl Monitors {
             // An axis that stands shows its noise; a code that never changes is the sensor.
             let silent = reason == Reason::Blocked && self.stuck.run() > bounds.no_motion;
             Some(if silent { Reason::SensorStuck } else { reason })
-        } else if ends {
+        } else if ends == End::Lost {
             Some(self.obedience.end_reason(&self.twin, seen.velocity, bounds))
         } else if lags {
             Some(Reason::FollowingError)
@@ -176,6 +178,7 @@ impl Monitors {
                 self.counters.oscillations = self.counters.oscillations.saturating_add(1);
                 Some(Alarm::Oscillates)
             }
+            None if ends == End::Brake => Some(Alarm::Brake),
             None => None,
         }
     }

@@ -7,7 +7,7 @@ use crate::servo::monitoring::bounds::Bounds;
 ///
 /// Noise that spans more than a code changes it within a few samples, moving or not: the longest run of equal codes seen
 /// in good work tells how few. Beyond eight times that run the code counts as stuck as soon as the model expects motion of
-/// ten codes and sixteen sigma in the run, however slowly. Where the noise is below 0.6 codes, runs at rest are long;
+/// ten codes and sixteen sigma in the run, however slowly. Where the noise is below 0.75 codes, runs at rest may be long;
 /// there the expected motion must exceed what can hold the axis back: friction, a stop that is harder than expected (1/w of
 /// the speed at its begin), and for all of the run a flow as wrong as dead zone and offset may be.
 /// Cost: about 20 instructions.
@@ -32,8 +32,9 @@ pub(crate) struct StuckCode {
 
 /// How much longer than the longest run of good work a run must be.
 const RUN_RATIO: u32 = 8;
-/// Standard deviation over resolution, quantisation included, of a noise of 0.6 codes to each side: `sqrt(0.6^2/3 + 1/12)`.
-const SPANNING: f32 = 0.45;
+/// Standard deviation over resolution from which on noise changes the code wherever between two codes the axis stands:
+/// quantisation alone gives up to a half, where an axis stands on the edge of two.
+const SPANNING: f32 = 0.75;
 /// Changes of the code after which its runs are known.
 const KNOWN_CHANGES: u32 = 200;
 

@@ -16,13 +16,32 @@ use crate::servo::motion::{Setpoint, Travel};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct TravelMonitor {
     travel: Travel,
-    /// Samples in a row in which the axis would go beyond its travel.
+    /// Samples in a row in which the axis would go beyond its travel, and the speed at the begin.
     beyond: u32,
+    speed: f32,
 }
+
+/// What the end of the travel asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum End {
+    /// Nothing.
+    Free,
+    /// The full command against the motion, now.
+    Brake,
+    /// The axis must stop: it does not brake.
+    Lost,
+}
+
+/// Share of the speed that a brake takes away in its time, at least.
+const BRAKED: f32 = 0.9;
 
 impl TravelMonitor {
     pub(crate) const fn new(travel: Travel) -> Self {
-        Self { travel, beyond: 0 }
+        Self {
+            travel,
+            beyond: 0,
+            speed: 0.0,
+        }
     }
 
     /// Whether the axis must brake now.
@@ -34,7 +53,7 @@ impl TravelMonitor {
         command: f32,
         r: &Setpoint,
         bounds: &Bounds,
-    ) -> bool {
+    ) -> End {
         let stop =
             |x: f32, v: f32| x + v * bounds.reaction + v * v.abs() * bounds.half_inverse_brake;
         let slow = bounds.end_speed;
@@ -50,12 +69,25 @@ impl TravelMonitor {
         };
         let leaves = (velocity > slow && beyond(reference, self.travel.max))
             || (velocity < -slow && below(reference, self.travel.min));
-        self.beyond = if leaves {
-            self.beyond.saturating_add(1)
+        if !leaves {
+            self.beyond = 0;
+            return End::Free;
+        }
+        let speed = velocity.abs();
+        if self.beyond == 0 {
+            self.speed = speed;
+        }
+        self.beyond = self.beyond.saturating_add(1);
+        if self.beyond > bounds.braking {
+            if !(speed < BRAKED * self.speed) {
+                return End::Lost;
+            }
+            self.beyond = 0;
+        }
+        if command * velocity < 0.0 {
+            End::Free
         } else {
-            0
-        };
-        let brakes = command * velocity < 0.0;
-        leaves && (!brakes || self.beyond > bounds.braking)
+            End::Brake
+        }
     }
 }

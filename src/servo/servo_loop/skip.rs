@@ -37,16 +37,18 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let command = self.limiter.last();
         if self.supervisor.state().is_commissioning() {
             self.commissioning.applied(y, command);
-            let _ = self.commission_on();
+            self.remember(command);
+            let _ = self.commission_on(command);
             return;
         }
         let along = self.sign * command;
+        self.remember(command);
         self.controller.applied(along);
         self.monitor.update(along);
         self.identifier.skip(1);
         let outcome = Outcome::Replaced { innovation: 0.0 };
         if !self.is_stopped(&setpoint, y, along, true) {
-            self.supervise(&setpoint, y, along, true, outcome);
+            self.supervise(&setpoint, y, true, outcome);
         }
     }
 }

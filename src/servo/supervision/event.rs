@@ -10,8 +10,8 @@ pub(crate) struct Observation {
     pub(crate) motion: Motion,
     /// Measured position.
     pub(crate) y: f32,
-    /// The command that was set, in force from now on.
-    pub(crate) u: f32,
+    /// The flow that the axis feels from now on.
+    pub(crate) flow: f32,
     /// Whether the position code is the same as in the sample before.
     pub(crate) same_code: bool,
     /// Whether the axis sticks: then no model can be validated.

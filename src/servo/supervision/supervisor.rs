@@ -146,7 +146,7 @@ impl Supervisor {
             candidate.model,
             incumbent,
             seen.motion,
-            seen.u,
+            seen.flow,
         ));
         Event::None
     }
@@ -250,7 +250,7 @@ impl Supervisor {
     }
 
     pub(crate) fn validate(&mut self, seen: &Observation) -> Option<FitReport> {
-        let report = self.validation.as_mut()?.update(seen.u, seen.y)?;
+        let report = self.validation.as_mut()?.update(seen.flow, seen.y)?;
         self.report = report;
         Some(report)
     }

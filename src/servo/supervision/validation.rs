@@ -42,25 +42,22 @@ struct Runner {
 }
 
 impl Runner {
-    fn new(design: &ValidationDesign, model: Model, motion: Motion, command: f32) -> Self {
+    fn new(design: &ValidationDesign, model: Model, motion: Motion, flow: f32) -> Self {
         let mut observer = Observer::new(&design.observer, model);
         observer.place(motion);
-        Self {
-            observer,
-            flow: model.flow(command),
-        }
+        Self { observer, flow }
     }
 
     /// One sample; the error of the position.
     #[inline]
-    fn update(&mut self, u: f32, y: f32, observing: bool) -> f32 {
+    fn update(&mut self, flow: f32, y: f32, observing: bool) -> f32 {
         self.observer.predict(self.flow);
         let error = if observing {
             self.observer.correct(y)
         } else {
             y - self.observer.motion().position
         };
-        self.flow = self.observer.model().flow(u);
+        self.flow = flow;
         error
     }
 }
@@ -87,17 +84,17 @@ pub(crate) struct Validation {
 }
 
 impl Validation {
-    /// A validation that begins at `motion`, with `command` in force.
+    /// A validation that begins at `motion`, with `flow` in force.
     pub(crate) fn new(
         design: &ValidationDesign,
         candidate: Model,
         incumbent: Option<Model>,
         motion: Motion,
-        command: f32,
+        flow: f32,
     ) -> Self {
         Self {
-            candidate: Runner::new(design, candidate, motion, command),
-            incumbent: incumbent.map(|model| Runner::new(design, model, motion, command)),
+            candidate: Runner::new(design, candidate, motion, flow),
+            incumbent: incumbent.map(|model| Runner::new(design, model, motion, flow)),
             observe: design.observe,
             window: design.window,
             report: FitReport::default(),
@@ -107,14 +104,14 @@ impl Validation {
         }
     }
 
-    /// Takes the position y(k) and the command u(k) in force from now on; gives the report at the end.
+    /// Takes the position y(k) and the flow in force from now on; gives the report at the end.
     ///
     /// Cost: about 130 instructions.
-    pub(crate) fn update(&mut self, u: f32, y: f32) -> Option<FitReport> {
+    pub(crate) fn update(&mut self, flow: f32, y: f32) -> Option<FitReport> {
         let observing = self.observe > 0;
-        let error = self.candidate.update(u, y, observing);
+        let error = self.candidate.update(flow, y, observing);
         let incumbent = &mut self.incumbent;
-        let beside = incumbent.as_mut().map(|run| run.update(u, y, observing));
+        let beside = incumbent.as_mut().map(|run| run.update(flow, y, observing));
         if observing {
             self.observe -= 1;
             return None;

@@ -78,7 +78,7 @@ impl Machine {
         };
         let mut config = servo::Config::new(axis.sample_time as f32, omega0 as f32, travel);
         config.noise = Some(axis.sigma_mm() as f32);
-        config.delay = axis.delay().min(8.0 * axis.sample_time) as f32;
+        config.delay = axis.delay().min(40.0 * axis.sample_time) as f32;
         config.motion = Some(MotionLimits {
             velocity: limits.velocity as f32,
             acceleration: limits.acceleration as f32,

@@ -27,6 +27,7 @@ pub struct LoopPositioner {
     servo: ServoLoop<SimulatedSensor, SimulatedValve>,
     unit_mm: f64,
     target_mm: f64,
+    stopped: Option<Reason>,
 }
 
 /// What came of a commissioning.
@@ -81,7 +82,18 @@ impl LoopPositioner {
             servo: ServoLoop::try_new(&config, sensor, sensor_of, valve)?,
             unit_mm,
             target_mm: 0.0,
+            stopped: None,
         })
+    }
+
+    /// The loop.
+    pub fn servo(&self) -> &ServoLoop<SimulatedSensor, SimulatedValve> {
+        &self.servo
+    }
+
+    /// Why the loop stopped the axis in control.
+    pub fn stopped(&self) -> Option<Reason> {
+        self.stopped
     }
 
     /// Commissions from power-up until the loop controls or the user gives up.
@@ -155,6 +167,9 @@ impl Positioner for LoopPositioner {
     fn update(&mut self, code: i32) -> Sample {
         self.servo.sensor_mut().code = Some(code);
         let report = self.servo.update();
+        if let State::Failed(reason) = report.state {
+            self.stopped.get_or_insert(reason);
+        }
         let reference_mm = self.unit_mm * f64::from(report.setpoint.position);
         Sample {
             reference_mm,

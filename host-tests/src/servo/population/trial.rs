@@ -1,5 +1,7 @@
 //! One axis with the loop, the loop with fixed gains, and the practitioner.
 
+use trendid::servo::Reason;
+
 use crate::servo::population::adaptive::{Commissioned, LoopPositioner};
 use crate::servo::population::bench::Bench;
 use crate::servo::population::draw::AxisDraw;
@@ -18,6 +20,8 @@ pub struct LoopRun {
     pub commissioned: Commissioned,
     /// Motion under control, when it came to that.
     pub motion: Option<Motion>,
+    /// Why the loop stopped the axis in control.
+    pub stopped: Option<Reason>,
     /// Hardest blow to an end stop, commissioning included \[mm/s\].
     pub blow_mm_s: f64,
 }
@@ -68,6 +72,7 @@ fn run_loop(axis: &AxisDraw, adaptive: bool, moves: bool) -> LoopRun {
         settings: None,
         commissioned: Commissioned::default(),
         motion: None,
+        stopped: None,
         blow_mm_s: 0.0,
     };
     match LoopPositioner::new(axis, adaptive) {
@@ -76,6 +81,7 @@ fn run_loop(axis: &AxisDraw, adaptive: bool, moves: bool) -> LoopRun {
             run.commissioned = positioner.commission(&mut bench);
             if moves && run.commissioned.verified_s.is_some() {
                 run.motion = Some(Exercise::new(&mut bench, &mut positioner).run());
+                run.stopped = positioner.stopped();
             }
         }
     }

@@ -22,7 +22,7 @@ fn after_months_in_one_state_the_estimate_is_looked_at_as_often_as_before() -> R
             ..Motion::default()
         },
         y: 0.0,
-        u: 0.0,
+        flow: 0.0,
         same_code: false,
         sticks: false,
         error: 10.0,

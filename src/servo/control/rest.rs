@@ -1,0 +1,122 @@
+//! The window about a target within which the valve rests, and how hunting widens it.
+
+/// Numbers of the window.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RestDesign {
+    /// Smallest window: noise and resolution.
+    pub(crate) least: f32,
+    /// Largest window, from the model; at least the smallest.
+    pub(crate) most: f32,
+}
+
+/// A window that hunting widens.
+///
+/// A hop of stick-slip of length h, with integral action, is a limit cycle exactly when it exceeds the window on both sides.
+/// Each hunt - through the window to the other side, or out of the rest - widens it by 1.25: the cycle ends after
+/// `log(h / 2 W) / log 1.25` hops. A stop at the first attempt narrows it again. It is kept from target to target.
+///
+/// Known as: hunting of stiction and integral action (Armstrong-Helouvry, Dupont and Canudas de Wit 1994).
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct RestWindow {
+    design: RestDesign,
+    window: f32,
+    resting: bool,
+    /// Side of the target where the axis was beyond the window last; 0 since the reference came to rest.
+    side: f32,
+    hunts: u16,
+    stopped: bool,
+}
+
+const WIDER: f32 = 1.25;
+const NARROWER: f32 = 0.8;
+/// Window that wakes the valve over the one at which it rests: noise does not wake it.
+const WAKE: f32 = 1.3;
+
+impl RestWindow {
+    pub(crate) const fn new(design: &RestDesign) -> Self {
+        Self {
+            design: *design,
+            window: design.least,
+            resting: false,
+            side: 0.0,
+            hunts: 0,
+            stopped: false,
+        }
+    }
+
+    /// Goes on with other limits.
+    pub(crate) fn redesign(&mut self, design: &RestDesign) {
+        self.design = *design;
+        self.bound();
+    }
+
+    fn bound(&mut self) {
+        if self.window > self.design.most {
+            self.window = self.design.most;
+        }
+        if !(self.window > self.design.least) {
+            self.window = self.design.least;
+        }
+    }
+
+    /// The valve no longer rests.
+    pub(crate) const fn wake(&mut self) {
+        self.resting = false;
+        self.side = 0.0;
+        self.hunts = 0;
+        self.stopped = false;
+    }
+
+    fn hunt(&mut self) {
+        self.hunts = self.hunts.saturating_add(1);
+        self.window *= WIDER;
+        self.bound();
+    }
+
+    /// A hop has led past the target, to where the axis sticks now.
+    pub(crate) fn overshot(&mut self, error: f32) {
+        if error.abs() > self.window {
+            self.hunt();
+            self.side = 0.0;
+        }
+    }
+
+    /// Takes the error of a sample; `still`: the axis stands. Cost: about 25 instructions.
+    #[inline]
+    pub(crate) fn update(&mut self, error: f32, still: bool) {
+        let size = error.abs();
+        if self.resting {
+            if size > WAKE * self.window {
+                self.resting = false;
+                self.hunt();
+            }
+            return;
+        }
+        if size > self.window {
+            let side = if error > 0.0 { 1.0 } else { -1.0 };
+            if self.side * side < 0.0 {
+                self.hunt();
+            }
+            self.side = side;
+        } else if still {
+            self.resting = true;
+            if !self.stopped && self.hunts == 0 {
+                self.window *= NARROWER;
+                self.bound();
+                // The window that is in force holds the axis where it stopped.
+                if size > self.window {
+                    self.window = size;
+                }
+            }
+            self.stopped = true;
+        }
+    }
+
+    pub(crate) const fn rests(&self) -> bool {
+        self.resting
+    }
+
+    pub(crate) const fn window(&self) -> f32 {
+        self.window
+    }
+}
