@@ -40,22 +40,18 @@ pub(crate) fn settings(bytes: &mut Bytes<'_>) -> (Config, Axis) {
     if kind & 0x80 != 0 {
         // One setting is any number at all.
         let any = bytes.any();
-        let place: &mut f32 = match bytes.choice(16) {
-            0 => &mut config.controller.damping,
+        let place: &mut f32 = match bytes.choice(12) {
+            0 => config.controller.bandwidth.insert(any),
             1 => &mut config.controller.blend,
-            2 => &mut config.controller.reversal_lookahead,
-            3 => &mut config.controller.stick_rate,
-            4 => &mut config.controller.breakaway_ramp,
-            5 => &mut config.controller.stribeck,
-            6 => &mut config.controller.settling_bandwidth_ratio,
-            7 => &mut config.controller.transition,
-            8 => &mut config.supervision.frequency_factor,
-            9 => &mut config.supervision.max_relative_std_adapting,
-            10 => &mut config.supervision.min_r_squared_adapting,
-            11 => &mut config.supervision.replace_ratio,
-            12 => &mut config.supervision.excite_time,
-            13 => &mut config.supervision.validation_time,
-            14 => &mut config.supervision.time_limit,
+            2 => &mut config.controller.dead_volume,
+            3 => &mut config.controller.transition,
+            4 => &mut config.supervision.frequency_factor,
+            5 => &mut config.supervision.max_relative_std_adapting,
+            6 => &mut config.supervision.min_r_squared_adapting,
+            7 => &mut config.supervision.replace_ratio,
+            8 => &mut config.supervision.excite_time,
+            9 => &mut config.supervision.validation_time,
+            10 => &mut config.supervision.time_limit,
             _ => &mut config.min_excitation,
         };
         *place = any;

@@ -10,7 +10,7 @@
 //! |---|---|
 //! | config, design | settings of the user; every number that follows from them |
 //! | motion | reference: moves, sine, run-out; the motion before there is a model |
-//! | control | pole placement, observer, friction that sticks, standstill, limits of the command |
+//! | control | poles from margins, estimator over the delay, law, friction that holds, rest, limits of the command |
 //! | supervision | excitation, screening and validation of models, states and reasons |
 //! | monitoring | faults of sensor, valve and axis in control, and how they stop it |
 //! | identification | the identifier of the loop and its candidates |
@@ -36,6 +36,7 @@ mod tune;
 
 pub use config::{Config, ControllerSettings, ExcitationSettings, SupervisionSettings};
 pub use control::controller::Controller;
+pub use control::tuning::Margins;
 pub use design::Design;
 pub use error::Error;
 pub use identification::LoopIdentifier;

@@ -6,9 +6,10 @@ use crate::hardware::{Axis, PositionSensor, Valve};
 use crate::servo::commissioning::{Commissioning, CommissioningDesign, Progress};
 use crate::servo::config::Config;
 use crate::servo::control::controller::Controller;
-use crate::servo::control::estimator::DELAY_MAX;
 use crate::servo::control::limiter::CommandLimiter;
+use crate::servo::control::tuning::Tuned;
 use crate::servo::design::Design;
+use crate::servo::design::constants::DELAY_MAX;
 use crate::servo::design::constants::REOPENED_STD;
 use crate::servo::error::Error;
 use crate::servo::identification::{LoopIdentifier, identifier, inputs_of_known, reopen};
@@ -22,7 +23,6 @@ use crate::servo::report::Report;
 use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
 use crate::servo::supervision::state::Reason;
 use crate::servo::supervision::supervisor::Supervisor;
-use crate::servo::tune::Tuned;
 
 /// The adaptive position loop.
 ///

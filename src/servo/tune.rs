@@ -4,9 +4,10 @@ use crate::hardware::{PositionSensor, Valve};
 use crate::servo::commissioning::Found;
 use crate::servo::config::Config;
 use crate::servo::control::controller::Controller;
-use crate::servo::control::estimator::DELAY_MAX;
-use crate::servo::control::tuning::{Tuning, TuningDesign};
+use crate::servo::control::tuning::{Tuned, Tuning};
+use crate::servo::design::TuningDesign;
 use crate::servo::design::constants as c;
+use crate::servo::design::constants::DELAY_MAX;
 use crate::servo::error::Error;
 use crate::servo::identification::identifier;
 use crate::servo::model::Model;
@@ -19,14 +20,6 @@ use crate::servo::supervision::state::Reason;
 
 /// Frequencies per sample of the search for poles.
 const FREQUENCIES_PER_SAMPLE: u32 = 3;
-
-/// The poles for a model, a few frequencies per sample.
-#[derive(Debug, Clone)]
-pub(crate) struct Tuned {
-    model: Model,
-    tuning: Tuning,
-    done: bool,
-}
 
 /// The settings with what was found in the place of what was stated.
 fn tuned(config: &Config, found: &Found) -> Config {

@@ -1,14 +1,6 @@
 //! Whether friction holds the axis: the measured position stays where it is.
 
-/// Numbers of the anchor.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct AnchorDesign {
-    /// Distance from the anchor that is motion: resolution and 3 sigma.
-    pub(crate) band: f32,
-    /// Samples within the band after which friction holds, before the poles are known.
-    pub(crate) time: f32,
-    pub(crate) sample_time: f32,
-}
+use crate::servo::design::AnchorDesign;
 
 /// What a sample shows.
 #[derive(Debug, Clone, Copy, PartialEq)]

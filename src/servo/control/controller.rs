@@ -6,8 +6,8 @@ use crate::servo::control::anchor::{Anchor, Hold};
 use crate::servo::control::estimator::{Estimator, State};
 use crate::servo::control::poles::{Feedback, Poles};
 use crate::servo::control::rest::{RestDesign, RestWindow};
-use crate::servo::control::tuning::{Margins, OBSERVER_STEP, Tuning, TuningDesign};
-use crate::servo::design::ControllerDesign;
+use crate::servo::control::tuning::{Margins, OBSERVER_STEP, Tuning};
+use crate::servo::design::{ControllerDesign, TuningDesign};
 use crate::servo::model::Model;
 use crate::servo::motion::{Motion, Setpoint};
 

@@ -3,11 +3,10 @@
 use crate::math::within;
 use crate::servo::control::place::Place;
 use crate::servo::control::poles::Poles;
+use crate::servo::design::EstimatorDesign;
+use crate::servo::design::constants::DELAY_MAX;
 use crate::servo::model::Model;
-use crate::servo::motion::{Motion, Travel};
-
-/// Longest delay in samples.
-pub(crate) const DELAY_MAX: usize = 40;
+use crate::servo::motion::Motion;
 
 /// Largest rate of the disturbance over b0: more than the full command is no disturbance.
 const DISTURBANCE_MAX: f32 = 1.0;
@@ -67,16 +66,6 @@ impl State {
             self.drive += step.time * (step.b0 * flow + self.disturbance);
         }
     }
-}
-
-/// Numbers of the estimator.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct EstimatorDesign {
-    pub(crate) sample_time: f32,
-    /// Delay in samples.
-    pub(crate) delay: usize,
-    pub(crate) travel: Travel,
-    pub(crate) dead_volume: f32,
 }
 
 /// Observer on the delayed flow, and its prediction over the delay.
@@ -210,6 +199,19 @@ impl Estimator {
                 let d = self.now.disturbance + l4 * innovation;
                 self.now.disturbance = within(d, most);
             }
+        }
+        // Numbers that are not finite would stay for ever.
+        let State {
+            position,
+            velocity,
+            drive,
+            disturbance,
+        } = self.now;
+        if !(position.abs() + velocity.abs() + drive.abs() + disturbance.abs()).is_finite() {
+            self.now = State {
+                position: y,
+                ..State::default()
+            };
         }
         self.foresee();
         innovation

@@ -5,6 +5,7 @@ use crate::math::{pow, sqrt};
 use crate::servo::control::margins::{Compensator, Drive, lag, response};
 use crate::servo::control::place::Place;
 use crate::servo::control::poles::Poles;
+use crate::servo::design::TuningDesign;
 use crate::servo::model::Model;
 
 /// Largest sensitivity of the drive as identified, and of one that is off, squared.
@@ -31,19 +32,6 @@ const DISTURBANCE: f32 = 0.3;
 /// Frequencies from this share of w0 to that of the sampling.
 const FREQUENCIES: usize = 40;
 const LOWEST: f32 = 0.03;
-
-/// What a tuning needs to know.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct TuningDesign {
-    pub(crate) sample_time: f32,
-    /// Delay that the controller predicts over, in s.
-    pub(crate) delay: f32,
-    pub(crate) dead_volume: f32,
-    /// Standard deviation of the position, resolution included.
-    pub(crate) noise: f32,
-    /// What the user asks for at most, in rad/s.
-    pub(crate) bandwidth_max: f32,
-}
 
 /// How far a loop is from its limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -374,4 +362,12 @@ fn slowest(frequency: f32, step: f32) -> Poles {
         },
         frequency,
     )
+}
+
+/// The poles for a model, a few frequencies per sample.
+#[derive(Debug, Clone)]
+pub(crate) struct Tuned {
+    pub(crate) model: Model,
+    pub(crate) tuning: Tuning,
+    pub(crate) done: bool,
 }

@@ -55,6 +55,12 @@ pub(crate) const MONITOR_TIME: f32 = 0.05;
 /// Held by: a_unit_too_small_for_the_accelerations_is_refused.
 pub(crate) const ACCELERATION_MAX: f32 = 1e7;
 
+// Delay.
+// Held by: one_axis_of_each_family_runs_through.
+
+/// Longest delay in samples.
+pub(crate) const DELAY_MAX: usize = 40;
+
 // Sensor.
 // Held by: readings_that_fail_now_and_then_are_bridged, faults_are_refused_for_the_right_reason_and_the_gains_are_kept.
 

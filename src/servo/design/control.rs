@@ -1,13 +1,13 @@
 //! What the controller follows from.
 
 use crate::servo::config::Config;
-use crate::servo::control::anchor::AnchorDesign;
-use crate::servo::control::estimator::EstimatorDesign;
-use crate::servo::control::tuning::TuningDesign;
-use crate::servo::design::ControllerDesign;
 use crate::servo::design::clock::Clock;
 use crate::servo::design::constants as c;
+use crate::servo::design::{AnchorDesign, ControllerDesign, EstimatorDesign, TuningDesign};
 use crate::servo::error::Error;
+
+/// Least dead volume over the stroke: at its end a cylinder is then 50 times as stiff as in the middle.
+const DEAD_VOLUME_MIN: f32 = 0.005;
 
 impl Config {
     /// The resolution is that of a sensor, see [`ControllerDesign::with_resolution`].
@@ -21,8 +21,9 @@ impl Config {
         }
         Error::unless_positive("controller.blend", settings.blend)?;
         Error::unless_positive("controller.transition", settings.transition)?;
-        if !(settings.dead_volume > 0.0) {
-            Error::unless_positive("controller.dead_volume", settings.dead_volume)?;
+        if settings.dead_volume != f32::INFINITY {
+            let volume = settings.dead_volume;
+            Error::unless_within("controller.dead_volume", volume, DEAD_VOLUME_MIN, f32::MAX)?;
         }
         let noise = self.noise.unwrap_or(c::NOISE_RATIO * length);
         let delay = (self.delay / self.sample_time + 0.5) as usize;

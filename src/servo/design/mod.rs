@@ -7,9 +7,6 @@ mod monitoring;
 mod resolve;
 mod supervision;
 
-use crate::servo::control::anchor::AnchorDesign;
-use crate::servo::control::estimator::EstimatorDesign;
-use crate::servo::control::tuning::TuningDesign;
 use crate::servo::motion::{MotionLimits, Travel};
 
 /// The settings after [`Config::resolve`](crate::servo::Config::resolve): checked, in samples, ready to run.
@@ -72,6 +69,39 @@ pub(crate) struct ControllerDesign {
     /// Share of the trace of a change of gains that fades per sample, and the most that may.
     pub(crate) fade: f32,
     pub(crate) transition_step: f32,
+}
+
+/// Numbers of the anchor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct AnchorDesign {
+    /// Distance from the anchor that is motion: resolution and 3 sigma.
+    pub(crate) band: f32,
+    /// Samples within the band after which friction holds, before the poles are known.
+    pub(crate) time: f32,
+    pub(crate) sample_time: f32,
+}
+
+/// Numbers of the estimator.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct EstimatorDesign {
+    pub(crate) sample_time: f32,
+    /// Delay in samples.
+    pub(crate) delay: usize,
+    pub(crate) travel: Travel,
+    pub(crate) dead_volume: f32,
+}
+
+/// What a tuning needs to know.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct TuningDesign {
+    pub(crate) sample_time: f32,
+    /// Delay that the controller predicts over, in s.
+    pub(crate) delay: f32,
+    pub(crate) dead_volume: f32,
+    /// Standard deviation of the position, resolution included.
+    pub(crate) noise: f32,
+    /// What the user asks for at most, in rad/s.
+    pub(crate) bandwidth_max: f32,
 }
 
 /// Numbers of an observer.

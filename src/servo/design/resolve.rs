@@ -1,9 +1,9 @@
 //! From settings to numbers: checks, defaults, samples.
 
 use crate::servo::config::Config;
-use crate::servo::control::estimator::DELAY_MAX;
 use crate::servo::design::clock::Clock;
 use crate::servo::design::constants as c;
+use crate::servo::design::constants::DELAY_MAX;
 use crate::servo::design::{Design, IdentificationDesign, LimiterDesign, MonitorDesign};
 use crate::servo::error::Error;
 use crate::servo::motion::MotionLimits;

@@ -1,7 +1,7 @@
 //! The motion that the commands let expect.
 
-use crate::servo::control::estimator::DELAY_MAX;
 use crate::servo::control::observer::Observer;
+use crate::servo::design::constants::DELAY_MAX;
 use crate::servo::design::{MonitoringDesign, ObserverDesign};
 use crate::servo::model::Model;
 use crate::servo::monitoring::bounds::Bounds;
