@@ -567,10 +567,8 @@ typedef struct trendid_loop_settings {
   float acceleration;
   // Largest jerk of a move, in units of y per s^3.
   float jerk;
-  // Wanted bandwidth of the closed loop in rad/s.
+  // Largest bandwidth of the closed loop in rad/s; 0 for what the margins allow.
   float wanted_bandwidth;
-  // Wanted damping of the closed loop; default 0.8.
-  float wanted_damping;
   // Largest command of the commissioning, within 0..=1; default 0.5.
   float excitation;
   // Longest commissioning in s; default 6.
@@ -890,7 +888,7 @@ TRENDID_STATIC_ASSERT(sizeof(trendid_outcome) == 12, "trendid_outcome has anothe
 TRENDID_STATIC_ASSERT(sizeof(trendid_parameter) == 3, "trendid_parameter has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_estimate) == 180, "trendid_estimate has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_status) == 36, "trendid_status has another layout");
-TRENDID_STATIC_ASSERT(sizeof(trendid_loop_settings) == 84, "trendid_loop_settings has another layout");
+TRENDID_STATIC_ASSERT(sizeof(trendid_loop_settings) == 80, "trendid_loop_settings has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_report) == 48, "trendid_report has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_model) == 24, "trendid_model has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_servo2) == 8u * TRENDID_SERVO2_WORDS, "trendid_servo2 has another size");

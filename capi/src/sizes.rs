@@ -44,7 +44,7 @@ const _: () = {
     assert!(size_of::<Parameter>() == 3);
     assert!(size_of::<Estimate>() == 180);
     assert!(size_of::<Status>() == 36);
-    assert!(size_of::<LoopSettings>() == 84);
+    assert!(size_of::<LoopSettings>() == 80);
     assert!(size_of::<Report>() == 48);
     assert!(size_of::<Model>() == 24);
 };

@@ -45,10 +45,8 @@ pub struct LoopSettings {
     pub acceleration: f32,
     /// Largest jerk of a move, in units of y per s^3.
     pub jerk: f32,
-    /// Wanted bandwidth of the closed loop in rad/s.
+    /// Largest bandwidth of the closed loop in rad/s; 0 for what the margins allow.
     pub wanted_bandwidth: f32,
-    /// Wanted damping of the closed loop; default 0.8.
-    pub wanted_damping: f32,
     /// Largest command of the commissioning, within 0..=1; default 0.5.
     pub excitation: f32,
     /// Longest commissioning in s; default 6.
@@ -91,7 +89,6 @@ pub unsafe extern "C" fn trendid_loop_settings_init(
         acceleration: 0.0,
         jerk: 0.0,
         wanted_bandwidth: 0.0,
-        wanted_damping: core.controller.damping,
         excitation: core.excitation.amplitude,
         time_limit: core.supervision.time_limit,
     };
@@ -135,7 +132,6 @@ impl LoopSettings {
             });
         }
         config.controller.bandwidth = stated(self.wanted_bandwidth);
-        config.controller.damping = self.wanted_damping;
         config.excitation.amplitude = self.excitation;
         config.supervision.time_limit = self.time_limit;
         Ok(config)
