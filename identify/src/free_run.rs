@@ -141,10 +141,10 @@ impl Problem<'_> {
                         _ => u + part * (input.samples[k.saturating_sub(whole + 1)] - u),
                     }
                 };
-                let now = at(k);
-                let next = match input.hold {
-                    Hold::First => at(k + 1),
-                    Hold::Zero => now,
+                let (now, next) = match input.hold {
+                    Hold::First => (at(k), at(k + 1)),
+                    Hold::Zero => (at(k), at(k)),
+                    Hold::Mean => (at(k + 1), at(k + 1)),
                 };
                 for (power, b) in b.iter().enumerate() {
                     let b = b * scale(power);

@@ -4,12 +4,12 @@
 //! leakage (Astrom & Wittenmark 1995, ch. 11) are its cruder relatives.
 //!
 //! Exponential forgetting alone multiplies P by 1/lambda in every direction that the data do not show, without end: an
-//! hour at constant speed overflows f32. So every sample ends with one observation that was not made: parameter i has its
-//! nominal value c_i, with the variance r in units of the noise of psi, one parameter after the other:
+//! hour at constant speed overflows f32. So every second sample ends with one observation that was not made: parameter i has
+//! its nominal value c_i, with the variance r/2 in units of the noise of psi, one parameter after the other:
 //!
 //! ```text
-//! i = k mod N
-//! P_ii > s :      U, D, theta <- one step of least squares with the row e_i, the value c_i, the variance r; no forgetting
+//! k odd, i = (k-1)/2 mod N
+//! P_ii > s :      U, D, theta <- one step of least squares with the row e_i, the value c_i, the variance r/2; no forgetting
 //! c_i <- theta_i  while P_ii < 0.1 N r eps, unless the nominal values were set           eps = 1 - lambda
 //! ```
 //!
@@ -19,26 +19,24 @@
 //! would find the others well known, at the prior mean.
 //!
 //! # What holds
-//! For any finite rows, in any order, with lambda = 1 - eps and eps <= 1/(N (N-1)), and r_i for r until the data have
-//! shown parameter i:
+//! For any finite rows, in any order, with lambda = 1 - eps, and r_i for r until the data have shown parameter i:
 //!
 //! ```text
-//! D_j > 0,    P_ii <= N r eps (1 + N eps) / (1 - lambda^t)       t samples after a start (t >= N), for ever
+//! D_j > 0,    P_ii <= N r eps lambda^-(2N-1) / (1 - lambda^t)       t samples after a start (t >= 2N), for ever
 //! ```
 //!
 //! Proof. Let q = 1/P_ii just after turn i. A row and an observation of another parameter only add information, so they
-//! do not increase P_ii; forgetting multiplies it by 1/lambda. One round of N samples later, before the turn,
-//! 1/P_ii >= lambda^N q. The observation adds 1/r: q' >= lambda^N q + 1/r, from any q >= 0; hence after n rounds
-//! q >= (1 - lambda^(n N)) / (r (1 - lambda^N)) >= (1 - lambda^(n N)) / (r N eps). Where the turn is skipped P_ii <= s is
-//! already smaller. Between two turns P_ii grows by at most lambda^-(N-1) <= 1/(1 - (N-1) eps) <= 1 + N eps. D_j is
-//! multiplied by alpha_(j-1)/alpha_j, a quotient of positive numbers. P is positive semidefinite, so every other entry is
-//! bounded by the diagonal.
+//! do not increase P_ii; forgetting multiplies it by 1/lambda. One round of 2N samples later, before the turn,
+//! 1/P_ii >= lambda^2N q. The observation adds 2/r: q' >= lambda^2N q + 2/r, from any q >= 0; hence after n rounds
+//! q >= (1 - lambda^(2nN)) 2 / (r (1 - lambda^2N)) >= (1 - lambda^(2nN)) / (N r eps). Where the turn is skipped P_ii <= s is
+//! already smaller. Between two turns P_ii grows by at most lambda^-(2N-1). D_j is multiplied by alpha_(j-1)/alpha_j, a
+//! quotient of positive numbers. P is positive semidefinite, so every other entry is bounded by the diagonal.
 //!
 //! For theta, with nominal values c that were set and e_k = psi_k - phi_k' c, theta - c = P sum lambda^(k) phi e.
 //! As the minimum is no larger than the cost at c, (theta - c)' P^-1 (theta - c) <= max e^2 / eps, and so, after the start,
 //!
 //! ```text
-//! |theta_i - c_i| <= sqrt(N r (1 + N eps)) max |e_k|
+//! |theta_i - c_i| <= sqrt(N r lambda^-(2N-1)) max |e_k|
 //! ```
 //!
 //! Nominal values that follow are former estimates, each taken while its standard deviation was below a third of the one
@@ -51,20 +49,19 @@
 
 use crate::estimation::rls::Estimator;
 
-/// r: variance of each observation of a nominal value, relative to the noise of psi.
+/// r/2: variance of each observation of a nominal value, relative to the noise of psi.
 ///
-/// A power of two, so that U and D of the parameters before the one observed keep their bits. With one parameter per
-/// sample the information that forgetting cannot take away is that of memory/(N r) samples of full excitation: 1 in
-/// 10^5 of what the memory holds.
-const VARIANCE: f32 = 32_768.0;
+/// A power of two, so that U and D of the parameters before the one observed keep their bits. The information that
+/// forgetting cannot take away is that of memory/(N r) samples of full excitation: 1 in 10^5 of what the memory holds.
+const VARIANCE: f32 = 16_384.0;
 
 /// s: below this P_ii the observation would change nothing that f32 shows.
-const CERTAIN: f32 = 1e-6 * VARIANCE;
+const CERTAIN: f32 = 2e-6 * VARIANCE;
 
 /// A nominal value follows while P_ii is below this share of what the observations alone leave.
 const FOLLOWS: f32 = 0.1;
 
-/// Observes one parameter per sample at its nominal value, so that forgetting stays bounded.
+/// Observes one parameter every other sample at its nominal value, so that forgetting stays bounded.
 ///
 /// | symbol | argument | shape |
 /// |---|---|---|
@@ -92,34 +89,49 @@ pub struct StabilisedForgetting<const N: usize> {
     unsupported: [f32; N],
     /// Whether the nominal values were set; otherwise they follow the estimate where it is well known.
     set: bool,
+    /// Samples within the round of 2N.
     turn: usize,
-    /// N r eps (1 + N eps).
+    /// N r eps: P_ii right after turn i, without data.
+    left: f32,
+    /// The same before the turn.
     bound: f32,
-    /// 1/(N eps); 0 where nothing is forgotten.
+    /// 1/(2 N eps); 0 where nothing is forgotten.
     inverse_share: f32,
 }
 
 impl<const N: usize> StabilisedForgetting<N> {
     /// Nominal values that follow the estimate, from `nominal` on.
     pub const fn new(nominal: [f32; N], forgetting: f32) -> Self {
-        let share = N as f32 * (1.0 - forgetting);
+        let share = 2.0 * N as f32 * (1.0 - forgetting);
+        let mut growth = 1.0;
+        let mut k = 1;
+        while k < 2 * N {
+            growth /= forgetting;
+            k += 1;
+        }
         Self {
             nominal,
             unsupported: [0.0; N],
             set: false,
             turn: 0,
-            bound: VARIANCE * share * (1.0 + share),
+            left: VARIANCE * share,
+            bound: VARIANCE * share * growth,
             inverse_share: if share > 0.0 { 1.0 / share } else { 0.0 },
         }
     }
 
-    /// After every sample: one observation of one parameter.
+    /// After every sample: one observation of one parameter each second time.
     ///
     /// Cost: see the table of instruction counts.
     #[inline(always)]
     pub fn apply(&mut self, estimator: &mut Estimator<N>) {
-        let turn = if self.turn < N { self.turn } else { 0 };
-        self.turn = turn + 1;
+        let turn = self.turn / 2;
+        let observes = !self.turn.is_multiple_of(2);
+        self.advance(1);
+        if !observes {
+            estimator.flush(turn);
+            return;
+        }
         let Some(nominal) = self.nominal.get_mut(turn) else {
             return;
         };
@@ -135,7 +147,25 @@ impl<const N: usize> StabilisedForgetting<N> {
         ) {
             *unsupported = 0.0;
         }
-        estimator.flush(turn);
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, samples: usize) {
+        let next = self.turn + samples;
+        self.turn = if next < 2 * N { next } else { 0 };
+    }
+
+    /// After a sample whose row was left out on purpose: parameter i in turn is observed at its own value.
+    ///
+    /// Whatever P was, after N such samples every P_ii is at most N r eps, what it is right after a turn without data, and
+    /// the bound holds from there on; theta stays.
+    #[inline(never)]
+    pub(crate) fn hold(&mut self, estimator: &mut Estimator<N>) {
+        let turn = self.turn / 2;
+        self.advance(2);
+        if let Some(own) = estimator.theta().get(turn).copied() {
+            estimator.observe_parameter(turn, own, self.left, 0.0);
+        }
     }
 
     /// Sets the nominal values: where nothing is excited, the estimate returns to them within the memory.

@@ -44,6 +44,12 @@ impl MeanSquare {
         }
     }
 
+    /// Whether the mean is below `limit`; without a division.
+    #[inline(always)]
+    pub(crate) fn exceeded_by(&self, limit: f32) -> bool {
+        self.squares < limit * self.samples
+    }
+
     /// S.
     pub(crate) const fn squares(&self) -> f32 {
         self.squares

@@ -40,7 +40,12 @@ impl NoiseLevel {
     /// Takes y(k), in any unit. Cost: 20 instructions.
     #[inline(always)]
     pub fn update(&mut self, y: f32) {
-        let third = self.third_difference(y);
+        self.take(y, self.third_difference(y));
+    }
+
+    /// Takes y(k) whose third difference is `third`.
+    #[inline(always)]
+    pub(crate) fn take(&mut self, y: f32, third: f32) {
         self.pass(y);
         self.level.update(third * third);
     }
@@ -81,11 +86,15 @@ impl NoiseLevel {
         (n >= LEAST).then(|| self.level.squares() / (20.0 * n))
     }
 
-    /// Whether the variance is known and not below `limit`; without a division.
+    /// The variance; -1, which is below everything, for fewer than ten samples.
     #[inline(always)]
-    pub fn exceeds(&self, limit: f32) -> bool {
+    pub(crate) fn known(&self) -> f32 {
         let n = self.level.samples();
-        n >= LEAST && self.level.squares() >= 20.0 * n * limit
+        if n >= LEAST {
+            self.level.squares() * (1.0 / 20.0) / n
+        } else {
+            -1.0
+        }
     }
 
     /// Forgets the signal and the level.

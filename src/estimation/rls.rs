@@ -152,6 +152,10 @@ impl<const N: usize> Estimator<N> {
     pub fn flush(&mut self, index: usize) {
         self.factors.flush(index);
         self.theta.flush(index);
+    }
+
+    /// The same for the sums beside P.
+    pub(crate) fn flush_sums(&mut self) {
         flush(&mut self.samples, NEGLIGIBLE);
         self.residual.flush();
     }

@@ -40,6 +40,20 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     /// Where nothing excites a parameter its covariance stops at a bound and the parameter at its nominal value
     /// ([`Identifier::set_nominal`](crate::Identifier::set_nominal)); while the drive does not move, the estimate is held.
     pub memory: Option<f32>,
+    /// With a memory: whether a change of the drive in motion makes the memory short until the new drive is known;
+    /// default `false`.
+    ///
+    /// A change is what lets the innovation, within the bandwidth, grow beyond what noise and uncertainty explain and
+    /// beyond a tenth of the motion itself. What was learnt before counts for one sample then, the standard deviations grow
+    /// accordingly, and the estimate is held while the filter carries both drives:
+    /// [`Identifier::changes`](crate::Identifier::changes) counts. A drive with friction or a dead zone that the model
+    /// leaves out shows itself as a change now and then.
+    pub follow_changes: bool,
+    /// Which input is the sign of the velocity ([`inputs::coulomb`](crate::inputs::coulomb)), if one is; default `None`.
+    ///
+    /// While it is 0 the axis may stick, and no model says how large the friction is: the estimate is held, and behind an
+    /// integrator the trends begin anew at rest when the axis breaks away.
+    pub friction_input: Option<usize>,
     /// Estimate at the start, in the order of theta and the user's units; default 0.
     pub initial: [f32; N],
     /// Standard deviation of `initial`, 0 for a known parameter; default `None`: ten times the design size,
@@ -72,6 +86,8 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
             delay_parts: [0.0; I],
             initial_input: [0.0; I],
             memory: None,
+            follow_changes: false,
+            friction_input: None,
             initial: [0.0; N],
             prior_std: None,
             settling: 0.0,
@@ -125,6 +141,8 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
             delay_parts,
             initial_input,
             memory,
+            follow_changes,
+            friction_input,
             initial: _,
             prior_std: _,
             settling,
@@ -137,6 +155,8 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
             delay_parts,
             initial_input,
             memory,
+            follow_changes,
+            friction_input,
             settling,
             offset_significance,
             ..Config::new(structure, bandwidth, input_range, output_range)
@@ -173,6 +193,10 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
         if let Some(memory) = self.memory {
             let limits = [shortest_memory::<N>(), LONGEST];
             check_range("memory", memory, limits.map(|n| n * sample_time))?;
+        }
+        if let Some(input) = self.friction_input {
+            let last = I.saturating_sub(1) as f32;
+            check_range("friction_input", input as f32, [0.0, last])?;
         }
         for (index, value) in self.initial.into_iter().enumerate() {
             check_finite(("initial", index), value)?;

@@ -9,8 +9,6 @@
 //! are taken as measured, and the gate stays open for a while. So one wrong sample costs one row, and a
 //! step of the position enters the trends in the sample in which it happened.
 
-use crate::estimation::noise_level::NoiseLevel;
-
 /// Standard deviations of the noise beyond which the innovation is implausible.
 const INNOVATION: f32 = 4.0;
 
@@ -51,21 +49,14 @@ impl<T> Gate<T> {
         }
     }
 
-    /// Classifies a sample by its innovation and its third difference, in the unit of y; `least` is the smallest noise assumed.
+    /// Classifies a sample by its innovation and its third difference, in the unit of y; `noise` is the variance of y.
     #[inline(always)]
-    pub(crate) fn judge(
-        &mut self,
-        innovation: f32,
-        third: f32,
-        noise: &NoiseLevel,
-        least: f32,
-        pause: u32,
-    ) -> Verdict {
+    pub(crate) fn judge(&mut self, innovation: f32, third: f32, noise: f32, pause: u32) -> Verdict {
         let jump = (innovation - self.mean) * (1.0 / INNOVATION);
         let third = third * third * (1.0 / (20.0 * THIRD * THIRD));
         let jump = jump * jump;
         let smaller = if jump < third { jump } else { third };
-        if self.open > 0 || smaller <= least * least || noise.exceeds(smaller) {
+        if self.open > 0 || smaller <= noise {
             self.open = self.open.saturating_sub(1);
             let mean = self.mean + SHARE * (innovation - self.mean);
             self.mean = if mean.is_finite() { mean } else { 0.0 };

@@ -1,5 +1,6 @@
 //! The identifier: one call per sample from (u, y) to the current model.
 
+mod change;
 pub(crate) mod config;
 pub(crate) mod delay_bank;
 mod gate;
@@ -137,6 +138,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// How many samples of y were replaced by their prediction: implausible, refused, skipped.
     pub const fn replaced(&self) -> u32 {
         self.state.replaced
+    }
+
+    /// How many changes of the drive were found and followed: see [`Config::follow_changes`].
+    pub const fn changes(&self) -> u32 {
+        self.state.changes
     }
 
     /// Forgets the signals, after a long gap in the samples, and keeps the estimate.

@@ -3,17 +3,21 @@
 //! No sample changes it. A change of the filter does, and a reset undoes that.
 
 use crate::error::ConfigError;
-use crate::estimation::noise_level::NoiseLevel;
 use crate::estimation::regressor::Regressor;
 use crate::estimation::structure::Structure;
 use crate::estimation::terms::Parameter;
+use crate::identifier::change::Shares;
 use crate::identifier::config::{Config, REACH, check_std};
 use crate::readout::s_plane::theta_in_trend_plane;
 use crate::trends::delay_line::acceptable;
+use crate::trends::filter::settling_time;
 use crate::trends::{Form, Hold, NoiseGain, TrendOperator};
 
 /// The drive moves where the trends of y exceed this many standard deviations of their noise.
 const MOVES: f32 = 5.0;
+
+/// Least variance of the noise over the expected one.
+const LEAST_NOISE: f32 = 0.02 * 0.02;
 
 /// Upper limit of the relative prior standard deviation; its square must fit f32.
 const UNKNOWN: f32 = 1e8;
@@ -65,7 +69,7 @@ pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, cons
     pub(crate) offset_significance: f32,
     /// Whether implausible samples of y are replaced.
     pub(crate) has_gate: bool,
-    /// A noise on y that the innovation gate always allows for: a fiftieth of the expected one.
+    /// A variance of y that is always allowed for: that of a fiftieth of the expected noise.
     pub(crate) least_noise: f32,
     /// For how many samples the innovation gate stays open after a start, and after a lasting change.
     pub(crate) gate_open: u32,
@@ -81,6 +85,14 @@ pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, cons
     pub(crate) longest_gap: u32,
     /// Samples between the first one and the first estimate.
     pub(crate) warm_up: u32,
+    /// Whether a change of the drive is looked for, and how: shares of a sample, samples for which rows are left out behind
+    /// one, samples without a look at the start and behind one.
+    pub(crate) follows_changes: bool,
+    pub(crate) change_shares: Shares,
+    pub(crate) change_settling: u32,
+    pub(crate) change_blind: u32,
+    /// The input that is the sign of the velocity.
+    friction_input: Option<usize>,
 }
 
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T, M, N, I> {
@@ -129,15 +141,23 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
                 && angle <= FINE
                 && design.filter.is_some()
                 && smooth(&config.structure),
-            least_noise: 0.02 * config.output_noise,
+            least_noise: LEAST_NOISE * config.output_noise * config.output_noise,
             gate_open: (10.0 / angle) as u32,
             gate_pause: (0.5 / angle) as u32,
             can_stand: config.structure.integrators() > 0,
             certain: (1.0 / angle) as u32 + 10,
-            settled: (12.0 / angle) as u32,
+            settled: match config.structure.initial_state() {
+                true => (12.0 / angle) as u32,
+                false => (3.0 / (1.0 - design.slow_mode)).max(12.0 / angle) as u32,
+            },
             after_step: (2.0 / angle) as u32,
             longest_gap: (5.0 / angle) as u32,
             warm_up: design.warm_up.max((config.settling / sample_time) as u32),
+            follows_changes: config.follow_changes && config.memory.is_some(),
+            change_shares: Shares::new(angle, LEAST_NOISE * prior_noise * prior_noise),
+            change_settling: (settling_time(config.bandwidth) / sample_time) as u32 + N as u32,
+            change_blind: (10.0 / angle) as u32,
+            friction_input: config.friction_input,
             // Last: the design above is theirs.
             trends,
         };
@@ -205,16 +225,24 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
     /// moves  <=>  sum over the columns of y: phi_j^2 / M_jj > 25 sigma_y^2        sigma_y^2 = S / (20 n)
     /// ```
     ///
-    /// True as long as the noise is not known, and for trends without a known noise gain. Cost: 20 instructions.
+    /// `noise` is sigma_y^2, -1 as long as it is not known. True then, and for trends without a known noise gain.
+    /// Cost: 20 instructions.
     #[inline(always)]
-    pub(crate) fn moves(&self, phi: &[f32; N], noise: &NoiseLevel) -> bool {
+    pub(crate) fn moves(&self, phi: &[f32; N], noise: f32) -> bool {
         let mut power = 0.0;
         let mut known = 0.0;
         for (x, weight) in phi.iter().zip(&self.noise_weights) {
             power += x * x * weight;
             known += weight;
         }
-        !noise.exceeds(power / (MOVES * MOVES)) || known == 0.0
+        power > MOVES * MOVES * noise || known == 0.0
+    }
+
+    /// Whether friction may hold the axis: its input is 0.
+    #[inline(always)]
+    pub(crate) fn sticks(&self, u: &[f32; I]) -> bool {
+        let velocity = self.friction_input.and_then(|input| u.get(input));
+        self.can_stand && velocity.is_some_and(|sign| *sign == 0.0)
     }
 
     /// Whether `trends` differ from those in use in their numerators only: every signal then is already what it would be.

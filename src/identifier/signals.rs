@@ -19,7 +19,7 @@ pub(crate) struct Signals<T: TrendOperator<M>, const M: usize, const I: usize, c
     constant: T::Memory,
     lines: [DelayLine<D>; I],
     /// Contribution of the initial state to the trends.
-    initial: f32,
+    pub(crate) initial: f32,
     /// Zero of the output.
     pub(crate) reference: f32,
     /// Samples until the trends have settled.
@@ -31,8 +31,8 @@ pub(crate) struct Signals<T: TrendOperator<M>, const M: usize, const I: usize, c
     pub(crate) last_inputs: [f32; I],
     /// Samples without y since the last one.
     pub(crate) gap: u32,
-    /// Samples until the memories are flushed.
-    turn: u32,
+    /// Samples, modulo 2^32.
+    pub(crate) turn: u32,
 }
 
 impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signals<T, M, I, D> {
@@ -102,11 +102,14 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         plan.trends.output(&mut self.output, y, plan.output_form)
     }
 
-    /// Once in a while: what has decayed becomes zero before it becomes subnormal.
-    #[inline(never)]
-    fn flush(&mut self) {
+    /// What has decayed in the trends of y becomes zero before it becomes subnormal.
+    pub(crate) fn flush_output(&mut self) {
         self.output.flush();
         self.constant.flush();
+    }
+
+    /// The same for the inputs.
+    pub(crate) fn flush_inputs(&mut self) {
         for input in &mut self.inputs {
             input.flush();
         }
@@ -120,10 +123,6 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         u: [f32; I],
     ) -> Others<M, I> {
         self.last_inputs = u;
-        self.turn = self.turn.wrapping_add(1);
-        if self.turn.is_multiple_of(64) {
-            self.flush();
-        }
         Others {
             inputs: self.input_trends(plan, u),
             extra: self.extra_columns(plan),

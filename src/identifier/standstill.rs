@@ -6,15 +6,17 @@
 //! ```
 //!
 //! An integrating drive that stands where the model moves by more than twice the band does not obey the model, and its
-//! rows teach what is wrong; a model that is not known yet (phi' P phi) does not contradict. The estimate is held from
-//! the fifth such sample in a row until the axis leaves the band, and then for four times as long, at most the settling
-//! time of the trends: they still carry what was not of the model. Once it has been held for 1/bandwidth the standstill is
-//! certain: the trends begin again at rest, as often as it contradicts and when it ends.
+//! rows teach what is wrong; a model that is not known yet (phi' P phi) does not contradict. From
+//! the fifth such sample in a row on the estimate is held until the axis leaves the band, and then for four times as long, at most the
+//! settling time of the trends: they still carry what was not of the model. Once it has been held for 1/bandwidth the
+//! standstill is certain: the trends begin again at rest as often as it contradicts. When it ends they begin again too, but the
+//! axis moves already: the initial state becomes uncertain; a structure without one waits until the trends have lost it.
+//!
+//! Where an input says that the velocity is 0, friction is whatever holds the axis, and no size of the innovation tells: the
+//! row is left out, and the trends begin at rest at the mean of y.
 //!
 //! A model that is merely wrong is not held up: while the drive moves, it crosses the band in few samples, and the pause
 //! is in proportion to them.
-
-use crate::estimation::noise_level::NoiseLevel;
 
 /// Half width of the band in standard deviations of the noise; the difference of two samples leaves it by chance
 /// twice in 10^5 samples.
@@ -26,6 +28,9 @@ const CONTRADICTS: f32 = 2.0 * BAND;
 /// Contradictions in a row before anything is concluded.
 const LEAST: u32 = 5;
 
+/// Least share of the newest sample in the mean of y of an axis that sticks.
+const STUCK: f32 = 1.0 / 64.0;
+
 /// Samples of pause per suspicious sample.
 const PAUSE: u32 = 4;
 
@@ -36,8 +41,10 @@ pub(crate) enum Motion {
     Obeys,
     /// The row is not of the model, or may not be.
     Doubtful,
-    /// The axis stands for certain, or has just begun to move: the trends are to begin again at rest.
+    /// The axis stands for certain: the trends are to begin again at rest.
     Stands,
+    /// It has stood, and moves already: the trends are to begin again, from a state that is not known.
+    Freed,
 }
 
 /// Memory of the band that y is in.
@@ -51,6 +58,9 @@ pub(crate) struct Standstill {
     doubted: u32,
     /// Samples until the trends are free of what contradicted.
     pause: u32,
+    /// Samples in a row whose velocity is given as 0, and the mean of y over them.
+    stuck: u32,
+    mean: f32,
 }
 
 impl Standstill {
@@ -61,10 +71,12 @@ impl Standstill {
             against: 0,
             doubted: 0,
             pause: 0,
+            stuck: 0,
+            mean: 0.0,
         }
     }
 
-    /// Judges a sample by y and its innovation; `least` is a noise that counts always, `certain` and `settling` in samples,
+    /// Judges a sample by y and its innovation; `noise` is the variance of y, `certain` and `settling` in samples,
     /// `expected` gives 1 + phi' P phi.
     ///
     /// Cost: 15 instructions in motion.
@@ -73,12 +85,12 @@ impl Standstill {
         &mut self,
         y: f32,
         innovation: f32,
-        noise: &NoiseLevel,
-        least: f32,
+        noise: f32,
         [certain, settling]: [u32; 2],
         expected: impl FnOnce() -> f32,
     ) -> Motion {
-        let below = |size: f32| size <= least * least || noise.exceeds(size);
+        self.stuck = 0;
+        let below = |size: f32| size <= noise;
         let [y_0, e_0] = self.entered;
         let far = (y - y_0) * (1.0 / BAND);
         if below(far * far) {
@@ -106,7 +118,7 @@ impl Standstill {
                 self.doubted = 0;
                 if stood {
                     self.entered = [y, 0.0];
-                    return Motion::Stands;
+                    return Motion::Freed;
                 }
             }
         }
@@ -115,6 +127,25 @@ impl Standstill {
             return Motion::Doubtful;
         }
         Motion::Obeys
+    }
+
+    /// Takes a sample whose velocity is given as 0: friction may be anything that holds the axis.
+    ///
+    /// Gives where it stands, once it has stood for `least` samples: a measured velocity is 0 now and then while it turns.
+    pub(crate) fn sticks(&mut self, y: f32, least: u32) -> Option<f32> {
+        let stuck = self.stuck.saturating_add(1);
+        let share = (1.0 / stuck as f32).max(STUCK);
+        let mean = match stuck {
+            1 => y,
+            _ => self.mean + share * (y - self.mean),
+        };
+        *self = Self {
+            entered: [y, 0.0],
+            stuck,
+            mean,
+            ..Self::new()
+        };
+        (stuck >= least).then_some(mean)
     }
 
     /// Holds the estimate for `samples` at least.
@@ -129,28 +160,22 @@ mod tests {
 
     const LIMITS: [u32; 2] = [50, 600];
 
-    fn noise() -> NoiseLevel {
-        let mut level = NoiseLevel::new(1.0);
-        for k in 0..1000 {
-            // Third differences of +-0.8: a standard deviation of 0.18.
-            level.update(if k % 2 == 0 { 0.05 } else { -0.05 });
-        }
-        level
-    }
+    /// A standard deviation of 0.18.
+    const NOISE: f32 = 0.032;
 
     #[test]
     fn motion_and_rest_as_the_model_says_obey() {
-        let (level, mut standstill) = (noise(), Standstill::new());
+        let mut standstill = Standstill::new();
         for k in 0..1000 {
             let y = if k < 500 { 0.3 * k as f32 } else { 150.0 };
             assert_eq!(
-                standstill.judge(y, 0.1, &level, 1e-3, LIMITS, || 1.0),
+                standstill.judge(y, 0.1, NOISE, LIMITS, || 1.0),
                 Motion::Obeys
             );
             // However wrong a model is: in motion nothing is held.
             if k < 500 && k % 3 == 0 {
                 let mut other = standstill.clone();
-                let found = other.judge(y + 2.0, 100.0, &level, 1e-3, LIMITS, || 1.0);
+                let found = other.judge(y + 2.0, 100.0, NOISE, LIMITS, || 1.0);
                 assert_eq!(found, Motion::Obeys);
             }
         }
@@ -158,8 +183,8 @@ mod tests {
 
     #[test]
     fn a_blocked_axis_is_held_and_the_motion_after_it_too_for_a_while() {
-        let (level, mut standstill) = (noise(), Standstill::new());
-        let mut judge = |y: f32, e: f32| standstill.judge(y, e, &level, 1e-3, LIMITS, || 1.0);
+        let mut standstill = Standstill::new();
+        let mut judge = |y: f32, e: f32| standstill.judge(y, e, NOISE, LIMITS, || 1.0);
         for k in 1..200 {
             let expected = match k {
                 ..5 => Motion::Obeys,
@@ -170,7 +195,7 @@ mod tests {
         }
         for k in 0..700 {
             let expected = match k {
-                0 => Motion::Stands,
+                0 => Motion::Freed,
                 1..=600 => Motion::Doubtful,
                 _ => Motion::Obeys,
             };

@@ -3,6 +3,7 @@
 use crate::estimation::forgetting::StabilisedForgetting;
 use crate::estimation::noise_level::NoiseLevel;
 use crate::estimation::rls::Estimator;
+use crate::identifier::change::ChangeDetector;
 use crate::identifier::gate::Verdict;
 use crate::identifier::outcome::{Outcome, Refusal};
 use crate::identifier::plan::{Plan, Prior};
@@ -24,6 +25,24 @@ struct Row<const N: usize> {
     innovation: f32,
 }
 
+/// Variance of the noise of y.
+#[derive(Clone, Copy)]
+struct Noise {
+    /// As measured; -1 while it is not known.
+    known: f32,
+    /// That, but never less than a share of the expected one.
+    allowed: f32,
+}
+
+impl Noise {
+    #[inline(always)]
+    fn of(level: &NoiseLevel, least: f32) -> Self {
+        let known = level.known();
+        let allowed = if known > least { known } else { least };
+        Self { known, allowed }
+    }
+}
+
 /// Everything that a sample changes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct State<
@@ -42,6 +61,9 @@ pub(crate) struct State<
     pub(crate) replaced: u32,
     signals: Signals<T, M, I, D>,
     standstill: Standstill,
+    change: ChangeDetector,
+    /// Changes of the drive that were found.
+    pub(crate) changes: u32,
     pub(crate) forgetting: StabilisedForgetting<N>,
 }
 
@@ -62,6 +84,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             replaced: 0,
             signals: Signals::new(plan, plan.warm_up),
             standstill: Standstill::new(),
+            change: ChangeDetector::new(plan.forgetting, plan.change_blind),
+            changes: 0,
             forgetting,
         }
     }
@@ -87,6 +111,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let reference = self.signals.reference;
         let y = y - reference;
         self.signals.gap = 0;
+        self.signals.turn = self.signals.turn.wrapping_add(1);
+        if self.signals.turn.is_multiple_of(16) {
+            self.flush();
+        }
         let others = self.signals.other_trends(plan, u);
         witness.inputs(&others.inputs);
         if self.signals.remaining > 0 {
@@ -99,20 +127,15 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
                 remaining: self.signals.remaining,
             };
         }
+        let noise = Noise::of(&self.noise, plan.least_noise);
+        let mut third = self.noise.third_difference(y);
         let row = match plan.has_gate {
             false => self.row(plan, y, &others),
             true => {
                 let before = self.signals.output.clone();
                 let row = self.row(plan, y, &others);
-                let third = self.noise.third_difference(y);
                 let gate = &mut self.signals.gate;
-                match gate.judge(
-                    row.innovation,
-                    third,
-                    &self.noise,
-                    plan.least_noise,
-                    plan.gate_pause,
-                ) {
+                match gate.judge(row.innovation, third, noise.allowed, plan.gate_pause) {
                     Verdict::Plausible => row,
                     Verdict::Implausible => {
                         gate.replaced = Some((y, before.clone()));
@@ -121,15 +144,34 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
                             innovation: row.innovation,
                         };
                     }
-                    Verdict::Lasting => self.row_of_two(plan, y, &others),
+                    Verdict::Lasting => {
+                        let row = self.row_of_two(plan, y, &others);
+                        third = self.noise.third_difference(y);
+                        row
+                    }
                 }
             }
         };
         self.signals.last = y;
-        self.noise.update(y);
+        self.noise.take(y, third);
+        let noise = Noise::of(&self.noise, plan.least_noise);
         self.prediction = y - row.innovation + reference;
         self.errors.update(row.innovation);
-        self.learn(plan, &row, y, witness)
+        self.learn(plan, &row, u, y, noise, witness)
+    }
+
+    /// Once in a while, a part at a time: what has decayed becomes zero before it becomes subnormal.
+    #[inline(never)]
+    fn flush(&mut self) {
+        match (self.signals.turn / 16) % 4 {
+            0 => self.signals.flush_output(),
+            1 => self.signals.flush_inputs(),
+            2 => self.estimator.flush_sums(),
+            _ => {
+                self.noise.flush();
+                self.change.flush();
+            }
+        }
     }
 
     /// Takes the row in, unless the estimate is held.
@@ -138,17 +180,21 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         &mut self,
         plan: &Plan<T, M, N, I>,
         row: &Row<N>,
+        u: [f32; I],
         y: f32,
+        noise: Noise,
         witness: &mut impl Witness<M, N, I>,
     ) -> Outcome {
         let innovation = row.innovation;
-        let obeys = !plan.can_stand || self.obeys(plan, row, y, witness);
+        let obeys = !plan.can_stand || self.obeys(plan, row, u, y, noise.allowed, witness);
         if !self.adapting {
             return Outcome::Held { innovation };
         }
         if plan.forgets {
-            self.noise.flush();
-            let moves = obeys && plan.moves(&row.phi, &self.noise);
+            let moves = obeys && plan.moves(&row.phi, noise.known);
+            if plan.follows_changes && self.changing(plan, row, moves) {
+                return Outcome::Held { innovation };
+            }
             if moves {
                 self.estimator.correct(&row.phi, row.error);
                 witness.row(&row.phi, row.psi);
@@ -168,29 +214,81 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         Outcome::Estimated { innovation }
     }
 
+    /// The initial state is again as uncertain as at the start.
+    fn lose_initial_state(&mut self, plan: &Plan<T, M, N, I>) {
+        if !plan.structure.initial_state() {
+            return;
+        }
+        self.signals.initial = 1.0;
+        // U ends with a 1: the last factor is the last variance.
+        let last = |of: &[f32; N]| of.last().copied().unwrap_or(0.0);
+        let std = last(&plan.prior.std);
+        let missing = std * std - last(self.estimator.diagonal());
+        if missing > 0.0 {
+            self.estimator.widen_last(missing);
+        }
+    }
+
+    /// Whether the drive has just changed, or the filter still carries what it was: the row is left out.
+    #[inline(never)]
+    fn changing(&mut self, plan: &Plan<T, M, N, I>, row: &Row<N>, moves: bool) -> bool {
+        let change = &mut self.change;
+        if change.settling > 0 {
+            change.settling -= 1;
+            self.forgetting.hold(&mut self.estimator);
+            if change.settling == 0 {
+                self.lose_initial_state(plan);
+            }
+            return true;
+        }
+        let estimator = &self.estimator;
+        let known = || estimator.spread(&row.phi);
+        if !moves || !change.found([row.error, row.psi], plan.change_shares, known) {
+            return false;
+        }
+        change.answer(plan.forgetting, plan.change_settling, plan.change_blind);
+        let limit = plan.prior.std.map(|std| std * std);
+        let one_sample = self.estimator.samples().max(1.0);
+        let theta = *self.estimator.theta();
+        self.estimator.resume(theta, one_sample, &limit);
+        self.signals.gate.keep_open(plan.gate_open);
+        self.changes = self.changes.saturating_add(1);
+        true
+    }
+
     /// Whether the row may be of the model; where the axis stands against it the trends begin again at rest.
     #[inline(always)]
     fn obeys(
         &mut self,
         plan: &Plan<T, M, N, I>,
         row: &Row<N>,
+        u: [f32; I],
         y: f32,
+        noise: f32,
         witness: &mut impl Witness<M, N, I>,
     ) -> bool {
+        if plan.sticks(&u) {
+            if let Some(y) = self.standstill.sticks(y, plan.gate_pause) {
+                self.signals.rest(plan, y);
+                witness.begin();
+                // In force from now on, should the axis break away before the next sample.
+                let others = self.signals.other_trends(plan, u);
+                witness.inputs(&others.inputs);
+            }
+            return false;
+        }
         let limits = [plan.certain, plan.settled];
         let estimator = &self.estimator;
         let expected = || 1.0 + estimator.spread(&row.phi);
-        let found = self.standstill.judge(
-            y,
-            row.innovation,
-            &self.noise,
-            plan.least_noise,
-            limits,
-            expected,
-        );
-        if found == Motion::Stands {
+        let found = self
+            .standstill
+            .judge(y, row.innovation, noise, limits, expected);
+        if let Motion::Stands | Motion::Freed = found {
             self.signals.rest(plan, y);
             witness.begin();
+        }
+        if found == Motion::Freed {
+            self.lose_initial_state(plan);
         }
         found == Motion::Obeys
     }
@@ -224,7 +322,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
         // Beyond all noise: the trends carry this step of the position or of the velocity for a while.
         let third = self.noise.third_difference(y) * STEP;
-        if !self.noise.exceeds(third * third) {
+        if third * third > Noise::of(&self.noise, plan.least_noise).allowed {
             self.standstill.pause(plan.after_step);
         }
         let row = self.row(plan, y, others);

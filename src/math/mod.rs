@@ -7,6 +7,7 @@ pub(crate) mod complex;
 pub(crate) mod matrix;
 pub(crate) mod polynomial;
 pub(crate) mod roots;
+pub(crate) mod sum;
 
 /// Square root, 0 for arguments below 0 (a variance that rounding made negative).
 pub(crate) fn sqrt(x: f32) -> f32 {

@@ -1,9 +1,12 @@
 //! Output evaluation (9)-(10), one step ahead, and the sums of its errors (11).
 
+use crate::math::sum::Sum;
 use crate::model::transfer_function::TransferFunction;
 use crate::trends::{Form, Hold, Memory, RawTrends, TrendOperator, Window};
 
 /// Sums of the prediction errors: the indices IQ and IV of equation (11), elsewhere ISE and IAE.
+///
+/// Each sum has two words, so that it is right to the last digits of f32 after any number of samples.
 ///
 /// # Examples
 /// ```
@@ -16,8 +19,8 @@ use crate::trends::{Form, Hold, Memory, RawTrends, TrendOperator, Window};
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PredictionError {
-    squared: f32,
-    absolute: f32,
+    squared: Sum,
+    absolute: Sum,
     samples: u32,
 }
 
@@ -25,33 +28,33 @@ impl PredictionError {
     /// Nothing evaluated yet.
     pub const fn new() -> Self {
         Self {
-            squared: 0.0,
-            absolute: 0.0,
+            squared: Sum::ZERO,
+            absolute: Sum::ZERO,
             samples: 0,
         }
     }
 
-    /// Adds one prediction error `y(k) - y^(k)`, in the unit of y. Cost: 10 instructions.
+    /// Adds one prediction error `y(k) - y^(k)`, in the unit of y. Cost: 22 instructions.
     #[inline(always)]
     pub fn update(&mut self, error: f32) {
-        self.squared += error * error;
-        self.absolute += error.abs();
+        self.squared.add(error * error);
+        self.absolute.add(error.abs());
         self.samples = self.samples.saturating_add(1);
     }
 
     /// Sum of squared errors, IQ, in the unit of y squared.
     #[doc(alias = "iq")]
     pub const fn ise(&self) -> f32 {
-        self.squared
+        self.squared.value()
     }
 
     /// Sum of absolute errors, IV, in the unit of y.
     #[doc(alias = "iv")]
     pub const fn iae(&self) -> f32 {
-        self.absolute
+        self.absolute.value()
     }
 
-    /// Number of errors in the sums.
+    /// Number of errors in the sums; it stops at 2^32 - 1, after 49 days at 1 kHz, the sums do not.
     pub const fn samples(&self) -> u32 {
         self.samples
     }

@@ -90,6 +90,10 @@ fn finite(value: f32) -> Option<f32> {
     value.is_finite().then_some(value)
 }
 
+/// What rounding may leave of a sum of nine products of rounded factors, relative to the sum of their sizes: where the
+/// terms cancel, the variance is known no better.
+const ROUNDING: f32 = 8.0 * f32::EPSILON;
+
 /// Standard deviations of gain, omega0 and damping, first order in the covariance of `[b_0, a_nu, a_{nu+1}]`.
 ///
 /// For two poles behind the integrators, in the user's units; `None` unless a_nu is positive.
@@ -107,12 +111,41 @@ pub(crate) fn second_order_std(
         [0.0, -0.25 * a_next / (a_nu * omega0), 0.5 / omega0],
     ];
     Some(slopes.map(|slope| {
-        let mut variance = 0.0;
+        let (mut variance, mut size) = (0.0, 0.0);
         for i in 0..3 {
             for j in 0..3 {
-                variance += slope[i] * covariance[i][j] * slope[j];
+                let term = slope[i] * covariance[i][j] * slope[j];
+                variance += term;
+                size += term.abs();
             }
         }
-        deviation(variance)
+        deviation(variance + ROUNDING * size)
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_variance_that_cancels_is_not_zero() {
+        // b0 and a1 err together: the gain is known much better than f32 can say, not perfectly.
+        let (b0, a1, share) = (1e6_f32, 400.0_f32, 0.01_f32);
+        let sigma = [share * b0, share * a1, 0.2];
+        let mut covariance = [[0.0; 3]; 3];
+        for i in 0..2 {
+            for j in 0..2 {
+                covariance[i][j] = sigma[i] * sigma[j];
+            }
+        }
+        covariance[2][2] = sigma[2] * sigma[2];
+        let [gain, omega0, _] = second_order_std([b0, a1, 20.0], &covariance).unwrap();
+        assert!(gain > 0.0 && gain < 2e-5 * b0 / a1, "{gain}");
+        assert!((omega0 / (0.5 * share * 20.0) - 1.0).abs() < 1e-3);
+        for x in [f32::NAN, f32::INFINITY] {
+            covariance[0][1] = x;
+            let [gain, ..] = second_order_std([b0, a1, 20.0], &covariance).unwrap();
+            assert_eq!(gain, f32::INFINITY);
+        }
+    }
 }

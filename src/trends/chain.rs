@@ -11,6 +11,8 @@ pub struct Chain<const M: usize> {
     pub(crate) states: [f32; M],
     /// y(k-1), for increments.
     pub(crate) last: f32,
+    /// For increments: what the next one brings along.
+    pub(crate) pending: f32,
 }
 
 impl<const M: usize> sealed::Sealed for Chain<M> {}
@@ -24,21 +26,25 @@ impl<const M: usize> Memory<M> for Chain<M> {
         Self {
             states,
             last: value,
+            pending: 0.0,
         }
     }
 
     fn input_at_rest(design: &Design<M>, hold: Hold, value: f32) -> Self {
         let mut memory = Self::output_at_rest(design, Form::Position, value);
-        if let Hold::Zero = hold {
+        let ahead = shares(design.scheme, design.sample_time).0;
+        match hold {
             // The exact integral of the last held value is already on its way in.
-            memory.states[M - 1] += shares(design.scheme, design.sample_time).0 * value;
+            Hold::Zero => memory.states[M - 1] += ahead * value,
+            Hold::Mean => memory.states[M - 1] -= (design.sample_time - ahead) * value,
+            Hold::First => {}
         }
         memory
     }
 
     #[inline(never)]
     fn flush(&mut self) {
-        for state in &mut self.states {
+        for state in self.states.iter_mut().chain([&mut self.pending]) {
             if state.abs() < NEGLIGIBLE {
                 *state = 0.0;
             }
@@ -132,14 +138,23 @@ impl<const M: usize> Integrators<M> {
     ///
     /// State 0 holds `y - f_0 S_0` in place of S_0: the part of the position that the filter
     /// has not followed yet. At rest it goes to zero, where f32 is finest; S_0 would stay at the
-    /// position over f_0 and round every increment to its own last digit.
+    /// position over f_0 and round every increment to its own last digit. In motion it is the speed over the
+    /// slow pole, and its last digit, each time the same, would pass for a speed. So it has a second word, `pending`,
+    /// in which what the filter follows until the next sample waits for the next increment: the two nearly cancel.
     #[inline(always)]
-    pub(crate) fn step_increment(&self, states: &mut [f32; M], increment: f32) -> Trends<M> {
+    pub(crate) fn step_increment(
+        &self,
+        states: &mut [f32; M],
+        pending: &mut f32,
+        increment: f32,
+    ) -> Trends<M> {
         let mut known = *states;
         for i in (1..M - 1).rev() {
             known[i] += self.ahead * known[i + 1];
         }
-        let left = states[0] + increment;
+        let change = increment + *pending;
+        let left = states[0] + change;
+        let rest = change - (left - states[0]);
         let mut top = left;
         for i in 1..M {
             let weight = if i == 1 {
@@ -158,7 +173,8 @@ impl<const M: usize> Integrators<M> {
             above = lower[i];
         }
         lower[0] = 0.0;
-        states[0] = left - self.filter[0] * (self.ahead + self.behind) * above;
+        states[0] = left;
+        *pending = rest - self.filter[0] * (self.ahead + self.behind) * above;
         Trends { lower, top }
     }
 }

@@ -135,7 +135,7 @@ impl<const M: usize> TrendOperator<M> for ExactTrends<M> {
     fn input(&self, memory: &mut Chain<M>, u: f32, hold: Hold) -> [f32; M] {
         let trends = self.chain.input(memory, u, hold);
         let (rows, direct) = match hold {
-            Hold::Zero => (&self.numerators.zero, 0.0),
+            Hold::Zero | Hold::Mean => (&self.numerators.zero, 0.0),
             Hold::First => (&self.numerators.first, u),
         };
         core::array::from_fn(|j| {

@@ -159,7 +159,7 @@ impl<const M: usize> TrendOperator<M> for FilteredTrends<M> {
                 let increment = y - memory.last;
                 memory.last = y;
                 self.integrators
-                    .step_increment(&mut memory.states, increment)
+                    .step_increment(&mut memory.states, &mut memory.pending, increment)
             }
         }
     }
@@ -174,6 +174,11 @@ impl<const M: usize> TrendOperator<M> for FilteredTrends<M> {
                     .lower
             }
             Hold::First => self.integrators.step(states, u, 0.0).lower,
+            Hold::Mean => {
+                // As if it had been held since the sample before.
+                states[M - 1] += self.design.sample_time * u;
+                self.integrators.step(states, 0.0, 0.0).lower
+            }
         }
     }
 
@@ -252,16 +257,32 @@ mod tests {
     }
 
     #[test]
+    fn a_mean_is_a_held_value_one_sample_earlier() {
+        let trends = FilteredTrends::<2>::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
+        let mut held = Chain::input_at_rest(trends.design(), Hold::Zero, 0.0);
+        let mut mean = Chain::input_at_rest(trends.design(), Hold::Mean, 0.0);
+        let _ = trends.input(&mut held, 3.0, Hold::Zero);
+        for u in [-1.0, 0.5, 2.0, 0.0] {
+            let one = trends.input(&mut mean, if u == -1.0 { 3.0 } else { u + 1.0 }, Hold::Mean);
+            let next = [-1.0, 0.5, 2.0, 0.0].iter().skip_while(|x| **x != u).nth(1);
+            let other = trends.input(&mut held, next.map_or(0.0, |u| u + 1.0), Hold::Zero);
+            assert_eq!(one, other);
+        }
+    }
+
+    #[test]
     fn settled_signals_stay() {
         let trends = FilteredTrends::<3>::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
         let design = trends.design();
         let mut y = Chain::output_at_rest(design, Form::Position, 5.0);
         let mut u = Chain::input_at_rest(design, Hold::Zero, 5.0);
+        let mut mean = Chain::input_at_rest(design, Hold::Mean, 5.0);
         let rest = 5.0 / trends.filter()[0];
         for _ in 0..1000 {
             let output = trends.output(&mut y, 5.0, Form::Position);
             let input = trends.input(&mut u, 5.0, Hold::Zero);
-            for found in [output.lower[0], input[0]] {
+            let averaged = trends.input(&mut mean, 5.0, Hold::Mean);
+            for found in [output.lower[0], input[0], averaged[0]] {
                 assert!((found / rest - 1.0).abs() < 1e-5);
             }
             assert!(output.top.abs() < 1e-4 && output.lower[1].abs() < 1e-4);

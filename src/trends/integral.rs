@@ -259,7 +259,7 @@ impl<const M: usize, const L: usize> TrendOperator<M> for IntegralTrends<M, L> {
     }
 
     fn input(&self, memory: &mut Span<M, L>, u: f32, hold: Hold) -> [f32; M] {
-        if let (Hold::First, Scheme::Tustin) = (hold, self.design.scheme) {
+        if let (Hold::First | Hold::Mean, Scheme::Tustin) = (hold, self.design.scheme) {
             return self.output(memory, u, Form::Position).lower;
         }
         memory.advance();

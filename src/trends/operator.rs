@@ -14,6 +14,9 @@ pub enum Hold {
     Zero,
     /// Linear between u(k) and u(k+1): a measured quantity.
     First,
+    /// u(k) is the mean since sample k-1: what is known only when it is over, such as the friction of a drive that has
+    /// turned in between. Raw trends by Goodwin's scheme and trends over a span take it as `First`.
+    Mean,
 }
 
 /// How an output enters its trends.

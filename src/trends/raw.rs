@@ -145,6 +145,7 @@ impl<const M: usize> TrendOperator<M> for RawTrends<M> {
                 }
                 tustin(past[0], &before, M - 1, self.rate).lower
             }
+            (Scheme::Tustin, Hold::Mean) => tustin(u, past, M - 1, self.rate).lower,
         };
         memory.shift(u);
         lower

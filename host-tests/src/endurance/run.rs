@@ -3,7 +3,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use trendid::estimation::{StabilisedForgetting, Terms};
-use trendid::inputs::{coulomb, dead_zone};
+use trendid::inputs::{Coulomb, dead_zone};
 use trendid::trends::{FilteredTrends, Hold, Scheme};
 use trendid::{Config, Identifier, Outcome, Structure, structure};
 
@@ -122,7 +122,8 @@ pub fn run(case: &Case, seed: u64, samples: u64, others: u64) -> Found {
             let structure: Structure<2, 3, 2> =
                 structure!(Terms::of(&[1]), [Terms::of(&[0]); 2], false);
             let identifier = identifier::<2, 3, 2>(case, structure, [0.4, 1.0]);
-            let inputs = |u: f32, v: f64| [u, coulomb(v as f32, 1e-3)];
+            let mut friction_input = Coulomb::new(1e-3);
+            let inputs = move |u: f32, v: f64| [u, friction_input.update(v as f32)];
             let truth = [GAIN, w, 0.0];
             let axis = WithFriction::new(friction, DT);
             Runner::new(case, seed, axis, truth, 0).go(samples, identifier, inputs, first_order)
@@ -141,8 +142,9 @@ fn identifier<const M: usize, const N: usize, const I: usize>(
     let mut config = Config::new(structure, bandwidth, ranges, 1000.0 / bandwidth);
     config.memory = case.memory.map(|memory| memory as f32);
     if case.setup.drive == Drive::Coulomb {
-        // Friction turns with the velocity, anywhere between two samples; the command at a sample.
-        config.holds[I - 1] = Hold::First;
+        // Friction turns with the velocity, anywhere between two samples.
+        config.holds[I - 1] = Hold::Mean;
+        config.friction_input = Some(I - 1);
     }
     Identifier::try_new(&config, trends).expect("a configuration that works")
 }
@@ -303,7 +305,7 @@ impl<'a, A: Axis> Runner<'a, A> {
         mut self,
         samples: u64,
         mut identifier: Identifier<FilteredTrends<M>, M, N, I>,
-        inputs: impl Fn(f32, f64) -> [f32; I],
+        mut inputs: impl FnMut(f32, f64) -> [f32; I],
         read: impl Fn(&Identifier<FilteredTrends<M>, M, N, I>) -> Option<Reading>,
     ) -> Found {
         let scenario = self.case.scenario;

@@ -23,11 +23,11 @@ pub enum Kind {
         /// w.
         variance: f64,
     },
-    /// All of it; then one parameter per sample in turn is observed at its nominal value, which follows the estimate
-    /// where its variance is small: what the core does, with dense matrices. Until the variance was small once, a nominal
+    /// All of it; then every second sample one parameter in turn is observed at its nominal value, which follows the
+    /// estimate where its variance is small: what the core does, with dense matrices. Until the variance was small once, a nominal
     /// value is the mean of the prior and weighs as much as keeps the prior variance.
     InTurn {
-        /// r, once the variance of the parameter was small.
+        /// That of one observation, once the variance of the parameter was small.
         variance: f64,
         /// Variance below which a nominal value follows.
         follows: f64,
@@ -109,11 +109,14 @@ impl<const N: usize> Forgetting<N> {
         self.covariance -= gain * spread.transpose();
         self.information += phi * phi.transpose();
         if let Kind::InTurn { variance, follows } = self.kind {
-            let i = self.turn;
-            self.turn = (i + 1) % N;
+            let (i, observes) = (self.turn / 2, self.turn % 2 == 1);
+            self.turn = (self.turn + 1) % (2 * N);
+            if !observes {
+                return;
+            }
             let column = self.covariance.column(i).into_owned();
             let known = column[i];
-            let least = self.unsupported[i] / (N as f64 * (1.0 - self.lambda));
+            let least = self.unsupported[i] / (2.0 * N as f64 * (1.0 - self.lambda));
             let gain = column / (variance.max(least) + known);
             self.theta += gain * (self.nominal[i] - self.theta[i]);
             self.covariance -= gain * column.transpose();

@@ -8,7 +8,7 @@ use trendid::error::{ConfigError, Setting};
 use trendid::estimation::{NoiseLevel, Parameter, Structure, Terms};
 use trendid::hardware::{Axis, PwmError, Scale, SsiCode, SsiError, SsiFormat};
 use trendid::identifier::{Outcome, Refusal};
-use trendid::inputs::DeadZone;
+use trendid::inputs::{Coulomb, DeadZone};
 use trendid::model::{Physical, Pole, PredictionError, TransferFunction};
 use trendid::servo::store::{Identity, Record, Refused, StoreError};
 use trendid::servo::{
@@ -59,6 +59,7 @@ fn what_is_copied_is_small() {
         Axis,
         Chain<4>,
         ConfigError,
+        Coulomb,
         DeadZone,
         Error,
         FaultCounters,

@@ -87,6 +87,7 @@ fn terms<const M: usize, const N: usize, const I: usize>(
                 hold: match config.holds[j] {
                     trendid::trends::Hold::Zero => Hold::Zero,
                     trendid::trends::Hold::First => Hold::First,
+                    trendid::trends::Hold::Mean => unimplemented!("no case has it"),
                 },
             })
             .collect(),
@@ -105,7 +106,7 @@ fn forgotten<const N: usize>(
     let lambda = 1.0 - DT / memory;
     let bound = StabilisedForgetting::new([0.0; N], lambda).bound();
     let kind = Kind::InTurn {
-        variance: 32_768.0,
+        variance: 16_384.0,
         follows: 0.1 * f64::from(bound),
     };
     let mut dense = Forgetting::<N>::new(kind, prior, 1.0 / f64::from(1.0 - lambda));

@@ -86,22 +86,25 @@ fn record(case: &Case, hold: Hold, seed: u64) -> Vec<(f32, f32)> {
     let mut samples = Vec::new();
     let mut drawn = |k: usize, u: f64| match hold {
         Hold::First => 0.5 * u + rng.random_range(-1.0..1.0),
-        Hold::Zero if k.is_multiple_of(case.every) => {
+        Hold::Zero | Hold::Mean if k.is_multiple_of(case.every) => {
             if rng.random::<bool>() {
                 1.0
             } else {
                 -1.0
             }
         }
-        Hold::Zero => u,
+        Hold::Zero | Hold::Mean => u,
     };
     for k in 0..1500 {
-        if let Hold::Zero = hold {
+        // What was held since the sample before is its mean.
+        let before = u;
+        if let Hold::Zero | Hold::Mean = hold {
             u = drawn(k, u);
         }
-        samples.push((u as f32, plant.output() as f32));
+        let told = if hold == Hold::Mean { before } else { u };
+        samples.push((told as f32, plant.output() as f32));
         match hold {
-            Hold::Zero => {
+            Hold::Zero | Hold::Mean => {
                 plant.step(&[u]);
             }
             Hold::First => {
@@ -181,7 +184,7 @@ fn compare<const M: usize, const N: usize>(case: &Case, hold: Hold) -> [f64; 3] 
 
 #[test]
 fn slow_sampling_costs_nothing() {
-    for hold in [Hold::Zero, Hold::First] {
+    for hold in [Hold::Zero, Hold::First, Hold::Mean] {
         let errors = [
             compare::<2, 3>(&CASES[0], hold),
             compare::<3, 3>(&CASES[1], hold),

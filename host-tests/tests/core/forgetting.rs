@@ -92,8 +92,8 @@ fn attack<const N: usize>(rows: Rows, memory: f32, seed: u64, count: usize) -> f
         if k % 89 != 88 {
             continue;
         }
-        let rounds = ((k + 1) / N) as i32;
-        let begun = 1.0 - f64::from(forgetting).powi(rounds * N as i32);
+        let rounds = ((k + 1) / (2 * N)) as i32;
+        let begun = 1.0 - f64::from(forgetting).powi(rounds * 2 * N as i32);
         for i in 0..N {
             let p = f64::from(estimator.covariance(i, i));
             largest = largest.max(p * begun / f64::from(stabilised.bound()));

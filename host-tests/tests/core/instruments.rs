@@ -438,7 +438,7 @@ fn a_delay_a_ramp_hold_gaps_and_unusable_readings() {
             let y = plant.output() + 0.1 * rng.random_range(-1.0..1.0);
             let now = u[k];
             match hold {
-                Hold::Zero => plant.step(&[now]),
+                Hold::Zero | Hold::Mean => plant.step(&[now]),
                 Hold::First => plant.step_ramp(&[now], &[u[(k + 1).min(n - 1)]]),
             };
             let y = if k % 50 == 7 { f32::NAN } else { y as f32 };

@@ -264,7 +264,8 @@ fn hours_without_a_movement() {
     }
     // N r Delta / memory where the data have shown a parameter, otherwise the prior: see the head of forgetting.rs.
     let bound = StabilisedForgetting::new([0.0; 5], 1.0 - 0.001 / 0.2).bound();
-    let share = 5.0 * 0.001 / 0.2;
+    // A round has 10 samples.
+    let share = 10.0 * 0.001 / 0.2;
     for (j, prior) in prior.iter().enumerate() {
         let p = estimator.covariance(j, j);
         assert!(estimator.diagonal()[j] > 0.0 && p <= 1.01 * bound.max(prior * (1.0 + share)));

@@ -30,6 +30,12 @@ const CHANGES: &[(&str, Change)] = &[
     ("delays", |c| c.delays = [2]),
     ("initial_input", |c| c.initial_input = [0.2]),
     ("memory", |c| c.memory = Some(0.5)),
+    // It acts with a memory only; what it does is in `changes`.
+    ("follow_changes", |c| {
+        c.memory = Some(0.5);
+        c.follow_changes = true;
+    }),
+    ("friction_input", |c| c.friction_input = Some(0)),
     ("initial", |c| c.initial = [300.0, 15.0, 8e5, 0.0, 0.0]),
     ("prior_std", |c| {
         c.prior_std = Some([100.0, 5.0, 1e6, 1e4, 1.0])
@@ -46,7 +52,11 @@ fn trace(config: &Settings) -> Result<Vec<u32>, ConfigError> {
     let mut noise = generator(230_001, Stream::White);
     let mut trace = Vec::new();
     for k in 0..1000 {
-        let u = if k % 300 < 150 { 0.4 } else { -0.4 };
+        let u = match k {
+            900.. => 0.0,
+            _ if k % 300 < 150 => 0.4,
+            _ => -0.4,
+        };
         let y = plant.output() + 0.1 * (rand::RngExt::random::<f64>(&mut noise) - 0.5);
         let _ = identifier.update(u as f32, y as f32);
         plant.step(&[u]);
@@ -117,6 +127,16 @@ fn a_value_that_cannot_work_is_refused_with_the_name_of_its_setting() {
                 other => panic!("{name} = {value}: {other:?}"),
             }
         }
+    }
+    let mut config = defaults();
+    config.friction_input = Some(1);
+    match trace(&config) {
+        Err(ConfigError::OutOfRange {
+            setting, limits, ..
+        }) => {
+            assert_eq!((setting, limits), ("friction_input".into(), [0.0; 2]));
+        }
+        other => panic!("friction_input: {other:?}"),
     }
     let far: [(&str, Change); 2] = [
         ("initial_input", |c| c.initial_input = [f32::NAN]),

@@ -1,0 +1,123 @@
+//! A change of the drive in motion: found by the innovation within the bandwidth, answered by a memory that becomes short.
+//!
+//! ```text
+//! e_f, psi_f   innovation and left-hand side of the equation behind a lag of 1/(2 omega)
+//! E, S         their mean squares over 4/omega            L    mean of E over the memory
+//! changed  <=>  E > 0.1^2 S   and   E > 12 L (1 + phi' P phi)   and   E > 12 times a fiftieth of the expected noise, squared
+//! ```
+//!
+//! White noise passes the lag weakened, a wrong model does not: the command moves the drive within the bandwidth. The second
+//! condition is relative to what is usual, so noise of any colour and a model that is slightly wrong all the time are none;
+//! the first one leaves out what matters little. L follows E and not e_f^2, so that what is new does not pass for usual at
+//! once; with a memory below some 20/omega it does all the same, and the memory itself is short enough. With Gaussian innovations E has about sixteen degrees of freedom, so that
+//! chance alone exceeds 12 times the mean with a probability below 1e-30 per 4/omega: false alarms come from drives that
+//! the model does not describe. They cost accuracy for one memory, nothing else.
+//!
+//! Then everything learnt counts as much as one sample of the memory: `P <- n P`, no D beyond the prior. The rows are left
+//! out while the filter carries both drives, for three time constants of its pair; what its slow pole carries on is an
+//! initial state, which becomes uncertain again.
+//!
+//! # The bound
+//! `n P` may exceed the bound of [`forgetting`](crate::estimation::forgetting). While the rows are left out each parameter
+//! is observed in turn at its own value, so that theta stays, with the variance that the bound leaves right after a turn: after
+//! N samples the bound holds again, and no row is folded in before that. The initial state alone is as uncertain as at the
+//! start.
+
+use crate::estimation::mean_square::{MeanSquare, flush};
+
+/// Share of the motion beyond which a change matters, squared.
+const MATTERS: f32 = 0.01;
+
+/// How much larger than usual the innovation is.
+const UNUSUAL: f32 = 12.0;
+
+/// What the detector remembers; all in normalised quantities.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ChangeDetector {
+    /// e_f and psi_f.
+    lagged: [f32; 2],
+    /// E and S.
+    power: [f32; 2],
+    /// L.
+    usual: MeanSquare,
+    /// Samples until the detector may find a change again.
+    blind: u32,
+    /// Samples for which the rows are still left out.
+    pub(crate) settling: u32,
+}
+
+/// Shares of the newest sample in the lag and in the mean squares, and what is always allowed for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Shares {
+    pub(crate) lag: f32,
+    pub(crate) power: f32,
+    /// A variance of the innovation that is always allowed for.
+    pub(crate) least: f32,
+}
+
+impl Shares {
+    /// For bandwidth times sample time, and a variance of the innovation that is always allowed for.
+    pub(crate) const fn new(angle: f32, least: f32) -> Self {
+        Self {
+            lag: 2.0 * angle / (1.0 + 2.0 * angle),
+            power: 0.25 * angle / (1.0 + 0.25 * angle),
+            least,
+        }
+    }
+}
+
+impl ChangeDetector {
+    /// Nothing seen; blind for the first `blind` samples.
+    pub(crate) const fn new(forgetting: f32, blind: u32) -> Self {
+        Self {
+            lagged: [0.0; 2],
+            power: [0.0; 2],
+            usual: MeanSquare::new(forgetting),
+            blind,
+            settling: 0,
+        }
+    }
+
+    /// Takes innovation and left-hand side of a row; whether the drive has changed. `spread` gives phi' P phi.
+    ///
+    /// Cost: 35 instructions.
+    #[inline(always)]
+    pub(crate) fn found(
+        &mut self,
+        row: [f32; 2],
+        shares: Shares,
+        spread: impl FnOnce() -> f32,
+    ) -> bool {
+        for ((lagged, power), x) in self.lagged.iter_mut().zip(&mut self.power).zip(row) {
+            *lagged += shares.lag * (x - *lagged);
+            *power += shares.power * (*lagged * *lagged - *power);
+        }
+        let [error, whole] = self.power;
+        self.usual.update(error);
+        if self.blind > 0 {
+            self.blind -= 1;
+            return false;
+        }
+        error > UNUSUAL * shares.least
+            && error > MATTERS * whole
+            && self.usual.exceeded_by(error * (1.0 / UNUSUAL))
+            && self.usual.exceeded_by(error / (UNUSUAL * (1.0 + spread())))
+    }
+
+    /// Begins anew behind a change: `settling` samples without rows, and blind for `blind` samples.
+    pub(crate) const fn answer(&mut self, forgetting: f32, settling: u32, blind: u32) {
+        *self = Self::new(forgetting, blind);
+        self.settling = settling;
+    }
+
+    /// What has decayed becomes zero before it becomes subnormal.
+    pub(crate) fn flush(&mut self) {
+        for x in &mut self.lagged {
+            flush(x, 1e-15);
+        }
+        for x in &mut self.power {
+            flush(x, 1e-30);
+        }
+        self.usual.flush();
+    }
+}
