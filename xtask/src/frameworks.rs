@@ -160,7 +160,7 @@ pub(crate) fn embassy() -> Result<String, String> {
             requests += &format!("{line}\n");
         }
     }
-    let output = M4F.talk(&image, requests.as_bytes(), LIMIT)?;
+    let output = M4F.talk(&image, requests.into_bytes(), LIMIT)?;
     let text = String::from_utf8_lossy(&output);
     let lines: Vec<String> = text.lines().map(str::to_owned).collect();
     if !lines.iter().any(|line| line == "not heard: never") {

@@ -186,34 +186,42 @@ impl Machine {
         word: &str,
         limit: Duration,
     ) -> Result<Vec<u8>, String> {
-        self.finish(self.start(image, word)?, image, limit)
+        self.finish(self.start(image, word)?, Vec::new(), image, limit)
     }
 
-    /// As [`output`](Self::output), with `said` on the first serial line; what comes back over it is in the output.
+    /// As [`output`](Self::output), with `said` on the first serial line, once the image has written a line: what it receives before
+    /// it listens is lost. What comes back over the line is in the output.
     pub(crate) fn talk(
         self,
         image: &std::path::Path,
-        said: &[u8],
+        said: Vec<u8>,
         limit: Duration,
     ) -> Result<Vec<u8>, String> {
-        let mut child = self.launch(image, "run", "stdio", Stdio::piped())?;
-        if let Some(input) = &mut child.stdin {
-            input.write_all(said).map_err(|error| error.to_string())?;
-        }
-        self.finish(child, image, limit)
+        let child = self.launch(image, "run", "stdio", Stdio::piped())?;
+        self.finish(child, said, image, limit)
     }
 
-    /// Waits for the end of an image.
+    /// Waits for the end of an image, to whose first line `said` is the answer.
     fn finish(
         self,
         mut child: Child,
+        said: Vec<u8>,
         image: &std::path::Path,
         limit: Duration,
     ) -> Result<Vec<u8>, String> {
         let mut stdout = child.stdout.take().ok_or("no output of the emulator")?;
+        let mut input = child.stdin.take();
         let (sender, receiver) = mpsc::channel();
         std::thread::spawn(move || {
             let mut output = Vec::new();
+            if let Some(input) = &mut input {
+                let mut byte = [0];
+                while byte != *b"\n" && stdout.read_exact(&mut byte).is_ok() {
+                    output.push(byte[0]);
+                }
+                // An image that ended hears nothing.
+                let _ = input.write_all(&said).and_then(|()| input.flush());
+            }
             let _ = stdout.read_to_end(&mut output);
             // The receiver is gone after the time limit.
             let _ = sender.send(output);

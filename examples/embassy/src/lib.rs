@@ -143,6 +143,9 @@ pub async fn listen<R: Read>(mut line: R) -> Result<(), R::Error> {
 /// # Errors
 /// That of the line.
 pub async fn tell<W: Write>(mut line: W, done: fn()) -> Result<(), W::Error> {
+    // Who hears this is heard from now on.
+    line.write_all(b"trendid in Embassy, simulated drive\n")
+        .await?;
     loop {
         let mut text = String::<192>::new();
         // There is room for every message.
