@@ -125,7 +125,12 @@ mod target {
         ));
     }
 
-    /// The functions of C, which the optimiser must not see through.
+    /// The functions of C, as pointers that the optimiser must not see through.
+    type Update = unsafe extern "C" fn(*mut c::Identifier, f32, f32, *mut c::Outcome) -> c::Error;
+    type Theta = unsafe extern "C" fn(*const c::Identifier, *mut f32, usize) -> c::Error;
+    type LoopUpdate = unsafe extern "C" fn(*mut c::Loop, i32, *mut c::Report) -> c::Error;
+
+    /// Ends the image where a call of C fails.
     fn done(error: c::Error) {
         if error != c::Error::Ok {
             line(format_args!("{error:?}"));
@@ -154,17 +159,15 @@ mod target {
                 null_mut(),
             ));
             let mut native = Servo::<7>::with_delay(0.001, 20.0, 1.0, 50.0, 0)?;
-            let update =
-                black_box(c::trendid_identifier_update as unsafe extern "C" fn(_, _, _, _) -> _);
+            let update = black_box(c::trendid_identifier_update as Update);
             let mut outcome = c::Outcome::from(Outcome::WarmingUp { remaining: 0 });
             row(clock, idle, "servo3 update", |_, u, y| {
                 let rust = clock.ticks(|| rust_servo(&mut native, u, y));
                 let edge = clock.ticks(|| update(handle, u, y, &raw mut outcome));
                 [rust, edge]
             });
-            let theta =
-                black_box(c::trendid_identifier_theta as unsafe extern "C" fn(_, _, _) -> _);
-            let mut found = [0.0; 5];
+            let theta = black_box(c::trendid_identifier_theta as Theta);
+            let mut found = [0.0_f32; 5];
             row(clock, idle, "servo3 theta", |_, u, y| {
                 let _ = rust_servo(&mut native, u, y);
                 let _ = update(handle, u, y, &raw mut outcome);
@@ -231,7 +234,7 @@ mod target {
             let memory = (&raw mut MEMORY).cast::<c::Loop>();
             done(c::trendid_loop_init(memory, &settings, null_mut()));
             done(c::trendid_loop_commission(memory));
-            let update = black_box(c::trendid_loop_update as unsafe extern "C" fn(_, _, _) -> _);
+            let update = black_box(c::trendid_loop_update as LoopUpdate);
             let mut report = core::mem::MaybeUninit::<c::Report>::zeroed();
             let mut drive = Drive::new(ORIGIN);
             let mut valve = trendid_example_support::drive::SimulatedValve;
