@@ -28,7 +28,7 @@ type Servo = Core<FilteredTrends<3>, 3, 5, 1, DELAY_MAX>;
 pub(crate) type Bank = CoreBank<Servo, DELAY_CANDIDATES>;
 
 impl Inside for Bank {
-    const MAGIC: u32 = 0x7E1D_BA4C;
+    const MAGIC: u32 = 0xBABA_BABA;
 }
 
 /// The object in the memory of the caller.

@@ -18,7 +18,7 @@ pub(crate) struct Object<T> {
 
 /// What is kept in an object.
 pub(crate) trait Inside {
-    /// The word of this type of object.
+    /// The word of this type of object: four equal bytes, which a Thumb instruction can hold.
     const MAGIC: u32;
 }
 
@@ -31,13 +31,20 @@ impl<T: Inside> Object<T> {
     }
 }
 
+/// The error, out of the way of a sample: a branch that is not taken in the place of instructions that are skipped.
+#[cold]
+#[inline(never)]
+fn refused(error: Error) -> Error {
+    error
+}
+
 /// An error unless the pointer may point to a `T`.
 #[inline(always)]
 fn check<T>(pointer: *const T) -> Result<(), Error> {
     if pointer.is_null() {
-        Err(Error::Null)
+        Err(refused(Error::Null))
     } else if !pointer.is_aligned() {
-        Err(Error::Misaligned)
+        Err(refused(Error::Misaligned))
     } else {
         Ok(())
     }
@@ -113,7 +120,7 @@ pub(crate) unsafe fn object<'a, T: Inside>(pointer: *const Object<T>) -> Result<
     check(pointer)?;
     // SAFETY: not NULL, aligned; the word lies in the caller's memory and every value of it is a u32.
     if unsafe { (&raw const (*pointer).magic).read() } != T::MAGIC {
-        return Err(Error::NotInitialised);
+        return Err(refused(Error::NotInitialised));
     }
     // SAFETY: as above, and the word says that an object was written here.
     Ok(unsafe { &(*pointer).inside })
@@ -130,7 +137,7 @@ pub(crate) unsafe fn object_mut<'a, T: Inside>(
     check(pointer)?;
     // SAFETY: not NULL, aligned; the word lies in the caller's memory and every value of it is a u32.
     if unsafe { (&raw const (*pointer).magic).read() } != T::MAGIC {
-        return Err(Error::NotInitialised);
+        return Err(refused(Error::NotInitialised));
     }
     // SAFETY: as above, and the word says that an object was written here.
     Ok(unsafe { &mut (*pointer).inside })

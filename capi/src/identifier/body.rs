@@ -27,7 +27,7 @@ pub(crate) struct Head {
 }
 
 impl Inside for Head {
-    const MAGIC: u32 = 0x7E1D_1DE7;
+    const MAGIC: u32 = 0x1D1D_1D1D;
 }
 
 /// What the object of an identifier of this kind holds.

@@ -17,7 +17,7 @@ pub(crate) struct Body {
 }
 
 impl Inside for Body {
-    const MAGIC: u32 = 0x7E1D_1007;
+    const MAGIC: u32 = 0x7E7E_7E7E;
 }
 
 /// The code that the caller read; `None` for a reading that failed.
