@@ -114,8 +114,9 @@ mod tests {
             ask(r#"{"do":"play","trick":"freeze"}"#),
             Wish::Ask(Request::Play(Trick::FreezeSensor))
         );
+        let memory = SETTINGS.iter().position(|s| s.name == "memory");
         let set = Request::Set {
-            setting: 9,
+            setting: memory.unwrap() as u8,
             value: Some(2.0),
         };
         assert_eq!(
