@@ -39,7 +39,7 @@
 #define TRENDID_DELAY_CANDIDATES (TRENDID_DELAY_MAX + 1)
 
 // Words of 8 bytes of a `trendid_delay_bank`.
-#define TRENDID_DELAY_BANK_WORDS 1080
+#define TRENDID_DELAY_BANK_WORDS 1256
 
 // Longest delay of an input in samples.
 #define TRENDID_DELAY_MAX 7
@@ -51,31 +51,31 @@
 #define TRENDID_ANY_PARAMETERS_MAX 6
 
 // Words of 8 bytes of a `trendid_servo2`.
-#define TRENDID_SERVO2_WORDS 116
+#define TRENDID_SERVO2_WORDS 136
 
 // Words of 8 bytes of a `trendid_servo3`.
-#define TRENDID_SERVO3_WORDS 140
+#define TRENDID_SERVO3_WORDS 160
 
 // Words of 8 bytes of a `trendid_valve2`.
-#define TRENDID_VALVE2_WORDS 140
+#define TRENDID_VALVE2_WORDS 164
 
 // Words of 8 bytes of a `trendid_valve3`.
-#define TRENDID_VALVE3_WORDS 168
+#define TRENDID_VALVE3_WORDS 192
 
 // Words of 8 bytes of a `trendid_coulomb2`.
-#define TRENDID_COULOMB2_WORDS 136
+#define TRENDID_COULOMB2_WORDS 160
 
 // Words of 8 bytes of a `trendid_coulomb3`.
-#define TRENDID_COULOMB3_WORDS 160
+#define TRENDID_COULOMB3_WORDS 184
 
 // Words of 8 bytes of a `trendid_valve_coulomb2`.
-#define TRENDID_VALVE_COULOMB2_WORDS 164
+#define TRENDID_VALVE_COULOMB2_WORDS 188
 
 // Words of 8 bytes of a `trendid_valve_coulomb3`.
-#define TRENDID_VALVE_COULOMB3_WORDS 192
+#define TRENDID_VALVE_COULOMB3_WORDS 216
 
 // Words of 8 bytes of a `trendid_any`.
-#define TRENDID_ANY_WORDS 228
+#define TRENDID_ANY_WORDS 264
 
 // Most parameters of a model.
 #define TRENDID_PARAMETERS_MAX 8
@@ -90,7 +90,7 @@
 #define TRENDID_RECORD_BYTES 96
 
 // Words of 8 bytes of a `trendid_loop`.
-#define TRENDID_LOOP_WORDS 1384
+#define TRENDID_LOOP_WORDS 1536
 
 // Most inputs that the caller may give.
 #define TRENDID_INPUTS_MAX 2

@@ -88,7 +88,7 @@ pub(super) unsafe fn of<'a>(settings: *const Settings) -> Result<&'a Settings, D
 }
 
 /// Words of 8 bytes of a `trendid_servo2`.
-pub const SERVO2_WORDS: usize = 116;
+pub const SERVO2_WORDS: usize = 136;
 
 /// Memory of an identifier of `b0 / (s (s + a1))`.
 ///
@@ -116,7 +116,7 @@ pub unsafe extern "C" fn trendid_servo2_init(
 }
 
 /// Words of 8 bytes of a `trendid_servo3`.
-pub const SERVO3_WORDS: usize = 140;
+pub const SERVO3_WORDS: usize = 160;
 
 /// Memory of an identifier of `b0 / (s (s^2 + a2 s + a1))`.
 ///
@@ -144,7 +144,7 @@ pub unsafe extern "C" fn trendid_servo3_init(
 }
 
 /// Words of 8 bytes of a `trendid_valve2`.
-pub const VALVE2_WORDS: usize = 140;
+pub const VALVE2_WORDS: usize = 164;
 
 /// Memory of an identifier of `b0 / (s (s + a1)) behind a valve with a dead zone`.
 ///
@@ -172,7 +172,7 @@ pub unsafe extern "C" fn trendid_valve2_init(
 }
 
 /// Words of 8 bytes of a `trendid_valve3`.
-pub const VALVE3_WORDS: usize = 168;
+pub const VALVE3_WORDS: usize = 192;
 
 /// Memory of an identifier of `b0 / (s (s^2 + a2 s + a1)) behind a valve with a dead zone`.
 ///
@@ -200,7 +200,7 @@ pub unsafe extern "C" fn trendid_valve3_init(
 }
 
 /// Words of 8 bytes of a `trendid_coulomb2`.
-pub const COULOMB2_WORDS: usize = 136;
+pub const COULOMB2_WORDS: usize = 160;
 
 /// Memory of an identifier of `b0 / (s (s + a1)) with Coulomb friction`.
 ///
@@ -232,7 +232,7 @@ pub unsafe extern "C" fn trendid_coulomb2_init(
 }
 
 /// Words of 8 bytes of a `trendid_coulomb3`.
-pub const COULOMB3_WORDS: usize = 160;
+pub const COULOMB3_WORDS: usize = 184;
 
 /// Memory of an identifier of `b0 / (s (s^2 + a2 s + a1)) with Coulomb friction`.
 ///
@@ -260,7 +260,7 @@ pub unsafe extern "C" fn trendid_coulomb3_init(
 }
 
 /// Words of 8 bytes of a `trendid_valve_coulomb2`.
-pub const VALVE_COULOMB2_WORDS: usize = 164;
+pub const VALVE_COULOMB2_WORDS: usize = 188;
 
 /// Memory of an identifier of `b0 / (s (s + a1)) with Coulomb friction, behind a valve with a dead zone`.
 ///
@@ -292,7 +292,7 @@ pub unsafe extern "C" fn trendid_valve_coulomb2_init(
 }
 
 /// Words of 8 bytes of a `trendid_valve_coulomb3`.
-pub const VALVE_COULOMB3_WORDS: usize = 192;
+pub const VALVE_COULOMB3_WORDS: usize = 216;
 
 /// Memory of an identifier of `b0 / (s (s^2 + a2 s + a1)) with Coulomb friction, behind a valve with a dead zone`.
 ///
@@ -320,7 +320,7 @@ pub unsafe extern "C" fn trendid_valve_coulomb3_init(
 }
 
 /// Words of 8 bytes of a `trendid_any`.
-pub const ANY_WORDS: usize = 228;
+pub const ANY_WORDS: usize = 264;
 
 /// Memory of an identifier of any structure: order 1 to 4, one or two inputs, up to `TRENDID_ANY_PARAMETERS_MAX`
 /// parameters.
