@@ -88,12 +88,11 @@ enum Task {
     Machete,
     /// Whether a published package breaks its users, against the last release.
     Semver,
-    /// Every test and check but `msrv`, `statistics`, `soak` and what proves the tests: `fuzz` to `semver`.
     /// The MEX function in GNU Octave, against Rust.
     Octave,
     /// Units of FMI 2.0 of identifier and loop, validated and simulated by FMPy, against Rust.
     Fmu,
-    /// Every test and check but `msrv`, `statistics` and `soak`.
+    /// Every test and check of `.ci/run`.
     Ci,
 }
 
