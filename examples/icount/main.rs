@@ -171,10 +171,10 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     if cfg!(target_has_atomic = "32") {
         rows! { meter;
             "default, exact hold", 5, *row_exact, rows::exact()?, samples();
-            "default with instruments", 5, *row_instruments, rows::instrumented()?, samples();
             "delay bank of 8", 5, *row_bank, rows::bank()?, samples();
         }
         now_and_then(meter)?;
+        instruments(meter)?;
     }
     rows! { meter;
         "order 3 full", 6, *row_full, rows::full()?, samples();
@@ -190,22 +190,37 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     Ok(())
 }
 
+/// The rows of the instruments, in a function of their own: their sums are large, and all states of a function lie on the stack.
+#[inline(never)]
+fn instruments(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
+    rows! { meter;
+        "default with instruments", 5, *row_instruments, rows::instrumented()?, samples();
+    }
+    let mut instrumented = rows::instrumented()?;
+    for (u, y) in record::samples() {
+        let _ = row_instruments(&mut instrumented, u, y);
+    }
+    let calls = record::samples().take(CALLS);
+    rows! { meter;
+        "instruments, per step of 36", 5, *row_reading, (instrumented, Reading::new()), calls;
+    }
+    Ok(())
+}
+
 /// What is asked for now and then, not in every sample: each call counted, after the record has been seen once.
+#[inline(never)]
 fn now_and_then(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     let calls = || record::samples().take(CALLS);
     let (mut default, mut exact) = (rows::default()?, rows::exact()?);
-    let mut instrumented = rows::instrumented()?;
     for (u, y) in record::samples() {
         // The counted functions themselves: a second copy of an update would change how both are compiled.
         let _ = row_default(&mut default, u, y);
         let _ = row_exact(&mut exact, u, y);
-        let _ = row_instruments(&mut instrumented, u, y);
     }
     rows! { meter;
         "estimate, per call", 5, *row_estimate, default.clone(), calls();
         "deviations, per call", 5, *row_std, default.clone(), calls();
         "all readings, per call", 5, *row_readings, default.clone(), calls();
-        "instruments, per step of 36", 5, *row_reading, (instrumented, Reading::new()), calls();
         "exact estimate, per call", 5, *row_exact_estimate, exact, calls();
     }
     let behind =
