@@ -99,8 +99,9 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     fn begin_control(&mut self, model: Model, motion: Motion) {
         let (sign, length) = (self.sign, self.commands.len());
         let commands = (0..length).map(|age| {
-            let at = (self.newest + length - age) % length;
-            sign * self.commands.get(at).copied().unwrap_or(0.0)
+            let at = (self.newest + length - age).checked_rem(length);
+            let command = at.and_then(|at| self.commands.get(at));
+            sign * command.copied().unwrap_or(0.0)
         });
         self.controller.begin(model, motion, commands);
     }
