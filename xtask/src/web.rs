@@ -40,18 +40,22 @@ pub(crate) fn run() -> Result<String, String> {
 /// Builds the playground; gives its folder.
 pub(crate) fn build() -> Result<PathBuf, String> {
     add_target()?;
-    process::run(cargo(&[
-        "build",
-        "-q",
-        "--profile",
-        "web",
-        "--target",
-        TARGET,
-        "-p",
-        "trendid-web",
-        "-p",
-        "trendid-web-identify",
-    ]))?;
+    // Libraries of C for the browser alone: as such they do not link on a host with the log of the firmware.
+    for package in ["trendid-web", "trendid-web-identify"] {
+        process::run(cargo(&[
+            "rustc",
+            "-q",
+            "--lib",
+            "--crate-type",
+            "cdylib",
+            "--profile",
+            "web",
+            "--target",
+            TARGET,
+            "-p",
+            package,
+        ]))?;
+    }
     let target = target_directory()?;
     let module = |name: &str| -> Result<String, String> {
         let path = target.join(TARGET).join("web").join(format!("{name}.wasm"));
