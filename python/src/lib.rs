@@ -6,6 +6,7 @@
 //! | [`signals`] | - | arrays as checked signals |
 //! | [`record`] | `identify` | one structure over a record |
 //! | [`selection`] | `select` | many structures compared |
+//! | [`tuning`] | `tune` | gains for a loop |
 //! | [`recursion`] | `Identifier` | sample by sample |
 //! | [`axis`] | `ServoLoop`, `simulate_axis` | the pneumatic axis, in a loop or alone |
 //!
@@ -19,6 +20,7 @@ mod recursion;
 mod refusal;
 mod selection;
 mod signals;
+mod tuning;
 
 /// The native part of the package `trendid`.
 #[pymodule]
@@ -29,5 +31,6 @@ fn _trendid(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<axis::AxisLoop>()?;
     module.add_function(wrap_pyfunction!(record::identify, module)?)?;
     module.add_function(wrap_pyfunction!(selection::select, module)?)?;
+    module.add_function(wrap_pyfunction!(tuning::tune, module)?)?;
     module.add_function(wrap_pyfunction!(axis::simulate_axis, module)?)
 }

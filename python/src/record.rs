@@ -4,6 +4,7 @@ use numpy::{PyArray1, PyArray2, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use trendid_identify::derived::Quantity;
+use trendid_identify::tune::Model;
 use trendid_identify::{
     Estimate, Identification, Options, Problem, Structure, Trace, Way, identify as find,
 };
@@ -55,6 +56,9 @@ pub(crate) fn identify<'py>(
     values.set_item("standstill_s", owned.standstill_s())?;
     describe(&values, &found)?;
     derived(&values, &problem, &found.estimate)?;
+    let around = Model::around(&problem, &found.estimate, 0.0).into_iter();
+    let around: Vec<_> = around.map(|model| (model.a, model.b)).collect();
+    values.set_item("around", around)?;
     trace(&values, &found.trace)?;
     Ok(values)
 }

@@ -6,7 +6,7 @@ The transfer function of a drive,
 
 with a standard deviation of every number, from
 
-* a record: :func:`identify`, many structures compared: :func:`select`;
+* a record: :func:`identify`, many structures compared: :func:`select`, gains for a loop: :func:`tune`;
 * samples as they come, as on a microcontroller: :class:`Identifier`;
 
 and the adaptive position loop on a simulated pneumatic axis: :class:`ServoLoop`, :func:`simulate_axis`.
@@ -20,6 +20,7 @@ from ._identifier import Identifier, Pass, Reading
 from ._record import Identification, Quantity, identify
 from ._selection import Candidate, Dropped, Selection, select
 from ._trendid import Refusal, __version__
+from ._tuning import Loop, Margins, Tuned, tune
 
 __all__ = [
     "Axis",
@@ -28,6 +29,8 @@ __all__ = [
     "Identification",
     "Identifier",
     "Log",
+    "Loop",
+    "Margins",
     "Model",
     "Pass",
     "Quantity",
@@ -35,8 +38,10 @@ __all__ = [
     "Refusal",
     "Selection",
     "ServoLoop",
+    "Tuned",
     "__version__",
     "identify",
     "select",
     "simulate_axis",
+    "tune",
 ]

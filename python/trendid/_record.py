@@ -119,6 +119,8 @@ class Identification:
     trace_samples: NDArray[np.uint64]
     trace_theta: Array
     trace_sigma: Array
+    #: Coefficients ``a``, ``b`` two standard deviations away along each axis of the covariance, for :func:`tune`.
+    around: List[Tuple[List[float], List[float]]] = field(repr=False)
     #: The record: first time stamp [s], output.
     start: float = field(repr=False)
     y: Array = field(repr=False)
@@ -249,7 +251,7 @@ def _identification(found: Dict[str, Any], taken: Dict[str, Any], start: float) 
 
     same = (
         "parameters theta sigma covariance a constant delay delay_at_end filter_pole filter method effective_blocks least_squares "
-        "held_out simulated ise iae predicted stable standstill_s trace_samples trace_theta trace_sigma"
+        "held_out simulated ise iae predicted stable standstill_s trace_samples trace_theta trace_sigma around"
     ).split()
     return Identification(
         **{name: found[name] for name in same},

@@ -12,6 +12,13 @@ class Refusal(ValueError):
 
 def identify(signals: Dict[str, Any], question: Dict[str, Any]) -> Dict[str, Any]: ...
 def select(signals: Dict[str, Any], question: Dict[str, Any]) -> Dict[str, Any]: ...
+def tune(
+    model: Tuple[List[float], List[float]],
+    around: List[Tuple[List[float], List[float]]],
+    delay: float,
+    sample_time: float,
+    bandwidth: Optional[float],
+) -> Dict[str, Any]: ...
 def simulate_axis(
     u: NDArray[np.float64], machine: Dict[str, Any]
 ) -> Tuple[NDArray[np.float64], NDArray[np.float64]]: ...
