@@ -153,14 +153,8 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     // A Cortex-M0 (no atomic exchange) has no room for several copies of a long window, and its emulation of two loops
     // takes minutes.
     if cfg!(target_has_atomic = "32") {
-        rows! { meter;
-            "over a span of 70", 3, *row_integral, rows::integral()?, samples();
-        }
-        if let (Ok(leader), Ok(follower)) = (servo(SimulatedValve), servo(Still)) {
-            rows! { meter;
-                "whole position loop", 6, *row_servo, follower, motion(leader, ROUNDS * record::SAMPLES);
-            }
-        }
+        span(meter)?;
+        position_loop(meter);
     }
     rows! { meter;
         "with start", 4, *row_constant, rows::started()?, samples();
@@ -169,10 +163,7 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     }
     // As for the span: eight identifiers are too many for the smallest memory, and its emulation takes minutes as it is.
     if cfg!(target_has_atomic = "32") {
-        rows! { meter;
-            "default, exact hold", 5, *row_exact, rows::exact()?, samples();
-            "delay bank of 8", 5, *row_bank, rows::bank()?, samples();
-        }
+        exact_and_bank(meter)?;
         now_and_then(meter)?;
         instruments(meter)?;
     }
@@ -190,7 +181,34 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     Ok(())
 }
 
-/// The rows of the instruments, in a function of their own: their sums are large, and all states of a function lie on the stack.
+// Rows with a large state are in functions of their own: all states of a function lie on the stack.
+
+#[inline(never)]
+fn span(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
+    rows! { meter;
+        "over a span of 70", 3, *row_integral, rows::integral()?, samples();
+    }
+    Ok(())
+}
+
+#[inline(never)]
+fn position_loop(meter: &mut impl Meter) {
+    if let (Ok(leader), Ok(follower)) = (servo(SimulatedValve), servo(Still)) {
+        rows! { meter;
+            "whole position loop", 6, *row_servo, follower, motion(leader, ROUNDS * record::SAMPLES);
+        }
+    }
+}
+
+#[inline(never)]
+fn exact_and_bank(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
+    rows! { meter;
+        "default, exact hold", 5, *row_exact, rows::exact()?, samples();
+        "delay bank of 8", 5, *row_bank, rows::bank()?, samples();
+    }
+    Ok(())
+}
+
 #[inline(never)]
 fn instruments(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     rows! { meter;
@@ -255,6 +273,9 @@ mod target {
 
     use super::all;
     use crate::meter::Counter;
+
+    // For memory.x.
+    core::arch::global_asm!(".global __trendid_deep_stack", "__trendid_deep_stack = 1");
 
     #[panic_handler]
     fn panic(info: &core::panic::PanicInfo<'_>) -> ! {

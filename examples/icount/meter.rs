@@ -47,6 +47,7 @@ impl Counter {
 
 #[cfg(target_os = "none")]
 impl Meter for Counter {
+    #[inline(never)]
     fn row<S: Clone, U: Copy, R>(
         &mut self,
         name: &str,
@@ -60,13 +61,14 @@ impl Meter for Counter {
         let mut sums = [0.0f64; 2];
         let (mut worst, mut peak, mut count) = (0, 0, 0);
         let mut subject = state;
+        let mut copy = subject.clone();
         for (k, (u, y)) in samples.enumerate() {
             let (u, y) = black_box((u, y));
             // Both clocks count the same step, so one of them works on a copy.
-            let mut copy = subject.clone();
+            copy.clone_from(&subject);
             sums[1] += f64::from(systick.ticks(|| step(black_box(&mut copy), &u, y)));
             if k % 100 == 1 {
-                let mut copy = subject.clone();
+                copy.clone_from(&subject);
                 peak = peak.max(stack::peak(|| step(black_box(&mut copy), &u, y)));
             }
             let ticks = fine.ticks(|| step(black_box(&mut subject), &u, y));

@@ -20,6 +20,7 @@ pub mod record;
 pub mod servo_loop;
 mod servo_settings;
 pub mod store;
+mod targets;
 
 // The reader of the command line, which is a program and no library.
 #[path = "../../cli/src/format.rs"]
@@ -29,18 +30,7 @@ mod format;
 #[allow(dead_code, reason = "as above")]
 mod reader;
 
-/// A target: takes any bytes, and panics where something does not hold.
-pub type Target = fn(&[u8]);
-
-/// Every target, under the name of its program and of its corpus.
-pub const TARGETS: [(&str, Target); 6] = [
-    ("identifier", identifier::run),
-    ("servo_loop", servo_loop::run),
-    ("link", link::run),
-    ("store", store::run),
-    ("record", record::run),
-    ("drivers", drivers::run),
-];
+pub use targets::{TARGETS, Target};
 
 /// Runs a target on the files that are named on the command line.
 ///

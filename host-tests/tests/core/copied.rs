@@ -9,10 +9,12 @@ use trendid::estimation::{NoiseLevel, Parameter, Structure, Terms};
 use trendid::hardware::{Axis, PwmError, Scale, SsiCode, SsiError, SsiFormat};
 use trendid::identifier::{Outcome, Refusal};
 use trendid::inputs::{Coulomb, DeadZone};
+use trendid::instruments::Way;
 use trendid::model::{Physical, Pole, PredictionError, TransferFunction};
 use trendid::servo::store::{Identity, Record, Refused, StoreError};
 use trendid::servo::{
-    Error, FaultCounters, FitReport, Model, Motion, MotionLimits, Reason, Setpoint, State, Travel,
+    Error, FaultCounters, FitReport, Margins, Model, Motion, MotionLimits, Reason, Setpoint, State,
+    Travel,
 };
 use trendid::trends::{Chain, Form, Hold, Mapped, Scheme, Trends, Window};
 
@@ -68,6 +70,7 @@ fn what_is_copied_is_small() {
         Hold,
         Identity,
         Mapped<4>,
+        Margins,
         Model,
         Motion,
         MotionLimits,
@@ -96,6 +99,7 @@ fn what_is_copied_is_small() {
         TransferFunction<4, 2>,
         Travel,
         Trends<4>,
+        Way,
         Window<4>,
     ];
     for (name, size) in sizes {

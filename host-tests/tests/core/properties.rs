@@ -20,7 +20,10 @@ fn servo(memory: Option<f32>, units: (f32, f32)) -> Servo {
     Identifier::try_new(&config, trends).unwrap()
 }
 
-/// A command of random holds and levels, and a position that a rough drive makes of it.
+/// A command of random holds and levels, and a position that a drive makes of it, in steps of 50 us.
+///
+/// A coarser drive contradicts the model where it turns: whether that passes for standstill depends on how much noise
+/// was seen before.
 pub(crate) fn record() -> impl Strategy<Value = Vec<(f32, f32)>> {
     (
         prop::collection::vec((-1.0_f32..1.0, 20_usize..60), 10..20),
@@ -33,10 +36,12 @@ pub(crate) fn record() -> impl Strategy<Value = Vec<(f32, f32)>> {
                 for _ in 0..hold {
                     let n = f64::from(noise[record.len() % noise.len()]);
                     record.push((level, (x + n) as f32));
-                    let jerk = 1e6 * f64::from(level) - 20.0 * a - 400.0 * v;
-                    x += 0.001 * v;
-                    v += 0.001 * a;
-                    a += 0.001 * jerk;
+                    for _ in 0..20 {
+                        let (dt, jerk) = (5e-5, 1e6 * f64::from(level) - 20.0 * a - 400.0 * v);
+                        x += dt * (v + 0.5 * dt * a);
+                        v += dt * (a + 0.5 * dt * jerk);
+                        a += dt * jerk;
+                    }
                 }
             }
             record

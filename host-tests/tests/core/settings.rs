@@ -28,6 +28,7 @@ const CHANGES: &[(&str, Change)] = &[
     ("output_noise", |c| c.output_noise = 1.0),
     ("holds", |c| c.holds = [Hold::First]),
     ("delays", |c| c.delays = [2]),
+    ("delay_parts", |c| c.delay_parts = [0.5]),
     ("initial_input", |c| c.initial_input = [0.2]),
     ("memory", |c| c.memory = Some(0.5)),
     // It acts with a memory only; what it does is in `changes`.
