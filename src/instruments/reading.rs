@@ -160,18 +160,19 @@ impl<const N: usize, const R: usize> Reading<N, R> {
     ) -> (Matrix<N>, [f32; N]) {
         let mut matrix = [[0.0; N]; N];
         let mut right = [0.0; N];
-        for i in 0..N {
-            if self.fixed[i] {
+        let lines = matrix.iter_mut().zip(&mut right).zip(&self.fixed);
+        for (i, ((line, value), fixed)) in lines.enumerate() {
+            if *fixed {
                 continue;
             }
             layout.combine(i, numerators, |row, weight| {
                 let (Some(phi), Some(psi)) = (sums.phi.get(row), sums.psi.get(row)) else {
                     return;
                 };
-                for j in 0..N {
-                    matrix[i][j] += weight * phi[j];
+                for (entry, phi) in line.iter_mut().zip(phi) {
+                    *entry += weight * phi;
                 }
-                right[i] += weight * psi;
+                *value += weight * psi;
             });
         }
         (matrix, right)

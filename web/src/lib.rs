@@ -118,7 +118,7 @@ pub extern "C" fn loop_start(noise: f32, resolution: f32, memory: f32, seed: u32
     })
 }
 
-/// Asks the loop, see [`axis::Wish`]; the length of the refusal in the text, 0 when it was done.
+/// Asks the loop, in the numbers of `AxisPlay::ask`; the length of the refusal in the text, 0 when it was done.
 #[unsafe(no_mangle)]
 pub extern "C" fn loop_ask(what: u32, a: f32, b: f32) -> u32 {
     with(|play| {
