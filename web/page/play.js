@@ -22,12 +22,24 @@ let shown = "servo";
 function show(tab) {
   for (const other of tabs) { const on = other === tab; other.setAttribute("aria-selected", on); other.tabIndex = on ? 0 : -1; $(other.getAttribute("aria-controls")).hidden = !on; }
   shown = tab.id.slice(4);
+  if (shown === "record") loadRecord();
   if (core) build();
 }
 tabs.forEach((tab, k) => {
   tab.onclick = () => show(tab);
   tab.onkeydown = (event) => { const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key]; if (step) { const next = tabs[(k + step + tabs.length) % tabs.length]; show(next); next.focus(); } };
 });
+
+/** A script beside the page, when it is needed: pages from files may not fetch. */
+function script(name) {
+  return new Promise((done, failed) => { const element = document.createElement("script"); element.src = name; element.onload = done; element.onerror = () => failed(new Error(`${name} is not beside the page`)); document.head.append(element); });
+}
+
+/** What the third part needs comes with its first look. */
+let recordParts = null;
+function loadRecord() {
+  recordParts = recordParts || script("record.js").then(() => { wireRecord(); playground.wired = true; }, (error) => { recordParts = null; $("file-says").textContent = error.message; });
+}
 
 // ---- sliders ----------------------------------------------------------------------------------------------------
 
@@ -184,7 +196,7 @@ function drawLoop() {
 function build() {
   if (shown === "servo") buildServo();
   if (shown === "loop") buildLoop();
-  if (shown === "record" && record.found) drawRecord();
+  if (shown === "record" && playground.wired && record.found) drawRecord();
 }
 
 let before = 0, drawn = 0;
@@ -229,7 +241,7 @@ function wire() {
 
 async function start() {
   core = await module(CORE);
-  wire(); wireRecord(); beginServo(); beginLoop(); build();
+  wire(); beginServo(); beginLoop(); build();
   requestAnimationFrame(frame);
   setTimeout(benchmark, 300);
 }

@@ -56,10 +56,10 @@ async function load(file) {
   } catch (error) { says.classList.add("refused"); says.textContent = `${file.name}: ${error.message}`; }
 }
 
-/** The second module comes when it is needed: a script, because pages from files may not fetch. */
+/** The second module comes when it is needed. */
 async function identifier() {
   if (record.module) return record.module;
-  if (!window.IDENTIFY) await new Promise((done, failed) => { const script = document.createElement("script"); script.src = "identify.js"; script.onload = done; script.onerror = () => failed(new Error("identify.js is not beside the page")); document.head.append(script); });
+  if (!window.IDENTIFY) await script("identify.js");
   record.module = await module(window.IDENTIFY);
   return record.module;
 }

@@ -39,6 +39,7 @@ try {
   check("the reason", true, await page.$eval("#loop-state", (e) => e.textContent));
 
   await page.click("#tab-record");
+  await until(page, "the part for records is there", () => window.playground.wired, 5);
   check("identify is not loaded before", !requests.some((url) => url.includes("identify")));
   await (await page.$("#file")).uploadFile(RECORD);
   await until(page, "the record is read", () => !document.getElementById("problem").hidden, 10);

@@ -21,7 +21,7 @@ pub(crate) fn run() -> Result<String, String> {
     let place = build()?;
     let mut text = format!("{:16} {:>9} {:>9}\n", "file", "bytes", "gzip -9");
     let mut page = 0;
-    for name in ["index.html", "identify.js"] {
+    for name in ["index.html", "record.js", "identify.js"] {
         let bytes = read(&place.join(name))?;
         let small = compressed(bytes.as_bytes())?;
         text += &format!("{name:16} {:9} {small:9}\n", bytes.len());
@@ -66,9 +66,8 @@ pub(crate) fn build() -> Result<PathBuf, String> {
     let shared = root().join("monitor/page");
     let scripts = [
         read(&shared.join("uplot/uPlot.iife.min.js"))?,
-        read(&shared.join("plots.js"))?,
-        read(&page.join("record.js"))?,
-        read(&page.join("play.js"))?,
+        without_comments(&read(&shared.join("plots.js"))?),
+        without_comments(&read(&page.join("play.js"))?),
         format!(
             "\"use strict\";const CORE=\"{}\";start();",
             module("trendid_web")?
@@ -92,6 +91,16 @@ pub(crate) fn build() -> Result<PathBuf, String> {
         &read(&shared.join("uplot/LICENSE"))?,
     )?;
     Ok(place)
+}
+
+/// A script of ours without the lines that are comments.
+fn without_comments(script: &str) -> String {
+    let code = |line: &&str| {
+        let line = line.trim_start();
+        !(line.starts_with("//") || line.starts_with("/**"))
+    };
+    let lines = script.lines().filter(code);
+    lines.flat_map(|line| [line.trim_start(), "\n"]).collect()
 }
 
 /// Adds the target where it is missing.
