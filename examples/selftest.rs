@@ -69,34 +69,46 @@ fn run<
     hash
 }
 
+/// One structure, in a frame of its own: the smallest memory has no room for all of them on the stack.
+#[inline(never)]
+fn part<
+    T: TrendOperator<M> + PartialEq,
+    const M: usize,
+    const N: usize,
+    const I: usize,
+    const D: usize,
+>(
+    line: &mut impl FnMut(Arguments<'_>),
+    name: &str,
+    identifier: impl FnOnce() -> Result<Identifier<T, M, N, I, D>, ConfigError>,
+    inputs: impl Fn(f32) -> [f32; I],
+) -> Result<(), ConfigError> {
+    line(format_args!("{name} {}", run(identifier()?, inputs)));
+    Ok(())
+}
+
 /// All structures; `line` gets each result.
 fn all(line: &mut impl FnMut(Arguments<'_>)) -> Result<(), ConfigError> {
     let one = |u| [u];
-    line(format_args!(
-        "raw-goodwin {}",
-        run(rows::raw(Scheme::Goodwin)?, one)
-    ));
-    line(format_args!(
-        "raw-tustin {}",
-        run(rows::raw(Scheme::Tustin)?, one)
-    ));
-    line(format_args!(
-        "filtered-goodwin {}",
-        run(rows::filtered(Scheme::Goodwin)?, one)
-    ));
-    line(format_args!(
-        "filtered-tustin {}",
-        run(rows::filtered(Scheme::Tustin)?, one)
-    ));
-    line(format_args!("forgetting {}", run(rows::forgetting()?, one)));
-    line(format_args!("constant {}", run(rows::offset()?, one)));
-    line(format_args!("late {}", run(rows::late()?, one)));
-    line(format_args!(
-        "dead-zone {}",
-        run(rows::dead_zoned()?, rows::dead_zone_inputs)
-    ));
-    line(format_args!("full {}", run(rows::full()?, one)));
-    Ok(())
+    part(line, "raw-goodwin", || rows::raw(Scheme::Goodwin), one)?;
+    part(line, "raw-tustin", || rows::raw(Scheme::Tustin), one)?;
+    part(
+        line,
+        "filtered-goodwin",
+        || rows::filtered(Scheme::Goodwin),
+        one,
+    )?;
+    part(
+        line,
+        "filtered-tustin",
+        || rows::filtered(Scheme::Tustin),
+        one,
+    )?;
+    part(line, "forgetting", rows::forgetting, one)?;
+    part(line, "constant", rows::offset, one)?;
+    part(line, "late", rows::late, one)?;
+    part(line, "dead-zone", rows::dead_zoned, rows::dead_zone_inputs)?;
+    part(line, "full", rows::full, one)
 }
 
 /// Compares each line as it comes with the next of the expected ones.
