@@ -100,7 +100,7 @@ pub(crate) fn freedom(pole: Option<f64>, delay: Option<usize>) -> Freedom {
     Freedom {
         pole: match pole {
             None => Choice::Auto,
-            Some(pole) if pole == 0.0 => Choice::Given(None),
+            Some(0.0) => Choice::Given(None),
             Some(pole) => Choice::Given(Some(pole)),
         },
         delay: delay.map_or(Choice::Auto, Choice::Given),

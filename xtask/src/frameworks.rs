@@ -86,7 +86,6 @@ impl Package {
             process::run(self.cargo(&[
                 "clippy",
                 "-q",
-                "--locked",
                 "--release",
                 "--target",
                 M4F.target,
@@ -105,7 +104,6 @@ impl Package {
         process::run(self.cargo(&[
             "build",
             "-q",
-            "--locked",
             "--release",
             "--target",
             M4F.target,

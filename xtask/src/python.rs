@@ -123,19 +123,11 @@ fn interpreter() -> Done {
     )
 }
 
-/// Formatting and lints of the native part.
+/// Formatting and lints of the native part. Its lock file may grow by what the packages of the workspace need: not `--locked`.
 fn lint(package: &Path, place: &Path) -> Done {
     for arguments in [
         &["fmt", "--check"][..],
-        &[
-            "clippy",
-            "-q",
-            "--locked",
-            "--release",
-            "--",
-            "-D",
-            "warnings",
-        ],
+        &["clippy", "-q", "--release", "--", "-D", "warnings"],
     ] {
         let mut command = cargo(arguments);
         command.current_dir(package).env("CARGO_TARGET_DIR", place);
@@ -157,7 +149,7 @@ fn wheel(package: &Path, place: &Path) -> Result<PathBuf, String> {
     }
     let mut command = tools.command("maturin");
     command
-        .args(["build", "-q", "--release", "--locked", "-o"])
+        .args(["build", "-q", "--release", "-o"])
         .arg(&wheels)
         .current_dir(package)
         .env("CARGO_TARGET_DIR", place)
