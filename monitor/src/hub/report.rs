@@ -30,7 +30,7 @@ pub(super) fn page(
     let identity = identity.unwrap_or(&unknown);
     let name = escape(&identity.name);
     let mut text = format!(
-        "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Report: {name}</title><style>{STYLE}</style></head><body><main><h1>{name}</h1>"
+        "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><link rel=\"icon\" href=\"data:,\"><title>Report: {name}</title><style>{STYLE}</style></head><body><main><h1>{name}</h1>"
     );
     // Writing into a string cannot fail.
     let _ = write!(
