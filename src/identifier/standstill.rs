@@ -143,6 +143,11 @@ impl Standstill {
             entered: [y, 0.0],
             stuck,
             mean,
+            // Until the trends begin at rest they carry a friction that was not told.
+            pause: match stuck >= least {
+                true => 0,
+                false => self.pause.max(PAUSE.saturating_mul(stuck)),
+            },
             ..Self::new()
         };
         (stuck >= least).then_some(mean)
