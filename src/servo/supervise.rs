@@ -4,6 +4,7 @@ use crate::Outcome;
 use crate::hardware::{PositionSensor, Valve};
 use crate::servo::commissioning::Progress;
 use crate::servo::control::controller::Controller;
+use crate::servo::control::tuning::Margins;
 use crate::servo::design::constants::{CHANGED_STD, REOPENED_STD};
 use crate::servo::identification::{LoopIdentifier, candidate, reopen};
 use crate::servo::model::Model;
@@ -181,6 +182,12 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// The controller, for its model and what it observes.
     pub const fn controller(&self) -> &Controller {
         &self.controller
+    }
+
+    /// Margins of the loop in the middle of the travel, for the model that its poles were found for; `None` before there are
+    /// poles, and when none have the wanted margins and the slowest are in use.
+    pub const fn margins(&self) -> Option<Margins> {
+        self.controller.margins()
     }
 
     /// The sensor, e.g. of a simulation.
