@@ -70,6 +70,7 @@ pub mod search;
 pub mod signals;
 pub mod standstill;
 pub mod structure_choice;
+mod theta;
 pub mod tune;
 pub mod tuning;
 

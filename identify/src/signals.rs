@@ -1,5 +1,7 @@
 //! Sampled signals, checked.
 
+use std::ops::Range;
+
 use trendid::trends::Hold;
 
 use crate::error::Error;
@@ -30,7 +32,21 @@ pub struct Signals<'a> {
     pub standstill: Option<&'a [bool]>,
 }
 
-impl Signals<'_> {
+impl<'a> Signals<'a> {
+    /// Some samples of all signals.
+    pub(crate) fn part(&self, range: Range<usize>) -> Self {
+        let inputs = self.inputs.iter().map(|input| Input {
+            samples: &input.samples[range.clone()],
+            ..*input
+        });
+        Self {
+            dt: self.dt,
+            output: &self.output[range.clone()],
+            inputs: inputs.collect(),
+            standstill: self.standstill.map(|still| &still[range]),
+        }
+    }
+
     /// Whether the inputs and the constant act at a sample, which they do unless the drive stands still.
     pub fn acts(&self, sample: usize) -> bool {
         self.standstill.is_none_or(|still| !still[sample])

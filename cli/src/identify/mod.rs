@@ -8,3 +8,4 @@ pub(crate) mod select;
 mod select_report;
 pub(crate) mod signals;
 mod simulated;
+mod verdict;

@@ -152,34 +152,13 @@ impl SignalArgs {
     ///
     /// The first thing that is wrong with the file, a column or the span.
     pub(crate) fn load(&self) -> Result<Loaded, Refusal> {
-        let count = self.input.len() + usize::from(self.coulomb.is_some());
-        if count > INPUTS {
-            return Err(Error::Inputs(count).into());
-        }
-        for bound in [self.from, self.to].into_iter().flatten() {
-            if !bound.is_finite() {
-                return Err(Refusal::new(format!(
-                    "the bound {bound} of the span is not a finite time in s"
-                )));
-            }
-        }
+        self.check()?;
         let powers = self
             .input
             .iter()
             .map(|name| power(name))
             .collect::<Result<Vec<_>, _>>()?;
-        let mut columns = vec![self.output.clone()];
-        columns.extend(powers.iter().map(|(column, _)| (*column).to_owned()));
-        if let Some(Some(velocity)) = &self.coulomb {
-            columns.push(velocity.clone());
-        }
-        let clock = Clock {
-            column: &self.time,
-            unit: self.time_unit.map(TimeUnit::seconds),
-            dt: self.dt,
-            held: self.hold == HoldName::Zoh,
-        };
-        let record = Record::read(&self.file, clock, &columns)?.window(self.from, self.to, 2)?;
+        let record = self.record(&powers)?;
         let mut signals = record.signals.into_iter();
         let y = signals.next().unwrap_or_default();
         let mut inputs = Vec::new();
@@ -191,6 +170,7 @@ impl SignalArgs {
                 hold: self.hold.into(),
             });
         }
+        let mut still = None;
         if let Some(column) = &self.coulomb {
             let v = match (column, signals.next()) {
                 (Some(_), Some(v)) => v,
@@ -202,18 +182,13 @@ impl SignalArgs {
                 delayed: false,
                 hold: Hold::Zero,
             });
+            still = standstill::standstill(&y);
         }
-        let still = self
-            .coulomb
-            .as_ref()
-            .and_then(|_| standstill::standstill(&y));
-        if let Some(still) = &still {
-            for input in &mut inputs {
-                let samples = input.samples.iter_mut().zip(still);
-                samples
-                    .filter(|(_, still)| **still)
-                    .for_each(|(u, _)| *u = 0.0);
-            }
+        for input in &mut inputs {
+            let samples = input.samples.iter_mut().zip(still.iter().flatten());
+            samples
+                .filter(|(_, still)| **still)
+                .for_each(|(u, _)| *u = 0.0);
         }
         Ok(Loaded {
             standstill: still,
@@ -223,6 +198,38 @@ impl SignalArgs {
             y,
             inputs,
         })
+    }
+
+    /// Refuses more inputs than fit, and a span without bounds.
+    fn check(&self) -> Result<(), Refusal> {
+        let count = self.input.len() + usize::from(self.coulomb.is_some());
+        if count > INPUTS {
+            return Err(Error::Inputs(count).into());
+        }
+        for bound in [self.from, self.to].into_iter().flatten() {
+            if !bound.is_finite() {
+                return Err(Refusal::new(format!(
+                    "the bound {bound} of the span is not a finite time in s"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// The span of the record with the columns of output, inputs and velocity, in this order.
+    fn record(&self, powers: &[(&str, i32)]) -> Result<Record, Refusal> {
+        let mut columns = vec![self.output.clone()];
+        columns.extend(powers.iter().map(|(column, _)| (*column).to_owned()));
+        if let Some(Some(velocity)) = &self.coulomb {
+            columns.push(velocity.clone());
+        }
+        let clock = Clock {
+            column: &self.time,
+            unit: self.time_unit.map(TimeUnit::seconds),
+            dt: self.dt,
+            held: self.hold == HoldName::Zoh,
+        };
+        Ok(Record::read(&self.file, clock, &columns)?.window(self.from, self.to, 2)?)
     }
 }
 

@@ -101,6 +101,36 @@ struct InputLanes {
     auxiliary: Option<(Box<dyn Lane>, Box<dyn Lane>)>,
 }
 
+impl InputLanes {
+    /// The trends of sample `k` into the regressors of this input.
+    fn regressors(&mut self, k: usize, phi: &mut [f64]) {
+        let trends = self.trends.input(self.samples[k]);
+        phi.copy_from_slice(&trends[..phi.len()]);
+    }
+
+    /// The first `rows` of `s^j / (A_f A_z)` of sample `k` into `z`, with f_0 .. f_{m-1} of the filter; their number,
+    /// which is 0 without an auxiliary denominator.
+    fn twice_filtered(&mut self, k: usize, rows: usize, filter: &[f64], z: &mut [f64]) -> usize {
+        let Some((once, twice)) = &mut self.auxiliary else {
+            return 0;
+        };
+        let m = filter.len();
+        let once = once.input(self.samples[k]);
+        // s^j for j <= m from the chain; above, s^m = A_f - sum f_i s^i.
+        let chain = twice.output(once[0] as f32);
+        let x = &mut z[..rows];
+        for j in 0..rows {
+            x[j] = if j <= m {
+                chain[j]
+            } else {
+                let fed = (0..m).map(|i| filter[i] * x[i + j - m]);
+                once[j - m] - fed.sum::<f64>()
+            };
+        }
+        rows
+    }
+}
+
 /// An input `delay` samples late; before the record it had its first value.
 fn delayed(samples: &[f64], delay: f64) -> Vec<f32> {
     let whole = delay.floor() as usize;
@@ -184,26 +214,9 @@ impl Sums {
             phi[columns] = trends[m];
             let (mut place, mut row) = (q, 0);
             for (input, terms) in inputs.iter_mut().zip(&layout.terms) {
-                let u = input.samples[k];
-                let trends = input.trends.input(u);
-                phi[place..place + terms].copy_from_slice(&trends[..*terms]);
+                input.regressors(k, &mut phi[place..place + terms]);
                 place += terms;
-                if let Some((aux, twice)) = &mut input.auxiliary {
-                    let rows = q + terms - 1;
-                    let once = aux.input(u);
-                    // s^j for j <= m from the chain; above, s^m = A_f - sum f_i s^i.
-                    let chain = twice.output(once[0] as f32);
-                    let x = &mut z[row..row + rows];
-                    for j in 0..rows {
-                        x[j] = if j <= m {
-                            chain[j]
-                        } else {
-                            let fed = (0..m).map(|i| filter[i] * x[i + j - m]);
-                            once[j - m] - fed.sum::<f64>()
-                        };
-                    }
-                    row += rows;
-                }
+                row += input.twice_filtered(k, q + terms - 1, &filter, &mut z[row..]);
             }
             if layout.constant {
                 let acts = problem.signals.acts(k);

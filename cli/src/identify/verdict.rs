@@ -1,0 +1,80 @@
+//! What a model is worth, in one line, and what speaks against it.
+
+use trendid_identify::Way;
+
+use super::report::Report;
+use crate::format::significant;
+
+/// Below this fit in percent a model says little about the drive.
+const POOR: f64 = 50.0;
+
+/// From this fit on it says most.
+const GOOD: f64 = 80.0;
+
+impl Report<'_> {
+    /// One line on what the model is worth, by both fits.
+    pub(super) fn verdict(&self) -> String {
+        let [x0, x0c] = self.fits();
+        let worth = if !self.found.estimate.reading.stable {
+            "unstable"
+        } else if !(x0c >= POOR) {
+            "poor"
+        } else if x0 >= GOOD && x0c >= GOOD {
+            "good"
+        } else if x0 < POOR {
+            "doubtful: it fits with the constant refitted only"
+        } else {
+            "fair"
+        };
+        let mut verdict = worth.to_owned();
+        let untold = self.untold();
+        if !untold.is_empty() {
+            verdict += &format!("; not told from zero: {}", untold.join(", "));
+        }
+        let still = self.standstill_s();
+        if still > 0.0 {
+            verdict += &format!("; standstill removed: {} s", significant(still, 3));
+        }
+        verdict
+    }
+
+    /// Parameters within two standard deviations of zero.
+    fn untold(&self) -> Vec<String> {
+        let e = &self.found.estimate;
+        let names = self.problem.parameter_names().into_iter();
+        let untold = |(j, _): &(usize, String)| e.theta[*j].abs() < 2.0 * e.sigma[*j];
+        names
+            .enumerate()
+            .filter(untold)
+            .map(|(_, name)| name)
+            .collect()
+    }
+
+    /// Objections to the model.
+    pub(super) fn remarks(&self) -> Vec<&'static str> {
+        let [x0, x0c] = self.fits();
+        let mut remarks = Vec::new();
+        if !self.found.estimate.reading.stable {
+            remarks.push(
+                "the model is unstable: no drive is, so the structure or the record does not fit",
+            );
+        }
+        if !(x0c >= POOR) {
+            remarks.push("this is poor: the structure may be wrong, see `trendid select`");
+        } else if x0 < POOR {
+            remarks.push(
+                "it fits only with the constant refitted: the record has an offset or a drift that the model does not hold",
+            );
+        }
+        match self.found.way {
+            Way::WeakInstruments => remarks.push(
+                "instruments are weak on this record, least squares took their place: noise of the output biases it",
+            ),
+            Way::Recursion => remarks.push(
+                "by the recursion alone: noise of the output may bias it, and its standard deviations take the noise for white",
+            ),
+            Way::Instruments => {}
+        }
+        remarks
+    }
+}

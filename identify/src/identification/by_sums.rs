@@ -1,0 +1,148 @@
+//! Filter and delay by folds, and the model by the sums of the whole record.
+
+use super::model::Way;
+use crate::delay_choice::{best_delay, between_samples};
+use crate::error::Error;
+use crate::estimate::Estimate;
+use crate::filter_choice::{self, Judged, choose, guarded, with_own_filter};
+use crate::instruments::{Fit, Found, Method};
+use crate::problem::Problem;
+use crate::search::{Choice, Freedom, Progress};
+use crate::signals::Signals;
+use crate::tuning::{ModelFilter, Tuning};
+
+/// The recursion settles in 30 time constants of its filter over a record, at the slowest.
+const RECURSION: f64 = 30.0;
+
+/// Samples over which filter and delay are searched at most.
+const LONGEST_SEARCH: usize = 200_000;
+
+/// What the sums of a record give.
+pub(super) struct Sharp {
+    pub(super) way: Way,
+    pub(super) pole: f64,
+    pub(super) own_filter: Option<Vec<f64>>,
+    pub(super) delay: f64,
+    pub(super) at_end: bool,
+    pub(super) found: Found,
+    pub(super) least_squares: Option<Estimate>,
+}
+
+/// The delay to begin with.
+pub(super) fn given(delay: Choice<usize>) -> usize {
+    match delay {
+        Choice::Given(delay) => delay,
+        Choice::Auto => 0,
+    }
+}
+
+/// Filter and delay, found or given.
+struct Chosen {
+    pole: f64,
+    own: bool,
+    filter: Vec<f64>,
+    delay: f64,
+    at_end: bool,
+    method: Method,
+}
+
+/// The window of [`LONGEST_SEARCH`] samples, of eight, in which the output moves most.
+fn window<'a>(signals: &Signals<'a>) -> Signals<'a> {
+    let n = signals.output.len();
+    let starts = (0..8).map(|i| i * (n - LONGEST_SEARCH) / 7);
+    let movement = |start: usize| {
+        let y = &signals.output[start..start + LONGEST_SEARCH];
+        let mean = y.iter().sum::<f64>() / y.len() as f64;
+        y.iter().map(|y| (y - mean).powi(2)).sum::<f64>()
+    };
+    let most = starts.map(|start| (movement(start), start));
+    let start = most
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or(0, |(_, start)| start);
+    signals.part(start..start + LONGEST_SEARCH)
+}
+
+/// Filter and delay by folds.
+fn chosen(problem: &Problem, freedom: Freedom, progress: &dyn Progress) -> Result<Chosen, Error> {
+    let poles = match freedom.pole {
+        Choice::Given(Some(pole)) => vec![pole],
+        _ => filter_choice::poles(problem.samples(), problem.signals.dt),
+    };
+    progress.begin(poles.len());
+    let given = given(freedom.delay);
+    let mut judged = choose(problem, &poles, given as f64, progress)?;
+    let mut at_end = false;
+    if freedom.delay == Choice::Auto {
+        let (delay, end) = best_delay(problem, &judged);
+        at_end = end;
+        if delay != given {
+            judged = choose(problem, &poles, delay as f64, &())?;
+        }
+        judged = between_samples(problem, judged);
+    }
+    if freedom.pole == Choice::Auto {
+        judged = with_own_filter(problem, judged);
+    }
+    let (Judged { pole, own, fit, .. }, _) = guarded(problem, judged);
+    Ok(Chosen {
+        pole,
+        own,
+        filter: fit.filter().to_vec(),
+        delay: fit.delay(),
+        at_end,
+        method: fit.method(),
+    })
+}
+
+/// Filter and delay by folds, in a long record over a part of it, then the model of the whole record.
+pub(super) fn sharp(
+    problem: &Problem,
+    freedom: Freedom,
+    progress: &dyn Progress,
+) -> Result<Sharp, Error> {
+    let chosen = if problem.samples() > LONGEST_SEARCH {
+        let window = window(problem.signals);
+        let part = Problem::new(&window, problem.structure, problem.options)?;
+        self::chosen(&part, freedom, progress)?
+    } else {
+        self::chosen(problem, freedom, progress)?
+    };
+    let Chosen {
+        filter,
+        delay,
+        method,
+        ..
+    } = chosen;
+    let fitted = |method: Method| {
+        Fit::new(problem, &filter, delay, method)?
+            .refined()?
+            .found()
+    };
+    let least_squares = fitted(Method::LeastSquares).map(|found| found.estimate);
+    Ok(Sharp {
+        way: match method {
+            Method::LeastSquares => Way::WeakInstruments,
+            Method::Instruments => Way::Instruments,
+        },
+        found: fitted(method)?,
+        least_squares: least_squares.ok(),
+        pole: chosen.pole,
+        own_filter: chosen.own.then(|| filter.clone()),
+        delay,
+        at_end: chosen.at_end,
+    })
+}
+
+impl Sharp {
+    /// Filter and delay as the recursion takes them.
+    pub(super) fn tuning(&self, problem: &Problem) -> Tuning {
+        let slowest = RECURSION / (problem.samples() as f64 * problem.signals.dt);
+        let integrator = problem.structure.integrator;
+        let own = self.own_filter.as_ref();
+        Tuning {
+            pole: Some(self.pole.max(slowest)),
+            model: own.and_then(|_| ModelFilter::of(&self.found.estimate, integrator, self.pole)),
+            delay: self.delay.round() as usize,
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! A model with what speaks for it.
+
+use crate::estimate::Estimate;
+use crate::free_run::FreeRun;
+use crate::run::{PredictionErrors, Trace};
+
+/// How the model was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Way {
+    /// By instruments.
+    Instruments,
+    /// By least squares over the sums, because the instruments were weak.
+    WeakInstruments,
+    /// By the recursion of the core: with a memory, raw trends or the scheme of Goodwin, and for what is not stable.
+    Recursion,
+}
+
+/// A model with what speaks for it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Identification {
+    /// How it was found.
+    pub way: Way,
+    /// The pole of the filter \[rad/s\]; `None` for raw trends.
+    pub pole: Option<f64>,
+    /// f_0 .. f_{m-1} of the filter 1/A with the poles of the model itself, where that was taken.
+    pub own_filter: Option<Vec<f64>>,
+    /// Delay in samples.
+    pub delay: f64,
+    /// Whether the longest delay that is offered was taken.
+    pub delay_at_end: bool,
+    /// The model of the whole record.
+    pub estimate: Estimate,
+    /// Blocks that its standard deviations rest on; `None` for those of the recursion, which take the noise for white.
+    pub effective_blocks: Option<f64>,
+    /// The same by least squares behind the same filter, for comparison.
+    pub least_squares: Option<Estimate>,
+    /// One-step prediction errors of the recursion over the whole record.
+    pub errors: PredictionErrors,
+    /// Free simulation of the second half; `None` where the model runs away.
+    pub free_run: Option<FreeRun>,
+    /// Whether the simulated model, its filter and its delay come from the first half alone. The whole record stands in
+    /// where the first half does not separate the parameters.
+    pub held_out: bool,
+    /// The course of the parameters in the recursion.
+    pub trace: Trace,
+}

@@ -1,0 +1,98 @@
+//! What the recursion of the core says of a record: a model, its prediction errors, the parameters it cannot separate.
+
+use super::by_sums::sharp;
+use super::model::{Identification, Way};
+use crate::error::Error;
+use crate::filter_choice;
+use crate::problem::{Options, Problem};
+use crate::run::{PredictionErrors, Trace};
+use crate::search::{Choice, Freedom};
+use crate::tuning::Tuning;
+
+/// The one-step prediction errors and the course of the parameters of the core over the record.
+pub(super) fn recursive_errors(
+    problem: &Problem,
+    tuning: Tuning,
+    trace_points: usize,
+) -> Option<(PredictionErrors, Trace)> {
+    let mut trace = Trace::default();
+    let every = problem
+        .samples()
+        .checked_div(trace_points)
+        .map(|every| every.max(1));
+    let run = problem
+        .run(tuning, every.map(|every| (&mut trace, every)))
+        .ok()?;
+    Some((run.errors, trace))
+}
+
+/// The model by the recursion of the core, with the filter and the delay that instruments would take.
+pub(super) fn recursion(
+    problem: &Problem,
+    freedom: Freedom,
+    trace_points: usize,
+) -> Result<Identification, Error> {
+    let tuning = match (freedom.pole, freedom.delay) {
+        (Choice::Given(pole), Choice::Given(delay)) => Tuning {
+            pole,
+            model: None,
+            delay,
+        },
+        (pole, delay) => {
+            let plain = Problem {
+                options: Options::default(),
+                ..*problem
+            };
+            let pole = match pole {
+                Choice::Given(None) => Choice::Auto,
+                other => other,
+            };
+            let sharp = sharp(&plain, Freedom { pole, delay }, &())?;
+            let raw = freedom.pole == Choice::Given(None);
+            Tuning {
+                pole: sharp.tuning(&plain).pole.filter(|_| !raw),
+                ..sharp.tuning(&plain)
+            }
+        }
+    };
+    let mut trace = Trace::default();
+    let every = problem
+        .samples()
+        .checked_div(trace_points)
+        .map(|every| every.max(1));
+    let run = problem.run(tuning, every.map(|every| (&mut trace, every)))?;
+    problem.check(&run.end)?;
+    let half = problem.run_held(tuning)?.half;
+    let held_out = problem.check(&half).is_ok();
+    let simulated = if held_out { &half } else { &run.end };
+    let n = problem.samples();
+    Ok(Identification {
+        way: Way::Recursion,
+        pole: tuning.pole,
+        own_filter: tuning.model.map(|model| {
+            let coefficients = model.coefficients().iter().copied();
+            coefficients.map(f64::from).collect()
+        }),
+        delay: tuning.delay as f64,
+        delay_at_end: false,
+        free_run: problem.free_run(simulated, tuning.delay as f64, n / 2..n),
+        held_out,
+        errors: run.errors,
+        trace,
+        effective_blocks: None,
+        estimate: run.end,
+        least_squares: None,
+    })
+}
+
+/// What the recursion cannot tell apart, behind the middle one of all filters.
+pub(super) fn inseparable(problem: &Problem, delay: usize) -> Option<Error> {
+    let poles = filter_choice::poles(problem.samples(), problem.signals.dt);
+    let tuning = Tuning {
+        pole: poles.get(poles.len() / 2).copied(),
+        model: None,
+        delay,
+    };
+    let run = problem.run(tuning, None).ok()?;
+    problem.check(&run.end).err()
+}
