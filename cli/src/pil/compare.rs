@@ -13,14 +13,18 @@ use super::args::PilArgs;
 use super::line::Disturbed;
 use crate::output;
 
-/// How often a sample is sent before the target is given up.
-const ATTEMPTS: u32 = 20;
+/// How often a sample is sent before the target is given up: 20 s either way, since a busy machine may leave an emulator
+/// without time for a while. On a line with faults a wait is 20 ms, else 1 s.
+const fn attempts(faults: bool) -> u32 {
+    if faults { 1000 } else { 20 }
+}
 
 /// The target as the shadow of the scenario's loop.
 pub(super) struct Target {
     /// The line, with its faults.
     pub line: Disturbed,
     exchange: Exchange,
+    attempts: u32,
     asked: Vec<Asked>,
     end: Option<u32>,
     failures: Option<u32>,
@@ -44,9 +48,11 @@ impl Target {
         if args.samples.is_none() {
             bar.unset_length();
         }
+        let attempts = attempts(args.faults.is_some());
         Self {
             line,
-            exchange: Exchange::new(first, ATTEMPTS),
+            exchange: Exchange::new(first, attempts),
+            attempts,
             asked: vec![Asked::Reset(Setup {
                 bandwidth: ROUGH_BANDWIDTH,
                 travel: [TRAVEL.min, TRAVEL.max],
@@ -85,13 +91,13 @@ impl Target {
             code,
             requests,
         };
-        let number = self.samples;
+        let (number, attempts) = (self.samples, self.attempts);
         self.exchange
             .exchange(&mut self.line, sample)
             .map_err(|error| match error {
                 ExchangeError::Line(error) => format!("the line to the target failed: {error}"),
                 ExchangeError::NoReply(_) => {
-                    format!("the target did not answer sample {number} in {ATTEMPTS} attempts")
+                    format!("the target did not answer sample {number} in {attempts} attempts")
                 }
             })
     }
