@@ -54,7 +54,7 @@ fn lines(args: &Table1Args, settings: &[Setting]) -> Vec<Line> {
     if args.check {
         // What the comparison does not show needs not run.
         methods.retain(|m| match m {
-            Method::Core { .. } => text::checked(*m),
+            Method::Core { .. } | Method::Instruments => text::checked(*m),
             Method::Kalman => true,
             Method::OutputError => args.plot.is_some(),
         });

@@ -25,12 +25,14 @@ T_ss: first time after which all three errors stay within 5 %. CONV: mean over t
 |theta(k) - theta(end)| / |theta(end)|, averaged over a1, a2, b0; not comparable with the paper's column.
 Table 2 of the paper suggests that its heads C and xi are swapped; its columns stand here as printed.
 Diverged: runs with an error above 100 % or without a reading; one run without a reading makes an rms infinite.
+Weak: runs in which the instruments were too weak for a model, and least squares stands in their place and says so.
 ";
 
 /// Opponents and core, in the words of the legend.
 const LEGEND: &str = "\
 output-error: fit of the free simulation to the whole record, offline, started 20 % off
 ekf: extended Kalman filter of six states that knows the noise level, started 20 % off
+instruments: the core's, behind the default filter, at the end of the record
 ls: recursive least squares of the core, bare; ls+bias: the core's read-out, noise bias taken out (the default)
 filter none: the core works in f32; the third difference of a position in 24 bits rules these rows even without noise
 ";
@@ -94,8 +96,12 @@ pub(super) fn markdown(args: &Table1Args, lines: &[Line]) -> String {
             for (filter, _) in &shown {
                 let _ = write!(text, " {} |", filter.name());
             }
+            let instruments = scheme == Scheme::Tustin;
+            if instruments {
+                text += " instruments |";
+            }
             text += " T_ss med, p95 of default \\[ms\\] | diverged |\n|";
-            text += &"---|".repeat(10 + shown.len());
+            text += &"---|".repeat(10 + shown.len() + usize::from(instruments));
             text.push('\n');
             for group in part.chunk_by(|a, b| a.setting == b.setting) {
                 text += &short_row(group, scheme, &shown);
@@ -177,6 +183,9 @@ fn short_row(group: &[&Line], scheme: Scheme, shown: &[(Filter, Method)]) -> Str
         rms(Method::Kalman),
     ];
     cells.extend(shown.iter().map(|(_, method)| rms(*method)));
+    if scheme == Scheme::Tustin {
+        cells.push(rms(Method::Instruments));
+    }
     let default = shown
         .iter()
         .find(|(filter, _)| *filter == Filter::Default)
@@ -205,6 +214,7 @@ pub(super) fn checked(method: Method) -> bool {
             Filter::Span => true,
             _ => compensated,
         },
+        Method::Instruments => true,
         _ => false,
     }
 }
@@ -228,34 +238,39 @@ pub(super) fn check(args: &Table1Args, lines: &[Line]) -> String {
         "reading, condition",
         "filter",
         "rms error [%]",
+        "mean error [%]",
         "limit [%]",
         "rms/bound",
         "median/bound",
         "EKF [%]",
         "T_ss p95 [ms]",
         "diverged",
+        "weak",
         "within",
     ];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for group in lines.chunk_by(|a, b| a.setting == b.setting) {
         let kalman = group.iter().find(|l| l.method == Method::Kalman);
         for line in group {
-            let Method::Core { filter, .. } = line.method else {
-                continue;
+            let name = match line.method {
+                Method::Core { filter, .. } => filter.name(),
+                _ => line.method.estimator(),
             };
             if !checked(line.method) {
                 continue;
             }
             rows.push(vec![
                 format!("{} {}", line.setting.reading(), condition(line)),
-                filter.name().to_owned(),
+                name.to_owned(),
                 triple(line.rms_pct),
+                triple(line.mean_pct),
                 line.limit_pct().map_or(String::new(), triple),
                 triple(line.of_bound()),
                 triple([0, 1, 2].map(|i| line.median_pct[i] / line.bound_pct[i])),
                 kalman.map_or(String::new(), |k| triple(k.rms_pct)),
                 line.settled_p95_ms.map_or(String::new(), cell),
                 line.diverged.to_string(),
+                line.weak.to_string(),
                 verdict(line),
             ]);
         }

@@ -141,6 +141,9 @@ pub enum Method {
         /// Whether the noise bias is taken out at the read-out, as the core does; otherwise bare least squares.
         compensated: bool,
     },
+    /// The core with instruments beside its recursion, [`Instrumented`](trendid::instruments::Instrumented): modified Tustin
+    /// behind the default filter, read out at the end of the record.
+    Instruments,
     /// [`ExtendedKalman`](crate::oracles::ekf::ExtendedKalman) that knows the noise level.
     Kalman,
     /// [`output_error`](crate::oracles::output_error::output_error) over the whole record, started 20 % off.
@@ -174,6 +177,7 @@ impl Method {
                 }
             }
         }
+        methods.push(Self::Instruments);
         methods
     }
 
@@ -187,7 +191,8 @@ impl Method {
             Self::Core {
                 scheme: Scheme::Tustin,
                 ..
-            } => "tustin",
+            }
+            | Self::Instruments => "tustin",
             _ => "",
         }
     }
@@ -196,6 +201,7 @@ impl Method {
     pub const fn filter(self) -> &'static str {
         match self {
             Self::Core { filter, .. } => filter.name(),
+            Self::Instruments => Filter::Default.name(),
             _ => "",
         }
     }
@@ -207,6 +213,7 @@ impl Method {
                 compensated: true, ..
             } => "ls+bias",
             Self::Core { .. } => "ls",
+            Self::Instruments => "instruments",
             Self::Kalman => "ekf",
             Self::OutputError => "output-error",
         }

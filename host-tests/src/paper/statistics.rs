@@ -8,7 +8,7 @@ use crate::paper::trial::{Method, Setting, Trial};
 use crate::signals::noise::Reading;
 
 /// The columns of the file.
-pub const COLUMNS: &str = "vary,w_um,eta_um,eps_um,dt_ms,reading,scheme,filter,estimator,duration_s,seeds,ns_pct,rms_c_pct,rms_omega0_pct,rms_xi_pct,med_c_pct,med_omega0_pct,med_xi_pct,bound_c_pct,bound_omega0_pct,bound_xi_pct,paper_c_pct,paper_omega0_pct,paper_xi_pct,conv,tss_med_ms,tss_p95_ms,diverged";
+pub const COLUMNS: &str = "vary,w_um,eta_um,eps_um,dt_ms,reading,scheme,filter,estimator,duration_s,seeds,ns_pct,rms_c_pct,rms_omega0_pct,rms_xi_pct,mean_c_pct,mean_omega0_pct,mean_xi_pct,med_c_pct,med_omega0_pct,med_xi_pct,bound_c_pct,bound_omega0_pct,bound_xi_pct,paper_c_pct,paper_omega0_pct,paper_xi_pct,conv,tss_med_ms,tss_p95_ms,diverged,weak";
 
 /// One line: a setting, a method, and what came of all seeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +25,8 @@ pub struct Line {
     pub ns_pct: f64,
     /// Root mean square errors of C, omega0, xi \[%\]; infinite when a run has no reading.
     pub rms_pct: [f64; 3],
+    /// Means of the signed errors \[%\]: the bias.
+    pub mean_pct: [f64; 3],
     /// Medians of the absolute errors \[%\].
     pub median_pct: [f64; 3],
     /// Root mean square of the bounds \[%\].
@@ -37,6 +39,8 @@ pub struct Line {
     pub settled_p95_ms: Option<f64>,
     /// Runs with an error above 100 % or without a reading.
     pub diverged: usize,
+    /// Runs of [`Method::Instruments`] in which least squares took their place.
+    pub weak: usize,
 }
 
 impl Line {
@@ -116,6 +120,7 @@ impl Line {
         ];
         for triple in [
             self.rms_pct,
+            self.mean_pct,
             self.median_pct,
             self.bound_pct,
             self.paper_pct(),
@@ -125,7 +130,7 @@ impl Line {
         for optional in [self.conv, self.settled_median_ms, self.settled_p95_ms] {
             cells.push(optional.map_or(String::new(), figure));
         }
-        cells.push(self.diverged.to_string());
+        cells.extend([self.diverged, self.weak].map(|count| count.to_string()));
         cells.join(",")
     }
 }
@@ -169,6 +174,8 @@ pub fn summary(
                 seeds: trials.len(),
                 ns_pct,
                 rms_pct: [0, 1, 2].map(|i| root_mean_square(&mut runs().map(|r| r.error_pct[i]))),
+                mean_pct: [0, 1, 2]
+                    .map(|i| runs().map(|r| r.error_pct[i]).sum::<f64>() / trials.len() as f64),
                 median_pct: [0, 1, 2]
                     .map(|i| quantile(runs().map(|r| r.error_pct[i].abs()).collect(), 0.5)),
                 bound_pct,
@@ -176,6 +183,7 @@ pub fn summary(
                 settled_median_ms: optional(|r| r.settled_ms, 0.5),
                 settled_p95_ms: optional(|r| r.settled_ms, 0.95),
                 diverged: runs().filter(|r| r.diverged()).count(),
+                weak: runs().filter(|r| r.weak).count(),
             }
         })
         .collect()
@@ -221,12 +229,14 @@ mod tests {
                 seeds: 1,
                 ns_pct: 1.0,
                 rms_pct: [0.2; 3],
+                mean_pct: [0.0; 3],
                 median_pct: [0.0; 3],
                 bound_pct: [1.0; 3],
                 conv: None,
                 settled_median_ms: None,
                 settled_p95_ms: None,
                 diverged: 0,
+                weak: 0,
             });
             (line[0].limit_pct(), line[0].beyond())
         };
@@ -252,6 +262,7 @@ mod tests {
                 error_pct: [e, -e, 150.0 * e],
                 conv: Some(0.5),
                 settled_ms: Some(settled),
+                weak: false,
             }],
         };
         let trials = [run(3.0, 100.0), run(-4.0, f64::INFINITY)];
@@ -262,7 +273,7 @@ mod tests {
         assert!((line.of_bound()[1] - 12.5_f64.sqrt() / 2.0).abs() < 1e-12);
         assert_eq!(
             line.csv(),
-            "noise,100,500,2,1,relative,tustin,default,ls+bias,3,2,40.00,3.536,3.536,530.3,3.000,3.000,450.0,1.000,2.000,3.000,37.60,72.20,17.60,0.5000,100.0,inf,2"
+            "noise,100,500,2,1,relative,tustin,default,ls+bias,3,2,40.00,3.536,3.536,530.3,-0.5000,0.5000,-75.00,3.000,3.000,450.0,1.000,2.000,3.000,37.60,72.20,17.60,0.5000,100.0,inf,2,0"
         );
         assert_eq!(line.csv().split(',').count(), COLUMNS.split(',').count());
     }

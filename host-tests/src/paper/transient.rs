@@ -12,6 +12,8 @@ pub struct Run {
     pub conv: Option<f64>,
     /// First time after which all three errors stay within 5 % \[ms\], infinite when the end is outside.
     pub settled_ms: Option<f64>,
+    /// Whether instruments were too weak and least squares stands in their place.
+    pub weak: bool,
 }
 
 impl Run {
@@ -72,6 +74,7 @@ impl Transient {
             error_pct: self.error_pct,
             conv,
             settled_ms: Some(self.inside_since.map_or(f64::INFINITY, |t| 1e3 * t)),
+            weak: false,
         }
     }
 }

@@ -3,6 +3,7 @@
 //! A *trial* is one seed of one setting. All methods see the same record, and the bound is that of this record. What the
 //! trials of many seeds give together is in [`crate::paper::statistics`].
 
+use trendid::instruments::{self, Instrumented, Way};
 use trendid::trends::{
     ExactTrends, FilteredTrends, IntegralTrends, RawTrends, Scheme, TrendOperator,
 };
@@ -50,6 +51,9 @@ pub fn trial(setting: &Setting, duration_s: f64, seed: u64, methods: &[Method]) 
         .map(|method| match *method {
             Method::Kalman => kalman(&record, sigma),
             Method::OutputError => offline(&record),
+            Method::Instruments => {
+                instrumented(&record).unwrap_or_else(|e| panic!("instruments: {e}"))
+            }
             Method::Core {
                 scheme,
                 filter,
@@ -199,7 +203,28 @@ fn offline(record: &Record) -> Run {
         error_pct,
         conv: None,
         settled_ms: None,
+        weak: false,
     }
+}
+
+fn instrumented(record: &Record) -> Result<Run, ConfigError> {
+    const SERVO: Structure<3, 5, 1> = Structure::SERVO;
+    const ROWS: usize = instruments::rows(&SERVO);
+    let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, record.dt as f32, BANDWIDTH)?;
+    let config = usual(record, SERVO, |s| [s.u as f32]);
+    let mut servo: Instrumented<_, 3, 5, 1, ROWS> = Instrumented::try_new(&config, trends)?;
+    for s in record.samples() {
+        let _ = servo.update(s.u as f32, s.y as f32);
+    }
+    let found = servo.estimate();
+    let [a1, a2, b0] = [0, 1, 2].map(|i| f64::from(found.estimate.theta()[i]));
+    Ok(Run {
+        error_pct: Servo::from_coefficients(a1, a2, b0)
+            .map_or([f64::INFINITY; 3], |found| found.error_pct(&REFERENCE)),
+        conv: None,
+        settled_ms: None,
+        weak: found.way != Way::Instruments,
+    })
 }
 
 #[cfg(test)]
