@@ -11,6 +11,7 @@
 //! | hardfault | a read where no memory is, in the interrupt | its report |
 //! | overflow | a recursion without end, in the interrupt | its report |
 //! | idle-overflow | the same in the idle loop | its report |
+//! | wire | no script: `live.rs` | the same |
 
 use core::hint::black_box;
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
@@ -114,6 +115,12 @@ enum Run {
     HardFault,
     Overflow,
     IdleOverflow,
+    Wire,
+}
+
+/// Whether the requests come over the wire.
+pub(crate) fn is_wired() -> bool {
+    Run::asked() == Run::Wire
 }
 
 impl Run {
@@ -130,6 +137,7 @@ impl Run {
             b"hardfault" => Self::HardFault,
             b"overflow" => Self::Overflow,
             b"idle-overflow" => Self::IdleOverflow,
+            b"wire" => Self::Wire,
             _ => Self::Servo,
         }
     }
@@ -188,7 +196,7 @@ impl Script {
                     Run::Panic => FAULT.store(PANIC, Ordering::Relaxed),
                     Run::HardFault => FAULT.store(HARD_FAULT, Ordering::Relaxed),
                     Run::Overflow => FAULT.store(OVERFLOW, Ordering::Relaxed),
-                    Run::IdleOverflow | Run::Servo => {
+                    Run::IdleOverflow | Run::Servo | Run::Wire => {
                         black_box(endless(0));
                     }
                 }

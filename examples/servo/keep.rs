@@ -60,20 +60,26 @@ impl Keep {
     ///
     /// A sector that is full is erased at the next start: here it would stop the chip for longer than the watchdog waits.
     pub(crate) fn consider(&mut self, record: &Record, seconds: u32) {
-        if !self.keeper.is_due(&record.model, seconds) {
-            return;
+        if self.keeper.is_due(&record.model, seconds) {
+            self.store(record, seconds);
         }
+    }
+
+    /// The same for one that somebody asked for; whether it was saved.
+    pub(crate) fn store(&mut self, record: &Record, seconds: u32) -> bool {
         let Ok(mut store) = ModelStore::new(self.flash.unlocked(), BEGIN, SECTOR) else {
-            return;
+            return false;
         };
         if !matches!(store.must_erase(), Ok(false)) {
-            return;
+            return false;
         }
-        if store.save(&self.identity, record).is_ok() {
+        let saved = store.save(&self.identity, record).is_ok();
+        if saved {
             self.keeper.saved(&record.model, seconds);
             defmt::info!("model stored");
         } else {
             defmt::error!("the model could not be stored");
         }
+        saved
     }
 }

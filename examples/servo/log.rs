@@ -5,6 +5,7 @@ use trendid::servo;
 use trendid_example_support::brown_out::Setting;
 use trendid_example_support::reset::{Cause, Causes};
 use trendid_example_support::survivor::{Fault, Survivor};
+use trendid_link::telemetry;
 
 use crate::logger;
 
@@ -61,6 +62,18 @@ pub(crate) fn start(survivor: &Survivor, causes: Causes, brown_out: Option<Setti
         defmt::error!("a fault is latched: nothing moves until it is acknowledged");
         fault(survivor.fault());
     }
+}
+
+/// A fault in few words.
+pub(crate) fn words(fault: &Fault) -> telemetry::Text {
+    telemetry::text(match fault {
+        Fault::Stopped { why } => why.as_str(),
+        Fault::Watchdog => "the watchdog was not fed",
+        Fault::Panic { .. } => "panic",
+        Fault::HardFault { .. } => "hard fault",
+        Fault::StackOverflow { .. } => "the stack overflowed",
+        Fault::Exception { .. } => "an exception has no handler",
+    })
 }
 
 /// Shows a latched fault.

@@ -9,9 +9,10 @@
 //! | button: short press runs or stops, two seconds acknowledge a fault | PA0, high when pressed |
 //! | watchdog | independent watchdog, 10 ms |
 //! | log | defmt over RTT (probe-rs) or semihosting (emulator) |
+//! | telemetry and requests (`wire.rs`), 921 600 baud | USART1: transmit PA9, receive PA10 |
 //!
 //! Nothing moves by itself: after every reset the loop is idle until the button is pressed, which commissions the axis; the
-//! next press stops it. A verified model is kept in flash; `RESUME` lets control begin with it after a reset, at the position
+//! next press stops it; or until the wire asks. A verified model is kept in flash; `RESUME` lets control begin with it after a reset, at the position
 //! where the axis then is. The interrupt reads, identifies, controls and drives; it hands a snapshot to the idle loop, which
 //! alone logs, without waiting for a reader. An update that is not done when the next slot begins is an overrun: it is
 //! counted, the loop is told of every slot that is missing, and three in a row stop the machine, as a fault of sensor,
@@ -25,13 +26,15 @@
 //! In the emulator there is no machine. The image sees that (the clock control reads zero there) and puts a simulated
 //! drive in the place of encoder and valve and a script in the place of the button; everything between them is the same.
 //! The script provokes overruns and a panic and holds the reports of the starts after them against what it did
-//! (`emulated.rs`). On the host the same loop runs on the same drive.
+//! (`emulated.rs`); started with the word `wire` it leaves that to the wire, in real time (`live.rs`). On the host the same loop runs on the same drive.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
 mod emulated;
 #[cfg(target_os = "none")]
 mod keep;
+#[cfg(target_os = "none")]
+mod live;
 #[cfg(target_os = "none")]
 mod log;
 #[cfg(target_os = "none")]
@@ -44,6 +47,8 @@ mod snapshot;
 mod start;
 #[cfg(target_os = "none")]
 mod survival;
+#[cfg(target_os = "none")]
+mod wire;
 #[cfg(target_os = "none")]
 mod wiring;
 

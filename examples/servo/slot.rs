@@ -1,5 +1,7 @@
 //! The 1 ms slot of the servo controller.
 
+pub(crate) mod requests;
+
 use core::cell::RefCell;
 use core::sync::atomic::Ordering;
 
@@ -10,25 +12,34 @@ use stm32f4xx_hal::timer::{CounterHz, Flag};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use stm32f4xx_hal::{ReadFlags, pac::interrupt};
 use trendid::hardware::{PositionSensor, Valve};
-use trendid::servo::{Reason, ServoLoop, State};
-use trendid_example_support::button::Request;
+use trendid::servo::{Config, Reason, ServoLoop, State};
 use trendid_example_support::guard::{self, Guard, Verdict};
-use trendid_example_support::machine::{AXIS, TRACED, Trace, target};
+use trendid_example_support::machine::{AXIS, TRACED, Trace, config, target};
 use trendid_example_support::slots::Slots;
 use trendid_example_support::survivor::{Fault, Text};
+use trendid_link::telemetry::{Event, text};
 
 use crate::snapshot::{EVERY, Snapshot};
+use crate::wire::Wire;
 use crate::wiring::{FRESH, Output, Panel, Sensor};
 use crate::{emulated, survival};
+
+/// Time in which a slot must have fed the watchdog.
+pub(crate) const WATCHDOG_MS: u32 = 10;
 
 /// Everything the interrupt owns.
 pub(crate) struct Slot {
     servo: ServoLoop<Sensor, Output>,
+    /// Its settings.
+    config: Config,
     timer: CounterHz<TIM2>,
     /// Ticks of the timer per slot.
     period: u32,
     watchdog: IndependentWatchdog,
     panel: Panel,
+    wire: Option<Wire>,
+    /// Moved over the wire, and not between the targets.
+    guided: bool,
     out: Producer<'static, Snapshot>,
     now: Snapshot,
     slots: Slots,
@@ -55,12 +66,12 @@ fn TIM2() {
 
 impl Slot {
     /// A slot that waits for a request; `stopped` when a fault is latched.
-    pub(crate) const fn new(
+    pub(crate) fn new(
         servo: ServoLoop<Sensor, Output>,
         timer: CounterHz<TIM2>,
         period: u32,
         watchdog: IndependentWatchdog,
-        panel: Panel,
+        (panel, wire): (Panel, Option<Wire>),
         out: Producer<'static, Snapshot>,
         stopped: bool,
     ) -> Self {
@@ -78,13 +89,17 @@ impl Slot {
             longest: 0,
             trace: Trace::new(),
             record: None,
+            store: false,
         };
         Self {
             servo,
+            config: config(),
             timer,
             period,
             watchdog,
             panel,
+            wire,
+            guided: false,
             out,
             now,
             slots: Slots::new(period),
@@ -106,6 +121,7 @@ impl Slot {
         if let Some(request) = self.panel.request() {
             self.answer(request);
         }
+        self.over_the_wire();
         if self.now.stopped {
             self.rest();
         } else {
@@ -116,32 +132,15 @@ impl Slot {
         }
     }
 
-    /// What a person asks for.
-    fn answer(&mut self, request: Request) {
-        let state = self.now.state;
-        match request {
-            // A restart is the state that is known best: nothing moves, and the next request is heard.
-            Request::Acknowledge if self.now.stopped => {
-                survival::update(|survivor| survivor.acknowledge());
-                survival::restart();
-            }
-            Request::Acknowledge => {}
-            Request::Run if self.now.stopped => {
-                self.now.refused = self.now.refused.saturating_add(1);
-            }
-            Request::Run if state.is_commissioning() || state.is_controlling() => {
-                self.servo.abort();
-            }
-            Request::Run => self.servo.commission(),
-        }
-    }
-
     /// A slot after a fault: the safe output again and again, since a valve that missed it once must not stay open.
     fn rest(&mut self) {
         let safe = self.servo.valve_mut().safe().is_ok();
         self.now.command = 0.0;
         if let Ok(code) = self.servo.sensor_mut().counts() {
             self.now.position = AXIS.position(code);
+        }
+        if let Some(wire) = &mut self.wire {
+            wire.rests(self.now.tick as u32, self.now.position);
         }
         // Stopped is a state in which the chip may stay, so that the fault can be read.
         if Guard::rest(safe, self.late()) == Verdict::Feed {
@@ -150,7 +149,8 @@ impl Slot {
     }
 
     fn control(&mut self, begin: u32, missed: u32) {
-        if self.now.state.is_controlling()
+        if !self.guided
+            && self.now.state.is_controlling()
             && let Some(target) =
                 (self.now.tick - u64::from(missed)..=self.now.tick).find_map(target)
         {
@@ -161,6 +161,12 @@ impl Slot {
         let report = self.servo.update();
         if matches!(self.panel, Panel::Emulated) && self.now.tick <= TRACED {
             self.now.trace.take(&report);
+        }
+        if let Some(wire) = &mut self.wire {
+            let slots = [self.now.overruns, self.now.longest];
+            if wire.sample(self.now.tick as u32, &report, &self.servo, slots) {
+                self.servo.abort();
+            }
         }
         let before = core::mem::discriminant(&self.now.state);
         self.now.state = report.state;
@@ -179,6 +185,7 @@ impl Slot {
         };
         if slot.late {
             self.now.overruns = self.now.overruns.saturating_add(1);
+            self.tell(Event::Overrun);
         }
         match self.guard.control(&slot) {
             Verdict::Feed => self.watchdog.feed(),
@@ -208,11 +215,19 @@ impl Slot {
         // Written again in every slot from now on.
         let _ = self.servo.valve_mut().safe();
         self.now.stopped = true;
+        self.tell(Event::Fault(text(why)));
         survival::update(|survivor| {
             survivor.latch(Fault::Stopped {
                 why: Text::end_of(why),
             });
         });
+    }
+
+    /// Over the wire.
+    fn tell(&mut self, event: Event) {
+        if let Some(wire) = &mut self.wire {
+            wire.event(event);
+        }
     }
 
     /// To the idle loop.

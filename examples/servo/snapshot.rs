@@ -31,4 +31,6 @@ pub(crate) struct Snapshot {
     pub trace: Trace,
     /// The verified model and what was found with it.
     pub record: Option<Record>,
+    /// Whether it shall be stored, and the slot told what came of it.
+    pub store: bool,
 }

@@ -3,21 +3,23 @@
 use cortex_m_rt::entry;
 use heapless::spsc::{Consumer, Queue};
 use stm32f4xx_hal::pac::{self, NVIC, RCC, TIM2, TIM5};
-use stm32f4xx_hal::timer::Event;
+use stm32f4xx_hal::timer;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use stm32f4xx_hal::{prelude::*, rcc};
 use trendid::hardware::Valve;
 use trendid_example_support::brown_out::set_brown_out_level;
 use trendid_example_support::drive::{Drive, SimulatedValve};
-use trendid_example_support::machine::{ORIGIN, servo_loop};
+use trendid_example_support::machine::{ORIGIN, config, servo_loop};
 use trendid_example_support::reset::Causes;
+use trendid_link::telemetry::Event;
 
-use crate::emulated::Script;
+use crate::emulated::{self, Script};
 use crate::keep::Keep;
-use crate::slot::{self, Slot};
+use crate::slot::{self, Slot, WATCHDOG_MS, requests};
 use crate::snapshot::Snapshot;
+use crate::wire::{self, Pump};
 use crate::wiring::{self, CRYSTAL_MHZ, Chip, Output, Panel, Ports, Sensor};
-use crate::{RESUME, log, logger, survival};
+use crate::{RESUME, live, log, logger, survival};
 
 /// Ticks of TIM2 per second in QEMU, whatever the clock control says.
 const EMULATED_HZ: u32 = 1_000_000_000;
@@ -31,8 +33,8 @@ const START_MS: u32 = 100;
 /// Time for the stored model, when a sector of flash must be erased: 2 s at most (data sheet).
 const KEEP_MS: u32 = 4000;
 
-/// Time in which a slot must have fed the watchdog.
-const WATCHDOG_MS: u32 = 10;
+/// Priority of the slot: below that of the line, whose interrupt takes one byte.
+const SLOT_PRIORITY: u8 = 0x10;
 
 /// Level of the brown-out reset: below 2.7 V or so the chip is held in reset, and neither runs nor writes its flash. For a
 /// supply of 3.3 V.
@@ -40,7 +42,23 @@ const BROWN_OUT: u8 = 3;
 
 #[entry]
 fn main() -> ! {
+    let (consumer, script, keep, pump) = begin();
+    idle(consumer, script, keep, pump)
+}
+
+/// What the idle loop owns.
+type Idle = (
+    Consumer<'static, Snapshot>,
+    Option<Script>,
+    Option<Keep>,
+    Option<Pump>,
+);
+
+/// Begins the slots. Not part of `main`, on whose stack the loops that are built here would stay for ever.
+#[inline(never)]
+fn begin() -> Idle {
     let chip = pac::Peripherals::take().unwrap();
+    let mut core = cortex_m::Peripherals::take().unwrap();
     let mut watchdog = IndependentWatchdog::new(chip.IWDG);
     watchdog.start(START_MS.millis());
     // The flags collect until they are cleared.
@@ -50,19 +68,21 @@ fn main() -> ! {
 
     // The internal oscillator runs after reset on every chip; a clock control that does not know it is QEMU's.
     let emulated = chip.RCC.cr().read().hsirdy().bit_is_clear();
-    let config = if emulated {
+    let clocks = if emulated {
         logger::over_semihosting();
         rcc::Config::hsi()
     } else {
         rcc::Config::hse(CRYSTAL_MHZ.MHz()).sysclk(168.MHz())
     };
-    let mut rcc = chip.RCC.freeze(config);
+    let mut rcc = chip.RCC.freeze(clocks);
 
-    let (sensor, mut valve, panel) = if emulated {
+    let (sensor, mut valve, panel, pins) = if emulated {
+        let pins = chip.GPIOA.split(&mut rcc);
         (
             Sensor::Simulated(Drive::new(ORIGIN)),
             Output::Simulated(SimulatedValve),
             Panel::Emulated,
+            (pins.pa9, pins.pa10),
         )
     } else {
         wiring::wired(
@@ -81,7 +101,7 @@ fn main() -> ! {
     let _ = valve.safe();
     let mut servo = servo_loop(sensor, valve).unwrap();
 
-    let mut timer = chip.TIM2.counter_hz(&mut rcc);
+    let mut slots = chip.TIM2.counter_hz(&mut rcc);
     // QEMU counts with its own frequency, so there the rate is that of a clock which is so much slower.
     let clock = rcc.clocks.timclk1().raw();
     let rate = if emulated {
@@ -89,8 +109,12 @@ fn main() -> ! {
     } else {
         1000
     };
-    timer.start(rate.Hz()).unwrap();
-    timer.listen(Event::Update);
+    slots.start(rate.Hz()).unwrap();
+    // There a word asks for the wire in the place of the script, in real time.
+    let wired = emulated && emulated::is_wired();
+    if !wired {
+        slots.listen(timer::Event::Update);
+    }
     let period = run_on(chip.TIM5);
     let stopped = survivor.fault().is_some();
     watchdog.start(KEEP_MS.millis());
@@ -112,15 +136,34 @@ fn main() -> ! {
         defmt::error!("the stored model is refused");
     }
 
+    let identity = wire::identity(&config(), emulated);
+    let begun = (survivor.starts(), causes.main().name());
+    let (mut wire, pump) = wire::begin(chip.USART1, pins, &mut rcc, identity, begun).unzip();
+    if let (Some(wire), Some(fault)) = (&mut wire, survivor.fault()) {
+        wire.event(Event::Fault(log::words(&fault)));
+    }
     let queue = cortex_m::singleton!(: Queue<Snapshot, 32> = Queue::new()).unwrap();
     let (producer, consumer) = queue.split();
     watchdog.start(WATCHDOG_MS.millis());
     slot::hand_over(Slot::new(
-        servo, timer, period, watchdog, panel, producer, stopped,
+        servo,
+        slots,
+        period,
+        watchdog,
+        (panel, wire),
+        producer,
+        stopped,
     ));
-    // SAFETY: everything the interrupt needs was handed over.
-    unsafe { NVIC::unmask(pac::Interrupt::TIM2) };
-    idle(consumer, emulated.then(Script::new), keep)
+    // SAFETY: everything the interrupt needs was handed over, and it may wait for one of a higher priority.
+    unsafe {
+        core.NVIC.set_priority(pac::Interrupt::TIM2, SLOT_PRIORITY);
+        NVIC::unmask(pac::Interrupt::TIM2);
+    }
+    if wired {
+        live::pace(&mut core.SYST);
+    }
+    let script = (emulated && !wired).then(Script::new);
+    (consumer, script, keep, pump)
 }
 
 /// Starts a counter that runs on, at the rate of the slot timer; gives the counts in a slot.
@@ -143,16 +186,21 @@ fn run_on(counter: TIM5) -> u32 {
     slot.arr().read().bits() + 1
 }
 
-/// Logs what the interrupt hands over, and keeps the model.
+/// Sends what waits for the line, logs what the interrupt hands over, and keeps the model.
 fn idle(
     mut snapshots: Consumer<'static, Snapshot>,
     mut script: Option<Script>,
     mut keep: Option<Keep>,
+    mut pump: Option<Pump>,
 ) -> ! {
     let (mut known, mut lost) = (None, 0);
     loop {
+        let sends = pump.as_mut().is_some_and(Pump::run);
         let Some(now) = snapshots.dequeue() else {
-            cortex_m::asm::wfi();
+            if !sends {
+                live::sent();
+                cortex_m::asm::wfi();
+            }
             continue;
         };
         defmt::info!(
@@ -176,6 +224,11 @@ fn idle(
         if let (Some(keep), Some(record)) = (&mut keep, &now.record) {
             // The horizon of 136 years is that of the seconds.
             keep.consider(record, (now.tick / SLOTS_PER_S) as u32);
+        }
+        if now.store {
+            let seconds = (now.tick / SLOTS_PER_S) as u32;
+            let store = |(keep, record): (&mut Keep, _)| keep.store(record, seconds);
+            requests::stored(keep.as_mut().zip(now.record.as_ref()).is_some_and(store));
         }
         let frames = logger::lost();
         if frames != lost {

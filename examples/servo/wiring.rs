@@ -2,7 +2,7 @@
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use stm32f4xx_hal::gpio::{Input, Output as PinOutput, PA0, PA15, PB7, PushPull};
+use stm32f4xx_hal::gpio::{Input, Output as PinOutput, PA0, PA9, PA10, PA15, PB7, PushPull};
 use stm32f4xx_hal::hal::digital::OutputPin;
 use stm32f4xx_hal::hal::pwm::SetDutyCycle;
 use stm32f4xx_hal::hal::spi::{self, Operation, SpiBus, SpiDevice};
@@ -19,7 +19,7 @@ use trendid_example_support::drive::{Drive, SimulatedValve};
 use trendid_example_support::registers::Registers;
 use trendid_example_support::safe_output;
 
-use crate::emulated;
+use crate::{emulated, live};
 
 /// The transducer on SPI2.
 const ENCODER: SsiFormat = SsiFormat {
@@ -84,6 +84,8 @@ type Pulse = PwmChannel<pac::TIM4, 0>;
 pub(crate) enum Sensor {
     Encoder(SsiEncoder<EncoderBus>),
     Simulated(Drive),
+    /// None: in the place of one that goes over to another loop.
+    Absent,
 }
 
 impl PositionSensor for Sensor {
@@ -92,7 +94,8 @@ impl PositionSensor for Sensor {
     fn counts(&mut self) -> Result<i32, ()> {
         let counts = match self {
             Self::Encoder(encoder) => encoder.counts().map_err(drop),
-            Self::Simulated(drive) => drive.counts().map_err(drop),
+            Self::Simulated(drive) => live::reading(drive),
+            Self::Absent => Err(()),
         };
         FRESH.store(counts.is_ok(), Ordering::Relaxed);
         counts
@@ -104,6 +107,8 @@ pub(crate) enum Output {
     Pwm(PwmValve<Pulse, PB7<PinOutput<PushPull>>>),
     Dac(DacValve<DacBus>),
     Simulated(SimulatedValve),
+    /// As of the sensor.
+    Absent,
 }
 
 impl Valve for Output {
@@ -113,7 +118,8 @@ impl Valve for Output {
         match self {
             Self::Pwm(valve) => valve.drive(command).map_err(drop),
             Self::Dac(valve) => valve.drive(command).map_err(drop),
-            Self::Simulated(valve) => valve.drive(command).map_err(drop),
+            Self::Simulated(valve) => live::drive(valve, command),
+            Self::Absent => Err(()),
         }
     }
 }
@@ -174,8 +180,8 @@ pub(crate) struct Ports {
     pub pulse: pac::TIM4,
 }
 
-/// Encoder, valve as [`OUTPUT`] says, and button.
-pub(crate) fn wired(ports: Ports, rcc: &mut Rcc) -> (Sensor, Output, Panel) {
+/// Encoder, valve as [`OUTPUT`] says, button, and the pins of the wire.
+pub(crate) fn wired(ports: Ports, rcc: &mut Rcc) -> (Sensor, Output, Panel, (PA9, PA10)) {
     let pins_a = ports.a.split(rcc);
     let pins_b = ports.b.split(rcc);
     let pins_c = ports.c.split(rcc);
@@ -208,5 +214,6 @@ pub(crate) fn wired(ports: Ports, rcc: &mut Rcc) -> (Sensor, Output, Panel) {
         }))
     };
     let panel = Panel::Button(Button::default(), pins_a.pa0.into_pull_down_input());
-    (Sensor::Encoder(encoder), valve, panel)
+    let line = (pins_a.pa9, pins_a.pa10);
+    (Sensor::Encoder(encoder), valve, panel, line)
 }

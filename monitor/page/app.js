@@ -102,6 +102,9 @@ function list(place, pairs) {
   });
 }
 
+/** A margin; the largest f32 stands for one without an end. */
+const bounded = (x) => x > 1e30 ? "any" : digits(x, 3);
+
 function showModel(m) {
   const unit = machine.unit, [a1, a2, b0, zone, offset, friction] = m.model;
   const used = m.accepted > 0;
@@ -123,7 +126,7 @@ function showModel(m) {
     [`expected innovation [${unit}]`, digits(m.expected, 3)],
     ["models accepted / refused", `${m.accepted} / ${m.refused}`], ["last refusal", m.refusal || "none"],
     ["bandwidth factor", digits(m.derating, 3)],
-    ...(margin ? [["gain margin", digits(margin[0], 3)], ["phase margin", `${digits(margin[1], 3)}\u00b0`], ["delay margin", `${digits(1e3 * margin[2], 3)} ms`], ["largest sensitivity", digits(margin[3], 3)]] : []),
+    ...(margin ? [["gain margin", bounded(margin[0])], ["phase margin", `${digits(margin[1], 3)}\u00b0`], ["delay margin", `${bounded(1e3 * margin[2])} ms`], ["largest sensitivity", digits(margin[3], 3)]] : []),
   ]);
   monitor.model = m;
 }

@@ -13,7 +13,7 @@ use trendid_host_tests::servo::population::family::Family;
     version,
     about,
     group = ArgGroup::new("source").required(true),
-    after_help = "Examples:\n  trendid-monitor --axis 7\n  trendid-monitor --port /dev/ttyUSB0\n  trendid-monitor --replay out/record-1.csv"
+    after_help = "Examples:\n  trendid-monitor --axis 7\n  trendid-monitor --emulator\n  trendid-monitor --port /dev/ttyUSB0\n  trendid-monitor --replay out/record-1.csv"
 )]
 pub(crate) struct Args {
     /// A simulated axis of the population, with the loop on this computer: its seed
@@ -22,6 +22,9 @@ pub(crate) struct Args {
     /// A board on a serial port
     #[arg(long, value_name = "DEVICE", group = "source")]
     pub port: Option<String>,
+    /// The firmware of the servo example in QEMU, with its simulated drive: built and started
+    #[arg(long, group = "source")]
+    pub emulator: bool,
     /// A target behind a TCP socket, e.g. an emulator that runs already
     #[arg(long, value_name = "HOST:PORT", group = "source")]
     pub tcp: Option<String>,
@@ -35,6 +38,12 @@ pub(crate) struct Args {
     /// With --axis: draw from the whole range of the population and not from usual machines
     #[arg(long)]
     pub rare: bool,
+    /// With --emulator: an image that is built already
+    #[arg(long, value_name = "FILE", requires = "emulator", conflicts_with_all = ["axis", "port", "tcp", "replay"])]
+    pub image: Option<PathBuf>,
+    /// With --axis: how many times as fast as real time; 0 as fast as it is received
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = speed)]
+    pub speed: f64,
     /// With --port: baud rate
     #[arg(long, default_value_t = 921_600)]
     pub baud: u32,
@@ -84,6 +93,16 @@ fn family(name: &str) -> Result<Family, String> {
     })
 }
 
+fn speed(factor: &str) -> Result<f64, String> {
+    let expected = || "expected a number from 0 to 100".to_owned();
+    let factor: f64 = factor.parse().map_err(|_| expected())?;
+    if (0.0..=100.0).contains(&factor) {
+        Ok(factor)
+    } else {
+        Err(expected())
+    }
+}
+
 /// Shortest token that is taken.
 const TOKEN: usize = 16;
 
@@ -109,5 +128,9 @@ mod tests {
         assert!(!open.address().ip().is_loopback());
         assert!(parse("m").is_err() && parse("m --axis 1 --tcp 127.0.0.1:1").is_err());
         assert!(parse("m --axis 1 --family steam").is_err());
+        assert!(parse("m --axis 1 --image x").is_err() && parse("m --emulator --image x").is_ok());
+        assert!(
+            parse("m --axis 1 --speed -1").is_err() && parse("m --axis 1 --speed nan").is_err()
+        );
     }
 }

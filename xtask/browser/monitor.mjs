@@ -1,24 +1,12 @@
 // The monitor as its user: commission, watch, move, record, identify the record, break the sensor, lose the source.
-import { spawn, spawnSync } from "node:child_process";
+import { spawnSync } from "node:child_process";
 import fs from "node:fs";
 import http from "node:http";
 import path from "node:path";
 import { browser, check, open, out, pictures, sleep, until } from "./common.mjs";
+import { TOKEN, answered, confirm, end, records, start, state } from "./session.mjs";
 
-const { MONITOR, TRENDID, SEED } = process.env;
-const TOKEN = "abcdefgh12345678";
-const records = path.join(out, "records");
-
-/** A monitor; gives its address. */
-function start(args) {
-  const child = spawn(MONITOR, [...args, "--token", TOKEN, "--out", records], { stdio: ["ignore", "pipe", "inherit"] });
-  child.lines = "";
-  return new Promise((done, failed) => {
-    child.stdout.on("data", (data) => { child.lines += data; const address = /http:\S+/.exec(child.lines); if (address) done({ child, address: address[0] }); });
-    child.on("exit", (code) => failed(new Error(`the monitor has ended: ${code}`)));
-  });
-}
-const ended = (child) => new Promise((done) => { if (child.exitCode !== null || child.signalCode) done(); else child.on("exit", done); });
+const { TRENDID, SEED } = process.env;
 
 /** Status of a request with these headers. */
 const status = (address, where, headers = {}) => new Promise((done, failed) => {
@@ -28,10 +16,6 @@ const status = (address, where, headers = {}) => new Promise((done, failed) => {
   request.on("error", failed);
   request.end();
 });
-
-const confirm = async (page) => { await page.waitForSelector("#confirm[open]"); await page.click("#confirm .go"); };
-const answered = (page, what, done) => until(page, `${what} is ${done ? "done" : "refused"}`, (w, d) => monitor.answers.some((a) => a.asked && a.asked.do === w && a.done === d), 5, what, done);
-const state = (page) => page.$eval("#state-name", (e) => e.textContent);
 
 fs.rmSync(records, { recursive: true, force: true });
 const axis = ["--axis", SEED, "--family", "ball-screw"];
@@ -164,18 +148,14 @@ try {
 
   // The source ends and comes again.
   const { port } = new URL(monitor.address);
-  monitor.child.removeAllListeners("exit");
-  monitor.child.kill("SIGINT");
-  await ended(monitor.child);
+  await end(monitor.child);
   console.log(monitor.child.lines.trim().split("\n").slice(1).map((line) => `     ${line}`).join("\n"));
   check("the line lost nothing", /missing 0, dropped at the target 0/.test(monitor.child.lines) && /frames lost on the line 0, damaged 0/.test(monitor.child.lines));
   await until(page, "the page says that the monitor is gone", () => /does not answer/.test(document.getElementById("source").textContent), 5);
   const again = await start([...axis, "--http", port]);
   await until(page, "the page comes back by itself", () => /simulated/.test(document.getElementById("source").textContent) && window.monitor.latest && window.monitor.latest.state === "idle", 15);
   check("nothing moves by itself after it", (await state(page)) === "idle");
-  again.child.removeAllListeners("exit");
-  again.child.kill("SIGINT");
-  await ended(again.child);
+  await end(again.child);
 } finally {
   await chrome.close();
   monitor.child.removeAllListeners("exit");

@@ -1,11 +1,12 @@
-//! Both pages in a headless browser, used as their users would; pictures go to `target/browser`.
+//! Both pages in a headless browser, used as their users would, and the firmware in the emulator behind one of them; pictures go to
+//! `target/browser`.
 
 use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
-use crate::process::{self, Done, cargo, root, target_directory, works};
-use crate::web;
+use crate::process::{self, Done, M4F, cargo, root, target_directory, works};
+use crate::{setup, web};
 
 /// Seed of the simulated axis.
 const SEED: &str = "200017";
@@ -32,9 +33,11 @@ pub(crate) fn run() -> Done {
         "-p",
         "trendid-cli",
     ]))?;
+    setup::run()?;
+    let image = M4F.build("servo", "firmware")?;
     let page = web::build()?;
     let bin = target_directory()?.join("debug");
-    for script in ["monitor.mjs", "playground.mjs"] {
+    for script in ["monitor.mjs", "emulator.mjs", "playground.mjs"] {
         let mut command = Command::new("node");
         command
             .arg(scripts.join(script))
@@ -44,6 +47,7 @@ pub(crate) fn run() -> Done {
             .env("MONITOR", bin.join("trendid-monitor"))
             .env("TRENDID", bin.join("trendid"))
             .env("SEED", SEED)
+            .env("IMAGE", &image)
             .env("WEB", &page)
             .env("RECORD", root().join("examples/data/servo.csv"));
         process::run(command)?;
@@ -60,7 +64,9 @@ fn scripts(out: &std::path::Path) -> Result<PathBuf, String> {
     for name in [
         "package.json",
         "common.mjs",
+        "session.mjs",
         "monitor.mjs",
+        "emulator.mjs",
         "playground.mjs",
     ] {
         let (from, to) = (from.join(name), place.join(name));
@@ -98,17 +104,6 @@ fn chromium() -> Result<PathBuf, String> {
     if let Some(path) = find() {
         return Ok(path);
     }
-    if works("apt-get", &["--version"]) {
-        for arguments in [
-            &["update"][..],
-            &["install", "-y", "--no-install-recommends", "chromium"],
-        ] {
-            let mut command = Command::new("apt-get");
-            command
-                .args(arguments)
-                .env("DEBIAN_FRONTEND", "noninteractive");
-            process::run(command)?;
-        }
-    }
+    setup::apt(&["chromium"])?;
     find().ok_or_else(|| "no Chromium is installed, and apt cannot install it".into())
 }

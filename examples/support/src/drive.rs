@@ -7,6 +7,10 @@ use trendid::hardware::{PositionSensor, Valve};
 /// Counts per mm.
 const COUNTS: f32 = 200.0;
 
+/// The reference drive.
+const A1: f32 = 400.0;
+const B0: f32 = 1e6;
+
 /// Half-width of the dead zone of the valve.
 const DEAD_ZONE: f32 = 0.03;
 
@@ -23,6 +27,9 @@ pub struct Drive {
     velocity: f32,
     acceleration: f32,
     seed: u32,
+    /// a1 and b0.
+    stiffness: f32,
+    gain: f32,
 }
 
 impl Drive {
@@ -36,7 +43,15 @@ impl Drive {
             velocity: 0.0,
             acceleration: 0.0,
             seed: 1,
+            stiffness: A1,
+            gain: B0,
         }
+    }
+
+    /// Moves `factor` times the mass from now on: the air is a spring between valve and mass.
+    pub fn set_mass(&mut self, factor: f32) {
+        self.stiffness = A1 / factor;
+        self.gain = B0 / factor;
     }
 }
 
@@ -55,7 +70,7 @@ impl PositionSensor for Drive {
             0.0
         };
         for _ in 0..STEPS {
-            let jerk = 1e6 * flow - 20.0 * self.acceleration - 400.0 * self.velocity;
+            let jerk = self.gain * flow - 20.0 * self.acceleration - self.stiffness * self.velocity;
             self.acceleration += TIME * jerk;
             self.velocity += TIME * self.acceleration;
             self.position += TIME * self.velocity;

@@ -83,8 +83,8 @@ impl Client {
         let Notice { seq, content } = self.receiver.push(byte)?;
         if let Some(expected) = self.seq {
             let gap = seq.wrapping_sub(expected);
-            // A step back is another start of the target, not a loss of half the numbers.
-            if gap < u16::MAX / 2 {
+            // Another start of the target, which says so first or steps back, is not a loss of so many numbers.
+            if gap < u16::MAX / 2 && !self.is_start(&content) {
                 self.losses.lost = self.losses.lost.saturating_add(u32::from(gap));
             }
         }
@@ -116,6 +116,14 @@ impl Client {
             _ => {}
         }
         Some(content)
+    }
+
+    /// Whether this is the first that another start of the target tells.
+    fn is_start(&self, content: &Content) -> bool {
+        match (content, self.event) {
+            (Content::Event(event), Some((start, _))) => event.start != start,
+            _ => false,
+        }
     }
 
     /// Whether an event is the next one. One after a gap is not, while those before it can still come.

@@ -24,19 +24,22 @@
 //! [`operate`] carries requests out on a [`ServoLoop`](trendid::servo::ServoLoop); [`settings`] is the table of what may be set.
 
 mod client;
+mod notice;
 mod operate;
 mod outbox;
+mod reading;
 mod reasons;
-mod schema;
+mod request;
 pub mod settings;
 mod station;
+mod text;
 
 pub use client::{Client, Heard, Losses};
+pub use notice::{Content, Event, Identity, Notice, NumberedEvent};
 pub use operate::{Machine, operate};
 pub use outbox::{EVENTS, OUTBOX};
+pub use reading::{Health, Learned, Sample};
 pub use reasons::{reason_of, state_of};
-pub use schema::{
-    Answer, Content, Event, Health, Identity, Learned, Notice, NumberedEvent, Order, Outcome,
-    Refusal, Request, Sample, SettingValue, Text, Trick, text,
-};
+pub use request::{Answer, Order, Outcome, Refusal, Request, SettingValue, Trick};
 pub use station::{STALE_MS, Station, Wanted};
+pub use text::{Text, text};

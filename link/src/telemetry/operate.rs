@@ -4,7 +4,8 @@ use trendid::ConfigError;
 use trendid::hardware::{PositionSensor, Valve};
 use trendid::servo::{Error, Model, ServoLoop};
 
-use crate::telemetry::schema::{Outcome, Refusal, Request, text};
+use crate::telemetry::request::{Outcome, Refusal, Request};
+use crate::telemetry::text::text;
 
 /// A machine that carries out requests.
 pub trait Machine {

@@ -2,7 +2,8 @@
 
 use trendid::servo::Config;
 
-use crate::telemetry::schema::{Refusal, text};
+use crate::telemetry::request::Refusal;
+use crate::telemetry::text::text;
 
 /// A setting.
 #[derive(Clone, Copy, Debug)]

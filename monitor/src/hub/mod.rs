@@ -4,48 +4,41 @@
 //! orders that wait for the target.
 
 mod message;
+mod page;
+mod pages;
+mod reading;
 mod report;
 mod said;
+mod target;
+#[cfg(test)]
+mod tests;
 mod wish;
 
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
-use tokio::sync::mpsc::{Receiver, Sender};
+use tokio::sync::mpsc::Receiver;
 use trendid_link::telemetry::settings::SETTINGS;
-use trendid_link::telemetry::{
-    Client, Content, Event, Health, Identity, Learned, NumberedEvent, Outcome, Refusal, Request,
-    Sample,
-};
+use trendid_link::telemetry::{Client, Health, Identity, Learned, NumberedEvent, Request, Sample};
 
 use crate::args::Args;
 use crate::outputs::{Format, Output};
 use crate::record::Recorder;
-use crate::source::{Said, Source};
+use crate::source::Source;
+use page::Page;
 pub(crate) use said::{FromPage, Tally};
-use wish::Wish;
 
 /// Samples, estimates and events that are kept for a page that comes.
 const SAMPLES: usize = 30_000;
 const ESTIMATES: usize = 3000;
 const EVENTS: usize = 500;
 
-/// Samples in one message.
-const CHUNK: usize = 2000;
-
 /// Redraws per second.
 const REDRAW: Duration = Duration::from_millis(33);
 
 /// How often the target hears that somebody is there.
 const ALIVE: Duration = Duration::from_millis(200);
-
-/// A page that is open.
-struct Page {
-    messages: Sender<String>,
-    /// Messages that it was too slow for.
-    missed: u64,
-}
 
 /// The middle.
 pub(crate) struct Hub {
@@ -55,6 +48,8 @@ pub(crate) struct Hub {
     watchdog: u16,
     out: PathBuf,
     up: Option<String>,
+    /// The start of the target that speaks.
+    started: Option<u16>,
     why: String,
     identity: Option<Identity>,
     pub(crate) tally: Tally,
@@ -96,6 +91,7 @@ impl Hub {
             watchdog: args.watchdog,
             out: args.out.clone(),
             up: None,
+            started: None,
             why: "waits for the source".into(),
             identity: None,
             tally: Tally::default(),
@@ -132,7 +128,8 @@ impl Hub {
                 None => std::future::pending().await,
             }
         };
-        tokio::pin!(over);
+        let asked = asked_to_end();
+        tokio::pin!(over, asked);
         let mut there = true;
         loop {
             tokio::select! {
@@ -149,10 +146,11 @@ impl Hub {
                     let _ = self.client.ask(Request::Alive);
                 },
                 () = &mut over => break,
-                _ = tokio::signal::ctrl_c() => break,
+                () = &mut asked => break,
             }
             self.send_orders();
         }
+        self.outputs.iter_mut().for_each(Output::flush);
         self.end_record("the monitor ends");
         Summary {
             tally: self.tally,
@@ -163,122 +161,6 @@ impl Hub {
 
     fn now(&self) -> u64 {
         self.begin.elapsed().as_millis() as u64
-    }
-
-    fn send_orders(&mut self) {
-        let now = self.now();
-        let bytes: Vec<u8> = std::iter::from_fn(|| self.client.next_byte(now)).collect();
-        if !bytes.is_empty() {
-            // A source that takes nothing is a line that is lost: the order is sent again, or given up.
-            let _ = self.source.asked.try_send(bytes);
-        }
-        if let Some(id) = self.client.given_up() {
-            self.answered(id, Err("the target does not answer".into()));
-        }
-    }
-
-    fn hear(&mut self, said: Said) {
-        match said {
-            Said::Up(what) => {
-                self.client.disconnect();
-                self.up = Some(what);
-                self.tally.starts += 1;
-                let watchdog = Request::Watchdog(self.watchdog);
-                let setup = [Request::Hello, Request::Stream(1), watchdog];
-                let gets = (0..SETTINGS.len()).map(|place| Request::Get(place as u8));
-                for request in setup.into_iter().chain(gets) {
-                    let _ = self.client.ask(request);
-                }
-                self.tell(&self.line());
-            }
-            Said::Down(why) => {
-                self.client.disconnect();
-                self.up = None;
-                self.why = why;
-                for (id, ..) in std::mem::take(&mut self.orders) {
-                    self.answered(id, Err("the line is lost".into()));
-                }
-                self.end_record("the line is lost");
-                self.tell(&self.line());
-            }
-            Said::Bytes(bytes) => {
-                for byte in bytes {
-                    if let Some(content) = self.client.push(byte) {
-                        self.take(content);
-                    }
-                }
-            }
-        }
-    }
-
-    fn take(&mut self, content: Content) {
-        match content {
-            Content::Identity(identity) => {
-                self.identity = Some(identity);
-                let hello = self.hello();
-                self.tell(&hello);
-                if let Some(path) = self.wanted.take() {
-                    self.begin_record(path);
-                }
-            }
-            Content::Sample(sample) => self.sample(sample),
-            Content::Learned(learned) => {
-                keep(&mut self.learned, learned, ESTIMATES);
-                self.tell(&message::learned(&learned));
-            }
-            Content::Health(health) => {
-                let before = self.health.dropped;
-                self.tally.dropped += health.dropped.saturating_sub(before);
-                self.health = health;
-                self.tell(&message::health(&health));
-            }
-            Content::Event(event) => {
-                self.tally.events += 1;
-                if let Event::Start { .. } = event.event {
-                    // Ticks begin again.
-                    self.samples.clear();
-                    self.learned.clear();
-                    self.fresh = 0;
-                    self.health = Health::default();
-                }
-                self.tell(&message::event(&event));
-                keep(&mut self.events, event, EVENTS);
-            }
-            Content::Answer(answer) => {
-                let outcome = match answer.outcome {
-                    Outcome::Done => Ok(()),
-                    Outcome::Refused(refusal) => Err(refusal.to_string()),
-                };
-                self.answered(answer.id, outcome);
-            }
-            Content::Setting(value) => {
-                if let Some(place) = self.values.get_mut(usize::from(value.setting)) {
-                    *place = value.value;
-                    self.tell(&message::setting(&value));
-                }
-            }
-        }
-    }
-
-    fn sample(&mut self, sample: Sample) {
-        self.tally.samples += 1;
-        if let Some(last) = self.samples.back() {
-            let gap = sample.tick.wrapping_sub(last.tick);
-            if gap > 1 && gap < u32::MAX / 2 {
-                self.tally.missing += u64::from(gap - 1);
-            }
-        }
-        if let Some(recorder) = &mut self.recorder
-            && let Err(why) = recorder.take(&sample)
-        {
-            self.end_record(&why);
-        }
-        let sample_time = self.identity.as_ref().map_or(1e-3, |i| i.sample_time);
-        for output in &mut self.outputs {
-            output.take(&sample, sample_time);
-        }
-        keep(&mut self.samples, sample, SAMPLES);
-        self.fresh = (self.fresh + 1).min(SAMPLES);
     }
 
     fn redraw(&mut self) {
@@ -297,115 +179,6 @@ impl Hub {
             self.rate = ((self.tally.samples - count) as f64 / seconds).round() as u64;
             self.second = (Instant::now(), self.tally.samples);
             self.tell(&self.line());
-        }
-    }
-
-    fn serve(&mut self, said: FromPage) {
-        match said {
-            FromPage::Came(id, messages) => {
-                if self.in_control.is_none() {
-                    self.in_control = Some(id);
-                }
-                self.pages.insert(
-                    id,
-                    Page {
-                        messages,
-                        missed: 0,
-                    },
-                );
-                self.welcome(id);
-                self.tell_control();
-            }
-            FromPage::Gone(id) => {
-                self.pages.remove(&id);
-                if self.in_control == Some(id) {
-                    self.in_control = None;
-                }
-                self.tell_control();
-            }
-            FromPage::Message(id, text) => match wish::read(&text) {
-                Ok(wish) => self.grant(id, wish, &text),
-                Err(why) => self.tell_one(id, &message::answer(&text, Err(&why))),
-            },
-            FromPage::Report(to) => {
-                // A page that did not wait gets none.
-                let _ = to.send(self.report());
-            }
-        }
-    }
-
-    /// Everything that a page needs to begin.
-    fn welcome(&mut self, id: u64) {
-        let mut messages = vec![self.hello(), self.line()];
-        let samples: Vec<&Sample> = self.samples.iter().collect();
-        messages.extend(
-            samples
-                .chunks(CHUNK)
-                .map(|part| message::rows(part.iter().copied())),
-        );
-        messages.extend(self.learned.iter().map(message::learned));
-        messages.extend(self.events.iter().map(message::event));
-        messages.push(message::health(&self.health));
-        // In one portion, so that the page does not draw in between.
-        self.tell_one(id, &format!("[{}]", messages.join(",")));
-        self.fresh = 0;
-    }
-
-    fn grant(&mut self, id: u64, wish: Wish, text: &str) {
-        let controls = self.in_control == Some(id);
-        match wish {
-            Wish::Control => {
-                self.in_control = Some(id);
-                self.tell_control();
-            }
-            // Anybody may stop.
-            Wish::Ask(request) if controls || request == Request::Stop => {
-                if self.up.is_none() {
-                    let why = "the line is lost";
-                    return self.tell_one(id, &message::answer(text, Err(why)));
-                }
-                let set = match request {
-                    Request::Set { setting, .. } => Some(setting),
-                    _ => None,
-                };
-                match self.client.ask(request) {
-                    Some(order) => self.orders.push_back((order, id, text.to_owned())),
-                    None => {
-                        let why = "too many requests wait";
-                        self.tell_one(id, &message::answer(text, Err(why)));
-                    }
-                }
-                if let Some(setting) = set {
-                    let _ = self.client.ask(Request::Get(setting));
-                }
-            }
-            Wish::Record(true) if controls && self.recorder.is_none() => {
-                let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
-                let seconds = now.map_or(0, |since| since.as_millis());
-                self.begin_record(self.out.join(format!("record-{seconds}.csv")));
-                self.tell_one(id, &message::answer(text, Ok(())));
-            }
-            Wish::Record(false) if controls => {
-                self.end_record("");
-                self.tell_one(id, &message::answer(text, Ok(())));
-            }
-            Wish::Record(true) if controls => {
-                self.tell_one(id, &message::answer(text, Err("a record is being written")));
-            }
-            _ => {
-                let why = Refusal::NotYours.to_string();
-                self.tell_one(id, &message::answer(text, Err(&why)));
-            }
-        }
-    }
-
-    fn answered(&mut self, order: u32, outcome: Result<(), String>) {
-        let Some(place) = self.orders.iter().position(|(id, ..)| *id == order) else {
-            return;
-        };
-        if let Some((_, page, text)) = self.orders.remove(place) {
-            let outcome = outcome.as_ref().copied().map_err(String::as_str);
-            self.tell_one(page, &message::answer(&text, outcome));
         }
     }
 
@@ -451,18 +224,6 @@ impl Hub {
         )
     }
 
-    fn tell_control(&mut self) {
-        let count = self.pages.len();
-        let ids: Vec<u64> = self.pages.keys().copied().collect();
-        for id in ids {
-            let yours = self.in_control == Some(id);
-            self.tell_one(
-                id,
-                &message::control(yours, self.in_control.is_some(), count),
-            );
-        }
-    }
-
     fn tell(&mut self, message: &str) {
         for page in self.pages.values_mut() {
             page.tell(message);
@@ -488,21 +249,20 @@ impl Hub {
     }
 }
 
-impl Page {
-    /// Gives a message; a page that is too slow misses it and hears how many.
-    fn tell(&mut self, message: &str) {
-        if self.missed > 0 {
-            let missed = message::missed(self.missed);
-            if self.messages.try_send(missed).is_err() {
-                self.missed += 1;
-                return;
+/// Waits until somebody ends the program, so that an emulator ends with it.
+async fn asked_to_end() {
+    #[cfg(unix)]
+    {
+        use tokio::signal::unix::{SignalKind, signal};
+        if let Ok(mut terminate) = signal(SignalKind::terminate()) {
+            tokio::select! {
+                _ = tokio::signal::ctrl_c() => {}
+                _ = terminate.recv() => {}
             }
-            self.missed = 0;
-        }
-        if self.messages.try_send(message.to_owned()).is_err() {
-            self.missed += 1;
+            return;
         }
     }
+    let _ = tokio::signal::ctrl_c().await;
 }
 
 /// What came in, for the end.

@@ -5,7 +5,8 @@ use std::fmt::Write;
 
 use trendid_link::telemetry::{Health, Identity, Learned, NumberedEvent, Sample, state_of};
 
-use crate::hub::message::{reading, words};
+use crate::hub::message::words;
+use crate::hub::reading::reading;
 
 /// Points of a picture.
 const POINTS: usize = 900;

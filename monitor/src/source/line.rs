@@ -32,17 +32,21 @@ pub(super) fn over_tcp(address: &str, mut line: Line) {
     });
 }
 
-/// A socket that does not wait for more bytes before it sends.
 fn connect(address: &str) -> Result<TcpStream, String> {
     let named = |error: std::io::Error| format!("{address}: {error}");
     let stream = TcpStream::connect(address).map_err(named)?;
-    stream.set_nodelay(true).map_err(named)?;
-    stream.set_read_timeout(Some(WAIT)).map_err(named)?;
+    prompt(&stream).map_err(named)?;
     Ok(stream)
 }
 
+/// A socket that sends at once, and waits for bytes only briefly.
+pub(super) fn prompt(stream: &TcpStream) -> std::io::Result<()> {
+    stream.set_nodelay(true)?;
+    stream.set_read_timeout(Some(WAIT))
+}
+
 /// Uses a line until it is lost, says why, and begins again.
-fn again(line: &mut Line, mut attempt: impl FnMut(&mut Line) -> Result<(), String>) {
+pub(super) fn again(line: &mut Line, mut attempt: impl FnMut(&mut Line) -> Result<(), String>) {
     let mut said = None;
     while line.lives() {
         if let Err(why) = attempt(line)
@@ -58,7 +62,7 @@ fn again(line: &mut Line, mut attempt: impl FnMut(&mut Line) -> Result<(), Strin
 }
 
 /// Carries bytes in both directions until the line is lost.
-fn pump(mut stream: impl Read + Write, line: &mut Line) -> Result<(), String> {
+pub(super) fn pump(mut stream: impl Read + Write, line: &mut Line) -> Result<(), String> {
     let mut buffer = [0; 4096];
     while line.lives() {
         while let Some(asked) = line.take() {

@@ -2,9 +2,13 @@
 
 pub(crate) mod axis;
 mod channel;
+mod emulator;
 mod line;
 pub(crate) mod replay;
 pub(crate) mod simulated;
+
+#[cfg(test)]
+mod tests;
 
 use crate::args::Args;
 use channel::Line;
@@ -27,5 +31,7 @@ fn run(args: &Args, line: Line) {
         line::over_port(device, args.baud, line);
     } else if let Some(address) = &args.tcp {
         line::over_tcp(address, line);
+    } else if args.emulator {
+        emulator::run(args, line);
     }
 }

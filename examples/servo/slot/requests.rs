@@ -1,0 +1,167 @@
+//! What a person asks for with the button, and what is asked over the wire.
+//!
+//! Over the wire every request is answered: done, or refused and why. A machine that is stopped does nothing but to be
+//! acknowledged. Settings and models are taken while the loop does not control: a loop is built, or poles are searched, which
+//! takes many slots; they are not counted, since nothing moves meanwhile, and the watchdog waits longer.
+
+use core::sync::atomic::{AtomicU8, Ordering};
+
+use stm32f4xx_hal::prelude::*;
+use trendid::servo::{Config, MotionLimits, ServoLoop};
+use trendid_example_support::button::Request;
+use trendid_example_support::machine::AXIS;
+use trendid_example_support::slots::Slots;
+use trendid_link::telemetry::{self, Refusal, SettingValue, operate, settings};
+
+use crate::slot::{Slot, WATCHDOG_MS};
+use crate::wiring::{Output, Panel, Sensor};
+use crate::{live, survival};
+
+/// Time in ms for a request that takes many slots.
+const LONG_MS: u32 = 500;
+
+const NOTHING: u8 = 0;
+const DONE: u8 = 1;
+const FAILED: u8 = 2;
+
+/// What came of storing the model, from the idle loop.
+static STORED: AtomicU8 = AtomicU8::new(NOTHING);
+
+/// Says whether the model was stored that the slot asked for.
+pub(crate) fn stored(done: bool) {
+    STORED.store(if done { DONE } else { FAILED }, Ordering::Relaxed);
+}
+
+impl Slot {
+    /// What a person asks for.
+    pub(super) fn answer(&mut self, request: Request) {
+        let state = self.now.state;
+        match request {
+            // A restart is the state that is known best: nothing moves, and the next request is heard.
+            Request::Acknowledge if self.now.stopped => restart(),
+            Request::Acknowledge => {}
+            Request::Run if self.now.stopped => {
+                self.now.refused = self.now.refused.saturating_add(1);
+            }
+            Request::Run if state.is_commissioning() || state.is_controlling() => {
+                self.servo.abort();
+            }
+            Request::Run => {
+                self.guided = false;
+                self.servo.commission();
+            }
+        }
+    }
+
+    /// What is asked over the wire.
+    pub(super) fn over_the_wire(&mut self) {
+        match STORED.swap(NOTHING, Ordering::Relaxed) {
+            NOTHING => {}
+            DONE => self.reply(Ok(())),
+            _ => self.reply(Err(Refusal::Storage)),
+        }
+        while let Some(request) = self.wire.as_mut().and_then(|wire| wire.request()) {
+            if let Some(done) = self.carry_out(&request).transpose() {
+                self.reply(done);
+            }
+        }
+    }
+
+    fn reply(&mut self, done: Result<(), Refusal>) {
+        if let Some(wire) = &mut self.wire {
+            wire.answer(done.into());
+        }
+    }
+
+    /// Carries a request out; `None` when it is answered later.
+    fn carry_out(&mut self, request: &telemetry::Request) -> Result<Option<()>, Refusal> {
+        use telemetry::Request;
+        match *request {
+            // The order comes again after the restart, and is answered then.
+            Request::Acknowledge if self.now.stopped => restart(),
+            Request::Acknowledge => {}
+            Request::Get(setting) => {
+                let value = settings::get(&self.config, setting)?;
+                if let Some(wire) = &mut self.wire {
+                    wire.setting(SettingValue { setting, value });
+                }
+            }
+            Request::Play(trick) => match self.panel {
+                Panel::Emulated => live::play(trick),
+                Panel::Button(..) => return Err(Refusal::Unsupported),
+            },
+            _ if self.now.stopped => return Err(Refusal::Latched),
+            Request::Set { setting, value } => {
+                self.configure(settings::with(&self.config, setting, value)?)?;
+            }
+            Request::Limits {
+                velocity,
+                acceleration,
+                jerk,
+            } => {
+                let mut config = self.config.clone();
+                config.motion = Some(MotionLimits {
+                    velocity,
+                    acceleration,
+                    jerk,
+                });
+                config.resolve()?;
+                self.configure(config)?;
+            }
+            // The emulator has no flash controller.
+            Request::Store if matches!(self.panel, Panel::Emulated) => {
+                return Err(Refusal::Unsupported);
+            }
+            Request::Store => {
+                self.now.record = Some(self.servo.record().ok_or(Refusal::NoModel)?);
+                self.now.store = true;
+                self.send();
+                self.now.store = false;
+                return Ok(None);
+            }
+            Request::Install(_) => {
+                self.unhurried(|slot| operate(&mut slot.servo, request))?;
+                self.guided = true;
+            }
+            _ => {
+                operate(&mut self.servo, request)?;
+                self.guided = true;
+            }
+        }
+        Ok(Some(()))
+    }
+
+    /// A loop with other settings, idle; what was found before is forgotten.
+    fn configure(&mut self, config: Config) -> Result<(), Refusal> {
+        if self.now.state.is_commissioning() || self.now.state.is_controlling() {
+            return Err(Refusal::Moving);
+        }
+        self.unhurried(|slot| {
+            let mut servo = ServoLoop::try_new(&config, AXIS, Sensor::Absent, Output::Absent)?;
+            core::mem::swap(servo.sensor_mut(), slot.servo.sensor_mut());
+            core::mem::swap(servo.valve_mut(), slot.servo.valve_mut());
+            slot.servo = servo;
+            slot.config = config;
+            Ok(())
+        })
+    }
+
+    /// Does what takes many slots, while the loop does not control.
+    fn unhurried(
+        &mut self,
+        act: impl FnOnce(&mut Self) -> Result<(), Refusal>,
+    ) -> Result<(), Refusal> {
+        self.watchdog.start(LONG_MS.millis());
+        let done = act(self);
+        let _ = self.timer.wait();
+        self.slots = Slots::new(self.period);
+        self.watchdog.start(WATCHDOG_MS.millis());
+        done
+    }
+}
+
+/// The fault is acknowledged: the chip begins again.
+fn restart() -> ! {
+    survival::update(|survivor| survivor.acknowledge());
+    survival::restart()
+}

@@ -1,0 +1,6 @@
+//! Telemetry over lines that damage, cut, repeat and lose.
+
+mod damage;
+mod ends;
+mod line;
+mod values;

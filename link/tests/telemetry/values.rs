@@ -1,0 +1,149 @@
+//! Values that cross the line: settings, states, the largest notices.
+
+use trendid::servo::{Config, Travel};
+use trendid_link::telemetry::settings::{self, SETTINGS};
+use trendid_link::telemetry::*;
+use trendid_link::{Frame, code};
+
+use crate::ends::sample;
+
+#[test]
+fn every_setting_is_read_as_it_was_set_and_refuses_what_is_out_of_bounds() {
+    let config = Config::new(
+        1e-3,
+        20.0,
+        Travel {
+            min: 0.0,
+            max: 400.0,
+        },
+    );
+    for (place, setting) in SETTINGS.iter().enumerate() {
+        let number = place as u8;
+        let [low, high] = setting.limits;
+        let present = settings::get(&config, number).unwrap();
+        // Somewhere else within the limits and near a usual value.
+        let usual = present.unwrap_or(match setting.name {
+            "controller.bandwidth" => 40.0,
+            _ => 0.02,
+        });
+        let value = (1.01 * usual).clamp(low, high);
+        let value = if Some(value) == present {
+            0.99 * value
+        } else {
+            value
+        };
+        let changed = settings::with(&config, number, Some(value))
+            .unwrap_or_else(|refusal| panic!("{}: {refusal}", setting.name));
+        assert_eq!(
+            settings::get(&changed, number),
+            Ok(Some(value)),
+            "{}",
+            setting.name
+        );
+        assert_ne!(changed, config, "{}", setting.name);
+        for wrong in [low - 1.0, 2.0 * high + 1.0, f32::NAN, f32::INFINITY] {
+            let refusal = settings::with(&config, number, Some(wrong)).unwrap_err();
+            let named =
+                matches!(&refusal, Refusal::Value { name, .. } if name.as_str() == setting.name);
+            assert!(named, "{}: {refusal:?}", setting.name);
+        }
+        assert_eq!(
+            settings::with(&config, number, None).is_ok(),
+            setting.follows
+        );
+        assert!(setting.name.len() <= 40, "a refusal has room for the name");
+    }
+    let beyond = SETTINGS.len() as u8;
+    assert_eq!(settings::get(&config, beyond), Err(Refusal::Unsupported));
+}
+
+#[test]
+fn states_and_reasons_survive_the_line() {
+    for reason in 0..=u8::MAX {
+        match reason_of(reason) {
+            Some(found) => {
+                assert_eq!(found as u8, reason);
+                for state in [6, 7] {
+                    let state_back = state_of(state, reason).unwrap();
+                    assert_eq!(
+                        (state_back.code(), state_back.reason()),
+                        (state, Some(found))
+                    );
+                }
+            }
+            None => assert!(reason >= 17),
+        }
+    }
+    assert!((0..6).all(|state| state_of(state, code::NO_REASON).unwrap().code() == state));
+    assert_eq!(state_of(code::NO_LOOP, code::NO_REASON), None);
+}
+
+/// Every notice of the largest numbers fits into a frame.
+#[test]
+fn the_largest_notices_fit() {
+    let text = Text::try_from("m".repeat(40).as_str()).unwrap();
+    let max = u32::MAX;
+    let health = Health {
+        tick: max,
+        failed_readings: max,
+        implausible_readings: max,
+        saturated_samples: max,
+        oscillations: max,
+        stops: max,
+        overruns: max,
+        longest_us: max,
+        dropped: max,
+        events_lost: max,
+        corrupt: max,
+    };
+    let learned = Learned {
+        tick: max,
+        covariance: Some([1.0; 6]),
+        expected: Some(1.0),
+        counts: [max; 2],
+        margins: Some([1.0; 4]),
+        ..Learned::default()
+    };
+    let contents = [
+        Content::Identity(Identity {
+            name: text.clone(),
+            unit: "12345678".try_into().unwrap(),
+            ..Identity::default()
+        }),
+        Content::Sample(sample(max)),
+        Content::Learned(learned),
+        Content::Health(health),
+        Content::Event(NumberedEvent {
+            start: u16::MAX,
+            number: max,
+            oldest: max,
+            tick: max,
+            event: Event::Start {
+                cause: text.clone(),
+                starts: max,
+            },
+        }),
+        Content::Event(NumberedEvent {
+            start: u16::MAX,
+            number: max,
+            oldest: max,
+            tick: max,
+            event: Event::Model([1.0; 6]),
+        }),
+        Content::Answer(Answer {
+            id: max,
+            outcome: Outcome::Refused(Refusal::Value {
+                name: text,
+                value: 1.0,
+                limits: [0.0; 2],
+            }),
+        }),
+    ];
+    for content in contents {
+        let frame = Frame::encode(&Notice {
+            seq: u16::MAX,
+            content: content.clone(),
+        });
+        assert!(!frame.bytes().is_empty(), "{content:?}");
+    }
+}

@@ -1,0 +1,119 @@
+//! The side of the pages: what they ask, who is in control, what they miss.
+
+use std::time::SystemTime;
+
+use trendid_link::telemetry::{Refusal, Request, Sample};
+
+use crate::hub::page::Page;
+use crate::hub::wish::{self, Wish};
+use crate::hub::{FromPage, Hub, message};
+
+/// Samples in one message.
+const CHUNK: usize = 2000;
+
+impl Hub {
+    pub(super) fn serve(&mut self, said: FromPage) {
+        match said {
+            FromPage::Came(id, messages) => {
+                if self.in_control.is_none() {
+                    self.in_control = Some(id);
+                }
+                self.pages.insert(id, Page::new(messages));
+                self.welcome(id);
+                self.tell_control();
+            }
+            FromPage::Gone(id) => {
+                self.pages.remove(&id);
+                if self.in_control == Some(id) {
+                    self.in_control = None;
+                }
+                self.tell_control();
+            }
+            FromPage::Message(id, text) => match wish::read(&text) {
+                Ok(wish) => self.grant(id, wish, &text),
+                Err(why) => self.tell_one(id, &message::answer(&text, Err(&why))),
+            },
+            FromPage::Report(to) => {
+                // A page that did not wait gets none.
+                let _ = to.send(self.report());
+            }
+        }
+    }
+
+    /// Everything that a page needs to begin.
+    pub(super) fn welcome(&mut self, id: u64) {
+        let mut messages = vec![self.hello(), self.line()];
+        let samples: Vec<&Sample> = self.samples.iter().collect();
+        messages.extend(
+            samples
+                .chunks(CHUNK)
+                .map(|part| message::rows(part.iter().copied())),
+        );
+        messages.extend(self.learned.iter().map(message::learned));
+        messages.extend(self.events.iter().map(message::event));
+        messages.push(message::health(&self.health));
+        // In one portion, so that the page does not draw in between.
+        self.tell_one(id, &format!("[{}]", messages.join(",")));
+        self.fresh = 0;
+    }
+
+    pub(super) fn grant(&mut self, id: u64, wish: Wish, text: &str) {
+        let controls = self.in_control == Some(id);
+        match wish {
+            Wish::Control => {
+                self.in_control = Some(id);
+                self.tell_control();
+            }
+            // Anybody may stop.
+            Wish::Ask(request) if controls || request == Request::Stop => {
+                if self.up.is_none() {
+                    let why = "the line is lost";
+                    return self.tell_one(id, &message::answer(text, Err(why)));
+                }
+                let set = match request {
+                    Request::Set { setting, .. } => Some(setting),
+                    _ => None,
+                };
+                match self.client.ask(request) {
+                    Some(order) => self.orders.push_back((order, id, text.to_owned())),
+                    None => {
+                        let why = "too many requests wait";
+                        self.tell_one(id, &message::answer(text, Err(why)));
+                    }
+                }
+                if let Some(setting) = set {
+                    let _ = self.client.ask(Request::Get(setting));
+                }
+            }
+            Wish::Record(true) if controls && self.recorder.is_none() => {
+                let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+                let seconds = now.map_or(0, |since| since.as_millis());
+                self.begin_record(self.out.join(format!("record-{seconds}.csv")));
+                self.tell_one(id, &message::answer(text, Ok(())));
+            }
+            Wish::Record(false) if controls => {
+                self.end_record("");
+                self.tell_one(id, &message::answer(text, Ok(())));
+            }
+            Wish::Record(true) if controls => {
+                self.tell_one(id, &message::answer(text, Err("a record is being written")));
+            }
+            _ => {
+                let why = Refusal::NotYours.to_string();
+                self.tell_one(id, &message::answer(text, Err(&why)));
+            }
+        }
+    }
+
+    pub(super) fn tell_control(&mut self) {
+        let count = self.pages.len();
+        let ids: Vec<u64> = self.pages.keys().copied().collect();
+        for id in ids {
+            let yours = self.in_control == Some(id);
+            self.tell_one(
+                id,
+                &message::control(yours, self.in_control.is_some(), count),
+            );
+        }
+    }
+}
