@@ -124,7 +124,7 @@ impl Learned {
             reversed: servo.sign() < 0.0,
             delay: finite(servo.delay()),
             derating: finite(report.faults.derating),
-            margins: servo.controller().margins().map(|m| {
+            margins: servo.margins().map(|m| {
                 let degrees = m.phase.to_degrees();
                 [m.gain, degrees, m.delay, m.sensitivity].map(bounded)
             }),
