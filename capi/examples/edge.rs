@@ -1,7 +1,8 @@
 //! What the C edge costs: instructions of a call in Rust and through the C interface, in one image, on one record.
 //!
 //! `cargo xtask capi --edge` runs it in the emulator. The image writes one line `name;rust;worst;c;worst` per call. What is
-//! counted is the function from its first instruction to its return, as a caller has it.
+//! counted is the function from its first instruction to its return, as a caller has it. Both programs read theta and the whole
+//! estimate, so that both have the code of the read-out once. Behind them lines `name;bytes`, the stack of a call of C.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -17,7 +18,10 @@ mod target {
     use trendid_example_support::board::{exit, line};
     use trendid_example_support::clock::Clock;
     use trendid_example_support::drive::Drive;
-    use trendid_example_support::record;
+    use trendid_example_support::{record, stack};
+
+    // For memory.x: the objects lie on the stack.
+    core::arch::global_asm!(".global __trendid_deep_stack", "__trendid_deep_stack = 1");
 
     #[panic_handler]
     fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
@@ -65,6 +69,19 @@ mod target {
     #[inline(never)]
     fn rust_theta(servo: &Servo<7>) -> [f32; 5] {
         servo.theta()
+    }
+
+    /// What `trendid_identifier_estimate` gives.
+    #[inline(never)]
+    fn rust_estimate(servo: &Servo<7>) -> impl Sized {
+        let found = servo.estimate();
+        (
+            found.theta(),
+            found.std(),
+            found.transfer_function(),
+            found.physical(),
+            found.physical_std(),
+        )
     }
 
     #[inline(never)]
@@ -130,6 +147,7 @@ mod target {
     /// The functions of C, as pointers that the optimiser must not see through.
     type Update = unsafe extern "C" fn(*mut c::Identifier, f32, f32, *mut c::Outcome) -> c::Error;
     type Theta = unsafe extern "C" fn(*const c::Identifier, *mut f32, usize) -> c::Error;
+    type Estimate = unsafe extern "C" fn(*const c::Identifier, *mut c::Estimate) -> c::Error;
     type LoopUpdate = unsafe extern "C" fn(*mut c::Loop, i32, *mut c::Report) -> c::Error;
 
     /// Ends the image where a call of C fails.
@@ -140,6 +158,7 @@ mod target {
         }
     }
 
+    #[inline(never)]
     fn identifiers(clock: &Clock, idle: f32) -> Result<(), trendid::ConfigError> {
         // SAFETY: every pointer is to a value of this function, or NULL where the header allows it.
         unsafe {
@@ -177,6 +196,15 @@ mod target {
                 let edge = clock.ticks(|| theta(handle, found.as_mut_ptr(), 5));
                 [rust, edge]
             });
+            let estimate = black_box(c::trendid_identifier_estimate as Estimate);
+            let mut found = core::mem::MaybeUninit::<c::Estimate>::uninit();
+            row(clock, idle, "servo3 estimate", |_, u, y| {
+                let _ = rust_servo(&mut native, u, y);
+                let _ = update(handle, u, y, &raw mut outcome);
+                let rust = clock.ticks(|| rust_estimate(&native));
+                let edge = clock.ticks(|| estimate(handle, found.as_mut_ptr()));
+                [rust, edge]
+            });
             settings.memory = 0.7;
             settings.dead_zone_max = 0.1;
             let mut memory = core::mem::MaybeUninit::<c::Valve3>::uninit();
@@ -206,9 +234,12 @@ mod target {
         Ok(())
     }
 
+    /// Code of the middle of the axis.
+    const ORIGIN: i32 = 8_000_000;
+
+    #[inline(never)]
     fn position_loop(clock: &Clock, idle: f32) -> Result<(), servo::Error> {
-        const ORIGIN: i32 = 8_000_000;
-        static mut MEMORY: core::mem::MaybeUninit<c::Loop> = core::mem::MaybeUninit::uninit();
+        let mut memory = core::mem::MaybeUninit::<c::Loop>::uninit();
         let travel = Travel {
             min: 0.0,
             max: 400.0,
@@ -220,7 +251,7 @@ mod target {
         };
         let mut native = Loop::try_new(&config, axis, Code(0), Still)?;
         native.commission();
-        // SAFETY: every pointer is to a value of this function or to the memory that it alone uses.
+        // SAFETY: every pointer is to a value of this function.
         unsafe {
             let mut settings = core::mem::MaybeUninit::<c::LoopSettings>::uninit();
             done(c::trendid_loop_settings_init(
@@ -233,7 +264,7 @@ mod target {
             ));
             let mut settings = settings.assume_init();
             settings.bandwidth = 20.0;
-            let memory = (&raw mut MEMORY).cast::<c::Loop>();
+            let memory = memory.as_mut_ptr();
             done(c::trendid_loop_init(memory, &settings, null_mut()));
             done(c::trendid_loop_commission(memory));
             let update = black_box(c::trendid_loop_update as LoopUpdate);
@@ -256,6 +287,109 @@ mod target {
         Ok(())
     }
 
+    /// Most stack of a call that is looked for, in bytes.
+    const PAINTED: usize = 64 * 1024;
+
+    /// A line with the stack of a call, which must succeed.
+    fn stack_of(name: &str, call: impl FnOnce() -> c::Error) {
+        let mut error = c::Error::Other;
+        let bytes = stack::peak_within(PAINTED, || error = call());
+        done(error);
+        // More than was painted is not known.
+        if bytes >= PAINTED {
+            exit(false);
+        }
+        line(format_args!("{name};{bytes}"));
+    }
+
+    /// Stack of what a program calls once, and of the read-out.
+    #[inline(never)]
+    fn stacks() {
+        // SAFETY: every pointer is to a value of this function, or NULL where the header allows it.
+        unsafe {
+            let mut settings = core::mem::MaybeUninit::uninit();
+            done(c::trendid_settings_init(
+                settings.as_mut_ptr(),
+                0.001,
+                20.0,
+                1.0,
+                50.0,
+            ));
+            let mut settings: c::Settings = settings.assume_init();
+            settings.dead_zone_max = 0.1;
+            let mut handle = null_mut();
+            let mut memory = core::mem::MaybeUninit::<c::Servo3>::uninit();
+            stack_of("servo3 init", || {
+                c::trendid_servo3_init(memory.as_mut_ptr(), &settings, &mut handle, null_mut())
+            });
+            stack_of("servo3 update", || {
+                c::trendid_identifier_update(handle, 0.1, 0.2, null_mut())
+            });
+            let mut found = core::mem::MaybeUninit::<c::Estimate>::uninit();
+            stack_of("servo3 estimate", || {
+                c::trendid_identifier_estimate(handle, found.as_mut_ptr())
+            });
+            let mut memory = core::mem::MaybeUninit::<c::ValveCoulomb3>::uninit();
+            stack_of("valve_coulomb3 init", || {
+                c::trendid_valve_coulomb3_init(
+                    memory.as_mut_ptr(),
+                    &settings,
+                    &mut handle,
+                    null_mut(),
+                )
+            });
+            stack_of("valve_coulomb3 estimate", || {
+                c::trendid_identifier_estimate(handle, found.as_mut_ptr())
+            });
+            let mut memory = core::mem::MaybeUninit::<c::DelayBank>::uninit();
+            stack_of("delay bank init", || {
+                c::trendid_delay_bank_init(memory.as_mut_ptr(), &settings, null_mut())
+            });
+            let mut settings = core::mem::MaybeUninit::<c::LoopSettings>::uninit();
+            done(c::trendid_loop_settings_init(
+                settings.as_mut_ptr(),
+                0.001,
+                0.0,
+                400.0,
+                0.005,
+                ORIGIN,
+            ));
+            let mut memory = core::mem::MaybeUninit::<c::Loop>::uninit();
+            stack_of("loop init", || {
+                c::trendid_loop_init(memory.as_mut_ptr(), settings.as_ptr(), null_mut())
+            });
+            loop_stack(memory.as_mut_ptr());
+        }
+    }
+
+    /// Stack of the samples of a loop: the most of a commissioning and of what comes behind it.
+    ///
+    /// # Safety
+    /// The loop is initialised, and nobody else uses it.
+    unsafe fn loop_stack(servo: *mut c::Loop) {
+        use core::mem::MaybeUninit;
+        let mut report = MaybeUninit::<c::Report>::zeroed();
+        let mut drive = Drive::new(ORIGIN);
+        let mut valve = trendid_example_support::drive::SimulatedValve;
+        let mut most = 0;
+        // SAFETY: the loop is initialised; the report is one of this function, and zeros are one.
+        unsafe {
+            done(c::trendid_loop_commission(servo));
+            for _ in 0..4000 {
+                let Ok(code) = drive.counts();
+                let bytes = stack::peak_within(PAINTED / 4, || {
+                    c::trendid_loop_update(servo, code, report.as_mut_ptr())
+                });
+                most = most.max(bytes);
+                let _ = valve.drive(report.assume_init().command);
+            }
+        }
+        if most >= PAINTED / 4 {
+            exit(false);
+        }
+        line(format_args!("loop update;{most}"));
+    }
+
     #[entry]
     fn main() -> ! {
         let Some(mut core) = cortex_m::Peripherals::take() else {
@@ -274,6 +408,7 @@ mod target {
         }
         let idle = idle.mean();
         let done = identifiers(&clock, idle).is_ok() && position_loop(&clock, idle).is_ok();
+        stacks();
         exit(done)
     }
 }

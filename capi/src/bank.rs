@@ -43,14 +43,21 @@ pub unsafe extern "C" fn trendid_delay_bank_init(
     settings: *const Settings,
     detail: *mut Detail,
 ) -> Error {
-    let bank = || {
+    let fill = |bank: *mut Bank| {
         // SAFETY: by the contract of the header.
         let settings = unsafe { shared(settings) }?;
-        let config = settings.config(Structure::<3, 5, 1>::SERVO, [Some(0)]);
-        Ok(Bank::try_new(&config, settings.trends()?, 0)?)
+        let mut config = settings.config(Structure::<3, 5, 1>::SERVO, [Some(0)]);
+        // As `Bank::try_new`, one candidate on the stack at a time.
+        for delay in 0..DELAY_CANDIDATES {
+            config.delays = [delay];
+            let candidate = Servo::try_new(&config, settings.trends()?)?;
+            // SAFETY: memory for a bank, by the contract of `make`, which is laid out as the array of its candidates.
+            unsafe { bank.cast::<Servo>().add(delay).write(candidate) };
+        }
+        Ok(())
     };
     // SAFETY: by the contract of the header.
-    unsafe { make(memory, bank, detail) }
+    unsafe { make(memory, fill, detail) }
 }
 
 /// Takes command and position, as `trendid_identifier_update`; `outcome` is that of the candidate without delay, or NULL.

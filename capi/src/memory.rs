@@ -22,15 +22,6 @@ pub(crate) trait Inside {
     const MAGIC: u32;
 }
 
-impl<T: Inside> Object<T> {
-    pub(crate) const fn new(inside: T) -> Self {
-        Self {
-            magic: T::MAGIC,
-            inside,
-        }
-    }
-}
-
 /// The error, out of the way of a sample: a branch that is not taken in the place of instructions that are skipped.
 #[cold]
 #[inline(never)]
@@ -89,6 +80,7 @@ pub(crate) unsafe fn write_if_wanted<T>(pointer: *mut T, value: T) {
 ///
 /// # Safety
 /// The pointer is NULL, or points to `length` initialised elements that nobody writes during `'a`.
+#[inline(always)]
 pub(crate) unsafe fn list<'a, T>(pointer: *const T, length: usize) -> Result<&'a [T], Error> {
     check(pointer)?;
     if length > LONGEST {
@@ -102,6 +94,7 @@ pub(crate) unsafe fn list<'a, T>(pointer: *const T, length: usize) -> Result<&'a
 ///
 /// # Safety
 /// The pointer is NULL, or points to `length` initialised elements that nobody else uses during `'a`.
+#[inline(always)]
 pub(crate) unsafe fn list_mut<'a, T>(pointer: *mut T, length: usize) -> Result<&'a mut [T], Error> {
     check(pointer)?;
     if length > LONGEST {
@@ -145,11 +138,16 @@ pub(crate) unsafe fn object_mut<'a, T: Inside>(
 
 /// Makes an object in memory of the caller that holds at least a `T`; the answer of `_init`.
 ///
+/// `fill` writes all of the `T` or fails; it writes where the object is to stand, since a copy on the stack of a microcontroller
+/// is a large one. The word that says that it is one comes last.
+///
 /// # Safety
-/// `memory` is NULL or points to a `W` that nobody else uses; `detail` is NULL or points to a [`Detail`].
+/// `memory` is NULL or points to a `W` that nobody else uses; `detail` is NULL or points to a [`Detail`]. Where `fill` succeeds,
+/// its pointer, which is aligned and may be written, points to an initialised `T`.
+#[inline(always)]
 pub(crate) unsafe fn make<W, T: Inside>(
     memory: *mut W,
-    made: impl FnOnce() -> Result<T, Detail>,
+    fill: impl FnOnce(*mut T) -> Result<(), Detail>,
     detail: *mut Detail,
 ) -> Error {
     const {
@@ -160,9 +158,11 @@ pub(crate) unsafe fn make<W, T: Inside>(
         assert!(align_of::<Object<T>>() <= align_of::<W>());
     }
     let done = check(memory).map_err(Detail::from).and_then(|()| {
-        let object = Object::new(made()?);
+        let object = memory.cast::<Object<T>>();
         // SAFETY: not NULL, aligned for `W` and so for the object, and by the assertion above large enough.
-        unsafe { memory.cast::<Object<T>>().write(object) };
+        fill(unsafe { &raw mut (*object).inside })?;
+        // SAFETY: as above.
+        unsafe { (&raw mut (*object).magic).write(T::MAGIC) };
         Ok(())
     });
     // SAFETY: by the contract of this function.

@@ -19,6 +19,8 @@ use crate::trends::TrendOperator;
 /// | `C` | the [`Identifier`]; its delay lines `D` hold at least `K - 1` samples |
 /// | `K` | number of candidates, with delays of 0 to `K-1` samples |
 ///
+/// It is laid out as the array of its candidates: who has memory for one can make them in their places.
+///
 /// Guarantees: as [`Identifier`]. Cost: `K` times the identifier in time and memory, for commissioning; afterwards
 /// go on with [`DelayBank::chosen`] alone.
 ///
@@ -57,6 +59,7 @@ use crate::trends::TrendOperator;
 /// let bank = DelayBank::<Servo<7>, 0>::new(0.001, 20.0, 1.0, 50.0);
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[repr(transparent)]
 pub struct DelayBank<C, const K: usize> {
     candidates: [C; K],
 }

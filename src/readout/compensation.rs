@@ -110,6 +110,7 @@ impl<const N: usize> Compensated<N> {
     }
 
     /// Row `index` of P_c, enough for an estimate without deviations.
+    #[inline(always)]
     pub(crate) fn covariance_row(&self, p: &Matrix<N>, index: usize) -> Option<[f32; N]> {
         match &self.transform {
             Some(transform) => {
@@ -122,6 +123,9 @@ impl<const N: usize> Compensated<N> {
 }
 
 /// One step of the correction from the recursion with the covariance `p`.
+///
+/// Inlined, with what it calls, where it is called once: the matrices that it hands over are not copied then.
+#[inline(always)]
 pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
     source: &ReadOut<'_, M, N, I>,
     p: &Matrix<N>,
@@ -152,6 +156,7 @@ pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
 }
 
 /// theta_c, normalised, I + 2 w P M and the damping w tr P M; `level` is n s.
+#[inline(always)]
 fn corrected<const N: usize>(
     bare: &[f32; N],
     p: &Matrix<N>,

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use crate::printed::Task;
 use crate::process::{self, Done, M0, M4F, cargo};
-use crate::{deny, docs, setup};
+use crate::{deny, docs, edges, python, setup};
 
 /// The examples that are firmware; the others need an operating system.
 const FIRMWARE_EXAMPLES: [&str; 5] = ["selftest", "icount", "footprint", "servo", "pil"];
@@ -48,6 +48,21 @@ const CHECKS: [Step; 6] = [
     ("icount", || Task::Icount(Default::default()).print()),
     ("docs", || docs::run(&docs::Options::default())),
 ];
+
+/// The edges: every other language and framework that the core is linked from.
+const EDGES: [Step; 6] = [
+    ("capi", || Task::Capi(Default::default()).print()),
+    ("octave", edges::octave),
+    ("fmu", edges::fmu),
+    ("rtic", || Task::Rtic.print()),
+    ("embassy", || Task::Embassy.print()),
+    ("python", || python::run(&python::Options::default())),
+];
+
+/// All edges, each with a line of what it took.
+pub(crate) fn edges() -> Done {
+    steps(&EDGES)
+}
 
 /// Every step but the long ones.
 pub(crate) fn all() -> Done {

@@ -92,6 +92,8 @@ enum Task {
     Octave,
     /// Units of FMI 2.0 of identifier and loop, validated and simulated by FMPy, against Rust.
     Fmu,
+    /// What the core is linked from, one after another: capi, octave, fmu, rtic, embassy, python.
+    Edges,
     /// Every test and check of `.ci/run`.
     Ci,
 }
@@ -126,6 +128,7 @@ fn main() -> ExitCode {
         Task::Semver => ci::semver(),
         Task::Octave => edges::octave(),
         Task::Fmu => edges::fmu(),
+        Task::Edges => ci::edges(),
         Task::Ci => ci::all(),
     };
     match done {

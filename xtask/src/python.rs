@@ -8,7 +8,7 @@ use std::process::Command;
 use crate::process::{self, Done, cargo, root, target_directory, works};
 
 /// Options of the task.
-#[derive(clap::Args)]
+#[derive(Default, clap::Args)]
 pub(crate) struct Options {
     /// Write what the blocks of docs/python.md print and draw now, instead of comparing.
     #[arg(long)]

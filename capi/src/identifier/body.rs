@@ -65,14 +65,17 @@ pub(crate) unsafe fn begin<W, K: Kind>(
         // The handle finds word and table at one place, whatever the kind.
         assert!(align_of::<Body<K>>() == align_of::<Head>());
     }
-    let body = || {
-        Ok(Body {
-            methods: Table::<K>::METHODS,
-            kind: kind()?,
-        })
+    let fill = |body: *mut Body<K>| {
+        let kind = kind()?;
+        // SAFETY: memory for a body, by the contract of `make`.
+        unsafe {
+            (&raw mut (*body).kind).write(kind);
+            (&raw mut (*body).methods).write(Table::<K>::METHODS);
+        }
+        Ok(())
     };
-    // SAFETY: by the contract of this function.
-    let done = unsafe { make(memory, body, detail) };
+    // SAFETY: by the contract of this function; a body has no other fields.
+    let done = unsafe { make(memory, fill, detail) };
     if done == Error::Ok {
         // SAFETY: by the contract of this function.
         unsafe { write_if_wanted(handle, memory.cast()) };
@@ -175,10 +178,8 @@ impl<K: Kind> Table<K> {
     unsafe fn estimate(identifier: *const Identifier, to: *mut Estimate) -> Result<(), Error> {
         // SAFETY: the handle is of this kind and nobody writes it.
         let kind = unsafe { kind::<K>(identifier) }?;
-        let found = Estimate {
-            inputs: kind.inputs() as u8,
-            ..kind.core().estimate()
-        };
+        let mut found = kind.core().estimate();
+        found.inputs = kind.inputs() as u8;
         // SAFETY: NULL, or memory of the caller for an estimate.
         unsafe { write(to, found) }
     }

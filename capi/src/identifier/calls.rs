@@ -143,6 +143,7 @@ pub unsafe extern "C" fn trendid_identifier_warm_start(
 ///
 /// # Safety
 /// The contract of the header.
+#[inline(always)]
 unsafe fn ask(
     identifier: *const Identifier,
     question: impl FnOnce(&'static Methods) -> Result<(), Error>,

@@ -162,6 +162,7 @@ pub struct Estimate {
 }
 
 /// As many numbers as there is room for.
+#[inline(always)]
 fn fill<const L: usize>(from: impl IntoIterator<Item = f32>) -> [f32; L] {
     let mut to = [0.0; L];
     for (place, value) in to.iter_mut().zip(from) {
@@ -171,6 +172,8 @@ fn fill<const L: usize>(from: impl IntoIterator<Item = f32>) -> [f32; L] {
 }
 
 impl<const M: usize, const N: usize, const I: usize> From<&CoreEstimate<M, N, I>> for Estimate {
+    // Made where it is to stand: a copy of it is 45 words.
+    #[inline(always)]
     fn from(found: &CoreEstimate<M, N, I>) -> Self {
         let transfer = found.transfer_function();
         let physical = found.physical();

@@ -35,6 +35,7 @@ pub(crate) trait Recursion {
 }
 
 /// Copies into a list of the caller that has exactly this length.
+#[inline(always)]
 fn copy<T: Copy>(from: &[T], to: &mut [T]) -> Result<(), Error> {
     if from.len() != to.len() {
         return Err(Error::Length);
@@ -89,10 +90,12 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize> Recursion
         Ok(done?)
     }
 
+    #[inline(always)]
     fn theta(&self, theta: &mut [f32]) -> Result<(), Error> {
         copy(&Core::theta(self), theta)
     }
 
+    #[inline(always)]
     fn estimate(&self) -> Estimate {
         Estimate::from(&found(self))
     }

@@ -48,7 +48,7 @@ pub unsafe extern "C" fn trendid_loop_init(
     settings: *const LoopSettings,
     detail: *mut Detail,
 ) -> Error {
-    let body = || {
+    let fill = |body: *mut Body| {
         // SAFETY: by the contract of the header.
         let settings = unsafe { shared(settings) }?;
         let config = settings.config()?;
@@ -56,13 +56,16 @@ pub unsafe extern "C" fn trendid_loop_init(
             steps: settings.steps()?,
             fault: false,
         };
-        Ok(Body {
-            servo: ServoLoop::try_new(&config, settings.axis()?, Code(None), output)?,
-            identity: Identity::new(0, &config),
-        })
+        let servo = ServoLoop::try_new(&config, settings.axis()?, Code(None), output)?;
+        // SAFETY: memory for a body, by the contract of `make`.
+        unsafe {
+            (&raw mut (*body).servo).write(servo);
+            (&raw mut (*body).identity).write(Identity::new(0, &config));
+        }
+        Ok(())
     };
-    // SAFETY: by the contract of the header.
-    unsafe { make(memory, body, detail) }
+    // SAFETY: by the contract of the header; a body has no other fields.
+    unsafe { make(memory, fill, detail) }
 }
 
 /// One sample: takes the code of the sensor, gives the command for the valve in `report`.

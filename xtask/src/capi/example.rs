@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use crate::capi::archive::Archive;
 use crate::capi::release;
-use crate::process::{M4F, cargo, root, run, target_directory};
+use crate::process::{Done, M4F, cargo, root, run, target_directory};
 
 /// Builds and runs all of it; gives what it found.
 pub(crate) fn run_all() -> Result<String, String> {
@@ -62,10 +62,51 @@ pub(crate) fn run_all() -> Result<String, String> {
         &on_target,
         &M4F.lines(&target.join("example"), Duration::from_secs(300))?,
     )?;
+    same(
+        "STM32F405 in the emulator, C++",
+        &of_wrapper,
+        &M4F.lines(&target.join("example-cpp"), Duration::from_secs(300))?,
+    )?;
+    by_make(&place, &expected, &on_target)?;
     Ok(format!(
-        "{} lines of numbers, in C and C++, on the host, under sanitizers and in the emulator: those of Rust\n",
+        "{} lines of numbers, in C and C++, by CMake and make, on the host, under sanitizers and in the emulator: those of Rust\n",
         expected.len()
     ))
+}
+
+/// By make, with one line for the linker, from a tree as a release has it.
+fn by_make(place: &Path, expected: &[String], on_target: &[String]) -> Done {
+    let (tree, place) = (place.join("package"), place.join("make"));
+    release::stage(&tree, &[Archive::HOST_FAST, Archive::M4F_FAST])?;
+    let program = made(&place, &tree, Archive::HOST_FAST.target)?;
+    same("host, make", expected, &lines(&program)?)?;
+    let program = made(&place, &tree, M4F.target)?;
+    let found = M4F.lines(&program, Duration::from_secs(300))?;
+    same("STM32F405 in the emulator, make", on_target, &found)
+}
+
+/// Builds a copy of the example by its Makefile from a release tree; gives the program.
+fn made(place: &Path, tree: &Path, target: &str) -> Result<PathBuf, String> {
+    let place = place.join(target);
+    let _ = std::fs::remove_dir_all(&place);
+    std::fs::create_dir_all(place.join("data")).map_err(|error| error.to_string())?;
+    let examples = root().join("examples");
+    let mut command = Command::new("cp");
+    command.arg("-r").arg(examples.join("c")).arg(&place);
+    run(command)?;
+    std::fs::copy(
+        examples.join("data/servo.bin"),
+        place.join("data/servo.bin"),
+    )
+    .map_err(|error| format!("servo.bin: {error}"))?;
+    let mut command = Command::new("make");
+    command
+        .arg("-C")
+        .arg(place.join("c"))
+        .arg(format!("TRENDID={}", tree.display()))
+        .arg(format!("TARGET={target}"));
+    run(command)?;
+    Ok(place.join("c/example"))
 }
 
 /// The lines of the same runs in Rust.
@@ -122,7 +163,7 @@ fn collected(command: &mut Command) -> Result<Vec<String>, String> {
 }
 
 /// The same lines in any order: each run has a name.
-fn same(what: &str, expected: &[String], found: &[String]) -> Result<(), String> {
+fn same(what: &str, expected: &[String], found: &[String]) -> Done {
     let sorted = |lines: &[String]| {
         let mut lines = lines.to_vec();
         lines.sort();

@@ -11,8 +11,9 @@ pub(crate) const CBINDGEN: &str = "cbindgen";
 const CBINDGEN_VERSION: &str = "0.29.0";
 
 /// Programs of other packages, and the package of Debian that has each.
-const PACKAGES: [(&str, &[&str]); 4] = [
+const PACKAGES: [(&str, &[&str]); 5] = [
     ("cmake", &["cmake"]),
+    ("make", &["make"]),
     ("gcc", &["gcc", "libc6-dev"]),
     ("g++", &["g++"]),
     (
@@ -24,11 +25,23 @@ const PACKAGES: [(&str, &[&str]); 4] = [
 /// Everything.
 pub(crate) fn all() -> Done {
     setup::run()?;
-    let missing: Vec<_> = PACKAGES
+    let mut missing: Vec<_> = PACKAGES
         .iter()
         .filter(|(program, _)| !works(program, &["--version"]))
         .flat_map(|(_, packages)| packages.iter().copied())
         .collect();
+    // Headers of C++: the compiler for ARM comes without.
+    let with_headers = [
+        "-x",
+        "c++",
+        "-fsyntax-only",
+        "-include",
+        "array",
+        "/dev/null",
+    ];
+    if !works("arm-none-eabi-g++", &with_headers) {
+        missing.push("libstdc++-arm-none-eabi-dev");
+    }
     setup::apt(&missing)?;
     cbindgen()
 }
