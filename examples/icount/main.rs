@@ -8,6 +8,9 @@
 
 mod meter;
 mod position_loop;
+// The wire is built for this core alone.
+#[cfg(all(target_os = "none", target_abi = "eabihf"))]
+mod telemetry;
 
 use meter::Meter;
 use position_loop::{Servo, Still, motion, servo};
@@ -167,6 +170,8 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
         now_and_then(meter)?;
         instruments(meter)?;
     }
+    #[cfg(all(target_os = "none", target_abi = "eabihf"))]
+    telemetry::rows(meter);
     rows! { meter;
         "order 3 full", 6, *row_full, rows::full()?, samples();
         "bare estimator", 3, &row_bare_3, bare(), rows_of_numbers();

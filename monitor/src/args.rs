@@ -67,6 +67,10 @@ pub(crate) struct Args {
     /// Records to this file from the first sample on
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
+    /// Writes every sample to this file as MCAP, for Foxglove
+    #[cfg(feature = "mcap")]
+    #[arg(long, value_name = "FILE")]
+    pub mcap: Option<PathBuf>,
     /// Sends every sample to Teleplot over UDP
     #[arg(long, value_name = "HOST:PORT")]
     pub teleplot: Option<SocketAddr>,

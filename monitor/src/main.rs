@@ -8,6 +8,8 @@
 
 mod args;
 mod hub;
+#[cfg(feature = "mcap")]
+mod mcap;
 mod outputs;
 mod record;
 mod server;

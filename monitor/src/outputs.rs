@@ -58,6 +58,12 @@ impl Output {
     }
 }
 
+/// A sample as one JSON object.
+#[cfg(feature = "mcap")]
+pub(crate) fn object(sample: &Sample, sample_time: f32) -> String {
+    line(Format::Json, sample, sample_time)
+}
+
 fn line(format: Format, sample: &Sample, sample_time: f32) -> String {
     let t = f64::from(sample.tick) * f64::from(sample_time);
     let mut values = vec![

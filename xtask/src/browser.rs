@@ -36,7 +36,8 @@ pub(crate) fn run() -> Done {
     setup::run()?;
     let image = M4F.build("servo", "firmware")?;
     let page = web::build()?;
-    let bin = target_directory()?.join("debug");
+    let target = target_directory()?;
+    let bin = target.join("debug");
     for script in ["monitor.mjs", "emulator.mjs", "playground.mjs"] {
         let mut command = Command::new("node");
         command
@@ -49,6 +50,7 @@ pub(crate) fn run() -> Done {
             .env("SEED", SEED)
             .env("IMAGE", &image)
             .env("WEB", &page)
+            .env("CORE", web::module(&target, "trendid_web"))
             .env("RECORD", root().join("examples/data/servo.csv"));
         process::run(command)?;
     }

@@ -9,6 +9,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use crate::process::{self, Done, cargo, root, target_directory};
+use crate::setup::add_targets;
 
 /// Target of the modules.
 const TARGET: &str = "wasm32-unknown-unknown";
@@ -39,7 +40,7 @@ pub(crate) fn run() -> Result<String, String> {
 
 /// Builds the playground; gives its folder.
 pub(crate) fn build() -> Result<PathBuf, String> {
-    add_target()?;
+    add_targets(&[TARGET])?;
     // Libraries of C for the browser alone: as such they do not link on a host with the log of the firmware.
     for package in ["trendid-web", "trendid-web-identify"] {
         process::run(cargo(&[
@@ -58,7 +59,7 @@ pub(crate) fn build() -> Result<PathBuf, String> {
     }
     let target = target_directory()?;
     let module = |name: &str| -> Result<String, String> {
-        let path = target.join(TARGET).join("web").join(format!("{name}.wasm"));
+        let path = module(&target, name);
         let bytes = fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         Ok(STANDARD.encode(gzip(&bytes)?))
     };
@@ -93,6 +94,11 @@ pub(crate) fn build() -> Result<PathBuf, String> {
     Ok(place)
 }
 
+/// Where a module lies that was built.
+pub(crate) fn module(target: &Path, name: &str) -> PathBuf {
+    target.join(TARGET).join("web").join(format!("{name}.wasm"))
+}
+
 /// A script of ours without the lines that are comments.
 fn without_comments(script: &str) -> String {
     let code = |line: &&str| {
@@ -101,24 +107,6 @@ fn without_comments(script: &str) -> String {
     };
     let lines = script.lines().filter(code);
     lines.flat_map(|line| [line.trim_start(), "\n"]).collect()
-}
-
-/// Adds the target where it is missing.
-fn add_target() -> Done {
-    let output = Command::new("rustc").args(["--print", "sysroot"]).output();
-    let sysroot = output.map_err(|error| format!("rustc: {error}"))?.stdout;
-    let sysroot = String::from_utf8_lossy(&sysroot).trim().to_owned();
-    if Path::new(&sysroot)
-        .join("lib/rustlib")
-        .join(TARGET)
-        .join("lib")
-        .exists()
-    {
-        return Ok(());
-    }
-    let mut command = Command::new("rustup");
-    command.args(["target", "add", TARGET]);
-    process::run(command)
 }
 
 /// Bytes after gzip, as a server would send them.

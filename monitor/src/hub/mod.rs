@@ -23,6 +23,8 @@ use trendid_link::telemetry::settings::SETTINGS;
 use trendid_link::telemetry::{Client, Health, Identity, Learned, NumberedEvent, Request, Sample};
 
 use crate::args::Args;
+#[cfg(feature = "mcap")]
+use crate::mcap::Mcap;
 use crate::outputs::{Format, Output};
 use crate::record::Recorder;
 use crate::source::Source;
@@ -67,6 +69,8 @@ pub(crate) struct Hub {
     recorder: Option<Recorder>,
     wanted: Option<PathBuf>,
     outputs: Vec<Output>,
+    #[cfg(feature = "mcap")]
+    mcap: Option<Mcap>,
     second: (Instant, u64),
     rate: u64,
 }
@@ -107,6 +111,8 @@ impl Hub {
             recorder: None,
             wanted: args.csv.clone(),
             outputs,
+            #[cfg(feature = "mcap")]
+            mcap: args.mcap.as_deref().map(Mcap::create).transpose()?,
             second: (now, 0),
             rate: 0,
         })
@@ -152,6 +158,10 @@ impl Hub {
         }
         self.outputs.iter_mut().for_each(Output::flush);
         self.end_record("the monitor ends");
+        #[cfg(feature = "mcap")]
+        if let Some(Err(why)) = self.mcap.take().map(Mcap::finish) {
+            eprintln!("error: {why}");
+        }
         Summary {
             tally: self.tally,
             losses: self.client.losses(),

@@ -133,6 +133,15 @@ impl Hub {
         for output in &mut self.outputs {
             output.take(&sample, sample_time);
         }
+        #[cfg(feature = "mcap")]
+        if let Some(Err(why)) = self
+            .mcap
+            .as_mut()
+            .map(|file| file.take(&sample, sample_time))
+        {
+            eprintln!("error: {why}");
+            self.mcap = None;
+        }
         keep(&mut self.samples, sample, SAMPLES);
         self.fresh = (self.fresh + 1).min(SAMPLES);
     }
