@@ -171,7 +171,7 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
         instruments(meter)?;
     }
     #[cfg(all(target_os = "none", target_abi = "eabihf"))]
-    telemetry::rows(meter);
+    telemetry::rows(meter, samples(), samples().take(CALLS));
     rows! { meter;
         "order 3 full", 6, *row_full, rows::full()?, samples();
         "bare estimator", 3, &row_bare_3, bare(), rows_of_numbers();

@@ -6,7 +6,6 @@ use trendid_example_support::record;
 use trendid_link::telemetry::{Health, Identity, Learned, Sample, Station};
 
 use crate::meter::Meter;
-use crate::{CALLS, samples};
 
 /// A station that tells every sample, and the number of the sample.
 type Teller = (Station, u32);
@@ -62,9 +61,13 @@ fn sent(station: &mut Station) -> u32 {
     count
 }
 
-/// The rows.
+/// The rows: over `samples`, and over `calls` of what is told now and then.
 #[inline(never)]
-pub(crate) fn rows(meter: &mut impl Meter) {
+pub(crate) fn rows(
+    meter: &mut impl Meter,
+    samples: impl Iterator<Item = (f32, f32)>,
+    calls: impl Iterator<Item = (f32, f32)>,
+) {
     let identity = Identity {
         sample_time: record::SAMPLE_TIME,
         ..Identity::default()
@@ -75,7 +78,7 @@ pub(crate) fn rows(meter: &mut impl Meter) {
         "row_telemetry",
         6,
         teller.clone(),
-        samples(),
+        samples,
         |state, &u, y| row_telemetry(state, u, y),
     );
     meter.row(
@@ -83,7 +86,7 @@ pub(crate) fn rows(meter: &mut impl Meter) {
         "row_learned",
         6,
         teller,
-        samples().take(CALLS),
+        calls,
         |state, &u, y| row_learned(state, u, y),
     );
 }
