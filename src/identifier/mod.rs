@@ -95,6 +95,20 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         Ok(Self { plan, state })
     }
 
+    /// Takes other settings and other trends. [`Identifier::reset`] must follow before the next sample; in a sample of its own,
+    /// where both are too much for one.
+    ///
+    /// # Errors
+    /// As of [`Identifier::try_new`]; nothing is changed then.
+    pub(crate) fn replan(
+        &mut self,
+        config: &Config<M, N, I>,
+        trends: T,
+    ) -> Result<(), ConfigError> {
+        self.plan = Plan::new(config, trends, D)?;
+        Ok(())
+    }
+
     /// Takes all inputs u(k), in force from now until the next sample, and the output y(k).
     ///
     /// Cost: see the table of instruction counts.

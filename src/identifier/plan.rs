@@ -194,6 +194,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
 
     /// Parameters of the s plane in the user's units as the recursion has them.
     fn normalised(&self, theta: &[f32; N]) -> Result<[f32; N], ConfigError> {
+        // No parameters are none in every plane.
+        if *theta == [0.0; N] {
+            return Ok(*theta);
+        }
         let given = theta_in_trend_plane(theta, &self.structure, self.trends.design());
         let units = self.regressor.units();
         let theta: [f32; N] = core::array::from_fn(|j| given[j] / units[j]);

@@ -42,6 +42,18 @@ pub(crate) fn sin(x: f32) -> f32 {
     libm::sinf(x)
 }
 
+/// The sign of a value; 0 of zero and NaN.
+#[inline(always)]
+pub(crate) fn sign(value: f32) -> f32 {
+    if value > 0.0 {
+        1.0
+    } else if value < 0.0 {
+        -1.0
+    } else {
+        0.0
+    }
+}
+
 /// `value` within `-bound..=bound`; no panic path, unlike `f32::clamp`. NaN passes.
 #[inline(always)]
 pub(crate) fn within(value: f32, bound: f32) -> f32 {

@@ -23,12 +23,17 @@ const STRUCTURE: Structure<3, 6, 3> = crate::structure!(
     true
 );
 
-/// An identifier for this axis.
-pub(crate) fn identifier(
+/// The trends of an identifier for this axis.
+pub(crate) fn trends(
     design: &IdentificationDesign,
     sample_time: f32,
-) -> Result<LoopIdentifier, Error> {
-    let trends = FilteredTrends::try_new(Scheme::Tustin, sample_time, [design.trends_rate; 3])?;
+) -> Result<FilteredTrends<3>, Error> {
+    let rates = [design.trends_rate; 3];
+    Ok(FilteredTrends::try_new(Scheme::Tustin, sample_time, rates)?)
+}
+
+/// The settings of an identifier for this axis.
+fn settings(design: &IdentificationDesign) -> Config<3, 6, 3> {
     let mut config = Config::new(
         STRUCTURE,
         design.bandwidth,
@@ -37,7 +42,25 @@ pub(crate) fn identifier(
     );
     config.output_noise = design.output_noise;
     config.memory = Some(design.memory);
-    Ok(Identifier::try_new(&config, trends)?)
+    config
+}
+
+/// An identifier for this axis.
+pub(crate) fn identifier(
+    design: &IdentificationDesign,
+    sample_time: f32,
+) -> Result<LoopIdentifier, Error> {
+    let trends = trends(design, sample_time)?;
+    Ok(Identifier::try_new(&settings(design), trends)?)
+}
+
+/// Other settings for an identifier, which must be reset in a later sample.
+pub(crate) fn replan(
+    identifier: &mut LoopIdentifier,
+    design: &IdentificationDesign,
+    trends: FilteredTrends<3>,
+) -> Result<(), Error> {
+    Ok(identifier.replan(&settings(design), trends)?)
 }
 
 /// The inputs in control: valve, delay and friction are those of the controller.

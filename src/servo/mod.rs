@@ -15,8 +15,11 @@
 //! | monitoring | faults of sensor, valve and axis in control, and how they stop it |
 //! | identification | the identifier of the loop and its candidates |
 //! | servo_loop, supervise, protect | all of it behind one call per sample |
+//! | tune, build, building | from a model to poles and to a loop that controls on it, in pieces of a sample |
 //! | store | a verified model in flash |
 
+mod build;
+pub(crate) mod building;
 pub(crate) mod commissioning;
 pub(crate) mod config;
 pub(crate) mod control;
@@ -36,7 +39,7 @@ mod tune;
 
 pub use config::{Config, ControllerSettings, ExcitationSettings, SupervisionSettings};
 pub use control::controller::Controller;
-pub use control::tuning::Margins;
+pub use control::margins::Margins;
 pub use design::Design;
 pub use error::Error;
 pub use identification::LoopIdentifier;

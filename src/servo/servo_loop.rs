@@ -1,8 +1,11 @@
 //! Sensor, identifier, supervisor, controller and valve in one call per sample.
 
+mod reading;
+mod requests;
 mod skip;
 
 use crate::hardware::{Axis, PositionSensor, Valve};
+use crate::servo::building::Building;
 use crate::servo::commissioning::{Commissioning, CommissioningDesign, Progress};
 use crate::servo::config::Config;
 use crate::servo::control::controller::Controller;
@@ -10,15 +13,13 @@ use crate::servo::control::limiter::CommandLimiter;
 use crate::servo::control::tuning::Tuned;
 use crate::servo::design::Design;
 use crate::servo::design::constants::DELAY_MAX;
-use crate::servo::design::constants::REOPENED_STD;
 use crate::servo::error::Error;
-use crate::servo::identification::{LoopIdentifier, identifier, inputs_of_known, reopen};
+use crate::servo::identification::{LoopIdentifier, identifier, inputs_of_known};
 use crate::servo::model::Model;
-use crate::servo::monitoring::reading::Verdict;
 use crate::servo::monitoring::{Monitors, stop::Stop};
+use crate::servo::motion::Setpoint;
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
 use crate::servo::motion::trajectory::Trajectory;
-use crate::servo::motion::{Motion, Setpoint};
 use crate::servo::report::Report;
 use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
 use crate::servo::supervision::state::Reason;
@@ -86,6 +87,8 @@ pub struct ServoLoop<S, V> {
     pub(crate) derating: f32,
     /// The model of the commissioning, until it has answered an oscillation.
     pub(crate) known_good: Option<Model>,
+    /// The loop for what was found, while it is being built.
+    pub(crate) building: Option<Building>,
     /// The search of poles for the model that is being validated.
     pub(crate) tuning: Option<Tuned>,
     /// Samples in which the observer of the controller settles before it takes over.
@@ -152,6 +155,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             stop: Stop::default(),
             derating: 1.0,
             known_good: None,
+            building: None,
             tuning: None,
             watching: 0,
             commands: [0.0; DELAY_MAX + 1],
@@ -163,50 +167,6 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             start_requested: false,
             ends: false,
         })
-    }
-
-    /// Takes a model that is known to be good: control begins with the next sample, at the actual position. Searches the
-    /// poles at once, some million instructions: not for the 1 ms path.
-    ///
-    /// # Errors
-    /// [`Error::Model`] with the reason, when it does not pass what every candidate must: finite, of the right sign, stable,
-    /// in range of the settings.
-    pub fn install(&mut self, model: Model) -> Result<(), Error> {
-        self.supervisor.install(model).map_err(Error::Model)?;
-        reopen(&mut self.identifier, &model, REOPENED_STD);
-        self.start_requested = false;
-        self.controller.search(&model);
-        self.take_over(model, Motion::at(self.position));
-        Ok(())
-    }
-
-    /// Commissions the axis with the next sample, around the position it then has.
-    pub fn commission(&mut self) {
-        self.start_requested = true;
-    }
-
-    /// Stops commissioning or control: the command goes to zero at its rate limit, the verified model is kept.
-    pub fn abort(&mut self) {
-        self.start_requested = false;
-        self.supervisor.abort();
-    }
-
-    /// Moves to `target`, limited to the travel, as fast as the limits of motion allow; may be called in any sample.
-    ///
-    /// # Errors
-    /// [`Error::Setting`] for NaN and infinity; the reference goes on as before.
-    pub fn move_to(&mut self, target: f32) -> Result<(), Error> {
-        self.trajectory.move_to(target)
-    }
-
-    /// Oscillates with `frequency` in Hz about the present reference, in motion about the place where it comes to rest; the
-    /// amplitude grows over one period.
-    ///
-    /// # Errors
-    /// [`Error::Setting`], with the largest amplitude or frequency for which travel and limits of motion have room;
-    /// the reference goes on as before.
-    pub fn oscillate(&mut self, amplitude: f32, frequency: f32) -> Result<(), Error> {
-        self.trajectory.oscillate(amplitude, frequency)
     }
 
     /// One sample: reads the sensor, moves the valve, learns.
@@ -254,61 +214,6 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.report(setpoint, command, outcome.innovation(), retuned)
     }
 
-    /// The position of a sample: measured, or expected where the reading failed or cannot be true; `None` without either.
-    /// `missed`: failed readings in a row before this one.
-    fn reading(&mut self, code: Option<i32>, missed: u32) -> Option<f32> {
-        let bridges = self.begun && self.errors < self.sensor_errors;
-        let Some(code) = code else {
-            let missing = self.monitors.count_reading(true, true);
-            if missing && self.is_active() {
-                self.fail(Reason::SensorFault);
-            }
-            return bridges.then(|| self.expected());
-        };
-        let y = self.axis.position(code);
-        self.code = code;
-        if !(self.begun && self.is_active()) {
-            return Some(y);
-        }
-        let verdict = self.monitors.judge(y, &self.tracking.motion(), missed);
-        if self.monitors.count_reading(false, verdict != Verdict::Good) {
-            self.fail(Reason::SensorFault);
-        }
-        match verdict {
-            Verdict::Good => Some(y),
-            Verdict::Bridge => Some(self.expected()),
-            Verdict::Jump => {
-                self.fail(Reason::Implausible);
-                Some(self.expected())
-            }
-        }
-    }
-
-    /// Whether the loop moves the axis.
-    fn is_active(&self) -> bool {
-        let state = self.supervisor.state();
-        state.is_commissioning() || state.is_controlling()
-    }
-
-    /// The first sample, and the first one of a commissioning.
-    fn begin(&mut self, y: f32) {
-        if !self.begun {
-            self.begun = true;
-            self.tracking.place(y);
-            self.trajectory.hold(y);
-            self.controller.place(Motion::at(y));
-            self.monitors.place(Motion::at(y), self.limiter.last());
-        }
-        if self.start_requested {
-            self.start_requested = false;
-            self.supervisor.begin();
-            self.watching = 0;
-            let known =
-                self.config.reversed.is_some() || self.supervisor.verified_model().is_some();
-            self.commissioning.begin(y, known.then_some(self.sign));
-        }
-    }
-
     /// The setpoint, and the command before its limits.
     fn requested(&mut self, y: f32, same_code: bool) -> (Setpoint, f32) {
         let state = self.supervisor.state();
@@ -350,39 +255,6 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             retuned,
             faults: self.monitors.counters(),
         }
-    }
-
-    /// The motion as far as it is known: by the observer in control, else by the measured positions alone.
-    pub(crate) fn motion(&self) -> Motion {
-        if self.supervisor.state().is_controlling() {
-            self.controller.motion()
-        } else {
-            self.tracking.motion()
-        }
-    }
-
-    /// Predicted position, which replaces a failed reading.
-    fn expected(&self) -> f32 {
-        let (m, t) = (self.motion(), self.sample_time);
-        m.position + t * (m.velocity + 0.5 * t * m.acceleration)
-    }
-
-    /// A sample without a measured or predicted position: the valve goes to zero.
-    fn blind(&mut self) -> Report {
-        if self.errors >= self.sensor_errors {
-            self.fail(Reason::SensorFault);
-        }
-        self.stop.end();
-        let requested = self.limiter.update(self.centre());
-        let command = match self.valve.drive(requested) {
-            Ok(command) => command,
-            Err(_) => {
-                self.fail(Reason::ValveFault);
-                0.0
-            }
-        };
-        self.identifier.restart_trends();
-        self.report(Setpoint::at(self.position), command, None, false)
     }
 }
 

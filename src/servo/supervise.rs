@@ -2,9 +2,9 @@
 
 use crate::Outcome;
 use crate::hardware::{PositionSensor, Valve};
-use crate::servo::commissioning::Progress;
+use crate::servo::commissioning::{Found, Progress};
 use crate::servo::control::controller::Controller;
-use crate::servo::control::tuning::Margins;
+use crate::servo::control::margins::Margins;
 use crate::servo::design::constants::{CHANGED_STD, REOPENED_STD};
 use crate::servo::identification::{LoopIdentifier, candidate, reopen};
 use crate::servo::model::Model;
@@ -12,8 +12,9 @@ use crate::servo::motion::{Motion, Setpoint};
 use crate::servo::servo_loop::ServoLoop;
 use crate::servo::supervision::event::{Event, Observation};
 use crate::servo::supervision::screening::Candidate;
-use crate::servo::supervision::state::State;
+use crate::servo::supervision::state::{Reason, State};
 use crate::servo::supervision::supervisor::Supervisor;
+use crate::servo::tune::PIECES_PER_SAMPLE;
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// Everything between the identifier and the controller; whether a model reached the controller.
@@ -122,8 +123,10 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let event = match self.progress {
             Progress::Command(_) => {
                 self.supervisor.commission(self.commissioning.is_sweeping());
-                if let Some(found) = self.commissioning.candidate() {
-                    self.search_poles(&found);
+                if let Some(found) = self.commissioning.candidate()
+                    && !self.commissioning.is_busy()
+                {
+                    self.search_poles(&found, PIECES_PER_SAMPLE);
                 }
                 Event::None
             }
@@ -135,15 +138,11 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                         return false;
                     }
                     self.supervisor.commissioned(found.model)
-                } else if !self.search_poles(&found) {
+                } else if self.commissioning.is_busy() {
                     return false;
                 } else {
-                    match self.tune(&found) {
-                        Ok(()) => {
-                            self.begin_control(found.model, self.commissioning.motion());
-                            self.watching = self.controller.settling();
-                            return false;
-                        }
+                    match self.prepare(&found) {
+                        Ok(()) => return false,
                         Err(reason) => self.supervisor.give_up(reason),
                     }
                 }
@@ -151,6 +150,21 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             Progress::Failed(reason) => self.supervisor.give_up(reason),
         };
         self.follow(event, before)
+    }
+
+    /// A sample of the way from what was found to a controller that watches: poles, the parts of the loop, the motion.
+    ///
+    /// Ready after the poles (some 30 samples per case of [`Tuning`](super::control::tuning::Tuning), most of them while the model is validated), 7 samples
+    /// and the settling of the observer.
+    fn prepare(&mut self, found: &Found) -> Result<(), Reason> {
+        if self.building.is_none() && !self.search_poles(found, PIECES_PER_SAMPLE) {
+            return Ok(());
+        }
+        if self.build(found)? {
+            self.begin_control(found.model, self.commissioning.motion());
+            self.watching = self.controller.settling();
+        }
+        Ok(())
     }
 
     /// The present estimate; in control with the valve and the friction of the controller.

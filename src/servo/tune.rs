@@ -1,35 +1,19 @@
 //! From what the commissioning found to a loop that controls.
 
 use crate::hardware::{PositionSensor, Valve};
+use crate::servo::building::tuned;
 use crate::servo::commissioning::Found;
-use crate::servo::config::Config;
-use crate::servo::control::controller::Controller;
 use crate::servo::control::tuning::{Tuned, Tuning};
 use crate::servo::design::TuningDesign;
-use crate::servo::design::constants as c;
 use crate::servo::design::constants::DELAY_MAX;
 use crate::servo::error::Error;
-use crate::servo::identification::identifier;
 use crate::servo::model::Model;
-use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
-use crate::servo::motion::trajectory::Trajectory;
 use crate::servo::servo_loop::ServoLoop;
 use crate::servo::store::Record;
-use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
 use crate::servo::supervision::state::Reason;
 
-/// Frequencies per sample of the search for poles.
-const FREQUENCIES_PER_SAMPLE: u32 = 3;
-
-/// The settings with what was found in the place of what was stated.
-fn tuned(config: &Config, found: &Found) -> Config {
-    let w = c::ROUGH_RATIO * crate::math::sqrt(found.model.a1);
-    let mut tuned = config.clone();
-    tuned.bandwidth = Some(w);
-    tuned.delay = found.delay.min(DELAY_MAX as f32 * config.sample_time);
-    tuned.noise = Some(config.noise.unwrap_or(found.noise));
-    tuned
-}
+/// Pieces per sample of the search for poles while the commissioning computes nothing else.
+pub(crate) const PIECES_PER_SAMPLE: u32 = 3;
 
 impl<S, V> ServoLoop<S, V> {
     /// The newest command, for the controller that takes over.
@@ -44,8 +28,8 @@ impl<S, V> ServoLoop<S, V> {
         }
     }
 
-    /// A few frequencies of the search for what was found; whether there are poles. Begins again for another model.
-    pub(crate) fn search_poles(&mut self, found: &Found) -> bool {
+    /// `pieces` of the search for what was found; whether there are poles. Begins again for another model.
+    pub(crate) fn search_poles(&mut self, found: &Found, pieces: u32) -> bool {
         if self.tuning.as_ref().is_none_or(|t| t.model != found.model) {
             let time = self.config.sample_time;
             let settings = &self.config.controller;
@@ -67,13 +51,17 @@ impl<S, V> ServoLoop<S, V> {
         let Some(tuned) = &mut self.tuning else {
             return false;
         };
-        for _ in 0..FREQUENCIES_PER_SAMPLE {
+        for _ in 0..pieces {
+            if tuned.done || tuned.tuning.has_some() {
+                return true;
+            }
             tuned.done = tuned.done || tuned.tuning.step();
         }
         tuned.done || tuned.tuning.has_some()
     }
 
-    /// One frequency more of a search that goes on in control; faster poles that it finds come into force.
+    /// One piece more of a search that goes on in control; faster poles that it finds come into force. A newer model restarts it:
+    /// until it ends, the poles in use follow the model by its natural frequency, which keeps their margins.
     pub(crate) fn refine_poles(&mut self) {
         let Some(tuned) = &mut self.tuning else {
             return;
@@ -95,18 +83,6 @@ impl<S, V> ServoLoop<S, V> {
             tuning: Tuning::new(self.controller.tuning_design(), &model),
             done: false,
         });
-    }
-
-    /// Builds identifier, controller and supervision for the axis that was found.
-    ///
-    /// Cost: see the table of instruction counts.
-    pub(crate) fn tune(&mut self, found: &Found) -> Result<(), Reason> {
-        self.rebuild(&tuned(&self.config, found), found.model)
-            .map_err(|_| Reason::OutOfRange)?;
-        self.sign = found.sign;
-        self.delay = found.delay;
-        self.noise = found.noise;
-        Ok(())
     }
 
     /// Control from the next sample on with what an earlier commissioning found, at the actual position.
@@ -152,7 +128,8 @@ impl<S, V> ServoLoop<S, V> {
             .screening
             .admits(&model)
             .map_err(Error::Model)?;
-        self.tune(&found).map_err(Error::Model)?;
+        self.building = None;
+        while !self.build(&found).map_err(Error::Model)? {}
         self.install(model)
     }
 
@@ -166,35 +143,5 @@ impl<S, V> ServoLoop<S, V> {
             sign: self.sign,
             noise: self.noise,
         })
-    }
-
-    fn rebuild(&mut self, config: &Config, model: Model) -> Result<(), Error> {
-        let design = config.resolve()?;
-        let identifier = identifier(&design.identification, design.sample_time)?;
-        self.identifier = identifier;
-        self.run_out_rate = design.run_out_rate;
-        self.settled = design.identification.settled;
-        let resolution = self.axis.scale.units(1).abs();
-        let controller = design.controller.with_resolution(resolution);
-        self.controller = match &self.tuning {
-            Some(tuned) if tuned.model == model => {
-                let (poles, margins) = tuned.tuning.poles();
-                Controller::with_poles(&controller, model, poles, margins)
-            }
-            // The poles are searched where the model is installed.
-            _ => Controller::provisional(&controller, model),
-        };
-        self.trajectory = Trajectory::new(design.motion, design.travel, design.sample_time);
-        self.trajectory.hold(self.commissioning.motion().position);
-        self.monitor = ExcitationMonitor::new(&design.monitor);
-        self.supervisor.redesign(&design.supervision);
-        self.monitors.redesign(
-            &design.monitoring.with_resolution(resolution),
-            &design.supervision.validation.observer,
-            model,
-        );
-        self.tracking = AlphaBetaGamma::new(design.tracking_rate, design.sample_time);
-        self.tracking.begin(self.commissioning.motion());
-        Ok(())
     }
 }

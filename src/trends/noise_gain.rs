@@ -14,7 +14,7 @@ pub struct NoiseGain<const M: usize> {
     pub top: f32,
 }
 
-/// Doublings of the sum over time: 2^24 samples are longer than the memory of any filter in f32.
+/// Most doublings of the sum over time: 2^24 samples are longer than the memory of any filter in f32.
 const DOUBLINGS: usize = 24;
 
 impl<const M: usize> NoiseGain<M> {
@@ -49,10 +49,15 @@ impl<const M: usize> NoiseGain<M> {
         let mut sum: Matrix<M> = core::array::from_fn(outer);
         for _ in 0..DOUBLINGS {
             let more = product_transposed(&product(&step, &sum), &step);
+            let before = sum;
             for i in 0..M {
                 for j in 0..M {
                     sum[i][j] += more[i][j];
                 }
+            }
+            // What adds nothing adds nothing later: each further addition is that one, decayed.
+            if sum == before {
+                break;
             }
             step = product(&step, &step);
         }

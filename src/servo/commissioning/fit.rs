@@ -35,6 +35,8 @@ pub(crate) struct Fit {
     scale: [f32; PARAMETERS],
     at: [Prediction; PARAMETERS + 1],
     next: usize,
+    /// First point that counts.
+    settled: usize,
     moving: u32,
     sums: Sums,
     passes: u32,
@@ -81,6 +83,7 @@ impl Fit {
             scale: [1.0; PARAMETERS],
             at: [Prediction::default(); PARAMETERS + 1],
             next: 0,
+            settled: 0,
             moving: 0,
             sums: NO_SUMS,
             passes: 0,
@@ -105,6 +108,7 @@ impl Fit {
         self.open(record, theta);
     }
 
+    /// Begins a pass. Cost: some 1500 instructions.
     fn open(&mut self, record: &Record, theta: Theta) {
         self.scale = scales(&theta);
         self.gains = theta.gains(self.rate, self.view.time);
@@ -125,6 +129,7 @@ impl Fit {
             };
         }
         self.next = self.view.begin;
+        self.settled = self.view.begin + (2.0 / (self.rate * self.view.time)) as usize;
         self.moving = 0;
         self.sums = NO_SUMS;
     }
@@ -133,10 +138,9 @@ impl Fit {
         Point::of(record, i, self.view.time, self.view.rest_velocity)
     }
 
-    /// Takes `points` more; whether the pass is over. Cost: some 800 instructions per point.
+    /// Takes `points` more; whether the pass is over. Cost: some 1000 instructions per point.
     pub(crate) fn advance(&mut self, record: &Record, points: usize) -> bool {
         let inverse = 1.0 / self.view.time;
-        let settled = self.view.begin + (2.0 / (self.rate * self.view.time)) as usize;
         for _ in 0..points {
             let i = self.next;
             // A pass that is worse already need not be finished.
@@ -150,15 +154,63 @@ impl Fit {
             } else {
                 self.moving.saturating_add(1)
             };
-            let counts = i >= settled && self.moving > STARTING;
+            let counts = i >= self.settled && self.moving > STARTING;
             self.correct(&point, counts);
-            for (theta, at) in self.tried.iter().zip(&mut self.at) {
-                let flow = theta.flow_at(record, self.view.sign, i, inverse);
-                theta.advance(at, flow, point.direction, point.time);
+            let time = point.time;
+            // Decided once for all predictions.
+            if point.direction == 0.0 {
+                self.predict(record, i, inverse, |theta, at, flow| {
+                    theta.rest(at, flow, time);
+                });
+            } else {
+                self.predict(record, i, inverse, |theta, at, flow| {
+                    theta.slide(at, flow, point.direction, time);
+                });
             }
             self.next += 1;
         }
         false
+    }
+
+    /// Moves all predictions on by a point.
+    #[inline]
+    fn predict(
+        &mut self,
+        record: &Record,
+        i: usize,
+        inverse: f32,
+        advance: impl Fn(&Theta, &mut Prediction, f32),
+    ) {
+        let [own, a1, a2, b0, dead_zone, offset, friction, delay, kappa] = &self.tried;
+        let [
+            at,
+            at_a1,
+            at_a2,
+            at_b0,
+            at_dead_zone,
+            at_offset,
+            at_friction,
+            at_delay,
+            at_kappa,
+        ] = &mut self.at;
+        // All but one have the same delay: its commands are looked up once; and all but three have the same flow.
+        let commands = own.commands_at(record, self.view.sign, i, inverse);
+        let flow = own.mean_flow(commands);
+        for (theta, at) in [
+            (own, at),
+            (a1, at_a1),
+            (a2, at_a2),
+            (b0, at_b0),
+            (friction, at_friction),
+            (kappa, at_kappa),
+        ] {
+            advance(theta, at, flow);
+        }
+        for (theta, at) in [(dead_zone, at_dead_zone), (offset, at_offset)] {
+            advance(theta, at, theta.mean_flow(commands));
+        }
+        let flow = delay.flow_at(record, self.view.sign, i, inverse);
+        advance(delay, at_delay, flow);
     }
 
     fn correct(&mut self, point: &Point, counts: bool) {
@@ -183,7 +235,7 @@ impl Fit {
         }
     }
 
-    /// Ends a pass: takes its parameters if they are better, and begins the next one. Cost: some 1500 instructions.
+    /// Ends a pass: takes its parameters if they are better, and begins the next one. Cost: some 3000 instructions.
     pub(crate) fn next_pass(&mut self, record: &Record) {
         self.passes += 1;
         // Written so that NaN is worse.
@@ -248,29 +300,30 @@ impl Fit {
     }
 
     /// Standard deviations of a1, a2 and of the gain b0/a1, in the scales of a1, a2 and b0; infinite when they are not known.
+    ///
+    /// With the parameters in reverse order a1, a2 and b0 are the last ones: the last rows of the Cholesky factor are then that of
+    /// the inverse of their own covariance. Cost: some 1200 instructions.
     pub(crate) fn std(&self) -> [f32; 3] {
-        let mut normal = self.best_sums.normal;
         let variance = self.variance();
-        for j in 0..PARAMETERS {
-            normal[j][j] += variance / (PRIOR[j] * PRIOR[j]);
+        let last = PARAMETERS - 1;
+        let mut reversed = [[0.0; PARAMETERS]; PARAMETERS];
+        for (i, row) in reversed.iter_mut().enumerate() {
+            for (j, value) in row.iter_mut().enumerate().take(i + 1) {
+                *value = self.best_sums.normal[last - j][last - i];
+            }
+            row[i] += variance / (PRIOR[last - i] * PRIOR[last - i]);
         }
-        let Some(factor) = cholesky(&normal) else {
+        let Some(factor) = cholesky(&reversed) else {
             return [f32::INFINITY; 3];
         };
-        let mut std = [0.0; 3];
-        let mut cross = 0.0;
-        for (j, std) in std.iter_mut().enumerate() {
-            let mut unit = [0.0; PARAMETERS];
-            unit[j] = 1.0;
-            let column = backward(&factor, forward(&factor, unit));
-            *std = sqrt(variance * column[j]);
-            if j == 2 {
-                cross = variance * column[0];
-            }
-        }
-        let gain = std[2] * std[2] + std[0] * std[0] - 2.0 * cross;
-        std[2] = sqrt(gain);
-        std
+        let [.., [.., l55, _, _], [.., l65, l66, _], [.., l75, l76, l77]] = factor;
+        let own = [[l55, 0.0, 0.0], [l65, l66, 0.0], [l75, l76, l77]];
+        let covariance = |unit: [f32; 3]| backward(&own, forward(&own, unit));
+        let [b0, _, b0_a1] = covariance([1.0, 0.0, 0.0]);
+        let [_, a2, _] = covariance([0.0, 1.0, 0.0]);
+        let [_, _, a1] = covariance([0.0, 0.0, 1.0]);
+        let gain = b0 + a1 - 2.0 * b0_a1;
+        [a1, a2, gain].map(|x| sqrt(variance * x))
     }
 
     pub(crate) const fn best(&self) -> Theta {
@@ -291,19 +344,30 @@ impl Fit {
 impl Sums {
     #[inline]
     fn add(&mut self, slope: &[f32; PARAMETERS], error: f32) {
-        for (row, (si, (sum, line))) in slope
-            .iter()
-            .zip(self.gradient.iter_mut().zip(&mut self.normal))
-            .enumerate()
-        {
+        for (sum, si) in self.gradient.iter_mut().zip(slope) {
             *sum += si * error;
-            for (sum, sj) in line.iter_mut().zip(slope).take(row + 1) {
-                *sum += si * sj;
-            }
         }
+        let [row0, row1, row2, row3, row4, row5, row6, row7] = &mut self.normal;
+        add::<1>(row0, slope);
+        add::<2>(row1, slope);
+        add::<3>(row2, slope);
+        add::<4>(row3, slope);
+        add::<5>(row4, slope);
+        add::<6>(row5, slope);
+        add::<7>(row6, slope);
+        add::<8>(row7, slope);
         self.cost += error * error;
         self.lagged += error * self.last;
         self.last = error;
         self.count += 1.0;
+    }
+}
+
+/// Adds the products of the last of the first K slopes with all of them: a row of the lower triangle, without a loop.
+#[inline(always)]
+fn add<const K: usize>(row: &mut [f32; PARAMETERS], slope: &[f32; PARAMETERS]) {
+    const { assert!(K > 0 && K <= PARAMETERS) }
+    for j in 0..K {
+        row[j] += slope[K - 1] * slope[j];
     }
 }

@@ -77,8 +77,11 @@ pub(crate) struct Commissioning {
     tracking: AlphaBetaGamma,
     record: Record,
     search: Search,
-    /// The model that was accepted.
+    /// What the search begins with when the record has its spacing: the spacing, frequency and dead zone.
+    first_guess: Option<[f32; 3]>,
+    /// The model that was accepted, and whether that was in an earlier sample.
     accepted: Option<Theta>,
+    has_rested: bool,
     /// Samples since the code changed.
     same: u32,
 }
@@ -98,7 +101,9 @@ impl Commissioning {
             tracking: AlphaBetaGamma::new(rate, design.sample_time),
             record: Record::new(),
             search: Search::new(design.sample_time, design.delay),
+            first_guess: None,
             accepted: None,
+            has_rested: false,
             same: 0,
             design,
         }
@@ -110,13 +115,14 @@ impl Commissioning {
         self.stage = Stage::Resting(Rest::default());
         self.sign = 1.0;
         self.outside = 0.0;
+        self.first_guess = None;
         self.accepted = None;
         self.same = 0;
         self.time = 0.0;
         self.attempt = self.attempt.wrapping_add(1);
         self.tracking.place(self.share(position));
         self.record.restart(1);
-        self.search = Search::new(self.design.sample_time, self.design.delay);
+        self.search.stop();
     }
 
     fn share(&self, position: f32) -> f32 {
@@ -223,9 +229,29 @@ impl Commissioning {
             .unwrap_or(core::f32::consts::PI / half);
         let half = core::f32::consts::PI / frequency;
         let spacing = SPACING_MAX.min(half / POINTS_PER_HALF);
-        self.record.fix((spacing / step) as usize);
-        let time = self.record.stride() as f32 * step;
         let dead_zone = (0.5 * self.still.since).min(0.1);
+        self.first_guess = Some([spacing / step, frequency, dead_zone]);
+        let hold = half.min(0.25);
+        let sweep = Sweep::new(
+            y,
+            hold,
+            [dead_zone, self.still.since],
+            self.design.amplitude,
+            self.attempt,
+        );
+        self.stage = Stage::Sweeping(sweep);
+        self.settle_record();
+        Progress::Command(0.0)
+    }
+
+    /// Gives the record its spacing and begins the search.
+    fn settle_record(&mut self) {
+        let Some([stride, frequency, dead_zone]) = self.first_guess else {
+            return;
+        };
+        while !self.record.fix(stride as usize) {}
+        self.first_guess = None;
+        let time = self.record.stride() as f32 * self.design.sample_time;
         let span = 2.0 * predictor::REACH as f32 * time;
         let noise = 6.0 * self.still.sigma / span;
         let view = View {
@@ -238,16 +264,6 @@ impl Commissioning {
         let points = self.record.end() + (self.design.excite_time / time) as usize;
         self.search
             .begin(points, view, self.still.sigma, [frequency, dead_zone]);
-        let hold = half.min(0.25);
-        let sweep = Sweep::new(
-            y,
-            hold,
-            [dead_zone, self.still.since],
-            self.design.amplitude,
-            self.attempt,
-        );
-        self.stage = Stage::Sweeping(sweep);
-        Progress::Command(0.0)
     }
 
     fn sweep(&mut self, mut sweep: Sweep, y: f32, v: f32) -> Progress {
@@ -264,6 +280,7 @@ impl Commissioning {
         let [from, to, most] = WIDENING;
         let share = ((self.time - from) / (to - from)).clamp(0.0, 1.0);
         let slack = 1.0 + share * (most - 1.0);
+        self.has_rested = self.accepted.is_some();
         if self.accepted.is_none() {
             self.accepted = self.search.update(&self.record, slack);
         }
@@ -304,6 +321,11 @@ impl Commissioning {
             sign: self.sign,
             noise: length * self.still.sigma,
         }
+    }
+
+    /// Whether a fit or a simulation takes the time of this sample.
+    pub(crate) const fn is_busy(&self) -> bool {
+        !self.has_rested && self.search.is_busy()
     }
 
     /// Whether the axis obeys and is being identified.

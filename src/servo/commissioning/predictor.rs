@@ -113,27 +113,66 @@ impl Theta {
         }
     }
 
-    /// Mean flow of the interval that begins at point `i`, with the delay in parts of the spacing.
+    /// The commands of the interval that begins at point `i`, the newer and the older one, and the share of the older one: the
+    /// delay in parts of the spacing.
     #[inline]
-    pub(crate) fn flow_at(&self, record: &Record, sign: f32, i: usize, inverse_time: f32) -> f32 {
+    pub(crate) fn commands_at(
+        &self,
+        record: &Record,
+        sign: f32,
+        i: usize,
+        inverse_time: f32,
+    ) -> [f32; 3] {
         let back = self.delay * inverse_time;
         let whole = back as usize;
         let part = back - whole as f32;
-        let newer = self.flow(sign * record.u(i, whole));
-        let older = self.flow(sign * record.u(i, whole + 1));
+        [
+            sign * record.u(i, whole),
+            sign * record.u(i, whole + 1),
+            part,
+        ]
+    }
+
+    /// Mean flow of the commands of an interval.
+    #[inline]
+    pub(crate) fn mean_flow(&self, [newer, older, part]: [f32; 3]) -> f32 {
+        let (newer, older) = (self.flow(newer), self.flow(older));
         newer + part * (older - newer)
+    }
+
+    /// Mean flow of the interval that begins at point `i`.
+    #[inline]
+    pub(crate) fn flow_at(&self, record: &Record, sign: f32, i: usize, inverse_time: f32) -> f32 {
+        self.mean_flow(self.commands_at(record, sign, i, inverse_time))
     }
 
     /// Moves a prediction on by the spacing of the points. Cost: about 60 instructions.
     #[inline]
     pub(crate) fn advance(&self, at: &mut Prediction, flow: f32, direction: f32, time: f32) {
-        let k = self.kappa * if flow < 0.0 { -flow } else { flow };
         if direction == 0.0 {
-            // At rest only the drive changes.
-            at.p += time * (self.b0 * flow - k * at.p);
-            at.v = 0.0;
-            return;
+            self.rest(at, flow, time);
+        } else {
+            self.slide(at, flow, direction, time);
         }
+    }
+
+    /// Loss of flow under load.
+    #[inline]
+    fn loss(&self, flow: f32) -> f32 {
+        self.kappa * if flow < 0.0 { -flow } else { flow }
+    }
+
+    /// The same at rest, where only the drive changes.
+    #[inline]
+    pub(crate) fn rest(&self, at: &mut Prediction, flow: f32, time: f32) {
+        at.p += time * (self.b0 * flow - self.loss(flow) * at.p);
+        at.v = 0.0;
+    }
+
+    /// The same in motion.
+    #[inline]
+    pub(crate) fn slide(&self, at: &mut Prediction, flow: f32, direction: f32, time: f32) {
+        let k = self.loss(flow);
         let step = |v: f32, p: f32| (p - self.a2 * v, -self.a1 * v - k * p);
         let (dv, dp) = step(at.v, at.p);
         let (v1, p1) = (dv - self.friction * direction, dp + self.b0 * flow);

@@ -81,12 +81,15 @@ impl Record {
         self.filled = 0;
     }
 
-    /// Coarser points, as far as doubling leads to at most `stride`; from now on the oldest points are lost.
-    pub(crate) fn fix(&mut self, stride: usize) {
-        while 2 * self.stride <= stride {
+    /// Coarser points, as far as doubling leads to at most `stride`, one doubling per call; whether it is done: from then on the
+    /// oldest points are lost.
+    pub(crate) fn fix(&mut self, stride: usize) -> bool {
+        if 2 * self.stride <= stride {
             self.halve();
+            return false;
         }
         self.compacting = false;
+        true
     }
 
     /// Samples per point.

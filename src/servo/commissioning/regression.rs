@@ -53,6 +53,11 @@ struct Normal {
     right: [f32; TERMS],
 }
 
+const NO_SUMS: Normal = Normal {
+    matrix: [[0.0; TERMS]; TERMS],
+    right: [0.0; TERMS],
+};
+
 /// The regression, a few points per sample.
 ///
 /// ```text
@@ -79,6 +84,9 @@ pub(crate) struct Regression {
     squares: f32,
     delays: [f32; COMPARED],
     normals: [Normal; COMPARED],
+    /// Delays that are solved, and the model of the one with the smallest error.
+    solved: usize,
+    found: Option<(f32, Theta)>,
 }
 
 impl Regression {
@@ -99,23 +107,35 @@ impl Regression {
             moving: 0,
             origin: 0.0,
             squares: 0.0,
-            normals: [Normal {
-                matrix: [[0.0; TERMS]; TERMS],
-                right: [0.0; TERMS],
-            }; COMPARED],
+            normals: [NO_SUMS; COMPARED],
+            solved: 0,
+            found: None,
         }
     }
 
     /// Begins with filters of this rate and a dead zone that is surely not larger than the true one.
     pub(crate) fn begin(&mut self, record: &Record, view: View, rate: f32, dead_zone: f32) {
-        *self = Self {
-            view,
-            rate: rate.min(0.35 / view.time),
-            dead_zone,
-            next: view.begin,
-            origin: record.y(view.begin),
-            ..Self::new(self.delays[0])
-        };
+        self.view = view;
+        self.rate = rate.min(0.35 / view.time);
+        self.dead_zone = dead_zone;
+        for filter in [
+            &mut self.position,
+            &mut self.active,
+            &mut self.sign,
+            &mut self.direction,
+        ] {
+            *filter = Filter::default();
+        }
+        self.kept = [[0.0; 2]; KEPT];
+        self.next = view.begin;
+        self.moving = 0;
+        self.origin = record.y(view.begin);
+        self.squares = 0.0;
+        for normal in &mut self.normals {
+            *normal = NO_SUMS;
+        }
+        self.solved = 0;
+        self.found = None;
     }
 
     /// Takes `points` more; whether it is over. Cost: some 900 instructions per point.
@@ -184,18 +204,22 @@ impl Regression {
         }
     }
 
+    /// Solves the equations of one delay more; whether that was the last one. Cost: some 1300 instructions.
+    pub(crate) fn solve_next(&mut self) -> bool {
+        if let (Some(normal), Some(delay)) =
+            (self.normals.get(self.solved), self.delays.get(self.solved))
+            && let Some((error, theta)) = self.solve(normal, *delay)
+            && self.found.is_none_or(|(other, _)| error < other)
+        {
+            self.found = Some((error, theta));
+        }
+        self.solved += 1;
+        self.solved >= COMPARED
+    }
+
     /// The model of the delay with the smallest error; nothing when no delay gives a drive.
     pub(crate) fn best(&self) -> Option<Theta> {
-        let mut best: Option<(f32, Theta)> = None;
-        for (normal, delay) in self.normals.iter().zip(self.delays) {
-            let Some((error, theta)) = self.solve(normal, delay) else {
-                continue;
-            };
-            if best.is_none_or(|(other, _)| error < other) {
-                best = Some((error, theta));
-            }
-        }
-        best.map(|(_, theta)| theta)
+        self.found.map(|(_, theta)| theta)
     }
 
     fn solve(&self, normal: &Normal, delay: f32) -> Option<(f32, Theta)> {

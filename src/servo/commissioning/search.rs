@@ -79,6 +79,7 @@ pub(crate) struct Search {
     started: Option<Theta>,
     /// Points of a fit and of a simulation per sample.
     pace: [usize; 2],
+    is_busy: bool,
 }
 
 /// Velocity gain, natural frequency, damping.
@@ -106,7 +107,15 @@ impl Search {
             refusal: None,
             latest: None,
             started: None,
+            is_busy: false,
         }
+    }
+
+    /// Searches nothing until it begins.
+    pub(crate) const fn stop(&mut self) {
+        self.phase = Phase::Waiting(usize::MAX);
+        self.refusal = None;
+        self.latest = None;
     }
 
     /// Begins when the record has `points`, with a first guess of the natural frequency.
@@ -128,6 +137,11 @@ impl Search {
         self.latest = None;
         self.failures = 0;
         self.refusal = None;
+    }
+
+    /// Whether a fit, a simulation or their end took the time of this sample.
+    pub(crate) const fn is_busy(&self) -> bool {
+        self.is_busy
     }
 
     /// Why the last estimate was not accepted.
@@ -163,6 +177,7 @@ impl Search {
 
     /// One sample; a model, when one is accepted. `slack` widens the bounds.
     pub(crate) fn update(&mut self, record: &Record, slack: f32) -> Option<Theta> {
+        self.is_busy = !matches!(self.phase, Phase::Waiting(_) | Phase::Holding(..));
         match self.phase {
             Phase::Waiting(points) => {
                 if record.end() >= points {
@@ -171,6 +186,7 @@ impl Search {
             }
             Phase::Trying(k) => {
                 if self.regression.advance(record, self.pace[0]) {
+                    while !self.regression.solve_next() {}
                     self.started = self.regression.best();
                     match self.started {
                         Some(theta) => {

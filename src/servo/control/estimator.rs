@@ -1,6 +1,7 @@
 //! The state of the axis now, and when the next command takes effect.
 
-use crate::math::within;
+use crate::math::{sign, within};
+use crate::servo::control::axis_state::{State, Step};
 use crate::servo::control::place::Place;
 use crate::servo::control::poles::Poles;
 use crate::servo::design::EstimatorDesign;
@@ -10,63 +11,6 @@ use crate::servo::motion::Motion;
 
 /// Largest rate of the disturbance over b0: more than the full command is no disturbance.
 const DISTURBANCE_MAX: f32 = 1.0;
-
-/// Position, velocity, drive p and rate of the disturbance.
-///
-/// ```text
-/// x' = v     v' = p - a2 v - friction sgn v     p' = - a1 v + b0 f(t - T) + d     d' = 0
-/// ```
-///
-/// The *drive* p is the acceleration that the force of the drive alone would give; at rest it goes on while friction holds
-/// the axis.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct State {
-    pub(crate) position: f32,
-    pub(crate) velocity: f32,
-    pub(crate) drive: f32,
-    pub(crate) disturbance: f32,
-}
-
-/// Coefficients of a step at a place.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Step {
-    time: f32,
-    pub(crate) a1: f32,
-    pub(crate) a2: f32,
-    pub(crate) b0: f32,
-    /// 1 / (1 + a2 time/2).
-    damped: f32,
-    /// Velocity that friction takes in a sample.
-    held: f32,
-}
-
-impl State {
-    /// One sample on, with friction as a soft threshold on the velocity: no velocity within it is left over.
-    ///
-    /// Trapezoids: for an undamped drive the step turns the state without growth. Cost: about 25 instructions.
-    #[inline]
-    pub(crate) fn advance(&mut self, flow: f32, step: &Step) {
-        let t = step.time;
-        let gain = t * (step.b0 * flow + self.disturbance);
-        let reached = self.drive + gain - t * step.a1 * self.velocity;
-        let half = 0.5 * t;
-        let free = self.velocity + half * (self.drive + reached - step.a2 * self.velocity);
-        let v = step.damped * (free - within(free, step.held));
-        let mean = 0.5 * (self.velocity + v);
-        self.drive += gain - t * step.a1 * mean;
-        self.position += t * mean;
-        self.velocity = v;
-    }
-
-    /// One sample on while friction holds.
-    #[inline]
-    fn hold(&mut self, flow: f32, step: &Step) {
-        // A closed valve lets no offset through.
-        if flow != 0.0 {
-            self.drive += step.time * (step.b0 * flow + self.disturbance);
-        }
-    }
-}
 
 /// Observer on the delayed flow, and its prediction over the delay.
 ///
@@ -100,7 +44,7 @@ impl Estimator {
         design.delay = design.delay.min(DELAY_MAX);
         let place = Place::new(design.travel, design.dead_volume);
         let mut estimator = Self {
-            step: step_of(&model, 1.0, design.sample_time),
+            step: Step::of(&model, 1.0, design.sample_time),
             design,
             model,
             poles,
@@ -126,13 +70,7 @@ impl Estimator {
     /// Begins at a motion, with the flows that were set, newest first; what is missing was as the last.
     pub(crate) fn place(&mut self, motion: Motion, flows: impl Iterator<Item = f32>) {
         let friction = self.model.friction;
-        let sliding = if motion.velocity > 0.0 {
-            friction
-        } else if motion.velocity < 0.0 {
-            -friction
-        } else {
-            0.0
-        };
+        let sliding = friction * sign(motion.velocity);
         self.now = State {
             position: motion.position,
             velocity: motion.velocity,
@@ -147,9 +85,7 @@ impl Estimator {
             *slot = flow;
         }
         self.held = false;
-        for _ in 0..16 {
-            self.place.go(motion.position);
-        }
+        self.place.jump(motion.position);
         self.schedule();
         self.foresee();
     }
@@ -157,7 +93,7 @@ impl Estimator {
     /// Coefficients at the present place.
     #[inline]
     fn schedule(&mut self) {
-        self.step = step_of(&self.model, self.place.stiffness(), self.design.sample_time);
+        self.step = Step::of(&self.model, self.place.stiffness(), self.design.sample_time);
         let t = self.design.sample_time;
         self.gain = self
             .poles
@@ -319,16 +255,5 @@ impl Estimator {
             velocity,
             acceleration,
         }
-    }
-}
-
-fn step_of(model: &Model, stiffness: f32, time: f32) -> Step {
-    Step {
-        time,
-        a1: stiffness * model.a1,
-        a2: model.a2,
-        b0: stiffness * model.b0,
-        damped: 1.0 / (1.0 + 0.5 * model.a2 * time),
-        held: model.friction * time,
     }
 }

@@ -1,13 +1,20 @@
 //! Control on a verified model: poles from margins, estimator over the delay, law, friction that holds, rest, limits.
 
 pub(crate) mod anchor;
+pub(crate) mod axis_state;
+pub(crate) mod compensator;
 pub(crate) mod controller;
 pub(crate) mod estimator;
 pub(crate) mod friction;
+mod law;
 pub(crate) mod limiter;
 pub(crate) mod margins;
+pub(crate) mod null;
+mod observation;
 pub(crate) mod observer;
 pub(crate) mod place;
 pub(crate) mod poles;
 pub(crate) mod rest;
+pub(crate) mod sweep;
+pub(crate) mod transfer;
 pub(crate) mod tuning;

@@ -1,5 +1,6 @@
 //! What the place on the travel does to the stiffness of an axis.
 
+use crate::math::sqrt;
 use crate::servo::motion::Travel;
 
 /// Stiffness of a cylinder over that in the middle of its travel.
@@ -56,6 +57,12 @@ impl Place {
         self.root = 0.5 * (self.root + self.stiffness / self.root);
     }
 
+    /// Goes to a position that may be far away. Cost: one square root more.
+    pub(crate) fn jump(&mut self, position: f32) {
+        self.go(position);
+        self.root = sqrt(self.stiffness);
+    }
+
     /// Stiffness over that in the middle.
     #[inline]
     pub(crate) const fn stiffness(&self) -> f32 {
@@ -84,9 +91,7 @@ mod tests {
             place.go(x);
         }
         assert!((place.stiffness() - 1.0).abs() < 1e-6);
-        for _ in 0..8 {
-            place.go(-60.0);
-        }
+        place.jump(-60.0);
         assert!((place.stiffness() - 2.0416).abs() < 1e-3);
         assert!((place.frequency() * place.frequency() - place.stiffness()).abs() < 1e-5);
         let mut even = Place::new(travel, f32::INFINITY);

@@ -1,0 +1,125 @@
+//! The loop for what the commissioning found, built a part per sample.
+//!
+//! | sample | part |
+//! |---|---|
+//! | 1 | settings and design |
+//! | 2, 3, 4 | trends, plan and state of the identifier |
+//! | 5 | controller |
+//! | 6 | supervisor, reference, motion |
+//! | 7 | monitors; the controller knows motion and commands, and its observer settles from here on |
+//!
+//! Meanwhile the commissioning goes on: it moves the axis within its own bounds and uses none of these parts. What can be refused
+//! comes before anything is replaced. Another model begins anew: only the newest is worth controlling on.
+
+use crate::hardware::Axis;
+use crate::servo::building::{Building, Part, tuned};
+use crate::servo::commissioning::Found;
+use crate::servo::control::controller::Controller;
+use crate::servo::identification::{replan, trends};
+use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
+use crate::servo::motion::trajectory::Trajectory;
+use crate::servo::servo_loop::ServoLoop;
+use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
+use crate::servo::supervision::state::Reason;
+
+impl<S, V> ServoLoop<S, V> {
+    /// Builds the next part for what was found; whether that was the last one.
+    ///
+    /// # Errors
+    /// [`Reason::OutOfRange`] for numbers that cannot work; the loop is as before.
+    pub(crate) fn build(&mut self, found: &Found) -> Result<bool, Reason> {
+        let Some(building) = &mut self.building else {
+            return self.begin_building(found);
+        };
+        if building.model != found.model {
+            return self.begin_building(found);
+        }
+        let design = &building.design;
+        let refused = |_| Reason::OutOfRange;
+        let part = building.next;
+        building.next = part.following();
+        match part {
+            Part::Trends => {
+                let trends = trends(&design.identification, design.sample_time);
+                building.trends = Some(trends.map_err(refused)?);
+            }
+            Part::Identifier => {
+                if let Some(trends) = building.trends.take() {
+                    let identifier = &mut self.identifier;
+                    replan(identifier, &design.identification, trends).map_err(refused)?;
+                }
+            }
+            Part::Estimate => {
+                self.identifier.reset();
+            }
+            Part::Controller => {
+                self.control_on(found);
+            }
+            Part::Supervision => {
+                self.supervise_on();
+            }
+            Part::Monitors => {
+                self.monitors.redesign(
+                    &design.monitoring.with_resolution(resolution(&self.axis)),
+                    &design.supervision.validation.observer,
+                    found.model,
+                );
+                self.building = None;
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// The controller, with the poles that were searched.
+    fn control_on(&mut self, found: &Found) {
+        let Some(Building { design, .. }) = &self.building else {
+            return;
+        };
+        let design = design.controller.with_resolution(resolution(&self.axis));
+        self.controller = match &self.tuning {
+            Some(tuned) if tuned.model == found.model => {
+                let (poles, margins) = tuned.tuning.poles();
+                Controller::with_poles(&design, found.model, poles, margins)
+            }
+            // The poles are searched where the model is installed.
+            _ => Controller::provisional(&design, found.model),
+        };
+        self.sign = found.sign;
+        self.delay = found.delay;
+        self.noise = found.noise;
+    }
+
+    /// Supervisor, reference, and the motion by the measured positions alone.
+    fn supervise_on(&mut self) {
+        let Some(Building { design, .. }) = &self.building else {
+            return;
+        };
+        let motion = self.commissioning.motion();
+        self.run_out_rate = design.run_out_rate;
+        self.settled = design.identification.settled;
+        self.trajectory = Trajectory::new(design.motion, design.travel, design.sample_time);
+        self.trajectory.hold(motion.position);
+        self.monitor = ExcitationMonitor::new(&design.monitor);
+        self.supervisor.redesign(&design.supervision);
+        self.tracking = AlphaBetaGamma::new(design.tracking_rate, design.sample_time);
+        self.tracking.begin(motion);
+    }
+
+    /// The settings and the design for what was found.
+    fn begin_building(&mut self, found: &Found) -> Result<bool, Reason> {
+        let design = tuned(&self.config, found).resolve();
+        self.building = Some(Building {
+            model: found.model,
+            design: design.map_err(|_| Reason::OutOfRange)?,
+            trends: None,
+            next: Part::Trends,
+        });
+        Ok(false)
+    }
+}
+
+/// Length of one code of the sensor.
+fn resolution(axis: &Axis) -> f32 {
+    axis.scale.units(1).abs()
+}

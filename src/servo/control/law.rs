@@ -1,0 +1,198 @@
+//! The control law: state feedback while the axis slides, a push while friction holds it, and the stop by friction.
+
+use crate::math::{sign, within};
+use crate::servo::control::axis_state::State;
+use crate::servo::control::controller::Controller;
+use crate::servo::control::poles::Feedback;
+use crate::servo::motion::Setpoint;
+
+/// Largest speed over C at which an error of the position is worked off.
+const CATCH_UP: f32 = 0.3;
+/// Stopping deceleration over friction: below the first it is left to friction, beyond the second it would reverse the drive.
+const NEED: [f32; 2] = [0.15, 3.0];
+/// Rate at which the drive of a sticking axis is brought to its goal, per delay and per sample.
+const QUICK: [f32; 2] = [1.0, 0.3];
+/// Rate of the push over friction and bandwidth behind a moving reference and at rest, and its growth per 1/wc.
+const PUSH: [f32; 2] = [2.0, 0.25];
+const PUSH_GROWTH: [f32; 2] = [0.6, 0.3];
+/// Drive over friction that waits for a reference which comes to the axis: it holds, and little is missing.
+const READY: f32 = 0.8;
+/// Time over 1/wc in which a push moves the axis.
+const LATER: f32 = 1.5;
+/// Distance over friction deflection within which a slow axis stops by its friction.
+const NEAR: f32 = 3.0;
+
+impl Controller {
+    /// The command that brakes to velocity zero, wherever that is; [`Controller::applied`] must follow.
+    pub(crate) fn brake(&mut self, y: f32) -> f32 {
+        self.observe(y, y, true);
+        let model = self.estimator.model();
+        if self.anchor.holds() {
+            return -model.offset - self.null.value();
+        }
+        let feedback = self.feedback();
+        let [_, k1, k2] = feedback.k;
+        let State {
+            velocity: v,
+            drive: p,
+            disturbance: d,
+            ..
+        } = *self.estimator.ahead();
+        let friction = model.friction * sign(v);
+        let flow = (k2 * (friction - p) - k1 * v - d) / self.estimator.step().b0;
+        within(
+            model.valve_command(flow, self.design.blend) - self.null.value(),
+            1.0,
+        )
+    }
+
+    /// The reference a delay from now.
+    #[inline]
+    pub(super) fn ahead(&self, r: &Setpoint) -> Setpoint {
+        let t = self.design.delay;
+        let (half, third) = (0.5 * t, t * (1.0 / 3.0));
+        Setpoint {
+            position: r.position + t * (r.velocity + half * (r.acceleration + third * r.jerk)),
+            velocity: r.velocity + t * (r.acceleration + half * r.jerk),
+            acceleration: r.acceleration + t * r.jerk,
+            jerk: r.jerk,
+        }
+    }
+
+    /// Follows the sign of the next motion; its rate per s.
+    #[inline]
+    pub(super) fn head(&mut self, r: &Setpoint) -> f32 {
+        let poles = self.estimator.poles();
+        let next = self.next_direction(r, 1.0 / poles.observer);
+        let rate = 0.5 * poles.observer * (next - self.heading);
+        self.heading += self.design.estimator.sample_time * rate;
+        rate
+    }
+
+    /// Direction of the reference a time from now; 0 at rest.
+    #[inline]
+    fn next_direction(&self, r: &Setpoint, time: f32) -> f32 {
+        sign(r.velocity + time * r.acceleration)
+    }
+
+    fn feedback(&self) -> Feedback {
+        let (step, poles) = (self.estimator.step(), self.estimator.poles());
+        let w = self.frequency * self.estimator.frequency_ratio();
+        poles.feedback(step.a1, step.a2, w)
+    }
+
+    /// The control law at the present state, within the full command.
+    #[inline]
+    pub(super) fn law(&self, r: &Setpoint, at_rest: bool, heading_rate: f32) -> f32 {
+        let model = self.estimator.model();
+        if self.rest.rests() {
+            // The middle of the dead zone.
+            return -model.offset - self.null.value();
+        }
+        let rate = if self.anchor.holds() {
+            self.break_away(r, at_rest)
+        } else {
+            self.slide(r, at_rest, heading_rate)
+        };
+        let flow = (rate - self.estimator.ahead().disturbance) / self.estimator.step().b0;
+        within(
+            model.valve_command(flow, self.design.blend) - self.null.value(),
+            1.0,
+        )
+    }
+
+    fn quick(&self) -> f32 {
+        let [per_delay, per_sample] = QUICK;
+        let t = self.design.estimator.sample_time;
+        let (slow, fast) = (per_delay / (self.design.delay + t), per_sample / t);
+        if slow < fast { slow } else { fast }
+    }
+
+    /// Rate of the drive that moves a sticking axis.
+    #[inline]
+    fn break_away(&self, r: &Setpoint, at_rest: bool) -> f32 {
+        let model = self.estimator.model();
+        let state = self.estimator.ahead();
+        let error = r.position - state.position;
+        // Where the reference will be when a push has moved the axis: a hop that overshoots it is none.
+        let later = LATER / self.estimator.poles().bandwidth;
+        let coming = error + later * (r.velocity + 0.5 * later * r.acceleration);
+        let direction = sign(coming);
+        if within(coming, self.rest.window()) == coming {
+            return 0.0;
+        }
+        if direction * error < -self.rest.window() {
+            // The reference comes to the axis, which is held until then.
+            let missing = READY * model.friction - direction * state.drive;
+            let rate = self.quick() * missing;
+            return if rate > 0.0 { direction * rate } else { 0.0 };
+        }
+        let wc = self.estimator.poles().bandwidth;
+        let stuck = self.design.estimator.sample_time * self.anchor.since() as f32;
+        let (share, growth) = (
+            PUSH[usize::from(at_rest)],
+            PUSH_GROWTH[usize::from(at_rest)],
+        );
+        let least = share * model.friction * wc * (1.0 + growth * wc * stuck);
+        let quick = self.quick() * (model.friction - direction * state.drive);
+        direction * if quick > least { quick } else { least }
+    }
+
+    /// Rate of the drive while the axis slides.
+    #[inline]
+    fn slide(&self, r: &Setpoint, at_rest: bool, heading_rate: f32) -> f32 {
+        let model = self.estimator.model();
+        let step = self.estimator.step();
+        let state = self.estimator.ahead();
+        let error = r.position - state.position;
+        if at_rest && self.sticky && self.stops_by_friction(error, state) {
+            let goal = stopping_drive(error, state.velocity, model.friction);
+            return self.quick() * (goal - state.drive) + step.a1 * state.velocity;
+        }
+        let Feedback { k: [k0, k1, k2], p } = self.feedback();
+        let friction = model.friction * self.heading;
+        let pull = within(k0 * error, p[1] * CATCH_UP * model.b0 / model.a1);
+        r.jerk
+            + step.a2 * r.acceleration
+            + step.a1 * r.velocity
+            + model.friction * heading_rate
+            + k2 * (r.acceleration + step.a2 * r.velocity + friction - state.drive)
+            + k1 * (r.velocity - state.velocity)
+            + pull
+    }
+
+    /// Whether friction rules the rest of the way to a target at rest.
+    #[inline]
+    fn stops_by_friction(&self, error: f32, state: &State) -> bool {
+        let model = self.estimator.model();
+        let wc = self.estimator.poles().bandwidth;
+        let slow = within(state.velocity * wc, model.friction) == state.velocity * wc;
+        slow && within(error * model.a1, NEAR * model.friction) == error * model.a1
+    }
+}
+
+/// The drive with which friction stops the axis at the target: `friction - v^2/(2 distance)` along the motion.
+#[inline]
+fn stopping_drive(error: f32, velocity: f32, friction: f32) -> f32 {
+    let direction = sign(velocity);
+    let distance = direction * error;
+    let [least, most] = NEED;
+    let need = if distance > 0.0 {
+        let need = velocity * velocity / (2.0 * distance);
+        if need < least * friction {
+            0.0
+        } else if need < most * friction {
+            need
+        } else {
+            most * friction
+        }
+    } else {
+        most * friction
+    };
+    let along = if direction == 0.0 {
+        sign(error)
+    } else {
+        direction
+    };
+    along * (friction - need)
+}

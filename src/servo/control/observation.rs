@@ -1,0 +1,104 @@
+//! What the controller sees: observer, anchor and offset of the valve; and where it begins.
+
+use crate::math::{sign, within};
+use crate::servo::control::anchor::Hold;
+use crate::servo::control::controller::Controller;
+use crate::servo::model::Model;
+use crate::servo::motion::Motion;
+
+/// Time constants of the observer in which it settles.
+const SETTLING: f32 = 6.0;
+
+impl Controller {
+    /// Begins at a motion, without an offset of earlier gains.
+    pub fn place(&mut self, motion: Motion) {
+        self.begin_at(motion, core::iter::empty());
+    }
+
+    fn begin_at(&mut self, motion: Motion, flows: impl Iterator<Item = f32>) {
+        self.estimator.place(motion, flows);
+        self.anchor.restart();
+        self.transfer.settle();
+        self.heading = 0.0;
+        self.rest.wake();
+    }
+
+    /// Begins at a motion with a verified model and the latest commands, newest first, with no trace of earlier gains.
+    pub(crate) fn begin(
+        &mut self,
+        model: Model,
+        motion: Motion,
+        commands: impl Iterator<Item = f32>,
+    ) {
+        self.transfer.forget_model();
+        self.tune(model);
+        let blend = self.design.blend;
+        self.begin_at(motion, commands.map(|u| model.valve_flow_of(u, blend)));
+    }
+
+    /// Samples in which the observer settles: six of its time constants.
+    pub(crate) fn settling(&self) -> u32 {
+        let samples = SETTLING / (self.estimator.poles().observer * self.sample_time());
+        1 + samples as u32
+    }
+
+    /// One sample in which somebody else controls: the observer settles.
+    pub(crate) fn watch(&mut self, y: f32, command: f32) {
+        self.observe(y, y, false);
+        self.applied(command);
+    }
+
+    /// Control begins where the observer is.
+    pub(crate) fn engage(&mut self) {
+        self.transfer.settle();
+        self.heading = sign(self.estimator.now().velocity);
+        self.rest.wake();
+    }
+
+    /// One sample of the observer, with what friction holds.
+    pub(super) fn observe(&mut self, y: f32, reference: f32, frozen: bool) {
+        let now = *self.estimator.now();
+        let slow = now.velocity.abs() < self.design.anchor.band * self.estimator.poles().observer;
+        let hold = if self.sticky {
+            self.anchor.update(y, slow)
+        } else {
+            Hold::Sliding
+        };
+        if let Hold::Left(direction) = hold {
+            let friction = self.estimator.model().friction;
+            self.estimator.release(direction, y, friction);
+            self.left = [reference - y, reference];
+        }
+        if hold == Hold::Stuck {
+            let (error, [before, from]) = (reference - y, self.left);
+            let hop = error - before - (reference - from);
+            let still = 2.0 * (reference - from).abs() < hop.abs();
+            if error * before < 0.0 && still {
+                self.rest.overshot(error);
+            }
+            self.left[0] = 0.0;
+        }
+        let held = self.anchor.holds().then(|| self.anchor.place());
+        let _ = self.estimator.update(y, held, frozen);
+        if held.is_none() && !frozen {
+            self.learn_null();
+        }
+    }
+
+    /// Whether the axis stands: friction holds it. Without friction a closed valve lets it creep.
+    pub(super) fn is_still(&self) -> bool {
+        self.sticky && self.anchor.holds()
+    }
+
+    /// The offset of the valve from sliding both ways.
+    fn learn_null(&mut self) {
+        let flow = self.estimator.flow_in_force();
+        if within(flow, self.design.blend) == flow {
+            return;
+        }
+        let share = self.sample_time() * self.estimator.poles().disturbance;
+        if let Some(step) = self.null.update(flow, self.disturbance(), share) {
+            self.estimator.disturb(-step);
+        }
+    }
+}

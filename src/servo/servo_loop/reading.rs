@@ -1,0 +1,99 @@
+//! The position of a sample: measured, expected, or missing; and the first one.
+
+use crate::hardware::{PositionSensor, Valve};
+use crate::servo::monitoring::reading::Verdict;
+use crate::servo::motion::{Motion, Setpoint};
+use crate::servo::report::Report;
+use crate::servo::servo_loop::ServoLoop;
+use crate::servo::supervision::state::Reason;
+
+impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
+    /// The position of a sample: measured, or expected where the reading failed or cannot be true; `None` without either.
+    /// `missed`: failed readings in a row before this one.
+    pub(super) fn reading(&mut self, code: Option<i32>, missed: u32) -> Option<f32> {
+        let bridges = self.begun && self.errors < self.sensor_errors;
+        let Some(code) = code else {
+            let missing = self.monitors.count_reading(true, true);
+            if missing && self.is_active() {
+                self.fail(Reason::SensorFault);
+            }
+            return bridges.then(|| self.expected());
+        };
+        let y = self.axis.position(code);
+        self.code = code;
+        if !(self.begun && self.is_active()) {
+            return Some(y);
+        }
+        let verdict = self.monitors.judge(y, &self.tracking.motion(), missed);
+        if self.monitors.count_reading(false, verdict != Verdict::Good) {
+            self.fail(Reason::SensorFault);
+        }
+        match verdict {
+            Verdict::Good => Some(y),
+            Verdict::Bridge => Some(self.expected()),
+            Verdict::Jump => {
+                self.fail(Reason::Implausible);
+                Some(self.expected())
+            }
+        }
+    }
+
+    /// Whether the loop moves the axis.
+    pub(super) fn is_active(&self) -> bool {
+        let state = self.supervisor.state();
+        state.is_commissioning() || state.is_controlling()
+    }
+
+    /// The first sample, and the first one of a commissioning.
+    pub(super) fn begin(&mut self, y: f32) {
+        if !self.begun {
+            self.begun = true;
+            self.tracking.place(y);
+            self.trajectory.hold(y);
+            self.controller.place(Motion::at(y));
+            self.monitors.place(Motion::at(y), self.limiter.last());
+        }
+        if self.start_requested {
+            self.start_requested = false;
+            self.supervisor.begin();
+            self.watching = 0;
+            self.building = None;
+            let known =
+                self.config.reversed.is_some() || self.supervisor.verified_model().is_some();
+            self.commissioning.begin(y, known.then_some(self.sign));
+        }
+    }
+
+    /// The motion as far as it is known: by the observer in control, else by the measured positions alone.
+    pub(crate) fn motion(&self) -> Motion {
+        if self.supervisor.state().is_controlling() {
+            self.controller.motion()
+        } else {
+            self.tracking.motion()
+        }
+    }
+
+    /// Predicted position, which replaces a failed reading.
+    pub(super) fn expected(&self) -> f32 {
+        let (m, t) = (self.motion(), self.sample_time);
+        m.position + t * (m.velocity + 0.5 * t * m.acceleration)
+    }
+
+    /// A sample without a measured or predicted position: the valve goes to zero.
+    pub(super) fn blind(&mut self) -> Report {
+        if self.errors >= self.sensor_errors {
+            self.fail(Reason::SensorFault);
+        }
+        self.stop.end();
+        let requested = self.limiter.update(self.centre());
+        let command = match self.valve.drive(requested) {
+            Ok(command) => command,
+            Err(_) => {
+                self.fail(Reason::ValveFault);
+                0.0
+            }
+        };
+        self.identifier.restart_trends();
+        self.report(Setpoint::at(self.position), command, None, false)
+    }
+}
