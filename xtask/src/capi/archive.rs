@@ -133,7 +133,6 @@ impl Archive {
         let mut command = Command::new(compiler);
         command.args(self.machine).args([
             "-nostdlib",
-            "-static",
             "-Wl,--gc-sections",
             "-Wl,--no-warn-rwx-segments",
         ]);
@@ -147,10 +146,12 @@ impl Archive {
             functions.first().ok_or("no function")?
         ));
         command.arg(self.path()?).arg("-o").arg(&image);
-        if self.machine.is_empty() {
-            // The memory functions of an operating system.
-            command.arg("-lc");
-        }
+        // The memory functions of an operating system are in its shared library: the static one wants a whole program.
+        command.arg(if self.machine.is_empty() {
+            "-lc"
+        } else {
+            "-static"
+        });
         let output = command
             .output()
             .map_err(|error| format!("{compiler}: {error}"))?;
