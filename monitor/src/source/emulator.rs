@@ -42,7 +42,8 @@ pub(super) fn run(args: &Args, mut line: Line) {
     };
     again(&mut line, |line| {
         let (stream, _emulator) = start(&image, line)?;
-        line.say(Said::Up(format!("{} in QEMU", image.display())));
+        let name = image.file_name().unwrap_or_default().to_string_lossy();
+        line.say(Said::Up(format!("{name} in QEMU")));
         pump(stream, line)
     });
 }
