@@ -3,7 +3,8 @@
 use clap::Args;
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use trendid_host_tests::endurance::run::{Found, run};
+use trendid_host_tests::endurance::found::Found;
+use trendid_host_tests::endurance::run::run;
 use trendid_host_tests::endurance::scenario::{Case, cases};
 
 use crate::format::significant;

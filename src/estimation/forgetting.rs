@@ -91,6 +91,8 @@ pub struct StabilisedForgetting<const N: usize> {
     set: bool,
     /// Samples within the round of 2N.
     turn: usize,
+    /// The row that was flushed last, one each round.
+    flushed: usize,
     /// N r eps: P_ii right after turn i, without data.
     left: f32,
     /// The same before the turn.
@@ -114,6 +116,7 @@ impl<const N: usize> StabilisedForgetting<N> {
             unsupported: [0.0; N],
             set: false,
             turn: 0,
+            flushed: 0,
             left: VARIANCE * share,
             bound: VARIANCE * share * growth,
             inverse_share: if share > 0.0 { 1.0 / share } else { 0.0 },
@@ -127,25 +130,34 @@ impl<const N: usize> StabilisedForgetting<N> {
     pub fn apply(&mut self, estimator: &mut Estimator<N>) {
         let turn = self.turn / 2;
         let observes = !self.turn.is_multiple_of(2);
+        let begins = self.turn == 0;
         self.advance(1);
         if !observes {
-            estimator.flush(turn);
+            if begins {
+                self.flushed = if self.flushed + 1 < N {
+                    self.flushed + 1
+                } else {
+                    0
+                };
+                estimator.flush(self.flushed);
+            }
             return;
         }
         let Some(nominal) = self.nominal.get_mut(turn) else {
             return;
         };
         let unsupported = self.unsupported.get(turn).copied().unwrap_or(0.0);
-        let assumed = VARIANCE.max(unsupported * self.inverse_share);
+        let own = unsupported * self.inverse_share;
+        // Not max(), which is a call of a library on the target.
+        let assumed = if own > VARIANCE { own } else { VARIANCE };
         let variance = estimator.observe_parameter(turn, *nominal, assumed, CERTAIN);
-        if !self.set && variance < FOLLOWS * self.bound {
-            *nominal = estimator.theta().get(turn).copied().unwrap_or(*nominal);
-        }
-        if let (true, Some(unsupported)) = (
-            variance < FOLLOWS * self.bound,
-            self.unsupported.get_mut(turn),
-        ) {
-            *unsupported = 0.0;
+        if variance < FOLLOWS * self.bound {
+            if !self.set {
+                *nominal = estimator.theta().get(turn).copied().unwrap_or(*nominal);
+            }
+            if let Some(unsupported) = self.unsupported.get_mut(turn) {
+                *unsupported = 0.0;
+            }
         }
     }
 

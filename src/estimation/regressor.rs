@@ -134,7 +134,8 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
     #[inline(always)]
     pub(crate) fn feedthrough(&self, theta: &[f32; N]) -> f32 {
         let mut beta = self.feedthrough_top;
-        for (weight, parameter) in self.feedthrough.iter().zip(theta) {
+        // Those of y are the first parameters, at most M.
+        for (weight, parameter) in self.feedthrough.iter().zip(theta).take(M) {
             beta += weight * parameter;
         }
         if beta > self.feedthrough_floor {

@@ -3,15 +3,21 @@
 mod change;
 pub(crate) mod config;
 pub(crate) mod delay_bank;
+mod exceptions;
+mod gaps;
 mod gate;
 pub mod inputs;
 pub(crate) mod outcome;
 mod plan;
+mod prior;
 mod retune;
+mod row;
+mod sample;
 pub(crate) mod servo;
 mod signals;
 mod standstill;
 mod state;
+mod times;
 pub(crate) mod witness;
 
 pub use config::Config;
@@ -144,7 +150,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// As [`Identifier::skip`], with somebody who sees the trends.
     pub(crate) fn skip_seen(&mut self, samples: u32, witness: &mut impl Witness<M, N, I>) {
-        for _ in 0..samples.min(self.plan.longest_gap.saturating_add(1)) {
+        for _ in 0..samples.min(self.plan.times.longest_gap.saturating_add(1)) {
             self.state.skip_held(&self.plan, witness);
         }
     }
@@ -229,6 +235,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             significance: *offset_significance,
             estimator: &self.state.estimator,
             forgetting: &self.state.forgetting,
+            position: self.state.position(),
             noise: &self.state.noise,
         }
     }

@@ -5,13 +5,10 @@
 use crate::error::ConfigError;
 use crate::estimation::regressor::Regressor;
 use crate::estimation::structure::Structure;
-use crate::estimation::terms::Parameter;
 use crate::identifier::change::Shares;
-use crate::identifier::config::{Config, REACH, check_std};
-use crate::readout::s_plane::theta_in_trend_plane;
-use crate::trends::delay_line::acceptable;
-use crate::trends::filter::settling_time;
-use crate::trends::{Form, Hold, NoiseGain, TrendOperator};
+use crate::identifier::config::{Config, REACH};
+use crate::identifier::times::Times;
+use crate::trends::{Form, Hold, TrendOperator};
 
 /// The drive moves where the trends of y exceed this many standard deviations of their noise.
 const MOVES: f32 = 5.0;
@@ -19,18 +16,9 @@ const MOVES: f32 = 5.0;
 /// Least variance of the noise over the expected one.
 const LEAST_NOISE: f32 = 0.02 * 0.02;
 
-/// Upper limit of the relative prior standard deviation; its square must fit f32.
-const UNKNOWN: f32 = 1e8;
-
 /// Largest bandwidth times sample time with an innovation gate: beyond, the third difference of the motion itself is as
 /// large as a spike, and the predictions of a rough model would replace good samples.
 const FINE: f32 = 0.1;
-
-/// Prior standard deviation of a normalised parameter whose size by design is 1.
-const PRIOR: f32 = 10.0;
-
-/// The same of the constant of a drive that integrates: valves rest within some percent of their command.
-const OFFSET: f32 = 0.03;
 
 /// Mean and standard deviation of the parameters before the first sample, normalised.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,33 +52,24 @@ pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, cons
     pub(crate) prior_noise: f32,
     pub(crate) bandwidth: f32,
     pub(crate) forgets: bool,
-    /// 1 / variance of each entry of phi under white noise of variance 1 on y; 0 where there is none.
+    /// 1 / 25 times the variance of each entry of phi under white noise of variance 1 on y; 0 where there is none.
     noise_weights: [f32; N],
+    /// Whether there is none in any.
+    always_moves: bool,
     pub(crate) offset_significance: f32,
     /// Whether implausible samples of y are replaced.
     pub(crate) has_gate: bool,
     /// A variance of y that is always allowed for: that of a fiftieth of the expected noise.
     pub(crate) least_noise: f32,
-    /// For how many samples the innovation gate stays open after a start, and after a lasting change.
-    pub(crate) gate_open: u32,
-    pub(crate) gate_pause: u32,
     /// Whether standstill can contradict the model: behind an integrator every input moves the drive.
     pub(crate) can_stand: bool,
-    /// Samples after which a standstill is certain, those after which the trends have settled behind one, and those for which
-    /// they carry a step of y.
-    pub(crate) certain: u32,
-    pub(crate) settled: u32,
-    pub(crate) after_step: u32,
-    /// Samples without y that the model bridges; after more the trends begin anew.
-    pub(crate) longest_gap: u32,
+    /// How long things last.
+    pub(crate) times: Times,
     /// Samples between the first one and the first estimate.
     pub(crate) warm_up: u32,
-    /// Whether a change of the drive is looked for, and how: shares of a sample, samples for which rows are left out behind
-    /// one, samples without a look at the start and behind one.
+    /// Whether a change of the drive is looked for, and with which shares of a sample.
     pub(crate) follows_changes: bool,
     pub(crate) change_shares: Shares,
-    pub(crate) change_settling: u32,
-    pub(crate) change_blind: u32,
     /// The input that is the sign of the velocity.
     friction_input: Option<usize>,
 }
@@ -118,7 +97,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             configured: None,
             structure: config.structure,
             regressor,
-            noise_weights: noise_weights(&regressor, &design.noise_gain),
+            noise_weights: [0.0; N],
+            always_moves: true,
             output_form: output_form(&config.structure),
             prior: Prior {
                 theta: [0.0; N],
@@ -142,85 +122,18 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
                 && design.filter.is_some()
                 && smooth(&config.structure),
             least_noise: LEAST_NOISE * config.output_noise * config.output_noise,
-            gate_open: (10.0 / angle) as u32,
-            gate_pause: (0.5 / angle) as u32,
             can_stand: config.structure.integrators() > 0,
-            certain: (1.0 / angle) as u32 + 10,
-            settled: match config.structure.initial_state() {
-                true => (12.0 / angle) as u32,
-                false => (3.0 / (1.0 - design.slow_mode)).max(12.0 / angle) as u32,
-            },
-            after_step: (2.0 / angle) as u32,
-            longest_gap: (5.0 / angle) as u32,
+            times: Times::new(&config.structure, design, config.bandwidth),
             warm_up: design.warm_up.max((config.settling / sample_time) as u32),
             follows_changes: config.follow_changes && config.memory.is_some(),
             change_shares: Shares::new(angle, LEAST_NOISE * prior_noise * prior_noise),
-            change_settling: (settling_time(config.bandwidth) / sample_time) as u32 + N as u32,
-            change_blind: (10.0 / angle) as u32,
             friction_input: config.friction_input,
             // Last: the design above is theirs.
             trends,
         };
+        plan.weigh_noise();
         plan.prior = plan.first_prior(config)?;
         Ok(plan)
-    }
-
-    /// The prior of the settings.
-    fn first_prior(&self, config: &Config<M, N, I>) -> Result<Prior<N>, ConfigError> {
-        match config.prior_std {
-            Some(std) => self.prior_of(&config.initial, &std),
-            None => Ok(Prior {
-                theta: self.normalised(&config.initial)?,
-                std: self.default_std(),
-            }),
-        }
-    }
-
-    /// The prior with this mean and these standard deviations, both in the user's units.
-    ///
-    /// # Errors
-    /// [`ConfigError::OutOfRange`], naming `initial` or `prior_std`.
-    pub(crate) fn prior_of(
-        &self,
-        theta: &[f32; N],
-        std: &[f32; N],
-    ) -> Result<Prior<N>, ConfigError> {
-        check_std(std)?;
-        let theta = self.normalised(theta)?;
-        let units = self.regressor.units();
-        let std = core::array::from_fn(|j| bounded(std[j] / (units[j] * self.prior_noise)));
-        Ok(Prior { theta, std })
-    }
-
-    /// Parameters of the s plane in the user's units as the recursion has them.
-    fn normalised(&self, theta: &[f32; N]) -> Result<[f32; N], ConfigError> {
-        // No parameters are none in every plane.
-        if *theta == [0.0; N] {
-            return Ok(*theta);
-        }
-        let given = theta_in_trend_plane(theta, &self.structure, self.trends.design());
-        let units = self.regressor.units();
-        let theta: [f32; N] = core::array::from_fn(|j| given[j] / units[j]);
-        match theta.iter().position(|value| !acceptable(*value, REACH)) {
-            None => Ok(theta),
-            Some(index) => Err(ConfigError::OutOfRange {
-                setting: ("initial", index).into(),
-                value: given[index],
-                limits: [-REACH * units[index], REACH * units[index]],
-            }),
-        }
-    }
-
-    /// Relative prior standard deviations where the configuration names none.
-    fn default_std(&self) -> [f32; N] {
-        let integrates = self.structure.integrators() > 0;
-        self.structure.parameters().map(|column| {
-            let std = match column {
-                Parameter::Constant if integrates => OFFSET,
-                _ => PRIOR,
-            };
-            bounded(std / self.prior_noise)
-        })
     }
 
     /// Whether the trends of y exceed their noise; where they do not, a row holds no information on the drive.
@@ -230,16 +143,15 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
     /// ```
     ///
     /// `noise` is sigma_y^2, -1 as long as it is not known. True then, and for trends without a known noise gain.
-    /// Cost: 20 instructions.
+    /// Cost: 10 instructions.
     #[inline(always)]
     pub(crate) fn moves(&self, phi: &[f32; N], noise: f32) -> bool {
+        // Those of y are the first parameters, at most M.
         let mut power = 0.0;
-        let mut known = 0.0;
-        for (x, weight) in phi.iter().zip(&self.noise_weights) {
+        for (x, weight) in phi.iter().zip(&self.noise_weights).take(M) {
             power += x * x * weight;
-            known += weight;
         }
-        power > MOVES * MOVES * noise || known == 0.0
+        power > noise || self.always_moves
     }
 
     /// Whether friction may hold the axis: its input is 0.
@@ -272,8 +184,18 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
 
     fn set_trends(&mut self, trends: T) {
         self.regressor.set_feedthrough(&trends.design().feedthrough);
-        self.noise_weights = noise_weights(&self.regressor, &trends.design().noise_gain);
         self.trends = trends;
+        self.weigh_noise();
+    }
+
+    /// By what the trends of y are compared with its noise.
+    fn weigh_noise(&mut self) {
+        let (moments, ..) = (self.regressor).noise_moments(&self.trends.design().noise_gain);
+        self.noise_weights = core::array::from_fn(|j| {
+            let variance = MOVES * MOVES * moments[j][j];
+            if variance > 0.0 { 1.0 / variance } else { 0.0 }
+        });
+        self.always_moves = self.noise_weights.iter().all(|weight| *weight == 0.0);
     }
 }
 
@@ -291,21 +213,4 @@ fn output_form<const M: usize, const N: usize, const I: usize>(
 fn smooth<const M: usize, const N: usize, const I: usize>(structure: &Structure<M, N, I>) -> bool {
     let inputs = structure.inputs();
     inputs.iter().all(|terms| !terms.contains(M - 1))
-}
-
-/// 1 / M_jj of the columns of y, 0 of the others.
-fn noise_weights<const M: usize, const N: usize>(
-    regressor: &Regressor<M, N>,
-    gain: &NoiseGain<M>,
-) -> [f32; N] {
-    let (moments, ..) = regressor.noise_moments(gain);
-    core::array::from_fn(|j| {
-        let variance = moments[j][j];
-        if variance > 0.0 { 1.0 / variance } else { 0.0 }
-    })
-}
-
-/// A relative standard deviation within its limit.
-fn bounded(std: f32) -> f32 {
-    if std < UNKNOWN { std } else { UNKNOWN }
 }

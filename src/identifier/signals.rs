@@ -50,7 +50,7 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
             reference: 0.0,
             remaining: warm_up,
             begun: false,
-            gate: Gate::new(plan.gate_open),
+            gate: Gate::new(plan.times.gate_open),
             last: 0.0,
             last_inputs: plan.initial_inputs,
             gap: 0,

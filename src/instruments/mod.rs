@@ -30,6 +30,7 @@ mod layout;
 mod reading;
 mod solve;
 mod sums;
+mod weakness;
 
 pub use found::{Found, Way};
 pub use layout::rows;

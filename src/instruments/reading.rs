@@ -1,23 +1,17 @@
 //! From the sums to an estimate, in steps that fit a sample each.
 
-use crate::estimation::terms::Parameter;
 use crate::identifier::Identifier;
 use crate::instruments::blocks::{BLOCKS, Products};
 use crate::instruments::found::{Found, Way};
 use crate::instruments::layout::Layout;
 use crate::instruments::solve::Factored;
 use crate::instruments::sums::Instruments;
+use crate::instruments::weakness::is_weak;
 use crate::math::matrix::Matrix;
-use crate::math::polynomial::largest_rate;
-use crate::math::{deviation, raised};
 use crate::trends::TrendOperator;
 
 /// Solutions with the numerators of the one before.
 const REPETITIONS: usize = 3;
-
-/// A standard deviation beyond this share of what it belongs to shows weak instruments: ratios of sums as uncertain as
-/// that have no variance that a first order could tell.
-const WEAK: f32 = 1.0 / 3.0;
 
 /// An estimate by instruments under way: 16 steps of at most a block each, 3 solutions, 16 scores, the covariance.
 ///
@@ -256,7 +250,11 @@ impl<const N: usize, const R: usize> Reading<N, R> {
         for value in self.covariance.as_flattened_mut() {
             *value *= freedom;
         }
-        if self.is_weak(&instruments.layout) {
+        if is_weak::<M, N>(
+            &instruments.layout.parameters,
+            &self.theta,
+            &self.covariance,
+        ) {
             return self.recursion(identifier, Way::WeakInstruments);
         }
         self.step = 0;
@@ -267,35 +265,5 @@ impl<const N: usize, const R: usize> Reading<N, R> {
             way: Way::Instruments,
             effective_blocks: effective,
         }
-    }
-
-    /// Whether an a_i is not known to a third of its power of the largest rate, or of an input no b_i to a third.
-    fn is_weak<const M: usize, const I: usize>(&self, layout: &Layout<M, N, I>) -> bool {
-        let mut a = [0.0; M];
-        for (parameter, value) in layout.parameters.iter().zip(&self.theta) {
-            if let Parameter::Output { power } = parameter
-                && let Some(slot) = a.get_mut(*power)
-            {
-                *slot = *value;
-            }
-        }
-        let rate = largest_rate(&a);
-        let (mut weak, mut known) = (false, [false; I]);
-        for j in 0..N {
-            let sigma = deviation(self.covariance[j][j]);
-            match layout.parameters[j] {
-                Parameter::Output { power } => {
-                    weak |= !(sigma <= WEAK * raised(rate, M - power.min(M)));
-                }
-                Parameter::Input { input, .. } => {
-                    if let Some(known) = known.get_mut(input) {
-                        *known |= sigma <= WEAK * self.theta[j].abs();
-                    }
-                }
-                Parameter::Constant | Parameter::InitialState => {}
-            }
-        }
-        // Only the first input must act: friction or a ramp may be absent.
-        weak || !known.first().copied().unwrap_or(false)
     }
 }

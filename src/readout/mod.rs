@@ -50,16 +50,12 @@ const DISCRETE: f32 = 0.2;
 /// Error of f32, relative to a parameter.
 const ARITHMETIC: f32 = 2e-5;
 
-/// Rounding of a row of size 1, in units of `1/(omega_n Delta)`, the samples over which the trends add it up.
+/// Rounding to f32, relative to what is rounded: a quarter of the distance between two numbers, the mean of what one costs.
 ///
-/// Found with memories of 0.2 to 10 s at constant speed, where nothing else moves the estimate.
-const ROW_ROUNDING: f32 = 2.5e-8;
-
-/// Rounding of a parameter, relative to it and in the same units; unlike the floor not shared by the others.
-///
-/// With a memory only, which may hold one steady motion and nothing else (found as above). Without one all movements of the
-/// record count, and this allowance would make the deviation of C nearly twice too large at 0.1 mm of noise.
-const PARAMETER_ROUNDING: f32 = 4e-7;
+/// A row of size 1 has this error over `omega_n Delta`, by the samples over which the trends add it up. The same in every
+/// row while the motion is steady, it does not average out: errors of at most rho in n rows move theta by
+/// `P sum phi rho_k`, whose entries are at most `rho sqrt(n P_ii)`, whatever their order and sign.
+const ROUNDING: f32 = 0.25 * f32::EPSILON;
 
 impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// The estimate without its noise bias, an insignificant constant withdrawn from theta.
@@ -96,7 +92,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     pub(crate) fn estimate(&self) -> Estimate<M, N, I> {
         let p = self.covariance();
         let (found, withdrawal) = self.compensated(&p);
-        let (mut covariance, floor, arithmetic) = self.shaped(&p, &found);
+        let (mut covariance, floor) = self.shaped(&p, &found);
         self.add_unsupported(&p, &mut covariance);
         let units = self.regressor.units();
         let parameters = self.structure.parameters();
@@ -110,10 +106,6 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
                 if coefficient(i) && coefficient(j) && !known(i) && !known(j) {
                     let share = if i == j { 1.01 } else { 1.0 };
                     covariance[i][j] += share * (floor * found.theta[i]) * (floor * found.theta[j]);
-                    if i == j {
-                        let rounding = arithmetic * found.theta[i];
-                        covariance[i][i] += rounding * rounding;
-                    }
                 }
             }
         }
@@ -124,16 +116,15 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         self.in_s_plane(theta, covariance)
     }
 
-    /// P_c under the noise where each parameter is seen, normalised; relative to a parameter the floor that all share,
-    /// and what rounding adds to each.
-    fn shaped(&self, p: &Matrix<N>, found: &Compensated<N>) -> (Matrix<N>, f32, f32) {
+    /// P_c under the noise where each parameter is seen, normalised; the floor relative to a parameter.
+    fn shaped(&self, p: &Matrix<N>, found: &Compensated<N>) -> (Matrix<N>, f32) {
         let mut covariance = found.covariance(p);
         let even = found.residual.even;
         let Some(filter) = self.design.filter else {
             for entry in covariance.as_flattened_mut() {
                 *entry *= even;
             }
-            return (covariance, ARITHMETIC, ARITHMETIC);
+            return (covariance, ARITHMETIC);
         };
         let parameters = self.structure.parameters();
         let sample_time = self.design.sample_time;
@@ -149,32 +140,42 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             slowest: (1.0 - self.design.slow_mode) / sample_time,
         };
         let angle = spectrum.natural * sample_time;
-        let (floor, parameter_rounding) = self.floor(spectrum.natural, &denominator);
+        let floor = self.floor(spectrum.natural, &denominator);
         let (r, s) = spectrum.sums();
         let in_band = match transform(r, s, core::array::from_fn(|j| p[j][j] > 0.0)) {
             Some(t) => sandwich(&t, &covariance, &parameters),
             None => covariance,
         };
         let shaped = found.residual.shaped;
-        // Rounding is the same in every row while the motion is steady: it does not average out.
-        let rounding = ROW_ROUNDING / angle;
-        let even = even + self.estimator.samples().max(1.0) * rounding * rounding;
+        let rounding = ROUNDING / angle;
+        let even = even
+            + self.estimator.samples().max(1.0) * rounding * rounding
+            + self.resolution(shaped) * 2.0 / angle;
         for i in 0..N {
             for j in 0..N {
                 covariance[i][j] = shaped * in_band[i][j] + even * covariance[i][j];
             }
         }
-        (covariance, floor, parameter_rounding)
+        (covariance, floor)
     }
 
-    /// Errors relative to a parameter that no residual shows: one that all share, and what rounding adds to each.
-    fn floor(&self, natural: f32, denominator: &[f32; M]) -> (f32, f32) {
+    /// Variance of psi by the rounding of y to f32, as far as the noise does not hide it; `white` is that of the noise.
+    ///
+    /// Where the drive has gone so far that the last digit of its position is larger than the noise, the rounding goes through
+    /// all its values as slowly as the position passes them: it is no white noise. About `2/(omega Delta)` samples count as one.
+    fn resolution(&self, white: f32) -> f32 {
+        let step = self.regressor.top_scale() * ROUNDING * self.position;
+        let square = step * step;
+        match white > square {
+            true => square * (square / white),
+            false => square,
+        }
+    }
+
+    /// Error relative to a parameter that no residual shows and all parameters share.
+    fn floor(&self, natural: f32, denominator: &[f32; M]) -> f32 {
         let angle = natural * self.design.sample_time;
-        let floor =
-            ARITHMETIC + DISCRETE * angle * angle * self.design.discretisation_share(denominator);
-        let forgets = self.forgetting.bound() > 0.0;
-        let parameter = if forgets { PARAMETER_ROUNDING } else { 0.0 };
-        (floor, parameter / angle)
+        ARITHMETIC + DISCRETE * angle * angle * self.design.discretisation_share(denominator)
     }
 
     /// The recursion as it stands in the user's units, its covariance that of a white residual.

@@ -44,7 +44,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         }
         let denominator = self.structure.denominator(&theta);
         let natural = natural_frequency(&denominator, self.bandwidth);
-        let (floor, rounding) = self.floor(natural, &denominator);
+        let floor = self.floor(natural, &denominator);
         let known = |i: usize| covariance[i][i] == 0.0;
         let coefficient =
             |i: usize| !matches!(parameters[i], Parameter::Constant | Parameter::InitialState);
@@ -53,9 +53,6 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
                 let mut value = covariance[i][j] * units[i] * units[j];
                 if coefficient(i) && coefficient(j) && !known(i) && !known(j) {
                     value += (floor * theta[i]) * (floor * theta[j]);
-                    if i == j {
-                        value += (rounding * theta[i]) * (rounding * theta[i]);
-                    }
                 }
                 value
             })

@@ -21,6 +21,8 @@ pub(crate) struct ReadOut<'a, const M: usize, const N: usize, const I: usize> {
     pub(crate) significance: f32,
     pub(crate) estimator: &'a Estimator<N>,
     pub(crate) forgetting: &'a StabilisedForgetting<N>,
+    /// The newest y.
+    pub(crate) position: f32,
     /// White noise of y by its third difference.
     pub(crate) noise: &'a NoiseLevel,
 }

@@ -11,7 +11,7 @@ pub struct Chain<const M: usize> {
     pub(crate) states: [f32; M],
     /// y(k-1), for increments.
     pub(crate) last: f32,
-    /// For increments: what the next one brings along.
+    /// Second word of state 0: what its last digit could not take is carried over to the next sample.
     pub(crate) pending: f32,
 }
 
@@ -108,8 +108,18 @@ impl<const M: usize> Integrators<M> {
     }
 
     /// One sample through the filter: `direct` enters at the top, `held` after the first integration.
+    ///
+    /// State 0 has a second word, `pending`. Under a steady signal its increments shrink below half its last digit, where
+    /// one word would stop: 0.5 ulp over Delta times the slow pole away from its end, 4e-5 of it at 20 rad/s and 1 kHz. What
+    /// is the same in every row does not average out.
     #[inline(always)]
-    pub(crate) fn step(&self, states: &mut [f32; M], direct: f32, held: f32) -> Trends<M> {
+    pub(crate) fn step(
+        &self,
+        states: &mut [f32; M],
+        pending: &mut f32,
+        direct: f32,
+        held: f32,
+    ) -> Trends<M> {
         // The trends as if the highest one were zero ...
         let mut known = *states;
         for i in (0..M - 1).rev() {
@@ -125,12 +135,17 @@ impl<const M: usize> Integrators<M> {
         let mut lower = *states;
         let mut above = top;
         let mut entering = held;
-        for i in (0..M).rev() {
+        for i in (1..M).rev() {
             lower[i] += self.ahead * above;
             states[i] = lower[i] + self.behind * above + entering;
             above = lower[i];
             entering = 0.0;
         }
+        let change = (self.ahead + self.behind) * above + (entering + *pending);
+        lower[0] += self.ahead * above;
+        let sum = states[0] + change;
+        *pending = change - (sum - states[0]);
+        states[0] = sum;
         Trends { lower, top }
     }
 
@@ -139,8 +154,8 @@ impl<const M: usize> Integrators<M> {
     /// State 0 holds `y - f_0 S_0` in place of S_0: the part of the position that the filter
     /// has not followed yet. At rest it goes to zero, where f32 is finest; S_0 would stay at the
     /// position over f_0 and round every increment to its own last digit. In motion it is the speed over the
-    /// slow pole, and its last digit, each time the same, would pass for a speed. So it has a second word, `pending`,
-    /// in which what the filter follows until the next sample waits for the next increment: the two nearly cancel.
+    /// slow pole, and its last digit, each time the same, would pass for a speed. In its second word, `pending`,
+    /// what the filter follows until the next sample waits for the next increment: the two nearly cancel.
     #[inline(always)]
     pub(crate) fn step_increment(
         &self,

@@ -9,9 +9,17 @@
 //! | [`motion`] | commands without end |
 //! | [`axis`] | plants that are fast to simulate |
 //! | [`scenario`] | what is run: scenarios, structures, memories |
-//! | [`run`] | one run, with the estimators for comparison beside it |
+//! | `reading` | C, omega0, xi of an estimate |
+//! | [`found`] | what came out of a run, and its limits |
+//! | `others` | other ways to forget, for comparison |
+//! | `runner` | axis, commands and noise around an identifier |
+//! | [`run`] | one run |
 
 pub mod axis;
+pub mod found;
 pub mod motion;
+mod others;
+mod reading;
 pub mod run;
+mod runner;
 pub mod scenario;

@@ -2,6 +2,18 @@
 
 use crate::endurance::motion::Motion;
 
+/// Sample time in s.
+pub const DT: f64 = 1e-3;
+
+/// Binary noise before the scenario, and after one whose data do not obey the model, in samples.
+pub const MOTION: u64 = 10_000;
+
+/// Velocity gain of every drive.
+pub const GAIN: f64 = 2500.0;
+
+/// Half width of the dead zone, where the drive has one.
+pub const DEAD_ZONE: f64 = 0.03;
+
 /// What the axis makes of the command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Behaviour {

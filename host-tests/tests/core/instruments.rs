@@ -1,20 +1,18 @@
-//! Instruments beside the recursion: against f64 over a long record, over populations of plants, and where they are weak.
+//! Instruments beside the recursion: against f64 over a long record, and where they are weak.
 
-use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use trendid::instruments::{self, Instrumented, Reading, Way};
 use trendid::trends::{FilteredTrends, Hold, Scheme};
 use trendid::{Config, Identifier, Outcome, Structure};
-use trendid_host_tests::oracles::least_squares;
-use trendid_host_tests::oracles::trends::{self as oracle, applied};
 use trendid_host_tests::plants::linear::{Input, LinearPlant};
-use trendid_host_tests::plants::polynomial::{difference_equation, power, product, scaled, sum};
 use trendid_host_tests::signals::excitation::Excitation;
 use trendid_host_tests::signals::experiment::{Experiment, Record};
 use trendid_host_tests::signals::noise::Condition;
 
-use crate::common::{rounded, rows};
+use in_f64::in_f64;
+
+mod in_f64;
 
 const SERVO: Structure<3, 5, 1> = Structure::SERVO;
 const ROWS: usize = instruments::rows(&SERVO);
@@ -25,58 +23,6 @@ fn servo(change: impl FnOnce(&mut Config<3, 5, 1>)) -> Servo {
     let mut config = Config::new(SERVO, 20.0, [1.0], 50.0);
     change(&mut config);
     Instrumented::try_new(&config, trends).unwrap()
-}
-
-/// Theta in f64 by the equations of the module, with the auxiliary denominator of the default filter.
-fn in_f64(record: &Record) -> [f64; 5] {
-    let dt = record.dt;
-    let f = [1064.8, 551.76, 33.0, 1.0];
-    let structure = least_squares::Structure {
-        m: 3,
-        a: vec![1, 2],
-        inputs: vec![least_squares::InputTerms {
-            b: vec![0],
-            delay: 0,
-            hold: oracle::Hold::Zero,
-        }],
-        constant: true,
-    };
-    let decay = (1.0 - 0.0011) / (1.0 + 0.0011);
-    let (u, y) = (rounded(&record.u), rounded(&record.y));
-    let scheme = oracle::Scheme::Tustin;
-    let (phi, psi) = rows(&structure, scheme, Some(&f), dt, &[&u], &y, Some(decay), 0);
-    // s^j / A_z of u / A_f, s = 2/dt (1-q)/(1+q).
-    let first = oracle::input_trend(scheme, oracle::Hold::Zero, 3, 0, dt);
-    let once = applied(&first, scheme, Some(&f), dt, &u);
-    let term = |j: usize| {
-        let both = product(&power(&[1.0, -1.0], j), &power(&[1.0, 1.0], 2 - j));
-        scaled(&both, (2.0 / dt).powi(j as i32))
-    };
-    let denominator = sum(
-        &sum(&scaled(&term(0), 484.0), &scaled(&term(1), 30.8)),
-        &term(2),
-    );
-    let twice: Vec<Vec<f64>> = (0..2)
-        .map(|j| difference_equation(&term(j), &denominator, &once))
-        .collect();
-    let n = y.len();
-    let solved = |z: &DMatrix<f64>| -> DVector<f64> {
-        let scale = DVector::from_fn(5, |j, _| phi.column(j).norm());
-        let rows = DVector::from_fn(5, |i, _| z.column(i).norm());
-        let (m, r) = (z.transpose() * &phi, z.transpose() * &psi);
-        let m = DMatrix::from_fn(5, 5, |i, j| m[(i, j)] / (rows[i] * scale[j]));
-        let r = r.component_div(&rows);
-        m.full_piv_lu().solve(&r).unwrap().component_div(&scale)
-    };
-    let mut theta = solved(&phi);
-    for _ in 0..6 {
-        let mut z = phi.clone();
-        for i in 0..2 {
-            z.set_column(i, &(-theta[2] * DVector::from_column_slice(&twice[i][..n])));
-        }
-        theta = solved(&z);
-    }
-    core::array::from_fn(|j| theta[j])
 }
 
 /// Runs a record and gives the identifier.
@@ -175,182 +121,6 @@ fn a_reading_over_samples_is_the_estimate_at_its_begin() {
         }
     }
     assert!(done > 50, "{done}");
-}
-
-/// Errors of a population in standard deviations, with how often instruments were used.
-#[derive(Default, Debug)]
-struct Tally {
-    z: Vec<f64>,
-    least_squares: Vec<f64>,
-    instruments: usize,
-    others: usize,
-}
-
-impl Tally {
-    fn within(&self, limit: f64) -> f64 {
-        let inside = self.z.iter().filter(|z| z.abs() <= limit).count();
-        100.0 * inside as f64 / self.z.len() as f64
-    }
-}
-
-/// One drawn plant of a structure: order M, I inputs, numerators up to `zeros`.
-fn drawn<const M: usize, const N: usize, const I: usize, const R: usize>(
-    structure: Structure<M, N, I>,
-    seed: u64,
-    tally: &mut Tally,
-) {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let (dt, omega) = (2e-3, 20.0);
-    // Poles from half to twice the bandwidth, some of them a pair.
-    let mut a = vec![1.0];
-    let integrators = structure.integrators();
-    for _ in 0..integrators {
-        a = product(&a, &[0.0, 1.0]);
-    }
-    let mut left = M - integrators;
-    while left > 0 {
-        let rate = omega * 2f64.powf(rng.random_range(-1.0..1.0));
-        if left >= 2 && rng.random_bool(0.6) {
-            let damping = rng.random_range(0.3..0.9);
-            a = product(&a, &[rate * rate, 2.0 * damping * rate, 1.0]);
-            left -= 2;
-        } else {
-            a = product(&a, &[rate, 1.0]);
-            left -= 1;
-        }
-    }
-    let lowest = a[integrators];
-    let inputs: Vec<Input> = structure
-        .inputs()
-        .map(|terms| {
-            let gain = lowest * rng.random_range(0.5..2.0);
-            let b: Vec<f64> = (0..terms.count())
-                .map(|k| gain * rng.random_range(0.5..1.0) / (3.0 * omega).powi(k as i32))
-                .collect();
-            Input::new(&b)
-        })
-        .into();
-    let constant = match structure.constant() {
-        true => 0.1 * lowest,
-        false => 0.0,
-    };
-    let mut plant = LinearPlant::with_inputs(&a[..M], &inputs, constant, dt).unwrap();
-    let n = 8000;
-    let u: Vec<Vec<f64>> = (0..I)
-        .map(|c| {
-            let hold_s = [0.06, 0.1][c % 2];
-            let excitation = Excitation::Prbs {
-                amplitude: 1.0,
-                hold_s,
-                bits: 11,
-            };
-            excitation.sequence(n, dt, seed + 7919 * c as u64)
-        })
-        .collect();
-    let mut truth = Vec::with_capacity(n);
-    for k in 0..n {
-        truth.push(plant.output());
-        let now: Vec<f64> = u.iter().map(|u| u[k]).collect();
-        plant.step(&now);
-    }
-    let mean = truth.iter().sum::<f64>() / n as f64;
-    let size = (truth.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n as f64).sqrt();
-    // White noise and, in half of them, a drift of a second.
-    let drifts = rng.random_bool(0.5);
-    let level = 0.05 * size.min(0.3);
-    let mut drift = 0.0;
-    let noise: Vec<f64> = (0..n)
-        .map(|_| {
-            drift = 0.99 * drift + 0.14 * rng.random_range(-1.7..1.7);
-            level * (0.5 * rng.random_range(-1.7..1.7) + if drifts { drift } else { 0.0 })
-        })
-        .collect();
-    let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, dt as f32, omega as f32).unwrap();
-    let mut config = Config::new(structure, omega as f32, [1.0; I], size as f32);
-    config.offset_significance = 0.0;
-    if seed.is_multiple_of(2) {
-        config.memory = Some(4.0);
-    }
-    let mut found: Instrumented<_, M, N, I, R> = Instrumented::try_new(&config, trends).unwrap();
-    for k in 0..n {
-        let now: [f32; I] = core::array::from_fn(|c| u[c][k] as f32);
-        let _ = found.update_inputs(now, (truth[k] + noise[k]) as f32);
-    }
-    let recursion = found.identifier().estimate();
-    let found = found.estimate();
-    if found.way != Way::Instruments {
-        tally.others += 1;
-        return;
-    }
-    tally.instruments += 1;
-    let mut expected: Vec<f64> = (integrators..M).map(|i| a[i]).collect();
-    for input in &inputs {
-        expected.extend(&input.b);
-    }
-    for (j, truth) in expected.iter().enumerate() {
-        let z = |theta: f32, std: f32| (f64::from(theta) - truth) / f64::from(std);
-        tally
-            .z
-            .push(z(found.estimate.theta()[j], found.estimate.std()[j]));
-        tally
-            .least_squares
-            .push(z(recursion.theta()[j], recursion.std()[j]));
-    }
-}
-
-/// A population of a structure; the constants of a call are those of the type.
-macro_rules! population {
-    ($m:literal, $n:literal, $i:literal, $structure:expr, $seeds:expr) => {{
-        const STRUCTURE: Structure<$m, $n, $i> = $structure;
-        const R: usize = instruments::rows(&STRUCTURE);
-        let mut tally = Tally::default();
-        for seed in $seeds {
-            drawn::<$m, $n, $i, R>(STRUCTURE, seed, &mut tally);
-        }
-        let rms = |z: &[f64]| (z.iter().map(|z| z * z).sum::<f64>() / z.len() as f64).sqrt();
-        println!(
-            "order {} parameters {} inputs {}: {} of {} by instruments, within 1, 3 sigma {:.0}, {:.1} %, rms z {:.2} (recursion {:.2})",
-            $m, $n, $i, tally.instruments, tally.instruments + tally.others,
-            tally.within(1.0), tally.within(3.0), rms(&tally.z), rms(&tally.least_squares),
-        );
-        tally
-    }};
-}
-
-#[test]
-fn populations_of_every_order_are_covered_by_their_standard_deviations() {
-    let mut all = Tally::default();
-    let mut add = |tally: Tally| {
-        all.z.extend(tally.z);
-        all.least_squares.extend(tally.least_squares);
-        all.instruments += tally.instruments;
-        all.others += tally.others;
-    };
-    add(population!(1, 2, 1, Structure::FULL, 210_000..210_030));
-    add(population!(
-        2,
-        3,
-        1,
-        Structure::INTEGRATING_WITH_INITIAL_STATE,
-        220_000..220_030
-    ));
-    add(population!(3, 5, 1, Structure::SERVO, 230_000..230_030));
-    add(population!(3, 6, 2, Structure::SERVO, 240_000..240_030));
-    add(population!(2, 4, 1, Structure::FULL, 250_000..250_030));
-    add(population!(
-        4,
-        4,
-        1,
-        Structure::INTEGRATING,
-        260_000..260_030
-    ));
-    let [one, three] = [all.within(1.0), all.within(3.0)];
-    println!(
-        "all: {one:.1} % within 1, {three:.1} % within 3 sigma, {} by instruments, {} not",
-        all.instruments, all.others
-    );
-    assert!(all.instruments * 10 > 9 * (all.instruments + all.others));
-    assert!((62.0..80.0).contains(&one) && three > 98.0, "{one} {three}");
 }
 
 #[test]

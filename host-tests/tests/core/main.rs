@@ -22,6 +22,7 @@ mod exact;
 mod faults;
 mod flash;
 mod forgetting;
+mod instrument_populations;
 mod instruments;
 mod integral;
 mod oracle;

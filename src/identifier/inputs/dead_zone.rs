@@ -1,4 +1,4 @@
-//! Inputs made from the command: nonlinearities of valves, cylinders and friction as terms of the regressor.
+//! A valve with a dead zone: its two inputs, and the estimate of its width.
 
 use crate::error::positive;
 use crate::estimation::terms::{Parameter, index_of};
@@ -190,108 +190,16 @@ fn numerators<const M: usize, const N: usize, const I: usize>(
     Some(([linear, sign], deviation(variance) / linear.abs()))
 }
 
-/// The two inputs of an actuator with another gain in each direction: `max(u, 0)` and `min(u, 0)`.
-///
-/// # Examples
-/// ```
-/// assert_eq!(trendid::inputs::asymmetric(-2.0), [0.0, -2.0]);
-/// ```
-#[inline]
-pub fn asymmetric(u: f32) -> [f32; 2] {
-    if u > 0.0 { [u, 0.0] } else { [0.0, u] }
-}
-
-/// The input of Coulomb friction: the sign of the velocity, 0 within `rest` of zero.
-///
-/// # Examples
-/// ```
-/// assert_eq!(trendid::inputs::coulomb(-0.4, 0.01), -1.0);
-/// assert_eq!(trendid::inputs::coulomb(0.001, 0.01), 0.0);
-/// ```
-#[inline]
-pub fn coulomb(velocity: f32, rest: f32) -> f32 {
-    if velocity > rest {
-        1.0
-    } else if velocity < -rest {
-        -1.0
-    } else {
-        0.0
-    }
-}
-
-/// The input of Coulomb friction on a drive that turns between two samples: the mean sign of the velocity since the
-/// sample before, for an input with [`Hold::Mean`](crate::trends::Hold::Mean).
-///
-/// Where between the samples a drive turned, its velocities tell: it went on with the deceleration of the interval before,
-///
-/// ```text
-/// tau = v(k-1) / (v(k-2) - v(k-1)),   mean = (2 tau - 1) sgn v(k-1)        tau within 0..1
-/// ```
-///
-/// or, where that is none, on a straight line from v(k-1) to v(k). The sign at the samples misplaces each turn by up to
-/// half a sample time, an error ten times larger, which no noise level contains.
-///
-/// | symbol | argument | unit |
-/// |---|---|---|
-/// | v | `velocity` | any |
-/// | - | `rest`: slower is 0 | that of v |
-///
-/// # Examples
-/// ```
-/// let mut friction = trendid::inputs::Coulomb::new(0.01);
-/// assert_eq!(friction.update(-7.0), -1.0);
-/// assert_eq!(friction.update(-3.0), -1.0);
-/// assert_eq!(friction.update(1.0), -0.5); // it turned after three quarters of the time
-/// assert_eq!(friction.update(0.0), 1.0);
-/// assert_eq!(friction.update(0.0), 0.0); // it stands
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Coulomb {
-    rest: f32,
-    /// v(k-1), v(k-2).
-    past: [f32; 2],
-}
-
-impl Coulomb {
-    /// A drive at rest; velocities within `rest` of zero are zero, NaN included.
-    pub const fn new(rest: f32) -> Self {
-        Self {
-            rest,
-            past: [0.0; 2],
-        }
-    }
-
-    /// Takes v(k). Cost: 25 instructions.
-    #[inline]
-    pub fn update(&mut self, velocity: f32) -> f32 {
-        let now = match coulomb(velocity, self.rest) {
-            0.0 => 0.0,
-            _ => velocity,
-        };
-        let [before, earlier] = self.past;
-        self.past = [now, before];
-        let (old, new) = (coulomb(before, 0.0), coulomb(now, 0.0));
-        if old * new >= 0.0 {
-            return if new == 0.0 { old } else { new };
-        }
-        let (slowed, change) = (earlier - before, now - before);
-        // The same sign as before, and slower: it goes on like that.
-        let steady = slowed * before > 0.0 && slowed.abs() >= before.abs();
-        let tau = if steady {
-            before / slowed
-        } else {
-            -before / change
-        };
-        let tau = if tau > 0.0 && tau < 1.0 { tau } else { 0.5 };
-        old * (2.0 * tau - 1.0)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::identifier::servo::ValveServo;
+
+    #[test]
+    fn inputs_at_the_edge() {
+        assert_eq!(dead_zone(0.03, 0.03), [0.0, 0.0]);
+        assert_eq!(dead_zone(f32::NAN, 0.03), [0.0, 0.0]);
+    }
 
     #[test]
     fn a_dead_zone_refuses_nonsense() {
@@ -336,29 +244,6 @@ mod tests {
                 (valve.delta(), valve.inputs(-0.001)),
                 (0.05, [-0.001, -1.0])
             );
-        }
-    }
-
-    #[test]
-    fn inputs_at_the_edges() {
-        assert_eq!(dead_zone(0.03, 0.03), [0.0, 0.0]);
-        assert_eq!(dead_zone(f32::NAN, 0.03), [0.0, 0.0]);
-        assert_eq!(asymmetric(0.5), [0.5, 0.0]);
-        assert_eq!(asymmetric(0.0), [0.0, 0.0]);
-        assert_eq!(coulomb(0.01, 0.01), 0.0);
-        assert_eq!(coulomb(f32::NAN, 0.01), 0.0);
-        let mut friction = Coulomb::new(0.0);
-        for v in [
-            1.0,
-            f32::NAN,
-            -1.0,
-            f32::MAX,
-            f32::MIN,
-            f32::INFINITY,
-            f32::NEG_INFINITY,
-            1e-45,
-        ] {
-            assert!(friction.update(v).abs() <= 1.0, "{v}");
         }
     }
 }

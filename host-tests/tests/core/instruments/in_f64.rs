@@ -1,0 +1,61 @@
+//! The equations of the instruments in f64.
+
+use nalgebra::{DMatrix, DVector};
+use trendid_host_tests::oracles::least_squares;
+use trendid_host_tests::oracles::trends::{self as oracle, applied};
+use trendid_host_tests::plants::polynomial::{difference_equation, power, product, scaled, sum};
+use trendid_host_tests::signals::experiment::Record;
+
+use crate::common::{rounded, rows};
+
+/// Theta in f64 by the equations of the module, with the auxiliary denominator of the default filter.
+pub(crate) fn in_f64(record: &Record) -> [f64; 5] {
+    let dt = record.dt;
+    let f = [1064.8, 551.76, 33.0, 1.0];
+    let structure = least_squares::Structure {
+        m: 3,
+        a: vec![1, 2],
+        inputs: vec![least_squares::InputTerms {
+            b: vec![0],
+            delay: 0,
+            hold: oracle::Hold::Zero,
+        }],
+        constant: true,
+    };
+    let decay = (1.0 - 0.0011) / (1.0 + 0.0011);
+    let (u, y) = (rounded(&record.u), rounded(&record.y));
+    let scheme = oracle::Scheme::Tustin;
+    let (phi, psi) = rows(&structure, scheme, Some(&f), dt, &[&u], &y, Some(decay), 0);
+    // s^j / A_z of u / A_f, s = 2/dt (1-q)/(1+q).
+    let first = oracle::input_trend(scheme, oracle::Hold::Zero, 3, 0, dt);
+    let once = applied(&first, scheme, Some(&f), dt, &u);
+    let term = |j: usize| {
+        let both = product(&power(&[1.0, -1.0], j), &power(&[1.0, 1.0], 2 - j));
+        scaled(&both, (2.0 / dt).powi(j as i32))
+    };
+    let denominator = sum(
+        &sum(&scaled(&term(0), 484.0), &scaled(&term(1), 30.8)),
+        &term(2),
+    );
+    let twice: Vec<Vec<f64>> = (0..2)
+        .map(|j| difference_equation(&term(j), &denominator, &once))
+        .collect();
+    let n = y.len();
+    let solved = |z: &DMatrix<f64>| -> DVector<f64> {
+        let scale = DVector::from_fn(5, |j, _| phi.column(j).norm());
+        let rows = DVector::from_fn(5, |i, _| z.column(i).norm());
+        let (m, r) = (z.transpose() * &phi, z.transpose() * &psi);
+        let m = DMatrix::from_fn(5, 5, |i, j| m[(i, j)] / (rows[i] * scale[j]));
+        let r = r.component_div(&rows);
+        m.full_piv_lu().solve(&r).unwrap().component_div(&scale)
+    };
+    let mut theta = solved(&phi);
+    for _ in 0..6 {
+        let mut z = phi.clone();
+        for i in 0..2 {
+            z.set_column(i, &(-theta[2] * DVector::from_column_slice(&twice[i][..n])));
+        }
+        theta = solved(&z);
+    }
+    core::array::from_fn(|j| theta[j])
+}

@@ -1,0 +1,95 @@
+//! Samples that are not of the model: the axis stands against it, or the drive has changed.
+
+use crate::identifier::plan::Plan;
+use crate::identifier::row::Row;
+use crate::identifier::standstill::Motion;
+use crate::identifier::state::State;
+use crate::identifier::witness::Witness;
+use crate::trends::TrendOperator;
+
+impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
+    State<T, M, N, I, D>
+{
+    /// Whether the drive has just changed, or the filter still carries what it was: the row is left out.
+    #[inline(never)]
+    pub(super) fn changing(&mut self, plan: &Plan<T, M, N, I>, row: &Row<N>, moves: bool) -> bool {
+        let change = &mut self.change;
+        if change.settling > 0 {
+            change.settling -= 1;
+            self.forgetting.hold(&mut self.estimator);
+            if change.settling == 0 {
+                self.lose_initial_state(plan);
+            }
+            return true;
+        }
+        let estimator = &self.estimator;
+        let known = || estimator.spread(&row.phi);
+        if !moves || !change.found([row.error, row.psi], plan.change_shares, known) {
+            return false;
+        }
+        change.answer(
+            plan.forgetting,
+            plan.times.change_settling,
+            plan.times.change_blind,
+        );
+        let limit = plan.prior.std.map(|std| std * std);
+        let one_sample = self.estimator.samples().max(1.0);
+        let theta = *self.estimator.theta();
+        self.estimator.resume(theta, one_sample, &limit);
+        self.signals.gate.keep_open(plan.times.gate_open);
+        self.changes = self.changes.saturating_add(1);
+        true
+    }
+
+    /// Whether the row may be of the model; where the axis stands against it the trends begin again at rest.
+    #[inline(always)]
+    pub(super) fn obeys(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        row: &Row<N>,
+        u: [f32; I],
+        y: f32,
+        noise: f32,
+        witness: &mut impl Witness<M, N, I>,
+    ) -> bool {
+        if plan.sticks(&u) {
+            if let Some(y) = self.standstill.sticks(y, plan.times.gate_pause) {
+                self.signals.rest(plan, y);
+                witness.begin();
+                // In force from now on, should the axis break away before the next sample.
+                let others = self.signals.other_trends(plan, u);
+                witness.inputs(&others.inputs);
+            }
+            return false;
+        }
+        let limits = [plan.times.certain, plan.times.settled];
+        let estimator = &self.estimator;
+        let expected = || 1.0 + estimator.spread(&row.phi);
+        let found = self
+            .standstill
+            .judge(y, row.innovation, noise, limits, expected);
+        if let Motion::Stands | Motion::Freed = found {
+            self.signals.rest(plan, y);
+            witness.begin();
+        }
+        if found == Motion::Freed {
+            self.lose_initial_state(plan);
+        }
+        found == Motion::Obeys
+    }
+
+    /// The initial state is again as uncertain as at the start.
+    fn lose_initial_state(&mut self, plan: &Plan<T, M, N, I>) {
+        if !plan.structure.initial_state() {
+            return;
+        }
+        self.signals.initial = 1.0;
+        // U ends with a 1: the last factor is the last variance.
+        let last = |of: &[f32; N]| of.last().copied().unwrap_or(0.0);
+        let std = last(&plan.prior.std);
+        let missing = std * std - last(self.estimator.diagonal());
+        if missing > 0.0 {
+            self.estimator.widen_last(missing);
+        }
+    }
+}

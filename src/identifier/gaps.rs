@@ -1,0 +1,109 @@
+//! Sample times without y: the model bridges them.
+
+use crate::identifier::outcome::Refusal;
+use crate::identifier::plan::Plan;
+use crate::identifier::signals::Others;
+use crate::identifier::state::State;
+use crate::identifier::witness::Witness;
+use crate::trends::TrendOperator;
+use crate::trends::delay_line::acceptable;
+
+impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
+    State<T, M, N, I, D>
+{
+    /// Lets the trends of y, from what they were before the sample, go on with the prediction.
+    #[inline(never)]
+    pub(super) fn go_on(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        before: T::Memory,
+        others: &Others<M, I>,
+    ) {
+        // From the newest y: that of a spike would leave no digits.
+        let last = self.signals.last;
+        self.signals.output = before.clone();
+        let row = self.row(plan, last, others);
+        let predicted = last - (row.innovation - self.signals.gate.mean);
+        let settled = self.signals.remaining == 0 && plan.trends.design().filter.is_some();
+        let predicted = match settled && acceptable(predicted, plan.output_limit) {
+            true => predicted,
+            false => last,
+        };
+        self.signals.output = before;
+        let _ = self.signals.output_trends(plan, predicted);
+        self.signals.last = predicted;
+        self.noise.pass(predicted);
+        self.prediction = predicted + self.signals.reference;
+        self.replaced = self.replaced.saturating_add(1);
+        self.signals.remaining = self.signals.remaining.saturating_sub(1);
+        if plan.forgets && self.adapting {
+            self.estimator.pass();
+            self.forgetting.apply(&mut self.estimator);
+        }
+    }
+
+    /// One sample time without y: the trends go on with what the model predicts under the inputs `u`.
+    #[inline(never)]
+    pub(crate) fn skip(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        u: [f32; I],
+        witness: &mut impl Witness<M, N, I>,
+    ) {
+        if !self.signals.begun {
+            return;
+        }
+        self.signals.gap = self.signals.gap.saturating_add(1);
+        if self.signals.gap > plan.times.longest_gap {
+            self.restart_signals(plan, plan.warm_up);
+            return;
+        }
+        let others = self.signals.other_trends(plan, u);
+        witness.inputs(&others.inputs);
+        let before = self.signals.output.clone();
+        self.signals.gate.replaced = None;
+        self.signals.gate.keep_open(plan.times.gate_pause);
+        self.go_on(plan, before, &others);
+    }
+
+    /// One sample time without y, under the newest inputs.
+    pub(crate) fn skip_held(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        witness: &mut impl Witness<M, N, I>,
+    ) {
+        self.skip(plan, self.signals.last_inputs, witness);
+    }
+
+    /// A refused sample is a sample time without y; inputs that cannot be taken stay what they were.
+    #[inline(never)]
+    pub(super) fn refuse(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        u: &[f32; I],
+        witness: &mut impl Witness<M, N, I>,
+    ) {
+        match refused(plan, u, 0.0) {
+            None => self.skip(plan, *u, witness),
+            Some(_) => self.skip_held(plan, witness),
+        }
+    }
+}
+
+/// Why this sample may not enter any buffer; `None` for a good one.
+#[inline(always)]
+pub(super) fn refused<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
+    plan: &Plan<T, M, N, I>,
+    u: &[f32; I],
+    y: f32,
+) -> Option<Refusal> {
+    if !acceptable(y, plan.output_limit) {
+        return Some(Refusal::Output);
+    }
+    for (input, (u, limit)) in u.iter().zip(&plan.input_limit).enumerate() {
+        if !acceptable(*u, *limit) {
+            return Some(Refusal::Input(input));
+        }
+    }
+    None
+}

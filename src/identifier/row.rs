@@ -1,0 +1,82 @@
+//! One row of the equation: the regressor, and what is left of the left-hand side.
+
+use crate::estimation::noise_level::NoiseLevel;
+use crate::identifier::plan::Plan;
+use crate::identifier::signals::Others;
+use crate::identifier::state::State;
+use crate::trends::TrendOperator;
+
+/// One over the third difference that noise does not make, in standard deviations of y: 4 times sqrt(20).
+const STEP: f32 = 1.0 / 18.0;
+
+/// The regressor with its equation error, and that as an innovation in the unit of y.
+pub(super) struct Row<const N: usize> {
+    pub(super) phi: [f32; N],
+    pub(super) psi: f32,
+    pub(super) error: f32,
+    pub(super) innovation: f32,
+}
+
+/// Variance of the noise of y.
+#[derive(Clone, Copy)]
+pub(super) struct Noise {
+    /// As measured; -1 while it is not known.
+    pub(super) known: f32,
+    /// That, but never less than a share of the expected one.
+    pub(super) allowed: f32,
+}
+
+impl Noise {
+    #[inline(always)]
+    pub(super) fn of(level: &NoiseLevel, least: f32) -> Self {
+        let known = level.known();
+        let allowed = if known > least { known } else { least };
+        Self { known, allowed }
+    }
+}
+
+impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
+    State<T, M, N, I, D>
+{
+    /// The row that y makes with the trends of everything else.
+    #[inline(always)]
+    pub(super) fn row(&mut self, plan: &Plan<T, M, N, I>, y: f32, others: &Others<M, I>) -> Row<N> {
+        let output = self.signals.output_trends(plan, y);
+        let (phi, psi) = plan
+            .regressor
+            .assemble(&output, &others.inputs, &others.extra);
+        let error = self.estimator.innovation(&phi, psi);
+        // (10): y minus its evaluation is the equation error over the weight of y(k) in it.
+        let beta = plan.regressor.feedthrough(self.estimator.theta());
+        Row {
+            phi,
+            psi,
+            error,
+            innovation: error / beta,
+        }
+    }
+
+    /// The row of y after all, where the sample before was replaced and should not have been.
+    #[inline(never)]
+    pub(super) fn row_of_two(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        y: f32,
+        others: &Others<M, I>,
+    ) -> Row<N> {
+        if let Some((newest, memory)) = self.signals.gate.replaced.take() {
+            self.signals.output = memory;
+            self.noise.correct_newest(newest);
+            let _ = self.signals.output_trends(plan, newest);
+            self.replaced = self.replaced.saturating_sub(1);
+        }
+        // Beyond all noise: the trends carry this step of the position or of the velocity for a while.
+        let third = self.noise.third_difference(y) * STEP;
+        if third * third > Noise::of(&self.noise, plan.least_noise).allowed {
+            self.standstill.pause(plan.times.after_step);
+        }
+        let row = self.row(plan, y, others);
+        self.signals.gate.mean = row.innovation;
+        row
+    }
+}

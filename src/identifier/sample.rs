@@ -1,0 +1,150 @@
+//! One sample: u and y to a row of the equation, and that into the estimate.
+
+use crate::identifier::gaps::refused;
+use crate::identifier::gate::Verdict;
+use crate::identifier::outcome::Outcome;
+use crate::identifier::plan::Plan;
+use crate::identifier::row::{Noise, Row};
+use crate::identifier::signals::Others;
+use crate::identifier::state::State;
+use crate::identifier::witness::Witness;
+use crate::trends::TrendOperator;
+
+impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
+    State<T, M, N, I, D>
+{
+    /// Takes u(k) and y(k).
+    #[inline(always)]
+    pub(crate) fn update(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        u: [f32; I],
+        y: f32,
+        witness: &mut impl Witness<M, N, I>,
+    ) -> Outcome {
+        if let Some(refusal) = refused(plan, &u, y) {
+            self.refuse(plan, &u, witness);
+            return Outcome::Refused(refusal);
+        }
+        if !self.signals.begun {
+            let settled = self.signals.begin(plan, y);
+            self.noise.settle(settled);
+            witness.begin();
+        }
+        let reference = self.signals.reference;
+        let y = y - reference;
+        self.signals.gap = 0;
+        self.signals.turn = self.signals.turn.wrapping_add(1);
+        if self.signals.turn.is_multiple_of(16) {
+            self.flush();
+        }
+        let others = self.signals.other_trends(plan, u);
+        witness.inputs(&others.inputs);
+        if self.signals.remaining > 0 {
+            self.signals.last = y;
+            self.noise.update(y);
+            let _ = self.signals.output_trends(plan, y);
+            self.signals.remaining -= 1;
+            self.prediction = y + reference;
+            return Outcome::WarmingUp {
+                remaining: self.signals.remaining,
+            };
+        }
+        let noise = Noise::of(&self.noise, plan.least_noise);
+        let (row, lasting) = match self.judged(plan, y, &others, noise) {
+            Ok(found) => found,
+            Err(innovation) => return Outcome::Replaced { innovation },
+        };
+        self.signals.last = y;
+        self.noise.update(y);
+        let innovation = row.innovation;
+        self.prediction = y - innovation + reference;
+        self.errors.update(innovation);
+        match lasting {
+            // Two samples have entered the trends at once: the rest of this one is left out.
+            true => Outcome::Held { innovation },
+            false => self.learn(plan, &row, u, y, noise, witness),
+        }
+    }
+
+    /// The row of y, and whether a change lasts; or the innovation of a sample that is replaced by its prediction.
+    #[inline(always)]
+    fn judged(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        y: f32,
+        others: &Others<M, I>,
+        noise: Noise,
+    ) -> Result<(Row<N>, bool), f32> {
+        if !plan.has_gate {
+            return Ok((self.row(plan, y, others), false));
+        }
+        let third = self.noise.third_difference(y);
+        let before = self.signals.output.clone();
+        let row = self.row(plan, y, others);
+        let gate = &mut self.signals.gate;
+        match gate.judge(row.innovation, third, noise.allowed, plan.times.gate_pause) {
+            Verdict::Plausible => Ok((row, false)),
+            Verdict::Implausible => {
+                gate.replaced = Some((y, before.clone()));
+                self.go_on(plan, before, others);
+                Err(row.innovation)
+            }
+            Verdict::Lasting => Ok((self.row_of_two(plan, y, others), true)),
+        }
+    }
+
+    /// Takes the row in, unless the estimate is held.
+    #[inline(always)]
+    fn learn(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        row: &Row<N>,
+        u: [f32; I],
+        y: f32,
+        noise: Noise,
+        witness: &mut impl Witness<M, N, I>,
+    ) -> Outcome {
+        let innovation = row.innovation;
+        let obeys = !plan.can_stand || self.obeys(plan, row, u, y, noise.allowed, witness);
+        if !self.adapting {
+            return Outcome::Held { innovation };
+        }
+        if plan.forgets {
+            let moves = obeys && plan.moves(&row.phi, noise.known);
+            if plan.follows_changes && self.changing(plan, row, moves) {
+                return Outcome::Held { innovation };
+            }
+            if moves {
+                self.estimator.correct(&row.phi, row.error);
+                witness.row(&row.phi, row.psi);
+            } else {
+                self.estimator.pass();
+            }
+            self.forgetting.apply(&mut self.estimator);
+            if !moves {
+                return Outcome::Held { innovation };
+            }
+        } else if obeys {
+            self.estimator.correct(&row.phi, row.error);
+            witness.row(&row.phi, row.psi);
+        } else {
+            return Outcome::Held { innovation };
+        }
+        Outcome::Estimated { innovation }
+    }
+
+    /// Once in a while, a part at a time: what has decayed becomes zero before it becomes subnormal.
+    #[inline(never)]
+    fn flush(&mut self) {
+        match (self.signals.turn / 16) % 4 {
+            0 => self.signals.flush_output(),
+            1 => self.signals.flush_inputs(),
+            2 => self.estimator.flush_sums(),
+            _ => {
+                self.noise.flush();
+                self.change.flush();
+            }
+        }
+    }
+}

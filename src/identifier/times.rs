@@ -1,0 +1,50 @@
+//! How long things last, in samples.
+
+use crate::estimation::structure::Structure;
+use crate::trends::Design;
+use crate::trends::filter::settling_time;
+
+/// Times in samples, all in proportion to one over the bandwidth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Times {
+    /// For which the innovation gate stays open after a start.
+    pub(crate) gate_open: u32,
+    /// For which it stays open after a lasting change.
+    pub(crate) gate_pause: u32,
+    /// After which a standstill is certain.
+    pub(crate) certain: u32,
+    /// After which the trends have settled behind one.
+    pub(crate) settled: u32,
+    /// For which the trends carry a step of y.
+    pub(crate) after_step: u32,
+    /// Without y that the model bridges; after more the trends begin anew.
+    pub(crate) longest_gap: u32,
+    /// For which rows are left out behind a change of the drive.
+    pub(crate) change_settling: u32,
+    /// Without a look for changes at the start and behind one.
+    pub(crate) change_blind: u32,
+}
+
+impl Times {
+    /// For a rough bandwidth in rad/s.
+    pub(crate) fn new<const M: usize, const N: usize, const I: usize>(
+        structure: &Structure<M, N, I>,
+        design: &Design<M>,
+        bandwidth: f32,
+    ) -> Self {
+        let angle = bandwidth * design.sample_time;
+        Self {
+            gate_open: (10.0 / angle) as u32,
+            gate_pause: (0.5 / angle) as u32,
+            certain: (1.0 / angle) as u32 + 10,
+            settled: match structure.initial_state() {
+                true => (12.0 / angle) as u32,
+                false => (3.0 / (1.0 - design.slow_mode)).max(12.0 / angle) as u32,
+            },
+            after_step: (2.0 / angle) as u32,
+            longest_gap: (5.0 / angle) as u32,
+            change_settling: (settling_time(bandwidth) / design.sample_time) as u32 + N as u32,
+            change_blind: (10.0 / angle) as u32,
+        }
+    }
+}
