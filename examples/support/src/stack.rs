@@ -1,7 +1,7 @@
 //! Peak stack of a call: the free stack is painted before and looked at after.
 
 /// Bytes that are painted; a call that needs more is reported with this number.
-pub const PAINTED: usize = 4096;
+pub const PAINTED: usize = 16 * 1024;
 
 const PAINT: u32 = 0xA5C3_96E1;
 
