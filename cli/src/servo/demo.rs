@@ -4,13 +4,16 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
+use trendid_host_tests::servo::population::family::Family;
 use trendid_host_tests::servo::scenario::Scenario;
 
 use crate::identify::signals::{SchemeName, parse_filter};
 use crate::output::Refusal;
+use crate::servo::demo_axis;
 use crate::servo::demo_loop;
 use crate::servo::linear;
 use crate::servo::linear_args::{LinearArgs, NoiseArgs};
+use crate::servo::population::family_names;
 use trendid_identify::Choice;
 
 const EXAMPLE: &str = "\
@@ -18,6 +21,7 @@ Examples:
   trendid demo                                 the mass triples in motion
   trendid demo --fixed                         the same with the gains of the commissioning
   trendid demo --scenario supply --seeds 20 --json
+  trendid demo --axis 5007                     an axis of the population, told sample time and travel
   trendid demo --linear --eta 100 --eps 50 --seed 7 --out pictures
 
 Scenarios, all after a commissioning without prior knowledge but sign, travel and rough bandwidth:
@@ -71,6 +75,15 @@ pub(crate) struct DemoArgs {
     /// Print JSON, one object per seed
     #[arg(long)]
     json: bool,
+    /// The axis of this seed of the population of `trendid loop --population` instead
+    #[arg(long, value_name = "SEED", conflicts_with_all = ["scenario", "seed", "seeds", "linear"])]
+    axis: Option<u64>,
+    /// Family of that axis
+    #[arg(long, value_name = "NAME", default_value = "pneumatic", requires = "axis", value_parser = family_names())]
+    family: String,
+    /// Drawn from the half of each range about an ordinary machine
+    #[arg(long, requires = "axis")]
+    usual: bool,
     /// Identify a linear servo instead, without a controller
     #[arg(long, conflicts_with_all = ["scenario", "fixed", "seeds"])]
     linear: bool,
@@ -121,6 +134,16 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Refusal> {
             scheme: asked.scheme.unwrap_or(SchemeName::Tustin),
             filter: asked.filter.unwrap_or(Choice::Auto),
             out: args.out.clone(),
+            json: args.json,
+        });
+    }
+    if let Some(seed) = args.axis {
+        return demo_axis::run(&demo_axis::Task {
+            family: Family::from_name(&args.family).unwrap_or(Family::Pneumatic),
+            usual: args.usual,
+            seed,
+            fixed: args.fixed,
+            out: &args.out,
             json: args.json,
         });
     }

@@ -14,11 +14,12 @@ use crate::format::significant;
 use crate::output::{Refusal, emit, emit_json, number, progress};
 use crate::servo::population_faults::{self, FaultTables};
 use crate::servo::population_rows::{COMMISSIONING, ROWS, columns};
+use crate::servo::population_work;
 
 /// Most axes of a run.
 const AXES_MAX: u64 = 100_000;
 
-fn family_names() -> PossibleValuesParser {
+pub(super) fn family_names() -> PossibleValuesParser {
     PossibleValuesParser::new(Family::ALL.map(Family::name))
 }
 
@@ -41,6 +42,9 @@ pub(super) struct PopulationArgs {
     /// Name the seeds of the worst axes
     #[arg(long, requires = "population")]
     worst: bool,
+    /// Let the first N axes that a model near the truth controls work for so many seconds each, without a fault
+    #[arg(long, value_name = "S", requires = "population", conflicts_with_all = ["commission", "worst", "faults"])]
+    work: Option<f64>,
     /// Break so many axes, the first that a model near the truth controls, in every way and every state
     #[arg(long, value_name = "N", default_value_t = 0, requires = "population")]
     faults: u64,
@@ -61,6 +65,9 @@ pub(super) fn run(args: &PopulationArgs, axes: u64, first: u64, json: bool) -> R
         return Err(Refusal::new("--first-seed is too large for so many axes"));
     };
     let family = Family::from_name(&args.family).unwrap_or(Family::Pneumatic);
+    if let Some(seconds) = args.work {
+        return population_work::run(family, args.usual, axes, first, seconds, json);
+    }
     if args.commission {
         commission(family, args.usual, first..end, json);
         return Ok(());

@@ -9,12 +9,14 @@
 //! | [`figures`] | the figures of a run, and what is wanted of them |
 //! | [`population`] | axes drawn at random, with the controller of a practitioner beside the loop |
 //! | [`faults`] | faults of sensor, valve and axis, and work without any |
+//! | `passage` | a run on its way: samples, requests, steps, sines |
 //! | [`mod@run`] | a scenario from the commissioning to its figures |
 //! | [`bridging`] | the loop on a sensor that fails now and then |
 
 pub mod bridging;
 pub mod faults;
 pub mod figures;
+mod passage;
 pub mod plant;
 pub mod population;
 pub mod rig;

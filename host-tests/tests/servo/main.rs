@@ -3,6 +3,7 @@
 //! Claims over many runs are in `tests/statistics`.
 
 mod faults;
+mod linearised;
 mod pneumatic;
 mod pneumatic_linear;
 mod population;

@@ -5,7 +5,7 @@
 //! [`PATIENCE`] is over.
 
 use trendid::hardware::{Axis, Scale};
-use trendid::servo::{self, Model, MotionLimits, Reason, ServoLoop, State, Travel};
+use trendid::servo::{self, Model, MotionLimits, Reason, Report, ServoLoop, State, Travel};
 
 use crate::servo::population::bench::Bench;
 use crate::servo::population::draw::AxisDraw;
@@ -28,6 +28,21 @@ pub struct LoopPositioner {
     unit_mm: f64,
     target_mm: f64,
     stopped: Option<Reason>,
+    /// The samples, where they are kept.
+    samples: Option<Vec<Seen>>,
+}
+
+/// One sample of the loop, in mm.
+#[derive(Clone, Debug)]
+pub struct Seen {
+    /// What the loop reported.
+    pub report: Report,
+    /// Measured position.
+    pub position_mm: f64,
+    /// Wanted position.
+    pub reference_mm: f64,
+    /// Velocity gain, natural frequency and damping of the model in use.
+    pub used: Option<[f64; 3]>,
 }
 
 /// What came of a commissioning.
@@ -83,7 +98,37 @@ impl LoopPositioner {
             unit_mm,
             target_mm: 0.0,
             stopped: None,
+            samples: None,
         })
+    }
+
+    /// Keeps its samples from now on.
+    pub fn remember(&mut self) {
+        self.samples = Some(Vec::new());
+    }
+
+    /// The samples that were kept.
+    pub fn remembered(self) -> Vec<Seen> {
+        self.samples.unwrap_or_default()
+    }
+
+    /// One sample of the loop.
+    fn sample(&mut self, code: i32) -> Report {
+        self.servo.sensor_mut().code = Some(code);
+        let report = self.servo.update();
+        if let Some(samples) = &mut self.samples {
+            let used = self.servo.supervisor().verified_model().map(|m| {
+                let (a1, a2, b0) = (f64::from(m.a1), f64::from(m.a2), f64::from(m.b0));
+                [self.unit_mm * b0 / a1, a1.sqrt(), 0.5 * a2 / a1.sqrt()]
+            });
+            samples.push(Seen {
+                report: report.clone(),
+                position_mm: self.unit_mm * f64::from(report.position),
+                reference_mm: self.unit_mm * f64::from(report.setpoint.position),
+                used,
+            });
+        }
+        report
     }
 
     /// The loop.
@@ -103,8 +148,7 @@ impl LoopPositioner {
         self.servo.commission();
         let mut next = f64::INFINITY;
         while bench.time() < PATIENCE {
-            self.servo.sensor_mut().code = Some(bench.code());
-            let report = self.servo.update();
+            let report = self.sample(bench.code());
             sum += bench.position_mm();
             samples += 1.0;
             match report.state {
@@ -165,8 +209,7 @@ impl Positioner for LoopPositioner {
     }
 
     fn update(&mut self, code: i32) -> Sample {
-        self.servo.sensor_mut().code = Some(code);
-        let report = self.servo.update();
+        let report = self.sample(code);
         if let State::Failed(reason) = report.state {
             self.stopped.get_or_insert(reason);
         }

@@ -11,6 +11,7 @@
 //! | [`practitioner`] | the fixed controller of a practitioner |
 //! | [`search`] | its gains, searched on the axis itself |
 //! | [`trial`] | one axis with all of these |
+//! | [`shown`] | one axis with its loop, sample by sample |
 //! | [`summary`] | the figures of many axes |
 
 pub mod adaptive;
@@ -21,5 +22,6 @@ pub mod practitioner;
 pub mod range;
 pub mod search;
 pub mod sequence;
+pub mod shown;
 pub mod summary;
 pub mod trial;

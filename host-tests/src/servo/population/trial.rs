@@ -12,7 +12,7 @@ use crate::servo::population::search::tuned;
 use crate::servo::population::sequence::{Exercise, Motion};
 
 /// What the loop made of an axis.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoopRun {
     /// Why the settings were refused.
     pub settings: Option<String>,
@@ -68,13 +68,7 @@ pub fn with_loop(axis: &AxisDraw, adaptive: bool) -> LoopRun {
 
 fn run_loop(axis: &AxisDraw, adaptive: bool, moves: bool) -> LoopRun {
     let mut bench = Bench::new(axis, Purpose::Disturbance);
-    let mut run = LoopRun {
-        settings: None,
-        commissioned: Commissioned::default(),
-        motion: None,
-        stopped: None,
-        blow_mm_s: 0.0,
-    };
+    let mut run = LoopRun::default();
     match LoopPositioner::new(axis, adaptive) {
         Err(error) => run.settings = Some(error.to_string()),
         Ok(mut positioner) => {

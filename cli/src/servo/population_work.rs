@@ -1,0 +1,124 @@
+//! `trendid loop --population N --work S`: work without a fault, in which every alarm is a false one.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use trendid_host_tests::servo::faults::normal::{NormalRun, controlled, work};
+use trendid_host_tests::servo::population::family::Family;
+
+use crate::format::significant;
+use crate::output::{Refusal, emit, emit_json, number, progress};
+
+/// Longest work of an axis in s: a week.
+const SECONDS_MAX: f64 = 604_800.0;
+
+/// The work of many axes.
+struct Worked {
+    runs: Vec<NormalRun>,
+    hours: f64,
+    /// Why loops stopped, with the number of axes.
+    alarms: BTreeMap<String, usize>,
+    implausible: u64,
+    oscillations: u64,
+}
+
+/// Lets axes work, the first that a model near the truth controls, and prints.
+///
+/// # Errors
+///
+/// A sentence on a time that makes no sense.
+pub(super) fn run(
+    family: Family,
+    usual: bool,
+    axes: u64,
+    first: u64,
+    seconds: f64,
+    json: bool,
+) -> Result<(), Refusal> {
+    if !(seconds > 0.0 && seconds <= SECONDS_MAX) {
+        return Err(Refusal::new(format!(
+            "--work {seconds} is not between 0 and {SECONDS_MAX} s"
+        )));
+    }
+    let axes = controlled(family, usual, first, axes as usize);
+    let bar = progress(axes.len() as u64, "axes");
+    let runs: Vec<NormalRun> = axes
+        .par_iter()
+        .filter_map(|axis| {
+            let run = work(axis, seconds);
+            bar.inc(1);
+            run
+        })
+        .collect();
+    bar.finish_and_clear();
+    let worked = Worked::new(runs);
+    if json {
+        emit_json(&worked.object());
+    } else {
+        emit(&worked.markdown(family, usual));
+    }
+    Ok(())
+}
+
+impl Worked {
+    fn new(runs: Vec<NormalRun>) -> Self {
+        let mut alarms = BTreeMap::new();
+        for (reason, _) in runs.iter().filter_map(|run| run.stopped) {
+            *alarms.entry(format!("{reason:?}")).or_insert(0) += 1;
+        }
+        Self {
+            hours: runs.iter().map(|run| run.worked_s).sum::<f64>() / 3600.0,
+            implausible: runs.iter().map(|run| u64::from(run.implausible)).sum(),
+            oscillations: runs.iter().map(|run| u64::from(run.oscillations)).sum(),
+            alarms,
+            runs,
+        }
+    }
+
+    fn stopped(&self) -> Vec<u64> {
+        let stopped = self.runs.iter().filter(|run| run.stopped.is_some());
+        stopped.map(|run| run.seed).collect()
+    }
+
+    fn object(&self) -> Value {
+        json!({
+            "axes": self.runs.len(),
+            "worked_h": number(self.hours),
+            "false_alarms": self.stopped().len(),
+            "reasons": self.alarms,
+            "stopped_seeds": self.stopped(),
+            "implausible_readings": self.implausible,
+            "oscillations": self.oscillations,
+        })
+    }
+
+    fn markdown(&self, family: Family, usual: bool) -> String {
+        let kind = if usual { "usual " } else { "" };
+        let seeds = self.runs.iter().map(|run| run.seed);
+        let (low, high) = (seeds.clone().min().unwrap_or(0), seeds.max().unwrap_or(0));
+        let mut text = format!(
+            "{} {kind}{} axes with seeds {low} to {high} that a model near the truth controls; moves, sines of 0.1 to 5 Hz, small \
+             steps, rests; no fault.\n\n| work | |\n|---|---|\n",
+            self.runs.len(),
+            family.name()
+        );
+        text += &format!(
+            "| hours, all axes together | {} |\n",
+            significant(self.hours, 3)
+        );
+        text += &format!(
+            "| axes that the loop stopped | {} |\n",
+            self.stopped().len()
+        );
+        for (reason, axes) in &self.alarms {
+            text += &format!("| stopped: {reason} [axes] | {axes} |\n");
+        }
+        text += &format!(
+            "| readings replaced as implausible | {} |\n",
+            self.implausible
+        );
+        text += &format!("| oscillations noticed | {} |\n", self.oscillations);
+        text
+    }
+}
