@@ -106,6 +106,15 @@ impl<S, V> ServoLoop<S, V> {
         self.tracking.begin(motion);
     }
 
+    /// Gives up what is being built. An identifier whose plan is the new one and whose state is the old one begins anew.
+    pub(crate) fn stop_building(&mut self) {
+        if let Some(building) = self.building.take()
+            && building.next == Part::Estimate
+        {
+            self.identifier.reset();
+        }
+    }
+
     /// The settings and the design for what was found.
     fn begin_building(&mut self, found: &Found) -> Result<bool, Reason> {
         let design = tuned(&self.config, found).resolve();

@@ -72,6 +72,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 true
             }
             Event::Restored(model) => {
+                self.stop_building();
                 reopen(&mut self.identifier, &model, REOPENED_STD);
                 if before.is_commissioning() {
                     self.take_over(model, self.commissioning.motion());

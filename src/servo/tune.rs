@@ -128,8 +128,17 @@ impl<S, V> ServoLoop<S, V> {
             .screening
             .admits(&model)
             .map_err(Error::Model)?;
-        self.building = None;
-        while !self.build(&found).map_err(Error::Model)? {}
+        let before = self.building.take();
+        loop {
+            match self.build(&found) {
+                Ok(true) => break,
+                Ok(false) => {}
+                Err(reason) => {
+                    self.building = before;
+                    return Err(Error::Model(reason));
+                }
+            }
+        }
         self.install(model)
     }
 

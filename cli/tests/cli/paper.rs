@@ -25,9 +25,9 @@ fn table1_has_a_line_for_every_condition_and_method() {
     ]);
     let mut lines = text.lines();
     let head = "vary,w_um,eta_um,eps_um,dt_ms,reading,scheme,filter,estimator,duration_s,seeds,ns_pct,\
-        rms_c_pct,rms_omega0_pct,rms_xi_pct,med_c_pct,med_omega0_pct,med_xi_pct,\
+        rms_c_pct,rms_omega0_pct,rms_xi_pct,mean_c_pct,mean_omega0_pct,mean_xi_pct,med_c_pct,med_omega0_pct,med_xi_pct,\
         bound_c_pct,bound_omega0_pct,bound_xi_pct,paper_c_pct,paper_omega0_pct,paper_xi_pct,conv,\
-        tss_med_ms,tss_p95_ms,diverged";
+        tss_med_ms,tss_p95_ms,diverged,weak";
     assert_eq!(lines.next(), Some(head));
     let rows: Vec<Vec<&str>> = lines.map(|l| l.split(',').collect()).collect();
     assert!(rows.iter().all(|r| r.len() == head.split(',').count()));
@@ -57,7 +57,7 @@ fn table1_has_a_line_for_every_condition_and_method() {
                     );
                 }
             }
-            for opponent in ["ekf", "output-error"] {
+            for opponent in ["ekf", "output-error", "instruments"] {
                 let found = rows
                     .iter()
                     .filter(|r| (r[0], r[5], r[8]) == (vary, reading, opponent));

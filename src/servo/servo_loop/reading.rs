@@ -57,7 +57,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             self.start_requested = false;
             self.supervisor.begin();
             self.watching = 0;
-            self.building = None;
+            self.stop_building();
             let known =
                 self.config.reversed.is_some() || self.supervisor.verified_model().is_some();
             self.commissioning.begin(y, known.then_some(self.sign));

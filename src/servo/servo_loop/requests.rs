@@ -17,6 +17,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// in range of the settings.
     pub fn install(&mut self, model: Model) -> Result<(), Error> {
         self.supervisor.install(model).map_err(Error::Model)?;
+        self.stop_building();
         reopen(&mut self.identifier, &model, REOPENED_STD);
         self.start_requested = false;
         self.controller.search(&model);
