@@ -173,7 +173,8 @@ fn every_option_gains() {
         assert!(with < 0.9 * without, "{option}");
         let per = |key: &str| option[key].as_f64();
         let cost = per("instructions_per_sample").or(per("instructions_per_call"));
-        assert!(cost.unwrap() > 0.0, "{option}");
+        // A price may be negative: filtered trends cost less than raw ones with their differences.
+        assert!(cost.is_some_and(f64::is_finite), "{option}");
     }
     let text = stdout(&["options", "--seeds", "2"]);
     assert!(text.contains("| exact hold") && text.contains("seeds 500000 to 500001"));
