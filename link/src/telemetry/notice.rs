@@ -52,7 +52,7 @@ pub struct Identity {
     pub sample_time: f32,
     /// Begin and end of the travel.
     pub travel: [f32; 2],
-    /// Whether the machine is simulated and takes [`Request::Play`].
+    /// Whether the machine is simulated and takes [`Request::Play`](super::Request::Play).
     pub simulated: bool,
 }
 
@@ -81,7 +81,7 @@ pub enum Event {
         /// Starts since power came.
         starts: u32,
     },
-    /// The supervisor went over to a state, for a reason or [`code::NO_REASON`].
+    /// The supervisor went over to a state, for a reason or [`NO_REASON`](crate::code::NO_REASON).
     State {
         /// [`trendid::servo::State::code`].
         state: u8,

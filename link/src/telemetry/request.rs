@@ -28,11 +28,11 @@ impl Message for Order {
 /// What may be asked.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Request {
-    /// Who is there; answered by an [`Identity`] besides.
+    /// Who is there; answered by an [`Identity`](super::Identity) besides.
     Hello,
     /// Nothing: the line lives.
     Alive,
-    /// A [`Sample`] every so many samples; 0 for none.
+    /// A [`Sample`](super::Sample) every so many samples; 0 for none.
     Stream(u16),
     /// Stop when no order came for so many ms; 0 for never.
     Watchdog(u16),
