@@ -36,7 +36,9 @@ pub(super) fn run(file: &Path, mut line: Line) {
             }
         }
         let due = (begin.elapsed().as_secs_f64() / rows.sample_time) as u32;
+        // Each row leaves the station before the next one comes: however late this thread is, none is lost.
         while done < due
+            && line.has_room()
             && let Some(row) = rows_left.next()
         {
             done += 1;
@@ -51,12 +53,11 @@ pub(super) fn run(file: &Path, mut line: Line) {
                 command: row.command,
                 innovation: row.innovation,
             });
-        }
-        if line.has_room() {
             bytes.extend(std::iter::from_fn(|| station.next_byte()));
-            if !bytes.is_empty() {
-                line.say(Said::Bytes(std::mem::take(&mut bytes)));
-            }
+        }
+        bytes.extend(std::iter::from_fn(|| station.next_byte()));
+        if !bytes.is_empty() && line.has_room() {
+            line.say(Said::Bytes(std::mem::take(&mut bytes)));
         }
         thread::sleep(Duration::from_millis(2));
     }
