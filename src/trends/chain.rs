@@ -193,3 +193,33 @@ impl<const M: usize> Integrators<M> {
         Trends { lower, top }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trends::filtered::FilteredTrends;
+    use crate::trends::operator::TrendOperator;
+
+    /// In one word the state would stop 3e-5 of its end away from it, in every row of a steady motion alike.
+    #[test]
+    fn a_steady_input_is_reached_to_the_last_digits() {
+        fn distance<const M: usize>(bandwidth: f32) -> f32 {
+            let trends =
+                FilteredTrends::<M>::for_bandwidth(Scheme::Tustin, 0.001, bandwidth).unwrap();
+            let mut memory = Chain::input_at_rest(trends.design(), Hold::Zero, 0.0);
+            let mut trend = 0.0;
+            for _ in 0..60_000 {
+                trend = trends.input(&mut memory, 0.371, Hold::Zero)[0];
+            }
+            (trend * trends.filter()[0] / 0.371 - 1.0).abs()
+        }
+        for bandwidth in [5.0, 20.0, 100.0] {
+            let found = [
+                distance::<1>(bandwidth),
+                distance::<2>(bandwidth),
+                distance::<3>(bandwidth),
+            ];
+            assert!(found.iter().all(|distance| *distance < 1e-6), "{found:?}");
+        }
+    }
+}
