@@ -8,6 +8,8 @@
 
 mod meter;
 mod position_loop;
+#[cfg(target_os = "none")]
+mod target;
 // The wire is built for this core alone.
 #[cfg(all(target_os = "none", target_abi = "eabihf"))]
 mod telemetry;
@@ -266,56 +268,6 @@ fn bounded<const N: usize>() -> Bounded<N> {
     Bounded {
         estimator: bare(),
         forgetting: StabilisedForgetting::new([0.0; N], 0.999),
-    }
-}
-
-#[cfg(target_os = "none")]
-mod target {
-    use cortex_m_rt::entry;
-
-    use trendid_example_support::board::{exit, line};
-    use trendid_example_support::clock::{Clock, Unit};
-
-    use super::all;
-    use crate::meter::Counter;
-
-    // For memory.x.
-    core::arch::global_asm!(".global __trendid_deep_stack", "__trendid_deep_stack = 1");
-
-    #[panic_handler]
-    fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-        line(format_args!("{info}"));
-        exit(false)
-    }
-
-    #[entry]
-    fn main() -> ! {
-        let Some(mut core) = cortex_m::Peripherals::take() else {
-            exit(false)
-        };
-        let clocks = Clock::start(&mut core);
-        for clock in clocks {
-            line(format_args!(
-                "# {}: {:.4} ticks per unit of {:?}",
-                clock.name,
-                clock.rate(),
-                clock.unit
-            ));
-        }
-        if clocks[0].unit == Unit::Cycles {
-            line(format_args!(
-                "# a board: processor cycles, not instructions"
-            ));
-        }
-        let mut counter = Counter::new(clocks);
-        if let Err(error) = all(&mut counter) {
-            line(format_args!("{error}"));
-            exit(false);
-        }
-        if counter.systick_off {
-            line(format_args!("# SysTick and {} disagree", clocks[0].name));
-        }
-        exit(!counter.systick_off)
     }
 }
 

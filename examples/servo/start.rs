@@ -7,9 +7,9 @@ use stm32f4xx_hal::timer;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use stm32f4xx_hal::{prelude::*, rcc};
 use trendid::hardware::Valve;
+use trendid::servo::ServoLoop;
 use trendid_example_support::brown_out::set_brown_out_level;
-use trendid_example_support::drive::{Drive, SimulatedValve};
-use trendid_example_support::machine::{ORIGIN, config, servo_loop};
+use trendid_example_support::machine::{config, servo_loop};
 use trendid_example_support::reset::Causes;
 use trendid_link::telemetry::Event;
 
@@ -18,7 +18,7 @@ use crate::keep::Keep;
 use crate::slot::{self, Slot, WATCHDOG_MS, requests};
 use crate::snapshot::Snapshot;
 use crate::wire::{self, Pump};
-use crate::wiring::{self, CRYSTAL_MHZ, Chip, Output, Panel, Ports, Sensor};
+use crate::wiring::{self, CRYSTAL_MHZ, Chip, Output, Ports, Sensor};
 use crate::{RESUME, live, log, logger, survival};
 
 /// Ticks of TIM2 per second in QEMU, whatever the clock control says.
@@ -68,50 +68,31 @@ fn begin() -> Idle {
 
     // The internal oscillator runs after reset on every chip; a clock control that does not know it is QEMU's.
     let emulated = chip.RCC.cr().read().hsirdy().bit_is_clear();
-    let clocks = if emulated {
+    if emulated {
         logger::over_semihosting();
-        rcc::Config::hsi()
-    } else {
-        rcc::Config::hse(CRYSTAL_MHZ.MHz()).sysclk(168.MHz())
-    };
-    let mut rcc = chip.RCC.freeze(clocks);
+    }
+    let mut rcc = clocked(chip.RCC, emulated);
 
+    let ports = Ports {
+        a: chip.GPIOA,
+        b: chip.GPIOB,
+        c: chip.GPIOC,
+        encoder: chip.SPI2,
+        dac: chip.SPI3,
+        pulse: chip.TIM4,
+    };
     let (sensor, mut valve, panel, pins) = if emulated {
-        let pins = chip.GPIOA.split(&mut rcc);
-        (
-            Sensor::Simulated(Drive::new(ORIGIN)),
-            Output::Simulated(SimulatedValve),
-            Panel::Emulated,
-            (pins.pa9, pins.pa10),
-        )
+        wiring::simulated(ports, &mut rcc)
     } else {
-        wiring::wired(
-            Ports {
-                a: chip.GPIOA,
-                b: chip.GPIOB,
-                c: chip.GPIOC,
-                encoder: chip.SPI2,
-                dac: chip.SPI3,
-                pulse: chip.TIM4,
-            },
-            &mut rcc,
-        )
+        wiring::wired(ports, &mut rcc)
     };
     // A converter keeps its last code over a restart of the chip. A failure is written again in every slot.
     let _ = valve.safe();
     let mut servo = servo_loop(sensor, valve).unwrap();
 
-    let mut slots = chip.TIM2.counter_hz(&mut rcc);
-    // QEMU counts with its own frequency, so there the rate is that of a clock which is so much slower.
-    let clock = rcc.clocks.timclk1().raw();
-    let rate = if emulated {
-        1000 * (clock / 1000) / (EMULATED_HZ / 1000)
-    } else {
-        1000
-    };
-    slots.start(rate.Hz()).unwrap();
-    // There a word asks for the wire in the place of the script, in real time.
+    // In the emulator a word asks for the wire in the place of the script, in real time.
     let wired = emulated && emulated::is_wired();
+    let mut slots = slot_timer(chip.TIM2, emulated, &mut rcc);
     if !wired {
         slots.listen(timer::Event::Update);
     }
@@ -122,19 +103,7 @@ fn begin() -> Idle {
     let brown_out = (!emulated).then(|| set_brown_out_level(&mut Chip, BROWN_OUT));
     log::start(&survivor, causes, brown_out);
     // QEMU has no flash controller.
-    let (keep, stored) = if emulated {
-        (None, None)
-    } else {
-        let (keep, record) = Keep::load(chip.FLASH);
-        (Some(keep), record)
-    };
-    if let Some(record) = stored
-        && RESUME
-        && !stopped
-        && servo.resume(&record).is_err()
-    {
-        defmt::error!("the stored model is refused");
-    }
+    let keep = (!emulated).then(|| kept(chip.FLASH, &mut servo, RESUME && !stopped));
 
     let identity = wire::identity(&config(), emulated);
     let begun = (survivor.starts(), causes.main().name());
@@ -145,25 +114,60 @@ fn begin() -> Idle {
     let queue = cortex_m::singleton!(: Queue<Snapshot, 32> = Queue::new()).unwrap();
     let (producer, consumer) = queue.split();
     watchdog.start(WATCHDOG_MS.millis());
+    let panel = (panel, wire);
     slot::hand_over(Slot::new(
-        servo,
-        slots,
-        period,
-        watchdog,
-        (panel, wire),
-        producer,
-        stopped,
+        servo, slots, period, watchdog, panel, producer, stopped,
     ));
-    // SAFETY: everything the interrupt needs was handed over, and it may wait for one of a higher priority.
-    unsafe {
-        core.NVIC.set_priority(pac::Interrupt::TIM2, SLOT_PRIORITY);
-        NVIC::unmask(pac::Interrupt::TIM2);
-    }
+    release(&mut core.NVIC);
     if wired {
         live::pace(&mut core.SYST);
     }
     let script = (emulated && !wired).then(Script::new);
     (consumer, script, keep, pump)
+}
+
+/// The clocks of the board, or those that the emulator has.
+fn clocked(control: pac::RCC, emulated: bool) -> rcc::Rcc {
+    control.freeze(if emulated {
+        rcc::Config::hsi()
+    } else {
+        rcc::Config::hse(CRYSTAL_MHZ.MHz()).sysclk(168.MHz())
+    })
+}
+
+/// The memory of the machine; control resumes with what it holds, where that is wanted.
+fn kept(flash: pac::FLASH, servo: &mut ServoLoop<Sensor, Output>, resume: bool) -> Keep {
+    let (keep, record) = Keep::load(flash);
+    if let Some(record) = record
+        && resume
+        && servo.resume(&record).is_err()
+    {
+        defmt::error!("the stored model is refused");
+    }
+    keep
+}
+
+/// Lets the slots interrupt.
+fn release(interrupts: &mut NVIC) {
+    // SAFETY: everything the interrupt needs was handed over, and it may wait for one of a higher priority.
+    unsafe {
+        interrupts.set_priority(pac::Interrupt::TIM2, SLOT_PRIORITY);
+        NVIC::unmask(pac::Interrupt::TIM2);
+    }
+}
+
+/// Starts the timer of the slots.
+fn slot_timer(timer: TIM2, emulated: bool, rcc: &mut rcc::Rcc) -> timer::CounterHz<TIM2> {
+    let mut slots = timer.counter_hz(rcc);
+    // QEMU counts with its own frequency, so there the rate is that of a clock which is so much slower.
+    let clock = rcc.clocks.timclk1().raw();
+    let rate = if emulated {
+        1000 * (clock / 1000) / (EMULATED_HZ / 1000)
+    } else {
+        1000
+    };
+    slots.start(rate.Hz()).unwrap();
+    slots
 }
 
 /// Starts a counter that runs on, at the rate of the slot timer; gives the counts in a slot.

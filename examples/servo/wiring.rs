@@ -16,6 +16,7 @@ use trendid::hardware::{
 
 use trendid_example_support::button::{Button, Request};
 use trendid_example_support::drive::{Drive, SimulatedValve};
+use trendid_example_support::machine::ORIGIN;
 use trendid_example_support::registers::Registers;
 use trendid_example_support::safe_output;
 
@@ -180,8 +181,22 @@ pub(crate) struct Ports {
     pub pulse: pac::TIM4,
 }
 
+/// Sensor, valve, panel, and the pins of the wire.
+pub(crate) type Connected = (Sensor, Output, Panel, (PA9, PA10));
+
+/// The simulated drive and the script, and the pins of the wire.
+pub(crate) fn simulated(ports: Ports, rcc: &mut Rcc) -> Connected {
+    let pins = ports.a.split(rcc);
+    (
+        Sensor::Simulated(Drive::new(ORIGIN)),
+        Output::Simulated(SimulatedValve),
+        Panel::Emulated,
+        (pins.pa9, pins.pa10),
+    )
+}
+
 /// Encoder, valve as [`OUTPUT`] says, button, and the pins of the wire.
-pub(crate) fn wired(ports: Ports, rcc: &mut Rcc) -> (Sensor, Output, Panel, (PA9, PA10)) {
+pub(crate) fn wired(ports: Ports, rcc: &mut Rcc) -> Connected {
     let pins_a = ports.a.split(rcc);
     let pins_b = ports.b.split(rcc);
     let pins_c = ports.c.split(rcc);

@@ -152,6 +152,29 @@ mod tests {
     use crate::problem::{Options, Structure};
     use crate::signals::{Input, Signals};
 
+    /// An estimate of which one parameter is uncertain.
+    fn estimate(theta: [f64; 4], varied: usize) -> Estimate {
+        let mut covariance = vec![vec![0.0; 4]; 4];
+        covariance[varied][varied] = 1.0;
+        Estimate {
+            theta: theta.to_vec(),
+            sigma: vec![1.0; 4],
+            covariance,
+            a: vec![0.0, theta[0]],
+            b: vec![vec![theta[1]], vec![theta[2]]],
+            constant: theta[3],
+            reading: Reading {
+                gain: None,
+                omega0: None,
+                damping: None,
+                time_constants: vec![1.0 / theta[0]],
+                poles: None,
+                stable: true,
+            },
+            reading_sigma: None,
+        }
+    }
+
     /// Every derivative against a difference, by a covariance of one parameter at a time.
     #[test]
     fn sigmas_are_the_derivatives_by_each_parameter() {
@@ -175,27 +198,6 @@ mod tests {
             constant: true,
         };
         let problem = Problem::new(&signals, structure, Options::default()).expect("a problem");
-        let estimate = |theta: [f64; 4], varied: usize| {
-            let mut covariance = vec![vec![0.0; 4]; 4];
-            covariance[varied][varied] = 1.0;
-            Estimate {
-                theta: theta.to_vec(),
-                sigma: vec![1.0; 4],
-                covariance,
-                a: vec![0.0, theta[0]],
-                b: vec![vec![theta[1]], vec![theta[2]]],
-                constant: theta[3],
-                reading: Reading {
-                    gain: None,
-                    omega0: None,
-                    damping: None,
-                    time_constants: vec![1.0 / theta[0]],
-                    poles: None,
-                    stable: true,
-                },
-                reading_sigma: None,
-            }
-        };
         let all = |e: &Estimate| {
             let mut all = vec![problem.gain(e, 0), problem.gain(e, 1)];
             all.extend(problem.time_constants(e));

@@ -25,7 +25,7 @@ pub(crate) fn deny(options: &Options) -> Done {
 /// Dependencies that are named and not used.
 pub(crate) fn machete() -> Done {
     Tool::named("machete", "cargo-machete").install()?;
-    process::run(cargo(&["machete", "--skip-target-dir"]))
+    process::run(cargo(&["machete"]))
 }
 
 /// Whether a published package breaks its users; there is nothing to compare with before the first release.

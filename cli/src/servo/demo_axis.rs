@@ -90,71 +90,80 @@ fn drawn(axis: &AxisDraw) -> [Figure; 10] {
 }
 
 /// What the loop made of it.
-fn found(shown: &Shown) -> [Figure; 13] {
+fn found(shown: &Shown) -> Vec<Figure> {
     let run = &shown.run;
     let done = &run.commissioned;
-    let motion = |of: fn(&Motion) -> Option<f64>| run.motion.as_ref().and_then(of);
-    [
+    let ratio = |place: usize| done.ratios.map(|ratios| ratios[place]);
+    let mut figures = vec![
         ("verified_s", "model verified after [s]", done.verified_s),
         (
             "c_ratio",
             "velocity gain found over that of the axis",
-            done.ratios.map(|r| r[0]),
+            ratio(0),
         ),
         (
             "w0_ratio",
             "natural frequency found over that of the axis",
-            done.ratios.map(|r| r[1]),
+            ratio(1),
         ),
         (
             "end_stop_mm_s",
             "hardest blow to an end [mm/s]",
             Some(run.blow_mm_s),
         ),
+    ];
+    figures.extend(moved(run.motion.as_ref()));
+    figures
+}
+
+/// How it moved.
+fn moved(motion: Option<&Motion>) -> [Figure; 9] {
+    let of = |figure: fn(&Motion) -> Option<f64>| motion.and_then(figure);
+    [
         (
             "steady_state_mm",
             "steps of 10 to 90 %: steady state [mm]",
-            motion(|m| m.steady_state_mm),
+            of(|m| m.steady_state_mm),
         ),
         (
             "small_step_mm",
             "step of 0.05 mm: excursion [mm]",
-            motion(|m| m.excursion_mm),
+            of(|m| m.excursion_mm),
         ),
         (
             "sine_0p5hz_mm",
             "large sine, 0.5 Hz: largest error [mm]",
-            motion(|m| m.large_sines_mm[0]),
+            of(|m| m.large_sines_mm[0]),
         ),
         (
             "sine_1hz_mm",
             "large sine, 1 Hz: largest error [mm]",
-            motion(|m| m.large_sines_mm[1]),
+            of(|m| m.large_sines_mm[1]),
         ),
         (
             "sine_2hz_mm",
             "large sine, 2 Hz: largest error [mm]",
-            motion(|m| m.large_sines_mm[2]),
+            of(|m| m.large_sines_mm[2]),
         ),
         (
             "small_sine_0p5hz_mm",
             "small sine, 0.5 Hz: largest error [mm]",
-            motion(|m| m.small_sines_mm[0]),
+            of(|m| m.small_sines_mm[0]),
         ),
         (
             "small_sine_1hz_mm",
             "small sine, 1 Hz: largest error [mm]",
-            motion(|m| m.small_sines_mm[1]),
+            of(|m| m.small_sines_mm[1]),
         ),
         (
             "small_sine_2hz_mm",
             "small sine, 2 Hz: largest error [mm]",
-            motion(|m| m.small_sines_mm[2]),
+            of(|m| m.small_sines_mm[2]),
         ),
         (
             "rest_range_mm",
             "range at rest [mm]",
-            motion(|m| m.rest_range_mm),
+            of(|m| m.rest_range_mm),
         ),
     ]
 }
@@ -162,16 +171,19 @@ fn found(shown: &Shown) -> [Figure; 13] {
 /// How many changes of the state are listed.
 const LISTED: usize = 12;
 
-fn text(axis: &AxisDraw, shown: &Shown) -> String {
+/// A table of figures with their titles.
+fn figures(of: &str, figures: &[Figure]) -> String {
     let row = |(_, title, value): &Figure| {
-        vec![
-            (*title).to_owned(),
-            value.map_or_else(|| "none".into(), |v| significant(v, 3)),
-        ]
+        let value = value.map_or_else(|| "none".into(), |v| significant(v, 3));
+        vec![(*title).to_owned(), value]
     };
-    let mut rows: Vec<Vec<String>> = vec![vec![String::new(), "axis".into()]];
-    rows.extend(drawn(axis).iter().map(row));
-    let mut text = table(&rows);
+    let mut rows = vec![vec![String::new(), of.to_owned()]];
+    rows.extend(figures.iter().map(row));
+    table(&rows)
+}
+
+fn text(axis: &AxisDraw, shown: &Shown) -> String {
+    let mut text = figures("axis", &drawn(axis));
     let states = states(&shown.samples);
     text += "\nStates:\n";
     for (k, state) in states.iter().take(LISTED) {
@@ -180,9 +192,7 @@ fn text(axis: &AxisDraw, shown: &Shown) -> String {
     if states.len() > LISTED {
         text += &format!("  ... {} more changes\n", states.len() - LISTED);
     }
-    let mut rows: Vec<Vec<String>> = vec![vec![String::new(), "loop".into()]];
-    rows.extend(found(shown).iter().map(row));
-    text += &format!("\n{}", table(&rows));
+    text += &format!("\n{}", figures("loop", &found(shown)));
     if let Some(reason) = refusal(&shown.run) {
         text += &format!("  not accepted: {reason}\n");
     }

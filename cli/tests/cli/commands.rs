@@ -15,7 +15,7 @@ fn every_command_helps_with_an_example() {
 }
 
 #[test]
-fn tune_gives_gains_with_margins_for_a_model_and_for_a_record() {
+fn tune_gives_gains_with_margins_for_a_model() {
     let dir = Scratch::new("tune");
     let plant = ["--numerator", "1e6", "--denominator", "1,20,400,0"];
     let rest = [
@@ -52,6 +52,11 @@ fn tune_gives_gains_with_margins_for_a_model_and_for_a_record() {
         let svg = std::fs::read_to_string(format!("{out}/{name}.svg")).unwrap();
         assert!(svg.contains("state feedback"));
     }
+}
+
+#[test]
+fn tune_of_a_record_holds_over_the_deviations_of_its_model() {
+    let dir = Scratch::new("tune-record");
     let record = dir.path("servo.csv");
     stdout(&[
         "simulate",

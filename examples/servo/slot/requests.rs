@@ -99,14 +99,12 @@ impl Slot {
                 acceleration,
                 jerk,
             } => {
-                let mut config = self.config.clone();
-                config.motion = Some(MotionLimits {
+                let limits = MotionLimits {
                     velocity,
                     acceleration,
                     jerk,
-                });
-                config.resolve()?;
-                self.configure(config)?;
+                };
+                self.configure(settings::with_limits(&self.config, limits)?)?;
             }
             // The emulator has no flash controller.
             Request::Store if matches!(self.panel, Panel::Emulated) => {

@@ -5,6 +5,7 @@
 mod common;
 
 mod accuracy;
+mod attack;
 mod batch;
 mod bound;
 mod calibration;

@@ -44,16 +44,7 @@ fn the_command_keeps_range_and_rate_in_a_million_wild_samples() {
                 oscillated += u32::from(servo.oscillate(60.0, frequency).is_ok());
             }
             5 => {
-                let model = servo::Model {
-                    dead_zone: random.random_range(0.0..0.1_f32),
-                    friction: random.random_range(0.0..9e3_f32),
-                    ..servo::Model::linear(
-                        random.random_range(50.0..4e3_f32),
-                        random.random_range(1.0..80.0_f32),
-                        random.random_range(1e5..5e6_f32),
-                    )
-                };
-                installed += u32::from(servo.install(model).is_ok());
+                installed += u32::from(servo.install(any_model(&mut random)).is_ok());
             }
             _ => {}
         }
@@ -75,6 +66,19 @@ fn the_command_keeps_range_and_rate_in_a_million_wild_samples() {
         installed > 500 && oscillated > 500,
         "{installed} models, {oscillated} sines"
     );
+}
+
+/// A model of some axis.
+fn any_model(random: &mut ChaCha8Rng) -> servo::Model {
+    servo::Model {
+        dead_zone: random.random_range(0.0..0.1_f32),
+        friction: random.random_range(0.0..9e3_f32),
+        ..servo::Model::linear(
+            random.random_range(50.0..4e3_f32),
+            random.random_range(1.0..80.0_f32),
+            random.random_range(1e5..5e6_f32),
+        )
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The settings that may be changed over the line: names, units, bounds; one table for both ends.
 
-use trendid::servo::Config;
+use trendid::servo::{Config, MotionLimits};
 
 use crate::telemetry::request::Refusal;
 use crate::telemetry::text::text;
@@ -163,6 +163,17 @@ pub fn with(config: &Config, setting: u8, value: Option<f32>) -> Result<Config, 
     }
     let mut changed = config.clone();
     (setting.set)(&mut changed, value);
+    changed.resolve()?;
+    Ok(changed)
+}
+
+/// The settings with other limits of motion, checked beside all the others.
+///
+/// # Errors
+/// A [`Refusal`] that names the setting and its limits.
+pub fn with_limits(config: &Config, limits: MotionLimits) -> Result<Config, Refusal> {
+    let mut changed = config.clone();
+    changed.motion = Some(limits);
     changed.resolve()?;
     Ok(changed)
 }

@@ -4,18 +4,7 @@ use std::collections::VecDeque;
 
 use trendid_link::*;
 
-/// A linear congruential generator; the seed is part of each test.
-pub(crate) struct Dice(u64);
-
-impl Dice {
-    pub(crate) fn roll(&mut self, sides: u32) -> u32 {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        ((self.0 >> 33) as u32) % sides
-    }
-}
+use crate::dice::Dice;
 
 /// The target as the firmware has it: a state that shows every sample that was processed, and how often.
 #[derive(Default)]

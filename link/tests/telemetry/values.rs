@@ -81,6 +81,17 @@ fn states_and_reasons_survive_the_line() {
 /// Every notice of the largest numbers fits into a frame.
 #[test]
 fn the_largest_notices_fit() {
+    for content in largest() {
+        let frame = Frame::encode(&Notice {
+            seq: u16::MAX,
+            content: content.clone(),
+        });
+        assert!(!frame.bytes().is_empty(), "{content:?}");
+    }
+}
+
+/// A notice of each kind, with the longest numbers and texts.
+fn largest() -> [Content; 7] {
     let text = Text::try_from("m".repeat(40).as_str()).unwrap();
     let max = u32::MAX;
     let health = Health {
@@ -104,7 +115,7 @@ fn the_largest_notices_fit() {
         margins: Some([1.0; 4]),
         ..Learned::default()
     };
-    let contents = [
+    [
         Content::Identity(Identity {
             name: text.clone(),
             unit: "12345678".try_into().unwrap(),
@@ -138,12 +149,5 @@ fn the_largest_notices_fit() {
                 limits: [0.0; 2],
             }),
         }),
-    ];
-    for content in contents {
-        let frame = Frame::encode(&Notice {
-            seq: u16::MAX,
-            content: content.clone(),
-        });
-        assert!(!frame.bytes().is_empty(), "{content:?}");
-    }
+    ]
 }

@@ -18,77 +18,93 @@ pub(super) enum Wish {
 /// Reads a message of a page; what it does not understand is refused in one sentence.
 pub(super) fn read(text: &str) -> Result<Wish, String> {
     let value: Value = serde_json::from_str(text).map_err(|error| format!("no JSON: {error}"))?;
-    let number = |name: &str| -> Result<f32, String> {
-        let found = value.get(name).and_then(Value::as_f64);
-        found
-            .map(|x| x as f32)
-            .filter(|x| x.is_finite())
-            .ok_or_else(|| format!("`{name}` is not a finite number"))
-    };
-    let done = value.get("do").and_then(Value::as_str).unwrap_or_default();
-    Ok(Wish::Ask(match done {
-        "control" => return Ok(Wish::Control),
+    let message = Message(&value);
+    match message.word("do") {
+        "control" => Ok(Wish::Control),
         "record" => {
             let on = value.get("on").and_then(Value::as_bool);
-            return on
-                .map(Wish::Record)
-                .ok_or_else(|| "`on` is not true or false".into());
+            on.map(Wish::Record)
+                .ok_or_else(|| "`on` is not true or false".into())
         }
-        "commission" => Request::Commission,
-        "move" => Request::Move(number("target")?),
-        "oscillate" => Request::Oscillate {
-            amplitude: number("amplitude")?,
-            frequency: number("frequency")?,
-        },
-        "stop" => Request::Stop,
-        "limits" => Request::Limits {
-            velocity: number("velocity")?,
-            acceleration: number("acceleration")?,
-            jerk: number("jerk")?,
-        },
-        "set" => {
-            let name = value
-                .get("name")
-                .and_then(Value::as_str)
-                .unwrap_or_default();
-            let setting = SETTINGS
-                .iter()
-                .position(|setting| setting.name == name)
-                .ok_or_else(|| format!("there is no setting `{name}`"))?
-                as u8;
-            let value = match value.get("value") {
-                Some(Value::Null) => None,
-                _ => Some(number("value")?),
-            };
-            Request::Set { setting, value }
-        }
-        "install" => {
-            let model = value.get("model").and_then(Value::as_array);
-            let numbers: Option<Vec<f32>> = model.and_then(|model| {
-                let finite = |x: &Value| x.as_f64().map(|x| x as f32).filter(|x| x.is_finite());
-                model.iter().map(finite).collect()
-            });
-            let model = numbers.and_then(|numbers| numbers.try_into().ok());
-            Request::Install(model.ok_or("`model` is not a1, a2, b0, dead zone, offset, friction")?)
-        }
-        "store" => Request::Store,
-        "acknowledge" => Request::Acknowledge,
-        "play" => {
-            let trick = value
-                .get("trick")
-                .and_then(Value::as_str)
-                .unwrap_or_default();
-            Request::Play(match trick {
-                "heal" => Trick::Heal,
-                "freeze" => Trick::FreezeSensor,
-                "lose" => Trick::LoseReadings,
-                "close" => Trick::CloseValve,
-                "mass" => Trick::TripleMass,
-                _ => return Err(format!("there is no trick `{}`", short(trick))),
-            })
-        }
-        other => return Err(format!("`{}` is nothing that can be asked", short(other))),
-    }))
+        done => message.request(done).map(Wish::Ask),
+    }
+}
+
+/// A message of a page.
+struct Message<'a>(&'a Value);
+
+impl<'a> Message<'a> {
+    /// A text; empty where there is none.
+    fn word(&self, name: &str) -> &'a str {
+        self.0.get(name).and_then(Value::as_str).unwrap_or_default()
+    }
+
+    fn number(&self, name: &str) -> Result<f32, String> {
+        let found = self.0.get(name).and_then(finite);
+        found.ok_or_else(|| format!("`{name}` is not a finite number"))
+    }
+
+    fn request(&self, done: &str) -> Result<Request, String> {
+        Ok(match done {
+            "commission" => Request::Commission,
+            "move" => Request::Move(self.number("target")?),
+            "oscillate" => Request::Oscillate {
+                amplitude: self.number("amplitude")?,
+                frequency: self.number("frequency")?,
+            },
+            "stop" => Request::Stop,
+            "limits" => Request::Limits {
+                velocity: self.number("velocity")?,
+                acceleration: self.number("acceleration")?,
+                jerk: self.number("jerk")?,
+            },
+            "set" => self.setting()?,
+            "install" => Request::Install(self.model()?),
+            "store" => Request::Store,
+            "acknowledge" => Request::Acknowledge,
+            "play" => Request::Play(trick(self.word("trick"))?),
+            other => return Err(format!("`{}` is nothing that can be asked", short(other))),
+        })
+    }
+
+    fn setting(&self) -> Result<Request, String> {
+        let name = self.word("name");
+        let setting = SETTINGS
+            .iter()
+            .position(|setting| setting.name == name)
+            .ok_or_else(|| format!("there is no setting `{}`", short(name)))?
+            as u8;
+        let value = match self.0.get("value") {
+            Some(Value::Null) => None,
+            _ => Some(self.number("value")?),
+        };
+        Ok(Request::Set { setting, value })
+    }
+
+    fn model(&self) -> Result<[f32; 6], String> {
+        let model = self.0.get("model").and_then(Value::as_array);
+        let numbers: Option<Vec<f32>> = model.and_then(|model| model.iter().map(finite).collect());
+        numbers
+            .and_then(|numbers| numbers.try_into().ok())
+            .ok_or_else(|| "`model` is not a1, a2, b0, dead zone, offset, friction".into())
+    }
+}
+
+/// A number that is finite as an `f32`, too.
+fn finite(value: &Value) -> Option<f32> {
+    let number = value.as_f64().map(|x| x as f32);
+    number.filter(|x| x.is_finite())
+}
+
+fn trick(name: &str) -> Result<Trick, String> {
+    Ok(match name {
+        "heal" => Trick::Heal,
+        "freeze" => Trick::FreezeSensor,
+        "lose" => Trick::LoseReadings,
+        "close" => Trick::CloseValve,
+        "mass" => Trick::TripleMass,
+        _ => return Err(format!("there is no trick `{}`", short(name))),
+    })
 }
 
 /// The begin of a word that a page has sent.

@@ -197,14 +197,12 @@ impl Machine for Plant {
                 acceleration,
                 jerk,
             } => {
-                let mut config = self.config.clone();
-                config.motion = Some(MotionLimits {
+                let limits = MotionLimits {
                     velocity,
                     acceleration,
                     jerk,
-                });
-                config.resolve()?;
-                self.configure(config)
+                };
+                self.configure(settings::with_limits(&self.config, limits)?)
             }
             Request::Set { setting, value } => {
                 self.configure(settings::with(&self.config, setting, value)?)
