@@ -4,6 +4,7 @@
 
 mod faults;
 mod linearised;
+mod nominal;
 mod pneumatic;
 mod pneumatic_linear;
 mod population;

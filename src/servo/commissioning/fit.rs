@@ -1,15 +1,13 @@
 //! A least-squares fit of the model to the record, a few points per sample.
 
-use crate::math::matrix::{Matrix, backward, cholesky, forward};
+use crate::math::matrix::{backward, cholesky, forward};
 use crate::math::sqrt;
-use crate::servo::commissioning::predictor::{
-    PARAMETERS, Point, Prediction, REACH, Theta, bounded, scales,
-};
+use crate::servo::commissioning::predictor::{PARAMETERS, Point, REACH, Theta, bounded, scales};
 use crate::servo::commissioning::record::Record;
+use crate::servo::commissioning::sensitivity::Sensitivity;
+use crate::servo::commissioning::sums::{NO_SUMS, PRIOR, Sums};
 use crate::servo::commissioning::view::{STEP_MAX, View};
 
-/// Difference of a parameter, in its scale, from which sensitivities are taken.
-const DIFFERENCE: f32 = 0.02;
 /// Cost over the one before from which a pass has gained next to nothing.
 const CONVERGED: f32 = 0.97;
 /// Points after a start in which the direction of the motion is uncertain.
@@ -18,7 +16,7 @@ const STARTING: u32 = 3;
 /// Levenberg-Marquardt on the errors of a prediction that is corrected with a fixed rate.
 ///
 /// The prediction sees about 1/rate ahead: less is blind to friction and delay, more loses the axis where it sticks.
-/// Sensitivities are differences. Each pass over the points gives the cost and the next step.
+/// Each pass over the points gives the cost and the next step.
 ///
 /// Known as: prediction-error method (Ljung 1999), Levenberg-Marquardt (Marquardt 1963).
 #[derive(Debug, Clone, PartialEq)]
@@ -30,10 +28,10 @@ pub(crate) struct Fit {
     best: Theta,
     best_sums: Sums,
     damping: f32,
-    /// Parameters of this pass and those beside them.
-    tried: [Theta; PARAMETERS + 1],
-    scale: [f32; PARAMETERS],
-    at: [Prediction; PARAMETERS + 1],
+    /// The prediction of this pass.
+    at: Sensitivity,
+    /// Parameters of a pass that has not begun.
+    opening: Option<Theta>,
     next: usize,
     /// First point that counts.
     settled: usize,
@@ -42,32 +40,6 @@ pub(crate) struct Fit {
     passes: u32,
     converged: bool,
 }
-
-/// Sums over a pass.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Sums {
-    normal: Matrix<PARAMETERS>,
-    gradient: [f32; PARAMETERS],
-    cost: f32,
-    /// Sum of products of neighbouring errors, and the last error.
-    lagged: f32,
-    last: f32,
-    count: f32,
-}
-
-const NO_SUMS: Sums = Sums {
-    normal: [[0.0; PARAMETERS]; PARAMETERS],
-    gradient: [0.0; PARAMETERS],
-    cost: 0.0,
-    lagged: 0.0,
-    last: 0.0,
-    count: 0.0,
-};
-
-/// Standard deviations, in scales, with which the parameters are known beforehand: weak, so that nothing runs away.
-const PRIOR: [f32; PARAMETERS] = [5.0, 3.0, 5.0, 2.0, 2.0, 3.0, 5.0, 0.2];
-/// Largest correlation of neighbouring errors that counts.
-const CORRELATION_MAX: f32 = 0.8;
 
 impl Fit {
     pub(crate) fn new() -> Self {
@@ -79,9 +51,8 @@ impl Fit {
             best: theta,
             best_sums: NO_SUMS,
             damping: 0.0,
-            tried: [theta; PARAMETERS + 1],
-            scale: [1.0; PARAMETERS],
-            at: [Prediction::default(); PARAMETERS + 1],
+            at: Sensitivity::new(),
+            opening: None,
             next: 0,
             settled: 0,
             moving: 0,
@@ -92,7 +63,7 @@ impl Fit {
     }
 
     /// Begins at `theta`, with a correction of `ratio` times its natural frequency.
-    pub(crate) fn begin(&mut self, record: &Record, view: View, theta: Theta, ratio: f32) {
+    pub(crate) fn begin(&mut self, view: View, theta: Theta, ratio: f32) {
         let rate = ratio * sqrt(theta.a1);
         self.view = view;
         self.rate = if rate * view.time < STEP_MAX {
@@ -105,29 +76,14 @@ impl Fit {
         self.damping = 1e-2;
         self.passes = 0;
         self.converged = false;
-        self.open(record, theta);
+        self.opening = Some(theta);
     }
 
-    /// Begins a pass. Cost: some 1500 instructions.
+    /// Begins a pass. Cost: some 400 instructions.
     fn open(&mut self, record: &Record, theta: Theta) {
-        self.scale = scales(&theta);
         self.gains = theta.gains(self.rate, self.view.time);
-        let base = theta.to_array();
-        for (j, tried) in self.tried.iter_mut().enumerate() {
-            let mut other = base;
-            if j > 0 {
-                other[j - 1] += DIFFERENCE * self.scale[j - 1];
-            }
-            *tried = Theta::from_array(other);
-        }
         let first = self.point(record, self.view.begin);
-        for (at, theta) in self.at.iter_mut().zip(&self.tried) {
-            *at = Prediction {
-                x: first.y,
-                v: first.velocity,
-                p: theta.a2 * first.velocity + theta.friction * first.direction,
-            };
-        }
+        self.at.begin(theta, scales(&theta), &first);
         self.next = self.view.begin;
         self.settled = self.view.begin + (2.0 / (self.rate * self.view.time)) as usize;
         self.moving = 0;
@@ -138,15 +94,19 @@ impl Fit {
         Point::of(record, i, self.view.time, self.view.rest_velocity)
     }
 
-    /// Takes `points` more; whether the pass is over. Cost: some 1000 instructions per point.
+    /// Takes `points` more; whether there were none left. Cost: some 1000 instructions per point.
     pub(crate) fn advance(&mut self, record: &Record, points: usize) -> bool {
+        if let Some(theta) = self.opening.take() {
+            self.open(record, theta);
+            return false;
+        }
         let inverse = 1.0 / self.view.time;
-        for _ in 0..points {
+        for taken in 0..points {
             let i = self.next;
             // A pass that is worse already need not be finished.
             let worse = self.sums.cost > self.best_sums.cost;
             if i + REACH >= self.view.end || worse {
-                return true;
+                return taken == 0;
             }
             let point = self.point(record, i);
             self.moving = if point.direction == 0.0 {
@@ -155,108 +115,43 @@ impl Fit {
                 self.moving.saturating_add(1)
             };
             let counts = i >= self.settled && self.moving > STARTING;
-            self.correct(&point, counts);
-            let time = point.time;
-            // Decided once for all predictions.
-            if point.direction == 0.0 {
-                self.predict(record, i, inverse, |theta, at, flow| {
-                    theta.rest(at, flow, time);
-                });
-            } else {
-                self.predict(record, i, inverse, |theta, at, flow| {
-                    theta.slide(at, flow, point.direction, time);
-                });
+            if counts {
+                let (error, slope) = self.at.error(&point);
+                self.sums.add(&slope, error);
             }
+            self.at.correct(&point, self.gains);
+            let theta = self.at.theta();
+            let commands = theta.commands_at(record, self.view.sign, i, inverse);
+            self.at.advance(&point, commands, inverse);
             self.next += 1;
         }
         false
     }
 
-    /// Moves all predictions on by a point.
-    #[inline]
-    fn predict(
-        &mut self,
-        record: &Record,
-        i: usize,
-        inverse: f32,
-        advance: impl Fn(&Theta, &mut Prediction, f32),
-    ) {
-        let [own, a1, a2, b0, dead_zone, offset, friction, delay, kappa] = &self.tried;
-        let [
-            at,
-            at_a1,
-            at_a2,
-            at_b0,
-            at_dead_zone,
-            at_offset,
-            at_friction,
-            at_delay,
-            at_kappa,
-        ] = &mut self.at;
-        // All but one have the same delay: its commands are looked up once; and all but three have the same flow.
-        let commands = own.commands_at(record, self.view.sign, i, inverse);
-        let flow = own.mean_flow(commands);
-        for (theta, at) in [
-            (own, at),
-            (a1, at_a1),
-            (a2, at_a2),
-            (b0, at_b0),
-            (friction, at_friction),
-            (kappa, at_kappa),
-        ] {
-            advance(theta, at, flow);
-        }
-        for (theta, at) in [(dead_zone, at_dead_zone), (offset, at_offset)] {
-            advance(theta, at, theta.mean_flow(commands));
-        }
-        let flow = delay.flow_at(record, self.view.sign, i, inverse);
-        advance(delay, at_delay, flow);
-    }
-
-    fn correct(&mut self, point: &Point, counts: bool) {
-        if counts {
-            let [base, others @ ..] = &self.at;
-            let error = point.y - base.x;
-            let mut slope = [0.0; PARAMETERS];
-            for (slope, other) in slope.iter_mut().zip(others) {
-                *slope = (other.x - base.x) * (1.0 / DIFFERENCE);
-            }
-            self.sums.add(&slope, error);
-        }
-        for at in &mut self.at {
-            let error = point.y - at.x;
-            if point.direction == 0.0 {
-                at.x = point.y;
-                continue;
-            }
-            at.x += self.gains[0] * error;
-            at.v += self.gains[1] * error;
-            at.p += self.gains[2] * error;
-        }
-    }
-
-    /// Ends a pass: takes its parameters if they are better, and begins the next one. Cost: some 3000 instructions.
-    pub(crate) fn next_pass(&mut self, record: &Record) {
+    /// Ends a pass: takes its parameters if they are better, and finds those of the next one. Cost: some 2500 instructions.
+    pub(crate) fn next_pass(&mut self) {
         self.passes += 1;
         // Written so that NaN is worse.
         if self.sums.cost < self.best_sums.cost {
             self.converged = self.sums.cost > CONVERGED * self.best_sums.cost;
-            self.best = self.tried[0];
+            self.best = *self.at.theta();
             self.best_sums = self.sums;
             self.damping *= 0.2;
         } else {
             self.damping *= 10.0;
         }
-        let theta = self.step();
-        self.open(record, theta);
+        let (theta, gained) = self.step();
+        // What a step would gain need not be tried when it is next to nothing.
+        self.converged |= gained < (1.0 - CONVERGED) * self.best_sums.cost;
+        self.opening = Some(theta);
     }
 
-    /// The best parameters, moved to where the normal equations lead.
-    fn step(&self) -> Theta {
+    /// The best parameters, moved to where the normal equations lead, and what they promise to take from the cost.
+    fn step(&self) -> (Theta, f32) {
         let scale = scales(&self.best);
         let mut normal = self.best_sums.normal;
         let mut gradient = self.best_sums.gradient;
-        let variance = self.variance();
+        let variance = self.best_sums.variance();
         for j in 0..PARAMETERS {
             let prior = variance / (PRIOR[j] * PRIOR[j]);
             normal[j][j] += prior + self.damping * (normal[j][j] + prior);
@@ -266,9 +161,10 @@ impl Fit {
             }
         }
         let Some(factor) = cholesky(&normal) else {
-            return self.best;
+            return (self.best, 0.0);
         };
         let step = backward(&factor, forward(&factor, gradient));
+        let gained: f32 = step.iter().zip(&gradient).map(|(s, g)| s * g).sum();
         let mut theta = self.best.to_array();
         for (j, value) in theta.iter_mut().enumerate() {
             let limit = if j < 3 { 0.5 } else { 1.0 };
@@ -281,49 +177,12 @@ impl Fit {
             };
             *value += step * scale[j];
         }
-        bounded(theta)
+        (bounded(theta), gained)
     }
 
-    /// Variance of an error that counts alone: neighbouring errors are alike.
-    fn variance(&self) -> f32 {
-        let sums = &self.best_sums;
-        let correlation = sums.lagged / sums.cost;
-        let correlation = if correlation > CORRELATION_MAX {
-            CORRELATION_MAX
-        } else if correlation > 0.0 {
-            correlation
-        } else {
-            0.0
-        };
-        let factor = (1.0 + correlation) / (1.0 - correlation);
-        factor * sums.cost / (sums.count + 1.0)
-    }
-
-    /// Standard deviations of a1, a2 and of the gain b0/a1, in the scales of a1, a2 and b0; infinite when they are not known.
-    ///
-    /// With the parameters in reverse order a1, a2 and b0 are the last ones: the last rows of the Cholesky factor are then that of
-    /// the inverse of their own covariance. Cost: some 1200 instructions.
-    pub(crate) fn std(&self) -> [f32; 3] {
-        let variance = self.variance();
-        let last = PARAMETERS - 1;
-        let mut reversed = [[0.0; PARAMETERS]; PARAMETERS];
-        for (i, row) in reversed.iter_mut().enumerate() {
-            for (j, value) in row.iter_mut().enumerate().take(i + 1) {
-                *value = self.best_sums.normal[last - j][last - i];
-            }
-            row[i] += variance / (PRIOR[last - i] * PRIOR[last - i]);
-        }
-        let Some(factor) = cholesky(&reversed) else {
-            return [f32::INFINITY; 3];
-        };
-        let [.., [.., l55, _, _], [.., l65, l66, _], [.., l75, l76, l77]] = factor;
-        let own = [[l55, 0.0, 0.0], [l65, l66, 0.0], [l75, l76, l77]];
-        let covariance = |unit: [f32; 3]| backward(&own, forward(&own, unit));
-        let [b0, _, b0_a1] = covariance([1.0, 0.0, 0.0]);
-        let [_, a2, _] = covariance([0.0, 1.0, 0.0]);
-        let [_, _, a1] = covariance([0.0, 0.0, 1.0]);
-        let gain = b0 + a1 - 2.0 * b0_a1;
-        [a1, a2, gain].map(|x| sqrt(variance * x))
+    /// Standard deviations of the best parameters: see [`Sums::std`].
+    pub(crate) fn std(&self) -> [f32; 4] {
+        self.best_sums.std()
     }
 
     pub(crate) const fn best(&self) -> Theta {
@@ -338,36 +197,5 @@ impl Fit {
     /// Whether the last pass has gained next to nothing, or there were `most` of them.
     pub(crate) const fn is_done(&self, most: u32) -> bool {
         self.converged || self.passes >= most
-    }
-}
-
-impl Sums {
-    #[inline]
-    fn add(&mut self, slope: &[f32; PARAMETERS], error: f32) {
-        for (sum, si) in self.gradient.iter_mut().zip(slope) {
-            *sum += si * error;
-        }
-        let [row0, row1, row2, row3, row4, row5, row6, row7] = &mut self.normal;
-        add::<1>(row0, slope);
-        add::<2>(row1, slope);
-        add::<3>(row2, slope);
-        add::<4>(row3, slope);
-        add::<5>(row4, slope);
-        add::<6>(row5, slope);
-        add::<7>(row6, slope);
-        add::<8>(row7, slope);
-        self.cost += error * error;
-        self.lagged += error * self.last;
-        self.last = error;
-        self.count += 1.0;
-    }
-}
-
-/// Adds the products of the last of the first K slopes with all of them: a row of the lower triangle, without a loop.
-#[inline(always)]
-fn add<const K: usize>(row: &mut [f32; PARAMETERS], slope: &[f32; PARAMETERS]) {
-    const { assert!(K > 0 && K <= PARAMETERS) }
-    for j in 0..K {
-        row[j] += slope[K - 1] * slope[j];
     }
 }

@@ -102,7 +102,7 @@ impl Theta {
 
     /// Flow of a command.
     #[inline]
-    fn flow(&self, command: f32) -> f32 {
+    pub(crate) fn flow(&self, command: f32) -> f32 {
         let (d, opening) = (self.dead_zone, command + self.offset);
         if opening > d {
             opening - d

@@ -2,8 +2,9 @@
 
 use crate::servo::commissioning::rest::Still;
 
-/// Slope of the command per s.
-const RATE: f32 = 1.5;
+/// Slope of the command per s, and where a triangle before has moved nothing.
+pub(crate) const RATE: f32 = 1.5;
+const PASSING_RATE: f32 = 6.0;
 /// Peaks of the triangles, each there and back on both sides.
 const PEAKS: [f32; 3] = [0.25, 0.45, 0.45];
 /// Growth of the first peak per attempt after one that changed no code, up to the others.
@@ -18,7 +19,7 @@ pub(crate) enum Probed {
     Command(f32),
     /// The axis moved: sign of the valve, and the size of the command that did it.
     Moved { sign: f32, command: f32 },
-    /// No code has ever changed.
+    /// No code has changed for as long as the first triangles take.
     SameCode,
     /// The largest command moved nothing.
     Still,
@@ -29,7 +30,8 @@ pub(crate) enum Probed {
 pub(crate) struct Probe {
     time: f32,
     recent: [f32; 3],
-    changed: bool,
+    /// Time in s since the code changed.
+    quiet: f32,
     /// Attempts before this one that changed no code.
     asked_again: u8,
 }
@@ -55,16 +57,26 @@ impl Probe {
         if time < 0.0 {
             return Some(0.0);
         }
+        let mut tried = 0.0;
         for peak in self.peaks() {
             let peak = scale * peak;
-            let side = 2.0 * peak / RATE;
+            let passing = tried / PASSING_RATE;
+            let half = passing + (peak - tried) / RATE;
             for sign in [1.0, -1.0] {
-                if time < side {
-                    let up = RATE * time;
-                    let down = RATE * (side - time);
-                    return Some(sign * if up < down { up } else { down });
+                if time < 2.0 * half {
+                    let from_end = if time < half { time } else { 2.0 * half - time };
+                    let size = if from_end < passing {
+                        PASSING_RATE * from_end
+                    } else {
+                        tried + RATE * (from_end - passing)
+                    };
+                    return Some(sign * size);
                 }
-                time -= side;
+                time -= 2.0 * half;
+            }
+            // The last triangle is as slow as the one before it.
+            if tried == 0.0 {
+                tried = peak;
             }
         }
         None
@@ -82,7 +94,7 @@ impl Probe {
         if self.time == 0.0 {
             self.recent = [y; 3];
         }
-        self.changed |= !same_code;
+        self.quiet = if same_code { self.quiet + step } else { 0.0 };
         self.recent = [y, self.recent[0], self.recent[1]];
         let mean = (self.recent[0] + self.recent[1] + self.recent[2]) * (1.0 / 3.0);
         let rested = still.place + still.drift * (still.since + self.time);
@@ -99,7 +111,7 @@ impl Probe {
         }
         self.time += step;
         let first = 4.0 * scale * self.peaks()[0] / RATE;
-        if self.time > first && !self.changed {
+        if self.quiet > first {
             return Probed::SameCode;
         }
         self.command(self.time, scale)

@@ -1,5 +1,7 @@
 //! Stage 1b: a relay about the start, which is brake, test of the sign and first time scale at once.
 
+use crate::servo::commissioning::silence::Heard;
+
 /// Time in s by which the velocity leads the position.
 const LEAD: f32 = 0.04;
 /// Switches that end the stage, the one at the first movement included, and its longest time in s.
@@ -49,6 +51,8 @@ pub(crate) struct Relay {
     flips: u32,
     /// Side of the axis that is braked: 1 above, -1 below.
     side: f32,
+    /// -1 while an axis that stays is driven the other way.
+    turned: f32,
     /// Outward speed at the begin or the last switch, some 30 ms ago, and the time since.
     first: f32,
     before: f32,
@@ -74,10 +78,28 @@ impl Relay {
             switches: 1,
             flips: 0,
             side,
+            turned: 1.0,
             first: 0.0,
             before: 0.0,
             looked: 0.0,
         }
+    }
+
+    /// Takes what the last sample has shown: a direction in which nothing moves makes way for the other one.
+    pub(crate) const fn hear(&mut self, heard: Heard) {
+        match heard {
+            Heard::Motion => self.turned = 1.0,
+            Heard::Exhausted => {
+                self.turned = -self.turned;
+                self.since = 0.0;
+            }
+            Heard::Silence | Heard::Nothing => {}
+        }
+    }
+
+    /// Whether the axis is so far from where it began that it has moved.
+    pub(crate) const fn is_away(&self, y: f32) -> bool {
+        (y - self.place).abs() > SIGN_DISTANCE
     }
 
     /// Takes a position and a velocity.
@@ -134,7 +156,7 @@ impl Relay {
         let grown = self.command + if late > 0.0 { GROWTH * late } else { 0.0 };
         let size = if grown < amplitude { grown } else { amplitude };
         Relayed::Command {
-            command: -self.sign * self.side * size,
+            command: -self.turned * self.sign * self.side * size,
             sign: self.sign,
         }
     }

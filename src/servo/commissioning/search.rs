@@ -6,16 +6,19 @@ use crate::servo::commissioning::predictor::Theta;
 use crate::servo::commissioning::record::{POINTS, Record};
 use crate::servo::commissioning::regression::Regression;
 use crate::servo::commissioning::simulation::Simulation;
+use crate::servo::commissioning::verdict::verdict;
 use crate::servo::commissioning::view::View;
 use crate::servo::supervision::state::Reason;
 
 /// Points of the ring that a fit reads; the others come while it does.
 const WINDOW: usize = 384;
-/// Points of a fit and of a simulation per s: some 4 million instructions.
-const FIT_POINTS: f32 = 3e3;
+/// Points of a fit and of a simulation per s: some 3.5 million instructions.
+const FIT_POINTS: f32 = 4e3;
 const SIMULATION_POINTS: f32 = 2e4;
 /// Natural frequencies in rad/s at which a fit starts, beside what is known.
 const STARTS: [f32; 3] = [80.0, 40.0, 17.0];
+/// Error over movement, squared, of a start that need not be compared with others.
+const START_MISFIT: f32 = 0.2 * 0.2;
 /// Most passes of a refinement.
 const REFINE_PASSES: u32 = 8;
 /// Rate of the correction over the natural frequency.
@@ -25,23 +28,6 @@ const MOVEMENT_MIN: f32 = 0.005;
 /// Length of a free simulation over 1/w0, and its range in s.
 const HOLD_OUT: f32 = 4.5;
 const HOLD_OUT_RANGE: [f32; 2] = [0.1, 0.4];
-
-/// Bounds of an accepted model.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Bounds {
-    /// Largest error of a free simulation over the movement, squared.
-    pub(crate) misfit: f32,
-    /// Largest relative change of gain and natural frequency, and change of damping, between two estimates.
-    pub(crate) change: [f32; 3],
-    /// Largest relative standard deviation of gain and frequency, and standard deviation of the damping.
-    pub(crate) std: [f32; 3],
-}
-
-const BOUNDS: Bounds = Bounds {
-    misfit: 0.25 * 0.25,
-    change: [0.15, 0.08, 0.15],
-    std: [0.12, 0.07, 0.15],
-};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Phase {
@@ -80,12 +66,6 @@ pub(crate) struct Search {
     /// Points of a fit and of a simulation per sample.
     pace: [usize; 2],
     is_busy: bool,
-}
-
-/// Velocity gain, natural frequency, damping.
-pub(crate) fn physical(theta: &Theta) -> [f32; 3] {
-    let w = sqrt(theta.a1);
-    [theta.b0 / theta.a1, w, 0.5 * theta.a2 / w]
 }
 
 impl Search {
@@ -185,8 +165,7 @@ impl Search {
                 }
             }
             Phase::Trying(k) => {
-                if self.regression.advance(record, self.pace[0]) {
-                    while !self.regression.solve_next() {}
+                if self.regression.advance(record, self.pace[0]) && self.regression.solve_next() {
                     self.started = self.regression.best();
                     match self.started {
                         Some(theta) => {
@@ -202,7 +181,7 @@ impl Search {
             Phase::Ranking(k) => self.rank(record, k),
             Phase::Refining => {
                 if self.fit.advance(record, self.pace[0]) {
-                    self.fit.next_pass(record);
+                    self.fit.next_pass();
                     if self.fit.is_done(REFINE_PASSES) {
                         let theta = self.fit.best();
                         let from = self.fit.end();
@@ -257,7 +236,8 @@ impl Search {
         {
             self.best = Some((theta, misfit));
         }
-        if k + 1 < self.starts.len() {
+        let follows = self.best.is_some_and(|(_, misfit)| misfit < START_MISFIT);
+        if k + 1 < self.starts.len() && !follows {
             self.attempt(record, k + 1);
         } else if let Some((theta, misfit)) = self.best {
             if misfit < 0.3 {
@@ -272,14 +252,15 @@ impl Search {
 
     fn refine(&mut self, record: &Record, theta: Theta) {
         let view = self.window(record);
-        self.fit.begin(record, view, theta, CORRECTION);
+        self.fit.begin(view, theta, CORRECTION);
         self.phase = Phase::Refining;
     }
 
     fn judge(&mut self, record: &Record, slack: f32) -> Option<Theta> {
         let [misfit, silent] = self.misfit(record)?;
         let theta = self.fit.best();
-        let verdict = self.verdict(&theta, misfit, silent > 0.0, slack);
+        let seen = [misfit, silent];
+        let verdict = verdict(&theta, self.previous.as_ref(), self.fit.std(), seen, slack);
         self.previous = Some(theta);
         match verdict {
             Ok(()) => return Some(theta),
@@ -299,33 +280,6 @@ impl Search {
             self.refine(record, theta);
         }
         None
-    }
-
-    fn verdict(&self, theta: &Theta, misfit: f32, silent: bool, slack: f32) -> Result<(), Reason> {
-        if !(misfit < slack * slack * BOUNDS.misfit || silent) {
-            return Err(Reason::PoorFit);
-        }
-        let Some(previous) = &self.previous else {
-            return Err(Reason::Uncertain);
-        };
-        let [c, w, xi] = physical(theta);
-        let [other_c, other_w, other_xi] = physical(previous);
-        let changes = [c / other_c - 1.0, w / other_w - 1.0, xi - other_xi];
-        let agrees = changes
-            .iter()
-            .zip(BOUNDS.change)
-            .all(|(change, most)| change.abs() < slack * most);
-        let std = self.fit.std();
-        let stds = [std[2], 0.5 * std[0], 0.5 * std[1] * (theta.a2 / w + 0.1)];
-        let certain = stds
-            .iter()
-            .zip(BOUNDS.std)
-            .all(|(std, most)| *std < slack * most);
-        if agrees && certain {
-            Ok(())
-        } else {
-            Err(Reason::Uncertain)
-        }
     }
 }
 

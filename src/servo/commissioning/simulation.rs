@@ -53,14 +53,17 @@ impl Simulation {
         }
     }
 
-    /// Takes `points` more; at the end the mean squared error and the variance of the position.
+    /// Takes `points` more; where there were none left, the mean squared error and the variance of the position.
     ///
     /// Cost: some 120 instructions per point.
     pub(crate) fn advance(&mut self, record: &Record, points: usize) -> Option<[f32; 2]> {
         let inverse = 1.0 / self.view.time;
-        for _ in 0..points {
+        for taken in 0..points {
             let i = self.next;
             if i + REACH >= self.view.end {
+                if taken > 0 {
+                    return None;
+                }
                 let [sse, sum, squares] = self.sums;
                 let mean = sum / self.count;
                 return Some([sse / self.count, squares / self.count - mean * mean]);

@@ -1,5 +1,7 @@
 //! Stage 2: random levels of the command for random times, within a band of the travel.
 
+use crate::servo::commissioning::silence::Heard;
+
 /// Band about its middle, and the range of the middle, in travels.
 const BAND: f32 = 0.15;
 const MIDDLE: [f32; 2] = [0.28, 0.72];
@@ -34,25 +36,15 @@ pub(crate) struct Sweep {
     low: f32,
     high: f32,
     looked: f32,
-    /// Command at which the axis moved first, holds since the code changed, and the direction of the present one.
-    moves: f32,
-    blind: u32,
-    direction: f32,
+    /// Commands that move an axis that stays, upward and downward.
+    pushes: [f32; 2],
+    /// Whether the axis has stayed since the present level began, and whether that is being tested.
+    stays: bool,
+    tests: bool,
 }
 
-/// Holds without a change of the code, each the other way, after which the sensor is stuck.
-const BLIND_MAX: u32 = 5;
-/// Command in these holds over that of the first movement: it moves the axis.
-const BLIND_COMMAND: f32 = 1.5;
-
 impl Sweep {
-    pub(crate) fn new(
-        place: f32,
-        half: f32,
-        [dead_zone, moves]: [f32; 2],
-        limit: f32,
-        attempt: u32,
-    ) -> Self {
+    pub(crate) fn new(place: f32, half: f32, dead_zone: f32, limit: f32, attempt: u32) -> Self {
         let [low, high] = MIDDLE;
         let middle = if place < low {
             low
@@ -74,9 +66,9 @@ impl Sweep {
             low: place,
             high: place,
             looked: 0.0,
-            moves,
-            blind: 0,
-            direction: 0.0,
+            pushes: [0.0; 2],
+            stays: false,
+            tests: false,
         }
     }
 
@@ -86,16 +78,17 @@ impl Sweep {
         y > low && y < high
     }
 
-    /// Takes whether the code is that of the sample before.
-    pub(crate) const fn see(&mut self, same_code: bool) {
-        if !same_code {
-            self.blind = 0;
+    /// Takes what the last sample has shown: a direction that is used up makes way for the other one.
+    pub(crate) fn hear(&mut self, heard: Heard, pushes: [f32; 2]) {
+        self.pushes = pushes;
+        match heard {
+            Heard::Motion => (self.stays, self.tests) = (false, false),
+            Heard::Exhausted => {
+                self.tests = true;
+                self.push(self.level <= 0.0);
+            }
+            Heard::Silence | Heard::Nothing => {}
         }
-    }
-
-    /// Whether the code has not changed in so many holds that must have moved the axis.
-    pub(crate) const fn is_blind(&self) -> bool {
-        self.blind > BLIND_MAX
     }
 
     /// What a model of the axis says about its time scale and its valve.
@@ -121,9 +114,12 @@ impl Sweep {
         let end = y + (0.6 * self.half + 0.015) * v;
         let outward = (end > SAFE[1] && self.level > 0.0) || (end < SAFE[0] && self.level < 0.0);
         let beyond = (ahead > BAND && self.level > 0.0) || (ahead < -BAND && self.level < 0.0);
-        if (outward || beyond) && self.blind < 2 {
+        if (outward || beyond) && !self.tests {
             let inward = if self.level > 0.0 { -1.0 } else { 1.0 };
-            self.next(inward, if outward { 0.7 } else { 0.0 });
+            self.next(inward, if outward { 0.7 * self.limit } else { 0.0 });
+        } else if self.left <= 0.0 && self.stays && self.level != 0.0 {
+            // Friction holds it: the same direction goes on until it moves or is used up.
+            self.push(self.level > 0.0);
         } else if self.left <= 0.0 {
             let error = (y + 0.3 * self.half * v - self.middle) / BAND;
             let share = 0.45 * if error < 0.0 { -error } else { error };
@@ -139,27 +135,21 @@ impl Sweep {
         self.level
     }
 
+    /// A level that moves an axis that stays.
+    fn push(&mut self, upward: bool) {
+        let [up, down] = self.pushes;
+        let (sign, least) = if upward { (1.0, up) } else { (-1.0, down) };
+        self.next(sign, least);
+    }
+
+    /// Draws a level of this sign and at least this size, and its time.
     fn next(&mut self, sign: f32, least: f32) {
-        // Without a change of the code nothing is known of the place: what one hold may have moved, the next one moves back.
-        let blind = self.blind > 0 && self.direction != 0.0;
-        let sign = if blind { -self.direction } else { sign };
-        let seen = if blind {
-            BLIND_COMMAND * self.moves
-        } else {
-            0.0
-        };
-        self.direction = sign;
-        self.blind += 1;
+        self.stays = true;
         let part = 0.35 + 1.15 * self.draw();
         let flow = (self.amplitude - 0.6 * self.dead_zone) * part;
         let flow = if flow > 0.05 { flow } else { 0.05 };
         let size = self.dead_zone + flow;
-        let size = if size > least * self.limit {
-            size
-        } else {
-            least * self.limit
-        };
-        let size = if size > seen { size } else { seen };
+        let size = if size > least { size } else { least };
         let level = sign * size - self.offset;
         self.level = if level > self.limit {
             self.limit
@@ -168,8 +158,7 @@ impl Sweep {
         } else {
             level
         };
-        let part = if blind { 0.8 } else { 0.35 + 0.9 * self.draw() };
-        self.left = self.half * part;
+        self.left = self.half * (0.35 + 0.9 * self.draw());
     }
 
     /// The amplitude follows the movement within two holds.

@@ -1,0 +1,244 @@
+//! A prediction of the fit with its sensitivities, a point at a time.
+
+use crate::servo::commissioning::predictor::{PARAMETERS, Point, Prediction, Theta};
+
+/// Position, velocity and drive after an interval under a constant unit of acceleration, and of rate of the drive: Taylor series to
+/// the fourth derivative.
+#[derive(Debug, Clone, Copy)]
+struct Transition {
+    /// Of the unit of acceleration, of the unit of rate.
+    acceleration: [f32; 3],
+    rate: [f32; 3],
+    /// Of a unit of velocity and of drive, beside themselves.
+    velocity: [f32; 3],
+    drive: [f32; 3],
+}
+
+impl Transition {
+    /// Over `time`, with a loss of flow `k`. Cost: about 70 instructions.
+    #[inline]
+    fn new(theta: &Theta, k: f32, time: f32) -> Self {
+        let step = |v: f32, p: f32| (p - theta.a2 * v, -theta.a1 * v - k * p);
+        let (h2, h3, h4) = (0.5 * time, time * (1.0 / 3.0), 0.25 * time);
+        let series = |v1: f32, p1: f32| {
+            let (v2, p2) = step(v1, p1);
+            let (v3, p3) = step(v2, p2);
+            let (v4, p4) = step(v3, p3);
+            [
+                time * h2 * (v1 + h3 * (v2 + h4 * v3)),
+                time * (v1 + h2 * (v2 + h3 * (v3 + h4 * v4))),
+                time * (p1 + h2 * (p2 + h3 * (p3 + h4 * p4))),
+            ]
+        };
+        let acceleration = series(1.0, 0.0);
+        let rate = series(0.0, 1.0);
+        let both = |a: f32, r: f32| {
+            let [x, v, p] = acceleration;
+            let [x_r, v_r, p_r] = rate;
+            [a * x + r * x_r, a * v + r * v_r, a * p + r * p_r]
+        };
+        let [x, v, p] = both(-theta.a2, -theta.a1);
+        Self {
+            acceleration,
+            rate,
+            velocity: [time + x, v, p],
+            drive: both(1.0, -k),
+        }
+    }
+
+    /// One interval on, without anything that acts on it.
+    #[inline]
+    fn advance(&self, at: &mut Prediction) {
+        let (v, p) = (at.v, at.p);
+        at.x += self.velocity[0] * v + self.drive[0] * p;
+        at.v += self.velocity[1] * v + self.drive[1] * p;
+        at.p += self.velocity[2] * v + self.drive[2] * p;
+    }
+}
+
+/// Adds what a constant action leads to.
+#[inline]
+fn act(at: &mut Prediction, [x, v, p]: &[f32; 3], size: f32) {
+    at.x += x * size;
+    at.v += v * size;
+    at.p += p * size;
+}
+
+/// A prediction and how it changes with each parameter, in the scale of the parameter.
+///
+/// The sensitivities obey the equation of the prediction, linearised: they share its transition over an interval, and differ by what
+/// acts on them. What follows the state acts with its mean over the interval.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Sensitivity {
+    theta: Theta,
+    scale: [f32; PARAMETERS],
+    at: Prediction,
+    slopes: [Prediction; PARAMETERS],
+}
+
+impl Sensitivity {
+    pub(crate) fn new() -> Self {
+        Self {
+            theta: Theta::from_array([1.0; PARAMETERS]),
+            scale: [1.0; PARAMETERS],
+            at: Prediction::default(),
+            slopes: [Prediction::default(); PARAMETERS],
+        }
+    }
+
+    /// Begins at a point.
+    pub(crate) fn begin(&mut self, theta: Theta, scale: [f32; PARAMETERS], first: &Point) {
+        self.theta = theta;
+        self.scale = scale;
+        self.at = Prediction {
+            x: first.y,
+            v: first.velocity,
+            p: theta.a2 * first.velocity + theta.friction * first.direction,
+        };
+        self.slopes = [Prediction::default(); PARAMETERS];
+        let [_, a2, _, _, _, friction, ..] = &mut self.slopes;
+        a2.p = scale[1] * first.velocity;
+        friction.p = scale[5] * first.direction;
+    }
+
+    /// The parameters.
+    pub(crate) const fn theta(&self) -> &Theta {
+        &self.theta
+    }
+
+    /// Error of the predicted position, and how the prediction changes with each parameter.
+    #[inline]
+    pub(crate) fn error(&self, point: &Point) -> (f32, [f32; PARAMETERS]) {
+        let mut slope = [0.0; PARAMETERS];
+        for (slope, at) in slope.iter_mut().zip(&self.slopes) {
+            *slope = at.x;
+        }
+        (point.y - self.at.x, slope)
+    }
+
+    /// Corrects the prediction; at rest its position is known.
+    #[inline]
+    pub(crate) fn correct(&mut self, point: &Point, [x, v, p]: [f32; 3]) {
+        if point.direction == 0.0 {
+            self.at.x = point.y;
+            for slope in &mut self.slopes {
+                slope.x = 0.0;
+            }
+            return;
+        }
+        let error = point.y - self.at.x;
+        act(&mut self.at, &[x, v, p], error);
+        for slope in &mut self.slopes {
+            let error = -slope.x;
+            act(slope, &[x, v, p], error);
+        }
+    }
+
+    /// One interval on, under these commands: the newer one, the older one and its share. Cost: about 400 instructions.
+    #[inline]
+    pub(crate) fn advance(&mut self, point: &Point, [newer, older, part]: [f32; 3], inverse: f32) {
+        let theta = self.theta;
+        let mean = |newer: f32, older: f32| newer + part * (older - newer);
+        let (newer, older) = (theta.flow(newer), theta.flow(older));
+        let (n, o) = (direction_of(newer), direction_of(older));
+        let flow = mean(newer, older);
+        // What dead zone, offset and delay do to the flow.
+        let bent = [-mean(n, o), mean(n * n, o * o), (older - newer) * inverse];
+        let side = direction_of(flow);
+        let k = theta.kappa * side * flow;
+        let before = self.at;
+        if point.direction == 0.0 {
+            self.rest(flow, k, point.time);
+            self.follow_at_rest(before.p, [flow, side], bent, k, point.time);
+        } else {
+            let transition = Transition::new(&theta, k, point.time);
+            transition.advance(&mut self.at);
+            let friction = -theta.friction * point.direction;
+            act(&mut self.at, &transition.acceleration, friction);
+            act(&mut self.at, &transition.rate, theta.b0 * flow);
+            let v = 0.5 * (before.v + self.at.v);
+            let p = 0.5 * (before.p + self.at.p);
+            self.follow(&transition, [v, p], [flow, side, point.direction], bent);
+        }
+    }
+
+    /// The prediction at rest, where only the drive changes.
+    #[inline]
+    fn rest(&mut self, flow: f32, k: f32, time: f32) {
+        self.at.p += time * (self.theta.b0 * flow - k * self.at.p);
+        self.at.v = 0.0;
+    }
+
+    /// Rates of the drive by which the parameters act on it: all but damping and friction.
+    #[inline]
+    fn rates(
+        &self,
+        [v, p]: [f32; 2],
+        [flow, side]: [f32; 2],
+        [dead_zone, offset, delay]: [f32; 3],
+    ) -> [f32; 6] {
+        let theta = &self.theta;
+        let gain = theta.b0 - theta.kappa * side * p;
+        let s = &self.scale;
+        [
+            -v * s[0],
+            flow * s[2],
+            gain * dead_zone * s[3],
+            gain * offset * s[4],
+            gain * delay * s[6],
+            -side * flow * p * s[7],
+        ]
+    }
+
+    #[inline]
+    fn follow(
+        &mut self,
+        transition: &Transition,
+        [v, p]: [f32; 2],
+        [flow, side, direction]: [f32; 3],
+        bent: [f32; 3],
+    ) {
+        let rates = self.rates([v, p], [flow, side], bent);
+        let (damping, friction) = (-v * self.scale[1], -direction * self.scale[5]);
+        for slope in &mut self.slopes {
+            transition.advance(slope);
+        }
+        let [a1, a2, b0, dead_zone, offset, own_friction, delay, kappa] = &mut self.slopes;
+        for (slope, rate) in [a1, b0, dead_zone, offset, delay, kappa]
+            .into_iter()
+            .zip(rates)
+        {
+            act(slope, &transition.rate, rate);
+        }
+        act(a2, &transition.acceleration, damping);
+        act(own_friction, &transition.acceleration, friction);
+    }
+
+    #[inline]
+    fn follow_at_rest(&mut self, p: f32, flow: [f32; 2], bent: [f32; 3], k: f32, time: f32) {
+        let rates = self.rates([0.0, p], flow, bent);
+        for slope in &mut self.slopes {
+            slope.p -= time * k * slope.p;
+            slope.v = 0.0;
+        }
+        let [a1, _, b0, dead_zone, offset, _, delay, kappa] = &mut self.slopes;
+        for (slope, rate) in [a1, b0, dead_zone, offset, delay, kappa]
+            .into_iter()
+            .zip(rates)
+        {
+            slope.p += time * rate;
+        }
+    }
+}
+
+/// Direction of a flow, 0 for none.
+#[inline]
+fn direction_of(flow: f32) -> f32 {
+    if flow > 0.0 {
+        1.0
+    } else if flow < 0.0 {
+        -1.0
+    } else {
+        0.0
+    }
+}

@@ -1,0 +1,189 @@
+//! A position that stays although the command drives the axis: friction, a stuck sensor, or no motion at all.
+
+use crate::math::sqrt;
+use crate::servo::commissioning::predictor::Theta;
+
+/// Part of the command at the first movement that is surely not flow: half of it, as for the dead zone of a start.
+const CLOSED: f32 = 0.5;
+/// Drive that moves an axis from wherever friction holds it, over the drive that moved it first. At the first movement
+/// friction was overcome from rest, u^2 / (2 rate) of a ramp; from the other side it takes twice that. With half of the
+/// command taken for dead zone, a valve without any needs 2 * 4 / 1.5 of what is counted.
+const FIRST_DRIVES: f32 = 5.4;
+/// The same from a model: both sides of a breakaway of 2.5 times the Coulomb friction.
+const FRICTIONS: f32 = 5.0;
+/// Displacement in movements that count which it must exceed beside.
+const MOVEMENTS: f32 = 2.0;
+/// Twice the largest offset of a valve, by which the other direction than that of the first movement may open later.
+const OTHER_SIDE: f32 = 0.16;
+/// Command of an axis that stays over that of the first movement: it moves the axis.
+const MOVING_COMMAND: f32 = 1.5;
+/// Part of the drive that friction held in good work, over which more is needed.
+const HELD_RATIO: f32 = 1.5;
+
+/// The drive of an axis whose code changes over that of one whose code stays: noise may hide a slow motion.
+const NOISY: f32 = 2.0;
+/// Angle of the natural frequency after which a drive without friction has moved by most of what its flow leads to, the same in
+/// half periods, and delay of a valve in s.
+const LAG_RADIANS: f32 = 2.0;
+const LAG_HALVES: f32 = LAG_RADIANS / core::f32::consts::PI;
+const LATENESS: f32 = 0.02;
+/// The same in s before anything is known of the time scale.
+const LAG_FIRST: f32 = 0.08;
+
+/// What the silence means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Heard {
+    /// The axis has moved on.
+    Motion,
+    /// It stays, and friction explains that.
+    Silence,
+    /// It stays, and the present direction should have moved it.
+    Exhausted,
+    /// Neither direction moved what must move.
+    Nothing,
+}
+
+/// The drive since the position last left the band of a movement that counts.
+///
+/// The drive is the integral of the flow `|u| - dead zone` along the sign, in s: at rest the force on the axis follows it. What
+/// friction can hold is a band of the drive; a wider one, used up in both directions, is no friction. The first movement
+/// had the same gain, so that none is needed. Cost: about 40 instructions.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Silence {
+    anchor: f32,
+    detection: f32,
+    /// Command at the first movement, and what the valve may need more upward and downward.
+    command: f32,
+    margin: [f32; 2],
+    /// Drive that friction may hold before there is a model, and the largest that it held in good work.
+    first: f32,
+    held: f32,
+    /// Time in s by which motion comes after its drive.
+    lag: f32,
+    /// The drive, with its range so far.
+    drive: f32,
+    low: f32,
+    high: f32,
+    /// Directions that are used up: upward, downward.
+    used: [bool; 2],
+    /// Whether the code has changed since then, and while the direction before was used up.
+    changes: bool,
+    changed: bool,
+}
+
+impl Silence {
+    /// After a `command` that grew at `rate` has moved the axis to `place`, in this direction along its sign.
+    pub(crate) fn new(place: f32, detection: f32, command: f32, rate: f32, upward: bool) -> Self {
+        let flow = (1.0 - CLOSED) * command;
+        let margin = if upward {
+            [0.0, OTHER_SIDE]
+        } else {
+            [OTHER_SIDE, 0.0]
+        };
+        Self {
+            anchor: place,
+            detection,
+            command,
+            margin,
+            lag: LAG_FIRST,
+            first: FIRST_DRIVES * flow * flow / (2.0 * rate),
+            ..Self::default()
+        }
+    }
+
+    /// Takes a position, whether it has the code before, and the command along the sign from now on.
+    pub(crate) fn update(
+        &mut self,
+        y: f32,
+        same_code: bool,
+        command: f32,
+        step: f32,
+        model: Option<&Theta>,
+    ) -> Heard {
+        self.changes |= !same_code;
+        let away = y - self.anchor;
+        if away > self.detection || away < -self.detection {
+            *self = Self {
+                anchor: y,
+                held: self.held.max(self.high - self.low),
+                drive: 0.0,
+                low: 0.0,
+                high: 0.0,
+                used: [false; 2],
+                changes: false,
+                ..*self
+            };
+            return Heard::Motion;
+        }
+        let flow = self.flow(command, model);
+        self.drive += step * flow;
+        self.low = self.low.min(self.drive);
+        self.high = self.high.max(self.drive);
+        let share = if self.changes { NOISY } else { 1.0 };
+        let needed = share * self.needed(flow, model);
+        let up = self.drive - self.low > needed;
+        let down = self.high - self.drive > needed;
+        let used = [self.used[0] || up, self.used[1] || down];
+        if used != self.used {
+            // The code has the time of the last direction to change.
+            self.changed = self.changes;
+            self.changes = false;
+        }
+        self.used = used;
+        if self.used == [true; 2] {
+            Heard::Nothing
+        } else if (up && flow > 0.0) || (down && flow < 0.0) {
+            Heard::Exhausted
+        } else {
+            Heard::Silence
+        }
+    }
+
+    /// The sign is the other one: what moved the axis first is not known.
+    pub(crate) const fn mistook(&mut self) {
+        self.margin = [OTHER_SIDE; 2];
+    }
+
+    /// Command that moves an axis that stays, upward or downward.
+    pub(crate) const fn push(&self, upward: bool) -> f32 {
+        let [up, down] = self.margin;
+        MOVING_COMMAND * self.command + if upward { up } else { down }
+    }
+
+    /// Flow of a command; before there is a model, what it surely is.
+    fn flow(&self, command: f32, model: Option<&Theta>) -> f32 {
+        let (up, down) = match model {
+            Some(m) => (m.dead_zone - m.offset, m.dead_zone + m.offset),
+            None => {
+                let closed = CLOSED * self.command;
+                (closed + self.margin[0], closed + self.margin[1])
+            }
+        };
+        if command > up {
+            command - up
+        } else if command < -down {
+            command + down
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether the code has changed while the last direction was used up.
+    pub(crate) const fn code_changes(&self) -> bool {
+        self.changed
+    }
+
+    /// Half a period of the axis in s, as far as it is known.
+    pub(crate) const fn inform(&mut self, half: f32) {
+        self.lag = LAG_HALVES * half + LATENESS;
+    }
+
+    /// Drive that no friction holds; what a `flow` has begun shows later.
+    fn needed(&self, flow: f32, model: Option<&Theta>) -> f32 {
+        let (known, lag) = model.map_or((0.0, self.lag), |m| {
+            let held = FRICTIONS * m.friction + MOVEMENTS * self.detection * m.a1;
+            (held / m.b0, m.delay + LAG_RADIANS / sqrt(m.a1))
+        });
+        self.first.max(known).max(HELD_RATIO * self.held) + lag * flow.abs()
+    }
+}

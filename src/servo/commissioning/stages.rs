@@ -1,0 +1,168 @@
+//! One sample of each stage, and what leads from one to the next.
+
+use crate::servo::commissioning::probe::{Probe, Probed, RATE};
+use crate::servo::commissioning::relay::{Relay, Relayed};
+use crate::servo::commissioning::silence::{Heard, Silence};
+use crate::servo::commissioning::sweep::Sweep;
+use crate::servo::commissioning::view::View;
+use crate::servo::commissioning::{Commissioning, Progress, Stage, predictor};
+use crate::servo::supervision::state::Reason;
+
+/// Points of the record per half period of the relay, and the largest spacing in s.
+const POINTS_PER_HALF: f32 = 16.0;
+const SPACING_MAX: f32 = 1e-2;
+/// Least dead zone over the command at the first movement, for the levels.
+const DEAD_ZONE_MIN: f32 = 0.4;
+/// Time in s within which an axis beyond the safe travel comes back, and the least speed in travels per s.
+const RETURN_TIME: f32 = 0.25;
+const RETURN_SPEED: f32 = 0.02;
+/// Time in s from and to which the bounds of a model widen, and by how much.
+const WIDENING: [f32; 3] = [1.8, 2.8, 1.6];
+
+impl Commissioning {
+    pub(crate) fn probe(&mut self, mut probe: Probe, y: f32, same_code: bool) -> Progress {
+        let scale = 1.0_f32.min(2.0 * self.design.amplitude);
+        match probe.update(y, same_code, &self.still, self.design.sample_time, scale) {
+            Probed::Command(u) => {
+                self.stage = Stage::Probing(probe);
+                Progress::Command(u)
+            }
+            Probed::Moved { sign, command } => {
+                self.silent = 0;
+                let place = self.still.place;
+                let side = if y > place { 1.0 } else { -1.0 };
+                let detection = self.still.detection;
+                let mut relay = Relay::new(place, detection, command, sign, side);
+                let v = self.tracking.motion().velocity;
+                let first = relay.update(y, v, self.design.sample_time, self.design.amplitude);
+                self.stage = Stage::Relaying(relay);
+                self.silence = Silence::new(y, detection, command, RATE, side > 0.0);
+                self.still.since = command;
+                match first {
+                    Relayed::Command { command, .. } => Progress::Command(command),
+                    _ => Progress::Command(0.0),
+                }
+            }
+            Probed::SameCode => {
+                self.silent = self.silent.saturating_add(1);
+                Progress::Failed(Reason::SensorStuck)
+            }
+            Probed::Still => Progress::Failed(Reason::Blocked),
+        }
+    }
+
+    pub(crate) fn relay(&mut self, mut relay: Relay, y: f32, v: f32) -> Progress {
+        match relay.update(y, v, self.design.sample_time, self.design.amplitude) {
+            Relayed::Command { command, sign } => {
+                if sign != self.sign {
+                    self.silence.mistook();
+                }
+                self.sign = sign;
+                self.stage = Stage::Relaying(relay);
+                Progress::Command(command)
+            }
+            Relayed::Obeys { half, sign } => {
+                self.sign = sign;
+                if self.known_sign.is_some_and(|known| known != sign) {
+                    return Progress::Failed(Reason::WrongSign);
+                }
+                self.begin_search(half, y)
+            }
+            Relayed::Disobeys => Progress::Failed(Reason::ValveStuck),
+        }
+    }
+
+    fn begin_search(&mut self, half: f32, y: f32) -> Progress {
+        let step = self.design.sample_time;
+        let frequency = self
+            .design
+            .frequency
+            .unwrap_or(core::f32::consts::PI / half);
+        let half = core::f32::consts::PI / frequency;
+        let spacing = SPACING_MAX.min(half / POINTS_PER_HALF);
+        let dead_zone = (0.5 * self.still.since).min(0.1);
+        self.first_guess = Some([spacing / step, frequency, dead_zone]);
+        self.silence.inform(half);
+        let hold = half.min(0.25);
+        let sweep = Sweep::new(y, hold, dead_zone, self.design.amplitude, self.attempt);
+        self.stage = Stage::Sweeping(sweep);
+        Progress::Command(0.0)
+    }
+
+    /// Gives the record its spacing, a doubling per sample, and begins the search.
+    fn settle_record(&mut self) {
+        let Some([stride, frequency, dead_zone]) = self.first_guess else {
+            return;
+        };
+        if !self.record.fix(stride as usize) {
+            return;
+        }
+        self.first_guess = None;
+        let time = self.record.stride() as f32 * self.design.sample_time;
+        let span = 2.0 * predictor::REACH as f32 * time;
+        let noise = 6.0 * self.still.sigma / span;
+        let view = View {
+            begin: 0,
+            end: 0,
+            time,
+            rest_velocity: noise.max(2e-3),
+            sign: self.sign,
+        };
+        let points = self.record.end() + (self.design.excite_time / time) as usize;
+        self.search
+            .begin(points, view, self.still.sigma, [frequency, dead_zone]);
+    }
+
+    pub(crate) fn sweep(&mut self, mut sweep: Sweep, y: f32, v: f32) -> Progress {
+        // Beyond the safe travel the command leads inwards, and the axis has to follow.
+        let returns = (y < 0.5) == (v > 0.0) && v.abs() > RETURN_SPEED;
+        self.outside = if sweep.is_safe(y) || returns {
+            0.0
+        } else {
+            self.outside + self.design.sample_time
+        };
+        if self.outside > RETURN_TIME {
+            return Progress::Failed(Reason::TravelEnd);
+        }
+        let [from, to, most] = WIDENING;
+        let share = ((self.time - from) / (to - from)).clamp(0.0, 1.0);
+        let slack = 1.0 + share * (most - 1.0);
+        self.settle_record();
+        self.has_rested = self.accepted.is_some();
+        if self.accepted.is_none() {
+            self.accepted = self.search.update(&self.record, slack);
+        }
+        if let Some(theta) = self.search.latest() {
+            let half = 2.6 / crate::math::sqrt(theta.a1);
+            let least = DEAD_ZONE_MIN * self.still.since.min(0.25);
+            sweep.inform(half.min(0.35), theta.dead_zone.max(least), theta.offset);
+        }
+        let command = sweep.update(y, v, self.design.sample_time);
+        self.stage = Stage::Sweeping(sweep);
+        match self.accepted {
+            // The axis moves on until the loop is ready for it.
+            Some(theta) => Progress::Found(self.found(&theta), self.sign * command),
+            None => Progress::Command(self.sign * command),
+        }
+    }
+
+    /// What position and command say about an axis that stays.
+    pub(crate) fn listen(&mut self, y: f32, same_code: bool, progress: &Progress) -> Heard {
+        let command = match progress {
+            Progress::Command(command) | Progress::Found(_, command) => self.sign * command,
+            Progress::Failed(_) => 0.0,
+        };
+        let step = self.design.sample_time;
+        self.silence
+            .update(y, same_code, command, step, self.search.latest())
+    }
+
+    /// The progress, unless an axis stays that must move.
+    pub(crate) const fn heard(&self, heard: Heard, progress: Progress) -> Progress {
+        match heard {
+            Heard::Nothing if self.silence.code_changes() => Progress::Failed(Reason::Blocked),
+            Heard::Nothing => Progress::Failed(Reason::SensorStuck),
+            _ => progress,
+        }
+    }
+}

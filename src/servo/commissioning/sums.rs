@@ -1,0 +1,107 @@
+//! Sums over a pass of a fit, and how certain they make the parameters.
+
+use crate::math::matrix::{Matrix, backward, cholesky, forward};
+use crate::math::sqrt;
+use crate::servo::commissioning::predictor::PARAMETERS;
+
+/// Standard deviations, in scales, with which the parameters are known beforehand: weak, so that nothing runs away.
+pub(crate) const PRIOR: [f32; PARAMETERS] = [5.0, 3.0, 5.0, 2.0, 2.0, 3.0, 5.0, 0.2];
+/// Largest correlation of neighbouring errors that counts.
+const CORRELATION_MAX: f32 = 0.8;
+
+/// Sums over a pass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Sums {
+    pub(crate) normal: Matrix<PARAMETERS>,
+    pub(crate) gradient: [f32; PARAMETERS],
+    pub(crate) cost: f32,
+    /// Sum of products of neighbouring errors, and the last error.
+    pub(crate) lagged: f32,
+    pub(crate) last: f32,
+    pub(crate) count: f32,
+}
+
+/// No point yet.
+pub(crate) const NO_SUMS: Sums = Sums {
+    normal: [[0.0; PARAMETERS]; PARAMETERS],
+    gradient: [0.0; PARAMETERS],
+    cost: 0.0,
+    lagged: 0.0,
+    last: 0.0,
+    count: 0.0,
+};
+
+impl Sums {
+    /// Adds a point.
+    #[inline]
+    pub(crate) fn add(&mut self, slope: &[f32; PARAMETERS], error: f32) {
+        for (sum, si) in self.gradient.iter_mut().zip(slope) {
+            *sum += si * error;
+        }
+        let [row0, row1, row2, row3, row4, row5, row6, row7] = &mut self.normal;
+        add::<1>(row0, slope);
+        add::<2>(row1, slope);
+        add::<3>(row2, slope);
+        add::<4>(row3, slope);
+        add::<5>(row4, slope);
+        add::<6>(row5, slope);
+        add::<7>(row6, slope);
+        add::<8>(row7, slope);
+        self.cost += error * error;
+        self.lagged += error * self.last;
+        self.last = error;
+        self.count += 1.0;
+    }
+
+    /// Variance of an error that counts alone: neighbouring errors are alike.
+    pub(crate) fn variance(&self) -> f32 {
+        let correlation = self.lagged / self.cost;
+        let correlation = if correlation > CORRELATION_MAX {
+            CORRELATION_MAX
+        } else if correlation > 0.0 {
+            correlation
+        } else {
+            0.0
+        };
+        let factor = (1.0 + correlation) / (1.0 - correlation);
+        factor * self.cost / (self.count + 1.0)
+    }
+
+    /// Standard deviations of a1, a2 and of the gain b0/a1, in the scales of a1, a2 and b0, and of the dead zone in its scale;
+    /// infinite when they are not known.
+    ///
+    /// With the parameters in reverse order these four are the last ones: the last rows of the Cholesky factor are then that of
+    /// the inverse of their own covariance. Cost: some 1300 instructions.
+    pub(crate) fn std(&self) -> [f32; 4] {
+        let variance = self.variance();
+        let last = PARAMETERS - 1;
+        let mut reversed = [[0.0; PARAMETERS]; PARAMETERS];
+        for (i, row) in reversed.iter_mut().enumerate() {
+            for (j, value) in row.iter_mut().enumerate().take(i + 1) {
+                *value = self.normal[last - j][last - i];
+            }
+            row[i] += variance / (PRIOR[last - i] * PRIOR[last - i]);
+        }
+        let Some(factor) = cholesky(&reversed) else {
+            return [f32::INFINITY; 4];
+        };
+        let [.., r4, r5, r6, r7] = factor;
+        let own = [r4, r5, r6, r7].map(|[.., dead_zone, b0, a2, a1]| [dead_zone, b0, a2, a1]);
+        let covariance = |unit: [f32; 4]| backward(&own, forward(&own, unit));
+        let [dead_zone, ..] = covariance([1.0, 0.0, 0.0, 0.0]);
+        let [_, b0, _, b0_a1] = covariance([0.0, 1.0, 0.0, 0.0]);
+        let [.., a2, _] = covariance([0.0, 0.0, 1.0, 0.0]);
+        let [.., a1] = covariance([0.0, 0.0, 0.0, 1.0]);
+        let gain = b0 + a1 - 2.0 * b0_a1;
+        [a1, a2, gain, dead_zone].map(|x| sqrt(variance * x))
+    }
+}
+
+/// Adds the products of the last of the first K slopes with all of them: a row of the lower triangle, without a loop.
+#[inline(always)]
+fn add<const K: usize>(row: &mut [f32; PARAMETERS], slope: &[f32; PARAMETERS]) {
+    const { assert!(K > 0 && K <= PARAMETERS) }
+    for j in 0..K {
+        row[j] += slope[K - 1] * slope[j];
+    }
+}

@@ -1,0 +1,72 @@
+//! When an estimate is a model.
+
+use crate::math::sqrt;
+use crate::servo::commissioning::predictor::Theta;
+use crate::servo::supervision::state::Reason;
+
+/// Bounds of an accepted model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Bounds {
+    /// Largest error of a free simulation over the movement, squared.
+    pub(crate) misfit: f32,
+    /// Largest relative change of gain and natural frequency, and change of damping, between two estimates.
+    pub(crate) change: [f32; 3],
+    /// Largest relative standard deviation of gain and frequency, and standard deviation of the damping.
+    pub(crate) std: [f32; 3],
+}
+
+/// Scale of the dead zone in the fit, and its largest standard deviation at first.
+const DEAD_ZONE_SCALE: f32 = 0.05;
+const DEAD_ZONE_STD: f32 = 0.014;
+
+const BOUNDS: Bounds = Bounds {
+    misfit: 0.3 * 0.3,
+    change: [0.15, 0.08, 0.15],
+    std: [0.12, 0.07, 0.15],
+};
+
+/// Velocity gain, natural frequency, damping.
+pub(crate) fn physical(theta: &Theta) -> [f32; 3] {
+    let w = sqrt(theta.a1);
+    [theta.b0 / theta.a1, w, 0.5 * theta.a2 / w]
+}
+
+/// Whether an estimate is a model: it follows later samples, agrees with the estimate before, and is certain. `std` is that of the
+/// fit, `misfit` that of a free simulation; its error is `silent` within the noise; `slack` widens the bounds.
+///
+/// The standard deviations tell good models from bad ones best; a free simulation of an axis that sticks is rough, and finds what
+/// has another structure.
+pub(crate) fn verdict(
+    theta: &Theta,
+    previous: Option<&Theta>,
+    std: [f32; 4],
+    [misfit, silent]: [f32; 2],
+    slack: f32,
+) -> Result<(), Reason> {
+    if !(misfit < slack * slack * BOUNDS.misfit || silent > 0.0) {
+        return Err(Reason::PoorFit);
+    }
+    let Some(previous) = previous else {
+        return Err(Reason::Uncertain);
+    };
+    let [c, w, xi] = physical(theta);
+    let [other_c, other_w, other_xi] = physical(previous);
+    let changes = [c / other_c - 1.0, w / other_w - 1.0, xi - other_xi];
+    let agrees = changes
+        .iter()
+        .zip(BOUNDS.change)
+        .all(|(change, most)| change.abs() < slack * most);
+    let stds = [std[2], 0.5 * std[0], 0.5 * std[1] * (theta.a2 / w + 0.1)];
+    // A dead zone is worth waiting for, but not worth a refusal: its bound widens fast.
+    let square = slack * slack;
+    let closed = DEAD_ZONE_SCALE * std[3] < DEAD_ZONE_STD * square * square;
+    let certain = stds
+        .iter()
+        .zip(BOUNDS.std)
+        .all(|(std, most)| *std < slack * most);
+    if agrees && certain && closed {
+        Ok(())
+    } else {
+        Err(Reason::Uncertain)
+    }
+}
