@@ -7,7 +7,8 @@
  *   - No heap, no global state, no callback. The caller owns every object; two objects have nothing in common, so each may
  *     live in its own interrupt or thread. One object must not be used by two at a time.
  *   - An object is the memory of its type, static or automatic, aligned as the type says. `_init` makes it usable; it may be
- *     copied with memcpy or `=` and dropped at any time. A handle points into the object that it was given for.
+ *     copied with memcpy or `=` and dropped at any time. A handle points into the object that it was given for. Memory for
+ *     which `_init` was refused holds no object, whatever it held before.
  *   - A pointer is NULL, or points to memory of its type that stays valid for the call. NULL, a wrong alignment and an object
  *     that was never initialised are answered by an error, and nothing is written then.
  *   - Floats are IEEE 754 single precision. A number that is not finite never enters an object.
@@ -50,17 +51,14 @@
 // Most parameters of a `trendid_any`.
 #define TRENDID_ANY_PARAMETERS_MAX 6
 
+// Words of 8 bytes of a `trendid_any`.
+#define TRENDID_ANY_WORDS 264
+
 // Words of 8 bytes of a `trendid_servo2`.
 #define TRENDID_SERVO2_WORDS 136
 
 // Words of 8 bytes of a `trendid_servo3`.
 #define TRENDID_SERVO3_WORDS 160
-
-// Words of 8 bytes of a `trendid_valve2`.
-#define TRENDID_VALVE2_WORDS 164
-
-// Words of 8 bytes of a `trendid_valve3`.
-#define TRENDID_VALVE3_WORDS 192
 
 // Words of 8 bytes of a `trendid_coulomb2`.
 #define TRENDID_COULOMB2_WORDS 160
@@ -68,14 +66,17 @@
 // Words of 8 bytes of a `trendid_coulomb3`.
 #define TRENDID_COULOMB3_WORDS 184
 
+// Words of 8 bytes of a `trendid_valve2`.
+#define TRENDID_VALVE2_WORDS 164
+
+// Words of 8 bytes of a `trendid_valve3`.
+#define TRENDID_VALVE3_WORDS 192
+
 // Words of 8 bytes of a `trendid_valve_coulomb2`.
 #define TRENDID_VALVE_COULOMB2_WORDS 188
 
 // Words of 8 bytes of a `trendid_valve_coulomb3`.
 #define TRENDID_VALVE_COULOMB3_WORDS 216
-
-// Words of 8 bytes of a `trendid_any`.
-#define TRENDID_ANY_WORDS 264
 
 // Most parameters of a model.
 #define TRENDID_PARAMETERS_MAX 8
@@ -95,7 +96,7 @@
 // Most inputs that the caller may give.
 #define TRENDID_INPUTS_MAX 2
 
-// What a function answers; 0 is success, and nothing else was done otherwise.
+// What a function answers; 0 is success. Otherwise nothing was done, and an `_init` leaves no object.
 enum trendid_error
 #ifdef __cplusplus
   : int32_t
@@ -484,20 +485,6 @@ typedef struct trendid_servo2 {
   uint64_t words[TRENDID_SERVO2_WORDS];
 } trendid_servo2;
 
-// Memory of an identifier of `b0 / (s (s + a1)) behind a valve with a dead zone`.
-//
-// theta = (a1, b0, b0 of the sign of u, constant, initial state); inputs: u.
-typedef struct trendid_valve2 {
-  uint64_t words[TRENDID_VALVE2_WORDS];
-} trendid_valve2;
-
-// Memory of an identifier of `b0 / (s (s^2 + a2 s + a1)) behind a valve with a dead zone`.
-//
-// theta = (a1, a2, b0, b0 of the sign of u, constant, initial state); inputs: u.
-typedef struct trendid_valve3 {
-  uint64_t words[TRENDID_VALVE3_WORDS];
-} trendid_valve3;
-
 // Memory of an identifier of `b0 / (s (s + a1)) with Coulomb friction`.
 //
 // theta = (a1, b0, b0 of the sign of v, constant, initial state); inputs: u, sign of v.
@@ -511,6 +498,20 @@ typedef struct trendid_coulomb2 {
 typedef struct trendid_coulomb3 {
   uint64_t words[TRENDID_COULOMB3_WORDS];
 } trendid_coulomb3;
+
+// Memory of an identifier of `b0 / (s (s + a1)) behind a valve with a dead zone`.
+//
+// theta = (a1, b0, b0 of the sign of u, constant, initial state); inputs: u.
+typedef struct trendid_valve2 {
+  uint64_t words[TRENDID_VALVE2_WORDS];
+} trendid_valve2;
+
+// Memory of an identifier of `b0 / (s (s^2 + a2 s + a1)) behind a valve with a dead zone`.
+//
+// theta = (a1, a2, b0, b0 of the sign of u, constant, initial state); inputs: u.
+typedef struct trendid_valve3 {
+  uint64_t words[TRENDID_VALVE3_WORDS];
+} trendid_valve3;
 
 // Memory of an identifier of `b0 / (s (s + a1)) with Coulomb friction, behind a valve with a dead zone`.
 //
@@ -740,6 +741,9 @@ trendid_error trendid_identifier_parameters(const struct trendid_identifier *ide
 // Prediction, noise, sums of errors and dead zone.
 trendid_error trendid_identifier_status(const struct trendid_identifier *identifier, struct trendid_status *status);
 
+// The input of Coulomb friction: the sign of the velocity, 0 within `rest` of zero and for NaN.
+float trendid_sign_of_velocity(float velocity, float rest);
+
 // Makes an identifier of the kind `trendid_servo2`; `detail`, if not NULL, says which setting was refused.
 trendid_error trendid_servo2_init(struct trendid_servo2 *memory,
                                   const struct trendid_settings *settings,
@@ -748,18 +752,6 @@ trendid_error trendid_servo2_init(struct trendid_servo2 *memory,
 
 // Makes an identifier of the kind `trendid_servo3`; `detail`, if not NULL, says which setting was refused.
 trendid_error trendid_servo3_init(struct trendid_servo3 *memory,
-                                  const struct trendid_settings *settings,
-                                  struct trendid_identifier **identifier,
-                                  struct trendid_detail *detail);
-
-// Makes an identifier of the kind `trendid_valve2`; `detail`, if not NULL, says which setting was refused.
-trendid_error trendid_valve2_init(struct trendid_valve2 *memory,
-                                  const struct trendid_settings *settings,
-                                  struct trendid_identifier **identifier,
-                                  struct trendid_detail *detail);
-
-// Makes an identifier of the kind `trendid_valve3`; `detail`, if not NULL, says which setting was refused.
-trendid_error trendid_valve3_init(struct trendid_valve3 *memory,
                                   const struct trendid_settings *settings,
                                   struct trendid_identifier **identifier,
                                   struct trendid_detail *detail);
@@ -776,6 +768,18 @@ trendid_error trendid_coulomb3_init(struct trendid_coulomb3 *memory,
                                     struct trendid_identifier **identifier,
                                     struct trendid_detail *detail);
 
+// Makes an identifier of the kind `trendid_valve2`; `detail`, if not NULL, says which setting was refused.
+trendid_error trendid_valve2_init(struct trendid_valve2 *memory,
+                                  const struct trendid_settings *settings,
+                                  struct trendid_identifier **identifier,
+                                  struct trendid_detail *detail);
+
+// Makes an identifier of the kind `trendid_valve3`; `detail`, if not NULL, says which setting was refused.
+trendid_error trendid_valve3_init(struct trendid_valve3 *memory,
+                                  const struct trendid_settings *settings,
+                                  struct trendid_identifier **identifier,
+                                  struct trendid_detail *detail);
+
 // Makes an identifier of the kind `trendid_valve_coulomb2`; `detail`, if not NULL, says which setting was refused.
 trendid_error trendid_valve_coulomb2_init(struct trendid_valve_coulomb2 *memory,
                                           const struct trendid_settings *settings,
@@ -787,9 +791,6 @@ trendid_error trendid_valve_coulomb3_init(struct trendid_valve_coulomb3 *memory,
                                           const struct trendid_settings *settings,
                                           struct trendid_identifier **identifier,
                                           struct trendid_detail *detail);
-
-// The input of Coulomb friction: the sign of the velocity, 0 within `rest` of zero and for NaN.
-float trendid_sign_of_velocity(float velocity, float rest);
 
 // Makes a loop that is idle; `detail`, if not NULL, says which setting was refused.
 trendid_error trendid_loop_init(struct trendid_loop *memory,

@@ -6,8 +6,10 @@ use trendid::{Identifier as Core, Structure};
 
 use crate::detail::Detail;
 use crate::error::{Error, code};
-use crate::identifier::{DELAY_MAX, Identifier, Outcome, Servo3, begin_plain};
-use crate::memory::{Inside, Object, list_mut, make, object, object_mut, shared, write_if_wanted};
+use crate::identifier::{DELAY_MAX, Identifier, OfServo3, Outcome, Servo3, begin};
+use crate::memory::{
+    Inside, Object, blank, list_mut, make, object, object_mut, shared, write_if_wanted,
+};
 use crate::settings::Settings;
 
 /// Number of candidates: delays of 0 to 7 samples.
@@ -47,12 +49,12 @@ pub unsafe extern "C" fn trendid_delay_bank_init(
         // SAFETY: by the contract of the header.
         let settings = unsafe { shared(settings) }?;
         let mut config = settings.config(Structure::<3, 5, 1>::SERVO, [Some(0)]);
-        // As `Bank::try_new`, one candidate on the stack at a time.
+        // As `Bank::try_new`, each candidate where it is to stand.
         for delay in 0..DELAY_CANDIDATES {
             config.delays = [delay];
-            let candidate = Servo::try_new(&config, settings.trends()?)?;
             // SAFETY: memory for a bank, by the contract of `make`, which is laid out as the array of its candidates.
-            unsafe { bank.cast::<Servo>().add(delay).write(candidate) };
+            let candidate = unsafe { blank(bank.cast::<Servo>().add(delay)) };
+            candidate.reconfigure(&config, settings.trends()?)?;
         }
         Ok(())
     };
@@ -136,11 +138,14 @@ pub unsafe extern "C" fn trendid_delay_bank_chosen(
     memory: *mut Servo3,
     identifier: *mut *mut Identifier,
 ) -> Error {
-    let chosen = || {
+    let chosen = |kind: &mut OfServo3| {
         // SAFETY: by the contract of the header.
         let bank = unsafe { object(at(bank)) }?;
-        Ok(bank.chosen().ok_or(Error::NotYet)?.clone())
+        let chosen = bank.chosen().ok_or(Error::NotYet)?;
+        kind.identifier.clone_from(chosen);
+        kind.given = 1;
+        Ok(())
     };
     // SAFETY: by the contract of the header.
-    unsafe { begin_plain(memory, chosen, identifier) }
+    unsafe { begin(memory, chosen, identifier, core::ptr::null_mut()) }
 }

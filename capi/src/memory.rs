@@ -3,6 +3,8 @@
 //! A pointer is NULL or points to memory of its type, as the header asks of the caller. What can be checked beyond that is:
 //! NULL, the alignment, and of an object the word that `_init` has left in it.
 
+use core::mem::MaybeUninit;
+
 use crate::detail::Detail;
 use crate::error::Error;
 
@@ -136,10 +138,33 @@ pub(crate) unsafe fn object_mut<'a, T: Inside>(
     Ok(unsafe { &mut (*pointer).inside })
 }
 
+/// What a `T` is before it is configured: bytes that are all zero, a value without meaning. The compiler checks that they are
+/// a value: a constant that is none does not compile, be it by a reference, an enumeration without 0 or what contains one.
+trait Blank: Sized {
+    // SAFETY: the value of a constant is validated, to its last field.
+    const BLANK: Self = unsafe { MaybeUninit::zeroed().assume_init() };
+}
+
+impl<T> Blank for T {}
+
+/// Memory of the caller as a `T` to be configured in place: a copy on the stack of a microcontroller would be a large one.
+///
+/// # Safety
+/// The pointer is aligned and points to memory for a `T` that nobody else uses during `'a`.
+#[inline(always)]
+pub(crate) unsafe fn blank<'a, T>(place: *mut T) -> &'a mut T {
+    const { core::mem::forget(<T as Blank>::BLANK) }
+    // SAFETY: by the contract of this function; zeros are a `T` by the line above.
+    unsafe {
+        place.write_bytes(0, 1);
+        &mut *place
+    }
+}
+
 /// Makes an object in memory of the caller that holds at least a `T`; the answer of `_init`.
 ///
-/// `fill` writes all of the `T` or fails; it writes where the object is to stand, since a copy on the stack of a microcontroller
-/// is a large one. The word that says that it is one comes last.
+/// `fill` makes all of the `T` or fails, where the object is to stand. The word that says that it is one comes last; what was
+/// there before is none from the begin.
 ///
 /// # Safety
 /// `memory` is NULL or points to a `W` that nobody else uses; `detail` is NULL or points to a [`Detail`]. Where `fill` succeeds,
@@ -160,7 +185,11 @@ pub(crate) unsafe fn make<W, T: Inside>(
     let done = check(memory).map_err(Detail::from).and_then(|()| {
         let object = memory.cast::<Object<T>>();
         // SAFETY: not NULL, aligned for `W` and so for the object, and by the assertion above large enough.
-        fill(unsafe { &raw mut (*object).inside })?;
+        let inside = unsafe {
+            (&raw mut (*object).magic).write(0);
+            &raw mut (*object).inside
+        };
+        fill(inside)?;
         // SAFETY: as above.
         unsafe { (&raw mut (*object).magic).write(T::MAGIC) };
         Ok(())

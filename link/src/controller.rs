@@ -119,10 +119,7 @@ impl Reply {
         Self {
             seq: 0,
             state: report.state.code(),
-            reason: report
-                .state
-                .reason()
-                .map_or(code::NO_REASON, |reason| reason as u8),
+            reason: code::of(report.state.reason()),
             retuned: report.retuned,
             command: report.command,
             position: report.position,
@@ -130,14 +127,7 @@ impl Reply {
             innovation: report.innovation,
             motion: [motion.position, motion.velocity, motion.acceleration],
             disturbance: controller.disturbance(),
-            model: [
-                model.a1,
-                model.a2,
-                model.b0,
-                model.dead_zone,
-                model.offset,
-                model.friction,
-            ],
+            model: model.fields(),
             theta: servo.identifier().theta(),
             counters: Counters::default(),
         }

@@ -14,6 +14,15 @@ pub mod code {
     pub const NO_LOOP: u8 = 255;
     /// Reason: the state has none.
     pub const NO_REASON: u8 = 255;
+
+    /// The number of a reason on the wire, counted from 0 in the order of [`Reason`](trendid::servo::Reason).
+    #[must_use]
+    pub const fn of(reason: Option<trendid::servo::Reason>) -> u8 {
+        match reason {
+            Some(reason) => reason as u8,
+            None => NO_REASON,
+        }
+    }
 }
 
 /// A structure that travels in a frame.

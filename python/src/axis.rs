@@ -234,15 +234,7 @@ impl AxisLoop {
     /// a1, a2, b0, dead zone, offset, friction of the verified model.
     #[getter]
     fn model(&self) -> Option<[f32; 6]> {
-        let model = self.servo.supervisor().verified_model()?;
-        Some([
-            model.a1,
-            model.a2,
-            model.b0,
-            model.dead_zone,
-            model.offset,
-            model.friction,
-        ])
+        Some(self.servo.supervisor().verified_model()?.fields())
     }
 
     fn set_mass(&mut self, mass: f64) -> PyResult<()> {

@@ -101,6 +101,17 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         Ok(Self { plan, state })
     }
 
+    /// Begins anew with other settings and other trends, in the place of this identifier: as [`Identifier::try_new`], with less
+    /// stack. Not for the 1 ms path.
+    ///
+    /// # Errors
+    /// As of [`Identifier::try_new`]; nothing is changed then.
+    pub fn reconfigure(&mut self, config: &Config<M, N, I>, trends: T) -> Result<(), ConfigError> {
+        self.replan(config, trends)?;
+        self.reset();
+        Ok(())
+    }
+
     /// Takes other settings and other trends. [`Identifier::reset`] must follow before the next sample; in a sample of its own,
     /// where both are too much for one.
     ///

@@ -87,6 +87,26 @@ impl Model {
         ]
     }
 
+    /// The fields in the order in which they are stored, sent and shown: a1 in 1/s^2, a2 in 1/s, b0 in y/s^3 per unit of u,
+    /// dead zone and offset in units of u, friction in y/s^2.
+    ///
+    /// # Examples
+    /// ```
+    /// let model = trendid::servo::Model { offset: 0.01, ..trendid::servo::Model::linear(400.0, 20.0, 1.0e6) };
+    /// assert_eq!(model.fields(), [400.0, 20.0, 1.0e6, 0.0, 0.01, 0.0]);
+    /// ```
+    pub const fn fields(&self) -> [f32; 6] {
+        let Self {
+            a1,
+            a2,
+            b0,
+            dead_zone,
+            offset,
+            friction,
+        } = *self;
+        [a1, a2, b0, dead_zone, offset, friction]
+    }
+
     /// Flow of a command through dead zone and offset. Cost: about 8 instructions.
     #[inline]
     pub fn flow(&self, command: f32) -> f32 {

@@ -1,20 +1,19 @@
 //! Sensor, identifier, supervisor, controller and valve in one call per sample.
 
+mod begin;
 mod reading;
 mod requests;
 mod skip;
 
 use crate::hardware::{Axis, PositionSensor, Valve};
 use crate::servo::building::Building;
-use crate::servo::commissioning::{Commissioning, CommissioningDesign, Progress};
+use crate::servo::commissioning::{Commissioning, Progress};
 use crate::servo::config::Config;
 use crate::servo::control::controller::Controller;
 use crate::servo::control::limiter::CommandLimiter;
 use crate::servo::control::tuning::Tuned;
-use crate::servo::design::Design;
 use crate::servo::design::constants::DELAY_MAX;
-use crate::servo::error::Error;
-use crate::servo::identification::{LoopIdentifier, identifier, inputs_of_known};
+use crate::servo::identification::{LoopIdentifier, inputs_of_known};
 use crate::servo::model::Model;
 use crate::servo::monitoring::{Monitors, stop::Stop};
 use crate::servo::motion::Setpoint;
@@ -107,68 +106,6 @@ pub struct ServoLoop<S, V> {
 }
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
-    /// A loop in the state [`State::Idle`](crate::servo::State::Idle).
-    ///
-    /// # Errors
-    /// An [`Error`] that names the setting.
-    pub fn try_new(config: &Config, axis: Axis, sensor: S, valve: V) -> Result<Self, Error> {
-        let design = config.resolve()?;
-        let Design {
-            sample_time,
-            identification,
-            ..
-        } = &design;
-        Ok(Self {
-            sensor,
-            valve,
-            axis,
-            adaptive: design.adaptive,
-            sample_time: *sample_time,
-            run_out_rate: design.run_out_rate,
-            sensor_errors: design.sensor_errors,
-            settled: identification.settled,
-            identifier: identifier(identification, *sample_time)?,
-            supervisor: Supervisor::new(&design.supervision),
-            controller: Controller::provisional(
-                &design.controller.with_resolution(axis.scale.units(1).abs()),
-                placeholder(config),
-            ),
-            commissioning: Commissioning::new(commissioning(config, &axis)),
-            config: config.clone(),
-            sign: if config.reversed == Some(true) {
-                -1.0
-            } else {
-                1.0
-            },
-            delay: config.delay,
-            noise: config.noise.unwrap_or(0.0),
-            progress: Progress::Command(0.0),
-            trajectory: Trajectory::new(design.motion, design.travel, *sample_time),
-            limiter: CommandLimiter::new(&design.limiter),
-            tracking: AlphaBetaGamma::new(design.tracking_rate, *sample_time),
-            monitor: ExcitationMonitor::new(&design.monitor),
-            monitors: Monitors::new(
-                &design.monitoring.with_resolution(axis.scale.units(1).abs()),
-                &design.supervision.validation.observer,
-                placeholder(config),
-            ),
-            stop: Stop::default(),
-            derating: 1.0,
-            known_good: None,
-            building: None,
-            tuning: None,
-            watching: 0,
-            commands: [0.0; DELAY_MAX + 1],
-            newest: 0,
-            code: 0,
-            position: 0.0,
-            begun: false,
-            errors: 0,
-            start_requested: false,
-            ends: false,
-        })
-    }
-
     /// One sample: reads the sensor, moves the valve, learns.
     ///
     /// Cost: see the table of instruction counts.
@@ -256,28 +193,4 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             faults: self.monitors.counters(),
         }
     }
-}
-
-/// What the commissioning needs to know of the settings.
-fn commissioning(config: &Config, axis: &Axis) -> CommissioningDesign {
-    CommissioningDesign {
-        sample_time: config.sample_time,
-        travel: config.travel,
-        resolution: axis.scale.units(1).abs() / config.travel.length(),
-        amplitude: config.excitation.amplitude,
-        frequency: config.bandwidth,
-        delay: config.delay,
-        excite_time: config.supervision.excite_time,
-        time_limit: config.supervision.time_limit,
-    }
-}
-
-/// A stable model for the controller until one is verified.
-fn placeholder(config: &Config) -> Model {
-    let square = config.rough_bandwidth() * config.rough_bandwidth();
-    Model::linear(
-        square,
-        config.rough_bandwidth(),
-        square * config.travel.length(),
-    )
 }

@@ -112,7 +112,7 @@ impl AxisPlay {
     pub(crate) fn read(&self) -> [f32; 14] {
         let found = self.servo.identifier().recursion();
         let (theta, std) = (found.theta(), found.std());
-        let model = self.servo.controller().model();
+        let [a1, a2, b0, dead_zone, offset, friction] = self.servo.controller().model().fields();
         let (accepted, refused) = self.servo.supervisor().counts();
         [
             theta[0],
@@ -121,12 +121,12 @@ impl AxisPlay {
             std[0],
             std[1],
             std[2],
-            model.a1,
-            model.a2,
-            model.b0,
-            model.dead_zone,
-            model.offset,
-            model.friction,
+            a1,
+            a2,
+            b0,
+            dead_zone,
+            offset,
+            friction,
             accepted as f32,
             refused as f32,
         ]

@@ -12,7 +12,6 @@ use crate::identifier::ORDER_MAX;
 use crate::identifier::body::begin;
 use crate::identifier::kind::Plain;
 use crate::identifier::kinds::{ANY_DELAY_MAX, ANY_PARAMETERS_MAX, Any, of};
-use crate::identifier::recursion::Filtered;
 use crate::settings::{INPUTS_MAX, Settings, Structure};
 
 /// Makes an identifier of this structure; `detail`, if not NULL, says which setting was refused.
@@ -43,15 +42,13 @@ pub unsafe extern "C" fn trendid_any_init(
 
 /// A kind of these sizes; inputs that the structure does not have are not used.
 fn sized<const M: usize, const N: usize>(
+    kind: &mut Plain<M, N, INPUTS_MAX, ANY_DELAY_MAX>,
     settings: &Settings,
     structure: &Structure,
-) -> Result<Plain<M, N, INPUTS_MAX, ANY_DELAY_MAX>, Detail> {
-    let config = settings.config(structure.sized::<M, N>()?, [Some(0), Some(1)]);
-    let identifier = Filtered::try_new(&config, settings.trends()?)?;
-    Ok(Plain {
-        identifier,
-        given: usize::from(structure.inputs),
-    })
+) -> Result<(), Detail> {
+    let inputs = [Some(0), Some(1)];
+    let given = usize::from(structure.inputs);
+    kind.configure(settings, structure.sized()?, inputs, given)
 }
 
 /// Makes the identifier whose sizes are those of the structure.
@@ -69,7 +66,7 @@ unsafe fn any(
         ($($m:literal: $($n:literal)+;)+) => {
             match (structure.order, structure.parameters()) {
                 $($(($m, $n) => {
-                    let kind = || sized::<$m, $n>(settings, structure);
+                    let kind = |kind: &mut _| sized::<$m, $n>(kind, settings, structure);
                     // SAFETY: by the contract of this function.
                     unsafe { begin(memory, kind, identifier, detail) }
                 })+)+

@@ -6,7 +6,7 @@ use crate::identifier::Identifier;
 use crate::identifier::kind::Kind;
 use crate::identifier::outputs::{Estimate, Outcome, Parameter, Status};
 use crate::identifier::recursion::{Change, Recursion};
-use crate::memory::{Inside, Object, make, object, object_mut, write, write_if_wanted};
+use crate::memory::{Inside, Object, blank, make, object, write, write_if_wanted};
 
 /// What every handle can do. The functions take a handle of the kind that the table belongs to.
 pub(crate) struct Methods {
@@ -51,13 +51,13 @@ pub(crate) unsafe fn methods(identifier: *const Identifier) -> Result<&'static M
     unsafe { object(identifier.cast::<Object<Head>>()) }.map(|head| head.methods)
 }
 
-/// Makes an identifier in memory of the caller.
+/// Makes an identifier in memory of the caller; `configure` gets a kind without meaning and makes all of it, or fails.
 ///
 /// # Safety
 /// As [`make`]; `handle` is NULL or points to a handle.
 pub(crate) unsafe fn begin<W, K: Kind>(
     memory: *mut W,
-    kind: impl FnOnce() -> Result<K, Detail>,
+    configure: impl FnOnce(&mut K) -> Result<(), Detail>,
     handle: *mut *mut Identifier,
     detail: *mut Detail,
 ) -> Error {
@@ -66,10 +66,9 @@ pub(crate) unsafe fn begin<W, K: Kind>(
         assert!(align_of::<Body<K>>() == align_of::<Head>());
     }
     let fill = |body: *mut Body<K>| {
-        let kind = kind()?;
         // SAFETY: memory for a body, by the contract of `make`.
         unsafe {
-            (&raw mut (*body).kind).write(kind);
+            configure(blank(&raw mut (*body).kind))?;
             (&raw mut (*body).methods).write(Table::<K>::METHODS);
         }
         Ok(())
@@ -83,14 +82,14 @@ pub(crate) unsafe fn begin<W, K: Kind>(
     done
 }
 
-/// The kind behind a handle of this kind.
+/// The kind behind a handle of this kind, which [`methods`] has checked.
 ///
 /// # Safety
 /// The handle points to an initialised identifier of the kind `K` that nobody writes meanwhile.
 #[inline(always)]
-unsafe fn kind<'a, K: 'a>(identifier: *const Identifier) -> Result<&'a K, Error> {
+unsafe fn kind<'a, K: 'a>(identifier: *const Identifier) -> &'a K {
     // SAFETY: by the contract of this function.
-    unsafe { object(identifier.cast::<Object<Body<K>>>()) }.map(|body| &body.kind)
+    unsafe { &(*identifier.cast::<Object<Body<K>>>()).inside.kind }
 }
 
 /// As [`kind`], to be changed.
@@ -98,9 +97,9 @@ unsafe fn kind<'a, K: 'a>(identifier: *const Identifier) -> Result<&'a K, Error>
 /// # Safety
 /// As [`kind`], and nobody else uses the identifier.
 #[inline(always)]
-unsafe fn kind_mut<'a, K: 'a>(identifier: *mut Identifier) -> Result<&'a mut K, Error> {
+unsafe fn kind_mut<'a, K: 'a>(identifier: *mut Identifier) -> &'a mut K {
     // SAFETY: by the contract of this function.
-    unsafe { object_mut(identifier.cast::<Object<Body<K>>>()) }.map(|body| &mut body.kind)
+    unsafe { &mut (*identifier.cast::<Object<Body<K>>>()).inside.kind }
 }
 
 /// The functions of a kind. Each takes a handle that was found initialised, of its own kind.
@@ -152,7 +151,7 @@ impl<K: Kind> Table<K> {
         outcome: *mut Outcome,
     ) -> Error {
         // SAFETY: the handle is initialised and of this kind, and nobody else uses it.
-        let kind = unsafe { &mut (*identifier.cast::<Object<Body<K>>>()).inside.kind };
+        let kind = unsafe { kind_mut::<K>(identifier) };
         match kind.update(u, y) {
             None => Error::Length,
             Some(done) => {
@@ -165,19 +164,19 @@ impl<K: Kind> Table<K> {
 
     unsafe fn change(identifier: *mut Identifier, change: Change<'_>) -> Result<(), Detail> {
         // SAFETY: the handle is of this kind and nobody else uses it.
-        let kind = unsafe { kind_mut::<K>(identifier) }?;
+        let kind = unsafe { kind_mut::<K>(identifier) };
         kind.follow(&change);
         kind.core_mut().change(change)
     }
 
     unsafe fn theta(identifier: *const Identifier, theta: &mut [f32]) -> Result<(), Error> {
         // SAFETY: the handle is of this kind and nobody writes it.
-        unsafe { kind::<K>(identifier) }?.core().theta(theta)
+        unsafe { kind::<K>(identifier) }.core().theta(theta)
     }
 
     unsafe fn estimate(identifier: *const Identifier, to: *mut Estimate) -> Result<(), Error> {
         // SAFETY: the handle is of this kind and nobody writes it.
-        let kind = unsafe { kind::<K>(identifier) }?;
+        let kind = unsafe { kind::<K>(identifier) };
         let mut found = kind.core().estimate();
         found.inputs = kind.inputs() as u8;
         // SAFETY: NULL, or memory of the caller for an estimate.
@@ -186,17 +185,17 @@ impl<K: Kind> Table<K> {
 
     unsafe fn covariance(identifier: *const Identifier, to: &mut [f32]) -> Result<(), Error> {
         // SAFETY: the handle is of this kind and nobody writes it.
-        unsafe { kind::<K>(identifier) }?.core().covariance(to)
+        unsafe { kind::<K>(identifier) }.core().covariance(to)
     }
 
     unsafe fn parameters(identifier: *const Identifier, to: &mut [Parameter]) -> Result<(), Error> {
         // SAFETY: the handle is of this kind and nobody writes it.
-        unsafe { kind::<K>(identifier) }?.core().parameters(to)
+        unsafe { kind::<K>(identifier) }.core().parameters(to)
     }
 
     unsafe fn status(identifier: *const Identifier, to: *mut Status) -> Result<(), Error> {
         // SAFETY: the handle is of this kind and nobody writes it.
-        let kind = unsafe { kind::<K>(identifier) }?;
+        let kind = unsafe { kind::<K>(identifier) };
         // SAFETY: NULL, or memory of the caller for a status.
         unsafe { write(to, kind.core().status(kind.dead_zone())) }
     }

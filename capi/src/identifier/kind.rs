@@ -1,8 +1,11 @@
 //! What makes the inputs of an identifier: as they come, or through a valve with a dead zone.
 
+use trendid::Structure;
 use trendid::inputs::DeadZone;
 
+use crate::detail::Detail;
 use crate::identifier::recursion::{Change, Filtered, Recursion};
+use crate::settings::Settings;
 
 /// One kind: an identifier of the core and what makes its inputs.
 pub(crate) trait Kind {
@@ -25,6 +28,22 @@ pub(crate) struct Plain<const M: usize, const N: usize, const I: usize, const D:
     pub(crate) identifier: Filtered<M, N, I, D>,
     /// Number of inputs of the caller.
     pub(crate) given: usize,
+}
+
+impl<const M: usize, const N: usize, const I: usize, const D: usize> Plain<M, N, I, D> {
+    /// Makes all of it; `own` says which input of the caller an input of the model is.
+    pub(crate) fn configure(
+        &mut self,
+        settings: &Settings,
+        structure: Structure<M, N, I>,
+        own: [Option<usize>; I],
+        given: usize,
+    ) -> Result<(), Detail> {
+        let config = settings.config(structure, own);
+        self.identifier.reconfigure(&config, settings.trends()?)?;
+        self.given = given;
+        Ok(())
+    }
 }
 
 impl<const M: usize, const N: usize, const I: usize, const D: usize> Kind for Plain<M, N, I, D> {
@@ -69,6 +88,33 @@ pub(crate) struct Valve<const M: usize, const N: usize, const I: usize, const D:
     pub(crate) dead_zone: DeadZone,
     /// The dead zone as constructed.
     pub(crate) unknown: DeadZone,
+}
+
+impl<const M: usize, const N: usize, const I: usize, const D: usize> Valve<M, N, I, D> {
+    /// Makes all of it; `own` says which input of the caller an input of the model is, `None` for the sign of the command.
+    pub(crate) fn configure(
+        &mut self,
+        settings: &Settings,
+        structure: Structure<M, N, I>,
+        own: [Option<usize>; I],
+    ) -> Result<(), Detail> {
+        let &Settings {
+            dead_zone_max,
+            dead_zone_block,
+            ..
+        } = settings;
+        if !(dead_zone_max > 0.0 && dead_zone_max.is_finite()) {
+            return Err(Detail::not_positive("dead_zone_max", dead_zone_max));
+        }
+        if dead_zone_block == 0 {
+            return Err(Detail::not_positive("dead_zone_block", 0.0));
+        }
+        let config = settings.config(structure, own);
+        self.identifier.reconfigure(&config, settings.trends()?)?;
+        self.unknown = DeadZone::new(0.0, dead_zone_max, dead_zone_block);
+        self.dead_zone = self.unknown;
+        Ok(())
+    }
 }
 
 impl<const M: usize, const N: usize, const I: usize, const D: usize> Kind for Valve<M, N, I, D> {

@@ -11,8 +11,10 @@ mod recursion;
 
 #[cfg(feature = "any")]
 pub use any::*;
+pub(crate) use body::begin;
 pub use calls::*;
 pub use kinds::*;
+pub(crate) use kinds::{OfServo3, SIZES};
 pub use outputs::*;
 
 /// An identifier of any kind: the handle that the `_init` of its memory gives.

@@ -1,12 +1,11 @@
 //! The functions of a loop.
 
-use trendid::servo::ServoLoop;
 use trendid::servo::store::{Identity, RECORD_BYTES as CORE_RECORD_BYTES, Record};
 
 use crate::detail::Detail;
 use crate::error::{Error, code};
 use crate::memory::{
-    Object, list, list_mut, make, object, object_mut, shared, tell, write, write_if_wanted,
+    Object, blank, list, list_mut, make, object, object_mut, shared, tell, write, write_if_wanted,
 };
 use crate::servo::edge::{Body, Code, Output};
 use crate::servo::report::{Model, Report};
@@ -52,19 +51,18 @@ pub unsafe extern "C" fn trendid_loop_init(
         // SAFETY: by the contract of the header.
         let settings = unsafe { shared(settings) }?;
         let config = settings.config()?;
-        let output = Output {
+        // SAFETY: memory for a body, by the contract of `make`.
+        let Body { servo, identity } = unsafe { blank(body) };
+        *servo.sensor_mut() = Code(None);
+        *servo.valve_mut() = Output {
             steps: settings.steps()?,
             fault: false,
         };
-        let servo = ServoLoop::try_new(&config, settings.axis()?, Code(None), output)?;
-        // SAFETY: memory for a body, by the contract of `make`.
-        unsafe {
-            (&raw mut (*body).servo).write(servo);
-            (&raw mut (*body).identity).write(Identity::new(0, &config));
-        }
+        servo.reconfigure(&config, settings.axis()?)?;
+        *identity = Identity::new(0, &config);
         Ok(())
     };
-    // SAFETY: by the contract of the header; a body has no other fields.
+    // SAFETY: by the contract of the header; where it succeeds, all of the body is made.
     unsafe { make(memory, fill, detail) }
 }
 

@@ -138,4 +138,33 @@ proptest! {
         let fresh = Identifier::<_, 3, 3>::try_new(&drive, raw(20.0)).unwrap();
         reset_is_construction(fresh, raw, &history, &record)?;
     }
+
+    #[test]
+    fn an_identifier_begins_anew_in_its_place(
+        record in record(),
+        samples in 0_usize..400,
+        memory in prop::sample::select(vec![None, Some(0.1), Some(3.0)]),
+        bandwidth in 5.0_f32..60.0,
+    ) {
+        let trends = |bandwidth| FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, bandwidth).unwrap();
+        let first = config(Structure::<3, 5, 1>::SERVO, Some(0.5));
+        let mut used = Identifier::<_, 3, 5>::try_new(&first, trends(20.0)).unwrap();
+        for (u, y) in record.iter().take(samples) {
+            let _ = used.update(*u, *y);
+        }
+        let before = used.clone();
+        let mut second = config(Structure::<3, 5, 1>::SERVO, memory);
+        second.bandwidth = bandwidth;
+        let mut refused = second.clone();
+        refused.delays = [1];
+        prop_assert!(used.reconfigure(&refused, trends(bandwidth)).is_err());
+        prop_assert_eq!(&used, &before, "a refusal changes nothing");
+        used.reconfigure(&second, trends(bandwidth)).unwrap();
+        let mut fresh = Identifier::<_, 3, 5>::try_new(&second, trends(bandwidth)).unwrap();
+        prop_assert_eq!(&used, &fresh);
+        for (u, y) in &record {
+            prop_assert_eq!(used.update(*u, *y), fresh.update(*u, *y));
+        }
+        prop_assert_eq!(&used, &fresh);
+    }
 }

@@ -9,6 +9,7 @@ mod pneumatic;
 mod pneumatic_linear;
 mod population;
 mod position_loop;
+mod reconfigured;
 mod settings;
 mod shadow;
 mod skipped;

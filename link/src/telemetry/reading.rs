@@ -42,10 +42,7 @@ impl Sample {
         Self {
             tick,
             state: report.state.code(),
-            reason: report
-                .state
-                .reason()
-                .map_or(code::NO_REASON, |reason| reason as u8),
+            reason: code::of(report.state.reason()),
             retuned: report.retuned,
             position: finite(report.position),
             setpoint: [
@@ -106,21 +103,10 @@ impl Learned {
                 .iter()
                 .all(|p| p.is_finite())
                 .then_some(covariance),
-            model: [
-                model.a1,
-                model.a2,
-                model.b0,
-                model.dead_zone,
-                model.offset,
-                model.friction,
-            ]
-            .map(finite),
+            model: model.fields().map(finite),
             expected: servo.identifier().noise_std().filter(|s| s.is_finite()),
             counts: [accepted, refused],
-            refusal: servo
-                .supervisor()
-                .refusal()
-                .map_or(code::NO_REASON, |reason| reason as u8),
+            refusal: code::of(servo.supervisor().refusal()),
             reversed: servo.sign() < 0.0,
             delay: finite(servo.delay()),
             derating: finite(report.faults.derating),

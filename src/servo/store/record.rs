@@ -160,7 +160,7 @@ impl Record {
         let mut words = [0_u32; BYTES / 4 - 1];
         [words[0], words[1], words[2], words[3]] =
             [VERSION, identity.plant, identity.settings, sequence];
-        let model = self.model.parameters_as_stored();
+        let model = self.model.fields();
         let rest = [self.delay, self.sign, self.noise];
         let numbers = model.iter().chain(&self.std).chain(&rest);
         for (word, number) in words[HEAD..].iter_mut().zip(numbers) {
@@ -215,21 +215,6 @@ impl Record {
             sign,
             noise,
         })
-    }
-}
-
-impl Model {
-    /// The fields in the order of a record.
-    const fn parameters_as_stored(&self) -> [f32; 6] {
-        let Self {
-            a1,
-            a2,
-            b0,
-            dead_zone,
-            offset,
-            friction,
-        } = *self;
-        [a1, a2, b0, dead_zone, offset, friction]
     }
 }
 

@@ -1,0 +1,120 @@
+//! The begin of a loop: in memory of its own, or in the place of another.
+
+use crate::hardware::Axis;
+use crate::servo::commissioning::{Commissioning, CommissioningDesign, Progress};
+use crate::servo::config::Config;
+use crate::servo::control::controller::Controller;
+use crate::servo::control::limiter::CommandLimiter;
+use crate::servo::design::Design;
+use crate::servo::design::constants::DELAY_MAX;
+use crate::servo::error::Error;
+use crate::servo::identification::{identifier, replan, trends};
+use crate::servo::model::Model;
+use crate::servo::monitoring::{Monitors, stop::Stop};
+use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
+use crate::servo::motion::trajectory::Trajectory;
+use crate::servo::servo_loop::ServoLoop;
+use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
+use crate::servo::supervision::supervisor::Supervisor;
+
+/// Both ways to begin from one list: what follows from settings, axis and design, of every field but sensor, valve and
+/// identifier. A field that is missing here does not compile.
+macro_rules! fields {
+    (of $config:ident, $axis:ident, $design:ident: $($field:ident: $value:expr,)*) => {
+        impl<S, V> ServoLoop<S, V> {
+            /// A loop in the state [`State::Idle`](crate::servo::State::Idle).
+            ///
+            /// # Errors
+            /// An [`Error`] that names the setting.
+            pub fn try_new($config: &Config, $axis: Axis, sensor: S, valve: V) -> Result<Self, Error> {
+                let $design: &Design = &$config.resolve()?;
+                let identifier = identifier(&$design.identification, $design.sample_time)?;
+                Ok(Self { sensor, valve, identifier, $($field: $value,)* })
+            }
+
+            /// Begins anew with other settings, with the same sensor and valve: as [`ServoLoop::try_new`], in the place of this
+            /// loop.
+            ///
+            /// Each part is made and put into its place before the next: the stack never holds a second loop, which has
+            /// 11 kB. Not for the 1 ms path.
+            ///
+            /// # Errors
+            /// An [`Error`] that names the setting; the loop goes on as before.
+            pub fn reconfigure(&mut self, $config: &Config, $axis: Axis) -> Result<(), Error> {
+                let $design: &Design = &$config.resolve()?;
+                let trends = trends(&$design.identification, $design.sample_time)?;
+                replan(&mut self.identifier, &$design.identification, trends)?;
+                self.identifier.reset();
+                $(self.$field = $value;)*
+                Ok(())
+            }
+        }
+    };
+}
+
+fields! { of config, axis, design:
+    axis: axis,
+    adaptive: design.adaptive,
+    sample_time: design.sample_time,
+    run_out_rate: design.run_out_rate,
+    sensor_errors: design.sensor_errors,
+    settled: design.identification.settled,
+    supervisor: Supervisor::new(&design.supervision),
+    controller: Controller::provisional(
+        &design.controller.with_resolution(axis.scale.units(1).abs()),
+        placeholder(config),
+    ),
+    commissioning: Commissioning::new(commissioning(config, &axis)),
+    config: config.clone(),
+    sign: if config.reversed == Some(true) { -1.0 } else { 1.0 },
+    delay: config.delay,
+    noise: config.noise.unwrap_or(0.0),
+    progress: Progress::Command(0.0),
+    trajectory: Trajectory::new(design.motion, design.travel, design.sample_time),
+    limiter: CommandLimiter::new(&design.limiter),
+    tracking: AlphaBetaGamma::new(design.tracking_rate, design.sample_time),
+    monitor: ExcitationMonitor::new(&design.monitor),
+    monitors: Monitors::new(
+        &design.monitoring.with_resolution(axis.scale.units(1).abs()),
+        &design.supervision.validation.observer,
+        placeholder(config),
+    ),
+    stop: Stop::default(),
+    derating: 1.0,
+    known_good: None,
+    building: None,
+    tuning: None,
+    watching: 0,
+    commands: [0.0; DELAY_MAX + 1],
+    newest: 0,
+    code: 0,
+    position: 0.0,
+    begun: false,
+    errors: 0,
+    start_requested: false,
+    ends: false,
+}
+
+/// What the commissioning needs to know of the settings.
+fn commissioning(config: &Config, axis: &Axis) -> CommissioningDesign {
+    CommissioningDesign {
+        sample_time: config.sample_time,
+        travel: config.travel,
+        resolution: axis.scale.units(1).abs() / config.travel.length(),
+        amplitude: config.excitation.amplitude,
+        frequency: config.bandwidth,
+        delay: config.delay,
+        excite_time: config.supervision.excite_time,
+        time_limit: config.supervision.time_limit,
+    }
+}
+
+/// A stable model for the controller until one is verified.
+fn placeholder(config: &Config) -> Model {
+    let square = config.rough_bandwidth() * config.rough_bandwidth();
+    Model::linear(
+        square,
+        config.rough_bandwidth(),
+        square * config.travel.length(),
+    )
+}
