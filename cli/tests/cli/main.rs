@@ -5,6 +5,7 @@ mod common;
 mod demo;
 mod paper;
 mod records;
+mod records_spread;
 mod refusals;
 mod reports;
 mod simulated;

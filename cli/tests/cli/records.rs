@@ -13,7 +13,7 @@ use serde_json::Value;
 ///
 /// # Panics
 /// Without `TRENDID_RECORDS`, or where its directory has no such file.
-fn record(name: &str) -> String {
+pub(crate) fn record(name: &str) -> String {
     let dir = std::env::var_os("TRENDID_RECORDS")
         .expect("TRENDID_RECORDS does not name the directory of the records");
     let path = Path::new(&dir).join(name);
