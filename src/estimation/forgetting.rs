@@ -129,7 +129,7 @@ impl<const N: usize> StabilisedForgetting<N> {
     #[inline(always)]
     pub fn apply(&mut self, estimator: &mut Estimator<N>) {
         let turn = self.turn / 2;
-        let observes = !self.turn.is_multiple_of(2);
+        let observes = self.observes();
         let begins = self.turn == 0;
         self.advance(1);
         if !observes {
@@ -159,6 +159,12 @@ impl<const N: usize> StabilisedForgetting<N> {
                 *unsupported = 0.0;
             }
         }
+    }
+
+    /// Whether the next sample ends with an observation.
+    #[inline(always)]
+    pub(crate) const fn observes(&self) -> bool {
+        self.turn % 2 != 0
     }
 
     #[inline(always)]

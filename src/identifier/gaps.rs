@@ -12,6 +12,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     State<T, M, N, I, D>
 {
     /// Lets the trends of y, from what they were before the sample, go on with the prediction.
+    ///
+    /// The estimator is left alone. For a sample that was replaced that is all: nothing learnt, nothing forgotten, P as it was. A
+    /// sample without y is time that passed; [`skip`](Self::skip) adds the forgetting.
     #[inline(never)]
     pub(super) fn go_on(
         &mut self,
@@ -36,10 +39,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.prediction = predicted + self.signals.reference;
         self.replaced = self.replaced.saturating_add(1);
         self.signals.remaining = self.signals.remaining.saturating_sub(1);
-        if plan.forgets && self.adapting {
-            self.estimator.pass();
-            self.forgetting.apply(&mut self.estimator);
-        }
     }
 
     /// One sample time without y: the trends go on with what the model predicts under the inputs `u`.
@@ -64,6 +63,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.signals.gate.replaced = None;
         self.signals.gate.keep_open(plan.times.gate_pause);
         self.go_on(plan, before, &others);
+        if plan.forgets && self.adapting {
+            self.estimator.pass();
+            self.forgetting.apply(&mut self.estimator);
+        }
     }
 
     /// One sample time without y, under the newest inputs.

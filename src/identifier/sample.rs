@@ -35,7 +35,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let y = y - reference;
         self.signals.gap = 0;
         self.signals.turn = self.signals.turn.wrapping_add(1);
-        if self.signals.turn.is_multiple_of(16) {
+        if self.flushes(plan) {
             self.flush();
         }
         let others = self.signals.other_trends(plan, u);
@@ -134,13 +134,27 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         Outcome::Estimated { innovation }
     }
 
+    /// Whether this sample is one for a flush: each sixteenth, or the one behind it where the forgetting observes a parameter.
+    ///
+    /// It observes in every second sample at most, so that no sample has both to do.
+    #[inline(always)]
+    fn flushes(&self, plan: &Plan<T, M, N, I>) -> bool {
+        let turn = self.signals.turn % 16;
+        // Without a memory nothing is ever observed.
+        turn == 0 && !(self.forgetting.observes() && self.adapting)
+            || turn == 1 && plan.forgets && !self.forgetting.observes()
+    }
+
     /// Once in a while, a part at a time: what has decayed becomes zero before it becomes subnormal.
     #[inline(never)]
     fn flush(&mut self) {
         match (self.signals.turn / 16) % 4 {
             0 => self.signals.flush_output(),
             1 => self.signals.flush_inputs(),
-            2 => self.estimator.flush_sums(),
+            2 => {
+                self.signals.flush_constant();
+                self.estimator.flush_sums();
+            }
             _ => {
                 self.noise.flush();
                 self.change.flush();

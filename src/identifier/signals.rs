@@ -105,6 +105,10 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
     /// What has decayed in the trends of y becomes zero before it becomes subnormal.
     pub(crate) fn flush_output(&mut self) {
         self.output.flush();
+    }
+
+    /// The same for the constant.
+    pub(crate) fn flush_constant(&mut self) {
         self.constant.flush();
     }
 
