@@ -114,17 +114,17 @@ pub(crate) fn candidate(identifier: &LoopIdentifier, controller: Option<&Control
             ..model
         };
     }
-    let b0_variance = p(2, 2);
-    let r11 = p(0, 0) / (a1 * a1);
-    let r22 = p(1, 1) / (a2 * a2);
+    let variances = [p(0, 0), p(1, 1), p(2, 2)];
+    let r11 = variances[0] / (a1 * a1);
+    let r22 = variances[1] / (a2 * a2);
     let r12 = p(0, 1) / (a1 * a2);
-    let rbb = b0_variance / (b0 * b0);
+    let rbb = variances[2] / (b0 * b0);
     let rb1 = p(0, 2) / (a1 * b0);
     Candidate {
         model,
         gain_variance: rbb + r11 - 2.0 * rb1,
         frequency_variance: 0.25 * r11,
         damping_variance: r22 + 0.25 * r11 - r12,
-        b0_variance,
+        variances,
     }
 }

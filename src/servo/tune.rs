@@ -97,10 +97,10 @@ impl<S, V> ServoLoop<S, V> {
     {
         let Record {
             model,
+            std: [a1, a2, b0, ..],
             delay,
             sign,
             noise,
-            ..
         } = *record;
         let stated = self
             .config
@@ -139,15 +139,18 @@ impl<S, V> ServoLoop<S, V> {
                 }
             }
         }
-        self.install(model)
+        self.install(model)?;
+        self.supervisor.recall([a1, a2, b0]);
+        Ok(())
     }
 
     /// The verified model and its conditions, for [`resume`](Self::resume) after a loss of power; `None` before there is one.
     pub fn record(&self) -> Option<Record> {
         let model = self.supervisor.verified_model()?;
+        let [a1, a2, b0] = self.supervisor.verified_std();
         Some(Record {
             model,
-            std: [f32::INFINITY; 6],
+            std: [a1, a2, b0, f32::INFINITY, f32::INFINITY, f32::INFINITY],
             delay: self.delay,
             sign: self.sign,
             noise: self.noise,

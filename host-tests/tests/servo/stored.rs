@@ -69,6 +69,38 @@ fn control_begins_with_a_stored_model_on_either_wiring() {
             (kept.sign, kept.delay, kept.noise),
             (record.sign, record.delay, record.noise)
         );
+        assert_eq!(
+            kept.std, record.std,
+            "a model that nobody has improved is known as before"
+        );
+    }
+}
+
+/// The load changes, the loop learns another model: what it knows of it is stored with it, and comes back.
+#[test]
+fn a_model_that_was_improved_is_stored_with_its_deviations() {
+    let (first, mut plant) = found(1.0);
+    assert_eq!(first.std, [f32::INFINITY; 6], "of the commissioning");
+    let mut servo = fresh();
+    servo.resume(&first).expect("the model of this axis");
+    plant.set_mass(2.5 * plant.parameters().mass);
+    let _ = step(&mut servo, &mut plant, 1.0);
+    servo.oscillate(60.0, 1.0).expect("a sine in the travel");
+    let learned = (0..20_000).find_map(|_| {
+        let _ = step(&mut servo, &mut plant, 1.0);
+        servo.record().filter(|record| record.model != first.model)
+    });
+    let learned = learned.expect("a better model");
+    let model = learned.model.parameters();
+    for (known, value) in learned.std.iter().zip(model).take(3) {
+        assert!(*known > 0.0 && *known < 0.5 * value, "{learned:?}");
+    }
+    assert_eq!(learned.std[3..], [f32::INFINITY; 3]);
+    let mut servo = fresh();
+    servo.resume(&learned).expect("the model of this axis");
+    let again = servo.record().expect("a model");
+    for (is, was) in again.std.iter().zip(learned.std).take(3) {
+        assert!((is / was - 1.0).abs() < 1e-6, "{again:?} {learned:?}");
     }
 }
 

@@ -19,15 +19,15 @@ pub(crate) struct Candidate {
     pub(crate) frequency_variance: f32,
     /// Relative variance of the damping.
     pub(crate) damping_variance: f32,
-    /// Variance of b0.
-    pub(crate) b0_variance: f32,
+    /// Variances of a1, a2 and b0.
+    pub(crate) variances: [f32; 3],
 }
 
 impl Candidate {
     /// Whether the sign of b0 is certain.
     pub(crate) fn has_certain_sign(&self) -> bool {
-        let b0 = self.model.b0;
-        b0 * b0 > SIGN_SIGMA_SQUARED * self.b0_variance
+        let (b0, [.., variance]) = (self.model.b0, self.variances);
+        b0 * b0 > SIGN_SIGMA_SQUARED * variance
     }
 }
 

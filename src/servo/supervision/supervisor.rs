@@ -1,5 +1,6 @@
 //! The supervisor: which model may reach the controller, and when.
 
+use crate::math;
 use crate::servo::design::SupervisionDesign;
 use crate::servo::model::Model;
 use crate::servo::supervision::change::ChangeDetector;
@@ -7,6 +8,9 @@ use crate::servo::supervision::event::{Event, Observation};
 use crate::servo::supervision::screening::Candidate;
 use crate::servo::supervision::state::{Reason, State};
 use crate::servo::supervision::validation::{FitReport, Validation};
+
+/// No variance is known.
+const UNKNOWN: [f32; 3] = [f32::INFINITY; 3];
 
 /// Decides from samples and candidates of the identifier which model the controller may use.
 ///
@@ -18,6 +22,9 @@ pub struct Supervisor {
     pub(crate) design: SupervisionDesign,
     state: State,
     verified_model: Option<Model>,
+    /// Variances of a1, a2 and b0: of the verified model, and of the candidate that is validated.
+    variances: [f32; 3],
+    submitted: [f32; 3],
     /// Samples in the present state.
     pub(crate) ticks: u32,
     /// Samples since the last look at the estimate.
@@ -41,6 +48,8 @@ impl Supervisor {
             design: design.clone(),
             state: State::Idle,
             verified_model: None,
+            variances: UNKNOWN,
+            submitted: UNKNOWN,
             ticks: 0,
             since_look: 0,
             change: ChangeDetector::new(&design.change),
@@ -65,6 +74,19 @@ impl Supervisor {
         self.verified_model
     }
 
+    /// Standard deviations of a1, a2 and b0 of the verified model, as the recursion had them when it was submitted; infinite
+    /// for a model of the commissioning or of the caller. Three square roots.
+    pub fn verified_std(&self) -> [f32; 3] {
+        self.variances.map(|variance| {
+            // Nothing is known exactly: what has cancelled to zero, or is no number, is not known.
+            if variance > 0.0 {
+                math::sqrt(variance)
+            } else {
+                f32::INFINITY
+            }
+        })
+    }
+
     /// Why the last candidate was refused.
     pub const fn refusal(&self) -> Option<Reason> {
         self.refusal
@@ -85,8 +107,14 @@ impl Supervisor {
     pub(crate) fn install(&mut self, model: Model) -> Result<(), Reason> {
         self.design.screening.admits(&model)?;
         self.verified_model = Some(model);
+        self.variances = UNKNOWN;
         self.enter(State::Frozen);
         Ok(())
+    }
+
+    /// What is known of the model that was installed last.
+    pub(crate) fn recall(&mut self, std: [f32; 3]) {
+        self.variances = std.map(|std| std * std);
     }
 
     /// Begins the commissioning.
@@ -141,6 +169,7 @@ impl Supervisor {
         } else {
             self.verified_model
         };
+        self.submitted = candidate.variances;
         self.validation = Some(Validation::new(
             &self.design.validation,
             candidate.model,
@@ -222,6 +251,7 @@ impl Supervisor {
         }
         self.accepted = self.accepted.saturating_add(1);
         self.verified_model = Some(model);
+        self.variances = UNKNOWN;
         self.refusal = None;
         self.enter(State::Verified);
         self.change.restart();
@@ -262,6 +292,7 @@ impl Supervisor {
         let model = *validation.candidate();
         self.accepted = self.accepted.saturating_add(1);
         self.verified_model = Some(model);
+        self.variances = self.submitted;
         self.refusal = None;
         if self.state.is_commissioning() {
             self.enter(State::Verified);
