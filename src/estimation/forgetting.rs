@@ -163,8 +163,8 @@ impl<const N: usize> StabilisedForgetting<N> {
 
     /// Whether the next sample ends with an observation.
     #[inline(always)]
-    pub(crate) const fn observes(&self) -> bool {
-        self.turn % 2 != 0
+    pub(crate) fn observes(&self) -> bool {
+        !self.turn.is_multiple_of(2)
     }
 
     #[inline(always)]
