@@ -11,6 +11,7 @@
 //! | bank | the delay of a drive |
 //! | servo | the position loop, and its model as a record |
 //! | sizes | bytes of the objects |
+//! | compiled | the core as this library has it, for comparisons in Rust |
 //!
 //! An identifier is a handle on memory of some kind; what the handle can do stands in a table that the initialisation of this
 //! kind leaves in the object. So a program links the code of the kinds that it initialises and of no other.
@@ -23,6 +24,7 @@
 extern crate std;
 
 mod bank;
+pub mod compiled;
 mod detail;
 mod error;
 mod identifier;

@@ -42,6 +42,7 @@ pub(crate) struct Fit {
 }
 
 impl Fit {
+    #[inline(always)]
     pub(crate) fn new() -> Self {
         let theta = Theta::from_array([1.0; PARAMETERS]);
         Self {

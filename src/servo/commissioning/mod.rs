@@ -83,6 +83,7 @@ pub(crate) struct Commissioning {
 }
 
 impl Commissioning {
+    #[inline(always)]
     pub(crate) fn new(design: CommissioningDesign) -> Self {
         let rate = TRACKING_RATE.min(0.3 / design.sample_time);
         Self {

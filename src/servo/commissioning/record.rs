@@ -24,6 +24,7 @@ pub(crate) struct Record {
 }
 
 impl Record {
+    #[inline(always)]
     pub(crate) const fn new() -> Self {
         Self {
             y: [0.0; POINTS],

@@ -91,6 +91,7 @@ pub(crate) struct Regression {
 
 impl Regression {
     /// `stated` is the delay that the user knows or guesses.
+    #[inline(always)]
     pub(crate) const fn new(stated: f32) -> Self {
         let [second, third, fourth] = DELAYS;
         Self {

@@ -69,6 +69,7 @@ pub(crate) struct Search {
 }
 
 impl Search {
+    #[inline(always)]
     pub(crate) fn new(sample_time: f32, delay: f32) -> Self {
         let pace = [FIT_POINTS, SIMULATION_POINTS].map(|rate| (rate * sample_time + 0.6) as usize);
         Self {

@@ -77,6 +77,7 @@ pub(crate) struct Sensitivity {
 }
 
 impl Sensitivity {
+    #[inline(always)]
     pub(crate) fn new() -> Self {
         Self {
             theta: Theta::from_array([1.0; PARAMETERS]),

@@ -67,6 +67,7 @@ pub(crate) fn run_all() -> Result<String, String> {
         &of_wrapper,
         &M4F.lines(&target.join("example-cpp"), Duration::from_secs(300))?,
     )?;
+    from_release(&place, &toolchain, &on_target)?;
     by_make(&place, &expected, &on_target)?;
     Ok(format!(
         "{} lines of numbers, in C and C++, by CMake and make, on the host, under sanitizers and in the emulator: those of Rust\n",
@@ -74,10 +75,26 @@ pub(crate) fn run_all() -> Result<String, String> {
     ))
 }
 
+/// For the target by `find_package`, from a tree as a release has it.
+fn from_release(place: &Path, toolchain: &Path, expected: &[String]) -> Done {
+    let tree = place.join("package");
+    release::stage(&tree, &[Archive::HOST_FAST, Archive::M4F_FAST])?;
+    let program = built(
+        &place.join("stm32f405-package"),
+        &[
+            &format!("-DCMAKE_TOOLCHAIN_FILE={}", toolchain.display()),
+            "-DTRENDID_FROM=package",
+            // As in a project that has the archive beside its sources: `PATHS`.
+            &format!("-DCMAKE_PREFIX_PATH={}", tree.display()),
+        ],
+    )?;
+    let found = M4F.lines(&program.join("example"), Duration::from_secs(300))?;
+    same("STM32F405 in the emulator, package", expected, &found)
+}
+
 /// By make, with one line for the linker, from a tree as a release has it.
 fn by_make(place: &Path, expected: &[String], on_target: &[String]) -> Done {
     let (tree, place) = (place.join("package"), place.join("make"));
-    release::stage(&tree, &[Archive::HOST_FAST, Archive::M4F_FAST])?;
     let program = made(&place, &tree, Archive::HOST_FAST.target)?;
     same("host, make", expected, &lines(&program)?)?;
     let program = made(&place, &tree, M4F.target)?;
