@@ -134,13 +134,13 @@ impl<const N: usize, const R: usize> Blocks<N, R> {
         }
     }
 
-    /// Takes the products of a row.
+    /// Takes the products of so many `rows` with the same instruments; `phi` and `psi` are their sums.
     #[inline(always)]
-    pub(crate) fn update(&mut self, z: &[f32; R], phi: &[f32; N], psi: f32) {
+    pub(crate) fn update(&mut self, z: &[f32; R], phi: &[f32; N], psi: f32, rows: u32) {
         self.fresh.add_row(z, phi, psi);
-        self.fresh_rows = self.fresh_rows.saturating_add(1);
+        self.fresh_rows = self.fresh_rows.saturating_add(rows);
         if self.fresh_rows >= APART.min(self.length) || self.pair < BLOCKS / 2 {
-            self.tidy();
+            self.tidy(rows);
         }
     }
 
@@ -151,9 +151,9 @@ impl<const N: usize, const R: usize> Blocks<N, R> {
 
     /// Adds a pair of neighbours, or lets the rows summed apart into their block.
     #[inline(never)]
-    fn tidy(&mut self) {
+    fn tidy(&mut self, rows: u32) {
         if self.held > 0 {
-            self.held -= 1;
+            self.held = self.held.saturating_sub(rows);
             return;
         }
         self.changes = self.changes.wrapping_add(1);

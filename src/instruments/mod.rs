@@ -10,7 +10,7 @@
 //! ```text
 //! x_cj = s^j / (A_f A_z) u_c                                   A_z fixed, stable, of order q = m - integrators
 //! z    = (x_cj of all inputs ; the regressors that are not of y)                        R rows
-//! per sample     G += z [phi' psi]                             no auxiliary model runs: nothing can diverge
+//! per row        G += z [phi' psi]                             no auxiliary model runs: nothing can diverge     `sums`
 //! at read-out    row of a_i := - sum_c sum_j b_cj (row of x_c,i-integrators+j)           `layout`
 //!                theta = (Z'Phi)^-1 Z'psi                      b by least squares first, then repeated      `solve`
 //!                V = M^-1 (sum_b s_b s_b') M^-T K/(K-1) K/(K-p),  s_b = g_b - G_b theta,  M = sum G_b       `reading`
@@ -41,7 +41,7 @@ use crate::identifier::{Config, Identifier, Outcome};
 use crate::instruments::auxiliary::{Auxiliary, Lane};
 use crate::instruments::blocks::Blocks;
 use crate::instruments::layout::Layout;
-use crate::instruments::sums::Instruments;
+use crate::instruments::sums::{Group, Instruments, group_of};
 use crate::trends::TrendOperator;
 
 /// An [`Identifier`] with instruments beside its recursion.
@@ -118,9 +118,11 @@ impl<
         }
         let identifier = Identifier::try_new(config, trends)?;
         let design = identifier.trends().design();
+        let group = group_of(config.bandwidth * design.sample_time);
         let auxiliary = design.filter.and_then(|filter| {
             let integrators = config.structure.integrators();
-            Auxiliary::new(&filter, integrators, config.bandwidth, design.sample_time)
+            let time = group as f32 * design.sample_time;
+            Auxiliary::new(&filter, integrators, config.bandwidth, time)
         });
         let auxiliary = auxiliary.ok_or(ConfigError::Unstable {
             setting: "filter".into(),
@@ -141,6 +143,7 @@ impl<
                 blocks: Blocks::new(forgetting),
                 forgetting,
                 turn: 0,
+                group: Group::new(group),
             },
             identifier,
         })
@@ -176,6 +179,7 @@ impl<
         }
         instruments.z = [0.0; R];
         instruments.turn = 0;
+        instruments.group.reset();
         instruments.blocks = Blocks::new(instruments.forgetting);
     }
 

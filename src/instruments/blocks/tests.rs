@@ -14,7 +14,7 @@ fn total(blocks: &Blocks<1, 1>) -> (f32, f32) {
 fn nothing_is_lost_and_blocks_stay_of_one_length() {
     let mut blocks = Blocks::<1, 1>::new(1.0);
     for k in 1..20_000_u32 {
-        blocks.update(&[1.0], &[2.0], 3.0);
+        blocks.update(&[1.0], &[2.0], 3.0, 1);
         let (sum, rows) = total(&blocks);
         assert_eq!((sum, rows), (3.0 * k as f32, k as f32));
         let effective = blocks.effective();
@@ -34,7 +34,7 @@ fn with_a_memory_blocks_fade() {
     // A memory of 1000 rows: blocks of 15, 30, .. 120 rows.
     let mut blocks = Blocks::<1, 1>::new(0.999);
     for _ in 0..50_000 {
-        blocks.update(&[1.0], &[1.0], 1.0);
+        blocks.update(&[1.0], &[1.0], 1.0, 1);
     }
     assert_eq!(blocks.length, 120);
     let (_, rows) = total(&blocks);
@@ -51,16 +51,16 @@ fn with_a_memory_blocks_fade() {
 fn held_blocks_stay() {
     let mut blocks = Blocks::<1, 1>::new(1.0);
     for _ in 0..200 {
-        blocks.update(&[1.0], &[1.0], 1.0);
+        blocks.update(&[1.0], &[1.0], 1.0, 1);
     }
     let before = blocks.blocks.clone();
     for _ in 0..300 {
         blocks.hold(8);
-        blocks.update(&[1.0], &[1.0], 1.0);
+        blocks.update(&[1.0], &[1.0], 1.0, 1);
     }
     assert_eq!(blocks.blocks, before);
     for _ in 0..20 {
-        blocks.update(&[1.0], &[1.0], 1.0);
+        blocks.update(&[1.0], &[1.0], 1.0, 1);
     }
     assert!(blocks.blocks != before);
     assert_eq!(total(&blocks), (520.0, 520.0));
