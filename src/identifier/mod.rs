@@ -107,13 +107,13 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// # Errors
     /// As of [`Identifier::try_new`]; nothing is changed then.
     pub fn reconfigure(&mut self, config: &Config<M, N, I>, trends: T) -> Result<(), ConfigError> {
-        self.replan(config, trends)?;
+        self.plan = Plan::new(config, trends, D)?;
         self.reset();
         Ok(())
     }
 
-    /// Takes other settings and other trends. [`Identifier::reset`] must follow before the next sample; in a sample of its own,
-    /// where both are too much for one.
+    /// Takes other settings and other trends. [`Identifier::expect_noise`] and [`Identifier::reset`] must follow before the next
+    /// update; in samples of their own, where all are too much for one.
     ///
     /// # Errors
     /// As of [`Identifier::try_new`]; nothing is changed then.
@@ -122,8 +122,16 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         config: &Config<M, N, I>,
         trends: T,
     ) -> Result<(), ConfigError> {
-        self.plan = Plan::new(config, trends, D)?;
+        self.plan = Plan::unweighed(config, trends, D)?;
         Ok(())
+    }
+
+    /// The part of a new plan that [`Identifier::replan`] leaves out.
+    ///
+    /// # Errors
+    /// As of [`Identifier::try_new`]; none with an initial estimate of 0 and no prior.
+    pub(crate) fn expect_noise(&mut self, config: &Config<M, N, I>) -> Result<(), ConfigError> {
+        self.plan.expect_noise(config)
     }
 
     /// Takes all inputs u(k), in force from now until the next sample, and the output y(k).

@@ -81,6 +81,17 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
         trends: T,
         capacity: usize,
     ) -> Result<Self, ConfigError> {
+        let mut plan = Self::unweighed(config, trends, capacity)?;
+        plan.expect_noise(config)?;
+        Ok(plan)
+    }
+
+    /// The same without [`Plan::expect_noise`], which must follow.
+    pub(crate) fn unweighed(
+        config: &Config<M, N, I>,
+        trends: T,
+        capacity: usize,
+    ) -> Result<Self, ConfigError> {
         let design = trends.design();
         let sample_time = design.sample_time;
         config.check(sample_time, capacity)?;
@@ -91,9 +102,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             &config.input_range,
             config.output_range,
         );
-        let prior_noise = regressor.noise(config.output_noise);
         let angle = config.bandwidth * sample_time;
-        let mut plan = Self {
+        Ok(Self {
             configured: None,
             structure: config.structure,
             regressor,
@@ -113,7 +123,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             initial_inputs: config.initial_input,
             input_limit: config.input_range.map(|range| REACH * range),
             output_limit: REACH * config.output_range,
-            prior_noise,
+            prior_noise: 0.0,
             bandwidth: config.bandwidth,
             forgets: config.memory.is_some(),
             offset_significance: config.offset_significance,
@@ -126,14 +136,23 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             times: Times::new(&config.structure, design, config.bandwidth),
             warm_up: design.warm_up.max((config.settling / sample_time) as u32),
             follows_changes: config.follow_changes && config.memory.is_some(),
-            change_shares: Shares::new(angle, LEAST_NOISE * prior_noise * prior_noise),
+            change_shares: Shares::new(angle, 0.0),
             friction_input: config.friction_input,
             // Last: the design above is theirs.
             trends,
-        };
-        plan.weigh_noise();
-        plan.prior = plan.first_prior(config)?;
-        Ok(plan)
+        })
+    }
+
+    /// What follows from the noise that is expected: the prior and what is compared with noise.
+    ///
+    /// # Errors
+    /// [`ConfigError::OutOfRange`], naming `initial` or `prior_std`.
+    pub(crate) fn expect_noise(&mut self, config: &Config<M, N, I>) -> Result<(), ConfigError> {
+        self.prior_noise = self.regressor.noise(config.output_noise);
+        self.change_shares.least = LEAST_NOISE * self.prior_noise * self.prior_noise;
+        self.weigh_noise();
+        self.prior = self.first_prior(config)?;
+        Ok(())
     }
 
     /// Whether the trends of y exceed their noise; where they do not, a row holds no information on the drive.

@@ -3,10 +3,10 @@
 //! | sample | part |
 //! |---|---|
 //! | 1 | settings and design |
-//! | 2, 3, 4 | trends, plan and state of the identifier |
-//! | 5 | controller |
-//! | 6 | supervisor, reference, motion |
-//! | 7 | monitors; the controller knows motion and commands, and its observer settles from here on |
+//! | 2 to 5 | trends, plan, noise of the trends and state of the identifier |
+//! | 6 | controller |
+//! | 7 | supervisor, reference, motion |
+//! | 8 | monitors; the controller knows motion and commands, and its observer settles from here on |
 //!
 //! Meanwhile the commissioning goes on: it moves the axis within its own bounds and uses none of these parts. What can be refused
 //! comes before anything is replaced. Another model begins anew: only the newest is worth controlling on.
@@ -15,7 +15,7 @@ use crate::hardware::Axis;
 use crate::servo::building::{Building, Part, tuned};
 use crate::servo::commissioning::Found;
 use crate::servo::control::controller::Controller;
-use crate::servo::identification::{replan, trends};
+use crate::servo::identification::{expect_noise, replan, trends};
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
 use crate::servo::motion::trajectory::Trajectory;
 use crate::servo::servo_loop::ServoLoop;
@@ -48,6 +48,9 @@ impl<S, V> ServoLoop<S, V> {
                     let identifier = &mut self.identifier;
                     replan(identifier, &design.identification, trends).map_err(refused)?;
                 }
+            }
+            Part::Noise => {
+                expect_noise(&mut self.identifier, &design.identification).map_err(refused)?;
             }
             Part::Estimate => {
                 self.identifier.reset();
@@ -109,8 +112,12 @@ impl<S, V> ServoLoop<S, V> {
     /// Gives up what is being built. An identifier whose plan is the new one and whose state is the old one begins anew.
     pub(crate) fn stop_building(&mut self) {
         if let Some(building) = self.building.take()
-            && building.next == Part::Estimate
+            && matches!(building.next, Part::Noise | Part::Estimate)
         {
+            if building.next == Part::Noise {
+                // It refuses nothing.
+                let _ = expect_noise(&mut self.identifier, &building.design.identification);
+            }
             self.identifier.reset();
         }
     }

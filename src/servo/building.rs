@@ -23,6 +23,7 @@ pub(crate) struct Building {
 pub(crate) enum Part {
     Trends,
     Identifier,
+    Noise,
     Estimate,
     Controller,
     Supervision,
@@ -34,7 +35,8 @@ impl Part {
     pub(crate) const fn following(self) -> Self {
         match self {
             Self::Trends => Self::Identifier,
-            Self::Identifier => Self::Estimate,
+            Self::Identifier => Self::Noise,
+            Self::Noise => Self::Estimate,
             Self::Estimate => Self::Controller,
             Self::Controller => Self::Supervision,
             Self::Supervision | Self::Monitors => Self::Monitors,

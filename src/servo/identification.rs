@@ -54,13 +54,21 @@ pub(crate) fn identifier(
     Ok(Identifier::try_new(&settings(design), trends)?)
 }
 
-/// Other settings for an identifier, which must be reset in a later sample.
+/// Other settings for an identifier, which must know its noise and be reset in later samples.
 pub(crate) fn replan(
     identifier: &mut LoopIdentifier,
     design: &IdentificationDesign,
     trends: FilteredTrends<3>,
 ) -> Result<(), Error> {
     Ok(identifier.replan(&settings(design), trends)?)
+}
+
+/// What follows from the noise, after other settings. Refuses nothing: the settings state no prior.
+pub(crate) fn expect_noise(
+    identifier: &mut LoopIdentifier,
+    design: &IdentificationDesign,
+) -> Result<(), Error> {
+    Ok(identifier.expect_noise(&settings(design))?)
 }
 
 /// The inputs in control: valve, delay and friction are those of the controller.

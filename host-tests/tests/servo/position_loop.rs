@@ -140,17 +140,6 @@ fn faults_are_refused_for_the_right_reason_and_the_gains_are_kept() {
 }
 
 #[test]
-fn changes_in_motion_are_survived() {
-    for scenario in Scenario::ALL.into_iter().filter(|s| s.is_change()) {
-        let f = run(scenario, &Options::adaptive(3001), &mut |_, _| {});
-        // Never unstable: it stands where it should in the end, and follows.
-        assert!(f.state.is_controlling(), "{}", scenario.name());
-        assert!(f.steady_state_mm.is_some_and(|x| x < 5.0));
-        assert!(f.tracking_1hz_mm.is_some_and(|x| x < 10.0));
-    }
-}
-
-#[test]
 fn readings_that_fail_now_and_then_are_bridged() {
     (2001..=2002).for_each(assert_failing_readings_are_bridged);
 }

@@ -8,7 +8,7 @@ use crate::servo::control::limiter::CommandLimiter;
 use crate::servo::design::Design;
 use crate::servo::design::constants::DELAY_MAX;
 use crate::servo::error::Error;
-use crate::servo::identification::{identifier, replan, trends};
+use crate::servo::identification::{expect_noise, identifier, replan, trends};
 use crate::servo::model::Model;
 use crate::servo::monitoring::{Monitors, stop::Stop};
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
@@ -44,6 +44,7 @@ macro_rules! fields {
                 let $design: &Design = &$config.resolve()?;
                 let trends = trends(&$design.identification, $design.sample_time)?;
                 replan(&mut self.identifier, &$design.identification, trends)?;
+                expect_noise(&mut self.identifier, &$design.identification)?;
                 self.identifier.reset();
                 $(self.$field = $value;)*
                 Ok(())
