@@ -156,7 +156,7 @@ impl<K: Kind> Table<K> {
             None => Error::Length,
             Some(done) => {
                 // SAFETY: NULL, or memory of the caller for an outcome.
-                unsafe { write_if_wanted(outcome, done.into()) };
+                unsafe { write_if_wanted(outcome.cast(), Outcome::from(done).words()) };
                 Error::Ok
             }
         }

@@ -73,6 +73,22 @@ impl From<trendid::Outcome> for Outcome {
     }
 }
 
+const _: () = assert!(
+    core::mem::offset_of!(Outcome, kind) == 0
+        && core::mem::offset_of!(Outcome, input) == 1
+        && core::mem::offset_of!(Outcome, remaining) == 4
+        && core::mem::offset_of!(Outcome, innovation) == 8
+);
+
+impl Outcome {
+    /// The outcome as three words, its padding 0: one store in the place of two of a byte.
+    #[inline(always)]
+    pub(crate) const fn words(self) -> [u32; 3] {
+        let first = u32::from_ne_bytes([self.kind as u8, self.input, 0, 0]);
+        [first, self.remaining, self.innovation.to_bits()]
+    }
+}
+
 /// What a parameter means.
 #[repr(u8)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
