@@ -10,6 +10,7 @@ pub mod inputs;
 pub(crate) mod outcome;
 mod plan;
 mod prior;
+mod replan;
 mod retune;
 mod row;
 mod sample;
@@ -110,28 +111,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.plan = Plan::new(config, trends, D)?;
         self.reset();
         Ok(())
-    }
-
-    /// Takes other settings and other trends. [`Identifier::expect_noise`] and [`Identifier::reset`] must follow before the next
-    /// update; in samples of their own, where all are too much for one.
-    ///
-    /// # Errors
-    /// As of [`Identifier::try_new`]; nothing is changed then.
-    pub(crate) fn replan(
-        &mut self,
-        config: &Config<M, N, I>,
-        trends: T,
-    ) -> Result<(), ConfigError> {
-        self.plan = Plan::unweighed(config, trends, D)?;
-        Ok(())
-    }
-
-    /// The part of a new plan that [`Identifier::replan`] leaves out.
-    ///
-    /// # Errors
-    /// As of [`Identifier::try_new`]; none with an initial estimate of 0 and no prior.
-    pub(crate) fn expect_noise(&mut self, config: &Config<M, N, I>) -> Result<(), ConfigError> {
-        self.plan.expect_noise(config)
     }
 
     /// Takes all inputs u(k), in force from now until the next sample, and the output y(k).
