@@ -1,6 +1,5 @@
 //! The supervisor: which model may reach the controller, and when.
 
-use crate::math;
 use crate::servo::design::SupervisionDesign;
 use crate::servo::model::Model;
 use crate::servo::supervision::change::ChangeDetector;
@@ -9,8 +8,9 @@ use crate::servo::supervision::screening::Candidate;
 use crate::servo::supervision::state::{Reason, State};
 use crate::servo::supervision::validation::{FitReport, Validation};
 
-/// No variance is known.
-const UNKNOWN: [f32; 3] = [f32::INFINITY; 3];
+use self::known::UNKNOWN;
+
+mod known;
 
 /// Decides from samples and candidates of the identifier which model the controller may use.
 ///
@@ -74,19 +74,6 @@ impl Supervisor {
         self.verified_model
     }
 
-    /// Standard deviations of a1, a2 and b0 of the verified model, as the recursion had them when it was submitted; infinite
-    /// for a model of the commissioning or of the caller. Three square roots.
-    pub fn verified_std(&self) -> [f32; 3] {
-        self.variances.map(|variance| {
-            // Nothing is known exactly: what has cancelled to zero, or is no number, is not known.
-            if variance > 0.0 {
-                math::sqrt(variance)
-            } else {
-                f32::INFINITY
-            }
-        })
-    }
-
     /// Why the last candidate was refused.
     pub const fn refusal(&self) -> Option<Reason> {
         self.refusal
@@ -110,11 +97,6 @@ impl Supervisor {
         self.variances = UNKNOWN;
         self.enter(State::Frozen);
         Ok(())
-    }
-
-    /// What is known of the model that was installed last.
-    pub(crate) fn recall(&mut self, std: [f32; 3]) {
-        self.variances = std.map(|std| std * std);
     }
 
     /// Begins the commissioning.

@@ -1,0 +1,27 @@
+//! How well the verified model is known.
+
+use crate::math;
+use crate::servo::supervision::supervisor::Supervisor;
+
+/// No variance is known.
+pub(super) const UNKNOWN: [f32; 3] = [f32::INFINITY; 3];
+
+impl Supervisor {
+    /// Standard deviations of a1, a2 and b0 of the verified model, as the recursion had them when it was submitted; infinite
+    /// for a model of the commissioning or of the caller. Three square roots.
+    pub fn verified_std(&self) -> [f32; 3] {
+        self.variances.map(|variance| {
+            // Nothing is known exactly: what has cancelled to zero, or is no number, is not known.
+            if variance > 0.0 {
+                math::sqrt(variance)
+            } else {
+                f32::INFINITY
+            }
+        })
+    }
+
+    /// What is known of the model that was installed last.
+    pub(crate) fn recall(&mut self, std: [f32; 3]) {
+        self.variances = std.map(|std| std * std);
+    }
+}
