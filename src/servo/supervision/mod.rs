@@ -4,6 +4,7 @@ mod adapting;
 pub(crate) mod change;
 pub(crate) mod event;
 pub(crate) mod excitation_monitor;
+mod known;
 pub(crate) mod screening;
 pub(crate) mod state;
 pub(crate) mod supervisor;

@@ -9,6 +9,9 @@ use crate::servo::model::Model;
 use crate::servo::supervision::state::Reason;
 use crate::servo::supervision::validation::FitReport;
 
+/// No variance is known.
+pub(crate) const UNKNOWN: [f32; 3] = [f32::INFINITY; 3];
+
 /// A model with the variances of its parameters, as the identifier gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Candidate {

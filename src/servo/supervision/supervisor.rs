@@ -4,13 +4,9 @@ use crate::servo::design::SupervisionDesign;
 use crate::servo::model::Model;
 use crate::servo::supervision::change::ChangeDetector;
 use crate::servo::supervision::event::{Event, Observation};
-use crate::servo::supervision::screening::Candidate;
+use crate::servo::supervision::screening::{Candidate, UNKNOWN};
 use crate::servo::supervision::state::{Reason, State};
 use crate::servo::supervision::validation::{FitReport, Validation};
-
-use self::known::UNKNOWN;
-
-mod known;
 
 /// Decides from samples and candidates of the identifier which model the controller may use.
 ///
@@ -23,7 +19,7 @@ pub struct Supervisor {
     state: State,
     verified_model: Option<Model>,
     /// Variances of a1, a2 and b0: of the verified model, and of the candidate that is validated.
-    variances: [f32; 3],
+    pub(crate) variances: [f32; 3],
     submitted: [f32; 3],
     /// Samples in the present state.
     pub(crate) ticks: u32,

@@ -3,9 +3,6 @@
 use crate::math;
 use crate::servo::supervision::supervisor::Supervisor;
 
-/// No variance is known.
-pub(super) const UNKNOWN: [f32; 3] = [f32::INFINITY; 3];
-
 impl Supervisor {
     /// Standard deviations of a1, a2 and b0 of the verified model, as the recursion had them when it was submitted; infinite
     /// for a model of the commissioning or of the caller. Three square roots.
