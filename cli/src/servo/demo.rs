@@ -1,4 +1,4 @@
-//! `trendid demo`: a pneumatic axis commissions itself, tracks and recovers; or the identification of a linear servo.
+//! `trendid demo`: a pneumatic axis commissions itself, tracks and follows a change; or the identification of a linear servo.
 
 use std::path::PathBuf;
 
