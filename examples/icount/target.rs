@@ -24,12 +24,7 @@ fn main() -> ! {
     };
     let clocks = Clock::start(&mut core);
     for clock in clocks {
-        line(format_args!(
-            "# {}: {:.4} ticks per unit of {:?}",
-            clock.name,
-            clock.rate(),
-            clock.unit
-        ));
+        line(format_args!("# {clock}"));
     }
     if clocks[0].unit == Unit::Cycles {
         line(format_args!(

@@ -28,7 +28,7 @@
 //! | [`coulomb_input`] | sgn(v) from a velocity or a position |
 //!
 //! ```
-//! use trendid_identify::{Freedom, Hold, Input, Options, Problem, Signals, Structure, identify};
+//! use trendid_identify::{Freedom, Options, Problem, Signals, Structure, identify};
 //!
 //! // y' = -2 y + 6 u, steps of u held over 10 ms: y(k+1) = e^(-0.02) y(k) + 3 (1 - e^(-0.02)) u(k).
 //! let decay = (-0.02_f64).exp();
@@ -37,12 +37,7 @@
 //! for k in 0..1999 {
 //!     y.push(decay * y[k] + 3.0 * (1.0 - decay) * u[k]);
 //! }
-//! let signals = Signals {
-//!     dt: 0.01,
-//!     output: &y,
-//!     inputs: vec![Input { name: "u", samples: &u, delayed: true, hold: Hold::Zero }],
-//!     standstill: None,
-//! };
+//! let signals = Signals::held(0.01, &u, &y);
 //! let structure = Structure { order: 1, integrator: false, zeros: 0, constant: false };
 //! let problem = Problem::new(&signals, structure, Options::default())?;
 //! let found = identify(&problem, Freedom::default(), 0, &())?;

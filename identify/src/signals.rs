@@ -33,6 +33,22 @@ pub struct Signals<'a> {
 }
 
 impl<'a> Signals<'a> {
+    /// One input `u` that a digital output holds between the samples, and the output `y`.
+    pub fn held(dt: f64, u: &'a [f64], y: &'a [f64]) -> Self {
+        let input = Input {
+            name: "u",
+            samples: u,
+            delayed: true,
+            hold: Hold::Zero,
+        };
+        Self {
+            dt,
+            output: y,
+            inputs: vec![input],
+            standstill: None,
+        }
+    }
+
     /// Some samples of all signals.
     pub(crate) fn part(&self, range: Range<usize>) -> Self {
         let inputs = self.inputs.iter().map(|input| Input {

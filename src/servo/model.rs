@@ -94,6 +94,7 @@ impl Model {
     /// ```
     /// let model = trendid::servo::Model { offset: 0.01, ..trendid::servo::Model::linear(400.0, 20.0, 1.0e6) };
     /// assert_eq!(model.fields(), [400.0, 20.0, 1.0e6, 0.0, 0.01, 0.0]);
+    /// assert_eq!(trendid::servo::Model::from_fields(model.fields()), model);
     /// ```
     pub const fn fields(&self) -> [f32; 6] {
         let Self {
@@ -105,6 +106,19 @@ impl Model {
             friction,
         } = *self;
         [a1, a2, b0, dead_zone, offset, friction]
+    }
+
+    /// The model with these [`fields`](Self::fields).
+    pub const fn from_fields(fields: [f32; 6]) -> Self {
+        let [a1, a2, b0, dead_zone, offset, friction] = fields;
+        Self {
+            a1,
+            a2,
+            b0,
+            dead_zone,
+            offset,
+            friction,
+        }
     }
 
     /// Flow of a command through dead zone and offset. Cost: about 8 instructions.

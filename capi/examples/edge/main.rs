@@ -43,12 +43,7 @@ mod target {
             exit(false)
         };
         let [clock, _] = Clock::start(&mut core);
-        line(format_args!(
-            "# {}: {:.4} ticks per unit of {:?}",
-            clock.name,
-            clock.rate(),
-            clock.unit
-        ));
+        line(format_args!("# {clock}"));
         let mut idle = Count::default();
         for (u, _) in record::samples() {
             idle.take(clock.ticks(|| nothing(black_box(u))));

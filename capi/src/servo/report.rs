@@ -200,14 +200,7 @@ pub struct Model {
 
 impl From<core_servo::Model> for Model {
     fn from(model: core_servo::Model) -> Self {
-        let core_servo::Model {
-            a1,
-            a2,
-            b0,
-            dead_zone,
-            offset,
-            friction,
-        } = model;
+        let [a1, a2, b0, dead_zone, offset, friction] = model.fields();
         Self {
             a1,
             a2,
@@ -229,14 +222,7 @@ impl From<Model> for core_servo::Model {
             offset,
             friction,
         } = model;
-        Self {
-            a1,
-            a2,
-            b0,
-            dead_zone,
-            offset,
-            friction,
-        }
+        Self::from_fields([a1, a2, b0, dead_zone, offset, friction])
     }
 }
 

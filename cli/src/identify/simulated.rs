@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 use trendid_host_tests::plants::drawn::DrawnRecord;
 use trendid_identify::structure_choice::{Range, Selection, select};
-use trendid_identify::{Choice, Freedom, Hold, Input, Options, Signals, Structure};
+use trendid_identify::{Choice, Freedom, Options, Signals, Structure};
 
 use crate::format::table;
 
@@ -59,17 +59,7 @@ fn chosen(selection: &Selection) -> (Structure, usize) {
 
 fn trial(seed: u64) -> Trial {
     let drawn = DrawnRecord::of(seed);
-    let signals = Signals {
-        dt: drawn.dt,
-        output: &drawn.y,
-        inputs: vec![Input {
-            name: "u",
-            samples: &drawn.u,
-            delayed: true,
-            hold: Hold::Zero,
-        }],
-        standstill: None,
-    };
+    let signals = Signals::held(drawn.dt, &drawn.u, &drawn.y);
     let truth = Structure {
         order: drawn.a.len(),
         integrator: drawn.integrator,

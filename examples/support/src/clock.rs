@@ -12,6 +12,7 @@
 //! The ratio of each counter is measured in the same run on a loop of two instructions.
 
 use core::arch::asm;
+use core::fmt;
 
 use cortex_m::Peripherals;
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
@@ -102,6 +103,18 @@ impl Clock {
     /// Instructions or cycles of a number of ticks.
     pub fn units(&self, ticks: f32) -> f32 {
         ticks * self.scale
+    }
+}
+
+impl fmt::Display for Clock {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{}: {:.4} ticks per unit of {:?}",
+            self.name,
+            self.rate(),
+            self.unit
+        )
     }
 }
 

@@ -3,23 +3,7 @@
 use super::*;
 use crate::error::Weakness;
 use crate::problem::{Options, Structure};
-use crate::signals::{Input, Signals};
-use trendid::trends::Hold;
-
-/// A record with one input that is held between the samples.
-fn held<'a>(dt: f64, u: &'a [f64], y: &'a [f64]) -> Signals<'a> {
-    Signals {
-        dt,
-        output: y,
-        inputs: vec![Input {
-            name: "u",
-            samples: u,
-            delayed: true,
-            hold: Hold::Zero,
-        }],
-        standstill: None,
-    }
-}
+use crate::signals::Signals;
 
 /// `y' = -2 y + 6 u` with a drift of the output: least squares is low, instruments are not.
 #[test]
@@ -39,7 +23,7 @@ fn instruments_stand_where_least_squares_is_biased() {
         y.push(x + drift + 0.3 * random());
         x = decay * x + 3.0 * (1.0 - decay) * u;
     }
-    let signals = held(dt, &u, &y);
+    let signals = Signals::held(dt, &u, &y);
     let structure = Structure {
         order: 1,
         integrator: false,
@@ -65,7 +49,7 @@ fn instruments_stand_where_least_squares_is_biased() {
 fn what_no_filter_can_simulate_is_refused() {
     let u: Vec<f64> = (0..400).map(|k| f64::from(k % 7)).collect();
     let y: Vec<f64> = (0..400).map(|k| (0.1 * f64::from(k)).exp()).collect();
-    let signals = held(0.01, &u, &y);
+    let signals = Signals::held(0.01, &u, &y);
     let structure = Structure {
         order: 1,
         integrator: false,

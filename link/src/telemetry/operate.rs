@@ -56,15 +56,9 @@ pub fn operate<S: PositionSensor, V: Valve>(
         Request::Install(_) if state.is_commissioning() || state.is_controlling() => {
             Err(Refusal::Moving)
         }
-        Request::Install([a1, a2, b0, dead_zone, offset, friction]) => {
-            let model = Model {
-                dead_zone,
-                offset,
-                friction,
-                ..Model::linear(a1, a2, b0)
-            };
-            servo.install(model).map_err(Refusal::from)
-        }
+        Request::Install(fields) => servo
+            .install(Model::from_fields(fields))
+            .map_err(Refusal::from),
         _ => Err(Refusal::Unsupported),
     }
 }

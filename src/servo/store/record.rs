@@ -202,14 +202,7 @@ impl Record {
             noise,
         ] = numbers;
         Ok(Self {
-            model: Model {
-                a1,
-                a2,
-                b0,
-                dead_zone,
-                offset,
-                friction,
-            },
+            model: Model::from_fields([a1, a2, b0, dead_zone, offset, friction]),
             std,
             delay,
             sign,

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use serde_json::{Value, json};
 use trendid_identify::{
-    Choice, Estimate, Freedom, Hold, Input, Options, Problem, Signals, Structure, identify, select,
+    Choice, Estimate, Freedom, Options, Problem, Signals, Structure, identify, select,
 };
 
 /// Most samples of a record.
@@ -66,22 +66,8 @@ fn respond(act: impl FnOnce(&[f64], &[f64]) -> Result<Value, String>) -> usize {
     })
 }
 
-fn signals<'a>(u: &'a [f64], y: &'a [f64], dt: f64) -> Signals<'a> {
-    Signals {
-        dt,
-        output: y,
-        inputs: vec![Input {
-            name: "u",
-            samples: u,
-            delayed: true,
-            hold: Hold::Zero,
-        }],
-        standstill: None,
-    }
-}
-
 fn one(u: &[f64], y: &[f64], dt: f64, structure: Structure, search: bool) -> Result<Value, String> {
-    let signals = signals(u, y, dt);
+    let signals = Signals::held(dt, u, y);
     let problem =
         Problem::new(&signals, structure, Options::default()).map_err(|e| e.to_string())?;
     let mut freedom = Freedom::default();
@@ -128,7 +114,7 @@ fn many(u: &[f64], y: &[f64], dt: f64, max_order: usize) -> Result<Value, String
         integrating: false,
         constant: false,
     };
-    let signals = signals(u, y, dt);
+    let signals = Signals::held(dt, u, y);
     let selection = select(&signals, range, Options::default(), Freedom::default(), &())
         .map_err(|e| e.to_string())?;
     let rows: Vec<Value> = selection
