@@ -74,6 +74,21 @@ pub struct Setup {
     pub settings: Settings,
 }
 
+/// The core of each order with each number of parameters that a structure of this order can have.
+macro_rules! by_size {
+    ($setup:expr; $($order:literal: $($parameters:literal)+;)+) => {
+        match ($setup.order, $setup.parameters()) {
+            $($(($order, $parameters) => sized::<$order, $parameters>($setup),)+)+
+            (1..=4, found) => Err(ConfigError::ParameterCount { found, expected: PARAMETERS }),
+            (order, _) => Err(ConfigError::OutOfRange {
+                setting: "order".into(),
+                value: order as f32,
+                limits: [1.0, 4.0],
+            }),
+        }
+    };
+}
+
 impl Setup {
     /// Number of parameters.
     pub fn parameters(&self) -> usize {
@@ -85,7 +100,7 @@ impl Setup {
     /// Builds the core for this setup.
     ///
     /// # Errors
-    /// The core's own [`ConfigError`]; more inputs or parameters than offered are
+    /// The core's own [`ConfigError`]; more inputs or parameters than offered, or fewer parameters than the order, are
     /// reported as a parameter count.
     pub fn build(&self) -> Result<Box<dyn Recursion>, ConfigError> {
         if self.inputs.len() > INPUTS {
@@ -94,16 +109,12 @@ impl Setup {
                 expected: INPUTS,
             });
         }
-        match self.order {
-            1 => sized::<1>(self),
-            2 => sized::<2>(self),
-            3 => sized::<3>(self),
-            4 => sized::<4>(self),
-            order => Err(ConfigError::OutOfRange {
-                setting: "order".into(),
-                value: order as f32,
-                limits: [1.0, 4.0],
-            }),
+        // At least as many as the order: an integrator takes one a_i away, and every structure has an input.
+        by_size! { self;
+            1: 1 2 3 4 5 6 7;
+            2: 2 3 4 5 6 7 8 9 10;
+            3: 3 4 5 6 7 8 9 10;
+            4: 4 5 6 7 8 9 10;
         }
     }
 
@@ -128,9 +139,9 @@ fn polynomial<const M: usize>(coefficients: &[f32]) -> Result<[f32; M], ConfigEr
         })
 }
 
-fn sized<const M: usize>(setup: &Setup) -> Result<Box<dyn Recursion>, ConfigError> {
-    let trends = match &setup.filter {
-        Filter::None => AnyTrends::Raw(RawTrends::<M>::try_new(setup.scheme, setup.sample_time)?),
+fn trends<const M: usize>(setup: &Setup) -> Result<AnyTrends<M>, ConfigError> {
+    Ok(match &setup.filter {
+        Filter::None => AnyTrends::Raw(RawTrends::try_new(setup.scheme, setup.sample_time)?),
         Filter::Polynomial(f) => AnyTrends::Filtered(FilteredTrends::from_polynomial(
             setup.scheme,
             setup.sample_time,
@@ -140,19 +151,18 @@ fn sized<const M: usize>(setup: &Setup) -> Result<Box<dyn Recursion>, ConfigErro
             ExactTrends::from_polynomial(setup.sample_time, polynomial(filter)?)?
                 .with_model(polynomial(model)?)?,
         ),
-    };
-    macro_rules! dispatch {
-        ($($n:literal)+) => {
-            match setup.parameters() {
-                $($n => Ok(Box::new(Sized::<_, M, $n> {
-                    identifier: Identifier::try_new(&setup.config::<M, $n>()?, trends)?,
-                    numerators: setup.inputs.iter().map(|terms| numerators(*terms, M)).collect(),
-                })),)+
-                found => Err(ConfigError::ParameterCount { found, expected: PARAMETERS }),
-            }
-        };
-    }
-    dispatch!(1 2 3 4 5 6 7 8 9 10)
+    })
+}
+
+fn sized<const M: usize, const N: usize>(setup: &Setup) -> Result<Box<dyn Recursion>, ConfigError> {
+    Ok(Box::new(Sized::<_, M, N> {
+        identifier: Identifier::try_new(&setup.config::<M, N>()?, trends(setup)?)?,
+        numerators: setup
+            .inputs
+            .iter()
+            .map(|terms| numerators(*terms, M))
+            .collect(),
+    }))
 }
 
 /// An [`Identifier`] of any size.
