@@ -91,7 +91,12 @@ pub(crate) fn reopen(identifier: &mut LoopIdentifier, model: &Model, share: f32)
 /// The present estimate with its relative variances, to first order and as the recursion has them.
 ///
 /// Without the correction for noise bias of [`Identifier::theta`], which costs more than a sample has; the validation
-/// compares the model with the axis in any case. In control the valve and the friction are those of `controller`.
+/// compares the model with the axis in any case.
+///
+/// In control the valve is that of `controller`, and so is the deflection `friction / a1` at which friction holds the axis against its
+/// stiffness: with a1 = stiffness/mass and friction = force/mass the mass cancels. What changes a1 in motion is mostly the mass; a
+/// friction that stayed as an acceleration would be three times too large under three times the mass, and a loop that stops by
+/// friction would hunt. Where the stiffness changes instead, as with the supply, friction is wrong by as much as the stiffness.
 pub(crate) fn candidate(identifier: &LoopIdentifier, controller: Option<&Controller>) -> Candidate {
     let found = identifier.recursion();
     let mut theta = found.theta();
@@ -109,16 +114,12 @@ pub(crate) fn candidate(identifier: &LoopIdentifier, controller: Option<&Control
     }
     let mut model = Model::from_parameters(&theta);
     if let Some(controller) = controller {
-        let Model {
-            dead_zone,
-            offset,
-            friction,
-            ..
-        } = *controller.model();
+        let used = controller.model();
         model = Model {
-            dead_zone,
-            offset,
-            friction,
+            dead_zone: used.dead_zone,
+            offset: used.offset,
+            // The model in use was verified: its a1 is above 0.
+            friction: used.friction * model.a1 / used.a1,
             ..model
         };
     }

@@ -80,11 +80,14 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
     }
 
-    /// The controller and the monitors go on with another model.
+    /// The controller and the monitors go on with another model; nothing happens when they have it already.
     pub(crate) fn retune(&mut self, model: Model) {
+        if model == *self.controller.model() {
+            return;
+        }
         self.controller.retune(model);
         self.search_again(model);
-        self.monitors.tune(model);
+        self.monitors.retune(model, self.controller.motion());
     }
 
     /// The command outside of commissioning and control: a brake for a while after a fault, then the middle of the valve.

@@ -118,6 +118,13 @@ impl Monitors {
             .tune(self.bounds.gain * self.bounds.frequency + BREAKAWAY * model.friction);
     }
 
+    /// Goes on with another model in motion: its expectation begins at this motion, not where the model before has led.
+    pub(crate) fn retune(&mut self, model: Model, motion: Motion) {
+        self.tune(model);
+        self.twin.go_on(motion);
+        self.obedience = Obedience::default();
+    }
+
     /// Judges a reading; `missed`: samples in a row without one.
     #[inline]
     pub(crate) fn judge(&mut self, y: f32, earlier: &Motion, missed: u32) -> Verdict {

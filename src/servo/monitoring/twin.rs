@@ -5,6 +5,7 @@ use crate::servo::design::constants::DELAY_MAX;
 use crate::servo::design::{MonitoringDesign, ObserverDesign};
 use crate::servo::model::Model;
 use crate::servo::monitoring::bounds::Bounds;
+use crate::servo::motion::Motion;
 
 /// The model in free simulation on the commands, and the displacement that it shows beside the measured one.
 ///
@@ -58,14 +59,19 @@ impl Twin {
     }
 
     /// Begins at a position with a motion and the command in force.
-    pub(crate) fn place(&mut self, motion: crate::servo::motion::Motion, command: f32) {
-        self.observer.place(motion);
+    pub(crate) fn place(&mut self, motion: Motion, command: f32) {
+        self.go_on(motion);
         self.commands = [command; DELAY_MAX];
+        self.activity = 0.0;
+        self.last = command;
+    }
+
+    /// Goes on from a motion, with the commands that are on their way.
+    pub(crate) fn go_on(&mut self, motion: Motion) {
+        self.observer.place(motion);
         self.low_pass = motion.position;
         self.expected = 0.0;
         self.measured = 0.0;
-        self.activity = 0.0;
-        self.last = command;
     }
 
     /// The command of so many samples ago as the delay has.

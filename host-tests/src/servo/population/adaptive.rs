@@ -5,7 +5,9 @@
 //! [`PATIENCE`] is over.
 
 use trendid::hardware::{Axis, Scale};
-use trendid::servo::{self, Model, MotionLimits, Reason, Report, ServoLoop, State, Travel};
+use trendid::servo::{
+    self, FaultCounters, Model, MotionLimits, Reason, Report, ServoLoop, State, Travel,
+};
 
 use crate::servo::population::bench::Bench;
 use crate::servo::population::draw::AxisDraw;
@@ -28,6 +30,8 @@ pub struct LoopPositioner {
     unit_mm: f64,
     target_mm: f64,
     stopped: Option<Reason>,
+    /// What the monitors counted until the latest sample.
+    faults: Option<FaultCounters>,
     /// The samples, where they are kept.
     samples: Option<Vec<Seen>>,
 }
@@ -98,6 +102,7 @@ impl LoopPositioner {
             unit_mm,
             target_mm: 0.0,
             stopped: None,
+            faults: None,
             samples: None,
         })
     }
@@ -116,6 +121,7 @@ impl LoopPositioner {
     fn sample(&mut self, code: i32) -> Report {
         self.servo.sensor_mut().code = Some(code);
         let report = self.servo.update();
+        self.faults = Some(report.faults);
         if let Some(samples) = &mut self.samples {
             let used = self.servo.supervisor().verified_model().map(|m| {
                 let (a1, a2, b0) = (f64::from(m.a1), f64::from(m.a2), f64::from(m.b0));
@@ -139,6 +145,11 @@ impl LoopPositioner {
     /// Why the loop stopped the axis in control.
     pub fn stopped(&self) -> Option<Reason> {
         self.stopped
+    }
+
+    /// What the monitors counted; `None` before the first sample.
+    pub fn faults(&self) -> Option<FaultCounters> {
+        self.faults
     }
 
     /// Commissions from power-up until the loop controls or the user gives up.

@@ -11,11 +11,13 @@
 //! | [`practitioner`] | the fixed controller of a practitioner |
 //! | [`search`] | its gains, searched on the axis itself |
 //! | [`trial`] | one axis with all of these |
+//! | [`changed`] | an axis whose mass changes in motion |
 //! | [`shown`] | one axis with its loop, sample by sample |
 //! | [`summary`] | the figures of many axes |
 
 pub mod adaptive;
 pub mod bench;
+pub mod changed;
 pub mod draw;
 pub mod family;
 pub mod practitioner;

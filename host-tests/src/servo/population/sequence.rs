@@ -51,7 +51,7 @@ const REST: f64 = 4.0;
 const PATIENCE: f64 = 20.0;
 
 /// Amplitude over travel of large and of small sines, where the limits of motion allow it.
-const LARGE: f64 = 0.2;
+pub const LARGE: f64 = 0.2;
 const SMALL: f64 = 0.005;
 
 /// What a sequence shows of an axis; `None` where it did not come to it.

@@ -1,0 +1,112 @@
+//! An axis whose moving mass changes in motion, under the loop that adapts and under the gains of its commissioning.
+
+use rand::RngExt;
+use trendid::servo::Reason;
+
+use crate::servo::population::adaptive::LoopPositioner;
+use crate::servo::population::bench::Bench;
+use crate::servo::population::draw::{AxisDraw, Mechanics};
+use crate::servo::population::range::{Purpose, stream};
+use crate::servo::population::sequence::{Exercise, LARGE, Positioner, amplitude};
+
+/// Frequency of the sine in which the mass changes \[Hz\].
+const FREQUENCY: f64 = 0.5;
+
+/// Time after the change that is left to learn \[s\].
+pub const LEARNING: f64 = 3.0;
+
+/// Places over the travel of the steps at the end.
+const STEPS: [f64; 3] = [0.35, 0.65, 0.5];
+
+/// What came of a change.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Changed {
+    /// The seed of the axis.
+    pub seed: u64,
+    /// Largest error in the sine before the change, and in two periods after the time to learn \[mm\].
+    pub sine_mm: [f64; 2],
+    /// Largest error at the end of the steps after the change \[mm\].
+    pub steady_state_mm: f64,
+    /// Range at rest after it \[mm\].
+    pub rest_range_mm: f64,
+    /// Hardest blow to an end stop \[mm/s\].
+    pub blow_mm_s: f64,
+    /// Why the loop stopped.
+    pub stopped: Option<Reason>,
+    /// Oscillations that were noticed, least factor on the bandwidth, and models that reached the controller.
+    pub oscillations: u32,
+    /// Factor on the bandwidth at the end.
+    pub derating: f32,
+    /// Models that reached the controller.
+    pub models: u32,
+}
+
+/// Multiplies the moving mass of a pneumatic axis in a sine; the constant load stays. `None` of an axis that is not accepted or not pneumatic.
+pub fn mass(axis: &AxisDraw, factor: f64, adaptive: bool) -> Option<Changed> {
+    let Mechanics::Pneumatic(parameters) = axis.mechanics else {
+        return None;
+    };
+    let mut bench = Bench::new(axis, Purpose::Disturbance);
+    let mut positioner = LoopPositioner::new(axis, adaptive).ok()?;
+    let _ = positioner.commission(&mut bench).verified_s?;
+    let mut changed = Changed {
+        seed: axis.seed,
+        sine_mm: [f64::INFINITY; 2],
+        steady_state_mm: f64::INFINITY,
+        rest_range_mm: f64::INFINITY,
+        blow_mm_s: 0.0,
+        stopped: None,
+        oscillations: 0,
+        derating: 1.0,
+        models: 0,
+    };
+    let mut exercise = Exercise::new(&mut bench, &mut positioner);
+    // A run that the loop ended has the figures that it came to.
+    let _ = exercise.through_a_change(&mut changed, |bench| {
+        if let Some(axis) = bench.pneumatic_mut() {
+            axis.set_mass(factor * parameters.mass);
+        }
+    });
+    changed.stopped = positioner.stopped();
+    if let Some(faults) = positioner.faults() {
+        (changed.oscillations, changed.derating) = (faults.oscillations, faults.derating);
+    }
+    changed.models = positioner.servo().supervisor().counts().0;
+    changed.blow_mm_s = bench.blow_mm_s;
+    Some(changed)
+}
+
+impl Exercise<'_, LoopPositioner> {
+    fn through_a_change(
+        &mut self,
+        changed: &mut Changed,
+        change: impl FnOnce(&mut Bench),
+    ) -> Option<()> {
+        let axis = *self.bench.axis();
+        let length = axis.stroke_mm();
+        let _ = self.step(0.5 * length, 1.0, 0.5)?;
+        let size = amplitude(&axis, LARGE, FREQUENCY);
+        if !self.positioner.oscillate(size, FREQUENCY) {
+            return None;
+        }
+        let period = 1.0 / FREQUENCY;
+        let _ = self.pass(period)?;
+        let [largest, _] = self.pass(period)?;
+        changed.sine_mm[0] = largest;
+        let phase = stream(axis.seed, Purpose::Sequence).random_range(0.0..period);
+        let _ = self.pass(phase)?;
+        change(self.bench);
+        let _ = self.pass(LEARNING)?;
+        let [largest, _] = self.pass(2.0 * period)?;
+        changed.sine_mm[1] = largest;
+        let mut worst = 0.0_f64;
+        for place in STEPS {
+            let [stays, _] = self.step(place * length, 2.0, 0.5)?;
+            worst = worst.max(stays);
+        }
+        changed.steady_state_mm = worst;
+        let [_, range] = self.pass(3.0)?;
+        changed.rest_range_mm = range;
+        Some(())
+    }
+}
