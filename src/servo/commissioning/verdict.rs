@@ -6,13 +6,13 @@ use crate::servo::supervision::state::Reason;
 
 /// Bounds of an accepted model.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Bounds {
+struct Bounds {
     /// Largest error of a free simulation over the movement, squared.
-    pub(crate) misfit: f32,
+    misfit: f32,
     /// Largest relative change of gain and natural frequency, and change of damping, between two estimates.
-    pub(crate) change: [f32; 3],
+    change: [f32; 3],
     /// Largest relative standard deviation of gain and frequency, and standard deviation of the damping.
-    pub(crate) std: [f32; 3],
+    std: [f32; 3],
 }
 
 /// Scale of the dead zone in the fit, and its largest standard deviation at first.
@@ -26,7 +26,7 @@ const BOUNDS: Bounds = Bounds {
 };
 
 /// Velocity gain, natural frequency, damping.
-pub(crate) fn physical(theta: &Theta) -> [f32; 3] {
+fn physical(theta: &Theta) -> [f32; 3] {
     let w = sqrt(theta.a1);
     [theta.b0 / theta.a1, w, 0.5 * theta.a2 / w]
 }
