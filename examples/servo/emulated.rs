@@ -11,7 +11,7 @@
 //! | hardfault | a read where no memory is, in the interrupt | its report |
 //! | overflow | a recursion without end, in the interrupt | its report |
 //! | idle-overflow | the same in the idle loop | its report |
-//! | wire | no script: `live.rs` | the same |
+//! | wire, rtt | no script, requests over USART1 or RTT: `live.rs` | the same |
 
 use core::hint::black_box;
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
@@ -24,7 +24,7 @@ use trendid_example_support::machine::{BEGIN, TRACED};
 use trendid_example_support::survivor::Fault;
 
 use crate::snapshot::{EVERY, Snapshot};
-use crate::survival;
+use crate::{survival, wire::Over};
 
 /// The slot of 2.5 ms comes before this sample of the first start, after what is compared by its hash; then three overruns.
 const GAP: u64 = TRACED + EVERY;
@@ -116,11 +116,16 @@ enum Run {
     Overflow,
     IdleOverflow,
     Wire,
+    Rtt,
 }
 
-/// Whether the requests come over the wire.
-pub(crate) fn is_wired() -> bool {
-    Run::asked() == Run::Wire
+/// What the requests come over, where they come over the wire.
+pub(crate) fn wire() -> Option<Over> {
+    match Run::asked() {
+        Run::Wire => Some(Over::Usart),
+        Run::Rtt => Some(Over::Rtt),
+        _ => None,
+    }
 }
 
 impl Run {
@@ -138,6 +143,7 @@ impl Run {
             b"overflow" => Self::Overflow,
             b"idle-overflow" => Self::IdleOverflow,
             b"wire" => Self::Wire,
+            b"rtt" => Self::Rtt,
             _ => Self::Servo,
         }
     }
@@ -196,7 +202,7 @@ impl Script {
                     Run::Panic => FAULT.store(PANIC, Ordering::Relaxed),
                     Run::HardFault => FAULT.store(HARD_FAULT, Ordering::Relaxed),
                     Run::Overflow => FAULT.store(OVERFLOW, Ordering::Relaxed),
-                    Run::IdleOverflow | Run::Servo | Run::Wire => {
+                    Run::IdleOverflow | Run::Servo | Run::Wire | Run::Rtt => {
                         black_box(endless(0));
                     }
                 }

@@ -2,14 +2,16 @@
 //!
 //! A frame goes out with interrupts off, which on a board takes the time of a copy; in the emulator no time passes
 //! meanwhile. Nobody waits for the reader: a frame that finds no room is dropped whole, whatever mode the debugger asks for.
-//! The image of `examples/rtic` has this file too.
+//! The image of `examples/rtic` has this file too. The ring and its channel are those of the image (`debugger.rs`).
 
 use core::cell::UnsafeCell;
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m::{interrupt, register::primask};
 use cortex_m_semihosting::hio;
-use trendid_example_support::ring::{self, Ring};
+use trendid_example_support::ring;
+
+use crate::debugger::{LOG, RTT};
 
 /// The choice.
 static SEMIHOSTING: AtomicBool = AtomicBool::new(false);
@@ -52,7 +54,7 @@ unsafe impl defmt::Logger for Logger {
         // SAFETY: interrupts are off.
         unsafe {
             *FRAME.masked.get() = masked;
-            *FRAME.place.get() = RING.begin(&RTT.write);
+            *FRAME.place.get() = LOG.begin(&RTT.up[0].written);
             (*FRAME.encoder.get()).start_frame(put);
         }
     }
@@ -63,7 +65,7 @@ unsafe impl defmt::Logger for Logger {
         // SAFETY: interrupts are off since acquire; they were on before unless masked says otherwise.
         unsafe {
             (*FRAME.encoder.get()).end_frame(put);
-            RING.end(*FRAME.place.get(), &RTT.write);
+            LOG.end(*FRAME.place.get(), &RTT.up[0].written);
             if !*FRAME.masked.get() {
                 interrupt::enable();
             }
@@ -89,53 +91,11 @@ fn put(bytes: &[u8]) {
     let place = unsafe { &mut *FRAME.place.get() };
     bytes
         .iter()
-        .for_each(|&byte| RING.put(place, byte, &RTT.read));
+        .for_each(|&byte| LOG.put(place, byte, &RTT.up[0].read));
 }
 
 /// Frames that found no room.
 #[allow(dead_code, reason = "not every image of this file asks")]
 pub(crate) fn lost() -> u32 {
-    RING.lost()
+    LOG.lost()
 }
-
-const SIZE: usize = 1024;
-
-/// Control block of SEGGER's real-time transfer with one channel up; the debugger finds it by its symbol and its first
-/// bytes and reads the ring behind the back of the processor.
-#[repr(C)]
-struct Rtt {
-    id: [u8; 16],
-    channels_up: u32,
-    channels_down: u32,
-    name: Pointer,
-    ring: Pointer,
-    size: u32,
-    write: AtomicU32,
-    read: AtomicU32,
-    /// How the debugger wants a full ring to be met; it is left as it is, without waiting.
-    mode: AtomicU32,
-}
-
-/// An address in a static.
-#[repr(transparent)]
-struct Pointer(*const u8);
-
-// SAFETY: the addresses are constant, and what they point to is read by the debugger only.
-unsafe impl Sync for Pointer {}
-
-static RING: Ring<SIZE> = Ring::new();
-
-// SAFETY: the name that debuggers look for; nothing else has it.
-#[unsafe(export_name = "_SEGGER_RTT")]
-static RTT: Rtt = Rtt {
-    id: *b"SEGGER RTT\0\0\0\0\0\0",
-    channels_up: 1,
-    channels_down: 0,
-    // The name tells probe-rs that the bytes are frames of defmt.
-    name: Pointer(c"defmt".as_ptr().cast()),
-    ring: Pointer(RING.as_ptr()),
-    size: SIZE as u32,
-    write: AtomicU32::new(0),
-    read: AtomicU32::new(0),
-    mode: AtomicU32::new(0),
-};

@@ -10,6 +10,7 @@
 //! | watchdog | independent watchdog, 10 ms |
 //! | log | defmt over RTT (probe-rs) or semihosting (emulator) |
 //! | telemetry and requests (`wire.rs`), 921 600 baud | USART1: transmit PA9, receive PA10 |
+//! | the same through the debugger (`TELEMETRY` in `wiring.rs`) | channel 1 of RTT in both directions |
 //!
 //! Nothing moves by itself: after every reset the loop is idle until the button is pressed, which commissions the axis; the
 //! next press stops it; or until the wire asks. A verified model is kept in flash; `RESUME` lets control begin with it after a reset, at the position
@@ -26,9 +27,12 @@
 //! In the emulator there is no machine. The image sees that (the clock control reads zero there) and puts a simulated
 //! drive in the place of encoder and valve and a script in the place of the button; everything between them is the same.
 //! The script provokes overruns and a panic and holds the reports of the starts after them against what it did
-//! (`emulated.rs`); started with the word `wire` it leaves that to the wire, in real time (`live.rs`). On the host the same loop runs on the same drive.
+//! (`emulated.rs`); started with the word `wire` or `rtt` it leaves that to the wire, in real time (`live.rs`). On the host the
+//! same loop runs on the same drive.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
+#[cfg(target_os = "none")]
+mod debugger;
 #[cfg(target_os = "none")]
 mod emulated;
 #[cfg(target_os = "none")]

@@ -18,7 +18,7 @@ use crate::keep::Keep;
 use crate::slot::{self, Slot, WATCHDOG_MS, requests};
 use crate::snapshot::Snapshot;
 use crate::wire::{self, Pump};
-use crate::wiring::{self, CRYSTAL_MHZ, Chip, Output, Ports, Sensor};
+use crate::wiring::{self, CRYSTAL_MHZ, Chip, Output, Ports, Sensor, TELEMETRY};
 use crate::{RESUME, live, log, logger, survival};
 
 /// Ticks of TIM2 per second in QEMU, whatever the clock control says.
@@ -91,7 +91,8 @@ fn begin() -> Idle {
     let mut servo = servo_loop(sensor, valve).unwrap();
 
     // In the emulator a word asks for the wire in the place of the script, in real time.
-    let wired = emulated && emulated::is_wired();
+    let asked = if emulated { emulated::wire() } else { None };
+    let wired = asked.is_some();
     let mut slots = slot_timer(chip.TIM2, emulated, &mut rcc);
     if !wired {
         slots.listen(timer::Event::Update);
@@ -107,7 +108,8 @@ fn begin() -> Idle {
 
     let identity = wire::identity(&config(), emulated);
     let begun = (survivor.starts(), causes.main().name());
-    let (mut wire, pump) = wire::begin(chip.USART1, pins, &mut rcc, identity, begun).unzip();
+    let over = asked.unwrap_or(TELEMETRY);
+    let (mut wire, pump) = wire::begin(over, chip.USART1, pins, &mut rcc, identity, begun);
     if let (Some(wire), Some(fault)) = (&mut wire, survivor.fault()) {
         wire.event(Event::Fault(log::words(&fault)));
     }

@@ -1,118 +1,106 @@
-//! Telemetry and requests over USART1, for `trendid-monitor --port` and `--emulator`.
+//! Telemetry and requests over USART1 or RTT, for `trendid-monitor`.
 //!
 //! ```text
-//! USART1 --interrupt--> queue --> slot: Station --> queue --idle loop--> USART1
+//! line --> slot: Station --> line            a line: wire/usart.rs, wire/rtt.rs
 //! ```
 //!
-//! The slot empties one queue and fills the other, and never waits: what finds no room stays in the outbox of the station,
-//! which drops samples and counts them, and keeps events and answers. A byte that comes in is taken by an interrupt above
-//! that of the slot. A byte that is lost all the same, e.g. while the log writes with interrupts off, spoils its frame: the
-//! check sum tells, and the order comes again.
+//! The slot empties one end of the line and fills the other, and never waits: what finds no room stays in the outbox of the
+//! station, which drops samples and counts them, and keeps events and answers.
 
-use core::cell::RefCell;
+mod rtt;
+mod usart;
 
-use cortex_m::interrupt::{Mutex, free};
-use cortex_m::peripheral::NVIC;
-use heapless::spsc::{Consumer, Producer, Queue};
+use core::iter::from_fn;
+
 use stm32f4xx_hal::gpio::{PA9, PA10};
-use stm32f4xx_hal::pac::{self, USART1, interrupt};
+use stm32f4xx_hal::pac::USART1;
 use stm32f4xx_hal::rcc::Rcc;
-use stm32f4xx_hal::serial::{Event as Line, Rx, Tx};
-use stm32f4xx_hal::{nb, prelude::*};
 use trendid::hardware::{PositionSensor, Valve};
 use trendid::servo::{Config, Report, ServoLoop};
 use trendid_link::telemetry::{
     Event, Health, Identity, Learned, Outcome, Request, Sample, SettingValue, Station, text,
 };
 
-const BAUD: u32 = 921_600;
-
-/// Bytes that wait in either direction; one place of a queue stays empty.
-const RECEIVED: usize = 512;
-const SENT: usize = 2048;
+use rtt::Rtt;
+pub(crate) use usart::Pump;
+use usart::Usart;
 
 /// Bytes that a slot takes at most: more than the line brings in one.
 const PER_SLOT: usize = 128;
 
-/// What the interrupt of the line owns.
-type Receiving = (Rx<USART1>, Producer<'static, u8>);
+/// A line as the slot sees it. Neither direction waits.
+pub(crate) trait Line {
+    /// The next byte that came in.
+    fn receive(&mut self) -> Option<u8>;
 
-static RECEIVING: Mutex<RefCell<Option<Receiving>>> = Mutex::new(RefCell::new(None));
+    /// Takes as many bytes as there is room for, and leaves the others.
+    fn send(&mut self, bytes: impl Iterator<Item = u8>);
+}
 
-#[interrupt]
-fn USART1() {
-    static mut OWN: Option<Receiving> = None;
-    if OWN.is_none() {
-        *OWN = free(|section| RECEIVING.borrow(section).take());
+/// What the wire runs over.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Over {
+    Usart,
+    Rtt,
+}
+
+/// The line of this image.
+enum Chosen {
+    Usart(Usart),
+    Rtt(Rtt),
+}
+
+impl Line for Chosen {
+    fn receive(&mut self) -> Option<u8> {
+        match self {
+            Self::Usart(line) => line.receive(),
+            Self::Rtt(line) => line.receive(),
+        }
     }
-    if let Some((line, queue)) = OWN {
-        // An error of the line is a wrong byte to the check sum; so is a byte that finds no room.
-        let byte = match line.read() {
-            Ok(byte) => byte,
-            Err(nb::Error::WouldBlock) => return,
-            Err(nb::Error::Other(_)) => 0xFF,
-        };
-        let _ = queue.enqueue(byte);
+
+    fn send(&mut self, bytes: impl Iterator<Item = u8>) {
+        match self {
+            Self::Usart(line) => line.send(bytes),
+            Self::Rtt(line) => line.send(bytes),
+        }
     }
 }
 
 /// The end in the slot.
 pub(crate) struct Wire {
     station: Station,
-    received: Consumer<'static, u8>,
-    sends: Producer<'static, u8>,
+    line: Chosen,
     last: Sample,
 }
 
-/// The end in the idle loop.
-pub(crate) struct Pump {
-    line: Tx<USART1>,
-    queue: Consumer<'static, u8>,
-}
-
-impl Pump {
-    /// Sends what the line takes; whether more waits.
-    pub(crate) fn run(&mut self) -> bool {
-        while let Some(&byte) = self.queue.peek() {
-            if self.line.write(byte).is_err() {
-                return true;
-            }
-            let _ = self.queue.dequeue();
-        }
-        false
-    }
-}
-
-/// Sets the line up; `start` is the number of the start, `cause` why it started. `None` when the clock has no such rate.
+/// Sets the line up, and what the idle loop has to do for it; no wire when the clock has no such rate.
 pub(crate) fn begin(
-    line: USART1,
+    over: Over,
+    usart: USART1,
     pins: (PA9, PA10),
     rcc: &mut Rcc,
     identity: Identity,
     (start, cause): (u32, &str),
-) -> Option<(Wire, Pump)> {
-    let received = cortex_m::singleton!(: Queue<u8, RECEIVED> = Queue::new())?;
-    let sent = cortex_m::singleton!(: Queue<u8, SENT> = Queue::new())?;
-    let mut serial = line.serial::<u8>(pins, BAUD.bps(), rcc).ok()?;
-    serial.listen(Line::RxNotEmpty);
-    let (line, receives) = serial.split();
-    let (fills, received) = received.split();
-    let (sends, queue) = sent.split();
-    free(|section| RECEIVING.borrow(section).replace(Some((receives, fills))));
+) -> (Option<Wire>, Option<Pump>) {
+    let (line, pump) = match over {
+        Over::Usart => usart::begin(usart, pins, rcc).unzip(),
+        Over::Rtt => (None, None),
+    };
+    let line = match over {
+        Over::Usart => line.map(Chosen::Usart),
+        Over::Rtt => Some(Chosen::Rtt(Rtt)),
+    };
     let mut station = Station::new(identity, start as u16, 0);
     station.event(Event::Start {
         cause: text(cause),
         starts: start,
     });
-    // SAFETY: everything the interrupt needs was handed over.
-    unsafe { NVIC::unmask(pac::Interrupt::USART1) };
-    let wire = Wire {
+    let wire = line.map(|line| Wire {
         station,
-        received,
-        sends,
+        line,
         last: Sample::default(),
-    };
-    Some((wire, Pump { line, queue }))
+    });
+    (wire, pump)
 }
 
 /// Who speaks.
@@ -130,7 +118,7 @@ impl Wire {
     /// The next request that the machine has to carry out and then to [`answer`](Self::answer).
     pub(crate) fn request(&mut self) -> Option<Request> {
         for _ in 0..PER_SLOT {
-            if let Some(request) = self.station.push(self.received.dequeue()?) {
+            if let Some(request) = self.station.push(self.line.receive()?) {
                 return Some(request);
             }
         }
@@ -197,13 +185,9 @@ impl Wire {
         self.send();
     }
 
-    /// Gives the idle loop what it has room for.
+    /// Gives the line what it has room for.
     fn send(&mut self) {
-        while self.sends.ready() {
-            let Some(byte) = self.station.next_byte() else {
-                return;
-            };
-            let _ = self.sends.enqueue(byte);
-        }
+        let station = &mut self.station;
+        self.line.send(from_fn(|| station.next_byte()));
     }
 }

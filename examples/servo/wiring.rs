@@ -20,6 +20,7 @@ use trendid_example_support::machine::ORIGIN;
 use trendid_example_support::registers::Registers;
 use trendid_example_support::safe_output;
 
+use crate::wire::Over;
 use crate::{emulated, live};
 
 /// The transducer on SPI2.
@@ -42,6 +43,9 @@ enum Wiring {
 }
 
 const OUTPUT: Wiring = Wiring::Pwm;
+
+/// Where telemetry goes and requests come from: `Over::Usart` with the pins of the table, or `Over::Rtt` through the debugger.
+pub(crate) const TELEMETRY: Over = Over::Usart;
 
 /// Set when a reading succeeded since the last look.
 pub(crate) static FRESH: AtomicBool = AtomicBool::new(false);

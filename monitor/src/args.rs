@@ -28,6 +28,9 @@ pub(crate) struct Args {
     /// A target behind a TCP socket, e.g. an emulator that runs already
     #[arg(long, value_name = "HOST:PORT", group = "source")]
     pub tcp: Option<String>,
+    /// A debugger's stub, e.g. of QEMU, and RTT in the memory of its target, which is stopped for every look: not for a machine
+    #[arg(long, value_name = "HOST:PORT", group = "source")]
+    pub gdb: Option<String>,
     /// A record that this monitor has written, in its own time
     #[arg(long, value_name = "FILE", group = "source")]
     pub replay: Option<PathBuf>,
@@ -39,8 +42,11 @@ pub(crate) struct Args {
     #[arg(long)]
     pub rare: bool,
     /// With --emulator: an image that is built already
-    #[arg(long, value_name = "FILE", requires = "emulator", conflicts_with_all = ["axis", "port", "tcp", "replay"])]
+    #[arg(long, value_name = "FILE", requires = "emulator", conflicts_with_all = ["axis", "port", "tcp", "gdb", "replay"])]
     pub image: Option<PathBuf>,
+    /// With --emulator: over RTT in its memory in the place of its serial line
+    #[arg(long, requires = "emulator", conflicts_with_all = ["axis", "port", "tcp", "gdb", "replay"])]
+    pub rtt: bool,
     /// With --axis: how many times as fast as real time; 0 as fast as it is received
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = speed)]
     pub speed: f64,
@@ -132,6 +138,7 @@ mod tests {
         assert!(!open.address().ip().is_loopback());
         assert!(parse("m").is_err() && parse("m --axis 1 --tcp 127.0.0.1:1").is_err());
         assert!(parse("m --axis 1 --family steam").is_err());
+        assert!(parse("m --axis 1 --rtt").is_err() && parse("m --emulator --rtt").is_ok());
         assert!(parse("m --axis 1 --image x").is_err() && parse("m --emulator --image x").is_ok());
         assert!(
             parse("m --axis 1 --speed -1").is_err() && parse("m --axis 1 --speed nan").is_err()

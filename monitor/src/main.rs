@@ -25,7 +25,7 @@ use tokio::net::TcpListener;
 use tokio::sync::mpsc::channel;
 
 use crate::args::Args;
-use crate::hub::{Hub, Summary};
+use crate::hub::Hub;
 use crate::server::{Server, router};
 
 /// Messages of all pages that wait for the hub.
@@ -79,7 +79,7 @@ async fn run(args: Args) -> Result<(), String> {
     let end = args.seconds.map(Duration::from_secs_f64);
     let summary = hub.run(from_pages, end).await;
     serving.abort();
-    print(&summary);
+    print!("{}", summary.text());
     Ok(())
 }
 
@@ -87,25 +87,4 @@ fn random_token() -> Result<String, String> {
     let mut bytes = [0_u8; 16];
     getrandom::fill(&mut bytes).map_err(|error| format!("no random numbers: {error}"))?;
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
-}
-
-fn print(summary: &Summary) {
-    let Summary {
-        tally,
-        losses,
-        seconds,
-    } = summary;
-    println!(
-        "{seconds:.1} s, starts of the line {}, samples {} ({:.1} per s), missing {}, dropped at the target {}, events {}",
-        tally.starts,
-        tally.samples,
-        tally.samples as f64 / seconds,
-        tally.missing,
-        tally.dropped,
-        tally.events
-    );
-    println!(
-        "frames lost on the line {}, damaged {}, orders without an answer {}",
-        losses.lost, losses.corrupt, losses.unanswered
-    );
 }

@@ -16,7 +16,8 @@ export function start(args) {
     child.on("exit", (code) => failed(new Error(`the monitor has ended: ${code}`)));
   });
 }
-const ended = (child) => new Promise((done) => { if (child.exitCode !== null || child.signalCode) done(); else child.on("exit", done); });
+/** Waits until it has ended. */
+export const ended = (child) => new Promise((done) => { if (child.exitCode !== null || child.signalCode) done(); else child.on("exit", done); });
 
 /** Ends a monitor as its user would. */
 export async function end(child) {

@@ -59,7 +59,7 @@ pub(crate) fn run() -> Done {
 }
 
 /// The scripts beside the packages that they need.
-fn scripts(out: &std::path::Path) -> Result<PathBuf, String> {
+pub(crate) fn scripts(out: &std::path::Path) -> Result<PathBuf, String> {
     let place = out.join("node");
     fs::create_dir_all(&place).map_err(|error| format!("{}: {error}", place.display()))?;
     let from = root().join("xtask/browser");
@@ -70,6 +70,7 @@ fn scripts(out: &std::path::Path) -> Result<PathBuf, String> {
         "monitor.mjs",
         "emulator.mjs",
         "playground.mjs",
+        "watch.mjs",
     ] {
         let (from, to) = (from.join(name), place.join(name));
         fs::copy(&from, &to).map_err(|error| format!("{}: {error}", from.display()))?;
@@ -94,7 +95,7 @@ fn scripts(out: &std::path::Path) -> Result<PathBuf, String> {
 }
 
 /// The browser; installed where that is possible.
-fn chromium() -> Result<PathBuf, String> {
+pub(crate) fn chromium() -> Result<PathBuf, String> {
     let find = || {
         let paths = std::env::var_os("PATH")?;
         BROWSERS.iter().find_map(|name| {

@@ -24,9 +24,11 @@ mod process;
 mod python;
 mod quote;
 mod record;
+mod rtt;
 mod setup;
 mod soak;
 mod tool;
+mod watch;
 mod web;
 mod workflow;
 
@@ -70,6 +72,10 @@ enum Task {
     Statistics,
     /// Monitor and playground driven in a headless browser; installs what is missing.
     Browser,
+    /// Telemetry of the firmware over RTT, through the memory of the emulator.
+    Rtt,
+    /// The firmware in the emulator, watched on a page: rates, losses, memory, redraws.
+    Watch(watch::Options),
     /// Simulated hours of the identifier and of the loop.
     Soak(soak::Options),
     /// The workflow of continuous integration, by actionlint; its tasks are those of this program.
@@ -113,6 +119,8 @@ fn main() -> ExitCode {
         Task::Printed(task) => task.print(),
         Task::Statistics => ci::statistics(),
         Task::Browser => browser::run(),
+        Task::Rtt => rtt::run(),
+        Task::Watch(options) => watch::run(&options),
         Task::Soak(options) => soak::run(&options),
         Task::Workflow => {
             let command = Arguments::command();

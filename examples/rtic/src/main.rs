@@ -16,6 +16,7 @@
 #![no_std]
 #![no_main]
 
+mod debugger;
 // The same frames from the same image over RTT or semihosting.
 #[path = "../../servo/logger.rs"]
 mod logger;

@@ -13,6 +13,7 @@ pub mod request;
 pub mod reset;
 pub mod ring;
 pub mod rows;
+pub mod rtt;
 pub mod safe_output;
 pub mod slots;
 pub mod survivor;

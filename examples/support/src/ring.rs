@@ -1,10 +1,11 @@
-//! Bytes of a log on their way to a reader that may be slow or absent: whole frames or none, and the writer never waits.
+//! Bytes between the program and a debugger that may be slow or absent, in either direction: nobody waits.
 
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 
-/// A ring of `N` bytes with one writer; the reader moves `read` behind the writer's back.
+/// A ring of `N` bytes with one writer and one reader, one of which moves its place behind the back of the other.
 ///
-/// What a frame has written is shown to the reader when it ends. A frame that has no room is dropped whole and counted.
+/// What a frame has written is shown to the reader when it ends. A frame that has no room is dropped whole and counted; who may
+/// not lose any asks for the [`room`](Self::room) first.
 #[derive(Debug)]
 pub struct Ring<const N: usize> {
     bytes: [AtomicU8; N],
@@ -49,6 +50,24 @@ impl<const N: usize> Ring<N> {
     /// Frames that were dropped.
     pub fn lost(&self) -> u32 {
         self.lost.load(Ordering::Relaxed)
+    }
+
+    /// Bytes that a frame may have now.
+    pub fn room(&self, written: &AtomicU32, read: &AtomicU32) -> usize {
+        let [written, read] =
+            [written, read].map(|place| place.load(Ordering::Acquire) as usize % N);
+        (read + N - written - 1) % N
+    }
+
+    /// The next byte that the other end has written.
+    pub fn take(&self, written: &AtomicU32, read: &AtomicU32) -> Option<u8> {
+        let at = read.load(Ordering::Relaxed) as usize % N;
+        if at == written.load(Ordering::Acquire) as usize % N {
+            return None;
+        }
+        let byte = self.bytes.get(at)?.load(Ordering::Relaxed);
+        read.store(((at + 1) % N) as u32, Ordering::Release);
+        Some(byte)
     }
 
     /// Begins a frame behind what was `written`.
@@ -110,14 +129,11 @@ mod tests {
         }
 
         fn take(&self) -> Vec<u8> {
-            let mut taken = Vec::new();
-            let mut at = self.read.load(Ordering::Relaxed);
-            while at != self.written.load(Ordering::Acquire) {
-                taken.push(self.ring.bytes[at as usize].load(Ordering::Relaxed));
-                at = (at + 1) % SIZE as u32;
-            }
-            self.read.store(at, Ordering::Release);
-            taken
+            std::iter::from_fn(|| self.ring.take(&self.written, &self.read)).collect()
+        }
+
+        fn room(&self) -> usize {
+            self.ring.room(&self.written, &self.read)
         }
     }
 
@@ -158,11 +174,38 @@ mod tests {
     }
 
     #[test]
+    fn a_frame_of_the_room_that_is_left_fits_and_one_byte_more_does_not() {
+        let line = Line::default();
+        for k in 0..1000 {
+            let some = k % SIZE;
+            line.write(&[1; SIZE][..some.min(line.room())]);
+            let room = line.room();
+            assert_eq!(room + some, SIZE - 1);
+            line.write(&[2; SIZE][..room + 1]);
+            assert_eq!((line.room(), line.ring.lost()), (room, k as u32 + 1));
+            line.write(&[3; SIZE][..room]);
+            assert_eq!((line.room(), line.ring.lost()), (0, k as u32 + 1));
+            assert_eq!(
+                line.take(),
+                [&[1; SIZE][..some], &[3; SIZE][..room]].concat()
+            );
+            // The next turn begins elsewhere.
+            line.write(&[4]);
+            assert_eq!(line.take(), [4]);
+        }
+    }
+
+    #[test]
     fn places_that_a_debugger_spoilt_are_wrapped_into_the_ring() {
         let line = Line::default();
         line.read.store(u32::MAX, Ordering::Relaxed);
         line.written.store(u32::MAX - 3, Ordering::Relaxed);
+        assert!(line.room() < SIZE);
         line.write(&[7, 8]);
         assert!(line.written.load(Ordering::Relaxed) < SIZE as u32);
+        line.written.store(u32::MAX, Ordering::Relaxed);
+        line.read
+            .store(u32::MAX - SIZE as u32 - 2, Ordering::Relaxed);
+        assert!(line.take().len() < SIZE && line.take().is_empty());
     }
 }

@@ -3,6 +3,7 @@
 //! Everything here has a bound: samples, estimates and events that a new page gets, messages that wait for a slow page,
 //! orders that wait for the target.
 
+mod course;
 mod message;
 mod page;
 mod pages;
@@ -28,6 +29,8 @@ use crate::mcap::Mcap;
 use crate::outputs::{Format, Output};
 use crate::record::Recorder;
 use crate::source::Source;
+use course::Course;
+pub(crate) use course::Summary;
 use page::Page;
 pub(crate) use said::{FromPage, Tally};
 
@@ -71,8 +74,7 @@ pub(crate) struct Hub {
     outputs: Vec<Output>,
     #[cfg(feature = "mcap")]
     mcap: Option<Mcap>,
-    second: (Instant, u64),
-    rate: u64,
+    course: Course,
 }
 
 impl Hub {
@@ -113,8 +115,7 @@ impl Hub {
             outputs,
             #[cfg(feature = "mcap")]
             mcap: args.mcap.as_deref().map(Mcap::create).transpose()?,
-            second: (now, 0),
-            rate: 0,
+            course: Course::new(now),
         })
     }
 
@@ -162,11 +163,7 @@ impl Hub {
         if let Some(Err(why)) = self.mcap.take().map(Mcap::finish) {
             eprintln!("error: {why}");
         }
-        Summary {
-            tally: self.tally,
-            losses: self.client.losses(),
-            seconds: self.begin.elapsed().as_secs_f64(),
-        }
+        self.course.finish(self.tally, self.client.losses())
     }
 
     fn now(&self) -> u64 {
@@ -183,11 +180,8 @@ impl Hub {
         for output in &mut self.outputs {
             output.flush();
         }
-        let (begin, count) = self.second;
-        if begin.elapsed() >= Duration::from_secs(1) {
-            let seconds = begin.elapsed().as_secs_f64();
-            self.rate = ((self.tally.samples - count) as f64 / seconds).round() as u64;
-            self.second = (Instant::now(), self.tally.samples);
+        let up = self.up.is_some();
+        if self.course.turn(Instant::now(), self.tally.samples, up) {
             self.tell(&self.line());
         }
     }
@@ -227,7 +221,7 @@ impl Hub {
         message::line(
             self.up.is_some(),
             words,
-            self.rate,
+            self.course.rate,
             &self.tally,
             self.client.losses(),
             recorded,
@@ -273,13 +267,6 @@ async fn asked_to_end() {
         }
     }
     let _ = tokio::signal::ctrl_c().await;
-}
-
-/// What came in, for the end.
-pub(crate) struct Summary {
-    pub tally: Tally,
-    pub losses: trendid_link::telemetry::Losses,
-    pub seconds: f64,
 }
 
 fn keep<T>(queue: &mut VecDeque<T>, item: T, most: usize) {

@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use crate::args::Args;
 use crate::source::channel::{Line, Said};
+use crate::source::gdb::{Gdb, carry};
 use crate::source::line::{again, prompt, pump};
 
 /// Target of the image.
@@ -40,10 +41,15 @@ pub(super) fn run(args: &Args, mut line: Line) {
             }
         }
     };
+    let name = image.file_name().unwrap_or_default().to_string_lossy();
+    let name = format!("{name} in QEMU");
     again(&mut line, |line| {
-        let (stream, _emulator) = start(&image, line)?;
-        let name = image.file_name().unwrap_or_default().to_string_lossy();
-        line.say(Said::Up(format!("{name} in QEMU")));
+        let (stream, _emulator) = start(&image, args.rtt, line)?;
+        if args.rtt {
+            return carry(Gdb::new(stream)?, &name, line);
+        }
+        prompt(&stream).map_err(|error| format!("a socket for QEMU: {error}"))?;
+        line.say(Said::Up(name.clone()));
         pump(stream, line)
     });
 }
@@ -82,12 +88,21 @@ fn executable(messages: &str) -> Option<PathBuf> {
     messages.lines().filter_map(named).next_back()
 }
 
-/// Starts QEMU, which calls back over its serial line before the first instruction.
-fn start(image: &Path, line: &Line) -> Result<(TcpStream, Emulator), String> {
+/// Starts QEMU, which calls back before the first instruction, over its serial line or as a debugger's stub.
+fn start(image: &Path, rtt: bool, line: &Line) -> Result<(TcpStream, Emulator), String> {
     let failed = |error: std::io::Error| format!("a socket for QEMU: {error}");
     let listener = TcpListener::bind("127.0.0.1:0").map_err(failed)?;
     listener.set_nonblocking(true).map_err(failed)?;
     let address = listener.local_addr().map_err(failed)?;
+    let socket = format!(
+        "socket,id=line,host=127.0.0.1,port={},nodelay=on",
+        address.port()
+    );
+    let (word, serial, stub) = if rtt {
+        ("rtt", "null", "chardev:line")
+    } else {
+        ("wire", "chardev:line", "none")
+    };
     let mut emulator = Command::new("qemu-system-arm")
         .args([
             "-machine",
@@ -97,11 +112,10 @@ fn start(image: &Path, line: &Line) -> Result<(TcpStream, Emulator), String> {
             "none",
         ])
         // Its script leaves the requests to the line.
-        .args([
-            "-semihosting-config",
-            "enable=on,target=native,arg=image,arg=wire",
-        ])
-        .args(["-serial", &format!("tcp:{address},nodelay=on"), "-kernel"])
+        .arg("-semihosting-config")
+        .arg(format!("enable=on,target=native,arg=image,arg={word}"))
+        .args(["-chardev", &socket, "-serial", serial, "-gdb", stub])
+        .arg("-kernel")
         .arg(image)
         .stdin(Stdio::null())
         .stdout(Stdio::null())
@@ -116,7 +130,6 @@ fn start(image: &Path, line: &Line) -> Result<(TcpStream, Emulator), String> {
         match listener.accept() {
             Ok((stream, _)) => {
                 stream.set_nonblocking(false).map_err(failed)?;
-                prompt(&stream).map_err(failed)?;
                 return Ok((stream, emulator));
             }
             Err(error) if error.kind() == ErrorKind::WouldBlock => {}

@@ -3,8 +3,10 @@
 pub(crate) mod axis;
 mod channel;
 mod emulator;
+mod gdb;
 mod line;
 pub(crate) mod replay;
+mod rtt;
 pub(crate) mod simulated;
 
 #[cfg(test)]
@@ -31,6 +33,8 @@ fn run(args: &Args, line: Line) {
         line::over_port(device, args.baud, line);
     } else if let Some(address) = &args.tcp {
         line::over_tcp(address, line);
+    } else if let Some(address) = &args.gdb {
+        gdb::run(address, line);
     } else if args.emulator {
         emulator::run(args, line);
     }

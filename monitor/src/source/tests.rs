@@ -1,5 +1,7 @@
 //! The sources as the hub sees them: a machine behind a serial line, and a record.
 
+mod rtt;
+
 #[cfg(unix)]
 use std::io::{Read, Write};
 use std::path::Path;
@@ -17,8 +19,8 @@ use trendid::servo::{Reason, State};
 use trendid_host_tests::servo::population::draw::AxisDraw;
 use trendid_host_tests::servo::population::family::Family;
 use trendid_link::telemetry::{
-    Client, Content, Event, Identity, Learned, Outcome, Refusal, Request, Sample, Trick, reason_of,
-    state_of,
+    Client, Content, Event, Health, Identity, Learned, Outcome, Refusal, Request, Sample, Trick,
+    reason_of, state_of,
 };
 
 use super::simulated::Simulated;
@@ -41,6 +43,7 @@ struct Host {
     events: Vec<Event>,
     answers: Vec<(u32, Outcome)>,
     learned: Option<Learned>,
+    health: Option<Health>,
     identity: Option<Identity>,
 }
 
@@ -59,6 +62,7 @@ impl Host {
             events: Vec::new(),
             answers: Vec::new(),
             learned: None,
+            health: None,
             identity: None,
         }
     }
@@ -88,7 +92,8 @@ impl Host {
                             }
                             Content::Learned(learned) => self.learned = Some(learned),
                             Content::Identity(identity) => self.identity = Some(identity),
-                            Content::Health(_) | Content::Setting(_) => {}
+                            Content::Health(health) => self.health = Some(health),
+                            Content::Setting(_) => {}
                         });
                     }
                 }
@@ -222,7 +227,6 @@ fn an_axis_behind_a_serial_line_is_commissioned_moved_broken_and_lost() {
     assert_eq!((losses.lost, losses.corrupt, losses.unanswered), (0, 0, 0));
     let ticks: Vec<u32> = host.samples.iter().map(|sample| sample.tick).collect();
     assert!(ticks.windows(2).all(|pair| pair[1] == pair[0] + 1));
-
     end.store(true, Ordering::Relaxed);
     served.join().unwrap();
     drop(far);
@@ -262,8 +266,7 @@ fn a_record_is_shown_as_it_was_and_carries_nothing_out() {
 /// A record of an axis that is being commissioned.
 fn recorded(path: &Path) -> Vec<record::Row> {
     let (mut machine, mut client) = (machine(), Client::new(1));
-    let mut recorder = None;
-    let (mut bytes, mut identity) = (Vec::new(), None);
+    let (mut bytes, mut identity, mut recorder) = (Vec::new(), None, None);
     for ms in 0..2000 {
         if ms == 0 {
             for request in [Request::Hello, Request::Stream(1), Request::Commission] {
