@@ -7,6 +7,7 @@
 //! The slot empties one end of the line and fills the other, and never waits: what finds no room stays in the outbox of the
 //! station, which drops samples and counts them, and keeps events and answers.
 
+mod line;
 mod rtt;
 mod usart;
 
@@ -21,21 +22,13 @@ use trendid_link::telemetry::{
     Event, Health, Identity, Learned, Outcome, Request, Sample, SettingValue, Station, text,
 };
 
+use line::Line;
 use rtt::Rtt;
 pub(crate) use usart::Pump;
 use usart::Usart;
 
 /// Bytes that a slot takes at most: more than the line brings in one.
 const PER_SLOT: usize = 128;
-
-/// A line as the slot sees it. Neither direction waits.
-pub(crate) trait Line {
-    /// The next byte that came in.
-    fn receive(&mut self) -> Option<u8>;
-
-    /// Takes as many bytes as there is room for, and leaves the others.
-    fn send(&mut self, bytes: impl Iterator<Item = u8>);
-}
 
 /// What the wire runs over.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! The wire over RTT: the rings that a debugger reads and writes while the program runs.
 
 use crate::debugger::{REQUESTS, RTT, TELEMETRY, WIRE};
-use crate::wire::Line;
+use crate::wire::line::Line;
 
 /// Both ends are memory: the slot reads and writes it, the debugger does the rest.
 pub(crate) struct Rtt;

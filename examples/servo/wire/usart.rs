@@ -14,7 +14,7 @@ use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::serial::{Event, Rx, Tx};
 use stm32f4xx_hal::{nb, prelude::*};
 
-use crate::wire::Line;
+use crate::wire::line::Line;
 
 const BAUD: u32 = 921_600;
 

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use trendid_link::telemetry::Losses;
 
-use crate::hub::Tally;
+use crate::hub::said::Tally;
 
 const SECOND: Duration = Duration::from_secs(1);
 
