@@ -74,7 +74,7 @@ pub struct ControllerSettings {
     /// Dead volume of a chamber over that of the stroke: how much stiffer the axis gets towards its ends. Default 0.06, a
     /// cylinder; infinite for a drive that is as stiff everywhere.
     pub dead_volume: f32,
-    /// Time in which the offset of a bumpless change of gains fades, in s; default 50 ms.
+    /// Time in which the offset of a bumpless change of gains fades, in s; default 10 ms, what a valve takes.
     pub transition: f32,
 }
 
@@ -169,7 +169,7 @@ impl Config {
                 blend: 0.01,
                 rest_window: None,
                 dead_volume: 0.06,
-                transition: 0.05,
+                transition: 0.01,
             },
             excitation: ExcitationSettings { amplitude: 0.5 },
             supervision: SupervisionSettings {

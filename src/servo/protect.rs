@@ -56,18 +56,18 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.supervisor.fail(reason);
     }
 
-    /// The answer to an oscillation: the gains that the commissioning gave, then less bandwidth.
+    /// The answer to an oscillation: less bandwidth at once, and the model of the commissioning is a candidate again.
+    ///
+    /// An oscillation does not tell whether the model in use is wrong or the one before was: after a heavier load the model of the
+    /// commissioning is. Less bandwidth calms either. Which model describes the axis is decided as between any two models, by what
+    /// they make of later samples.
     fn calm(&mut self) {
-        match self.known_good.take() {
-            Some(model) if self.supervisor.verified_model() != Some(model) => self.retune(model),
-            _ => {
-                let slower = DERATING * self.derating;
-                if slower > DERATING_MIN {
-                    self.derate(slower);
-                } else {
-                    self.derate(DERATING_MIN);
-                }
-            }
+        self.reconsiders = self.known_good != self.supervisor.verified_model();
+        let slower = DERATING * self.derating;
+        if slower > DERATING_MIN {
+            self.derate(slower);
+        } else {
+            self.derate(DERATING_MIN);
         }
     }
 

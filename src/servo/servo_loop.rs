@@ -84,8 +84,9 @@ pub struct ServoLoop<S, V> {
     pub(crate) stop: Stop,
     /// Factor on the bandwidth, 1 unless an oscillation was noticed.
     pub(crate) derating: f32,
-    /// The model of the commissioning, until it has answered an oscillation.
+    /// The model of the commissioning, and whether it is the next candidate.
     pub(crate) known_good: Option<Model>,
+    pub(crate) reconsiders: bool,
     /// The loop for what was found, while it is being built.
     pub(crate) building: Option<Building>,
     /// The search of poles for the model that is being validated.

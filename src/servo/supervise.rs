@@ -38,7 +38,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         };
         let mut event = self.supervisor.update(&seen);
         if self.adaptive && event == Event::None && self.supervisor.wants_candidate() {
-            let candidate = self.candidate();
+            let candidate = self.reconsidered().unwrap_or_else(|| self.candidate());
             event = self.supervisor.submit(&candidate, &seen);
         }
         self.identifier.adapt(self.learns());
@@ -67,6 +67,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                     self.engage(model, self.controller.motion());
                 } else {
                     self.retune(model);
+                    // What oscillated was the loop on the model before.
+                    self.derate(1.0);
                     self.identifier.set_nominal();
                 }
                 true
@@ -114,6 +116,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let along = self.sign * self.limiter.last();
         self.monitors.begin(model, motion, along);
         self.known_good = Some(model);
+        self.reconsiders = false;
         self.derate(1.0);
         self.trajectory.run_out(motion, self.run_out_rate);
     }
@@ -172,6 +175,12 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     fn candidate(&self) -> Candidate {
         let controlling = self.supervisor.state().is_controlling();
         candidate(&self.identifier, controlling.then_some(&self.controller))
+    }
+
+    /// The model of the commissioning, once after an oscillation on another one; it was verified.
+    fn reconsidered(&mut self) -> Option<Candidate> {
+        let model = self.known_good?;
+        core::mem::take(&mut self.reconsiders).then(|| Candidate::known(model))
     }
 
     /// The supervisor, for its state, its reasons and the fit of models.

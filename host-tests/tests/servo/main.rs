@@ -2,6 +2,7 @@
 //!
 //! Claims over many runs are in `tests/statistics`.
 
+mod changed;
 mod faults;
 mod linearised;
 mod nominal;

@@ -25,7 +25,7 @@ use crate::servo::motion::{Motion, Setpoint};
 /// s is the sign of the next motion of the reference, filtered. The state comes from an observer on the delayed flow and its
 /// prediction; a1 and b0 are those of the place. d is the integral action.
 /// The poles are the fastest whose margins hold, see [`Margins`]. A new model changes no command at
-/// the sample of its arrival: the difference is kept and fades, at most five full commands per s.
+/// the sample of its arrival: the difference is kept and fades, at most 50 full commands per s.
 /// While friction holds the axis, the drive is brought to where it breaks away; at the target the valve rests.
 ///
 /// Known as: state feedback with disturbance observer and Smith predictor; bumpless transfer (Astrom and Hagglund 2006).
@@ -211,6 +211,10 @@ impl Controller {
         }
         self.factor = arriving.factor.unwrap_or(self.factor);
         self.tune(arriving.model.unwrap_or(*self.estimator.model()));
+        if arriving.model.is_some() {
+            // What the model before could not explain.
+            self.estimator.forget_disturbance();
+        }
         let changed = self.law(&r, rests, changes);
         self.transfer.keep(command, changed)
     }

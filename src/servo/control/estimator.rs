@@ -195,6 +195,12 @@ impl Estimator {
         self.now.disturbance += flow * self.step.b0;
     }
 
+    /// No disturbance is known.
+    pub(crate) fn forget_disturbance(&mut self) {
+        self.now.disturbance = 0.0;
+        self.foresee();
+    }
+
     /// The flow that the axis feels from now on.
     pub(crate) fn flow_in_force(&self) -> f32 {
         self.flow_of(self.design.delay + 1)

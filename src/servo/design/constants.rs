@@ -79,8 +79,9 @@ pub(crate) const STOP_HOLD_RATIO: f32 = 1.2;
 // Change of gains.
 // Held by: a_change_of_gains_steps_the_command_by_at_most_one_percent.
 
-/// Largest rate per s at which the trace of a change of gains fades, in full commands.
-pub(crate) const TRANSITION_RATE_MAX: f32 = 5.0;
+/// Largest rate per s at which the trace of a change of gains fades, in full commands: no step, and over before the axis has
+/// moved by it. A tenth of that left the law without its command for up to 0.2 s.
+pub(crate) const TRANSITION_RATE_MAX: f32 = 50.0;
 
 // Supervision.
 // Held by: faults_are_refused_for_the_right_reason_and_the_gains_are_kept, changes_in_motion_...

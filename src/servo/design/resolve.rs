@@ -113,7 +113,7 @@ mod tests {
     #[test]
     fn at_1_khz_the_times_are_these_samples() -> Result<(), Error> {
         let design = Config::new(1e-3, 25.0, TRAVEL).resolve()?;
-        assert_eq!(design.controller.transition_step, 0.005);
+        assert_eq!(design.controller.transition_step, 0.05);
         let s = &design.supervision;
         assert_eq!((s.look, s.rejection, s.still), (16, 64, 200));
         assert_eq!(design.sensor_errors, 3);

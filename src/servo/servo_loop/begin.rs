@@ -83,6 +83,7 @@ fields! { of config, axis, design:
     stop: Stop::default(),
     derating: 1.0,
     known_good: None,
+    reconsiders: false,
     building: None,
     tuning: None,
     watching: 0,

@@ -27,6 +27,17 @@ pub(crate) struct Candidate {
 }
 
 impl Candidate {
+    /// A model that was verified before.
+    pub(crate) const fn known(model: Model) -> Self {
+        Self {
+            model,
+            gain_variance: 0.0,
+            frequency_variance: 0.0,
+            damping_variance: 0.0,
+            variances: UNKNOWN,
+        }
+    }
+
     /// Whether the sign of b0 is certain.
     pub(crate) fn has_certain_sign(&self) -> bool {
         let (b0, [.., variance]) = (self.model.b0, self.variances);
