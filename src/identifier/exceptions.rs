@@ -1,7 +1,7 @@
 //! Samples that are not of the model: the axis stands against it, or the drive has changed.
 
 use crate::identifier::plan::Plan;
-use crate::identifier::row::Row;
+use crate::identifier::row::{Noise, Row};
 use crate::identifier::standstill::Motion;
 use crate::identifier::state::State;
 use crate::identifier::witness::Witness;
@@ -49,7 +49,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         row: &Row<N>,
         u: [f32; I],
         y: f32,
-        noise: f32,
+        noise: Noise,
         witness: &mut impl Witness<M, N, I>,
     ) -> bool {
         if plan.sticks(&u) {
@@ -65,6 +65,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let limits = [plan.times.certain, plan.times.settled];
         let estimator = &self.estimator;
         let expected = || 1.0 + estimator.spread(&row.phi);
+        let noise = noise.known_or_infinite();
         let found = self
             .standstill
             .judge(y, row.innovation, noise, limits, expected);

@@ -33,6 +33,16 @@ impl Noise {
         let allowed = if known > least { known } else { least };
         Self { known, allowed }
     }
+
+    /// The variance that is allowed; infinite, so that nothing exceeds it, while the noise is not known.
+    #[inline(always)]
+    pub(super) fn known_or_infinite(self) -> f32 {
+        if self.known < 0.0 {
+            f32::INFINITY
+        } else {
+            self.allowed
+        }
+    }
 }
 
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>

@@ -106,7 +106,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         witness: &mut impl Witness<M, N, I>,
     ) -> Outcome {
         let innovation = row.innovation;
-        let obeys = !plan.can_stand || self.obeys(plan, row, u, y, noise.allowed, witness);
+        let obeys = !plan.can_stand || self.obeys(plan, row, u, y, noise, witness);
         if !self.adapting {
             return Outcome::Held { innovation };
         }

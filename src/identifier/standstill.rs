@@ -12,6 +12,10 @@
 //! standstill is certain: the trends begin again at rest as often as it contradicts. When it ends they begin again too, but the
 //! axis moves already: the initial state becomes uncertain; a structure without one waits until the trends have lost it.
 //!
+//! Nothing is held for ever on a model that is not known: what contradicts no more for the settling time of the trends, which have
+//! lost by then what did, is no standstill. So an estimate that is held goes on being contradicted, by more than its own uncertainty;
+//! and before the noise is known nothing contradicts.
+//!
 //! Where an input says that the velocity is 0, friction is whatever holds the axis, and no size of the innovation tells: the
 //! row is left out, and the trends begin at rest at the mean of y.
 //!
@@ -54,8 +58,9 @@ pub(crate) struct Standstill {
     entered: [f32; 2],
     /// Contradictions in a row.
     against: u32,
-    /// Samples since they were enough.
+    /// Samples since they were enough, and the last of them in a row without a contradiction.
     doubted: u32,
+    quiet: u32,
     /// Samples until the trends are free of what contradicted.
     pause: u32,
     /// Samples in a row whose velocity is given as 0, and the mean of y over them.
@@ -70,14 +75,15 @@ impl Standstill {
             entered: [0.0; 2],
             against: 0,
             doubted: 0,
+            quiet: 0,
             pause: 0,
             stuck: 0,
             mean: 0.0,
         }
     }
 
-    /// Judges a sample by y and its innovation; `noise` is the variance of y, `certain` and `settling` in samples,
-    /// `expected` gives 1 + phi' P phi.
+    /// Judges a sample by y and its innovation; `noise` is the variance of y, infinite while it is not known, `certain` and
+    /// `settling` in samples, `expected` gives 1 + phi' P phi.
     ///
     /// Cost: 15 instructions in motion.
     #[inline(always)]
@@ -103,6 +109,12 @@ impl Standstill {
             };
             if self.doubted > 0 || self.against >= LEAST {
                 self.doubted = self.doubted.saturating_add(1);
+                self.quiet = if contradicts { 0 } else { self.quiet + 1 };
+                if self.quiet >= settling {
+                    (self.doubted, self.quiet) = (0, 0);
+                    self.entered = [y, innovation];
+                    return Motion::Obeys;
+                }
                 if !(contradicts && self.doubted >= certain) {
                     return Motion::Doubtful;
                 }
@@ -115,7 +127,7 @@ impl Standstill {
             if self.doubted > 0 {
                 self.pause(self.doubted.saturating_mul(PAUSE).min(settling));
                 let stood = self.doubted >= certain;
-                self.doubted = 0;
+                (self.doubted, self.quiet) = (0, 0);
                 if stood {
                     self.entered = [y, 0.0];
                     return Motion::Freed;
@@ -184,6 +196,24 @@ mod tests {
                 assert_eq!(found, Motion::Obeys);
             }
         }
+    }
+
+    #[test]
+    fn what_contradicts_no_more_is_released() {
+        let mut standstill = Standstill::new();
+        for k in 0..5 {
+            let found = standstill.judge(0.0, 30.0, NOISE, LIMITS, || 1.0);
+            assert_eq!(found == Motion::Doubtful, k == 4, "{k}");
+        }
+        // The model has become uncertain, and its innovation is no contradiction any more.
+        for k in 1..=600 {
+            let found = standstill.judge(0.0, 30.0, NOISE, LIMITS, || 1e3);
+            assert_eq!(found == Motion::Obeys, k == 600, "{k}");
+        }
+        assert_eq!(
+            standstill.judge(0.0, 30.0, NOISE, LIMITS, || 1.0),
+            Motion::Obeys
+        );
     }
 
     #[test]

@@ -97,6 +97,7 @@ fn relative_white_noise_near_the_bound() {
 fn relative_white_noise_better_than_a_kalman_filter_that_knows_its_level() {
     for setting in rows(Reading::Relative, "white") {
         let lines = lines(&setting, 1.0, 300, &[Method::DEFAULT, Method::Kalman]);
+        assert_eq!(lines[0].diverged, 0);
         for i in 0..3 {
             assert!(lines[0].rms_pct[i] < lines[1].rms_pct[i], "{lines:?}");
         }
