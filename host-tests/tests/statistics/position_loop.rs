@@ -8,7 +8,7 @@ use trendid_host_tests::servo::scenario::Scenario;
 #[ignore = "long: cargo xtask statistics"]
 fn faults_are_refused_for_the_right_reason_and_the_gains_are_kept() {
     for scenario in Scenario::ALL.into_iter().filter(|s| s.expected().is_some()) {
-        for seed in 4001..=4020 {
+        for seed in 4001..=4100 {
             let figures = run(scenario, &Options::adaptive(seed), &mut |_, _| {});
             assert!(
                 figures.refused_rightly(),

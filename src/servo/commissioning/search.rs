@@ -6,7 +6,7 @@ use crate::servo::commissioning::predictor::Theta;
 use crate::servo::commissioning::record::{POINTS, Record};
 use crate::servo::commissioning::regression::Regression;
 use crate::servo::commissioning::simulation::Simulation;
-use crate::servo::commissioning::verdict::verdict;
+use crate::servo::commissioning::verdict::{Refusals, verdict};
 use crate::servo::commissioning::view::View;
 use crate::servo::supervision::state::Reason;
 
@@ -58,8 +58,8 @@ pub(crate) struct Search {
     variance: f32,
     /// Dead zone of a start.
     dead_zone: f32,
-    /// Why the last estimate was not accepted.
-    refusal: Option<Reason>,
+    /// Why estimates were not accepted.
+    refusals: Refusals,
     latest: Option<Theta>,
     /// Result of the present start.
     started: Option<Theta>,
@@ -85,7 +85,7 @@ impl Search {
             view: View::EMPTY,
             variance: 0.0,
             dead_zone: 0.0,
-            refusal: None,
+            refusals: Refusals::NONE,
             latest: None,
             started: None,
             is_busy: false,
@@ -95,7 +95,7 @@ impl Search {
     /// Searches nothing until it begins.
     pub(crate) const fn stop(&mut self) {
         self.phase = Phase::Waiting(usize::MAX);
-        self.refusal = None;
+        self.refusals = Refusals::NONE;
         self.latest = None;
     }
 
@@ -117,7 +117,7 @@ impl Search {
         self.previous = None;
         self.latest = None;
         self.failures = 0;
-        self.refusal = None;
+        self.refusals = Refusals::NONE;
     }
 
     /// Whether a fit, a simulation or their end took the time of this sample.
@@ -125,9 +125,9 @@ impl Search {
         self.is_busy
     }
 
-    /// Why the last estimate was not accepted.
+    /// Why most estimates were not accepted.
     pub(crate) const fn refusal(&self) -> Option<Reason> {
-        self.refusal
+        self.refusals.most
     }
 
     /// The newest estimate that is worth something for the excitation.
@@ -246,7 +246,7 @@ impl Search {
             }
             self.refine(record, theta);
         } else {
-            self.refusal = Some(Reason::PoorFit);
+            self.refusals.count(Reason::PoorFit);
             self.attempt(record, 0);
         }
     }
@@ -265,7 +265,7 @@ impl Search {
         self.previous = Some(theta);
         match verdict {
             Ok(()) => return Some(theta),
-            Err(reason) => self.refusal = Some(reason),
+            Err(reason) => self.refusals.count(reason),
         }
         if misfit < 0.3 {
             self.latest = Some(theta);

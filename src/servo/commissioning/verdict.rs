@@ -70,3 +70,55 @@ pub(crate) fn verdict(
         Err(Reason::Uncertain)
     }
 }
+
+/// How often estimates were not accepted, by the reason: the last of many is one by chance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Refusals {
+    poor: u32,
+    others: u32,
+    /// The more frequent reason; of equally frequent ones the newer.
+    pub(crate) most: Option<Reason>,
+}
+
+impl Refusals {
+    pub(crate) const NONE: Self = Self {
+        poor: 0,
+        others: 0,
+        most: None,
+    };
+
+    /// Takes the reason of an estimate.
+    pub(crate) const fn count(&mut self, reason: Reason) {
+        let (own, other) = match reason {
+            Reason::PoorFit => (&mut self.poor, self.others),
+            _ => (&mut self.others, self.poor),
+        };
+        *own = own.saturating_add(1);
+        if *own >= other {
+            self.most = Some(reason);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_reason_is_that_of_most_estimates() {
+        let mut refusals = Refusals::NONE;
+        assert_eq!(refusals.most, None);
+        for (reason, most) in [
+            (Reason::Uncertain, Reason::Uncertain),
+            (Reason::PoorFit, Reason::PoorFit),
+            (Reason::PoorFit, Reason::PoorFit),
+            (Reason::Uncertain, Reason::Uncertain),
+            (Reason::PoorFit, Reason::PoorFit),
+            (Reason::PoorFit, Reason::PoorFit),
+            (Reason::Uncertain, Reason::PoorFit),
+        ] {
+            refusals.count(reason);
+            assert_eq!(refusals.most, Some(most));
+        }
+    }
+}
