@@ -188,7 +188,11 @@ impl Controller {
     pub fn update(&mut self, setpoint: &Setpoint, y: f32) -> f32 {
         let rests = setpoint.is_rest();
         let error = setpoint.position - self.estimator.now().position;
-        let frozen = rests && within(error, FROZEN * self.rest.window()) == error;
+        let frozen = if rests {
+            within(error, FROZEN * self.rest.window()) == error
+        } else {
+            self.starts()
+        };
         self.observe(y, setpoint.position, frozen);
         let r = self.ahead(setpoint);
         let changes = self.head(&r);

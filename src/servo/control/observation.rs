@@ -8,6 +8,9 @@ use crate::servo::motion::Motion;
 
 /// Time constants of the observer in which it settles.
 const SETTLING: f32 = 6.0;
+/// Time over that of the observer after a breakaway in which the disturbance stays behind a moving reference: three poles
+/// at the observer's rate are within a quarter of their way by then.
+const STARTING: f32 = 4.0;
 
 impl Controller {
     /// Begins at a motion, without an offset of earlier gains.
@@ -83,6 +86,16 @@ impl Controller {
         if held.is_none() && !frozen {
             self.learn_null();
         }
+    }
+
+    /// Whether the axis has just broken away.
+    ///
+    /// While it was held, the drive was only integrated, and how far beyond friction it broke away nobody measured: of the state it is the
+    /// drive that is unknown. An integrator that took the error for a disturbance would keep it for 1/wd, and the axis would
+    /// leave the reference to the other side.
+    pub(super) fn starts(&self) -> bool {
+        let time = self.sample_time() * self.anchor.since() as f32;
+        self.sticky && time * self.estimator.poles().observer < STARTING
     }
 
     /// Whether the axis stands: friction holds it. Without friction a closed valve lets it creep.
