@@ -214,7 +214,7 @@ function showCursor() {
 let lastFrame = 0;
 function frame(now) {
   requestAnimationFrame(frame);
-  if (!dirty || now - lastFrame < 30) return;
+  if (!dirty || now - lastFrame < 15) return;
   lastFrame = now; dirty = false;
   draw();
 }
