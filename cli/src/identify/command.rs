@@ -6,8 +6,9 @@ use clap::Args;
 use trendid_identify::{Choice, Freedom, Options, Problem, Structure, identify};
 
 use crate::identify::figures;
+use crate::identify::parse::{delay, filter};
 use crate::identify::report::Report;
-use crate::identify::signals::{SignalArgs, parse_delay, parse_filter};
+use crate::identify::signals::SignalArgs;
 use crate::output::{Bar, Refusal, emit, emit_json};
 
 const EXAMPLE: &str = "\
@@ -42,11 +43,11 @@ pub(crate) struct IdentifyArgs {
     #[arg(long, value_name = "K", default_value_t = 0)]
     zeros: usize,
     /// Delay of the inputs in samples, or the best of 0 to 6 and of longer ones, up to 200, for as long as the longest wins
-    #[arg(long, value_name = "D|auto", default_value = "0", value_parser = parse_delay)]
+    #[arg(long, value_name = "D|auto", default_value = "0", value_parser = delay)]
     delay: Choice<usize>,
     /// Filter poles in rad/s, `auto` (those whose model is sharpest where it simulates eighths of the record that it has not seen
     /// as well as the best, or the poles of that model itself where they do better), or `none` for raw trends
-    #[arg(long, value_name = "POLE|auto|none", default_value = "auto", value_parser = parse_filter, allow_negative_numbers = true)]
+    #[arg(long, value_name = "POLE|auto|none", default_value = "auto", value_parser = filter, allow_negative_numbers = true)]
     filter: Choice<Option<f64>>,
     /// Memory of the estimator; without it nothing is forgotten
     #[arg(long, value_name = "SECONDS")]

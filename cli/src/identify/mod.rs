@@ -2,6 +2,7 @@
 
 pub(crate) mod command;
 mod figures;
+pub(crate) mod parse;
 mod report;
 mod report_json;
 pub(crate) mod select;

@@ -4,8 +4,9 @@ use clap::Args;
 use trendid_identify::structure_choice::{Range, select};
 use trendid_identify::{Choice, Freedom, Options};
 
+use crate::identify::parse::{delay, filter};
 use crate::identify::select_report::SelectReport;
-use crate::identify::signals::{SignalArgs, parse_delay, parse_filter};
+use crate::identify::signals::SignalArgs;
 use crate::identify::simulated::Simulated;
 use crate::output::{Bar, Refusal, emit, emit_json};
 
@@ -35,10 +36,10 @@ pub(crate) struct SelectArgs {
     #[arg(long)]
     integrator: bool,
     /// Delay in samples, or the best of 0 to 6 and of longer ones, up to 200, for as long as the longest wins
-    #[arg(long, value_name = "D|auto", default_value = "auto", value_parser = parse_delay)]
+    #[arg(long, value_name = "D|auto", default_value = "auto", value_parser = delay)]
     delay: Choice<usize>,
     /// Filter poles in rad/s, or `auto`: for each structure its own
-    #[arg(long, value_name = "POLE|auto", default_value = "auto", value_parser = parse_filter, allow_negative_numbers = true)]
+    #[arg(long, value_name = "POLE|auto", default_value = "auto", value_parser = filter, allow_negative_numbers = true)]
     filter: Choice<Option<f64>>,
     /// Without a record: how often the structure of so many simulated plants is found
     #[arg(long, value_name = "N", conflicts_with = "file")]

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use trendid_identify::derived::COULOMB;
-use trendid_identify::dynamic::{DELAY, INPUTS};
-use trendid_identify::{Choice, Error, Hold, Input, Scheme, Signals, coulomb_input, standstill};
+use trendid_identify::dynamic::INPUTS;
+use trendid_identify::{Error, Hold, Input, Scheme, Signals, coulomb_input, standstill};
 
+use crate::identify::parse::{interval, power, width};
 use crate::output::Refusal;
 use crate::record::{Clock, Record};
 
@@ -23,7 +24,7 @@ pub(crate) struct SignalArgs {
     #[arg(long, value_enum)]
     pub time_unit: Option<TimeUnit>,
     /// Sampling interval in s; the time stamps are then not read
-    #[arg(long, value_name = "S", value_parser = parse_interval)]
+    #[arg(long, value_name = "S", value_parser = interval)]
     pub dt: Option<f64>,
     /// Input column, or COL^K for its K-th power; may be repeated
     #[arg(long, value_name = "COL", default_value = "u")]
@@ -31,6 +32,10 @@ pub(crate) struct SignalArgs {
     /// Output column
     #[arg(long, value_name = "COL", default_value = "y")]
     pub output: String,
+    /// Half width of the dead zone of a valve, in the unit of the first input: commands inside are taken as 0, and sgn of those
+    /// outside is a further input; -b0[sgn(u)] / b0[u] is the width that the record shows
+    #[arg(long, value_name = "WIDTH", value_parser = width)]
+    pub dead_zone: Option<f64>,
     /// Add a constant input (offset); it comes out as 0 as long as the record does not show one
     #[arg(long)]
     pub constant: bool,
@@ -127,6 +132,22 @@ struct LoadedInput {
     hold: Hold,
 }
 
+impl LoadedInput {
+    /// Takes what a valve with a dead zone of this half width lets pass; gives the other input that such a valve is linear in, the
+    /// sign of it (`trendid::inputs::dead_zone`).
+    fn behind_dead_zone(&mut self, width: f64) -> Self {
+        for u in &mut self.samples {
+            *u = if u.abs() > width { *u } else { 0.0 };
+        }
+        let sign = |u: &f64| if *u == 0.0 { 0.0 } else { u.signum() };
+        Self {
+            name: format!("sgn({})", self.name),
+            samples: self.samples.iter().map(sign).collect(),
+            ..*self
+        }
+    }
+}
+
 impl Loaded {
     /// The signals as the library takes them.
     pub(crate) fn signals(&self) -> Signals<'_> {
@@ -170,6 +191,10 @@ impl SignalArgs {
                 hold: self.hold.into(),
             });
         }
+        if let (Some(width), Some(u)) = (self.dead_zone, inputs.first_mut()) {
+            let sign = u.behind_dead_zone(width);
+            inputs.insert(1, sign);
+        }
         let mut still = None;
         if let Some(column) = &self.coulomb {
             let v = match (column, signals.next()) {
@@ -202,7 +227,8 @@ impl SignalArgs {
 
     /// Refuses more inputs than fit, and a span without bounds.
     fn check(&self) -> Result<(), Refusal> {
-        let count = self.input.len() + usize::from(self.coulomb.is_some());
+        let more = [self.dead_zone.is_some(), self.coulomb.is_some()];
+        let count = self.input.len() + more.map(usize::from).iter().sum::<usize>();
         if count > INPUTS {
             return Err(Error::Inputs(count).into());
         }
@@ -230,49 +256,5 @@ impl SignalArgs {
             held: self.hold == HoldName::Zoh,
         };
         Ok(Record::read(&self.file, clock, &columns)?.window(self.from, self.to, 2)?)
-    }
-}
-
-/// `y^3` is the column y and the exponent 3.
-fn power(name: &str) -> Result<(&str, i32), Refusal> {
-    let Some((column, exponent)) = name.rsplit_once('^') else {
-        return Ok((name, 1));
-    };
-    match exponent.parse() {
-        Ok(e @ 1..=9) => Ok((column, e)),
-        _ => Err(Refusal::new(format!(
-            "the power in `{name}` is not a digit from 1 to 9"
-        ))),
-    }
-}
-
-/// `--filter POLE|auto|none` for clap; a pole may be given as printed, with its minus sign.
-pub(crate) fn parse_filter(text: &str) -> Result<Choice<Option<f64>>, String> {
-    match text {
-        "auto" => Ok(Choice::Auto),
-        "none" => Ok(Choice::Given(None)),
-        _ => match text.parse::<f64>() {
-            Ok(pole) if pole != 0.0 && pole.is_finite() => Ok(Choice::Given(Some(pole.abs()))),
-            _ => Err("expected a number of rad/s other than 0, `auto` or `none`".into()),
-        },
-    }
-}
-
-/// `--dt S` for clap.
-fn parse_interval(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(dt) if dt > 0.0 && dt.is_finite() => Ok(dt),
-        _ => Err("expected a number of seconds above 0".into()),
-    }
-}
-
-/// `--delay D|auto` for clap.
-pub(crate) fn parse_delay(text: &str) -> Result<Choice<usize>, String> {
-    match (text, text.parse::<usize>()) {
-        ("auto", _) => Ok(Choice::Auto),
-        (_, Ok(delay)) if delay <= DELAY => Ok(Choice::Given(delay)),
-        _ => Err(format!(
-            "expected a number of samples from 0 to {DELAY}, or `auto`"
-        )),
     }
 }

@@ -7,7 +7,8 @@ use clap::builder::PossibleValuesParser;
 use trendid_host_tests::servo::population::family::Family;
 use trendid_host_tests::servo::scenario::Scenario;
 
-use crate::identify::signals::{SchemeName, parse_filter};
+use crate::identify::parse::filter;
+use crate::identify::signals::SchemeName;
 use crate::output::Refusal;
 use crate::servo::demo_axis;
 use crate::servo::demo_loop;
@@ -111,7 +112,7 @@ struct Identification {
     #[arg(long, value_enum, requires = "linear")]
     scheme: Option<SchemeName>,
     /// Filter poles in rad/s, `none` for the paper's raw trends, `auto` for the default of the core, auto without
-    #[arg(long, value_name = "POLE|none|auto", requires = "linear", value_parser = parse_filter, allow_negative_numbers = true)]
+    #[arg(long, value_name = "POLE|none|auto", requires = "linear", value_parser = filter, allow_negative_numbers = true)]
     filter: Option<Choice<Option<f64>>>,
 }
 

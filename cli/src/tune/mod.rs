@@ -9,7 +9,8 @@ use clap::{Args, Subcommand};
 use trendid_identify::tune::{Goal, Model, tune};
 use trendid_identify::{Choice, Freedom, Options, Problem, Structure, identify};
 
-use crate::identify::signals::{SignalArgs, parse_delay, parse_filter};
+use crate::identify::parse::{delay, filter};
+use crate::identify::signals::SignalArgs;
 use crate::output::{Bar, Refusal, emit, emit_json};
 use crate::tune::report::Report;
 
@@ -71,10 +72,10 @@ struct RecordArgs {
     #[arg(long, value_name = "K", default_value_t = 0)]
     zeros: usize,
     /// Delay of the plant in samples of the record, or the best
-    #[arg(long, value_name = "D|auto", default_value = "auto", value_parser = parse_delay)]
+    #[arg(long, value_name = "D|auto", default_value = "auto", value_parser = delay)]
     delay: Choice<usize>,
     /// Filter poles in rad/s, or `auto`
-    #[arg(long, value_name = "POLE|auto", default_value = "auto", value_parser = parse_filter, allow_negative_numbers = true)]
+    #[arg(long, value_name = "POLE|auto", default_value = "auto", value_parser = filter, allow_negative_numbers = true)]
     filter: Choice<Option<f64>>,
     /// Sample time of the controller in s; that of the record without
     #[arg(long, value_name = "S")]

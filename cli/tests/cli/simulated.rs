@@ -189,3 +189,50 @@ fn slow_sampling_loses_no_damping() {
     near(&value["a"][1], 2.0 * xi * w, 0.1);
     near(&value["inputs"][0]["b"][0], w * w, 0.05);
 }
+
+/// Columns u and y of a record, from seed.
+fn columns(dir: &Scratch, seed: &str) -> Vec<[f64; 2]> {
+    let file = dir.path(&format!("{seed}.csv"));
+    let _said = stdout(&["simulate", "--out", &file, "--seconds", "6", "--seed", seed]);
+    let text = std::fs::read_to_string(file).unwrap();
+    let rows = text
+        .lines()
+        .filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
+    let number = |cell: Option<&str>| cell.unwrap().parse::<f64>().unwrap();
+    rows.map(|row| {
+        let mut cells = row.split(',').skip(1);
+        [number(cells.next()), number(cells.next())]
+    })
+    .collect()
+}
+
+#[test]
+fn a_valve_with_a_dead_zone_is_found_behind_its_two_inputs() {
+    const WIDTH: f64 = 0.05;
+    let dir = Scratch::new("dead-zone");
+    // The drive is linear: the sum of two records is a record, of four levels, each of which is reached through the valve.
+    let mut text = String::from("t,u,y\n");
+    let (one, other) = (columns(&dir, "12"), columns(&dir, "13"));
+    for (k, ([u1, y1], [u2, y2])) in one.into_iter().zip(other).enumerate() {
+        let passes = u1 + 0.5 * u2;
+        let command = passes + WIDTH * passes.signum();
+        text += &format!("{},{command},{}\n", 1e-3 * k as f64, y1 + 0.5 * y2);
+    }
+    let file = dir.file("valve.csv", &text);
+    let identify = |more: &[&str]| {
+        let args = ["identify", &file, "--order", "3", "--integrator", "--json"];
+        json(&[&args, more].concat())
+    };
+    for width in ["0.05", "0.03", "0"] {
+        // Inside of every width no command lasts: the inputs are the same.
+        let value = identify(&["--dead-zone", width]);
+        near(&value["physical"]["gain"], 2500.0, 1.0);
+        near(&value["physical"]["omega0"], 20.0, 1.0);
+        assert_eq!(value["inputs"][1]["name"], "sgn(u)");
+        let b = |k: usize| value["inputs"][k]["b"][0].as_f64().unwrap();
+        near(&(-b(1) / b(0)).into(), WIDTH, 5.0);
+    }
+    // Without them the gain takes the dead zone.
+    let gain = identify(&[])["physical"]["gain"].as_f64().unwrap();
+    assert!((gain / 2500.0 - 1.0).abs() > 0.05, "{gain}");
+}
