@@ -38,7 +38,7 @@ pub(crate) fn run() -> Done {
     let page = web::build()?;
     let target = target_directory()?;
     let bin = target.join("debug");
-    for script in ["monitor.mjs", "emulator.mjs", "playground.mjs"] {
+    for script in ["monitor.mjs", "valve.mjs", "emulator.mjs", "playground.mjs"] {
         let mut command = Command::new("node");
         command
             .arg(scripts.join(script))
@@ -70,6 +70,7 @@ pub(crate) fn scripts(out: &std::path::Path) -> Result<PathBuf, String> {
         "monitor.mjs",
         "emulator.mjs",
         "playground.mjs",
+        "valve.mjs",
         "watch.mjs",
     ] {
         let (from, to) = (from.join(name), place.join(name));
