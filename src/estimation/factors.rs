@@ -8,12 +8,13 @@ const NEGLIGIBLE: f32 = 1e-18;
 /// A covariance P = U D U', relative to the noise variance; D stays positive by construction (Bierman).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Factors<const N: usize> {
-    /// `upper[j][i]` is U_ij for i < j; the diagonal of U is 1 and is not stored.
+    /// `upper[j][i]` is U_ij, with its unit diagonal and its zeros.
     upper: [[f32; N]; N],
     diagonal: [f32; N],
 }
 
 /// Gain and variance carried from column to column while one row is folded in.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Row<const N: usize> {
     /// k, the gain before it is divided by alpha.
     pub(crate) gain: [f32; N],
@@ -25,7 +26,7 @@ pub(crate) struct Row<const N: usize> {
 impl<const N: usize> Row<N> {
     /// The row before the first column; `alpha` is alpha_0 and `inverse` one over it.
     #[inline(always)]
-    const fn new(alpha: f32, inverse: f32) -> Self {
+    pub(crate) const fn new(alpha: f32, inverse: f32) -> Self {
         Self {
             gain: [0.0; N],
             alpha,
@@ -38,15 +39,14 @@ impl<const N: usize> Factors<N> {
     /// Independent parameters with the standard deviations `std`.
     pub(crate) const fn independent(std: &[f32; N]) -> Self {
         let mut diagonal = [0.0; N];
+        let mut upper = [[0.0; N]; N];
         let mut j = 0;
         while j < N {
             diagonal[j] = std[j] * std[j];
+            upper[j][j] = 1.0;
             j += 1;
         }
-        Self {
-            upper: [[0.0; N]; N],
-            diagonal,
-        }
+        Self { upper, diagonal }
     }
 
     /// The factors D_j: positive, or 0 for a known parameter.
@@ -55,8 +55,8 @@ impl<const N: usize> Factors<N> {
     }
 
     /// z' P z.
-    #[inline(never)]
-    pub(crate) fn spread(&self, z: &[f32; N]) -> f32 {
+    #[inline(always)]
+    pub(crate) fn spread(&self, z: [f32; N]) -> f32 {
         let mut sum = 0.0;
         for j in 0..N {
             let mut f = z[j];
@@ -85,37 +85,51 @@ impl<const N: usize> Factors<N> {
         row
     }
 
-    /// Folds the unit row e_i, i = `index`, of the noise variance `variance` in, where P_ii is above `least`.
+    /// Folds the first columns of the unit row e_i, i = `index`, of the noise variance `variance` in, where P_ii is above
+    /// `least`; [`fold_unit_rest`](Self::fold_unit_rest) folds the others.
     ///
     /// Gives P_ii before the step, 0 for an index that does not exist.
     #[inline(always)]
     pub(crate) fn fold_unit(
         &mut self,
         index: usize,
-        variance: f32,
+        variance: impl FnOnce() -> f32,
         least: f32,
     ) -> (f32, Option<Row<N>>) {
-        // U' e_i: zero before the parameter, so that the columns before it stay as they are.
-        let mut f = [0.0; N];
+        // f = U' e_i: zero before the parameter, so that the columns before it stay as they are.
+        let f: [f32; N] =
+            core::array::from_fn(|j| self.upper[j].get(index).copied().unwrap_or(0.0));
         let mut before = 0.0;
         for j in 0..N {
-            if j >= index {
-                let entry = self.upper[j].get(index).copied().unwrap_or(0.0);
-                f[j] = if j == index { 1.0 } else { entry };
-                before += f[j] * f[j] * self.diagonal[j];
-            }
+            before += f[j] * f[j] * self.diagonal[j];
         }
         if !(before > least) {
             return (before, None);
         }
+        let variance = variance();
         let mut row = Row::new(variance, 1.0 / variance);
-        for j in 0..N {
+        for j in 0..Self::FIRST {
             if j >= index {
                 self.fold_column(&mut row, j, f[j], 1.0);
             }
         }
         (before, Some(row))
     }
+
+    /// Folds the columns in that [`fold_unit`](Self::fold_unit) left.
+    #[inline(always)]
+    pub(crate) fn fold_unit_rest(&mut self, index: usize, mut row: Row<N>) -> Row<N> {
+        for j in Self::FIRST..N {
+            if j >= index {
+                let f = self.upper[j].get(index).copied().unwrap_or(0.0);
+                self.fold_column(&mut row, j, f, 1.0);
+            }
+        }
+        row
+    }
+
+    /// Columns in the first part of a unit row, which also finds P_ii; the second part also moves theta: about half each.
+    const FIRST: usize = N.saturating_sub(1);
 
     /// Column j of one row: D_j and the U_ij above it.
     #[inline(always)]
@@ -213,7 +227,7 @@ impl<const N: usize> Factors<N> {
         let mut sum = 0.0;
         // U is zero below its diagonal.
         for k in i.max(j)..N {
-            sum += self.entry(i, k) * self.diagonal[k] * self.entry(j, k);
+            sum += self.upper[k][i] * self.diagonal[k] * self.upper[k][j];
         }
         sum
     }
@@ -222,30 +236,14 @@ impl<const N: usize> Factors<N> {
     pub(crate) fn covariances(&self) -> [[f32; N]; N] {
         let mut p = [[0.0; N]; N];
         for (k, (column, d)) in self.upper.iter().zip(&self.diagonal).enumerate() {
-            // Column k of U down to its diagonal.
-            let mut u = *column;
-            if let Some(one) = u.get_mut(k) {
-                *one = 1.0;
-            }
-            for (row, left) in p.iter_mut().zip(&u).take(k + 1) {
+            for (row, left) in p.iter_mut().zip(column).take(k + 1) {
                 let weighted = left * d;
-                for (entry, right) in row.iter_mut().zip(&u).take(k + 1) {
+                for (entry, right) in row.iter_mut().zip(column).take(k + 1) {
                     *entry += weighted * right;
                 }
             }
         }
         p
-    }
-
-    /// U_ik with its unit diagonal and its zeros.
-    fn entry(&self, i: usize, k: usize) -> f32 {
-        if i < k {
-            self.upper[k][i]
-        } else if i == k {
-            1.0
-        } else {
-            0.0
-        }
     }
 }
 

@@ -4,7 +4,7 @@
 //! leakage (Astrom & Wittenmark 1995, ch. 11) are its cruder relatives.
 //!
 //! Exponential forgetting alone multiplies P by 1/lambda in every direction that the data do not show, without end: an
-//! hour at constant speed overflows f32. So every second sample ends with one observation that was not made: parameter i has
+//! hour at constant speed overflows f32. So every second sample brings one observation that was not made: parameter i has
 //! its nominal value c_i, with the variance r/2 in units of the noise of psi, one parameter after the other:
 //!
 //! ```text
@@ -22,25 +22,39 @@
 //! For any finite rows, in any order, with lambda = 1 - eps, and r_i for r until the data have shown parameter i:
 //!
 //! ```text
-//! D_j > 0,    P_ii <= N r eps lambda^-(2N-1) / (1 - lambda^t)       t samples after a start (t >= 2N), for ever
+//! D_j > 0,    P_ii <= N r eps lambda^-2N / (1 - lambda^t)       t samples in whole rounds of 2N after a start, for ever
 //! ```
 //!
 //! Proof. Let q = 1/P_ii just after turn i. A row and an observation of another parameter only add information, so they
 //! do not increase P_ii; forgetting multiplies it by 1/lambda. One round of 2N samples later, before the turn,
 //! 1/P_ii >= lambda^2N q. The observation adds 2/r: q' >= lambda^2N q + 2/r, from any q >= 0; hence after n rounds
 //! q >= (1 - lambda^(2nN)) 2 / (r (1 - lambda^2N)) >= (1 - lambda^(2nN)) / (N r eps). Where the turn is skipped P_ii <= s is
-//! already smaller. Between two turns P_ii grows by at most lambda^-(2N-1). D_j is multiplied by alpha_(j-1)/alpha_j, a
+//! already smaller. Between two turns P_ii grows by at most lambda^-2N. D_j is multiplied by alpha_(j-1)/alpha_j, a
 //! quotient of positive numbers. P is positive semidefinite, so every other entry is bounded by the diagonal.
 //!
 //! For theta, with nominal values c that were set and e_k = psi_k - phi_k' c, theta - c = P sum lambda^(k) phi e.
 //! As the minimum is no larger than the cost at c, (theta - c)' P^-1 (theta - c) <= max e^2 / eps, and so, after the start,
 //!
 //! ```text
-//! |theta_i - c_i| <= sqrt(N r lambda^-(2N-1)) max |e_k|
+//! |theta_i - c_i| <= sqrt(N r lambda^-2N) max |e_k|
 //! ```
 //!
 //! Nominal values that follow are former estimates, each taken while its standard deviation was below a third of the one
 //! that the observations alone leave: without data they stand still, and theta with them.
+//!
+//! # In two parts
+//! An observation passes through the columns of U and D one by one, from i to N-1. All but the last follow the row of
+//! sample k; the last, and the step of theta with it, goes before the row of sample k+1, so that no sample has to do it all.
+//! Nothing comes between the two: whatever changes P or theta finishes the observation first, so that the proof above, which
+//! looks at whole ones, is not touched. Who reads in between finds P behind an observation of another row z with the same variance,
+//!
+//! ```text
+//! f = U' e_i,   U' z = (0.., f_i, .., f_(N-2), 0),   sigma = z' P z = z' P e_i <= P_ii
+//! P_ii <- P_ii - sigma^2 / (r/2 + sigma)
+//! ```
+//!
+//! for a column whose f_j is 0 changes nothing. So D > 0, no P_jj is larger than before, P_ii lies between what it was and what it
+//! will be, and theta is still the one before.
 //!
 //! # What does not hold
 //! Bounded is not right: rows that contradict the model move theta as far as the bound allows, and P knows nothing of it.
@@ -91,12 +105,14 @@ pub struct StabilisedForgetting<const N: usize> {
     set: bool,
     /// Samples within the round of 2N.
     turn: usize,
-    /// The row that was flushed last, one each round.
-    flushed: usize,
+    /// Rounds, modulo 2^32: a row of U and of what the caller has is flushed by turns.
+    rounds: u32,
     /// N r eps: P_ii right after turn i, without data.
     left: f32,
     /// The same before the turn.
     bound: f32,
+    /// P_ii below which data have shown a parameter.
+    follows: f32,
     /// 1/(2 N eps); 0 where nothing is forgotten.
     inverse_share: f32,
 }
@@ -106,7 +122,7 @@ impl<const N: usize> StabilisedForgetting<N> {
     pub const fn new(nominal: [f32; N], forgetting: f32) -> Self {
         let share = 2.0 * N as f32 * (1.0 - forgetting);
         let mut growth = 1.0;
-        let mut k = 1;
+        let mut k = 0;
         while k < 2 * N {
             growth /= forgetting;
             k += 1;
@@ -116,55 +132,76 @@ impl<const N: usize> StabilisedForgetting<N> {
             unsupported: [0.0; N],
             set: false,
             turn: 0,
-            flushed: 0,
+            rounds: 0,
             left: VARIANCE * share,
             bound: VARIANCE * share * growth,
+            follows: FOLLOWS * VARIANCE * share * growth,
             inverse_share: if share > 0.0 { 1.0 / share } else { 0.0 },
         }
     }
 
-    /// After every sample: one observation of one parameter each second time.
+    /// After every sample: each second time the first part of one observation; [`Estimator`] finishes it before its next row.
     ///
     /// Cost: see the table of instruction counts.
     #[inline(always)]
     pub fn apply(&mut self, estimator: &mut Estimator<N>) {
-        let turn = self.turn / 2;
-        let observes = self.observes();
-        let begins = self.turn == 0;
+        let _ = self.turn(estimator);
+    }
+
+    /// As [`apply`](Self::apply); gives `k` once in each second round, in a sample with little else to do: k counts them.
+    #[inline(always)]
+    pub(crate) fn turn(&mut self, estimator: &mut Estimator<N>) -> Option<u32> {
+        let (turn, observes) = (self.turn / 2, !self.turn.is_multiple_of(2));
         self.advance(1);
         if !observes {
-            if begins {
-                self.flushed = if self.flushed + 1 < N {
-                    self.flushed + 1
-                } else {
-                    0
-                };
-                estimator.flush(self.flushed);
-            }
-            return;
+            return None;
         }
-        let Some(nominal) = self.nominal.get_mut(turn) else {
-            return;
-        };
-        let unsupported = self.unsupported.get(turn).copied().unwrap_or(0.0);
-        let own = unsupported * self.inverse_share;
-        // Not max(), which is a call of a library on the target.
-        let assumed = if own > VARIANCE { own } else { VARIANCE };
-        let variance = estimator.observe_parameter(turn, *nominal, assumed, CERTAIN);
-        if variance < FOLLOWS * self.bound {
-            if !self.set {
-                *nominal = estimator.theta().get(turn).copied().unwrap_or(*nominal);
-            }
-            if let Some(unsupported) = self.unsupported.get_mut(turn) {
-                *unsupported = 0.0;
-            }
+        self.observe(estimator, turn, false);
+        if turn + 1 < N {
+            return None;
+        }
+        self.rounds = self.rounds.wrapping_add(1);
+        let half = self.rounds / 2;
+        if self.rounds.is_multiple_of(2) {
+            return Some(half);
+        }
+        estimator.flush(half as usize % N);
+        None
+    }
+
+    /// As [`apply`](Self::apply) with both parts at once, for a sample time without a row.
+    #[inline(never)]
+    pub(crate) fn pass(&mut self, estimator: &mut Estimator<N>) {
+        estimator.pass();
+        let turn = self.turn;
+        self.advance(1);
+        if !turn.is_multiple_of(2) {
+            self.observe(estimator, turn / 2, true);
         }
     }
 
-    /// Whether the next sample ends with an observation.
+    /// The observation of parameter `turn`, or its first part, where that is not known so well that it changes nothing.
     #[inline(always)]
-    pub(crate) fn observes(&self) -> bool {
-        !self.turn.is_multiple_of(2)
+    fn observe(&mut self, estimator: &mut Estimator<N>, turn: usize, whole: bool) {
+        let (Some(nominal), Some(unsupported)) =
+            (self.nominal.get_mut(turn), self.unsupported.get_mut(turn))
+        else {
+            return;
+        };
+        let own = *unsupported * self.inverse_share;
+        // Not max(), which is a call of a library on the target.
+        let assumed = || if own > VARIANCE { own } else { VARIANCE };
+        let variance = if whole {
+            estimator.observe_parameter(turn, *nominal, assumed(), CERTAIN)
+        } else {
+            estimator.begin_observation(turn, *nominal, assumed, CERTAIN)
+        };
+        if variance < self.follows {
+            if !self.set {
+                *nominal = estimator.theta().get(turn).copied().unwrap_or(*nominal);
+            }
+            *unsupported = 0.0;
+        }
     }
 
     #[inline(always)]

@@ -70,7 +70,8 @@ impl MeanSquare {
 /// Sets `value` to zero where its magnitude is below `least`.
 #[inline(always)]
 pub(crate) fn flush(value: &mut f32, least: f32) {
-    if value.abs() < least {
+    // Without their sign bits numbers are in the order of their bits; cheaper than a comparison of floats.
+    if value.to_bits() << 1 < least.to_bits() << 1 {
         *value = 0.0;
     }
 }

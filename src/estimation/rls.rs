@@ -1,6 +1,6 @@
 //! The estimator: recursive least squares on the factors U D U' of the covariance.
 
-use crate::estimation::factors::Factors;
+use crate::estimation::factors::{Factors, Row};
 use crate::estimation::mean_square::{MeanSquare, flush};
 use crate::estimation::two_words::TwoWords;
 
@@ -52,6 +52,24 @@ pub struct Estimator<const N: usize> {
     residual: MeanSquare,
     /// Weight of the samples in P.
     samples: f32,
+    observation: Observation<N>,
+}
+
+/// An observation of one parameter whose last columns are not yet in P, and theta not yet moved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Observation<const N: usize> {
+    /// The parameter; N for none.
+    index: usize,
+    value: f32,
+    row: Row<N>,
+}
+
+impl<const N: usize> Observation<N> {
+    const NONE: Self = Self {
+        index: N,
+        value: 0.0,
+        row: Row::new(1.0, 1.0),
+    };
 }
 
 /// A weight of samples below this counts for nothing.
@@ -69,6 +87,7 @@ impl<const N: usize> Estimator<N> {
             inverse_forgetting: 1.0 / forgetting,
             residual: MeanSquare::new(forgetting),
             samples: 0.0,
+            observation: Observation::NONE,
         }
     }
 
@@ -82,8 +101,9 @@ impl<const N: usize> Estimator<N> {
     /// Guarantees: no division by zero, D_j >= 0. Cost: see the table of instruction counts.
     #[inline]
     pub fn update(&mut self, phi: &[f32; N], psi: f32) -> f32 {
+        self.finish_observation();
         let innovation = self.innovation(phi, psi);
-        self.correct(phi, innovation);
+        self.fold(phi, innovation);
         innovation
     }
 
@@ -99,7 +119,8 @@ impl<const N: usize> Estimator<N> {
     }
 
     /// Variance that P leaves of the innovation of the row `phi`, relative to the noise: phi' P phi.
-    pub(crate) fn spread(&self, phi: &[f32; N]) -> f32 {
+    #[inline(always)]
+    pub(crate) fn spread(&self, phi: [f32; N]) -> f32 {
         self.factors.spread(phi)
     }
 
@@ -108,6 +129,13 @@ impl<const N: usize> Estimator<N> {
     /// With `z = phi` this is least squares.
     #[inline(always)]
     pub fn correct(&mut self, z: &[f32; N], innovation: f32) {
+        self.finish_observation();
+        self.fold(z, innovation);
+    }
+
+    /// As [`correct`](Self::correct), where no observation waits for its rest.
+    #[inline(always)]
+    pub(crate) fn fold(&mut self, z: &[f32; N], innovation: f32) {
         let row = self
             .factors
             .fold(z, self.forgetting, self.inverse_forgetting);
@@ -120,6 +148,7 @@ impl<const N: usize> Estimator<N> {
     /// Lets one sample time pass without a row: forgets, and leaves theta and the noise level.
     #[inline(always)]
     pub fn pass(&mut self) {
+        self.finish_observation();
         self.factors.grow(self.inverse_forgetting);
         self.samples *= self.forgetting;
     }
@@ -129,7 +158,7 @@ impl<const N: usize> Estimator<N> {
     /// Nothing is forgotten, and no sample counted. Nothing happens where P_ii is below
     /// `least`, for an index that does not exist and for a known parameter. Gives P_ii before the step.
     /// `variance` should be a power of two: then D and U of the parameters before this one keep their bits.
-    #[inline(always)]
+    #[inline(never)]
     pub fn observe_parameter(
         &mut self,
         index: usize,
@@ -137,12 +166,48 @@ impl<const N: usize> Estimator<N> {
         variance: f32,
         least: f32,
     ) -> f32 {
+        let before = self.begin_observation(index, value, || variance, least);
+        self.finish_observation();
+        before
+    }
+
+    /// All of [`observe_parameter`](Self::observe_parameter) but its last column and the step of theta.
+    ///
+    /// P is then that behind an observation of another row, z with U'z = (0.., f_i, .., f_(N-2), 0). What changes the estimator
+    /// next finishes the observation first.
+    #[inline(always)]
+    pub(crate) fn begin_observation(
+        &mut self,
+        index: usize,
+        value: f32,
+        variance: impl FnOnce() -> f32,
+        least: f32,
+    ) -> f32 {
+        self.finish_observation();
         let (before, row) = self.factors.fold_unit(index, variance, least);
         if let Some(row) = row {
-            let theta = self.theta().get(index).copied().unwrap_or(value);
-            self.theta.add(&row.gain, (value - theta) / row.alpha);
+            self.observation = Observation { index, value, row };
         }
         before
+    }
+
+    /// The last column of an observation that was begun, and its step of theta.
+    ///
+    /// To be called before the innovation of the next row is asked for.
+    #[inline(always)]
+    pub(crate) fn finish_observation(&mut self) {
+        if self.observation.index < N {
+            self.fold_rest();
+        }
+    }
+
+    #[inline(never)]
+    fn fold_rest(&mut self) {
+        let Observation { index, value, row } = self.observation;
+        self.observation.index = N;
+        let row = self.factors.fold_unit_rest(index, row);
+        let theta = self.theta().get(index).copied().unwrap_or(value);
+        self.theta.add(&row.gain, (value - theta) / row.alpha);
     }
 
     /// Sets what is too small to matter to zero, before it becomes subnormal: row `index` of U and of theta's second word.
@@ -164,6 +229,7 @@ impl<const N: usize> Estimator<N> {
     ///
     /// Cost: about one `update`.
     pub fn widen_last(&mut self, variance: f32) {
+        self.finish_observation();
         self.factors.widen_last(variance);
     }
 
@@ -199,6 +265,7 @@ impl<const N: usize> Estimator<N> {
     ///
     /// No D_j grows beyond the one in `limit`, or beyond itself where it is larger already.
     pub fn resume(&mut self, theta: [f32; N], scale: f32, limit: &[f32; N]) {
+        self.finish_observation();
         self.theta = TwoWords::new(theta);
         self.factors.grow_within(scale, limit);
         self.residual = MeanSquare::new(self.forgetting);
@@ -207,50 +274,4 @@ impl<const N: usize> Estimator<N> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Rows that excite three parameters: a deterministic mixture, then fitted without noise by theta = (2, -1, 0.5).
-    fn row(k: usize) -> ([f32; 3], f32) {
-        let wave = |period: usize| (k % period) as f32 / period as f32 - 0.5;
-        let phi = [wave(7), wave(11), wave(5)];
-        (phi, 2.0 * phi[0] - phi[1] + 0.5 * phi[2])
-    }
-
-    fn moved(forgetting: f32, rows: usize) -> Estimator<3> {
-        let mut estimator = Estimator::new([0.0; 3], [100.0; 3], forgetting);
-        for k in 0..rows {
-            let (phi, psi) = row(k);
-            let _ = estimator.update(&phi, psi);
-        }
-        estimator
-    }
-
-    #[test]
-    fn rows_without_noise_give_their_parameters() {
-        let estimator = moved(1.0, 200);
-        for (found, truth) in estimator.theta().iter().zip([2.0, -1.0, 0.5]) {
-            assert!((found - truth).abs() < 1e-4);
-        }
-    }
-
-    #[test]
-    fn noise_variance_of_a_known_residual() {
-        // One parameter, psi = 3 phi +- 0.2 with phi = 1: the estimate is 3, the variance 0.04 n/(n - 1).
-        let mut estimator = Estimator::<1>::new([0.0], [1e3], 1.0);
-        assert_eq!(estimator.noise_variance(), None);
-        for k in 0..1000 {
-            let error = if k % 2 == 0 { 0.2 } else { -0.2 };
-            let _ = estimator.update(&[1.0], 3.0 + error);
-        }
-        let variance = estimator.noise_variance().unwrap();
-        assert!((variance / (0.04 * 1000.0 / 999.0) - 1.0).abs() < 1e-3);
-        assert_eq!(estimator.samples(), 1000.0);
-    }
-
-    #[test]
-    fn memory_is_that_of_the_forgetting() {
-        let estimator = moved(0.99, 5000);
-        assert!((estimator.samples() - 100.0).abs() < 0.1);
-    }
-}
+mod tests;

@@ -110,14 +110,18 @@ impl ChangeDetector {
         self.settling = settling;
     }
 
-    /// What has decayed becomes zero before it becomes subnormal.
-    pub(crate) fn flush(&mut self) {
+    /// What has decayed behind the lag becomes zero before it becomes subnormal.
+    pub(crate) fn flush_lagged(&mut self) {
         for x in &mut self.lagged {
             flush(x, 1e-15);
         }
+        self.usual.flush();
+    }
+
+    /// The same for the mean squares.
+    pub(crate) fn flush_power(&mut self) {
         for x in &mut self.power {
             flush(x, 1e-30);
         }
-        self.usual.flush();
     }
 }

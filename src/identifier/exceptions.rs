@@ -12,7 +12,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 {
     /// Whether the drive has just changed, or the filter still carries what it was: the row is left out.
     #[inline(never)]
-    pub(super) fn changing(&mut self, plan: &Plan<T, M, N, I>, row: &Row<N>, moves: bool) -> bool {
+    pub(super) fn changing(&mut self, plan: &Plan<T, M, N, I>, row: Row<N>, moves: bool) -> bool {
         let change = &mut self.change;
         if change.settling > 0 {
             change.settling -= 1;
@@ -23,7 +23,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             return true;
         }
         let estimator = &self.estimator;
-        let known = || estimator.spread(&row.phi);
+        let known = || estimator.spread(row.phi);
         if !moves || !change.found([row.error, row.psi], plan.change_shares, known) {
             return false;
         }
@@ -63,12 +63,17 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             return false;
         }
         let limits = [plan.times.certain, plan.times.settled];
-        let estimator = &self.estimator;
-        let expected = || 1.0 + estimator.spread(&row.phi);
         let noise = noise.known_or_infinite();
+        let innovation = row.innovation;
+        let contradicts = match self.standstill.unexplained(y, innovation, noise) {
+            Some(size) if !(size <= noise) => {
+                !(size / (1.0 + self.estimator.spread(row.phi)) <= noise)
+            }
+            _ => false,
+        };
         let found = self
             .standstill
-            .judge(y, row.innovation, noise, limits, expected);
+            .judge(y, innovation, noise, limits, contradicts);
         if let Motion::Stands | Motion::Freed = found {
             self.signals.rest(plan, y);
             witness.begin();

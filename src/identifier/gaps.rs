@@ -64,8 +64,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.signals.gate.keep_open(plan.times.gate_pause);
         self.go_on(plan, before, &others);
         if plan.forgets && self.adapting {
-            self.estimator.pass();
-            self.forgetting.apply(&mut self.estimator);
+            self.forgetting.pass(&mut self.estimator);
         }
     }
 

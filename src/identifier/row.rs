@@ -10,6 +10,7 @@ use crate::trends::TrendOperator;
 const STEP: f32 = 1.0 / 18.0;
 
 /// The regressor with its equation error, and that as an innovation in the unit of y.
+#[derive(Clone, Copy)]
 pub(super) struct Row<const N: usize> {
     pub(super) phi: [f32; N],
     pub(super) psi: f32,

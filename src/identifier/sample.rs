@@ -35,9 +35,13 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let y = y - reference;
         self.signals.gap = 0;
         self.signals.turn = self.signals.turn.wrapping_add(1);
-        if self.flushes(plan) {
-            self.flush();
+        let turn = self.signals.turn;
+        // With a memory forgetting says when there is time.
+        if turn.is_multiple_of(16) && !(plan.forgets && self.adapting) {
+            self.flush(turn / 16);
         }
+        // Before the row: it moves theta.
+        self.estimator.finish_observation();
         let others = self.signals.other_trends(plan, u);
         witness.inputs(&others.inputs);
         if self.signals.remaining > 0 {
@@ -51,12 +55,14 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             };
         }
         let noise = Noise::of(&self.noise, plan.least_noise);
-        let (row, lasting) = match self.judged(plan, y, &others, noise) {
+        let (row, third) = match self.judged(plan, y, &others, noise) {
             Ok(found) => found,
             Err(innovation) => return Outcome::Replaced { innovation },
         };
         self.signals.last = y;
-        self.noise.update(y);
+        let lasting = third.is_none();
+        self.noise
+            .take(y, third.unwrap_or_else(|| self.noise.third_difference(y)));
         let innovation = row.innovation;
         self.prediction = y - innovation + reference;
         self.errors.update(innovation);
@@ -67,7 +73,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
     }
 
-    /// The row of y, and whether a change lasts; or the innovation of a sample that is replaced by its prediction.
+    /// The row of y with the third difference that y makes, `None` where a change lasts; or the innovation of a sample that
+    /// is replaced by its prediction.
     #[inline(always)]
     fn judged(
         &mut self,
@@ -75,22 +82,22 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         y: f32,
         others: &Others<M, I>,
         noise: Noise,
-    ) -> Result<(Row<N>, bool), f32> {
-        if !plan.has_gate {
-            return Ok((self.row(plan, y, others), false));
-        }
+    ) -> Result<(Row<N>, Option<f32>), f32> {
         let third = self.noise.third_difference(y);
+        if !plan.has_gate {
+            return Ok((self.row(plan, y, others), Some(third)));
+        }
         let before = self.signals.output.clone();
         let row = self.row(plan, y, others);
         let gate = &mut self.signals.gate;
         match gate.judge(row.innovation, third, noise.allowed, plan.times.gate_pause) {
-            Verdict::Plausible => Ok((row, false)),
+            Verdict::Plausible => Ok((row, Some(third))),
             Verdict::Implausible => {
                 gate.replaced = Some((y, before.clone()));
                 self.go_on(plan, before, others);
                 Err(row.innovation)
             }
-            Verdict::Lasting => Ok((self.row_of_two(plan, y, others), true)),
+            Verdict::Lasting => Ok((self.row_of_two(plan, y, others), None)),
         }
     }
 
@@ -112,21 +119,23 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
         if plan.forgets {
             let moves = obeys && plan.moves(&row.phi, noise.known);
-            if plan.follows_changes && self.changing(plan, row, moves) {
+            if plan.follows_changes && self.changing(plan, *row, moves) {
                 return Outcome::Held { innovation };
             }
             if moves {
-                self.estimator.correct(&row.phi, row.error);
+                self.estimator.fold(&row.phi, row.error);
                 witness.row(&row.phi, row.psi);
             } else {
                 self.estimator.pass();
             }
-            self.forgetting.apply(&mut self.estimator);
+            if let Some(part) = self.forgetting.turn(&mut self.estimator) {
+                self.flush(part);
+            }
             if !moves {
                 return Outcome::Held { innovation };
             }
         } else if obeys {
-            self.estimator.correct(&row.phi, row.error);
+            self.estimator.fold(&row.phi, row.error);
             witness.row(&row.phi, row.psi);
         } else {
             return Outcome::Held { innovation };
@@ -134,31 +143,17 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         Outcome::Estimated { innovation }
     }
 
-    /// Whether this sample is one for a flush: each sixteenth, or the one behind it where the forgetting observes a parameter.
-    ///
-    /// It observes in every second sample at most, so that no sample has both to do.
-    #[inline(always)]
-    fn flushes(&self, plan: &Plan<T, M, N, I>) -> bool {
-        let turn = self.signals.turn % 16;
-        // Without a memory nothing is ever observed.
-        turn == 0 && !(self.forgetting.observes() && self.adapting)
-            || turn == 1 && plan.forgets && !self.forgetting.observes()
-    }
-
     /// Once in a while, a part at a time: what has decayed becomes zero before it becomes subnormal.
     #[inline(never)]
-    fn flush(&mut self) {
-        match (self.signals.turn / 16) % 4 {
-            0 => self.signals.flush_output(),
+    fn flush(&mut self, part: u32) {
+        match part % 8 {
+            0 | 4 => self.signals.flush_output(),
             1 => self.signals.flush_inputs(),
-            2 => {
-                self.signals.flush_constant();
-                self.estimator.flush_sums();
-            }
-            _ => {
-                self.noise.flush();
-                self.change.flush();
-            }
+            2 => self.estimator.flush_sums(),
+            3 => self.noise.flush(),
+            5 => self.signals.flush_constant(),
+            6 => self.change.flush_lagged(),
+            _ => self.change.flush_power(),
         }
     }
 }

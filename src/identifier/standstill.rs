@@ -82,8 +82,17 @@ impl Standstill {
         }
     }
 
+    /// The innovation from that at y_0, squared and in units of what contradicts, while the axis is in its band; `noise` as below.
+    #[inline(always)]
+    pub(crate) fn unexplained(&self, y: f32, innovation: f32, noise: f32) -> Option<f32> {
+        let [y_0, e_0] = self.entered;
+        let far = (y - y_0) * (1.0 / BAND);
+        let size = (innovation - e_0) * (1.0 / CONTRADICTS);
+        (far * far <= noise).then_some(size * size)
+    }
+
     /// Judges a sample by y and its innovation; `noise` is the variance of y, infinite while it is not known, `certain` and
-    /// `settling` in samples, `expected` gives 1 + phi' P phi.
+    /// `settling` in samples, `contradicts` whether [`unexplained`](Self::unexplained) exceeds noise and model.
     ///
     /// Cost: 15 instructions in motion.
     #[inline(always)]
@@ -93,16 +102,12 @@ impl Standstill {
         innovation: f32,
         noise: f32,
         [certain, settling]: [u32; 2],
-        expected: impl FnOnce() -> f32,
+        contradicts: bool,
     ) -> Motion {
         self.stuck = 0;
-        let below = |size: f32| size <= noise;
-        let [y_0, e_0] = self.entered;
+        let [y_0, _] = self.entered;
         let far = (y - y_0) * (1.0 / BAND);
-        if below(far * far) {
-            let size = (innovation - e_0) * (1.0 / CONTRADICTS);
-            let size = size * size;
-            let contradicts = !below(size) && !below(size / expected());
+        if far * far <= noise {
             self.against = match contradicts {
                 true => self.against.saturating_add(1),
                 false => 0,
@@ -180,19 +185,23 @@ mod tests {
     /// A standard deviation of 0.18.
     const NOISE: f32 = 0.032;
 
+    /// With 1 + phi' P phi = `expected`.
+    fn judge(standstill: &mut Standstill, y: f32, e: f32, expected: f32) -> Motion {
+        let size = standstill.unexplained(y, e, NOISE);
+        let contradicts = size.is_some_and(|size| size / expected > NOISE);
+        standstill.judge(y, e, NOISE, LIMITS, contradicts)
+    }
+
     #[test]
     fn motion_and_rest_as_the_model_says_obey() {
         let mut standstill = Standstill::new();
         for k in 0..1000 {
             let y = if k < 500 { 0.3 * k as f32 } else { 150.0 };
-            assert_eq!(
-                standstill.judge(y, 0.1, NOISE, LIMITS, || 1.0),
-                Motion::Obeys
-            );
+            assert_eq!(judge(&mut standstill, y, 0.1, 1.0), Motion::Obeys);
             // However wrong a model is: in motion nothing is held.
             if k < 500 && k % 3 == 0 {
                 let mut other = standstill.clone();
-                let found = other.judge(y + 2.0, 100.0, NOISE, LIMITS, || 1.0);
+                let found = judge(&mut other, y + 2.0, 100.0, 1.0);
                 assert_eq!(found, Motion::Obeys);
             }
         }
@@ -202,24 +211,21 @@ mod tests {
     fn what_contradicts_no_more_is_released() {
         let mut standstill = Standstill::new();
         for k in 0..5 {
-            let found = standstill.judge(0.0, 30.0, NOISE, LIMITS, || 1.0);
+            let found = judge(&mut standstill, 0.0, 30.0, 1.0);
             assert_eq!(found == Motion::Doubtful, k == 4, "{k}");
         }
         // The model has become uncertain, and its innovation is no contradiction any more.
         for k in 1..=600 {
-            let found = standstill.judge(0.0, 30.0, NOISE, LIMITS, || 1e3);
+            let found = judge(&mut standstill, 0.0, 30.0, 1e3);
             assert_eq!(found == Motion::Obeys, k == 600, "{k}");
         }
-        assert_eq!(
-            standstill.judge(0.0, 30.0, NOISE, LIMITS, || 1.0),
-            Motion::Obeys
-        );
+        assert_eq!(judge(&mut standstill, 0.0, 30.0, 1.0), Motion::Obeys);
     }
 
     #[test]
     fn a_blocked_axis_is_held_and_the_motion_after_it_too_for_a_while() {
         let mut standstill = Standstill::new();
-        let mut judge = |y: f32, e: f32| standstill.judge(y, e, NOISE, LIMITS, || 1.0);
+        let mut judge = |y: f32, e: f32| judge(&mut standstill, y, e, 1.0);
         for k in 1..200 {
             let expected = match k {
                 ..5 => Motion::Obeys,

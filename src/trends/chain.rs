@@ -44,10 +44,13 @@ impl<const M: usize> Memory<M> for Chain<M> {
 
     #[inline(never)]
     fn flush(&mut self) {
-        for state in self.states.iter_mut().chain([&mut self.pending]) {
+        for state in &mut self.states {
             if state.abs() < NEGLIGIBLE {
                 *state = 0.0;
             }
+        }
+        if self.pending.abs() < NEGLIGIBLE {
+            self.pending = 0.0;
         }
     }
 }

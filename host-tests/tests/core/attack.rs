@@ -80,7 +80,7 @@ fn attack<T: TrendOperator<M>, const M: usize, const N: usize>(
     let prior: [f32; N] = std::array::from_fn(|j| identifier.estimator().covariance(j, j));
     let forgetting = 1.0 - 1.0 / setting.samples;
     let bound = StabilisedForgetting::new([0.0; N], forgetting).bound();
-    let growth = forgetting.powi(1 - 2 * N as i32);
+    let growth = forgetting.powi(-2 * N as i32);
     let mut random = generator(setting.seed, Stream::White);
     let (mut y, mut speed) = (0.0_f32, 0.0_f32);
     for k in 0..4000 {

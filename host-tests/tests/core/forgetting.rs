@@ -92,7 +92,8 @@ fn attack<const N: usize>(rows: Rows, memory: f32, seed: u64, count: usize) -> f
         if k % 89 != 88 {
             continue;
         }
-        let rounds = ((k + 1) / (2 * N)) as i32;
+        // The observation of the newest sample may have been begun only.
+        let rounds = (k / (2 * N)) as i32;
         let begun = 1.0 - f64::from(forgetting).powi(rounds * 2 * N as i32);
         for i in 0..N {
             let p = f64::from(estimator.covariance(i, i));
@@ -178,4 +179,67 @@ fn one_observation_is_that_of_dense_matrices() {
             }
         }
     }
+}
+
+/// Both estimators to the last bit.
+fn same<const N: usize>(found: &Estimator<N>, wanted: &Estimator<N>, what: &str) {
+    let bits = |estimator: &Estimator<N>| {
+        let p = |k: usize| estimator.covariance(k / N, k % N).to_bits();
+        let all: Vec<_> = (0..N * N).map(p).collect();
+        (estimator.theta().map(f32::to_bits), all)
+    };
+    assert_eq!(bits(found), bits(wanted), "{what}");
+}
+
+/// The variance of an observation and the P_ii below which it is left out, as in the core.
+const VARIANCE: f32 = 16_384.0;
+const CERTAIN: f32 = 2e-6 * VARIANCE;
+
+#[test]
+fn an_observation_in_two_parts_is_the_whole_one_for_whatever_comes_next() {
+    let mut random = generator(220_002, Stream::White);
+    let forgetting = 0.995;
+    let mut parts = Estimator::<5>::new([0.3; 5], [100.0; 5], forgetting);
+    let mut whole = parts.clone();
+    let mut stabilised = StabilisedForgetting::new([0.2; 5], forgetting);
+    stabilised.set_nominal([0.2; 5]);
+    let mut halves = 0;
+    for k in 0..4000 {
+        let rows = if k % 1000 < 500 {
+            Rows::NoiseOnly
+        } else {
+            Rows::OneDirection
+        };
+        let (phi, psi) = rows.row::<5>(k, &mut random);
+        let (found, wanted) = (parts.update(&phi, psi), whole.update(&phi, psi));
+        assert_eq!(found.to_bits(), wanted.to_bits(), "{k}");
+        same(&parts, &whole, "after a row");
+        stabilised.apply(&mut parts);
+        if k % 2 == 1 {
+            let _ = whole.observe_parameter(k / 2 % 5, 0.2, VARIANCE, CERTAIN);
+        }
+        if parts.theta() == whole.theta() {
+            continue;
+        }
+        // Begun, not finished: every way on finishes it first.
+        halves += 1;
+        let next: [(&str, fn(&mut Estimator<5>)); 5] = [
+            ("correct", |estimator| estimator.correct(&[0.1; 5], 0.1)),
+            ("pass", Estimator::pass),
+            ("widen_last", |estimator| estimator.widen_last(2.0)),
+            ("resume", |estimator| {
+                estimator.resume([0.5; 5], 3.0, &[1e4; 5])
+            }),
+            ("observe_parameter", |estimator| {
+                let _ = estimator.observe_parameter(1, 0.7, 64.0, 0.0);
+            }),
+        ];
+        for (what, step) in next {
+            let (mut parts, mut whole) = (parts.clone(), whole.clone());
+            step(&mut parts);
+            step(&mut whole);
+            same(&parts, &whole, what);
+        }
+    }
+    assert!(halves > 1000, "{halves}");
 }

@@ -66,3 +66,79 @@ fn widening_adds_to_the_last_variance_only() {
         }
     }
 }
+
+/// Numbers in -1..1, always the same.
+fn numbers(mut seed: u32) -> impl FnMut() -> f32 {
+    move || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (seed >> 8) as f32 * (2.0 / 16_777_216.0) - 1.0
+    }
+}
+
+/// P behind an observation of the row z with U'z = `f` and the variance `r`, by the textbook's formula.
+fn observed<const N: usize>(factors: &Factors<N>, f: &[f32; N], r: f32) -> [[f64; N]; N] {
+    let wide = f64::from;
+    let pz: [f64; N] = core::array::from_fn(|l| {
+        let terms =
+            (0..N).map(|j| wide(factors.upper[j][l]) * wide(factors.diagonal[j]) * wide(f[j]));
+        terms.sum()
+    });
+    let spread: f64 = (0..N)
+        .map(|j| wide(factors.diagonal[j]) * wide(f[j]) * wide(f[j]))
+        .sum();
+    core::array::from_fn(|i| {
+        core::array::from_fn(|j| {
+            wide(factors.covariance(i, j)) - pz[i] * pz[j] / (wide(r) + spread)
+        })
+    })
+}
+
+fn agrees<const N: usize>(factors: &Factors<N>, wanted: &[[f64; N]; N], what: &str) {
+    assert!(factors.diagonal.iter().all(|d| *d > 0.0), "{what}");
+    for i in 0..N {
+        for j in 0..N {
+            let size = (wanted[i][i] * wanted[j][j]).sqrt();
+            let error = f64::from(factors.covariance(i, j)) - wanted[i][j];
+            assert!(
+                error.abs() < 1e-4 * size,
+                "{what}: {i} {j} {error} of {size}"
+            );
+        }
+    }
+}
+
+fn both_parts<const N: usize>(seed: u32) {
+    let mut number = numbers(seed);
+    let mut factors = Factors::<N>::independent(&[30.0; N]);
+    for _ in 0..seed % 50 {
+        let phi: [f32; N] = core::array::from_fn(|_| 0.1 * number());
+        let _ = factors.fold(&phi, 0.99, 1.0 / 0.99);
+    }
+    for index in 0..N {
+        let whole: [f32; N] = core::array::from_fn(|j| factors.upper[j][index]);
+        let mut first = whole;
+        first[Factors::<N>::FIRST..].fill(0.0);
+        let wanted = [first, whole].map(|f| observed(&factors, &f, 8.0));
+        let (before, row) = factors.fold_unit(index, || 8.0, 0.0);
+        agrees(&factors, &wanted[0], "first part");
+        let (between, after) = (
+            f64::from(factors.covariance(index, index)),
+            wanted[1][index][index],
+        );
+        assert!(between <= 1.0001 * f64::from(before) && after <= 1.0001 * between);
+        let row = factors.fold_unit_rest(index, row.unwrap());
+        agrees(&factors, &wanted[1], "both parts");
+        assert!((row.alpha / (8.0 + before) - 1.0).abs() < 1e-5);
+    }
+}
+
+#[test]
+fn each_part_of_a_unit_row_is_an_observation() {
+    for seed in 220_100..220_300 {
+        both_parts::<1>(seed);
+        both_parts::<2>(seed);
+        both_parts::<3>(seed);
+        both_parts::<5>(seed);
+        both_parts::<8>(seed);
+    }
+}
