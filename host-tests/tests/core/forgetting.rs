@@ -191,6 +191,8 @@ fn same<const N: usize>(found: &Estimator<N>, wanted: &Estimator<N>, what: &str)
     assert_eq!(bits(found), bits(wanted), "{what}");
 }
 
+type Step = fn(&mut Estimator<5>);
+
 /// The variance of an observation and the P_ii below which it is left out, as in the core.
 const VARIANCE: f32 = 16_384.0;
 const CERTAIN: f32 = 2e-6 * VARIANCE;
@@ -223,7 +225,7 @@ fn an_observation_in_two_parts_is_the_whole_one_for_whatever_comes_next() {
         }
         // Begun, not finished: every way on finishes it first.
         halves += 1;
-        let next: [(&str, fn(&mut Estimator<5>)); 5] = [
+        let next: [(&str, Step); 5] = [
             ("correct", |estimator| estimator.correct(&[0.1; 5], 0.1)),
             ("pass", Estimator::pass),
             ("widen_last", |estimator| estimator.widen_last(2.0)),

@@ -76,29 +76,23 @@ fn numbers(mut seed: u32) -> impl FnMut() -> f32 {
 }
 
 /// P behind an observation of the row z with U'z = `f` and the variance `r`, by the textbook's formula.
-fn observed<const N: usize>(factors: &Factors<N>, f: &[f32; N], r: f32) -> [[f64; N]; N] {
-    let wide = f64::from;
-    let pz: [f64; N] = core::array::from_fn(|l| {
-        let terms =
-            (0..N).map(|j| wide(factors.upper[j][l]) * wide(factors.diagonal[j]) * wide(f[j]));
+fn observed<const N: usize>(factors: &Factors<N>, f: &[f32; N], r: f32) -> [[f32; N]; N] {
+    let pz: [f32; N] = core::array::from_fn(|l| {
+        let terms = (0..N).map(|j| factors.upper[j][l] * factors.diagonal[j] * f[j]);
         terms.sum()
     });
-    let spread: f64 = (0..N)
-        .map(|j| wide(factors.diagonal[j]) * wide(f[j]) * wide(f[j]))
-        .sum();
+    let spread: f32 = (0..N).map(|j| factors.diagonal[j] * f[j] * f[j]).sum();
     core::array::from_fn(|i| {
-        core::array::from_fn(|j| {
-            wide(factors.covariance(i, j)) - pz[i] * pz[j] / (wide(r) + spread)
-        })
+        core::array::from_fn(|j| factors.covariance(i, j) - pz[i] * pz[j] / (r + spread))
     })
 }
 
-fn agrees<const N: usize>(factors: &Factors<N>, wanted: &[[f64; N]; N], what: &str) {
+fn agrees<const N: usize>(factors: &Factors<N>, wanted: &[[f32; N]; N], what: &str) {
     assert!(factors.diagonal.iter().all(|d| *d > 0.0), "{what}");
     for i in 0..N {
         for j in 0..N {
             let size = (wanted[i][i] * wanted[j][j]).sqrt();
-            let error = f64::from(factors.covariance(i, j)) - wanted[i][j];
+            let error = factors.covariance(i, j) - wanted[i][j];
             assert!(
                 error.abs() < 1e-4 * size,
                 "{what}: {i} {j} {error} of {size}"
@@ -121,11 +115,8 @@ fn both_parts<const N: usize>(seed: u32) {
         let wanted = [first, whole].map(|f| observed(&factors, &f, 8.0));
         let (before, row) = factors.fold_unit(index, || 8.0, 0.0);
         agrees(&factors, &wanted[0], "first part");
-        let (between, after) = (
-            f64::from(factors.covariance(index, index)),
-            wanted[1][index][index],
-        );
-        assert!(between <= 1.0001 * f64::from(before) && after <= 1.0001 * between);
+        let (between, after) = (factors.covariance(index, index), wanted[1][index][index]);
+        assert!(between <= 1.0001 * before && after <= 1.0001 * between);
         let row = factors.fold_unit_rest(index, row.unwrap());
         agrees(&factors, &wanted[1], "both parts");
         assert!((row.alpha / (8.0 + before) - 1.0).abs() < 1e-5);
