@@ -15,6 +15,12 @@ pub(crate) fn product_transposed<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -
     core::array::from_fn(|i| product_row_transposed(&a[i], b))
 }
 
+/// A B' of two lower triangles: the same bits without what is 0.
+pub(crate) fn product_of_triangles<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
+    let upto = |i: usize, j: usize| a[i].iter().zip(&b[j]).take(i.min(j) + 1);
+    core::array::from_fn(|i| core::array::from_fn(|j| upto(i, j).map(|(a, b)| a * b).sum()))
+}
+
 /// a' B.
 pub(crate) fn product_row<const N: usize>(a: &[f32; N], b: &Matrix<N>) -> [f32; N] {
     core::array::from_fn(|j| (0..N).map(|k| a[k] * b[k][j]).sum())
@@ -46,6 +52,20 @@ pub(crate) fn cholesky<const N: usize>(matrix: &Matrix<N>) -> Option<Matrix<N>> 
         }
     }
     Some(l)
+}
+
+/// The first `count` entries of L^-1 b for a lower triangle L, those of b behind them.
+pub(crate) fn forward_to<const N: usize>(l: &Matrix<N>, b: [f32; N], count: usize) -> [f32; N] {
+    let mut x = b;
+    for i in 0..N {
+        if i < count {
+            for k in 0..i {
+                x[i] -= l[i][k] * x[k];
+            }
+            x[i] /= l[i][i];
+        }
+    }
+    x
 }
 
 /// L^-1 b for a lower triangle L.

@@ -8,7 +8,8 @@
 
 use crate::estimation::terms::{Parameter, index_of};
 use crate::math::matrix::{
-    Matrix, backward, cholesky, column, forward, product, product_transposed, transposed,
+    Matrix, backward, cholesky, column, forward, forward_to, product, product_of_triangles,
+    product_transposed, transposed,
 };
 use crate::math::sqrt;
 
@@ -42,7 +43,7 @@ pub(crate) fn transform<const N: usize>(
     }
     let l = cholesky(&r)?;
     let z = cholesky(&whitened(&s, &l))?;
-    let scaled = product_transposed(&z, &l);
+    let scaled = product_of_triangles(&z, &l);
     let columns: Matrix<N> = core::array::from_fn(|j| backward(&l, column(&scaled, j)));
     let mut transform = transposed(&columns);
     // T <- D T D^-1 with D = size.
@@ -55,10 +56,10 @@ pub(crate) fn transform<const N: usize>(
     finite.then_some(transform)
 }
 
-/// L^-1 S L^-T: the columns of S first, then its rows.
+/// The lower half of L^-1 S L^-T: the columns of S first, then its rows.
 fn whitened<const N: usize>(s: &Matrix<N>, l: &Matrix<N>) -> Matrix<N> {
     let rows: Matrix<N> = core::array::from_fn(|j| forward(l, column(s, j)));
-    core::array::from_fn(|j| forward(l, column(&rows, j)))
+    core::array::from_fn(|j| forward_to(l, column(&rows, j), j + 1))
 }
 
 /// Noise counts this many times for a constant: in a short record it differs from the initial state and from a command only
