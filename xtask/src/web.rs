@@ -85,6 +85,8 @@ pub(crate) fn build() -> Result<PathBuf, String> {
     let place = target.join("web-page");
     fs::create_dir_all(&place).map_err(|error| format!("{}: {error}", place.display()))?;
     write(&place.join("index.html"), &html)?;
+    let record = without_comments(&read(&page.join("record.js"))?);
+    write(&place.join("record.js"), &record)?;
     let identify = format!("window.IDENTIFY=\"{}\";", module("trendid_web_identify")?);
     write(&place.join("identify.js"), &identify)?;
     write(
