@@ -100,7 +100,7 @@ impl Setup {
     /// Builds the core for this setup.
     ///
     /// # Errors
-    /// The core's own [`ConfigError`]; more inputs or parameters than offered, or fewer parameters than the order, are
+    /// The core's own [`ConfigError`]; more inputs or parameters than offered are
     /// reported as a parameter count.
     pub fn build(&self) -> Result<Box<dyn Recursion>, ConfigError> {
         if self.inputs.len() > INPUTS {
@@ -109,12 +109,12 @@ impl Setup {
                 expected: INPUTS,
             });
         }
-        // At least as many as the order: an integrator takes one a_i away, and every structure has an input.
+        // Of order 1 there are a_0, a b_0 of each input, the constant and the initial state.
         by_size! { self;
             1: 1 2 3 4 5 6 7;
-            2: 2 3 4 5 6 7 8 9 10;
-            3: 3 4 5 6 7 8 9 10;
-            4: 4 5 6 7 8 9 10;
+            2: 1 2 3 4 5 6 7 8 9 10;
+            3: 1 2 3 4 5 6 7 8 9 10;
+            4: 1 2 3 4 5 6 7 8 9 10;
         }
     }
 
