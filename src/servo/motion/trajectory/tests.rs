@@ -96,6 +96,7 @@ fn standing_at(position: f32, limits: MotionLimits) -> Trajectory {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "hours of samples")]
 fn a_slow_move_is_on_time_after_hours() {
     // 6 min, 1 h and 11 h of constant velocity.
     for (velocity, milliseconds) in [(1.0, 400_000_u32), (0.1, 4_000_000), (0.01, 40_000_000)] {
