@@ -70,14 +70,7 @@ pub(crate) fn forward_to<const N: usize>(l: &Matrix<N>, b: [f32; N], count: usiz
 
 /// L^-1 b for a lower triangle L.
 pub(crate) fn forward<const N: usize>(l: &Matrix<N>, b: [f32; N]) -> [f32; N] {
-    let mut x = b;
-    for i in 0..N {
-        for k in 0..i {
-            x[i] -= l[i][k] * x[k];
-        }
-        x[i] /= l[i][i];
-    }
-    x
+    forward_to(l, b, N)
 }
 
 /// L^-T b for a lower triangle L.
