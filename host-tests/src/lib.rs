@@ -5,6 +5,7 @@
 //!
 //! | room | what |
 //! |---|---|
+//! | [`random`] | random numbers of a seed |
 //! | [`plants`] | simulated drives: linear of order 1 to 4, the paper's servo, a valve with defects, a pneumatic axis |
 //! | [`signals`] | excitation, noise, and the record of an experiment |
 //! | [`oracles`] | other ways to the same numbers: batch least squares, Kalman filter, output error, Cramer-Rao bound |
@@ -19,6 +20,7 @@ pub mod endurance;
 pub mod oracles;
 pub mod paper;
 pub mod plants;
+pub mod random;
 pub mod servo;
 pub mod settings;
 pub mod signals;

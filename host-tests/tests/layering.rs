@@ -35,6 +35,7 @@ const ORDERS: [(&str, &[&str]); 2] = [
     (
         "host-tests/src",
         &[
+            "random",
             "plants",
             "signals",
             "oracles",

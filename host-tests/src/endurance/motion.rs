@@ -1,7 +1,7 @@
 //! Commands without end.
 
+use crate::random::Random;
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
 
 use crate::signals::noise::{Stream, generator};
 use crate::signals::shift_register::ShiftRegister;
@@ -59,7 +59,7 @@ const DAY: [Motion; 12] = [
 #[derive(Clone, Debug)]
 pub struct Commands {
     register: ShiftRegister,
-    random: ChaCha8Rng,
+    random: Random,
     bit: f64,
     /// Whether binary noise has two sizes: a dead zone or friction cannot be told from a gain with one.
     two_sizes: bool,

@@ -1,7 +1,7 @@
 //! Everything of a run but the identifier: axis, commands, noise, and what is looked at.
 
+use crate::random::Random;
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
 use trendid::estimation::StabilisedForgetting;
 use trendid::trends::FilteredTrends;
 use trendid::{Identifier, Outcome};
@@ -24,7 +24,7 @@ pub(super) struct Runner<'a, A> {
     axis: A,
     truth: [f64; 3],
     commands: Commands,
-    noise: ChaCha8Rng,
+    noise: Random,
     valve: StaticValve,
     others: Option<Others>,
     found: Found,

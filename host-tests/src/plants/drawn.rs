@@ -6,8 +6,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::random::Random;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 use crate::plants::linear::{Input, LinearPlant};
 
@@ -41,7 +41,7 @@ const SAMPLES: [usize; 2] = [2000, 5000];
 impl DrawnRecord {
     /// The plant and the record of a seed.
     pub fn of(seed: u64) -> Self {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut rng = Random::seed_from_u64(seed);
         let dt = 1e-3 * log_uniform(&mut rng, 1.0, 20.0);
         let order = rng.random_range(1..=3_usize);
         let integrator = rng.random_bool(0.5);
@@ -93,14 +93,14 @@ impl DrawnRecord {
     }
 }
 
-fn log_uniform(rng: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
+fn log_uniform(rng: &mut Random, low: f64, high: f64) -> f64 {
     let part: f64 = rng.random();
     low * (high / low).powf(part)
 }
 
 /// A denominator around a rate \[rad/s\] with the distances of its poles from zero.
 fn denominator(
-    rng: &mut ChaCha8Rng,
+    rng: &mut Random,
     order: usize,
     integrator: bool,
     middle: f64,
@@ -145,7 +145,7 @@ fn ratio(x: f64, y: f64) -> f64 {
 }
 
 /// A numerator of static (or velocity) gain 0.5 to 2, its zeros apart from the poles; every fourth zero is in the right half.
-fn numerator(rng: &mut ChaCha8Rng, zeros: usize, rates: &[f64], a: &[f64]) -> Vec<f64> {
+fn numerator(rng: &mut Random, zeros: usize, rates: &[f64], a: &[f64]) -> Vec<f64> {
     let lowest = a.iter().copied().find(|a| *a != 0.0).unwrap_or(1.0);
     let gain = log_uniform(rng, 0.5, 2.0) * if rng.random_bool(0.2) { -1.0 } else { 1.0 };
     let mut b = vec![gain * lowest];
@@ -173,7 +173,7 @@ fn numerator(rng: &mut ChaCha8Rng, zeros: usize, rates: &[f64], a: &[f64]) -> Ve
 }
 
 /// Steps of random length, binary noise, a multisine or filtered noise, all around the rate of the plant per sample.
-fn input(rng: &mut ChaCha8Rng, samples: usize, rate: f64) -> Vec<f64> {
+fn input(rng: &mut Random, samples: usize, rate: f64) -> Vec<f64> {
     let kind = rng.random_range(0..4_u8);
     let held = ((0.5 / rate).round() as usize).clamp(1, samples / 40);
     let mut u = Vec::with_capacity(samples);
@@ -217,7 +217,7 @@ fn input(rng: &mut ChaCha8Rng, samples: usize, rate: f64) -> Vec<f64> {
 }
 
 /// White noise, or mostly drift: white noise through a lag of so many samples with a tenth of it directly.
-fn noise(rng: &mut ChaCha8Rng, samples: usize, drift: bool, lag: f64) -> Vec<f64> {
+fn noise(rng: &mut Random, samples: usize, drift: bool, lag: f64) -> Vec<f64> {
     let decay = (-1.0 / lag).exp();
     let scale = (1.0 - decay * decay).sqrt();
     let mut state = 0.0;

@@ -2,8 +2,8 @@
 
 use trendid::servo::{self, State};
 
+use crate::random::Random;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 use crate::plants::pneumatic::AxisParameters;
 use crate::servo::figures::Figures;
@@ -41,7 +41,7 @@ impl Run<'_> {
     fn change(&mut self) -> Option<()> {
         self.move_to(200.0, 1.5)?;
         self.oscillate(60.0, 0.5);
-        let delay = ChaCha8Rng::seed_from_u64(self.figures.seed ^ 0x5eed).random_range(0.0..2.0);
+        let delay = Random::seed_from_u64(self.figures.seed ^ 0x5eed).random_range(0.0..2.0);
         self.pass(4.0 + delay)?;
         self.rig
             .plant

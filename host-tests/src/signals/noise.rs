@@ -4,8 +4,8 @@
 
 use std::f64::consts::PI;
 
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use crate::random::Random;
+use rand::RngExt;
 
 /// How the widths printed in Table 1 are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -124,8 +124,8 @@ impl Condition {
 #[derive(Clone, Debug)]
 pub struct Additive {
     condition: Condition,
-    eta: ChaCha8Rng,
-    drift: ChaCha8Rng,
+    eta: Random,
+    drift: Random,
     phase: f64,
     lag: f64,
     k: u64,
@@ -222,15 +222,13 @@ pub enum Stream {
 }
 
 /// Random generator of a seed and stream, the same on every machine.
-pub fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
+pub fn generator(seed: u64, stream: Stream) -> Random {
     numbered(seed, stream as u64)
 }
 
 /// Random generator of a seed and of the stream of this number; [`generator`] has the numbers of [`Stream`].
-pub fn numbered(seed: u64, stream: u64) -> ChaCha8Rng {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    random.set_stream(stream);
-    random
+pub fn numbered(seed: u64, stream: u64) -> Random {
+    Random::numbered(seed, stream)
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! Slow sampling: exact trends against the plain filtered ones, without noise, and their uncertainty under noise.
 
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use trendid::estimation::Terms;
 use trendid::trends::{ExactTrends, FilteredTrends, Hold, Scheme, TrendOperator};
 use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::plants::linear::{Input, LinearPlant};
+use trendid_host_tests::random::Random;
 
 /// A plant `B(s)/A(s)` and how it is sampled.
 struct Case {
@@ -80,7 +80,7 @@ const ROUNDS: usize = 6;
 
 /// (u, y) of 1500 samples: a binary command that may change every so many samples, or white and straight between samples.
 fn record(case: &Case, hold: Hold, seed: u64) -> Vec<(f32, f32)> {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut rng = Random::seed_from_u64(seed);
     let mut plant = LinearPlant::with_inputs(case.a, &[Input::new(case.b)], 0.0, case.dt).unwrap();
     let mut u = 0.0;
     let mut samples = Vec::new();
@@ -245,7 +245,7 @@ fn the_uncertainty_is_that_of_the_noise() {
     let (mut one, mut three, mut count) = (0, 0, 0);
     let mut rms = [0.0_f64; 3];
     for seed in seeds.clone() {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed + 1_000_000);
+        let mut rng = Random::seed_from_u64(seed + 1_000_000);
         let mut noisy = record(case, Hold::Zero, seed);
         for (_, y) in &mut noisy {
             // Uniform, 0.05 of a step in full width.

@@ -1,8 +1,8 @@
 //! The bound of stabilised forgetting, attacked on the bare estimator, and its step against dense matrices.
 
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
 use trendid::estimation::{Estimator, StabilisedForgetting};
+use trendid_host_tests::random::Random;
 use trendid_host_tests::signals::noise::{Stream, generator};
 
 /// Rows that take away what the estimator needs, or give too much.
@@ -32,7 +32,7 @@ const ALL: [Rows; 9] = [
 ];
 
 impl Rows {
-    fn row<const N: usize>(self, k: usize, random: &mut ChaCha8Rng) -> ([f32; N], f32) {
+    fn row<const N: usize>(self, k: usize, random: &mut Random) -> ([f32; N], f32) {
         let mut number = || 2.0 * random.random::<f32>() - 1.0;
         let fit = |phi: [f32; N]| (phi, phi.iter().sum::<f32>());
         match self {

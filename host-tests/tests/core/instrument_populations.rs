@@ -1,12 +1,12 @@
 //! Instruments over populations of drawn plants: what their standard deviations cover.
 
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use trendid::instruments::{self, Instrumented, Way};
 use trendid::trends::{FilteredTrends, Scheme};
 use trendid::{Config, Structure};
 use trendid_host_tests::plants::linear::{Input, LinearPlant};
 use trendid_host_tests::plants::polynomial::product;
+use trendid_host_tests::random::Random;
 use trendid_host_tests::signals::excitation::Excitation;
 
 /// Errors of a population in standard deviations, with how often instruments were used.
@@ -37,7 +37,7 @@ const DT: f64 = 2e-3;
 const OMEGA: f64 = 20.0;
 
 /// Poles from half to twice the bandwidth, some of them a pair.
-fn poles(rng: &mut ChaCha8Rng, integrators: usize, order: usize) -> Vec<f64> {
+fn poles(rng: &mut Random, integrators: usize, order: usize) -> Vec<f64> {
     let mut a = vec![1.0];
     for _ in 0..integrators {
         a = product(&a, &[0.0, 1.0]);
@@ -60,7 +60,7 @@ fn poles(rng: &mut ChaCha8Rng, integrators: usize, order: usize) -> Vec<f64> {
 /// A plant of a structure.
 fn drawn<const M: usize, const N: usize, const I: usize>(
     structure: &Structure<M, N, I>,
-    rng: &mut ChaCha8Rng,
+    rng: &mut Random,
 ) -> Drawn {
     let integrators = structure.integrators();
     let a = poles(rng, integrators, M);
@@ -88,7 +88,7 @@ fn drawn<const M: usize, const N: usize, const I: usize>(
 }
 
 /// White noise and, in half of them, a drift of a second.
-fn noise(rng: &mut ChaCha8Rng, n: usize, level: f64) -> Vec<f64> {
+fn noise(rng: &mut Random, n: usize, level: f64) -> Vec<f64> {
     let drifts = rng.random_bool(0.5);
     let mut drift = 0.0;
     (0..n)
@@ -105,7 +105,7 @@ fn identified<const M: usize, const N: usize, const I: usize, const R: usize>(
     seed: u64,
     tally: &mut Tally,
 ) {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut rng = Random::seed_from_u64(seed);
     let Drawn {
         mut plant,
         expected,

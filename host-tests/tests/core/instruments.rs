@@ -1,11 +1,11 @@
 //! Instruments beside the recursion: against f64 over a long record, and where they are weak.
 
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use trendid::instruments::{self, Instrumented, Reading, Way};
 use trendid::trends::{FilteredTrends, Hold, Scheme};
 use trendid::{Config, Identifier, Outcome, Structure};
 use trendid_host_tests::plants::linear::{Input, LinearPlant};
+use trendid_host_tests::random::Random;
 use trendid_host_tests::signals::excitation::Excitation;
 use trendid_host_tests::signals::experiment::{Experiment, Record};
 use trendid_host_tests::signals::noise::Condition;
@@ -128,7 +128,7 @@ fn a_memory_follows_a_change() {
     let mut servo = servo(|config| config.memory = Some(0.8));
     let (dt, n) = (1e-3, 9000);
     let u = Excitation::ABSOLUTE.sequence(n, dt, 200_005);
-    let mut rng = ChaCha8Rng::seed_from_u64(200_006);
+    let mut rng = Random::seed_from_u64(200_006);
     let mut slow = LinearPlant::new(&[0.0, 400.0, 20.0], &[1e6], dt).unwrap();
     let mut fast = LinearPlant::new(&[0.0, 625.0, 25.0], &[1e6], dt).unwrap();
     let mut found = Vec::new();
@@ -166,7 +166,7 @@ fn a_memory_follows_a_change() {
 fn weak_instruments_and_few_blocks_are_said() {
     let mut servo = servo(|_| {});
     assert_eq!(servo.estimate().way, Way::TooFewBlocks); // nothing at all
-    let mut rng = ChaCha8Rng::seed_from_u64(200_007);
+    let mut rng = Random::seed_from_u64(200_007);
     for _ in 0..40 {
         let _ = servo.update(0.4, 0.01 * rng.random_range(-1.0..1.0_f32));
     }
@@ -202,7 +202,7 @@ fn a_delay_a_ramp_hold_gaps_and_unusable_readings() {
         let lag = config.delays[0];
         let input = Input::delayed(&[1e6], lag);
         let mut plant = LinearPlant::with_inputs(&[0.0, 400.0, 20.0], &[input], 0.0, dt).unwrap();
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut rng = Random::seed_from_u64(seed);
         let mut refused = 0;
         for k in 0..n {
             let y = plant.output() + 0.1 * rng.random_range(-1.0..1.0);

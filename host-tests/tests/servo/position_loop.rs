@@ -1,10 +1,10 @@
 //! The adaptive loop: limits under fuzzing, changes of gains, refusals, bit-exact return of the old gains.
 
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use trendid::hardware::{Axis, Scale};
 use trendid::servo::{self, Controller, Motion, Reason, ServoLoop, Setpoint, State, Travel};
 use trendid_host_tests::plants::pneumatic::{AxisParameters, PneumaticAxis};
+use trendid_host_tests::random::Random;
 use trendid_host_tests::servo::bridging::assert_failing_readings_are_bridged;
 use trendid_host_tests::servo::plant::RESOLUTION_MM;
 use trendid_host_tests::servo::rig::{ROUGH_BANDWIDTH, SimulatedSensor, SimulatedValve, TRAVEL};
@@ -13,7 +13,7 @@ use trendid_host_tests::servo::scenario::Scenario;
 
 #[test]
 fn the_command_keeps_range_and_rate_in_a_million_wild_samples() {
-    let mut random = ChaCha8Rng::seed_from_u64(77);
+    let mut random = Random::seed_from_u64(77);
     let mut config = servo::Config::new(1e-3, 25.0, TRAVEL);
     config.range = 0.8;
     config.rate = 150.0;
@@ -69,7 +69,7 @@ fn the_command_keeps_range_and_rate_in_a_million_wild_samples() {
 }
 
 /// A model of some axis.
-fn any_model(random: &mut ChaCha8Rng) -> servo::Model {
+fn any_model(random: &mut Random) -> servo::Model {
     servo::Model {
         dead_zone: random.random_range(0.0..0.1_f32),
         friction: random.random_range(0.0..9e3_f32),
@@ -83,7 +83,7 @@ fn any_model(random: &mut ChaCha8Rng) -> servo::Model {
 
 #[test]
 fn a_change_of_gains_steps_the_command_by_at_most_one_percent() {
-    let mut random = ChaCha8Rng::seed_from_u64(78);
+    let mut random = Random::seed_from_u64(78);
     let mut worst = 0.0_f32;
     for case in 0..400 {
         let mut model = || servo::Model {

@@ -1,7 +1,7 @@
 //! The axis as a controller sees it: one command and one measurement per sample of 1 ms.
 
+use crate::random::Random;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 use super::dynamics::{Dynamics, State, opening};
 use super::flow::resting_pressures;
@@ -34,7 +34,7 @@ pub struct PneumaticAxis {
     parameters: AxisParameters,
     dynamics: Dynamics,
     state: State,
-    noise: ChaCha8Rng,
+    noise: Random,
     fault: Option<Fault>,
     last_count: i32,
     command: f64,
@@ -65,7 +65,7 @@ impl PneumaticAxis {
             parameters: p,
             dynamics: Dynamics::new(&p),
             state,
-            noise: ChaCha8Rng::seed_from_u64(seed),
+            noise: Random::seed_from_u64(seed),
             fault: None,
             last_count: 0,
             command: 0.0,

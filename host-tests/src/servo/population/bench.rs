@@ -2,8 +2,8 @@
 
 use std::collections::VecDeque;
 
+use crate::random::Random;
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
 
 use crate::plants::pneumatic::PneumaticAxis;
 use crate::plants::third_order::ThirdOrder;
@@ -48,7 +48,7 @@ impl Drive {
 pub struct Bench {
     drive: Drive,
     axis: AxisDraw,
-    random: ChaCha8Rng,
+    random: Random,
     /// Whether the valve is connected the wrong way round now.
     pub reversed: bool,
     /// Time \[s\], and that of the next sampling instant without jitter.

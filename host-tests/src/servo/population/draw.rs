@@ -1,7 +1,7 @@
 //! One axis of the population: what it is, and what its user knows of it.
 
+use crate::random::Random;
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
 
 use crate::plants::pneumatic::{AxisParameters, Friction, Linearised};
 use crate::plants::third_order::ThirdOrderParameters;
@@ -164,7 +164,7 @@ fn needed_gain(omega0: f64, stroke_mm: f64) -> f64 {
 }
 
 /// Draws a pneumatic axis; `None` when it is out of the range of frequencies or too weak for its load.
-fn pneumatic(usual: bool, random: &mut ChaCha8Rng) -> Option<Mechanics> {
+fn pneumatic(usual: bool, random: &mut Random) -> Option<Mechanics> {
     let mut draw = |range: Range| range.draw(usual, random);
     let kind = Family::Pneumatic;
     let bore = draw(family::BORE);
@@ -214,7 +214,7 @@ fn pneumatic(usual: bool, random: &mut ChaCha8Rng) -> Option<Mechanics> {
 }
 
 /// Draws a drive of third order.
-fn third_order(kind: Family, usual: bool, random: &mut ChaCha8Rng) -> Mechanics {
+fn third_order(kind: Family, usual: bool, random: &mut Random) -> Mechanics {
     let mut draw = |range: Range| range.draw(usual, random);
     let stroke = draw(family::STROKE);
     let omega0 = draw(kind.omega0());

@@ -1,7 +1,7 @@
 //! Ranges to draw from, and streams of random numbers that are the same on every machine.
 
+use crate::random::Random;
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
 
 use crate::signals::noise::numbered;
 
@@ -22,7 +22,7 @@ pub enum Purpose {
 }
 
 /// The stream of a purpose of a seed.
-pub fn stream(seed: u64, purpose: Purpose) -> ChaCha8Rng {
+pub fn stream(seed: u64, purpose: Purpose) -> Random {
     numbered(seed, purpose as u64)
 }
 
@@ -83,7 +83,7 @@ impl Range {
     }
 
     /// Draws a value, of the usual half or of the whole range.
-    pub fn draw(&self, usual: bool, random: &mut ChaCha8Rng) -> f64 {
+    pub fn draw(&self, usual: bool, random: &mut Random) -> f64 {
         let range = if usual { self.usual() } else { *self };
         let part = random.random::<f64>();
         match range.spread {
