@@ -233,6 +233,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             significance: *offset_significance,
             estimator: &self.state.estimator,
             forgetting: &self.state.forgetting,
+            turns: self.plan.turns(),
             position: self.state.position(),
             noise: &self.state.noise,
         }

@@ -180,6 +180,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
         self.can_stand && velocity.is_some_and(|sign| *sign == 0.0)
     }
 
+    /// Whether an input is the sign of the velocity.
+    pub(crate) const fn turns(&self) -> bool {
+        self.friction_input.is_some()
+    }
+
     /// Whether `trends` differ from those in use in their numerators only: every signal then is already what it would be.
     pub(crate) fn same_filter(&self, trends: &T) -> bool {
         let (old, new) = (self.trends.design(), trends.design());

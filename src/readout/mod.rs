@@ -44,7 +44,8 @@ use crate::readout::significance::Withdrawal;
 /// Error of trends in place of derivatives, relative to a parameter, in units of `(omega_n Delta)^2`.
 ///
 /// Measured without noise at 1 and 5 ms: 0.17 to 0.24 of every a_i and b_i of servos with damping 0.2 to 1, -0.08 of a
-/// lag, 0.1 to 0.22 of an oscillator. All parameters of a model share it to a tenth, so a gain `b_0/a_nu` hardly has it.
+/// lag, 0.1 to 0.22 of an oscillator. All parameters of a model share it to a tenth, so a gain `b_0/a_nu` hardly has it,
+/// unless friction turns with the velocity (`ReadOut::common`).
 const DISCRETE: f32 = 0.2;
 
 /// Error of f32, relative to a parameter.
@@ -104,8 +105,8 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
                 covariance[i][j] *= units[i] * units[j];
                 covariance[i][j] += found.left[i] * found.left[j];
                 if coefficient(i) && coefficient(j) && !known(i) && !known(j) {
-                    let share = if i == j { 1.01 } else { 1.0 };
-                    covariance[i][j] += share * (floor * found.theta[i]) * (floor * found.theta[j]);
+                    covariance[i][j] +=
+                        self.common(i == j) * (floor * found.theta[i]) * (floor * found.theta[j]);
                 }
             }
         }

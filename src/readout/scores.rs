@@ -52,7 +52,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             core::array::from_fn(|j| {
                 let mut value = covariance[i][j] * units[i] * units[j];
                 if coefficient(i) && coefficient(j) && !known(i) && !known(j) {
-                    value += (floor * theta[i]) * (floor * theta[j]);
+                    value += self.common(i == j) * (floor * theta[i]) * (floor * theta[j]);
                 }
                 value
             })
