@@ -32,6 +32,7 @@
 //! | [`model`] | [`TransferFunction`], [`model::Physical`] | what theta means; output evaluation (9)-(11) |
 //! | `readout` | [`Estimate`] | noise bias taken out, an insignificant constant withdrawn, covariance |
 //! | [`identifier`] | [`Identifier`], [`Config`], [`Outcome`], [`Servo`] | all of it behind one call per sample |
+//! | [`batches`] | [`batches::Batched`] | standard deviations of least squares by batch means |
 //! | [`instruments`] | [`instruments::Instrumented`] | estimates without the bias of noise, standard deviations by batch means |
 //! | [`inputs`] | [`inputs::DeadZone`], [`inputs::coulomb`] | inputs for valves and friction |
 //! | [`hardware`] | [`hardware::PositionSensor`], [`hardware::Valve`] | the edge to sensors and valves: traits, drivers, scale |
@@ -74,6 +75,7 @@
 #![forbid(unsafe_code)]
 #![deny(clippy::disallowed_types)]
 
+pub mod batches;
 pub mod error;
 pub mod estimation;
 pub mod hardware;

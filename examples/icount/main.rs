@@ -59,6 +59,8 @@ functions! {
         let (instrumented, reading) = state;
         reading.step(instrumented).is_some()
     };
+    row_batched(rows::Batched, f32) -> Outcome, |state, u, y| state.update(u, y);
+    row_batches(rows::Batched, f32) -> bool, |state, _u, _y| state.estimate().by_blocks;
     row_dead_zone(rows::DeadZone, f32) -> Outcome, |state, u, y| {
         state.update_inputs(rows::dead_zone_inputs(u), y)
     };
@@ -171,6 +173,7 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
         exact_and_bank(meter)?;
         now_and_then(meter)?;
         instruments(meter)?;
+        batches(meter)?;
     }
     #[cfg(all(target_os = "none", target_abi = "eabihf"))]
     telemetry::rows(meter, samples(), samples().take(CALLS));
@@ -228,6 +231,22 @@ fn instruments(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     let calls = record::samples().take(CALLS);
     rows! { meter;
         "instruments, per step of 36", 5, *row_reading, (instrumented, Reading::new()), calls;
+    }
+    Ok(())
+}
+
+#[inline(never)]
+fn batches(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
+    rows! { meter;
+        "default with blocks", 5, *row_batched, rows::batched()?, samples();
+    }
+    let mut batched = rows::batched()?;
+    for (u, y) in record::samples() {
+        let _ = row_batched(&mut batched, u, y);
+    }
+    let calls = record::samples().take(CALLS);
+    rows! { meter;
+        "deviations by blocks", 5, *row_batches, batched, calls;
     }
     Ok(())
 }

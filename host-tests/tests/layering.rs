@@ -28,6 +28,7 @@ const ORDERS: [(&str, &[&str]); 2] = [
             "model",
             "readout",
             "identifier",
+            "batches",
             "instruments",
             "servo",
         ],

@@ -222,6 +222,17 @@ impl<const N: usize> Factors<N> {
         }
     }
 
+    /// U above the diagonal and D on it, column by column.
+    pub(crate) fn packed(&self) -> [[f32; N]; N] {
+        let mut packed = self.upper;
+        for (j, (column, d)) in packed.iter_mut().zip(&self.diagonal).enumerate() {
+            if let Some(slot) = column.get_mut(j) {
+                *slot = *d;
+            }
+        }
+        packed
+    }
+
     /// Entry (i, j) of P = U D U', relative to the noise variance.
     pub(crate) fn covariance(&self, i: usize, j: usize) -> f32 {
         let mut sum = 0.0;

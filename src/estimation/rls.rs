@@ -243,6 +243,11 @@ impl<const N: usize> Estimator<N> {
         self.factors.covariances()
     }
 
+    /// U above the diagonal and D on it, column by column.
+    pub(crate) fn factors(&self) -> [[f32; N]; N] {
+        self.factors.packed()
+    }
+
     /// The factors D_j: positive, or 0 for a known parameter.
     pub const fn diagonal(&self) -> &[f32; N] {
         self.factors.diagonal()

@@ -12,13 +12,20 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 {
     /// Whether the drive has just changed, or the filter still carries what it was: the row is left out.
     #[inline(never)]
-    pub(super) fn changing(&mut self, plan: &Plan<T, M, N, I>, row: Row<N>, moves: bool) -> bool {
+    pub(super) fn changing(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        row: Row<N>,
+        moves: bool,
+        witness: &mut impl Witness<M, N, I>,
+    ) -> bool {
         let change = &mut self.change;
         if change.settling > 0 {
             change.settling -= 1;
             self.forgetting.hold(&mut self.estimator);
             if change.settling == 0 {
                 self.lose_initial_state(plan);
+                witness.widened();
             }
             return true;
         }
@@ -38,6 +45,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.estimator.resume(theta, one_sample, &limit);
         self.signals.gate.keep_open(plan.times.gate_open);
         self.changes = self.changes.saturating_add(1);
+        witness.widened();
         true
     }
 
@@ -80,6 +88,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
         if found == Motion::Freed {
             self.lose_initial_state(plan);
+            witness.widened();
         }
         found == Motion::Obeys
     }

@@ -65,6 +65,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.go_on(plan, before, &others);
         if plan.forgets && self.adapting {
             self.forgetting.pass(&mut self.estimator);
+            witness.passed();
         }
     }
 

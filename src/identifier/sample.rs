@@ -119,14 +119,15 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
         if plan.forgets {
             let moves = obeys && plan.moves(&row.phi, noise.known);
-            if plan.follows_changes && self.changing(plan, *row, moves) {
+            if plan.follows_changes && self.changing(plan, *row, moves, witness) {
                 return Outcome::Held { innovation };
             }
             if moves {
                 self.estimator.fold(&row.phi, row.error);
-                witness.row(&row.phi, row.psi);
+                witness.row(&row.phi, row.psi, &self.estimator);
             } else {
                 self.estimator.pass();
+                witness.passed();
             }
             if let Some(part) = self.forgetting.turn(&mut self.estimator) {
                 self.flush(part);
@@ -136,7 +137,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             }
         } else if obeys {
             self.estimator.fold(&row.phi, row.error);
-            witness.row(&row.phi, row.psi);
+            witness.row(&row.phi, row.psi, &self.estimator);
         } else {
             return Outcome::Held { innovation };
         }

@@ -1,13 +1,21 @@
 //! What an identifier shows of its samples to something that runs beside it.
 
+use crate::estimation::rls::Estimator;
+
 /// Sees the trends of the inputs and the rows of an identifier; `()` sees nothing and costs nothing.
 pub(crate) trait Witness<const M: usize, const N: usize, const I: usize> {
     /// The trends of the inputs begin anew, at rest.
     fn begin(&mut self);
     /// The trends of the inputs of a sample, also of one without y.
     fn inputs(&mut self, trends: &[[f32; M]; I]);
-    /// A row that the estimator takes: the normalised regressor and its left-hand side.
-    fn row(&mut self, phi: &[f32; N], psi: f32);
+    /// A row that the estimator has taken: the normalised regressor and its left-hand side.
+    fn row(&mut self, phi: &[f32; N], psi: f32, estimator: &Estimator<N>);
+    /// A sample time has passed without a row, and was forgotten from the estimator.
+    #[inline(always)]
+    fn passed(&mut self) {}
+    /// The covariance of the estimator was changed by something that is no row.
+    #[inline(always)]
+    fn widened(&mut self) {}
 }
 
 impl<const M: usize, const N: usize, const I: usize> Witness<M, N, I> for () {
@@ -16,5 +24,5 @@ impl<const M: usize, const N: usize, const I: usize> Witness<M, N, I> for () {
     #[inline(always)]
     fn inputs(&mut self, _: &[[f32; M]; I]) {}
     #[inline(always)]
-    fn row(&mut self, _: &[f32; N], _: f32) {}
+    fn row(&mut self, _: &[f32; N], _: f32, _: &Estimator<N>) {}
 }

@@ -11,6 +11,7 @@
 //! of `0.08/bandwidth` the exact instruments turn by at most 0.08 rad, so that the standard deviation grows by about `0.08^2/6`, one
 //! in a thousand. At 20 rad/s and 1 kHz a group has four rows.
 
+use crate::estimation::rls::Estimator;
 use crate::identifier::witness::Witness;
 use crate::instruments::auxiliary::{Auxiliary, Lane};
 use crate::instruments::blocks::Blocks;
@@ -94,7 +95,7 @@ impl<const M: usize, const N: usize, const I: usize, const R: usize> Witness<M, 
     }
 
     #[inline(always)]
-    fn row(&mut self, phi: &[f32; N], psi: f32) {
+    fn row(&mut self, phi: &[f32; N], psi: f32, _: &Estimator<N>) {
         let group = &mut self.group;
         if group.rows == 0 {
             let own = self.z.iter_mut().skip(self.layout.twice);

@@ -97,6 +97,8 @@ pub(crate) struct Compensated<const N: usize> {
     transform: Option<Matrix<N>>,
     /// Remaining bias of each parameter after one step of the correction, in the user's units.
     pub(crate) left: [f32; N],
+    /// w tr P M, the share of the correction that one step leaves: in [0, 1).
+    pub(crate) damping: f32,
     pub(crate) residual: Residual,
 }
 
@@ -105,6 +107,17 @@ impl<const N: usize> Compensated<N> {
     pub(crate) fn covariance(&self, p: &Matrix<N>) -> Matrix<N> {
         match &self.transform {
             Some(transform) => product_transposed(&product(transform, p), transform),
+            None => *p,
+        }
+    }
+
+    /// Change of the estimate per unit of a score, normalised: (I + w P M) P.
+    pub(crate) fn gain(&self, p: &Matrix<N>) -> Matrix<N> {
+        match &self.transform {
+            Some(transform) => {
+                let twice = product(transform, p);
+                core::array::from_fn(|i| core::array::from_fn(|j| 0.5 * (twice[i][j] + p[i][j])))
+            }
             None => *p,
         }
     }
@@ -149,6 +162,7 @@ pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
     let angle = source.bandwidth * source.design.sample_time;
     Compensated {
         left: core::array::from_fn(|j| damping * (theta[j] - bare[j])),
+        damping,
         theta,
         transform,
         residual: noise.split(source.regressor.top_scale(), samples, angle),

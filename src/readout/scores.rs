@@ -2,11 +2,15 @@
 
 use crate::estimation::terms::Parameter;
 use crate::math::matrix::Matrix;
+use crate::readout::compensation::compensate;
 use crate::readout::estimate::Estimate;
 use crate::readout::residual_spectrum::natural_frequency;
 use crate::readout::s_plane::estimate_in_s_plane;
 use crate::readout::significance::Withdrawal;
 use crate::readout::source::ReadOut;
+
+/// Where more of the correction of the noise bias is left than is taken, the estimate is no smooth function of the scores.
+const MOSTLY: f32 = 0.5;
 
 impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// The parameters as the trends have them, normalised, without the bias of white noise.
@@ -19,6 +23,69 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// Which parameters were given as known.
     pub(crate) fn known(&self) -> [bool; N] {
         self.estimator.diagonal().map(|variance| variance == 0.0)
+    }
+
+    /// The estimate of [`estimate`](Self::estimate) under another covariance, `of` the parameters before the constant is
+    /// withdrawn and of their change per score, all normalised; `None` where that gives none, or where the regressors are mostly noise.
+    pub(crate) fn under(
+        &self,
+        of: impl FnOnce(&[f32; N], &Matrix<N>) -> Option<Matrix<N>>,
+    ) -> Option<Estimate<M, N, I>> {
+        let p = self.covariance();
+        let mut found = compensate(self, &p);
+        if !(found.damping <= MOSTLY) {
+            return None;
+        }
+        let withdrawal = self.withdrawal(&p, &found);
+        let units = self.regressor.units();
+        let centre = core::array::from_fn(|j| found.theta[j] / units[j]);
+        let mut covariance = of(&centre, &found.gain(&p))?;
+        self.add_nominal(&p, &mut covariance);
+        if let Some(withdrawal) = &withdrawal {
+            withdrawal.apply(&mut found.theta);
+        }
+        let denominator = self.structure.denominator(&found.theta);
+        let natural = natural_frequency(&denominator, self.bandwidth);
+        let floor = self.floor(natural, &denominator);
+        let parameters = self.structure.parameters();
+        let bias: [f32; N] = core::array::from_fn(|i| match parameters[i] {
+            Parameter::Constant | Parameter::InitialState => 0.0,
+            _ if p[i][i] == 0.0 => 0.0,
+            _ => floor * found.theta[i],
+        });
+        for i in 0..N {
+            for j in 0..N {
+                covariance[i][j] *= units[i] * units[j];
+                covariance[i][j] += found.left[i] * found.left[j] + bias[i] * bias[j];
+            }
+        }
+        if let Some(withdrawal) = &withdrawal {
+            withdrawal.apply_to_covariance(&mut covariance);
+        }
+        Some(self.in_s_plane(found.theta, covariance))
+    }
+
+    /// Adds the uncertainty of the prior and of nominal values, of which no score knows.
+    ///
+    /// The weight of the nominal value k in theta is P e_k over what it alone leaves of P_kk.
+    fn add_nominal(&self, p: &Matrix<N>, covariance: &mut Matrix<N>) {
+        let (expected, seen) = (self.prior_noise * self.prior_noise, self.residual());
+        for (k, (whole, own)) in self.forgetting.nominal_variances().iter().enumerate() {
+            if !(*whole > 0.0) {
+                continue;
+            }
+            // A former estimate varies less than what it leaves.
+            let variance = if *own > 0.0 {
+                own * expected
+            } else {
+                whole * seen
+            };
+            for i in 0..N {
+                for j in 0..N {
+                    covariance[i][j] += (p[i][k] / whole) * (p[j][k] / whole) * variance;
+                }
+            }
+        }
     }
 
     /// The estimate `theta` with its `covariance`, both normalised: an insignificant constant withdrawn, the floor of the

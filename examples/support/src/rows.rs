@@ -29,6 +29,8 @@ pub type Full = Identifier<FilteredTrends<3>, 3, 6>;
 
 /// The default with exact trends.
 pub type Exact = Identifier<ExactTrends<3>, 3, 5>;
+/// The default with standard deviations from blocks.
+pub type Batched = trendid::batches::Batched<FilteredTrends<3>, 3, 5>;
 /// The default with instruments beside it.
 pub type Instrumented = trendid::instruments::Instrumented<FilteredTrends<3>, 3, 5, 1, 5>;
 /// Eight candidates for the delay of the default.
@@ -71,6 +73,15 @@ pub fn following() -> Result<Default, ConfigError> {
     let mut config = Config::new(Structure::SERVO, 20.0, [1.0], 50.0);
     config.memory = Some(1.0);
     Default::try_new(
+        &config,
+        FilteredTrends::for_bandwidth(Scheme::Tustin, SAMPLE_TIME, 20.0)?,
+    )
+}
+
+/// The default with standard deviations from blocks.
+pub fn batched() -> Result<Batched, ConfigError> {
+    let config = Config::new(Structure::SERVO, 20.0, [1.0], 50.0);
+    Batched::try_new(
         &config,
         FilteredTrends::for_bandwidth(Scheme::Tustin, SAMPLE_TIME, 20.0)?,
     )

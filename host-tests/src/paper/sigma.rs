@@ -1,7 +1,8 @@
-//! Both standard deviations side by side: those of least squares, which take noise for white or for an excess, and those of
-//! instruments, from blocks of the record.
+//! Standard deviations side by side: of least squares from a model of the noise, white and an excess, and from blocks of the
+//! record, and of instruments from blocks.
 
 use rand::RngExt;
+use trendid::batches::Batched;
 use trendid::instruments::{self, Instrumented, Way};
 use trendid::trends::{FilteredTrends, Scheme};
 use trendid::{Config, Estimate, Structure};
@@ -111,11 +112,15 @@ pub struct Score {
     pub z: [f64; 3],
 }
 
-/// What both estimators made of one record.
+/// What the estimators made of one record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scores {
     /// The recursion, noise bias taken out.
     pub least_squares: Score,
+    /// The same estimate with standard deviations from blocks, or what stands in for them.
+    pub batches: Score,
+    /// Whether the blocks were enough.
+    pub by_blocks: bool,
     /// Instruments, or what stands in for them.
     pub instruments: Score,
     /// Whether instruments were used.
@@ -137,7 +142,7 @@ fn score(estimate: &Estimate<3, 5, 1>) -> Score {
     }
 }
 
-/// Both estimators over the record of a seed.
+/// The estimators over the record of a seed.
 ///
 /// # Panics
 /// When the core refuses the configuration of this file.
@@ -150,11 +155,14 @@ pub fn scores(noise: Noise, seconds: f64, seed: u64) -> Scores {
         .unwrap_or_else(|e| panic!("{e}"));
     let config = Config::new(SERVO, 20.0, [range as f32], 50.0);
     let mut servo: Instrumented<_, 3, 5, 1, ROWS> =
-        Instrumented::try_new(&config, trends).unwrap_or_else(|e| panic!("{e}"));
+        Instrumented::try_new(&config, trends.clone()).unwrap_or_else(|e| panic!("{e}"));
+    let mut batched: Batched<_, 3, 5> =
+        Batched::try_new(&config, trends).unwrap_or_else(|e| panic!("{e}"));
     for sample in record.samples() {
         let _ = servo.update(sample.u as f32, sample.y as f32);
+        let _ = batched.update(sample.u as f32, sample.y as f32);
     }
-    let found = servo.estimate();
+    let (found, batches) = (servo.estimate(), batched.estimate());
     let bound = servo_bound_pct(
         &REFERENCE,
         record.dt,
@@ -164,6 +172,8 @@ pub fn scores(noise: Noise, seconds: f64, seed: u64) -> Scores {
     );
     Scores {
         least_squares: score(&servo.identifier().estimate()),
+        batches: score(&batches.estimate),
+        by_blocks: batches.by_blocks,
         instruments: score(&found.estimate),
         used: found.way == Way::Instruments,
         bound_pct: bound.unwrap_or([f64::INFINITY; 3]),

@@ -7,6 +7,7 @@ mod common;
 mod accuracy;
 mod attack;
 mod batch;
+mod batches;
 mod bound;
 mod calibration;
 mod chain;

@@ -1,0 +1,209 @@
+//! The recursion at the ends of blocks of time, as many as fit a ring.
+//!
+//! What a block of rows adds to the equations of least squares follows from the recursion before and behind it: with the
+//! information `I = P^-1` and any parameters t
+//!
+//! ```text
+//! d = I (theta - t) = sum of all rows so far of phi (psi - phi' t), and what the prior adds
+//! s_b = d_b - lambda^rows d_(b-1)          sum over the rows of block b of phi (psi - phi' t)
+//! ```
+//!
+//! so that a sample costs a comparison, and a block a copy of U, D and theta. `theta - t` is small: nothing cancels.
+//!
+//! When the ring is full every other snapshot goes, which leaves eight, and a new block gets twice the rows: whatever the length
+//! of the record, there are 8 to 16 blocks of equal length. With a memory blocks grow no longer than an eighth of it; the
+//! oldest snapshot then goes, and what was before it and behind it is one block. What no row explains (the drive has changed, the
+//! initial state is unknown again) begins the ring anew: everything learnt before is then one block.
+
+use crate::estimation::rls::Estimator;
+use crate::identifier::witness::Witness;
+use crate::math::matrix::Matrix;
+
+/// Snapshots in the ring.
+pub(crate) const SNAPSHOTS: usize = 16;
+
+/// Rows of the first blocks at least.
+const FIRST: u32 = 8;
+
+/// The recursion at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Snapshot<const N: usize> {
+    theta: [f32; N],
+    /// U above the diagonal and D on it, column by column.
+    factors: Matrix<N>,
+    /// Weight of the samples in it.
+    pub(super) samples: f32,
+    /// What it counts now.
+    pub(super) weight: f32,
+}
+
+impl<const N: usize> Snapshot<N> {
+    const EMPTY: Self = Self {
+        theta: [0.0; N],
+        factors: [[0.0; N]; N],
+        samples: 0.0,
+        weight: 0.0,
+    };
+
+    pub(super) fn of(estimator: &Estimator<N>) -> Self {
+        Self {
+            theta: *estimator.theta(),
+            factors: estimator.factors(),
+            samples: estimator.samples(),
+            weight: 1.0,
+        }
+    }
+
+    /// d = U^-T D^-1 U^-1 (theta - t); 0 for a known parameter.
+    #[inline(never)]
+    pub(super) fn score(&self, t: &[f32; N]) -> [f32; N] {
+        let mut d: [f32; N] = core::array::from_fn(|j| self.theta[j] - t[j]);
+        for j in (0..N).rev() {
+            let x = d[j];
+            for (value, entry) in d.iter_mut().zip(&self.factors[j]).take(j) {
+                *value -= entry * x;
+            }
+        }
+        for j in 0..N {
+            let variance = self.factors[j][j];
+            d[j] = if variance > 0.0 { d[j] / variance } else { 0.0 };
+        }
+        for j in 0..N {
+            let before = d.iter().zip(&self.factors[j]).take(j);
+            d[j] -= before.map(|(x, entry)| x * entry).sum::<f32>();
+        }
+        d
+    }
+}
+
+/// Rows of the first blocks, so that the last doubling ends at the longest.
+const fn first_length(longest: u32) -> u32 {
+    longest >> (longest / FIRST).ilog2()
+}
+
+/// The ring of snapshots.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Snapshots<const N: usize> {
+    /// The recursion before the first block.
+    pub(super) begin: Snapshot<N>,
+    ring: [Snapshot<N>; SNAPSHOTS],
+    /// Places of the snapshots in the ring from the oldest to the newest, and how many are in use.
+    order: [u8; SNAPSHOTS],
+    used: usize,
+    /// lambda.
+    forgetting: f32,
+    /// What the newest snapshot counts now.
+    decay: f32,
+    /// Rows of a whole block, of the present one so far, and of the longest for a memory.
+    length: u32,
+    taken: u32,
+    longest: u32,
+    /// Begins anew with the next row.
+    stale: bool,
+}
+
+impl<const N: usize> Snapshots<N> {
+    /// No rows yet; `forgetting` is lambda.
+    pub(super) fn new(estimator: &Estimator<N>, forgetting: f32) -> Self {
+        let longest = match forgetting < 1.0 {
+            true => ((0.125 / (1.0 - forgetting)) as u32).max(FIRST),
+            false => FIRST << 26,
+        };
+        Self {
+            begin: Snapshot::of(estimator),
+            ring: [const { Snapshot::EMPTY }; SNAPSHOTS],
+            order: core::array::from_fn(|place| place as u8),
+            used: 0,
+            forgetting,
+            decay: 1.0,
+            length: first_length(longest),
+            taken: 0,
+            longest,
+            stale: false,
+        }
+    }
+
+    /// Ends the present block, or begins anew.
+    #[inline(never)]
+    fn close(&mut self, estimator: &Estimator<N>) {
+        self.taken = 0;
+        let decay = core::mem::replace(&mut self.decay, 1.0);
+        if self.stale {
+            self.stale = false;
+            self.used = 0;
+            self.length = first_length(self.longest);
+            self.begin = Snapshot::of(estimator);
+            return;
+        }
+        self.begin.weight *= decay;
+        for snapshot in &mut self.ring {
+            snapshot.weight *= decay;
+        }
+        let place = self.order.get(self.used).copied().unwrap_or(0);
+        if let Some(slot) = self.ring.get_mut(usize::from(place)) {
+            *slot = Snapshot::of(estimator);
+        }
+        self.used += 1;
+        if self.used == SNAPSHOTS {
+            self.make_room();
+        }
+    }
+
+    /// Every other snapshot goes, or the oldest.
+    fn make_room(&mut self) {
+        if self.length > self.longest / 2 {
+            self.order.rotate_left(1);
+            self.used -= 1;
+            return;
+        }
+        self.length *= 2;
+        let before = self.order;
+        let (kept, free) = self.order.split_at_mut(SNAPSHOTS / 2);
+        for (places, pair) in kept.iter_mut().zip(free).zip(before.chunks_exact(2)) {
+            if let [first, second] = pair {
+                (*places.0, *places.1) = (*second, *first);
+            }
+        }
+        self.used = SNAPSHOTS / 2;
+    }
+
+    /// The snapshots from the oldest to the newest, each with what it counts now.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&Snapshot<N>, f32)> {
+        self.order.iter().take(self.used).filter_map(|place| {
+            let snapshot = self.ring.get(usize::from(*place))?;
+            Some((snapshot, snapshot.weight * self.decay))
+        })
+    }
+
+    /// What the recursion before the first block counts now.
+    pub(super) fn begin_weight(&self) -> f32 {
+        self.begin.weight * self.decay
+    }
+}
+
+impl<const M: usize, const N: usize, const I: usize> Witness<M, N, I> for Snapshots<N> {
+    #[inline(always)]
+    fn begin(&mut self) {}
+
+    #[inline(always)]
+    fn inputs(&mut self, _: &[[f32; M]; I]) {}
+
+    #[inline(always)]
+    fn row(&mut self, _: &[f32; N], _: f32, estimator: &Estimator<N>) {
+        self.decay *= self.forgetting;
+        self.taken += 1;
+        if self.taken >= self.length || self.stale {
+            self.close(estimator);
+        }
+    }
+
+    #[inline(always)]
+    fn passed(&mut self) {
+        self.decay *= self.forgetting;
+    }
+
+    #[inline(always)]
+    fn widened(&mut self) {
+        self.stale = true;
+    }
+}
