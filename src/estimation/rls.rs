@@ -253,11 +253,15 @@ impl<const N: usize> Estimator<N> {
         self.factors.diagonal()
     }
 
-    /// Variance of the noise of psi from the innovations, with N degrees of freedom taken off.
+    /// Variance of the noise of psi from the innovations, with a degree of freedom taken off for each parameter that is not known.
     ///
-    /// `None` until there are more samples than parameters.
+    /// `None` until there are more samples than such parameters.
     pub fn noise_variance(&self) -> Option<f32> {
-        let freedom = self.residual.samples() - N as f32;
+        let mut free: u8 = 0;
+        for variance in self.diagonal() {
+            free += u8::from(*variance > 0.0);
+        }
+        let freedom = self.residual.samples() - f32::from(free);
         (freedom > 0.0).then(|| self.residual.squares() / freedom)
     }
 

@@ -59,6 +59,10 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     /// Standard deviation of `initial`, 0 for a known parameter; default `None`: ten times the design size,
     /// and 3 % of the size of the input for the constant of a drive that integrates.
     pub prior_std: Option<[f32; N]>,
+    /// Parameters that are known to be their `initial`, whatever their standard deviation would be; default none.
+    ///
+    /// Every other number is the same as if they were not in the model, but with a memory, which takes all parameters in turns.
+    pub known: [bool; N],
     /// Time after the first sample, in s, without estimation while the trends settle; default 0.
     pub settling: f32,
     /// Standard deviations below which a constant is insignificant and withdrawn from the reading, fading out at twice as
@@ -90,6 +94,7 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
             friction_input: None,
             initial: [0.0; N],
             prior_std: None,
+            known: [false; N],
             settling: 0.0,
             offset_significance: 2.0,
         }
@@ -115,8 +120,8 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
         }
     }
 
-    /// The same settings for another structure over the same inputs; `initial` and `prior_std`, which belong to the
-    /// parameters of a structure, are those of [`Config::new`].
+    /// The same settings for another structure over the same inputs; `initial`, `prior_std` and `known`, which belong
+    /// to the parameters of a structure, are those of [`Config::new`].
     ///
     /// # Examples
     /// ```
@@ -145,6 +150,7 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
             friction_input,
             initial: _,
             prior_std: _,
+            known: _,
             settling,
             offset_significance,
         } = *self;

@@ -20,13 +20,19 @@ const OFFSET: f32 = 0.03;
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T, M, N, I> {
     /// The prior of the settings.
     pub(super) fn first_prior(&self, config: &Config<M, N, I>) -> Result<Prior<N>, ConfigError> {
-        match config.prior_std {
-            Some(std) => self.prior_of(&config.initial, &std),
-            None => Ok(Prior {
+        let mut prior = match config.prior_std {
+            Some(std) => self.prior_of(&config.initial, &std)?,
+            None => Prior {
                 theta: self.normalised(&config.initial)?,
                 std: self.default_std(),
-            }),
+            },
+        };
+        for (std, known) in prior.std.iter_mut().zip(&config.known) {
+            if *known {
+                *std = 0.0;
+            }
         }
+        Ok(prior)
     }
 
     /// The prior with this mean and these standard deviations, both in the user's units.

@@ -39,6 +39,21 @@ fn noise_variance_of_a_known_residual() {
 }
 
 #[test]
+fn a_known_parameter_costs_no_degree_of_freedom() {
+    let mut alone = Estimator::<1>::new([0.0], [1e3], 0.99);
+    let mut beside = Estimator::<3>::new([0.0, 0.0, 2.0], [0.0, 1e3, 0.0], 0.99);
+    for k in 0..500 {
+        let x = (k % 11) as f32 - 4.0;
+        let psi = 3.0 * x + (k % 7) as f32;
+        let _ = alone.update(&[x], psi);
+        let _ = beside.update(&[(k % 5) as f32, x, 0.25], psi + 0.5);
+        assert_eq!(beside.noise_variance(), alone.noise_variance());
+        assert_eq!(beside.theta()[1], alone.theta()[0]);
+        assert_eq!(beside.covariance(1, 1), alone.covariance(0, 0));
+    }
+}
+
+#[test]
 fn memory_is_that_of_the_forgetting() {
     let estimator = moved(0.99, 5000);
     assert!((estimator.samples() - 100.0).abs() < 0.1);
