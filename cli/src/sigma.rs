@@ -179,9 +179,27 @@ fn text(rows: &[Cell], args: &SigmaArgs) -> String {
         ]);
     }
     format!(
-        "C/omega0/xi, {} records from seed {} in each cell\n\n{}",
+        "C/omega0/xi, {} records from seed {} in each cell\n\n{}\n{}",
         args.seeds,
         args.first_seed,
-        table(&cells)
+        table(&cells),
+        ["ls", "lb", "iv"].map(|of| right(rows, of)).join("\n")
+    )
+}
+
+/// How many of the numbers of an estimator are what they should be.
+fn right(rows: &[Cell], of: &str) -> String {
+    let own = || rows.iter().filter(|row| row.estimator == of);
+    let count = |limit: usize, good: fn(f64) -> bool| {
+        own()
+            .flat_map(|row| row.within[limit])
+            .filter(|share| good(*share))
+            .count()
+    };
+    format!(
+        "{of}: within 1 in 64 to 76 % of the records: {} of {} numbers, within 3 in 99 % or more: {}",
+        count(0, |share| (64.0..=76.0).contains(&share)),
+        3 * own().count(),
+        count(1, |share| share >= 99.0),
     )
 }

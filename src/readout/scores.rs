@@ -5,7 +5,6 @@ use crate::math::matrix::Matrix;
 use crate::readout::compensation::compensate;
 use crate::readout::estimate::Estimate;
 use crate::readout::residual_spectrum::natural_frequency;
-use crate::readout::s_plane::estimate_in_s_plane;
 use crate::readout::significance::Withdrawal;
 use crate::readout::source::ReadOut;
 
@@ -44,21 +43,13 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         if let Some(withdrawal) = &withdrawal {
             withdrawal.apply(&mut found.theta);
         }
-        let denominator = self.structure.denominator(&found.theta);
-        let natural = natural_frequency(&denominator, self.bandwidth);
-        let floor = self.floor(natural, &denominator);
-        let parameters = self.structure.parameters();
-        let bias: [f32; N] = core::array::from_fn(|i| match parameters[i] {
-            Parameter::Constant | Parameter::InitialState => 0.0,
-            _ if p[i][i] == 0.0 => 0.0,
-            _ => floor * found.theta[i],
-        });
         for i in 0..N {
             for j in 0..N {
                 covariance[i][j] *= units[i] * units[j];
-                covariance[i][j] += found.left[i] * found.left[j] + bias[i] * bias[j];
+                covariance[i][j] += found.left[i] * found.left[j];
             }
         }
+        self.add_floor(&found.theta, &mut covariance, |i| p[i][i] == 0.0);
         if let Some(withdrawal) = &withdrawal {
             withdrawal.apply_to_covariance(&mut covariance);
         }
@@ -88,6 +79,30 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         }
     }
 
+    /// Adds the error that no residual shows; everything in the user's units.
+    fn add_floor(
+        &self,
+        theta: &[f32; N],
+        covariance: &mut Matrix<N>,
+        known: impl Fn(usize) -> bool,
+    ) {
+        let denominator = self.structure.denominator(theta);
+        let natural = natural_frequency(&denominator, self.bandwidth);
+        let floor = self.floor(natural, &denominator);
+        let parameters = self.structure.parameters();
+        let errs = |i: usize| {
+            !matches!(parameters[i], Parameter::Constant | Parameter::InitialState) && !known(i)
+        };
+        for i in 0..N {
+            for j in 0..N {
+                if errs(i) && errs(j) {
+                    covariance[i][j] +=
+                        self.common(i == j) * (floor * theta[i]) * (floor * theta[j]);
+                }
+            }
+        }
+    }
+
     /// The estimate `theta` with its `covariance`, both normalised: an insignificant constant withdrawn, the floor of the
     /// arithmetic added.
     pub(crate) fn with_covariance(
@@ -109,29 +124,13 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         if let Some(withdrawal) = &withdrawal {
             withdrawal.apply(&mut theta);
         }
-        let denominator = self.structure.denominator(&theta);
-        let natural = natural_frequency(&denominator, self.bandwidth);
-        let floor = self.floor(natural, &denominator);
-        let known = |i: usize| covariance[i][i] == 0.0;
-        let coefficient =
-            |i: usize| !matches!(parameters[i], Parameter::Constant | Parameter::InitialState);
-        let mut covariance: Matrix<N> = core::array::from_fn(|i| {
-            core::array::from_fn(|j| {
-                let mut value = covariance[i][j] * units[i] * units[j];
-                if coefficient(i) && coefficient(j) && !known(i) && !known(j) {
-                    value += self.common(i == j) * (floor * theta[i]) * (floor * theta[j]);
-                }
-                value
-            })
+        let mut in_units: Matrix<N> = core::array::from_fn(|i| {
+            core::array::from_fn(|j| covariance[i][j] * units[i] * units[j])
         });
+        self.add_floor(&theta, &mut in_units, |i| covariance[i][i] == 0.0);
         if let Some(withdrawal) = &withdrawal {
-            withdrawal.apply_to_covariance(&mut covariance);
+            withdrawal.apply_to_covariance(&mut in_units);
         }
-        let found = Estimate {
-            structure: *self.structure,
-            theta,
-            covariance,
-        };
-        estimate_in_s_plane(found, self.design)
+        self.in_s_plane(theta, in_units)
     }
 }
