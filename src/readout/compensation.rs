@@ -97,8 +97,6 @@ pub(crate) struct Compensated<const N: usize> {
     transform: Option<Matrix<N>>,
     /// Remaining bias of each parameter after one step of the correction, in the user's units.
     pub(crate) left: [f32; N],
-    /// w tr P M, the share of the correction that one step leaves: in [0, 1).
-    pub(crate) damping: f32,
     pub(crate) residual: Residual,
 }
 
@@ -109,6 +107,16 @@ impl<const N: usize> Compensated<N> {
             Some(transform) => product_transposed(&product(transform, p), transform),
             None => *p,
         }
+    }
+
+    /// w tr P M, the share of the correction that one step leaves: in [0, 1).
+    pub(crate) fn damping(&self) -> f32 {
+        let Some(transform) = &self.transform else {
+            return 0.0;
+        };
+        let diagonal = transform.iter().enumerate();
+        let twice = diagonal.filter_map(|(i, row)| Some(row.get(i)? - 1.0));
+        0.5 * twice.sum::<f32>()
     }
 
     /// Change of the estimate per unit of a score, normalised: (I + w P M) P.
@@ -162,7 +170,6 @@ pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
     let angle = source.bandwidth * source.design.sample_time;
     Compensated {
         left: core::array::from_fn(|j| damping * (theta[j] - bare[j])),
-        damping,
         theta,
         transform,
         residual: noise.split(source.regressor.top_scale(), samples, angle),

@@ -62,18 +62,8 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// The estimate without its noise bias, an insignificant constant withdrawn from theta.
     fn compensated(&self, p: &Matrix<N>) -> (Compensated<N>, Option<Withdrawal<N>>) {
         let mut found = compensate(self, p);
-        let withdrawal = self.withdrawal(p, &found);
-        if let Some(withdrawal) = &withdrawal {
-            withdrawal.apply(&mut found.theta);
-        }
-        (found, withdrawal)
-    }
-
-    /// What is to be withdrawn of the constant.
-    #[inline(always)]
-    fn withdrawal(&self, p: &Matrix<N>, found: &Compensated<N>) -> Option<Withdrawal<N>> {
         // Before the noise is known every constant counts: after a change of the filter nothing jumps.
-        self.estimator.noise_variance().and_then(|_| {
+        let withdrawal = self.estimator.noise_variance().and_then(|_| {
             Withdrawal::of(
                 &self.structure.parameters(),
                 &found.theta,
@@ -82,7 +72,11 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
                 found.residual.significance,
                 self.significance,
             )
-        })
+        });
+        if let Some(withdrawal) = &withdrawal {
+            withdrawal.apply(&mut found.theta);
+        }
+        (found, withdrawal)
     }
 
     /// The parameters as the trends have them, in the user's units.

@@ -2,7 +2,6 @@
 
 use crate::estimation::terms::Parameter;
 use crate::math::matrix::Matrix;
-use crate::readout::compensation::compensate;
 use crate::readout::estimate::Estimate;
 use crate::readout::residual_spectrum::natural_frequency;
 use crate::readout::significance::Withdrawal;
@@ -31,18 +30,18 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         of: impl FnOnce(&[f32; N], &Matrix<N>) -> Option<Matrix<N>>,
     ) -> Option<Estimate<M, N, I>> {
         let p = self.covariance();
-        let mut found = compensate(self, &p);
-        if !(found.damping <= MOSTLY) {
+        let (found, withdrawal) = self.compensated(&p);
+        if !(found.damping() <= MOSTLY) {
             return None;
         }
-        let withdrawal = self.withdrawal(&p, &found);
         let units = self.regressor.units();
-        let centre = core::array::from_fn(|j| found.theta[j] / units[j]);
+        let mut before = found.theta;
+        if let Some(withdrawal) = &withdrawal {
+            withdrawal.undo(&mut before);
+        }
+        let centre = core::array::from_fn(|j| before[j] / units[j]);
         let mut covariance = of(&centre, &found.gain(&p))?;
         self.add_nominal(&p, &mut covariance);
-        if let Some(withdrawal) = &withdrawal {
-            withdrawal.apply(&mut found.theta);
-        }
         for i in 0..N {
             for j in 0..N {
                 covariance[i][j] *= units[i] * units[j];

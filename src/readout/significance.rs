@@ -74,6 +74,14 @@ impl<const N: usize> Withdrawal<N> {
         }
     }
 
+    /// Puts the share back.
+    pub(crate) fn undo(&self, theta: &mut [f32; N]) {
+        let step = self.share() * self.value;
+        for (value, direction) in theta.iter_mut().zip(&self.direction) {
+            *value += step * direction;
+        }
+    }
+
     /// Takes the share out of the covariance; the constant itself keeps its own.
     pub(crate) fn apply_to_covariance(&self, covariance: &mut Matrix<N>) {
         let Some(row) = covariance.get(self.index).copied() else {
