@@ -196,6 +196,7 @@ fn a_sine_continues_the_motion_within_the_limits() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "hundreds of thousands of samples")]
 fn a_motion_that_is_taken_over_comes_to_rest_within_the_travel() {
     for position in [1.0_f32, 20.0, 100.0, 200.0, 390.0, 399.0] {
         for velocity in [-1500.0_f32, -800.0, -100.0, 0.0, 30.0, 800.0, 1500.0] {
