@@ -4,6 +4,7 @@ use crate::error::positive;
 use crate::math::{sign, sqrt, within};
 use crate::servo::control::anchor::Anchor;
 use crate::servo::control::estimator::Estimator;
+use crate::servo::control::holding::Holding;
 use crate::servo::control::margins::Margins;
 use crate::servo::control::null::NullOffset;
 use crate::servo::control::poles::Poles;
@@ -67,6 +68,7 @@ pub struct Controller {
     /// Filtered sign of the next motion of the reference.
     pub(super) heading: f32,
     pub(super) null: NullOffset,
+    pub(super) holding: Holding,
     /// Error and reference at the last breakaway.
     pub(super) left: [f32; 2],
     pub(super) transfer: Transfer,
@@ -121,6 +123,7 @@ impl Controller {
             sticky: false,
             heading: 0.0,
             null: NullOffset::default(),
+            holding: Holding::NONE,
             left: [0.0; 2],
             transfer: Transfer::default(),
         };
@@ -223,18 +226,6 @@ impl Controller {
         self.transfer.keep(command, changed)
     }
 
-    /// Takes the command that was set, after range, rate and resolution of the valve.
-    #[inline]
-    pub fn applied(&mut self, command: f32) {
-        let flow = self.believed(self.estimator.model(), command);
-        self.estimator.applied(flow);
-    }
-
-    /// The flow that the law meant by a command.
-    fn believed(&self, model: &Model, command: f32) -> f32 {
-        model.valve_flow_of(command + self.null.value(), self.design.blend)
-    }
-
     /// A controller on `model` that does little, until there are poles for it.
     pub(crate) fn provisional(design: &ControllerDesign, model: Model) -> Self {
         let poles = Tuning::slowest(&design.tuning, &model);
@@ -258,7 +249,7 @@ impl Controller {
 
     /// Acceleration lost to friction, with the sign of the motion: at rest, all of the drive.
     pub(crate) fn friction_force(&self) -> f32 {
-        if self.anchor.holds() {
+        if self.sticks() {
             return self.estimator.now().drive;
         }
         self.estimator.model().friction * sign(self.estimator.now().velocity)

@@ -19,6 +19,8 @@ const PUSH_GROWTH: [f32; 2] = [0.6, 0.3];
 const READY: f32 = 0.8;
 /// Time over 1/wc in which a push moves the axis.
 const LATER: f32 = 1.5;
+/// Drive over friction that counts as the middle of what friction holds.
+const CENTRED: f32 = 0.7;
 /// Distance over friction deflection within which a slow axis stops by its friction.
 const NEAR: f32 = 3.0;
 
@@ -27,7 +29,7 @@ impl Controller {
     pub(crate) fn brake(&mut self, y: f32) -> f32 {
         self.observe(y, y, true);
         let model = self.estimator.model();
-        if self.anchor.holds() {
+        if self.sticks() {
             return -model.offset - self.null.value();
         }
         let feedback = self.feedback();
@@ -85,11 +87,14 @@ impl Controller {
     #[inline]
     pub(super) fn law(&self, r: &Setpoint, at_rest: bool, heading_rate: f32) -> f32 {
         let model = self.estimator.model();
-        if self.rest.rests() {
-            // The middle of the dead zone.
-            return -model.offset - self.null.value();
+        if self.rest.rests() && !self.centres() {
+            // About the middle of the dead zone.
+            let flow = self.holding.flow();
+            return model.valve_command(flow, self.design.blend) - self.null.value();
         }
-        let rate = if self.anchor.holds() {
+        let rate = if self.rest.rests() {
+            -self.quick() * self.estimator.ahead().drive
+        } else if self.sticks() {
             self.break_away(r, at_rest)
         } else {
             self.slide(r, at_rest, heading_rate)
@@ -99,6 +104,14 @@ impl Controller {
             model.valve_command(flow, self.design.blend) - self.null.value(),
             1.0,
         )
+    }
+
+    /// Whether the drive of an axis that is held comes to the middle of what friction holds, which an axis that slips from its rest needs:
+    /// it stopped at the edge, where a small drift is enough.
+    pub(super) fn centres(&self) -> bool {
+        let drive = self.estimator.ahead().drive;
+        let most = CENTRED * self.estimator.model().friction;
+        self.holding.has_slipped() && self.sticks() && within(drive, most) != drive
     }
 
     fn quick(&self) -> f32 {

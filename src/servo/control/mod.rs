@@ -6,6 +6,7 @@ pub(crate) mod compensator;
 pub(crate) mod controller;
 pub(crate) mod estimator;
 pub(crate) mod friction;
+pub(crate) mod holding;
 mod law;
 pub(crate) mod limiter;
 pub(crate) mod margins;

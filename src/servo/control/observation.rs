@@ -3,6 +3,7 @@
 use crate::math::{sign, within};
 use crate::servo::control::anchor::Hold;
 use crate::servo::control::controller::Controller;
+use crate::servo::control::holding::Holding;
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
 
@@ -34,6 +35,7 @@ impl Controller {
         commands: impl Iterator<Item = f32>,
     ) {
         self.transfer.forget_model();
+        self.holding = Holding::NONE;
         self.tune(model);
         let blend = self.design.blend;
         self.begin_at(motion, commands.map(|u| model.valve_flow_of(u, blend)));
@@ -58,6 +60,23 @@ impl Controller {
         self.rest.wake();
     }
 
+    /// Takes the command that was set, after range, rate and resolution of the valve.
+    #[inline]
+    pub fn applied(&mut self, command: f32) {
+        // What the valve lets through at rest holds the axis: nothing is left of it.
+        let flow = if self.rest.rests() && !self.centres() {
+            0.0
+        } else {
+            self.believed(self.estimator.model(), command)
+        };
+        self.estimator.applied(flow);
+    }
+
+    /// The flow that the law meant by a command.
+    fn believed(&self, model: &Model, command: f32) -> f32 {
+        model.valve_flow_of(command + self.null.value(), self.design.blend)
+    }
+
     /// One sample of the observer, with what friction holds.
     pub(super) fn observe(&mut self, y: f32, reference: f32, frozen: bool) {
         let now = *self.estimator.now();
@@ -69,6 +88,8 @@ impl Controller {
         };
         if let Hold::Left(direction) = hold {
             let friction = self.estimator.model().friction;
+            self.holding
+                .slip(direction, friction / self.estimator.step().b0);
             self.estimator.release(direction, y, friction);
             self.left = [reference - y, reference];
         }
@@ -81,6 +102,8 @@ impl Controller {
             }
             self.left[0] = 0.0;
         }
+        let rests = self.rest.rests() && self.sticks();
+        self.holding.pass(self.sample_time(), rests);
         let held = self.anchor.holds().then(|| self.anchor.place());
         let _ = self.estimator.update(y, held, frozen);
         if held.is_none() && !frozen {

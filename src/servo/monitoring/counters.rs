@@ -19,6 +19,8 @@ pub struct FaultCounters {
     pub stops: u32,
     /// Factor on the bandwidth of the controller; 1 unless an oscillation was noticed.
     pub derating: f32,
+    /// Departures from where the axis was while its reference rests: slips, creep and every half wave of a cycle.
+    pub moves_at_rest: u32,
 }
 
 impl FaultCounters {
@@ -29,5 +31,6 @@ impl FaultCounters {
         oscillations: 0,
         stops: 0,
         derating: 1.0,
+        moves_at_rest: 0,
     };
 }

@@ -17,6 +17,7 @@
 //! | an error that stays stops the axis | [`following`]: [`Reason::FollowingError`] | 10/w | the same |
 //! | the full command does not stay | [`saturation`]: [`Reason::Saturated`] | the travel at a quarter of C | the same |
 //! | an oscillation at rest is noticed, then slower | [`oscillation`]: counted, the bandwidth is derated | 4 reversals | an_oscillation_is_noticed_and_slowed |
+//! | an axis that moves at rest is reported | [`unrest`]: counted, whatever its frequency | two resolutions and two standard deviations | its own: a_move_at_rest_is_counted |
 //! | normal work raises no alarm | the derivation of every bound | | normal_work_raises_no_alarm |
 //! | the axis stops | [`stop`]: brake on the observer, then the valve in its middle | 10/w | every_fault_is_noticed_for_its_reason |
 //!
@@ -43,6 +44,7 @@ pub(crate) mod stop;
 mod stuck_code;
 mod travel;
 mod twin;
+mod unrest;
 
 pub use counters::FaultCounters;
 pub(crate) use monitors::{Alarm, Monitors, Seen};

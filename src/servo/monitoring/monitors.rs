@@ -13,6 +13,7 @@ use crate::servo::monitoring::saturation::Saturation;
 use crate::servo::monitoring::stuck_code::StuckCode;
 use crate::servo::monitoring::travel::{End, TravelMonitor};
 use crate::servo::monitoring::twin::Twin;
+use crate::servo::monitoring::unrest::Unrest;
 use crate::servo::motion::{Motion, Setpoint};
 use crate::servo::supervision::state::Reason;
 
@@ -57,6 +58,7 @@ pub(crate) struct Monitors {
     saturation: Saturation,
     travel: TravelMonitor,
     oscillation: Oscillation,
+    unrest: Unrest,
     counters: FaultCounters,
 }
 
@@ -75,6 +77,7 @@ impl Monitors {
             saturation: Saturation::default(),
             travel: TravelMonitor::new(design.travel),
             oscillation: Oscillation::new(design),
+            unrest: Unrest::new(design),
             counters: FaultCounters::NONE,
         }
     }
@@ -102,6 +105,7 @@ impl Monitors {
         self.following = Following::default();
         self.saturation = Saturation::default();
         self.oscillation = Oscillation::new(&self.design);
+        self.unrest = Unrest::new(&self.design);
         self.gaps.restart();
     }
 
@@ -161,6 +165,9 @@ impl Monitors {
             .travel
             .update(seen.y, seen.velocity, seen.command, seen.setpoint, bounds);
         let oscillates = self.oscillation.update(seen.setpoint, seen.y);
+        if self.unrest.update(seen.setpoint, seen.y) {
+            self.counters.moves_at_rest = self.counters.moves_at_rest.saturating_add(1);
+        }
         if self.saturation.is_full() {
             self.counters.saturated_samples = self.counters.saturated_samples.saturating_add(1);
         }

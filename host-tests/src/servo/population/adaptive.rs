@@ -230,6 +230,7 @@ impl Positioner for LoopPositioner {
             resting: report.setpoint.is_rest() && (reference_mm - self.target_mm).abs() < 1e-2,
             command: f64::from(report.command),
             alive: report.state.is_controlling(),
+            moves_at_rest: report.faults.moves_at_rest,
         }
     }
 }

@@ -210,6 +210,7 @@ impl Positioner for Practitioner {
             resting: self.reference.resting(),
             command: command.clamp(-1.0, 1.0),
             alive: true,
+            moves_at_rest: 0,
         };
         self.reference.time += self.dt;
         self.reference.phase += self.reference.omega * self.dt;

@@ -29,6 +29,8 @@ pub struct Sample {
     pub command: f64,
     /// Whether it still controls.
     pub alive: bool,
+    /// Moves at rest that it has reported.
+    pub moves_at_rest: u32,
 }
 
 /// Frequencies of the sines \[Hz\].
@@ -67,6 +69,8 @@ pub struct Motion {
     pub small_sines_mm: [Option<f64>; 3],
     /// Range of the position at rest \[mm\].
     pub rest_range_mm: Option<f64>,
+    /// Whether the positioner has reported that the axis moved in that time.
+    pub rest_noticed: bool,
     /// Root mean square of the change of the command per sample.
     pub wear: f64,
     /// Whether the positioner still controlled at the end.
@@ -83,6 +87,7 @@ pub struct Exercise<'a, P> {
     reference: f64,
     resting: bool,
     command: f64,
+    moves_at_rest: u32,
     changes: f64,
     samples: f64,
 }
@@ -96,6 +101,7 @@ impl<'a, P: Positioner> Exercise<'a, P> {
             reference: f64::NAN,
             resting: false,
             command: 0.0,
+            moves_at_rest: 0,
             changes: 0.0,
             samples: 0.0,
         }
@@ -108,6 +114,7 @@ impl<'a, P: Positioner> Exercise<'a, P> {
         let error = sample.reference_mm - self.bench.position_mm();
         self.reference = sample.reference_mm;
         self.resting = sample.resting;
+        self.moves_at_rest = sample.moves_at_rest;
         let change = sample.command - self.command;
         self.changes += change * change;
         self.samples += 1.0;
@@ -187,7 +194,9 @@ impl<'a, P: Positioner> Exercise<'a, P> {
             *error = self.sine(amplitude, *frequency, 2.0);
         }
         self.step(rest_at, SETTLE, JUDGED)?;
+        let before = self.moves_at_rest;
         let [_, range] = self.pass(REST)?;
+        motion.rest_noticed = self.moves_at_rest > before;
         motion.rest_range_mm = Some(range);
         Some(())
     }

@@ -55,7 +55,7 @@ pub struct MotionFigures {
     pub given_up_pct: f64,
     /// Range at rest beyond 4 resolutions, 4 standard deviations of the noise and 0.05 mm \[%\].
     pub limit_cycle_pct: f64,
-    /// The same while control goes on as if nothing were \[%\].
+    /// The same while control goes on and its report counts no move \[%\].
     pub undetected_cycle_pct: f64,
     /// Largest error at the end of five large steps: median \[mm\].
     pub steady_state_median_mm: f64,
@@ -219,8 +219,7 @@ impl MotionFigures {
             controlled: pairs.len(),
             given_up_pct: share(pairs, |(_, m)| !m.alive),
             limit_cycle_pct: share(pairs, |(t, m)| cycles(t, m)),
-            // Nothing but giving up reports a cycle at rest so far.
-            undetected_cycle_pct: share(pairs, |(t, m)| cycles(t, m) && m.alive),
+            undetected_cycle_pct: share(pairs, |(t, m)| cycles(t, m) && m.alive && !m.rest_noticed),
             steady_state_median_mm: median_of(|m| m.steady_state_mm, 0.5),
             steady_state_p90_mm: median_of(|m| m.steady_state_mm, 0.9),
             small_step_median_mm: median_of(|m| m.excursion_mm, 0.5),
