@@ -94,7 +94,7 @@ mod tests {
         assert!(moves(|t| 0.05 * t) >= 2, "creep");
         let square = |period: f32| {
             move |t: f32| {
-                if (t / period) as u32 % 2 == 0 {
+                if ((t / period) as u32).is_multiple_of(2) {
                     0.0
                 } else {
                     0.12
