@@ -26,9 +26,13 @@ pub(crate) struct Unrest {
 
 impl Unrest {
     pub(crate) fn new(design: &MonitoringDesign) -> Self {
+        Self::of(design.noise, design.resolution, design.cycle_settling)
+    }
+
+    fn of(noise: f32, resolution: f32, settling: u32) -> Self {
         Self {
-            band: 2.0 * (design.noise + design.resolution),
-            settling: design.cycle_settling,
+            band: 2.0 * (noise + resolution),
+            settling,
             rest: 0,
             place: 0.0,
             away: 0.0,
@@ -61,21 +65,10 @@ impl Unrest {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::servo::config::Config;
-    use crate::servo::motion::Travel;
 
     /// Moves that are counted in 4 s about a reference at rest, with a resolution of 0.01 and uniform noise of +-0.02.
     fn moves(axis: impl Fn(f32) -> f32) -> u32 {
-        let travel = Travel {
-            min: 0.0,
-            max: 400.0,
-        };
-        let mut config = Config::new(0.001, 20.0, travel);
-        config.noise = Some(0.012);
-        let Ok(design) = config.resolve() else {
-            panic!("the settings are good");
-        };
-        let mut unrest = Unrest::new(&design.monitoring.with_resolution(0.01));
+        let mut unrest = Unrest::of(0.012, 0.01, 500);
         let (mut state, mut count) = (1_u32, 0);
         for k in 0..4000 {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -108,18 +101,7 @@ mod tests {
 
     #[test]
     fn a_reference_that_moves_counts_nothing() {
-        let Ok(design) = Config::new(
-            0.001,
-            20.0,
-            Travel {
-                min: 0.0,
-                max: 400.0,
-            },
-        )
-        .resolve() else {
-            panic!("the settings are good");
-        };
-        let mut unrest = Unrest::new(&design.monitoring);
+        let mut unrest = Unrest::of(0.012, 0.01, 500);
         let r = Setpoint {
             velocity: 1.0,
             ..Setpoint::at(0.0)
