@@ -1,14 +1,13 @@
 //! `trendid endurance`: does the estimate stay true over hours?
 
 use clap::Args;
-use rayon::prelude::*;
 use serde_json::{Value, json};
 use trendid_host_tests::endurance::found::Found;
 use trendid_host_tests::endurance::run::run;
 use trendid_host_tests::endurance::scenario::{Case, cases};
 
 use crate::format::significant;
-use crate::output::{Refusal, emit, emit_json, number, progress};
+use crate::output::{Refusal, emit, emit_json, number, progress, under};
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -60,17 +59,12 @@ pub(crate) fn run_all(args: &EnduranceArgs) -> Result<(), Refusal> {
     }
     let samples = (1000.0 * args.seconds) as u64;
     let bar = progress(cases.len() as u64, "endurance");
-    let found: Vec<Found> = cases
-        .par_iter()
-        .enumerate()
-        .map(|(index, case)| {
-            // Beside one of the two runs with this memory; the nominal values are those of that run.
-            let others = if case.trusted { OTHERS.min(samples) } else { 0 };
-            let found = run(case, args.first_seed + index as u64, samples, others);
-            bar.inc(1);
-            found
-        })
-        .collect();
+    let numbered: Vec<_> = (args.first_seed..).zip(&cases).collect();
+    let found: Vec<Found> = under(&bar, &numbered, |(seed, case)| {
+        // Beside one of the two runs with this memory; the nominal values are those of that run.
+        let others = if case.trusted { OTHERS.min(samples) } else { 0 };
+        run(case, *seed, samples, others)
+    });
     bar.finish_and_clear();
     let runs: Vec<(&Case, &Found)> = cases.iter().zip(&found).collect();
     if args.json {

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use thiserror::Error;
+use trendid_identify::side_by_side;
 
 /// Why a command cannot do what it was asked, as one sentence.
 #[derive(Debug, Error)]
@@ -76,6 +77,19 @@ pub(crate) fn progress(steps: u64, what: &'static str) -> ProgressBar {
     }
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
+}
+
+/// What `one` makes of each of `items`, on all processors and in their order, each a step of the bar.
+pub(crate) fn under<I: Sync, T: Send>(
+    bar: &ProgressBar,
+    items: &[I],
+    one: impl Fn(&I) -> T + Sync,
+) -> Vec<T> {
+    side_by_side(items, |item| {
+        let made = one(item);
+        bar.inc(1);
+        made
+    })
 }
 
 /// The progress of a search.

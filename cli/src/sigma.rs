@@ -1,9 +1,9 @@
 //! `trendid sigma`: how often the truth lies within the standard deviations, by each way to them.
 
 use clap::Args;
-use rayon::prelude::*;
 use serde_json::{Value, json};
 use trendid_host_tests::paper::sigma::{Noise, Score, Scores, scores};
+use trendid_identify::side_by_side;
 
 use crate::format::{significant, table};
 use crate::output::{Refusal, emit, emit_json, number, progress};
@@ -69,12 +69,10 @@ pub(crate) fn run(args: &SigmaArgs) -> Result<(), Refusal> {
         .flat_map(|noise| args.seconds.iter().map(move |s| (noise, *s)))
         .collect();
     let bar = progress(cells.len() as u64, "sigma");
+    let seeds: Vec<u64> = (args.first_seed..args.first_seed + args.seeds).collect();
     let mut rows = Vec::new();
     for (noise, seconds) in cells {
-        let found: Vec<Scores> = (args.first_seed..args.first_seed + args.seeds)
-            .into_par_iter()
-            .map(|seed| scores(noise, seconds, seed))
-            .collect();
+        let found = side_by_side(&seeds, |seed| scores(noise, seconds, *seed));
         bar.inc(1);
         for (estimator, of) in [
             (

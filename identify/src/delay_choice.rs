@@ -1,11 +1,10 @@
 //! The delay of the inputs by the errors of the folds left out.
 
-use rayon::prelude::*;
-
 use crate::filter_choice::{Judged, judged};
 use crate::folds::{Folds, Refitted};
 use crate::instruments::{Fit, Method};
 use crate::problem::Problem;
+use crate::side_by_side::side_by_side;
 
 /// Delays that are tried first, and as many more for as long as one of the two longest wins.
 pub(crate) const DELAYS: usize = 7;
@@ -31,8 +30,9 @@ pub(crate) fn best_delay(problem: &Problem, start: &Judged) -> (usize, bool) {
     let mut next = 0;
     loop {
         let end = (next + DELAYS.max(next / 2)).min(LONGEST_DELAY + 1);
-        let errors: Vec<f64> = (next..end).into_par_iter().map(at).collect();
-        for (delay, error) in (next..end).zip(errors) {
+        let delays: Vec<usize> = (next..end).collect();
+        let errors = side_by_side(&delays, |delay| at(*delay));
+        for (delay, error) in delays.into_iter().zip(errors) {
             if error < smallest {
                 (best, smallest) = (delay, error);
             }

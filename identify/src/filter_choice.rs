@@ -5,13 +5,12 @@
 //! the filter `1/A` of the model itself (iterative prefiltering: Steiglitz and McBride 1965; Young and Jakeman 1980),
 //! where it simulates better.
 
-use rayon::prelude::*;
-
 use crate::error::{Error, Weakness};
 use crate::folds::{Folds, Refitted};
 use crate::instruments::{Fit, Method};
 use crate::problem::Problem;
 use crate::search::Progress;
+use crate::side_by_side::side_by_side;
 use crate::tuning::binomial;
 
 /// Poles from this many times the inverse of the record's length on.
@@ -97,15 +96,12 @@ pub fn choose<'a>(
     progress: &dyn Progress,
 ) -> Result<Judged<'a>, Error> {
     for method in [Method::Instruments, Method::LeastSquares] {
-        let tried: Vec<Judged> = poles
-            .par_iter()
-            .filter_map(|&pole| {
-                let judged = judged(problem, pole, delay, method);
-                progress.step();
-                judged
-            })
-            .collect();
-        if let Some(best) = best(tried) {
+        let tried = side_by_side(poles, |&pole| {
+            let judged = judged(problem, pole, delay, method);
+            progress.step();
+            judged
+        });
+        if let Some(best) = best(tried.into_iter().flatten().collect()) {
             return Ok(best);
         }
     }

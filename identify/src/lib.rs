@@ -23,6 +23,7 @@
 //! | [`search`] | what a search may choose |
 //! | [`identification`] | one structure: search, estimate, held-out fit |
 //! | [`structure_choice`] | many structures compared |
+//! | [`mod@side_by_side`] | work on all processors |
 //! | [`mod@tune`] | gains of a cascade, a PID controller and a state feedback for a model, with their margins |
 //! | [`mod@standstill`] | where friction holds a drive |
 //! | [`coulomb_input`] | sgn(v) from a velocity or a position |
@@ -62,6 +63,7 @@ pub mod problem;
 pub mod run;
 mod sampled;
 pub mod search;
+pub mod side_by_side;
 pub mod signals;
 pub mod standstill;
 pub mod structure_choice;
@@ -76,6 +78,7 @@ pub use identification::{Identification, Way, identify};
 pub use problem::{Options, Problem, Structure};
 pub use run::{PredictionErrors, Run, Trace};
 pub use search::{Choice, Freedom, Progress};
+pub use side_by_side::side_by_side;
 pub use signals::{Input, Signals};
 pub use structure_choice::{Selection, select};
 pub use trendid::trends::{Hold, Scheme};

@@ -2,11 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use rayon::prelude::*;
 use serde_json::{Value, json};
 use trendid_host_tests::plants::drawn::DrawnRecord;
 use trendid_identify::structure_choice::{Range, Selection, select};
-use trendid_identify::{Choice, Freedom, Options, Signals, Structure};
+use trendid_identify::{Choice, Freedom, Options, Signals, Structure, side_by_side};
 
 use crate::format::table;
 
@@ -95,10 +94,8 @@ fn name(s: Structure) -> String {
 impl Simulated {
     /// Draws so many plants from a seed on and chooses the structure of each.
     pub(crate) fn run(plants: usize, first_seed: u64) -> Self {
-        let trials = (0..plants as u64)
-            .into_par_iter()
-            .map(|k| trial(first_seed + k))
-            .collect();
+        let seeds: Vec<u64> = (first_seed..first_seed + plants as u64).collect();
+        let trials = side_by_side(&seeds, |seed| trial(*seed));
         Self { first_seed, trials }
     }
 

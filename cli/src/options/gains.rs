@@ -3,10 +3,10 @@
 use std::ops::Range;
 
 use indicatif::ProgressBar;
-use rayon::prelude::*;
 
 use super::cost::Cost;
 use super::runs::{self, Pair};
+use crate::output::under;
 
 /// One option: what it costs, and where it is tried.
 pub(super) struct Tried {
@@ -93,14 +93,8 @@ static OPTIONS: [Tried; 9] = [
 pub(super) fn gains(seeds: &Range<u64>, bar: &ProgressBar) -> Vec<Gain> {
     bar.set_length(OPTIONS.len() as u64 * (seeds.end - seeds.start));
     let gain = |tried: &'static Tried| {
-        let pairs: Vec<Pair> = seeds
-            .clone()
-            .into_par_iter()
-            .map(|seed| {
-                bar.inc(1);
-                (tried.run)(seed)
-            })
-            .collect();
+        let all: Vec<u64> = seeds.clone().collect();
+        let pairs: Vec<Pair> = under(bar, &all, |seed| (tried.run)(*seed));
         let rms = |which: usize| {
             core::array::from_fn(|i| {
                 let sum: f64 = pairs.iter().map(|pair| pair[which][i].powi(2)).sum();

@@ -1,6 +1,5 @@
 //! `trendid paper table1`: the paper's Table 1 again, with the core, the bound and two opponents on the same records.
 
-use rayon::prelude::*;
 use trendid_host_tests::paper::statistics::{COLUMNS, Line, summary};
 use trendid_host_tests::paper::trial::{Method, Setting, Trial, trial};
 
@@ -60,18 +59,14 @@ fn lines(args: &Table1Args, settings: &[Setting]) -> Vec<Line> {
         });
     }
     let bar = output::progress(args.seeds * settings.len() as u64, "records");
+    let seeds: Vec<u64> = (args.first_seed..args.first_seed + args.seeds).collect();
     let lines = settings
         .iter()
         .flat_map(|setting| {
             let duration = args.duration.unwrap_or_else(|| setting.usual_duration());
-            let trials: Vec<Trial> = (args.first_seed..args.first_seed + args.seeds)
-                .into_par_iter()
-                .map(|seed| {
-                    let done = trial(setting, duration, seed, &methods);
-                    bar.inc(1);
-                    done
-                })
-                .collect();
+            let trials: Vec<Trial> = output::under(&bar, &seeds, |seed| {
+                trial(setting, duration, *seed, &methods)
+            });
             summary(setting, duration, &methods, &trials)
         })
         .collect();

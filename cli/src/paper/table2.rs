@@ -2,7 +2,6 @@
 //!
 //! IQ is the paper's name of the sum of squared errors (ISE); it stays where the printed table is compared.
 
-use rayon::prelude::*;
 use trendid::estimation::Terms;
 use trendid::model::OutputEvaluation;
 use trendid::trends::{FilteredTrends, RawTrends, Scheme};
@@ -56,21 +55,16 @@ fn all(args: &Table2Args) -> Result<Vec<Found>, Refusal> {
         }
     }
     let bar = output::progress(args.seeds, "records");
-    let values: Result<Vec<Vec<[f64; 8]>>, ConfigError> = (args.first_seed
-        ..args.first_seed + args.seeds)
-        .into_par_iter()
-        .map(|seed| {
-            let record = experiment.record(seed);
-            let fresh = experiment.record(seed + 500_000);
-            let each = kinds
-                .iter()
-                .map(|&(size, scheme, filtered)| one(size, scheme, filtered, &record, &fresh))
-                .collect();
-            bar.inc(1);
-            each
-        })
-        .collect();
-    let values = values?;
+    let seeds: Vec<u64> = (args.first_seed..args.first_seed + args.seeds).collect();
+    let values = output::under(&bar, &seeds, |seed| {
+        let record = experiment.record(*seed);
+        let fresh = experiment.record(seed + 500_000);
+        kinds
+            .iter()
+            .map(|&(size, scheme, filtered)| one(size, scheme, filtered, &record, &fresh))
+            .collect()
+    });
+    let values: Vec<Vec<[f64; 8]>> = values.into_iter().collect::<Result<_, ConfigError>>()?;
     bar.finish_and_clear();
     Ok(kinds
         .iter()

@@ -3,7 +3,6 @@
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-use rayon::prelude::*;
 use serde_json::{Value, json};
 use trendid::servo::State;
 use trendid_host_tests::servo::figures::Figures;
@@ -12,7 +11,7 @@ use trendid_host_tests::servo::run::{Options, run as run_scenario};
 use trendid_host_tests::servo::scenario::Scenario;
 
 use crate::format::{significant, table};
-use crate::output::{Refusal, emit, emit_json, number, progress};
+use crate::output::{Refusal, emit, emit_json, number, progress, under};
 use crate::servo::figure::{self, Course, Row};
 
 /// Arguments of the run.
@@ -76,15 +75,9 @@ pub(super) fn run(task: &Task) -> Result<(), Refusal> {
     })];
     bar.inc(1);
     let others: Vec<u64> = task.seeds.clone().skip(1).collect();
-    let rest: Vec<Figures> = others
-        .par_iter()
-        .map(|seed| {
-            let figures = figures(task, *seed, &mut |_, _| {});
-            bar.inc(1);
-            figures
-        })
-        .collect();
-    runs.extend(rest);
+    runs.extend(under(&bar, &others, |seed| {
+        figures(task, *seed, &mut |_, _| {})
+    }));
     bar.finish_and_clear();
     let fixed = if task.fixed { "-fixed" } else { "" };
     let name = format!("loop-{}{fixed}", task.scenario.name());

@@ -4,14 +4,13 @@ use std::ops::Range;
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use trendid_host_tests::servo::population::family::Family;
 use trendid_host_tests::servo::population::summary::{CommissioningFigures, Summary, refusal};
 use trendid_host_tests::servo::population::trial::{LoopRun, Trial, commissioned};
 
 use crate::format::significant;
-use crate::output::{Refusal, emit, emit_json, number, progress};
+use crate::output::{Refusal, emit, emit_json, number, progress, under};
 use crate::servo::population_faults::{self, FaultTables};
 use crate::servo::population_rows::{COMMISSIONING, ROWS, columns};
 use crate::servo::population_work;
@@ -73,14 +72,8 @@ pub(super) fn run(args: &PopulationArgs, axes: u64, first: u64, json: bool) -> R
         return Ok(());
     }
     let bar = progress(axes, "axes");
-    let trials: Vec<Trial> = (first..end)
-        .into_par_iter()
-        .map(|seed| {
-            let trial = Trial::run(family, args.usual, seed);
-            bar.inc(1);
-            trial
-        })
-        .collect();
+    let seeds: Vec<u64> = (first..end).collect();
+    let trials = under(&bar, &seeds, |seed| Trial::run(family, args.usual, *seed));
     bar.finish_and_clear();
     let summary = Summary::new(&trials);
     let faults = population_faults::run(family, args.usual, first, args.faults)?;
@@ -114,15 +107,8 @@ fn head(family: Family, usual: bool, seeds: &Range<u64>) -> String {
 /// Commissions the axes and prints what came of it.
 fn commission(family: Family, usual: bool, seeds: Range<u64>, json: bool) {
     let bar = progress(seeds.end - seeds.start, "axes");
-    let runs: Vec<LoopRun> = seeds
-        .clone()
-        .into_par_iter()
-        .map(|seed| {
-            let run = commissioned(family, usual, seed);
-            bar.inc(1);
-            run
-        })
-        .collect();
+    let all: Vec<u64> = seeds.clone().collect();
+    let runs = under(&bar, &all, |seed| commissioned(family, usual, *seed));
     bar.finish_and_clear();
     let runs: Vec<&LoopRun> = runs.iter().collect();
     let figures = CommissioningFigures::new(&runs);

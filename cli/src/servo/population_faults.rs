@@ -1,6 +1,5 @@
 //! Faults in `trendid loop --population N --faults M`.
 
-use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use trendid_host_tests::servo::faults::fault::Fault;
 use trendid_host_tests::servo::faults::normal::controlled;
@@ -9,7 +8,7 @@ use trendid_host_tests::servo::faults::trial::{self, FaultRun, Situation};
 use trendid_host_tests::servo::population::family::Family;
 
 use crate::format::significant;
-use crate::output::{Refusal, number, progress};
+use crate::output::{Refusal, number, progress, under};
 
 /// Most axes that are broken.
 const AXES_MAX: u64 = 1000;
@@ -48,17 +47,13 @@ pub(crate) fn run(
         .flat_map(|(axis, situation)| Fault::ALL.map(|fault| (axis, situation, fault)))
         .collect();
     let bar = progress(cases.len() as u64, "faults");
-    let runs: Vec<FaultRun> = cases
-        .into_par_iter()
-        .filter_map(|(axis, situation, fault)| {
-            let run = trial::run(axis, situation, fault);
-            bar.inc(1);
-            run
-        })
-        .collect();
+    let runs = under(&bar, &cases, |(axis, situation, fault)| {
+        trial::run(axis, *situation, *fault)
+    });
     bar.finish_and_clear();
     let (commissioning, control): (Vec<FaultRun>, Vec<FaultRun>) = runs
         .into_iter()
+        .flatten()
         .partition(|run| run.situation == Situation::Commissioning);
     let last = axes.last().map_or(first, |axis| axis.seed);
     Ok(Some(FaultTables {

@@ -2,13 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use rayon::prelude::*;
 use serde_json::{Value, json};
 use trendid_host_tests::servo::faults::normal::{NormalRun, controlled, work};
 use trendid_host_tests::servo::population::family::Family;
 
 use crate::format::significant;
-use crate::output::{Refusal, emit, emit_json, number, progress};
+use crate::output::{Refusal, emit, emit_json, number, progress, under};
 
 /// Longest work of an axis in s: a week.
 const SECONDS_MAX: f64 = 604_800.0;
@@ -43,16 +42,9 @@ pub(super) fn run(
     }
     let axes = controlled(family, usual, first, axes as usize);
     let bar = progress(axes.len() as u64, "axes");
-    let runs: Vec<NormalRun> = axes
-        .par_iter()
-        .filter_map(|axis| {
-            let run = work(axis, seconds);
-            bar.inc(1);
-            run
-        })
-        .collect();
+    let runs = under(&bar, &axes, |axis| work(axis, seconds));
     bar.finish_and_clear();
-    let worked = Worked::new(runs);
+    let worked = Worked::new(runs.into_iter().flatten().collect());
     if json {
         emit_json(&worked.object());
     } else {

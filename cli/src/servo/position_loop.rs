@@ -2,14 +2,13 @@
 
 use clap::Args;
 use indicatif::ProgressBar;
-use rayon::prelude::*;
 use serde_json::{Value, json};
 use trendid_host_tests::servo::figures::Figures;
 use trendid_host_tests::servo::run::{Options, run as run_scenario};
 use trendid_host_tests::servo::scenario::Scenario;
 
 use crate::format::significant;
-use crate::output::{Refusal, emit, emit_json, progress};
+use crate::output::{Refusal, emit, emit_json, progress, under};
 use crate::servo::demo_loop::{COLUMNS, Column, json_of};
 use crate::servo::population::{self, PopulationArgs};
 
@@ -104,19 +103,15 @@ pub(crate) fn run(args: &LoopArgs) -> Result<(), Refusal> {
 }
 
 fn runs(args: &LoopArgs, scenario: Scenario, fixed: bool, bar: &ProgressBar) -> Vec<Figures> {
-    (args.first_seed..args.first_seed + args.seeds)
-        .into_par_iter()
-        .map(|seed| {
-            let options = Options {
-                fixed,
-                linear: args.linear,
-                seed,
-            };
-            let figures = run_scenario(scenario, &options, &mut |_, _| {});
-            bar.inc(1);
-            figures
-        })
-        .collect()
+    let seeds: Vec<u64> = (args.first_seed..args.first_seed + args.seeds).collect();
+    under(bar, &seeds, |seed| {
+        let options = Options {
+            fixed,
+            linear: args.linear,
+            seed: *seed,
+        };
+        run_scenario(scenario, &options, &mut |_, _| {})
+    })
 }
 
 /// Median and worst of a figure; a run that does not come to it counts as infinite.

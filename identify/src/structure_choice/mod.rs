@@ -7,8 +7,6 @@
 
 mod drop;
 
-use rayon::prelude::*;
-
 pub use drop::Drop;
 use drop::{cancels, rests_on};
 
@@ -19,6 +17,7 @@ use crate::folds::{Folds, Refitted};
 use crate::instruments::Found;
 use crate::problem::{Options, Problem, Structure};
 use crate::search::{Choice, Freedom, Progress};
+use crate::side_by_side::side_by_side;
 use crate::signals::Signals;
 
 /// Standard errors over the folds within which two structures simulate alike.
@@ -123,14 +122,11 @@ pub fn select(
     // What is wrong with the simplest structure is wrong with the record.
     Problem::new(signals, simplest, options)?;
     progress.begin(structures.len());
-    let tried: Vec<Result<Candidate, Dropped>> = structures
-        .into_par_iter()
-        .map(|structure| {
-            let tried = candidate(signals, structure, options, freedom);
-            progress.step();
-            tried.map_err(|reason| Dropped { structure, reason })
-        })
-        .collect();
+    let tried: Vec<Result<Candidate, Dropped>> = side_by_side(&structures, |&structure| {
+        let tried = candidate(signals, structure, options, freedom);
+        progress.step();
+        tried.map_err(|reason| Dropped { structure, reason })
+    });
     let (mut candidates, mut dropped) = (Vec::new(), Vec::new());
     for one in tried {
         match one {
