@@ -76,11 +76,6 @@ impl<const N: usize> Snapshot<N> {
     }
 }
 
-/// Rows of the first blocks, so that the last doubling ends at the longest.
-const fn first_length(longest: u32) -> u32 {
-    longest >> (longest / FIRST).ilog2()
-}
-
 /// The ring of snapshots.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Snapshots<const N: usize> {
@@ -94,9 +89,11 @@ pub(crate) struct Snapshots<const N: usize> {
     forgetting: f32,
     /// What the newest snapshot counts now.
     decay: f32,
-    /// Rows of a whole block, of the present one so far, and of the longest for a memory.
+    /// Rows of a whole block, and of the present one so far.
     length: u32,
     taken: u32,
+    /// Rows of the first blocks, so that the last doubling ends at the longest for a memory.
+    shortest: u32,
     longest: u32,
     /// Begins anew with the next row.
     stale: bool,
@@ -109,6 +106,7 @@ impl<const N: usize> Snapshots<N> {
             true => ((0.125 / (1.0 - forgetting)) as u32).max(FIRST),
             false => FIRST << 26,
         };
+        let shortest = longest >> (longest / FIRST).ilog2();
         Self {
             begin: Snapshot::of(estimator),
             ring: [const { Snapshot::EMPTY }; SNAPSHOTS],
@@ -116,8 +114,9 @@ impl<const N: usize> Snapshots<N> {
             used: 0,
             forgetting,
             decay: 1.0,
-            length: first_length(longest),
+            length: shortest,
             taken: 0,
+            shortest,
             longest,
             stale: false,
         }
@@ -131,7 +130,7 @@ impl<const N: usize> Snapshots<N> {
         if self.stale {
             self.stale = false;
             self.used = 0;
-            self.length = first_length(self.longest);
+            self.length = self.shortest;
             self.begin = Snapshot::of(estimator);
             return;
         }

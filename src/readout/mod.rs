@@ -60,6 +60,7 @@ const ROUNDING: f32 = 0.25 * f32::EPSILON;
 
 impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// The estimate without its noise bias, an insignificant constant withdrawn from theta.
+    #[inline(always)]
     fn compensated(&self, p: &Matrix<N>) -> (Compensated<N>, Option<Withdrawal<N>>) {
         let mut found = compensate(self, p);
         // Before the noise is known every constant counts: after a change of the filter nothing jumps.
