@@ -6,79 +6,16 @@
 //! computes nothing itself.
 
 mod padding;
+mod setup;
 mod sized;
 
-use trendid::estimation::Terms;
-use trendid::model::PredictionError;
-use trendid::trends::Scheme;
-use trendid::{Config, ConfigError, Outcome, Structure};
+pub use setup::{DELAY, Filter, INPUTS, PARAMETERS, Settings, Setup, settings};
+pub use sized::Recursion;
+
+use trendid::ConfigError;
 
 use crate::dynamic::padding::Padding;
 use crate::dynamic::sized::sized;
-use crate::estimate::Estimate;
-
-/// Most inputs that a run-time structure can have.
-pub const INPUTS: usize = 4;
-/// Longest delay in samples.
-pub const DELAY: usize = 512;
-/// Most parameters.
-pub const PARAMETERS: usize = 10;
-
-/// The settings of the core for up to [`INPUTS`] inputs, made by [`settings`].
-///
-/// The sizes are placeholders until [`Setup::build`] knows the structure, so `structure`, `initial` and `prior_std`
-/// are without effect; [`Recursion::warm_start`] begins from known parameters.
-pub type Settings = Config<1, INPUTS, INPUTS>;
-
-/// The core's defaults for a plant of this bandwidth \[rad/s\] and these sizes of signals, see [`Config::new`].
-/// Inputs beyond [`INPUTS`] are left out; [`Setup::build`] refuses them.
-pub fn settings(bandwidth: f32, input_ranges: &[f32], output_range: f32) -> Settings {
-    let mut ranges = [1.0; INPUTS];
-    for (slot, range) in ranges.iter_mut().zip(input_ranges) {
-        *slot = *range;
-    }
-    Config::new(Structure::INTEGRATING, bandwidth, ranges, output_range)
-}
-
-/// The trends in front of the estimator.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Filter {
-    /// The paper's raw trends.
-    None,
-    /// Coefficients f_0 .. f_{m-1} of the filter polynomial.
-    Polynomial(Vec<f32>),
-    /// Exact trends (Tustin) with this filter polynomial, and the numerators of this denominator.
-    Exact {
-        /// f_0 .. f_{m-1}.
-        filter: Vec<f32>,
-        /// a_0 .. a_{m-1}; the filter itself where nothing is known yet.
-        model: Vec<f32>,
-    },
-}
-
-/// A structure and its trends with sizes as values, and the settings of the core.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Setup {
-    /// Order m, 1..=4.
-    pub order: usize,
-    /// Which a_i exist.
-    pub output: Terms,
-    /// Which b_i exist, for each of at most [`INPUTS`] inputs.
-    pub inputs: Vec<Terms>,
-    /// Whether there is a constant input.
-    pub constant: bool,
-    /// Whether the initial state is a parameter.
-    #[doc(alias = "start")]
-    pub initial_state: bool,
-    /// Sampling interval \[s\].
-    pub sample_time: f32,
-    /// Goodwin or Tustin.
-    pub scheme: Scheme,
-    /// Raw or filtered trends.
-    pub filter: Filter,
-    /// Everything else.
-    pub settings: Settings,
-}
 
 /// The cores that are instantiated, by order and number of parameters.
 macro_rules! sizes {
@@ -105,13 +42,6 @@ sizes! {
 }
 
 impl Setup {
-    /// Number of parameters.
-    pub fn parameters(&self) -> usize {
-        let numerators: usize = self.inputs.iter().map(|terms| terms.count()).sum();
-        let others = usize::from(self.constant) + usize::from(self.initial_state);
-        self.output.count() + numerators + others
-    }
-
     /// Builds the core for this setup: that of its number of parameters or of the next larger one that there is, with the
     /// surplus known to be 0. Without a memory the numbers are the same; with one they differ by what an observation of a
     /// nominal value counts, and the shortest memory is that of the larger core.
@@ -144,23 +74,4 @@ impl Setup {
         let padding = sizes.iter().find_map(|size| Padding::to(self, *size));
         padding.ok_or(ConfigError::ParameterCount { found, expected })
     }
-}
-
-/// An [`Identifier`](trendid::Identifier) of any size.
-pub trait Recursion: Send + Sync {
-    /// Takes the inputs u(k) and y(k); missing inputs count as 0.
-    fn update(&mut self, u: &[f32], y: f32) -> Outcome;
-    /// The model at this moment.
-    fn estimate(&self) -> Estimate;
-    /// The parameters of [`estimate`](Self::estimate) alone, at about a tenth of its cost; as many as there is room for.
-    fn theta(&self, to: &mut [f32]);
-    /// Sums of the squared and of the absolute prediction errors so far.
-    fn prediction_error(&self) -> PredictionError;
-    /// Lets the estimate move or holds it.
-    fn adapt(&mut self, on: bool);
-    /// Begins again from an estimate with its standard deviations.
-    ///
-    /// # Errors
-    /// The value that is not finite, or a length that is not the structure's.
-    fn warm_start(&mut self, theta: &[f32], std: &[f32]) -> Result<(), ConfigError>;
 }

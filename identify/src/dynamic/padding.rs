@@ -3,15 +3,16 @@
 //! The core leaves a known parameter out of everything but its arithmetic, so that every other number has the same bits
 //! as in the core of the exact size. Added are b_i of inputs that do not exist, whose signal is 0, and where there are not
 //! enough those of the other inputs above their own. Where there is room below them only (four inputs, each with
-//! b_(m-1)) the standard deviations of the read-out differ: it measures an input by its first coefficient. With a memory the core takes the parameters in turns, known ones too: a
-//! round is longer then, and numbers differ by what an observation of a nominal value counts.
+//! b_(m-1)) the standard deviations of the read-out differ: it measures an input by its first coefficient. With a memory the core
+//! takes the parameters in turns, known ones too: a round is longer then, and numbers differ by what an observation of a
+//! nominal value counts.
 
 use std::ops::Range;
 
 use trendid::ConfigError;
 use trendid::estimation::Terms;
 
-use crate::dynamic::{INPUTS, Setup};
+use crate::dynamic::setup::{INPUTS, Setup};
 
 /// Which parameters of a core are those of a structure.
 #[derive(Debug, Clone, PartialEq)]

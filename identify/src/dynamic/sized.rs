@@ -5,8 +5,27 @@ use trendid::trends::{AnyTrends, ExactTrends, FilteredTrends, RawTrends, TrendOp
 use trendid::{Config, ConfigError, Identifier, Outcome, Structure};
 
 use crate::dynamic::padding::{Padding, numerators};
-use crate::dynamic::{DELAY, Filter, INPUTS, Recursion, Setup};
+use crate::dynamic::setup::{DELAY, Filter, INPUTS, Setup};
 use crate::estimate::{Estimate, Reading};
+
+/// An [`Identifier`](trendid::Identifier) of any size.
+pub trait Recursion: Send + Sync {
+    /// Takes the inputs u(k) and y(k); missing inputs count as 0.
+    fn update(&mut self, u: &[f32], y: f32) -> Outcome;
+    /// The model at this moment.
+    fn estimate(&self) -> Estimate;
+    /// The parameters of [`estimate`](Self::estimate) alone, at about a tenth of its cost; as many as there is room for.
+    fn theta(&self, to: &mut [f32]);
+    /// Sums of the squared and of the absolute prediction errors so far.
+    fn prediction_error(&self) -> PredictionError;
+    /// Lets the estimate move or holds it.
+    fn adapt(&mut self, on: bool);
+    /// Begins again from an estimate with its standard deviations.
+    ///
+    /// # Errors
+    /// The value that is not finite, or a length that is not the structure's.
+    fn warm_start(&mut self, theta: &[f32], std: &[f32]) -> Result<(), ConfigError>;
+}
 
 fn polynomial<const M: usize>(coefficients: &[f32]) -> Result<[f32; M], ConfigError> {
     coefficients

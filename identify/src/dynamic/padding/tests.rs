@@ -1,6 +1,6 @@
 use super::*;
-use crate::dynamic::sized::sized;
-use crate::dynamic::{Filter, Recursion, settings};
+use crate::dynamic::setup::{Filter, settings};
+use crate::dynamic::sized::{Recursion, sized};
 use crate::estimate::Estimate;
 use trendid::trends::Scheme;
 use trendid::{ConfigError, Outcome};
