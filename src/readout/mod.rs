@@ -81,6 +81,9 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     }
 
     /// The parameters as the trends have them, in the user's units.
+    ///
+    /// Not inlined: whoever reads them, in whatever language, calls the same code.
+    #[inline(never)]
     pub(crate) fn trend_theta(&self) -> [f32; N] {
         self.compensated(&self.covariance()).0.theta
     }
