@@ -41,6 +41,7 @@ const CHANGES: &[(&str, Change)] = &[
     ("prior_std", |c| {
         c.prior_std = Some([100.0, 5.0, 1e6, 1e4, 1.0])
     }),
+    ("known", |c| c.known = [false, false, false, true, false]),
     ("settling", |c| c.settling = 0.1),
     ("offset_significance", |c| c.offset_significance = 0.0),
 ];
