@@ -2,7 +2,7 @@
 //!
 //! The core fixes its sizes at compile time. A program that reads records does not know
 //! them, so this file instantiates the core for every order with some numbers of parameters
-//! ([`padding`] fills up to the next one) and hides the choice behind a trait object. It
+//! (`padding` fills up to the next one) and hides the choice behind a trait object. It
 //! computes nothing itself.
 
 mod padding;

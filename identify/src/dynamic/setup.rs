@@ -14,7 +14,7 @@ pub const PARAMETERS: usize = 10;
 /// The settings of the core for up to [`INPUTS`] inputs, made by [`settings`].
 ///
 /// The sizes are placeholders until [`Setup::build`] knows the structure, so `structure`, `initial` and `prior_std`
-/// are without effect; [`Recursion::warm_start`] begins from known parameters.
+/// are without effect; [`Recursion::warm_start`](crate::dynamic::Recursion::warm_start) begins from known parameters.
 pub type Settings = Config<1, INPUTS, INPUTS>;
 
 /// The core's defaults for a plant of this bandwidth \[rad/s\] and these sizes of signals, see [`Config::new`].
