@@ -69,8 +69,6 @@ pub struct Batched<
 > {
     identifier: Identifier<T, M, N, I, D>,
     snapshots: Snapshots<N>,
-    /// lambda.
-    forgetting: f32,
 }
 
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
@@ -82,14 +80,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// As [`Identifier::try_new`].
     pub fn try_new(config: &Config<M, N, I>, trends: T) -> Result<Self, ConfigError> {
         let identifier = Identifier::try_new(config, trends)?;
-        let forgetting = match config.memory {
-            Some(memory) => 1.0 - identifier.trends().design().sample_time / memory,
-            None => 1.0,
-        };
         Ok(Self {
-            snapshots: Snapshots::new(identifier.estimator(), forgetting),
+            snapshots: Snapshots::new(identifier.estimator(), identifier.forgetting()),
             identifier,
-            forgetting,
         })
     }
 
@@ -136,7 +129,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     }
 
     fn begin(&mut self) {
-        self.snapshots = Snapshots::new(self.identifier.estimator(), self.forgetting);
+        self.snapshots = Snapshots::new(self.identifier.estimator(), self.identifier.forgetting());
     }
 
     /// The identifier: the same estimate, predictions, noise.

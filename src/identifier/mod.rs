@@ -264,6 +264,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         &self.state.estimator
     }
 
+    /// lambda, 1 without a memory.
+    pub(crate) const fn forgetting(&self) -> f32 {
+        self.plan.forgetting
+    }
+
     /// The structure of the model.
     pub const fn structure(&self) -> &Structure<M, N, I> {
         &self.plan.structure

@@ -127,10 +127,7 @@ impl<
         let auxiliary = auxiliary.ok_or(ConfigError::Unstable {
             setting: "filter".into(),
         })?;
-        let forgetting = match config.memory {
-            Some(memory) => 1.0 - design.sample_time / memory,
-            None => 1.0,
-        };
+        let forgetting = identifier.forgetting();
         let top = design.scale(config.bandwidth);
         Ok(Self {
             instruments: Instruments {

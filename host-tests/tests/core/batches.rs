@@ -5,15 +5,13 @@ use rand::{RngExt, SeedableRng};
 use trendid::batches::Batched;
 use trendid::trends::{FilteredTrends, Scheme};
 use trendid::{Config, Identifier, Outcome, Structure};
-use trendid_host_tests::oracles::least_squares;
-use trendid_host_tests::oracles::trends as oracle;
 use trendid_host_tests::plants::linear::LinearPlant;
 use trendid_host_tests::random::Random;
 use trendid_host_tests::signals::excitation::Excitation;
 use trendid_host_tests::signals::experiment::{Experiment, Record};
 use trendid_host_tests::signals::noise::Condition;
 
-use crate::common::{rounded, rows};
+use crate::common::{long_experiment, servo_rows};
 
 const SERVO: Structure<3, 5, 1> = Structure::SERVO;
 type Servo = Batched<FilteredTrends<3>, 3, 5>;
@@ -40,29 +38,7 @@ fn run(record: &Record, mut servo: Servo) -> Servo {
 
 /// Standard deviations of a1, a2, b0 in f64: rows of the oracle, blocks of equal length, scores at the estimate in f64.
 fn in_f64(record: &Record) -> ([f64; 3], f64) {
-    let structure = least_squares::Structure {
-        m: 3,
-        a: vec![1, 2],
-        inputs: vec![least_squares::InputTerms {
-            b: vec![0],
-            delay: 0,
-            hold: oracle::Hold::Zero,
-        }],
-        constant: true,
-    };
-    let (f, decay) = ([1064.8, 551.76, 33.0, 1.0], (1.0 - 0.0011) / (1.0 + 0.0011));
-    let (u, y) = (rounded(&record.u), rounded(&record.y));
-    let scheme = oracle::Scheme::Tustin;
-    let (phi, psi) = rows(
-        &structure,
-        scheme,
-        Some(&f),
-        record.dt,
-        &[&u],
-        &y,
-        Some(decay),
-        0,
-    );
+    let (phi, psi) = servo_rows(record);
     let scale = DVector::from_fn(5, |j, _| phi.column(j).norm());
     let phi = DMatrix::from_fn(phi.nrows(), 5, |k, j| phi[(k, j)] / scale[j]);
     let information = (phi.transpose() * &phi).full_piv_lu();
@@ -97,14 +73,8 @@ fn the_scores_of_the_recursion_are_those_of_f64_over_a_million_samples() {
         (10.0, 200_103),
         (1000.0, 200_104),
     ] {
-        let mut experiment =
-            Experiment::reference(Condition::white(500.0 * duration_s.sqrt()), duration_s);
-        experiment.excitation = Excitation::Multisine {
-            amplitude: 0.5,
-            first_hz: 0.3,
-            lines: 12,
-        };
-        let record = experiment.record(seed);
+        let noise = Condition::white(500.0 * duration_s.sqrt());
+        let record = long_experiment(noise, duration_s).record(seed);
         let servo = run(&record, servo(|config| config.offset_significance = 0.0));
         let found = servo.estimate();
         let (oracle, blocks) = in_f64(&record);

@@ -6,9 +6,12 @@ use nalgebra::{DMatrix, DVector};
 use trendid::Config;
 use trendid::estimation::Parameter;
 use trendid::trends::FilteredTrends;
-use trendid_host_tests::oracles::least_squares::Structure;
+use trendid_host_tests::oracles::least_squares::{InputTerms, Structure};
 use trendid_host_tests::oracles::trends::{Hold, Scheme, applied, input_trend, output_trend};
 use trendid_host_tests::plants::polynomial::delayed;
+use trendid_host_tests::signals::excitation::Excitation;
+use trendid_host_tests::signals::experiment::{Experiment, Record};
+use trendid_host_tests::signals::noise::Condition;
 
 /// The core's name of a scheme.
 pub(crate) fn core_scheme(scheme: Scheme) -> trendid::trends::Scheme {
@@ -81,6 +84,47 @@ pub(crate) fn rows(
         DMatrix::from_fn(y.len() - first, columns.len(), |k, j| columns[j][k + first]),
         DVector::from_column_slice(&target[first..]),
     )
+}
+
+/// A_f of the default filter at 20 rad/s, from its constant up: poles at 2.2 rad/s and of damping 0.7 at 22 rad/s.
+pub(crate) const SERVO_FILTER: [f64; 4] = [1064.8, 551.76, 33.0, 1.0];
+
+/// Rows of the oracle for a record of the servo with the default filter: a1, a2, b0, the constant, the start.
+pub(crate) fn servo_rows(record: &Record) -> (DMatrix<f64>, DVector<f64>) {
+    let structure = Structure {
+        m: 3,
+        a: vec![1, 2],
+        inputs: vec![InputTerms {
+            b: vec![0],
+            delay: 0,
+            hold: Hold::Zero,
+        }],
+        constant: true,
+    };
+    // The slow pole over one sample time, by trapezoids.
+    let half = 0.5 * 2.2 * record.dt;
+    let decay = (1.0 - half) / (1.0 + half);
+    rows(
+        &structure,
+        Scheme::Tustin,
+        Some(&SERVO_FILTER),
+        record.dt,
+        &[&rounded(&record.u)],
+        &rounded(&record.y),
+        Some(decay),
+        0,
+    )
+}
+
+/// The reference servo for so many seconds under a multisine: a drive that integrates stays where f32 has digits.
+pub(crate) fn long_experiment(condition: Condition, duration_s: f64) -> Experiment {
+    let mut experiment = Experiment::reference(condition, duration_s);
+    experiment.excitation = Excitation::Multisine {
+        amplitude: 0.5,
+        first_hz: 0.3,
+        lines: 12,
+    };
+    experiment
 }
 
 /// User's unit of each normalised parameter by design: a signal of the configured size at the configured bandwidth.

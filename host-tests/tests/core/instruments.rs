@@ -10,6 +10,8 @@ use trendid_host_tests::signals::excitation::Excitation;
 use trendid_host_tests::signals::experiment::{Experiment, Record};
 use trendid_host_tests::signals::noise::Condition;
 
+use crate::common::long_experiment;
+
 use in_f64::in_f64;
 
 mod in_f64;
@@ -35,15 +37,8 @@ fn run(record: &Record, mut servo: Servo) -> Servo {
 
 #[test]
 fn the_sums_in_f32_are_those_of_f64_over_a_million_samples() {
-    // A multisine: a drive that integrates stays where f32 has digits.
     for (duration_s, seed) in [(10.0, 200_001), (1000.0, 200_002)] {
-        let mut experiment = Experiment::reference(Condition::white(500.0), duration_s);
-        experiment.excitation = Excitation::Multisine {
-            amplitude: 0.5,
-            first_hz: 0.3,
-            lines: 12,
-        };
-        let record = experiment.record(seed);
+        let record = long_experiment(Condition::white(500.0), duration_s).record(seed);
         let servo = run(&record, servo(|config| config.offset_significance = 0.0));
         let found = servo.estimate();
         assert_eq!(found.way, Way::Instruments);

@@ -1,12 +1,11 @@
 //! The equations of the instruments in f64.
 
 use nalgebra::{DMatrix, DVector};
-use trendid_host_tests::oracles::least_squares;
 use trendid_host_tests::oracles::trends::{self as oracle, applied};
 use trendid_host_tests::plants::polynomial::{difference_equation, power, product, scaled, sum};
 use trendid_host_tests::signals::experiment::Record;
 
-use crate::common::{rounded, rows};
+use crate::common::{SERVO_FILTER, rounded, servo_rows};
 
 /// Rows with the same instruments at 20 rad/s and 1 kHz.
 const GROUP: usize = 4;
@@ -14,24 +13,12 @@ const GROUP: usize = 4;
 /// Theta in f64 by the equations of the module, with the auxiliary denominator of the default filter.
 pub(crate) fn in_f64(record: &Record) -> [f64; 5] {
     let dt = record.dt;
-    let f = [1064.8, 551.76, 33.0, 1.0];
-    let structure = least_squares::Structure {
-        m: 3,
-        a: vec![1, 2],
-        inputs: vec![least_squares::InputTerms {
-            b: vec![0],
-            delay: 0,
-            hold: oracle::Hold::Zero,
-        }],
-        constant: true,
-    };
-    let decay = (1.0 - 0.0011) / (1.0 + 0.0011);
-    let (u, y) = (rounded(&record.u), rounded(&record.y));
+    let (phi, psi) = servo_rows(record);
     let scheme = oracle::Scheme::Tustin;
-    let (phi, psi) = rows(&structure, scheme, Some(&f), dt, &[&u], &y, Some(decay), 0);
+    let u = rounded(&record.u);
     // s^j / A_z of u / A_f, s = 2/dt (1-q)/(1+q).
     let first = oracle::input_trend(scheme, oracle::Hold::Zero, 3, 0, dt);
-    let once = applied(&first, scheme, Some(&f), dt, &u);
+    let once = applied(&first, scheme, Some(&SERVO_FILTER), dt, &u);
     // One set of instruments for each group of rows.
     let held: Vec<f64> = once.iter().copied().step_by(GROUP).collect();
     let step = GROUP as f64 * dt;
@@ -46,7 +33,7 @@ pub(crate) fn in_f64(record: &Record) -> [f64; 5] {
     let twice: Vec<Vec<f64>> = (0..2)
         .map(|j| difference_equation(&term(j), &denominator, &held))
         .collect();
-    let n = y.len();
+    let n = psi.len();
     let solved = |z: &DMatrix<f64>| -> DVector<f64> {
         let scale = DVector::from_fn(5, |j, _| phi.column(j).norm());
         let rows = DVector::from_fn(5, |i, _| z.column(i).norm());
