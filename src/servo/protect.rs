@@ -9,7 +9,7 @@ use crate::servo::servo_loop::ServoLoop;
 use crate::servo::supervision::state::{Reason, State};
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
-    /// Lets the monitors see a sample in control; whether they stopped the axis.
+    /// Lets the monitors see a sample in control; whether they stop the axis.
     pub(crate) fn is_stopped(
         &mut self,
         setpoint: &Setpoint,
@@ -32,6 +32,10 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             Some(Alarm::Oscillates) => {
                 self.calm();
                 false
+            }
+            Some(Alarm::Close) => {
+                self.closes = true;
+                true
             }
             Some(Alarm::Brake) => {
                 self.ends = true;

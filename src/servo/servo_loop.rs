@@ -104,6 +104,8 @@ pub struct ServoLoop<S, V> {
     start_requested: bool,
     /// The stopping distance to an end of the travel is used up.
     pub(crate) ends: bool,
+    /// The axis moves against its commands.
+    pub(crate) closes: bool,
 }
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
@@ -165,6 +167,9 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         } else if state.is_controlling() {
             let setpoint = self.trajectory.update();
             let command = self.controller.update(&setpoint, y);
+            if core::mem::take(&mut self.closes) {
+                return (setpoint, 0.0);
+            }
             let ends = core::mem::take(&mut self.ends);
             let against = if self.tracking.motion().velocity > 0.0 {
                 -1.0

@@ -3,9 +3,9 @@
 use crate::math::sqrt;
 use crate::servo::design::MonitoringDesign;
 use crate::servo::design::constants::{
-    BRAKE_RATIO, EXPECTATION_TIME_RATIO, FLOW_SLACK, FOLLOWING_TIME_RATIO, FORCE_TIME_RATIO,
-    HELD_DEFLECTIONS, LAG_TIME_RATIO, NO_MOTION_TIME_RATIO, OPPOSITE_TIME_RATIO, PUSH_TIME_RATIO,
-    SATURATED_CROSSINGS, STOP_TIME_RATIO,
+    BRAKE_RATIO, CLOSING_TIME_RATIO, EXPECTATION_TIME_RATIO, FLOW_SLACK, FOLLOWING_TIME_RATIO,
+    FORCE_TIME_RATIO, HELD_DEFLECTIONS, LAG_TIME_RATIO, NO_MOTION_TIME_RATIO, OPPOSITE_TIME_RATIO,
+    PUSH_TIME_RATIO, SATURATED_CROSSINGS, STOP_TIME_RATIO,
 };
 use crate::servo::model::Model;
 
@@ -16,6 +16,17 @@ pub(crate) struct Bounds {
     pub(crate) gain: f32,
     /// Natural frequency in rad/s.
     pub(crate) frequency: f32,
+    pub(crate) sample_time: f32,
+    /// Samples by which commands may take effect sooner or later than the model says.
+    pub(crate) late_rate: f32,
+    /// Displacement by which a sound axis falls short, and time in s that its speed adds where it rings.
+    pub(crate) short: f32,
+    pub(crate) ring: f32,
+    /// Shares of a new sample in the means of the last 1/(4 w), and in those that look for a mirrored motion.
+    pub(crate) recent: f32,
+    pub(crate) mirror: [f32; 2],
+    /// Samples in which an axis behind a closed valve has lost its speed.
+    pub(crate) closing: u32,
     /// Share of a new sample in the expected and the measured displacement.
     pub(crate) share: f32,
     /// Displacement that dead zone, offset and friction may add to the expectation or take from it.
@@ -44,6 +55,15 @@ pub(crate) struct Bounds {
     pub(crate) stop: u32,
 }
 
+/// Rate of the recent means over that of the displacements, whose window is 4/w.
+const RECENT_RATE: f32 = 16.0;
+/// The same of the means that look for a mirrored motion.
+const MIRROR_RATES: [f32; 2] = [3.0, 12.0];
+
+const fn least_of_one(share: f32) -> f32 {
+    if share < 1.0 { share } else { 1.0 }
+}
+
 impl Bounds {
     /// Derives the bounds; a model that passed the screening has a1 and b0 above 0. Not for the 1 ms path: one square root.
     pub(crate) fn new(design: &MonitoringDesign, model: &Model) -> Self {
@@ -58,10 +78,18 @@ impl Bounds {
         let flow = FLOW_SLACK * gain;
         let deflection = model.friction / model.a1;
         let share = design.sample_time / window;
+        let ring = (w - model.a2) / model.a1;
         Self {
             gain,
             frequency: w,
-            share: if share < 1.0 { share } else { 1.0 },
+            sample_time: design.sample_time,
+            late_rate: 0.5 * design.delay / design.sample_time + 1.0,
+            short: 2.0 * (deflection + design.grain + flow / w),
+            ring: if ring > 0.0 { ring } else { 0.0 },
+            recent: least_of_one(RECENT_RATE * share),
+            mirror: MIRROR_RATES.map(|rate| least_of_one(rate * share)),
+            closing: samples(design.delay + CLOSING_TIME_RATIO / w),
+            share: least_of_one(share),
             slack: flow * window + 2.0 * deflection + design.grain,
             held: HELD_DEFLECTIONS * deflection + design.grain,
             drift: flow,

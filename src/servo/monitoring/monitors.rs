@@ -6,7 +6,7 @@ use crate::servo::monitoring::bounds::Bounds;
 use crate::servo::monitoring::counters::FaultCounters;
 use crate::servo::monitoring::following::Following;
 use crate::servo::monitoring::gaps::Gaps;
-use crate::servo::monitoring::obedience::Obedience;
+use crate::servo::monitoring::obedience::{Found, Obedience};
 use crate::servo::monitoring::oscillation::Oscillation;
 use crate::servo::monitoring::reading::{Plausibility, Verdict};
 use crate::servo::monitoring::saturation::Saturation;
@@ -38,6 +38,8 @@ pub(crate) struct Seen<'a> {
 pub(crate) enum Alarm {
     /// The axis must stop.
     Stop(Reason),
+    /// The axis moves against its commands: the valve closes, until it is known why.
+    Close,
     /// The axis oscillates: it becomes slower first.
     Oscillates,
     /// The stopping distance is used up: the full command against the motion.
@@ -117,7 +119,7 @@ impl Monitors {
     /// Goes on with another model.
     pub(crate) fn tune(&mut self, model: Model) {
         self.bounds = Bounds::new(&self.design, &model);
-        self.twin.tune(model);
+        self.twin.tune(model, self.bounds.frequency);
         self.readings
             .tune(self.bounds.gain * self.bounds.frequency + BREAKAWAY * model.friction);
     }
@@ -156,7 +158,7 @@ impl Monitors {
         let stuck = self
             .stuck
             .update(seen.same_code, self.twin.velocity(), bounds);
-        let disobeys = self.obedience.update(&self.twin, seen.velocity, bounds);
+        let mut found = self.obedience.update(&self.twin, seen.velocity, bounds);
         let lags = self.following.update(seen.setpoint, seen.y, bounds);
         let full = self
             .saturation
@@ -171,20 +173,20 @@ impl Monitors {
         if self.saturation.is_full() {
             self.counters.saturated_samples = self.counters.saturated_samples.saturating_add(1);
         }
-        let reason = if stuck {
-            Some(Reason::SensorStuck)
-        } else if let Some(reason) = disobeys {
+        if found == Found::Nothing && ends == End::Lost {
+            found = self.obedience.at_end(&self.twin, seen.velocity, bounds);
+        }
+        let reason = match found {
+            _ if stuck => Some(Reason::SensorStuck),
             // An axis that stands shows its noise; a code that never changes is the sensor.
-            let silent = reason == Reason::Blocked && self.stuck.run() > bounds.no_motion;
-            Some(if silent { Reason::SensorStuck } else { reason })
-        } else if ends == End::Lost {
-            Some(self.obedience.end_reason(&self.twin, seen.velocity, bounds))
-        } else if lags {
-            Some(Reason::FollowingError)
-        } else if full {
-            Some(Reason::Saturated)
-        } else {
-            None
+            Found::Disobeys(Reason::Blocked) if self.stuck.run() > bounds.no_motion => {
+                Some(Reason::SensorStuck)
+            }
+            Found::Disobeys(reason) => Some(reason),
+            Found::Against => return Some(Alarm::Close),
+            Found::Nothing if lags => Some(Reason::FollowingError),
+            Found::Nothing if full => Some(Reason::Saturated),
+            Found::Nothing => None,
         };
         match reason {
             Some(reason) => Some(Alarm::Stop(reason)),

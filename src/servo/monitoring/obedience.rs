@@ -1,110 +1,87 @@
 //! Whether the axis does what it is commanded.
 
 use crate::servo::monitoring::bounds::Bounds;
+use crate::servo::monitoring::closing::Closing;
+use crate::servo::monitoring::mirror::Mirror;
+use crate::servo::monitoring::shortfall::{Short, Shortfall};
 use crate::servo::monitoring::twin::Twin;
 use crate::servo::supervision::state::Reason;
 
-/// The measured displacement of the last few 1/w against the one that the commands let expect.
+/// The measured motion against the one that the commands let expect.
 ///
-/// | expected | measured | reason |
+/// | measured | monitor | reason |
 /// |---|---|---|
-/// | beyond 1.75 times the slack, what friction may hold | less than a fifth of what is beyond the slack, and slow | `Blocked` |
-/// | beyond half the slack | the other way, both now and in the window, three times the slack apart | `WrongSign` or `ValveStuck` |
-/// | any | beyond three times the expected and twice the slack | `ValveStuck` |
+/// | none | [`Shortfall`] | `Blocked` |
+/// | the other way | [`Shortfall`], then [`Mirror`] and [`Closing`] | `WrongSign` or `ValveStuck` |
+/// | beyond three times the expected and twice the slack, for 1/(2 w) | displacements of the last 4/w | `ValveStuck` |
 ///
 /// The slack is the displacement that a dead zone and an offset as wrong as a commissioning may leave them, friction,
-/// noise and resolution make. A valve with a fifth to three times its gain obeys. Each must last: a period of noise or a
-/// breakaway does not.
-///
-/// Against the command: with the wrong sign the axis moves the more, the more is commanded; a spool that is stuck moves it
-/// by itself, and what is commanded makes no difference. The regression of the measured on the expected velocity
-/// over the last 1.3/w tells them apart.
-/// Cost: about 50 instructions.
+/// noise and resolution make.
+/// Cost: about 100 instructions.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Obedience {
-    still: u32,
-    opposite: u32,
+    shortfall: Shortfall,
+    mirror: Mirror,
+    closing: Closing,
     runaway: u32,
-    /// Leaky means of expected and measured velocity, and of their products.
-    mean: [f32; 2],
-    square: [f32; 2],
-    product: f32,
 }
 
-/// Share of the expected displacement below which there is no motion.
-const STILL_SHARE: f32 = 0.2;
+/// What an axis is found to do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Found {
+    /// What it is commanded, as far as is known.
+    Nothing,
+    /// It moves against its commands: the valve must close, which also shows why.
+    Against,
+    /// It does not obey, for this reason.
+    Disobeys(Reason),
+}
+
 /// Expected displacements above which the valve is open by itself.
 const RUNAWAY_RATIO: f32 = 3.0;
-/// Slope of the regression below which the sign is wrong: some half of the gain, the other way.
-const WRONG_SIGN_SLOPE: f32 = -0.4;
-/// Share of the variance of the measured velocity that it must then explain.
-const WRONG_SIGN_R_SQUARED: f32 = 0.6;
-/// Rate of the regression over that of the displacements: what was before the fault is soon forgotten.
-const REGRESSION_RATE: f32 = 3.0;
-
-const fn count(samples: &mut u32, holds: bool) -> u32 {
-    *samples = if holds { samples.saturating_add(1) } else { 0 };
-    *samples
-}
 
 impl Obedience {
-    /// One sample; the reason when the axis does not obey.
+    /// One sample.
     #[inline]
-    pub(crate) fn update(&mut self, twin: &Twin, velocity: f32, bounds: &Bounds) -> Option<Reason> {
-        self.regress(twin.velocity(), velocity, REGRESSION_RATE * bounds.share);
-        let (expected, measured) = (twin.expected(), twin.measured());
-        let (e, m, slack) = (expected.abs(), measured.abs(), twin.slack(bounds));
-        let slow = velocity.abs() < bounds.drift;
-        let still = e > 1.75 * slack && slow && m < STILL_SHARE * (e - slack);
-        let apart = expected * measured < 0.0 && twin.velocity() * velocity < 0.0;
-        let opposite = apart && e > 0.5 * slack && m > 0.5 * slack && e + m > 3.0 * slack;
-        let runaway = m > 2.0 * slack + RUNAWAY_RATIO * e;
-        if count(&mut self.still, still) > bounds.no_motion {
-            return Some(Reason::Blocked);
+    pub(crate) fn update(&mut self, twin: &Twin, velocity: f32, bounds: &Bounds) -> Found {
+        if self.closing.is_active() {
+            return match self.closing.update(velocity) {
+                Some(reason) => Found::Disobeys(reason),
+                None => Found::Against,
+            };
         }
-        if count(&mut self.opposite, opposite) > bounds.opposite {
-            return Some(self.against_reason());
-        }
-        if count(&mut self.runaway, runaway) > bounds.opposite {
-            return Some(Reason::ValveStuck);
-        }
-        None
-    }
-
-    #[inline]
-    fn regress(&mut self, expected: f32, measured: f32, rate: f32) {
-        let share = if rate < 1.0 { rate } else { 1.0 };
-        self.mean[0] += share * (expected - self.mean[0]);
-        self.mean[1] += share * (measured - self.mean[1]);
-        self.square[0] += share * (expected * expected - self.square[0]);
-        self.square[1] += share * (measured * measured - self.square[1]);
-        self.product += share * (expected * measured - self.product);
-    }
-
-    /// The reason for which an axis that runs to its end does so, when it is not its speed: it moves against the command.
-    pub(crate) fn end_reason(&self, twin: &Twin, velocity: f32, bounds: &Bounds) -> Reason {
-        let against = twin.velocity() * velocity < 0.0 && twin.velocity().abs() > bounds.end_speed;
-        if against {
-            self.against_reason()
+        self.mirror.update(twin.velocity(), velocity, bounds);
+        let short = self.shortfall.update(twin.velocity(), velocity, bounds);
+        let (e, m) = (twin.expected().abs(), twin.measured().abs());
+        let runs_away = m > 2.0 * twin.slack(bounds) + RUNAWAY_RATIO * e;
+        self.runaway = if runs_away {
+            self.runaway.saturating_add(1)
         } else {
-            Reason::TravelEnd
+            0
+        };
+        match short {
+            Some(Short::Standing) => Found::Disobeys(Reason::Blocked),
+            Some(Short::Against) => self.against(velocity, bounds),
+            None if self.runaway > bounds.opposite => Found::Disobeys(Reason::ValveStuck),
+            None => Found::Nothing,
         }
     }
 
-    fn against_reason(&self) -> Reason {
-        if self.follows_the_other_way() {
-            Reason::WrongSign
+    /// What an axis does that runs to its end: when it is not its speed, it moves against its commands.
+    pub(crate) fn at_end(&mut self, twin: &Twin, velocity: f32, bounds: &Bounds) -> Found {
+        if Shortfall::is_against(twin.velocity(), velocity, bounds) {
+            self.against(velocity, bounds)
         } else {
-            Reason::ValveStuck
+            Found::Disobeys(Reason::TravelEnd)
         }
     }
 
-    /// Whether the measured velocity is explained by the expected one with the other sign.
-    fn follows_the_other_way(&self) -> bool {
-        let [e, m] = self.mean;
-        let (expected, measured) = (self.square[0] - e * e, self.square[1] - m * m);
-        let product = self.product - e * m;
-        product < WRONG_SIGN_SLOPE * expected
-            && product * product > WRONG_SIGN_R_SQUARED * expected * measured
+    /// Only a motion that is mirrored can come from a wrong sign: it then ends when the valve closes.
+    fn against(&mut self, velocity: f32, bounds: &Bounds) -> Found {
+        if !self.mirror.is_mirrored() {
+            return Found::Disobeys(Reason::ValveStuck);
+        }
+        self.closing.begin(velocity, bounds);
+        Found::Against
     }
 }

@@ -36,6 +36,18 @@ pub(crate) struct Twin {
     late: f32,
 }
 
+/// Least `a2 / w` of the expectation.
+const DAMPING: f32 = 0.3;
+
+/// The model with a damping of at least 0.15: the phase of an oscillation that lasts longer is not known.
+const fn damped(model: Model, frequency: f32) -> Model {
+    let least = DAMPING * frequency;
+    Model {
+        a2: if model.a2 > least { model.a2 } else { least },
+        ..model
+    }
+}
+
 impl Twin {
     pub(crate) fn new(design: &MonitoringDesign, observer: &ObserverDesign, model: Model) -> Self {
         Self {
@@ -53,9 +65,9 @@ impl Twin {
         }
     }
 
-    /// Goes on with another model.
-    pub(crate) fn tune(&mut self, model: Model) {
-        self.observer.tune(model);
+    /// Goes on with another model of this natural frequency.
+    pub(crate) fn tune(&mut self, model: Model, frequency: f32) {
+        self.observer.tune(damped(model, frequency));
     }
 
     /// Begins at a position with a motion and the command in force.

@@ -95,6 +95,7 @@ fields! { of config, axis, design:
     errors: 0,
     start_requested: false,
     ends: false,
+    closes: false,
 }
 
 /// What the commissioning needs to know of the settings.
