@@ -54,7 +54,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             return;
         }
         if self.supervisor.state().is_controlling() {
-            self.stop.begin(reason, self.monitors.stop_samples());
+            self.stop.begin(reason, self.monitors.bounds());
         }
         self.monitors.stopped();
         self.supervisor.fail(reason);
@@ -96,6 +96,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
 
     /// The command outside of commissioning and control: a brake for a while after a fault, then the middle of the valve.
     pub(crate) fn stopping(&mut self, y: f32) -> f32 {
+        self.stop.look(self.tracking.motion().velocity);
         if self.stop.brakes() {
             self.sign * self.controller.brake(y)
         } else {
@@ -103,10 +104,18 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
     }
 
-    /// The command at which a valve of the verified model is closed. Of a valve with the wrong sign or stuck nothing is known.
+    /// The command at which a valve of the verified model is closed. Of a valve that is stuck nothing is known, of one with the wrong sign
+    /// what the [`Stop`](crate::servo::monitoring::stop::Stop) finds.
     pub(crate) fn centre(&self) -> f32 {
         match (self.supervisor.state(), self.supervisor.verified_model()) {
-            (State::Failed(Reason::WrongSign | Reason::ValveStuck), _) => 0.0,
+            (State::Failed(Reason::ValveStuck), _) => 0.0,
+            // Within the dead zone, zero is closed whatever the sign.
+            (State::Failed(Reason::WrongSign), Some(model))
+                if model.offset.abs() > model.dead_zone =>
+            {
+                self.sign * self.stop.creeps() * model.offset.abs()
+            }
+            (State::Failed(Reason::WrongSign), _) => 0.0,
             (State::Failed(_), Some(model)) => -self.sign * model.offset,
             _ => 0.0,
         }

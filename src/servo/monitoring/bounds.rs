@@ -5,7 +5,7 @@ use crate::servo::design::MonitoringDesign;
 use crate::servo::design::constants::{
     BRAKE_RATIO, CLOSING_TIME_RATIO, EXPECTATION_TIME_RATIO, FLOW_SLACK, FOLLOWING_TIME_RATIO,
     FORCE_TIME_RATIO, HELD_DEFLECTIONS, LAG_TIME_RATIO, NO_MOTION_TIME_RATIO, OPPOSITE_TIME_RATIO,
-    PUSH_TIME_RATIO, SATURATED_CROSSINGS, STOP_TIME_RATIO,
+    PUSH_TIME_RATIO, SATURATED_CROSSINGS, STOP_TIME_RATIO, SWING_TIME_RATIO,
 };
 use crate::servo::model::Model;
 
@@ -19,12 +19,16 @@ pub(crate) struct Bounds {
     pub(crate) sample_time: f32,
     /// Samples by which commands may take effect sooner or later than the model says.
     pub(crate) late_rate: f32,
-    /// Displacement by which a sound axis falls short, and time in s that its speed adds where it rings.
+    /// Displacement by which a sound axis falls short, and times in s by which the speed of a motion that it may swing after and that of a swing
+    /// that is seen add to it.
     pub(crate) short: f32,
     pub(crate) ring: f32,
+    pub(crate) swing: f32,
     /// Shares of a new sample in the means of the last 1/(4 w), and in those that look for a mirrored motion.
     pub(crate) recent: f32,
     pub(crate) mirror: [f32; 2],
+    /// The same in the mean velocity of an axis that creeps.
+    pub(crate) creep: f32,
     /// Samples in which an axis behind a closed valve has lost its speed.
     pub(crate) closing: u32,
     /// Share of a new sample in the expected and the measured displacement.
@@ -60,6 +64,9 @@ const RECENT_RATE: f32 = 16.0;
 /// The same of the means that look for a mirrored motion.
 const MIRROR_RATES: [f32; 2] = [3.0, 12.0];
 
+/// The same of the mean velocity of an axis that creeps: of a swing little is left.
+const CREEP_RATE: f32 = 1.0;
+
 const fn least_of_one(share: f32) -> f32 {
     if share < 1.0 { share } else { 1.0 }
 }
@@ -86,7 +93,9 @@ impl Bounds {
             late_rate: 0.5 * design.delay / design.sample_time + 1.0,
             short: 2.0 * (deflection + design.grain + flow / w),
             ring: if ring > 0.0 { ring } else { 0.0 },
+            swing: SWING_TIME_RATIO / w,
             recent: least_of_one(RECENT_RATE * share),
+            creep: least_of_one(CREEP_RATE * share),
             mirror: MIRROR_RATES.map(|rate| least_of_one(rate * share)),
             closing: samples(design.delay + CLOSING_TIME_RATIO / w),
             share: least_of_one(share),

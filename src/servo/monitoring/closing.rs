@@ -6,8 +6,9 @@ use crate::servo::supervision::state::Reason;
 /// The motion of an axis whose valve closes.
 ///
 /// With the wrong sign of valve or sensor the axis obeys its valve, only the other way: behind a closed valve it is a spring, whose
-/// speed is gone after a quarter of its period, `pi / (2 w)`, and comes back with the other sign. A spool that is stuck, or a load that
-/// falls without air, goes on as before. The speed 1.8/w and the delay after the valve was told to close decides.
+/// speed is gone after a quarter of its period, or a little later when its force still grows, and comes back with the other sign. A spool that is stuck, or a load that
+/// falls without air, goes on as before. What stops without having been mirrored has only run out: the valve was closed already, or moves nothing.
+/// The speed decides, half a period, 3/w, and the delay after the valve was told to close.
 ///
 /// Cost: about 8 instructions.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -15,6 +16,8 @@ pub(crate) struct Closing {
     /// Samples that are left, and the speed at the begin.
     left: u32,
     speed: f32,
+    /// Whether the motion was the expected one with the other sign.
+    mirrored: bool,
 }
 
 /// Share of the speed at the begin above which the axis goes on.
@@ -26,8 +29,9 @@ impl Closing {
         self.left > 0
     }
 
-    /// The valve closes while the axis moves so fast.
-    pub(crate) const fn begin(&mut self, velocity: f32, bounds: &Bounds) {
+    /// The valve closes while the axis moves so fast; `mirrored`: as expected, with the other sign.
+    pub(crate) const fn begin(&mut self, velocity: f32, mirrored: bool, bounds: &Bounds) {
+        self.mirrored = mirrored;
         self.left = bounds.closing;
         self.speed = velocity;
     }
@@ -46,8 +50,10 @@ impl Closing {
         };
         Some(if along > GOES_ON * self.speed.abs() {
             Reason::ValveStuck
-        } else {
+        } else if self.mirrored {
             Reason::WrongSign
+        } else {
+            Reason::Blocked
         })
     }
 }
@@ -85,7 +91,7 @@ mod tests {
                             ..Motion::default()
                         };
                         let mut closing = Closing::default();
-                        closing.begin(motion.velocity, &bounds);
+                        closing.begin(motion.velocity, true, &bounds);
                         let mut reason = None;
                         while closing.is_active() {
                             model.advance(&mut motion, flow, 0.001);

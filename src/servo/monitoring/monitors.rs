@@ -158,7 +158,6 @@ impl Monitors {
         let stuck = self
             .stuck
             .update(seen.same_code, self.twin.velocity(), bounds);
-        let mut found = self.obedience.update(&self.twin, seen.velocity, bounds);
         let lags = self.following.update(seen.setpoint, seen.y, bounds);
         let full = self
             .saturation
@@ -166,6 +165,7 @@ impl Monitors {
         let ends = self
             .travel
             .update(seen.y, seen.velocity, seen.command, seen.setpoint, bounds);
+        let mut found = self.obedience.update(&self.twin, seen.velocity, bounds);
         let oscillates = self.oscillation.update(seen.setpoint, seen.y);
         if self.unrest.update(seen.setpoint, seen.y) {
             self.counters.moves_at_rest = self.counters.moves_at_rest.saturating_add(1);
@@ -209,9 +209,9 @@ impl Monitors {
         self.counters.derating = factor;
     }
 
-    /// Samples of a controlled stop.
-    pub(crate) const fn stop_samples(&self) -> u32 {
-        self.bounds.stop
+    /// What a stop needs to know of the drive.
+    pub(crate) const fn bounds(&self) -> &Bounds {
+        &self.bounds
     }
 
     pub(crate) const fn counters(&self) -> FaultCounters {

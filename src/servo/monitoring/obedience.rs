@@ -12,7 +12,7 @@ use crate::servo::supervision::state::Reason;
 /// | measured | monitor | reason |
 /// |---|---|---|
 /// | none | [`Shortfall`] | `Blocked` |
-/// | the other way | [`Shortfall`], then [`Mirror`] and [`Closing`] | `WrongSign` or `ValveStuck` |
+/// | the other way | [`Shortfall`], then [`Mirror`] and [`Closing`] | `WrongSign`, `ValveStuck` or `Blocked` |
 /// | beyond three times the expected and twice the slack, for 1/(2 w) | displacements of the last 4/w | `ValveStuck` |
 ///
 /// The slack is the displacement that a dead zone and an offset as wrong as a commissioning may leave them, friction,
@@ -76,12 +76,9 @@ impl Obedience {
         }
     }
 
-    /// Only a motion that is mirrored can come from a wrong sign: it then ends when the valve closes.
     fn against(&mut self, velocity: f32, bounds: &Bounds) -> Found {
-        if !self.mirror.is_mirrored() {
-            return Found::Disobeys(Reason::ValveStuck);
-        }
-        self.closing.begin(velocity, bounds);
+        let mirrored = self.mirror.is_mirrored();
+        self.closing.begin(velocity, mirrored, bounds);
         Found::Against
     }
 }

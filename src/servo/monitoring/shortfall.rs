@@ -16,14 +16,16 @@ pub(crate) enum Short {
 /// ```text
 /// D <- max(0, D + Delta (|v_e| - s v - tolerance))       s: sign of the expected velocity v_e; begins again when s changes
 /// tolerance = 0.06 C + 0.3 |v_e| + late |v_e'|
-/// alarm when D > 2 (friction/a1 + 0.06 C / w + grain) + ring v_max,   and v is below a fifth of v_e or the other way
+/// alarm when D > 2 (friction/a1 + 0.06 C / w + grain) + swing,   and v is below a fifth of v_e or the other way
 /// ```
 ///
 /// Tolerance: dead zone and offset of the flow together; a velocity gain that loads, direction and place change; and a delay that is wrong by
 /// `late`, half of it: the drive is the same at all times, so that its motion comes as much sooner or later as its commands do, however
 /// many there are. D is what is left: a sound axis stays behind by the deflection with which friction
-/// holds it, and by a ringing. After a motion with `v_max` a drive with little damping swings by `v_max / w`, in a phase that
-/// nobody knows after some periods: `ring` is `(1 - 2 xi) / w`.
+/// holds it, and by a swing. A drive with little damping swings by `v / w` after a motion with v, in a phase that nobody knows: `(1 - 2 xi) v / w` for
+/// the fastest recent motion that was as expected. A loop that swings, near an end, where the drive is stiffer, faster than its model, has any phase to its
+/// expectation, and in half a wave D grows to some `2 v / w`: 2.5 v / w for the smaller one of the largest recent speeds in both directions. A
+/// motion that runs away has only one direction.
 ///
 /// D begins with the fault, whatever the axis did before, so that the full motion of a sensor that fails at speed counts at once; a wrong sign counts
 /// twice.
@@ -41,7 +43,9 @@ pub(crate) struct Shortfall {
     /// The latest expected velocity, and the latest that was not zero.
     last: f32,
     way: f32,
-    /// Largest recent speed.
+    /// Largest recent velocities, upward and downward: the expected ones and the measured ones.
+    peaks: [[f32; 2]; 2],
+    /// Largest recent speed of a motion as expected, with a memory four times as long.
     fastest: f32,
     /// Samples for which the axis has been short and stood.
     standing: u32,
@@ -69,9 +73,7 @@ impl Shortfall {
         let speed = expected.abs();
         let change = (expected - self.last).abs();
         self.last = expected;
-        // The memory of a speed is as long as the window of the expectation.
-        let fastest = (1.0 - 0.25 * bounds.share) * self.fastest;
-        self.fastest = larger(larger(fastest, speed), measured.abs());
+        let swing = self.swing(expected, measured, bounds);
         let turned = expected * self.way < 0.0;
         if expected != 0.0 {
             self.way = expected;
@@ -95,7 +97,7 @@ impl Shortfall {
         self.expected += step * speed;
         self.measured += step * along;
         let lacks = self.measured < STANDING_SHARE * self.expected;
-        let alarm = lacks && short > bounds.short + bounds.ring * self.fastest;
+        let alarm = lacks && short > bounds.short + swing;
         let little = STANDING_SHARE * self.speed;
         let stands = alarm && self.along.abs() <= little;
         self.standing = if stands {
@@ -110,6 +112,25 @@ impl Shortfall {
         } else {
             None
         }
+    }
+
+    /// The displacement of a swing: of the one that follows the fastest recent motion, or of the one that is seen, whichever is larger.
+    #[inline]
+    fn swing(&mut self, expected: f32, measured: f32, bounds: &Bounds) -> f32 {
+        let kept = 1.0 - bounds.share;
+        let mut swing = 0.0;
+        for ([up, down], velocity) in self.peaks.iter_mut().zip([expected, measured]) {
+            *up = larger(kept * *up, velocity);
+            *down = larger(kept * *down, -velocity);
+            swing = larger(swing, if up < down { *up } else { *down });
+        }
+        let kept = 1.0 - 0.25 * bounds.share;
+        self.fastest *= kept;
+        if !(self.short > 0.0) {
+            // A motion that runs away is no excuse for itself.
+            self.fastest = larger(self.fastest, larger(expected.abs(), measured.abs()));
+        }
+        larger(bounds.swing * swing, bounds.ring * self.fastest)
     }
 
     /// Whether the axis moves against what its commands let expect.

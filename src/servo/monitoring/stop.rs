@@ -1,27 +1,48 @@
 //! How a fault stops the axis.
 
+use crate::math::sign;
+use crate::servo::monitoring::bounds::Bounds;
 use crate::servo::supervision::state::Reason;
 
 /// What the valve does after a fault.
 ///
 /// While the position is known the controller brakes on its observer to velocity zero, for a bounded time. Otherwise, and
 /// afterwards, the valve is in the middle of its dead zone: a drive whose velocity follows its valve comes to rest by
-/// itself, within `2 xi v / w + a / w^2`. When the sign is wrong, the offset of the model means nothing and the valve is
-/// at zero.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// itself, within `2 xi v / w + a / w^2`.
+///
+/// With a wrong sign nobody knows on which side of zero the middle is: with the offset o of the model it is at -o when
+/// the sensor counts the other way, and at o when the valve opens the other way. The valve goes to zero; where the offset exceeds the dead
+/// zone, the axis then creeps, the measured way along o when it is the valve and against it when it is the sensor. In both cases
+/// the middle is |o| the way of the creep. A swing that is taken for a creep corrects itself: with the valve at |o| the wrong way the axis creeps the
+/// other way.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Stop {
     /// Samples of braking that are left.
     braking: u32,
+    /// Samples until the axis has stopped; the mean velocity, the share of a sample in it, and the least that counts.
+    stopping: u32,
+    velocity: f32,
+    /// The way of the latest creep, 0 until there is one.
+    creep: f32,
+    share: f32,
+    least: f32,
 }
 
 impl Stop {
-    /// Begins for a reason; `longest`: samples of a controlled stop.
-    pub(crate) const fn begin(&mut self, reason: Reason, longest: u32) {
+    /// Begins for a reason.
+    pub(crate) fn begin(&mut self, reason: Reason, bounds: &Bounds) {
         let known = matches!(
             reason,
             Reason::TravelEnd | Reason::FollowingError | Reason::Saturated
         );
-        self.braking = if known { longest } else { 0 };
+        *self = Self::default();
+        if known {
+            self.braking = bounds.stop;
+        } else if reason == Reason::WrongSign {
+            self.stopping = bounds.closing;
+            self.share = bounds.creep;
+            self.least = bounds.end_speed;
+        }
     }
 
     /// Counts a sample; whether the controller brakes in it.
@@ -31,8 +52,73 @@ impl Stop {
         brakes
     }
 
+    /// Looks at a velocity of the stopped axis.
+    pub(crate) fn look(&mut self, velocity: f32) {
+        self.velocity += self.share * (velocity - self.velocity);
+        self.stopping = self.stopping.saturating_sub(1);
+        if self.stopping == 0 && self.velocity.abs() > self.least {
+            self.creep = sign(self.velocity);
+        }
+    }
+
+    /// The way in which the axis creeps behind a valve at zero: 1, -1, or 0 when it does not.
+    pub(crate) const fn creeps(&self) -> f32 {
+        self.creep
+    }
+
     /// Ends a controlled stop: the position is no longer known, or the axis stands.
     pub(crate) const fn end(&mut self) {
         self.braking = 0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::servo::Config;
+    use crate::servo::model::Model;
+    use crate::servo::motion::{Motion, Travel};
+
+    /// With an offset beyond the dead zone, whichever of valve and sensor is the wrong way round, the axis comes to rest.
+    #[test]
+    fn the_middle_of_the_valve_is_found_behind_a_wrong_sign() {
+        let config = Config::new(
+            0.001,
+            20.0,
+            Travel {
+                min: 0.0,
+                max: 400.0,
+            },
+        );
+        let Ok(design) = config.resolve() else {
+            panic!("a setting is refused");
+        };
+        for (valve, sensor) in [(-1.0, 1.0), (1.0, -1.0)] {
+            for offset in [-0.08_f32, 0.08] {
+                let model = Model {
+                    dead_zone: 0.02,
+                    offset,
+                    ..Model::linear(400.0, 16.0, 4e5)
+                };
+                let bounds = Bounds::new(&design.monitoring, &model);
+                let mut stop = Stop::default();
+                stop.begin(Reason::WrongSign, &bounds);
+                // Still swinging.
+                let mut motion = Motion {
+                    velocity: 100.0,
+                    ..Motion::default()
+                };
+                for _ in 0..1500 {
+                    let command = offset.abs() * stop.creeps();
+                    model.advance(&mut motion, model.valve_flow(valve * command), 0.001);
+                    stop.look(sensor * motion.velocity);
+                }
+                assert!(
+                    motion.velocity.abs() < 1.0,
+                    "{valve} {sensor} {offset}: {} mm/s",
+                    motion.velocity
+                );
+            }
+        }
     }
 }

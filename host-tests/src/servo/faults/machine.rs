@@ -220,14 +220,11 @@ impl Machine {
         }
         let mut bench = self.bench.clone();
         bench.blow_mm_s = 0.0;
+        // What the spool is told, whatever comes between it and the loop.
         let [_, offset] = bench.axis().valve_null();
-        let command = match self.fault {
-            Some(Fault::ReversedValve) => offset,
-            _ => -offset,
-        };
         let end = bench.time() + 2.0;
         while bench.time() < end {
-            bench.hold(command);
+            bench.hold(-offset);
         }
         bench.blow_mm_s
     }
