@@ -155,9 +155,6 @@ impl Monitors {
     pub(crate) fn update(&mut self, seen: &Seen) -> Option<Alarm> {
         let bounds = &self.bounds;
         self.twin.update(seen.y, seen.command, bounds);
-        let stuck = self
-            .stuck
-            .update(seen.same_code, self.twin.velocity(), bounds);
         let lags = self.following.update(seen.setpoint, seen.y, bounds);
         let full = self
             .saturation
@@ -166,6 +163,9 @@ impl Monitors {
             .travel
             .update(seen.y, seen.velocity, seen.command, seen.setpoint, bounds);
         let mut found = self.obedience.update(&self.twin, seen.velocity, bounds);
+        let swing = self.obedience.swing();
+        let velocity = self.twin.velocity();
+        let stuck = self.stuck.update(seen.same_code, velocity, swing, bounds);
         let oscillates = self.oscillation.update(seen.setpoint, seen.y);
         if self.unrest.update(seen.setpoint, seen.y) {
             self.counters.moves_at_rest = self.counters.moves_at_rest.saturating_add(1);

@@ -67,6 +67,11 @@ impl Obedience {
         }
     }
 
+    /// Displacement by which a swing may set the axis and its expectation apart.
+    pub(crate) const fn swing(&self) -> f32 {
+        self.shortfall.swing()
+    }
+
     /// What an axis does that runs to its end: when it is not its speed, it moves against its commands.
     pub(crate) fn at_end(&mut self, twin: &Twin, velocity: f32, bounds: &Bounds) -> Found {
         if Shortfall::is_against(twin.velocity(), velocity, bounds) {

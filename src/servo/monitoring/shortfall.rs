@@ -47,6 +47,8 @@ pub(crate) struct Shortfall {
     peaks: [[f32; 2]; 2],
     /// Largest recent speed of a motion as expected, with a memory four times as long.
     fastest: f32,
+    /// Displacement of a swing.
+    swing: f32,
     /// Samples for which the axis has been short and stood.
     standing: u32,
 }
@@ -73,7 +75,7 @@ impl Shortfall {
         let speed = expected.abs();
         let change = (expected - self.last).abs();
         self.last = expected;
-        let swing = self.swing(expected, measured, bounds);
+        self.swing = self.swing_of(expected, measured, bounds);
         let turned = expected * self.way < 0.0;
         if expected != 0.0 {
             self.way = expected;
@@ -97,7 +99,7 @@ impl Shortfall {
         self.expected += step * speed;
         self.measured += step * along;
         let lacks = self.measured < STANDING_SHARE * self.expected;
-        let alarm = lacks && short > bounds.short + swing;
+        let alarm = lacks && short > bounds.short + self.swing;
         let little = STANDING_SHARE * self.speed;
         let stands = alarm && self.along.abs() <= little;
         self.standing = if stands {
@@ -116,7 +118,7 @@ impl Shortfall {
 
     /// The displacement of a swing: of the one that follows the fastest recent motion, or of the one that is seen, whichever is larger.
     #[inline]
-    fn swing(&mut self, expected: f32, measured: f32, bounds: &Bounds) -> f32 {
+    fn swing_of(&mut self, expected: f32, measured: f32, bounds: &Bounds) -> f32 {
         let kept = 1.0 - bounds.share;
         let mut swing = 0.0;
         for ([up, down], velocity) in self.peaks.iter_mut().zip([expected, measured]) {
@@ -131,6 +133,11 @@ impl Shortfall {
             self.fastest = larger(self.fastest, larger(expected.abs(), measured.abs()));
         }
         larger(bounds.swing * swing, bounds.ring * self.fastest)
+    }
+
+    /// The displacement of a swing, by which the axis and its expectation may be apart.
+    pub(crate) const fn swing(&self) -> f32 {
+        self.swing
     }
 
     /// Whether the axis moves against what its commands let expect.

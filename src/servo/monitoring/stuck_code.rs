@@ -9,7 +9,7 @@ use crate::servo::monitoring::bounds::Bounds;
 /// in good work tells how few. Beyond eight times that run the code counts as stuck as soon as the model expects motion of
 /// ten codes and sixteen sigma in the run, however slowly. Where the noise is below 0.75 codes, runs at rest may be long;
 /// there the expected motion must exceed what can hold the axis back: friction, a stop that is harder than expected (1/w of
-/// the speed at its begin), and for all of the run a flow as wrong as dead zone and offset may be.
+/// the speed at its begin) or the swing after it, which friction ended, and for all of the run a flow as wrong as dead zone and offset may be.
 /// Cost: about 20 instructions.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct StuckCode {
@@ -59,9 +59,15 @@ impl StuckCode {
         self.motion = 0.0;
     }
 
-    /// One sample with the expected velocity; whether the code is stuck.
+    /// One sample with the expected velocity, and the displacement by which a swing may set it apart; whether the code is stuck.
     #[inline]
-    pub(crate) fn update(&mut self, same: bool, velocity: f32, bounds: &Bounds) -> bool {
+    pub(crate) fn update(
+        &mut self,
+        same: bool,
+        velocity: f32,
+        swing: f32,
+        bounds: &Bounds,
+    ) -> bool {
         if !same {
             self.changes = self.changes.saturating_add(1);
             if self.run > self.longest {
@@ -79,7 +85,8 @@ impl StuckCode {
         let known = self.spans && self.changes > KNOWN_CHANGES;
         let long = known && self.run > self.least_run && self.run > rare;
         let drift = self.sample_time * self.run as f32 * bounds.drift;
-        let held = bounds.held + drift + self.speed * bounds.stopping;
+        let stops = self.speed * bounds.stopping;
+        let held = bounds.held + drift + if swing > stops { swing } else { stops };
         (long && motion > self.many) || motion > self.many + held
     }
 

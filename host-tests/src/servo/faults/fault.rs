@@ -79,6 +79,11 @@ impl Fault {
         matches!(self, Self::Spikes | Self::ShortlyStuck)
     }
 
+    /// Whether the axis moves the other way from then on.
+    pub const fn changes_sign(self) -> bool {
+        matches!(self, Self::SensorSign | Self::ReversedValve)
+    }
+
     /// The reasons that are right. Where position and commands are the same for two faults, both are: a valve that stays
     /// closed, a clamped slide, a position that stays under its noise; a spool stuck within its dead zone is closed.
     ///

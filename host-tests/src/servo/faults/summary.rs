@@ -35,7 +35,7 @@ impl FaultFigures {
         let (mut detected, mut right, mut avoidable) = (0_usize, 0_usize, 0_usize);
         for run in runs {
             figures.runs += 1;
-            detected += usize::from(run.stopped.is_some() || run.fault.is_borne());
+            detected += usize::from(run.stopped.is_some() || run.borne);
             right += usize::from(run.right);
             figures.end_stop_max_mm_s = figures.end_stop_max_mm_s.max(run.blow_mm_s);
             if run.physics_mm_s <= BLOW_MM_S {

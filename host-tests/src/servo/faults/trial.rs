@@ -65,6 +65,9 @@ pub struct FaultRun {
     pub situation: Situation,
     /// Why the loop stopped, and the time from the fault to that \[s\].
     pub stopped: Option<(Reason, f64)>,
+    /// Whether the loop goes on, and may: it bears the fault, or took a sign that changed before it was known for what it is now, that of other
+    /// wiring.
+    pub borne: bool,
     /// Whether the reason is one of the right ones, or the fault was rightly borne.
     pub right: bool,
     /// Hardest blow to an end stop after the fault \[mm/s\].
@@ -166,15 +169,19 @@ pub fn run(axis: &AxisDraw, situation: Situation, fault: Fault) -> Option<FaultR
         }
     }
     let silent = machine.is_silent();
-    let right = match stopped {
-        Some((reason, _)) => fault.reasons(silent).contains(&reason),
-        None => fault.is_borne(),
-    };
+    // The machine is rightly wired until then.
+    let is_found = fault.changes_sign()
+        && situation == Situation::Commissioning
+        && machine.servo.supervisor().state().is_controlling()
+        && machine.servo.sign() < 0.0;
+    let borne = stopped.is_none() && (fault.is_borne() || is_found);
+    let right = stopped.map_or(borne, |(reason, _)| fault.reasons(silent).contains(&reason));
     Some(FaultRun {
         seed: axis.seed,
         fault,
         situation,
         stopped,
+        borne,
         right,
         blow_mm_s: machine.bench.blow_mm_s,
         physics_mm_s,
