@@ -26,6 +26,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             velocity: self.tracking.motion().velocity,
             command,
             same_code,
+            pushes: self.controller.pushes(),
         };
         match self.monitors.update(&seen) {
             None => false,

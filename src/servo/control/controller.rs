@@ -242,6 +242,11 @@ impl Controller {
         self.anchor.holds()
     }
 
+    /// Whether friction holds the axis and the push that shall move it still grows.
+    pub(crate) fn pushes(&self) -> bool {
+        self.estimator.pushes()
+    }
+
     /// Samples since the axis began to stick, or to slide.
     pub(crate) const fn since(&self) -> u32 {
         self.anchor.since()

@@ -90,6 +90,11 @@ impl Estimator {
         self.foresee();
     }
 
+    /// Whether friction holds the axis and the drive may still grow.
+    pub(crate) fn pushes(&self) -> bool {
+        self.held && self.now.drive.abs() < DRIVE_MAX_RATIO * self.model.friction
+    }
+
     /// Coefficients at the present place.
     #[inline]
     fn schedule(&mut self) {

@@ -46,6 +46,7 @@ pub(crate) struct Bounds {
     /// Time in which a loop that works makes good a following error, in s, and the error that friction leaves.
     pub(crate) lag: f32,
     pub(crate) rest_error: f32,
+    /// Tenths of samples of an error that stays.
     pub(crate) following: u32,
     /// Stopping distance per speed and per square of it, and harmless speed at an end.
     pub(crate) reaction: f32,
@@ -107,7 +108,7 @@ impl Bounds {
             opposite: samples(OPPOSITE_TIME_RATIO / w),
             lag: LAG_TIME_RATIO / w,
             rest_error: 2.0 * flow / w + 2.0 * deflection + design.error,
-            following: samples((FOLLOWING_TIME_RATIO + PUSH_TIME_RATIO) / w),
+            following: samples(10.0 * (FOLLOWING_TIME_RATIO + PUSH_TIME_RATIO) / w),
             reaction: design.delay + FORCE_TIME_RATIO / w,
             braking: samples(design.delay + 1.0 / w),
             half_inverse_brake: BRAKE_RATIO / (gain * w),

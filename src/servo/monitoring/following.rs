@@ -7,23 +7,24 @@ use crate::servo::motion::Setpoint;
 ///
 /// A loop of any bandwidth above w / 4 lags behind its reference by less than four time constants 1/w of the drive itself:
 /// more than `lag` times the largest recent speed is no lag. An error that shrinks is being worked off. What stays
-/// for 10/w, more than a period of the drive, and for the time in which the push of a sticking axis becomes as large as it
-/// may be, stays.
+/// for 10/w, more than a period of the drive, and for the time in which a push becomes as large as it usually must, stays. While friction
+/// holds the axis and the push still grows, the error is being worked off, however slowly; the time then counts a tenth, so that it
+/// ends.
 /// Cost: about 20 instructions.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Following {
     /// Largest recent speed of the reference.
     speed: f32,
-    /// Samples with too large an error that does not shrink.
-    samples: u32,
+    /// Tenths of samples with too large an error that does not shrink.
+    tenths: u32,
     /// Smallest error since it was too large.
     least: f32,
 }
 
 impl Following {
-    /// One sample; whether the axis does not follow.
+    /// One sample; whether the axis does not follow. `pushes`: friction holds it, and the push still grows.
     #[inline]
-    pub(crate) fn update(&mut self, r: &Setpoint, y: f32, bounds: &Bounds) -> bool {
+    pub(crate) fn update(&mut self, r: &Setpoint, y: f32, pushes: bool, bounds: &Bounds) -> bool {
         let speed = r.velocity.abs();
         // The memory of a speed is as long as the window of the expectation.
         self.speed -= 0.25 * bounds.share * self.speed;
@@ -32,19 +33,19 @@ impl Following {
         }
         let error = (r.position - y).abs();
         if error <= bounds.rest_error + bounds.lag * self.speed {
-            self.samples = 0;
+            self.tenths = 0;
             self.least = error;
             return false;
         }
         if error < 0.9 * self.least {
             self.least = error;
-            self.samples = 0;
+            self.tenths = 0;
             return false;
         }
-        if self.samples == 0 && error > self.least {
+        if self.tenths == 0 && error > self.least {
             self.least = error;
         }
-        self.samples = self.samples.saturating_add(1);
-        self.samples > bounds.following
+        self.tenths = self.tenths.saturating_add(if pushes { 1 } else { 10 });
+        self.tenths > bounds.following
     }
 }

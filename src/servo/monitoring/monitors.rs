@@ -31,6 +31,8 @@ pub(crate) struct Seen<'a> {
     /// The command in force from now on.
     pub(crate) command: f32,
     pub(crate) same_code: bool,
+    /// Whether friction holds the axis and the push that shall move it still grows.
+    pub(crate) pushes: bool,
 }
 
 /// What the monitors want of the loop.
@@ -155,7 +157,9 @@ impl Monitors {
     pub(crate) fn update(&mut self, seen: &Seen) -> Option<Alarm> {
         let bounds = &self.bounds;
         self.twin.update(seen.y, seen.command, bounds);
-        let lags = self.following.update(seen.setpoint, seen.y, bounds);
+        let lags = self
+            .following
+            .update(seen.setpoint, seen.y, seen.pushes, bounds);
         let full = self
             .saturation
             .update(seen.command, self.design.full, bounds);
