@@ -45,7 +45,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.estimator.resume(theta, one_sample, &limit);
         self.signals.gate.keep_open(plan.times.gate_open);
         self.changes = self.changes.saturating_add(1);
-        witness.widened();
+        witness.changed();
         true
     }
 

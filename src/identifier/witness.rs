@@ -16,6 +16,11 @@ pub(crate) trait Witness<const M: usize, const N: usize, const I: usize> {
     /// The covariance of the estimator was changed by something that is no row.
     #[inline(always)]
     fn widened(&mut self) {}
+    /// The drive is another one from now on: rows up to now say nothing of it.
+    #[inline(always)]
+    fn changed(&mut self) {
+        self.widened();
+    }
 }
 
 impl<const M: usize, const N: usize, const I: usize> Witness<M, N, I> for () {

@@ -7,7 +7,7 @@
 //! When all blocks are in use neighbours are added, which leaves eight, and a new block gets twice the rows: whatever the
 //! length of the record, there are 8 to 16 blocks of equal length. With a memory the blocks are scaled by
 //! `lambda^rows` when one closes and grow no longer than an eighth of the memory; the two oldest are then added.
-//! At most one pair of blocks is added with a row.
+//! At most one pair of blocks is added with a row. Where a change of the drive is found the ring begins anew.
 //!
 //! Rows are summed apart before they enter their block: f32 adds at most [`APART`] rows, then at most as many of these
 //! sums, with a rounding of `2^-24 sqrt(rows)` rather than of `2^-24` times as many.
@@ -76,6 +76,18 @@ impl<const N: usize, const R: usize> Block<N, R> {
     };
 }
 
+/// Rows of the longest and of the first blocks, and what rows count behind a first one.
+fn first(forgetting: f32) -> (u32, u32, f32) {
+    // With a memory the last doubling ends at an eighth of it.
+    let longest = match forgetting < 1.0 {
+        true => ((0.125 / (1.0 - forgetting)) as u32).max(FIRST),
+        false => FIRST << 26,
+    };
+    let length = longest >> (longest / FIRST).ilog2();
+    let decay = (0..length).fold(1.0, |decay, _| decay * forgetting);
+    (longest, length, decay)
+}
+
 /// The ring of blocks.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Blocks<const N: usize, const R: usize> {
@@ -108,16 +120,7 @@ impl<const N: usize, const R: usize> Blocks<N, R> {
         for (i, slot) in order.iter_mut().enumerate() {
             *slot = i as u8;
         }
-        // With a memory the last doubling ends at an eighth of it.
-        let longest = match forgetting < 1.0 {
-            true => ((0.125 / (1.0 - forgetting)) as u32).max(FIRST),
-            false => FIRST << 26,
-        };
-        let length = longest >> (longest / FIRST).ilog2();
-        let mut decay = 1.0;
-        for _ in 0..length {
-            decay *= forgetting;
-        }
+        let (longest, length, decay) = first(forgetting);
         Self {
             fresh: Products::ZERO,
             fresh_rows: 0,
@@ -132,6 +135,25 @@ impl<const N: usize, const R: usize> Blocks<N, R> {
             held: 0,
             changes: 0,
         }
+    }
+
+    /// Begins anew, with what [`new`](Self::new) was given; whoever reads the blocks sees it in their changes.
+    ///
+    /// A block without rows is none: only the one that takes the next rows has to be empty.
+    pub(crate) fn begin(&mut self, forgetting: f32) {
+        for block in &mut self.blocks {
+            block.rows = 0.0;
+        }
+        self.used = 1;
+        let newest = self.slot(0);
+        if let Some(block) = self.blocks.get_mut(newest) {
+            *block = Block::EMPTY;
+        }
+        self.fresh = Products::ZERO;
+        (self.fresh_rows, self.taken, self.held) = (0, 0, 0);
+        (self.longest, self.length, self.decay) = first(forgetting);
+        self.pair = BLOCKS / 2;
+        self.changes = self.changes.wrapping_add(1);
     }
 
     /// Takes the products of so many `rows` with the same instruments; `phi` and `psi` are their sums.

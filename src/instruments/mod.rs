@@ -21,7 +21,7 @@
 //! a better b counts for all past samples.
 //!
 //! Everything else, forgetting, held samples, gaps, delay, is the identifier's: only rows that its recursion takes enter the
-//! sums.
+//! sums, and where it finds a change of the drive ([`Config::follow_changes`]) they begin anew.
 
 mod auxiliary;
 mod blocks;

@@ -111,6 +111,12 @@ impl<const M: usize, const N: usize, const I: usize, const R: usize> Witness<M, 
         group.psi += psi;
         group.rows += 1;
     }
+
+    #[inline(never)]
+    fn changed(&mut self) {
+        self.group.rows = 0;
+        self.blocks.begin(self.forgetting);
+    }
 }
 
 impl<const M: usize, const N: usize, const I: usize, const R: usize> Instruments<M, N, I, R> {

@@ -157,6 +157,54 @@ fn a_memory_follows_a_change() {
     }
 }
 
+/// Largest relative error of a1, a2, b0 a second behind a change, by instruments and by least squares.
+fn behind_a_change(seed: u64) -> [f32; 2] {
+    let mut servo = servo(|config| (config.memory, config.follow_changes) = (Some(2.0), true));
+    let dt = 1e-3;
+    let mut rng = Random::seed_from_u64(seed);
+    let mut light = LinearPlant::new(&[0.0, 400.0, 20.0], &[1e6], dt).unwrap();
+    let mut heavy = LinearPlant::new(&[0.0, 225.0, 15.0], &[562_500.0], dt).unwrap();
+    for (k, u) in Excitation::ABSOLUTE
+        .sequence(7000, dt, seed)
+        .iter()
+        .enumerate()
+    {
+        if k == 6000 {
+            let kept: Vec<f64> = (0..3).map(|i| light.derivative(i)).collect();
+            heavy.place(&kept);
+        }
+        let plant = if k < 6000 { &mut light } else { &mut heavy };
+        let y = plant.output() + 0.005 * rng.random_range(-1.0..1.0);
+        plant.step(&[*u]);
+        let _ = servo.update(*u as f32, y as f32);
+    }
+    assert_eq!(servo.identifier().changes(), 1, "seed {seed}");
+    let found = servo.estimate();
+    assert_eq!(found.way, Way::Instruments, "seed {seed}");
+    [found.estimate, servo.identifier().estimate()].map(|estimate| {
+        let pairs = estimate.theta().into_iter().zip([225.0, 15.0, 562_500.0]);
+        pairs.fold(0.0_f32, |worst, (value, truth)| {
+            worst.max((value / truth - 1.0).abs())
+        })
+    })
+}
+
+#[test]
+fn a_change_that_is_found_begins_the_sums_anew() {
+    let (mut worst, mut worst_recursion) = (0.0_f32, 0.0_f32);
+    for seed in 200_020..200_040 {
+        let [instruments, recursion] = behind_a_change(seed);
+        worst = worst.max(instruments);
+        worst_recursion = worst_recursion.max(recursion);
+    }
+    println!(
+        "a second behind a change: instruments {:.2} %, least squares {:.2} % at worst",
+        100.0 * worst,
+        100.0 * worst_recursion
+    );
+    assert!(worst < 0.05, "{worst}");
+}
+
 #[test]
 fn weak_instruments_and_few_blocks_are_said() {
     let mut servo = servo(|_| {});
