@@ -1,7 +1,7 @@
 //! Planning of a jerk-limited move, spread over samples.
 
 use crate::math::sqrt;
-use crate::servo::motion::{Motion, MotionLimits, Setpoint};
+use crate::servo::motion::{Motion, MotionLimits, Setpoint, Travel};
 
 /// A piece of constant jerk.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -22,6 +22,25 @@ impl Segment {
             velocity: v + time * (a + half * j),
             acceleration: a + time * j,
         }
+    }
+}
+
+impl Segment {
+    /// The places within the piece at which the motion reverses, its begin where there is none.
+    fn reversals(&self, start: &Motion) -> [f32; 2] {
+        let (v, a, j) = (start.velocity, start.acceleration, self.jerk);
+        let root = a * a - 2.0 * j * v;
+        // Both solutions of v + a t + j t^2 / 2 = 0 without cancellation; without any, the begin.
+        let q = if root < 0.0 {
+            0.0
+        } else {
+            -a - sqrt(root).copysign(a)
+        };
+        [[q, j], [2.0 * v, q]].map(|[over, under]| {
+            let time = if under == 0.0 { 0.0 } else { over / under };
+            let within = time > 0.0 && time < self.duration;
+            self.at(start, if within { time } else { 0.0 }).position
+        })
     }
 }
 
@@ -57,6 +76,26 @@ impl Move {
         let target = start.position + end(&from_zero(&start), &[a, b, c]).position;
         let none = Segment::default();
         Self::new([a, b, c, none, none, none, none], start, target)
+    }
+
+    /// Whether no point of the move is outside of the travel.
+    ///
+    /// Only on the way to the cruising velocity, the first three pieces, does the motion reverse at a place of its own; after it
+    /// the motion keeps its direction to the target. Cost: some 100 instructions.
+    pub(crate) fn stays_within(&self, travel: &Travel) -> bool {
+        let [a, b, c, ..] = &self.segments;
+        let mut start = self.start;
+        for segment in [a, b, c] {
+            if !segment
+                .reversals(&start)
+                .iter()
+                .all(|y| travel.contains(*y))
+            {
+                return false;
+            }
+            start = segment.at(&start, segment.duration);
+        }
+        travel.contains(self.target)
     }
 
     /// Where the move ends.

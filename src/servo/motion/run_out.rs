@@ -1,6 +1,6 @@
 //! A motion that is taken over runs out.
 
-use crate::servo::motion::{Motion, MotionLimits, Setpoint};
+use crate::servo::motion::{Motion, MotionLimits, Setpoint, Travel};
 
 /// Share of the limits of motion below which a motion that runs out has ended.
 const ENDED: f32 = 1e-4;
@@ -14,10 +14,20 @@ pub(crate) struct RunOut {
 }
 
 impl RunOut {
-    /// Where a motion ends: `x + (2 rate v + a) / rate^2`.
-    pub(crate) fn end(&self, from: &Motion) -> f32 {
-        from.position
-            + (2.0 * self.rate * from.velocity + from.acceleration) / (self.rate * self.rate)
+    /// Whether no point of the motion is outside of the travel.
+    ///
+    /// It ends at `x + (2 rate v + a) / rate^2`. Its velocity is `(v + w t) e^(-rate t)` with `w = a + rate v`: it reverses once, at
+    /// `t = -v / w`, where that is positive, and has gone by at most `v t` until then.
+    pub(crate) fn stays_within(&self, from: &Motion, travel: &Travel) -> bool {
+        let (v, a) = (from.velocity, from.acceleration);
+        let end = from.position + (2.0 * self.rate * v + a) / (self.rate * self.rate);
+        let slower = a + self.rate * v;
+        let turn = if v * slower < 0.0 {
+            from.position - v * v / slower
+        } else {
+            from.position
+        };
+        travel.contains(end) && travel.contains(turn)
     }
 
     /// Whether acceleration and jerk of this motion stay within the limits: both are largest at its begin, but for an

@@ -38,7 +38,7 @@ pub(crate) struct Trajectory {
     sample_time: f32,
     setpoint: Setpoint,
     plan: Plan,
-    /// A move that is being planned, and the target that came meanwhile.
+    /// A move that is being planned, and the target that came meanwhile or waits for rest.
     search: Option<Search>,
     next: Option<f32>,
     /// A sine that begins when the present plan has come to rest.
@@ -81,28 +81,34 @@ impl Trajectory {
     pub(crate) fn run_out(&mut self, from: Motion, rate: f32) {
         self.setpoint = Setpoint::of(&from, 0.0);
         let run_out = RunOut { rate };
-        if self.travel.contains(run_out.end(&from)) && run_out.keeps(&from, &self.limits) {
+        if run_out.stays_within(&from, &self.travel) && run_out.keeps(&from, &self.limits) {
             self.begin(Plan::RunOut(run_out));
-            return;
+        } else {
+            self.begin(Plan::Move(self.brake(from)));
         }
+    }
+
+    /// To rest at the limits, and harder only where the travel ends sooner.
+    fn brake(&self, from: Motion) -> Move {
         let mut limits = self.limits;
         let mut stop = Move::stop(from, &limits);
         for _ in 0..BRAKE_DOUBLINGS {
-            if self.travel.contains(stop.target()) {
+            if stop.stays_within(&self.travel) {
                 break;
             }
             limits.acceleration *= 2.0;
             limits.jerk *= 4.0;
             stop = Move::stop(from, &limits);
         }
-        self.begin(Plan::Move(stop));
+        stop
     }
 
     /// Moves to rest at `target`, limited to the travel, as fast as the limits allow, beginning 17 samples from now.
     ///
     /// NaN and infinity are refused.
     ///
-    /// Targets may come in any sample: while a move is being planned the last of them is the next one.
+    /// Targets may come in any sample: while a move is being planned the last of them is the next one. Where the present motion
+    /// brakes harder than the limits, because the travel ends, the move begins when it has come to rest.
     /// Cost: 16 times [`Trajectory::update`] in motion, to know where the move begins.
     pub(crate) fn move_to(&mut self, target: f32) -> Result<(), Error> {
         Error::unless_within("target", target, f32::MIN, f32::MAX)?;
@@ -111,6 +117,7 @@ impl Trajectory {
         if self.search.is_some() {
             self.next = Some(target);
         } else {
+            self.next = None;
             self.search(target);
         }
         Ok(())
@@ -129,6 +136,11 @@ impl Trajectory {
     /// One sample of planning; a move that is planned begins.
     fn plan(&mut self) {
         let Some(search) = &mut self.search else {
+            if matches!(self.plan, Plan::Rest)
+                && let Some(target) = self.next.take()
+            {
+                self.search(target);
+            }
             return;
         };
         if search.step(&self.limits) {
@@ -136,10 +148,20 @@ impl Trajectory {
         }
         let planned = search.planned(&self.limits);
         let next = self.next;
-        self.begin(Plan::Move(planned));
-        if let Some(next) = next {
-            self.search(next);
+        if planned.stays_within(&self.travel) {
+            self.begin(Plan::Move(planned));
+            if let Some(next) = next {
+                self.search(next);
+            }
+            return;
         }
+        // A motion that was taken over may need a harder brake than the limits: it comes to rest first.
+        let target = next.unwrap_or(planned.target());
+        if matches!(self.plan, Plan::Sine(_)) {
+            self.begin(Plan::Move(self.brake(self.setpoint.motion())));
+        }
+        self.search = None;
+        self.next = Some(target);
     }
 
     /// Oscillates with `frequency` in Hz about the present position, in motion about the place where the reference comes to
@@ -151,7 +173,7 @@ impl Trajectory {
         let fastest = FREQUENCY_STEP_MAX / self.sample_time;
         Error::unless_positive("frequency", frequency)?;
         Error::unless_within("frequency", frequency, 0.0, fastest)?;
-        let stop = Move::stop(self.setpoint.motion(), &self.limits);
+        let stop = self.brake(self.setpoint.motion());
         let centre = if self.setpoint.is_rest() {
             self.setpoint.position
         } else {
@@ -174,7 +196,7 @@ impl Trajectory {
     /// Whether the reference stands still.
     #[cfg(test)]
     pub(crate) fn is_finished(&self) -> bool {
-        matches!(self.plan, Plan::Rest) && self.search.is_none()
+        matches!(self.plan, Plan::Rest) && self.search.is_none() && self.next.is_none()
     }
 
     /// The newest setpoint.

@@ -217,3 +217,53 @@ fn a_motion_that_is_taken_over_comes_to_rest_within_the_travel() {
         }
     }
 }
+
+/// A number from -1 to 1; xorshift (Marsaglia 2003).
+fn draw(state: &mut u32) -> f32 {
+    *state ^= *state << 13;
+    *state ^= *state >> 17;
+    *state ^= *state << 5;
+    *state as f32 / (u32::MAX as f32) * 2.0 - 1.0
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "hundreds of thousands of samples")]
+fn requests_after_any_motion_that_was_taken_over_keep_within_the_travel() {
+    let mut random = 0x2545_F491_u32;
+    for case in 0..2000 {
+        let mut next = || draw(&mut random);
+        let from = Motion {
+            position: 200.0 + 150.0 * next(),
+            velocity: 0.5 * LIMITS.velocity * next(),
+            // A lightly damped axis swings harder than a move may.
+            acceleration: 3.0 * LIMITS.acceleration * next(),
+        };
+        let limits = MotionLimits {
+            jerk: LIMITS.jerk * if case % 2 == 0 { 1.0 } else { 0.05 },
+            ..LIMITS
+        };
+        let mut reference = standing_at(from.position, limits);
+        reference.run_out(from, 10.0 + 15.0 * next().abs());
+        let hardest = 64.0 * 4.0 * LIMITS.acceleration;
+        let mut before = from.velocity;
+        let mut target = None;
+        for sample in 0..4000 {
+            if sample < 400 && next() > 0.97 {
+                let wanted = 200.0 + 200.0 * next();
+                assert_eq!(reference.move_to(wanted), Ok(()));
+                target = Some(wanted);
+            }
+            let now = reference.update();
+            assert!(TRAVEL.contains(now.position), "{case}: {now:?}");
+            let change = (now.velocity - before).abs();
+            assert!(
+                change <= 1e-3 * hardest,
+                "{case}, {sample}: {before} {now:?}"
+            );
+            before = now.velocity;
+        }
+        assert!(reference.is_finished(), "{case}");
+        let end = reference.setpoint();
+        assert_eq!(end, Setpoint::at(target.unwrap_or(end.position)), "{case}");
+    }
+}
