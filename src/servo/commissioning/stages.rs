@@ -5,7 +5,7 @@ use crate::servo::commissioning::relay::{Relay, Relayed};
 use crate::servo::commissioning::silence::{Heard, Silence};
 use crate::servo::commissioning::sweep::Sweep;
 use crate::servo::commissioning::view::View;
-use crate::servo::commissioning::{Commissioning, Progress, Stage, predictor};
+use crate::servo::commissioning::{Commissioning, Progress, Stage, predictor, tracking_rate};
 use crate::servo::supervision::state::Reason;
 
 /// Points of the record per half period of the relay, and the largest spacing in s.
@@ -83,6 +83,7 @@ impl Commissioning {
         let dead_zone = (0.5 * self.still.since).min(0.1);
         self.first_guess = Some([spacing / step, frequency, dead_zone]);
         self.silence.inform(half);
+        self.tracking.retune(tracking_rate(frequency, step));
         let hold = half.min(0.25);
         let sweep = Sweep::new(y, hold, dead_zone, self.design.amplitude, self.attempt);
         self.stage = Stage::Sweeping(sweep);

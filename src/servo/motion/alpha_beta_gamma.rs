@@ -21,16 +21,20 @@ pub(crate) struct AlphaBetaGamma {
 impl AlphaBetaGamma {
     /// A filter with three poles at `-rate` (rad/s).
     pub(crate) fn new(rate: f32, sample_time: f32) -> Self {
-        let x = rate * sample_time;
-        Self {
+        let mut filter = Self {
             motion: Motion::default(),
-            gain: [
-                3.0 * x,
-                3.0 * x * x / sample_time,
-                x * x * x / (sample_time * sample_time),
-            ],
+            gain: [0.0; 3],
             sample_time,
-        }
+        };
+        filter.retune(rate);
+        filter
+    }
+
+    /// Goes on with three poles at `-rate` (rad/s).
+    pub(crate) fn retune(&mut self, rate: f32) {
+        let x = rate * self.sample_time;
+        let per_s = x / self.sample_time;
+        self.gain = [3.0 * x, 3.0 * x * per_s, x * per_s * per_s];
     }
 
     /// Starts again at rest at `position`.
