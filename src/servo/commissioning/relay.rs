@@ -21,8 +21,15 @@ const SIGN_LOOK: f32 = 0.03;
 /// The same for an axis that runs away fast: time in s, and outward speed in travels per s, at least twice the first one.
 const FAST_TIME: f32 = 0.06;
 const FAST_SPEED: f32 = 0.25;
+/// The same for a slow one: time in s, and the speed in travels per s gained over three looks, in each of them.
+///
+/// The command grows, so that the flow under the wrong sign does and the axis gains speed for ever; under the right one the drive
+/// that the first movement left is used up by then: at most the flow of an offset of 0.08 for the time scale of the axis, against
+/// an inward command that grows at 1 per s.
+const LATE_TIME: f32 = 0.2;
+const LATE_SPEED: f32 = 0.02;
 /// Changes of the sign that are one too many.
-const FLIPS_MAX: u32 = 2;
+const FLIPS_MAX: u32 = 3;
 
 /// What the relay has led to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,6 +64,8 @@ pub(crate) struct Relay {
     first: f32,
     before: f32,
     looked: f32,
+    /// What the outward speed gained in the two looks before.
+    gains: [f32; 2],
 }
 
 impl Relay {
@@ -82,6 +91,7 @@ impl Relay {
             first: 0.0,
             before: 0.0,
             looked: 0.0,
+            gains: [0.0; 2],
         }
     }
 
@@ -115,11 +125,19 @@ impl Relay {
             self.looked = 0.0;
             self.before = self.side * v;
             self.first = self.before;
+            self.gains = [0.0; 2];
             self.switches += 1;
+            if self.flips > 0 {
+                // What stopped an axis that had run away is more than what turns it.
+                self.command = COMMAND_MIN.max(0.5 * self.command);
+            }
         }
         if self.looked > SIGN_LOOK {
             let outward = self.side * v;
             let gained = outward - self.before;
+            let steadily = gained > 0.0 && self.gains[0] > 0.0 && self.gains[1] > 0.0;
+            let long = gained + self.gains[0] + self.gains[1];
+            self.gains = [gained, self.gains[0]];
             self.before = outward;
             self.looked = 0.0;
             let out = self.side * (y - self.place) > SIGN_DISTANCE;
@@ -128,7 +146,11 @@ impl Relay {
                 && outward > FAST_SPEED
                 && outward > 2.0 * self.first
                 && self.switches == 1;
-            if (slowly || fast) && gained > SIGN_SPEED {
+            let ever = self.since > LATE_TIME && out && steadily && long > LATE_SPEED;
+            if ((slowly || fast) && gained > SIGN_SPEED) || ever {
+                // What drove it out brakes it.
+                self.command = self.size(amplitude);
+                self.gains = [0.0; 2];
                 self.first = outward;
                 self.sign = -self.sign;
                 self.flips += 1;
@@ -152,12 +174,17 @@ impl Relay {
         if self.time > 2.0 * TIME_MAX {
             return Relayed::Disobeys;
         }
-        let late = self.since - GROWTH_AFTER;
-        let grown = self.command + if late > 0.0 { GROWTH * late } else { 0.0 };
-        let size = if grown < amplitude { grown } else { amplitude };
+        let size = self.size(amplitude);
         Relayed::Command {
             command: -self.turned * self.sign * self.side * size,
             sign: self.sign,
         }
+    }
+
+    /// The size of the command: it grows while the axis stays on one side.
+    fn size(&self, amplitude: f32) -> f32 {
+        let late = self.since - GROWTH_AFTER;
+        let grown = self.command + if late > 0.0 { GROWTH * late } else { 0.0 };
+        if grown < amplitude { grown } else { amplitude }
     }
 }

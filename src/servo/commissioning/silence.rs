@@ -2,6 +2,7 @@
 
 use crate::math::sqrt;
 use crate::servo::commissioning::predictor::Theta;
+use crate::servo::commissioning::probe::RATE;
 
 /// Part of the command at the first movement that is surely not flow: half of it, as for the dead zone of a start.
 const CLOSED: f32 = 0.5;
@@ -43,6 +44,12 @@ pub(crate) enum Heard {
     Nothing,
 }
 
+/// Drive that friction may hold after a command that grew to this size has moved the axis.
+fn first_drives(command: f32) -> f32 {
+    let flow = (1.0 - CLOSED) * command;
+    FIRST_DRIVES * flow * flow / (2.0 * RATE)
+}
+
 /// The drive since the position last left the band of a movement that counts.
 ///
 /// The drive is the integral of the flow `|u| - dead zone` along the sign, in s: at rest the force on the axis follows it. What
@@ -72,9 +79,8 @@ pub(crate) struct Silence {
 }
 
 impl Silence {
-    /// After a `command` that grew at `rate` has moved the axis to `place`, in this direction along its sign.
-    pub(crate) fn new(place: f32, detection: f32, command: f32, rate: f32, upward: bool) -> Self {
-        let flow = (1.0 - CLOSED) * command;
+    /// After a `command` that grew at the rate of the probe has moved the axis to `place`, in this direction along its sign.
+    pub(crate) fn new(place: f32, detection: f32, command: f32, upward: bool) -> Self {
         let margin = if upward {
             [0.0, OTHER_SIDE]
         } else {
@@ -86,7 +92,7 @@ impl Silence {
             command,
             margin,
             lag: LAG_FIRST,
-            first: FIRST_DRIVES * flow * flow / (2.0 * rate),
+            first: first_drives(command),
             ..Self::default()
         }
     }
@@ -139,9 +145,13 @@ impl Silence {
         }
     }
 
-    /// The sign is the other one: what moved the axis first is not known.
-    pub(crate) const fn mistook(&mut self) {
+    /// The sign is the other one: what moved the axis first is not known, at most the present command.
+    pub(crate) fn mistook(&mut self, command: f32) {
         self.margin = [OTHER_SIDE; 2];
+        if command > self.command {
+            self.command = command;
+            self.first = first_drives(command);
+        }
     }
 
     /// Command that moves an axis that stays, upward or downward.

@@ -1,6 +1,6 @@
 //! One sample of each stage, and what leads from one to the next.
 
-use crate::servo::commissioning::probe::{Probe, Probed, RATE};
+use crate::servo::commissioning::probe::{Probe, Probed};
 use crate::servo::commissioning::relay::{Relay, Relayed};
 use crate::servo::commissioning::silence::{Heard, Silence};
 use crate::servo::commissioning::sweep::Sweep;
@@ -36,7 +36,7 @@ impl Commissioning {
                 let v = self.tracking.motion().velocity;
                 let first = relay.update(y, v, self.design.sample_time, self.design.amplitude);
                 self.stage = Stage::Relaying(relay);
-                self.silence = Silence::new(y, detection, command, RATE, side > 0.0);
+                self.silence = Silence::new(y, detection, command, side > 0.0);
                 self.still.since = command;
                 match first {
                     Relayed::Command { command, .. } => Progress::Command(command),
@@ -55,7 +55,7 @@ impl Commissioning {
         match relay.update(y, v, self.design.sample_time, self.design.amplitude) {
             Relayed::Command { command, sign } => {
                 if sign != self.sign {
-                    self.silence.mistook();
+                    self.silence.mistook(command.abs());
                 }
                 self.sign = sign;
                 self.stage = Stage::Relaying(relay);
@@ -138,7 +138,8 @@ impl Commissioning {
             let least = DEAD_ZONE_MIN * self.still.since.min(0.25);
             sweep.inform(half.min(0.35), theta.dead_zone.max(least), theta.offset);
         }
-        let command = sweep.update(y, v, self.design.sample_time);
+        let acceleration = self.tracking.motion().acceleration;
+        let command = sweep.update(y, v, acceleration, self.design.sample_time);
         self.stage = Stage::Sweeping(sweep);
         match self.accepted {
             // The axis moves on until the loop is ready for it.

@@ -1,10 +1,16 @@
 //! Stage 2: random levels of the command for random times, within a band of the travel.
 
+use crate::math::sqrt;
 use crate::servo::commissioning::silence::Heard;
 
 /// Band about its middle, and the range of the middle, in travels.
 const BAND: f32 = 0.15;
 const MIDDLE: [f32; 2] = [0.28, 0.72];
+/// Oscillation, in travels, that has to fade: from the outermost middle of the band it reaches the end of the travel. It fades to this part.
+const SWING: f32 = MIDDLE[0] - BAND;
+const CALM: f32 = 0.5;
+/// Command over the limit that keeps an oscillation from an end.
+const CALMING: f32 = 0.35;
 /// Places beyond which the command leads inwards whatever else.
 const SAFE: [f32; 2] = [0.05, 0.95];
 /// Least, first and largest amplitude of the flow.
@@ -41,6 +47,8 @@ pub(crate) struct Sweep {
     /// Whether the axis has stayed since the present level began, and whether that is being tested.
     stays: bool,
     tests: bool,
+    /// Whether it waits for an oscillation to fade.
+    calms: bool,
 }
 
 impl Sweep {
@@ -69,6 +77,7 @@ impl Sweep {
             pushes: [0.0; 2],
             stays: false,
             tests: false,
+            calms: false,
         }
     }
 
@@ -106,10 +115,15 @@ impl Sweep {
         (self.random >> 8) as f32 * (1.0 / 16_777_216.0)
     }
 
-    /// The next command along the sign of the axis. Cost: about 60 instructions.
-    pub(crate) fn update(&mut self, y: f32, v: f32, step: f32) -> f32 {
+    /// The next command along the sign of the axis at a position, velocity and acceleration. Cost: about 80 instructions.
+    pub(crate) fn update(&mut self, y: f32, v: f32, a: f32, step: f32) -> f32 {
         self.look(y, step);
         self.left -= step;
+        if let Some(inward) = self.swings(y, v, a) {
+            self.level = inward * CALMING * self.limit - self.offset;
+            self.left = 0.0;
+            return self.level;
+        }
         let ahead = y + (0.45 * self.half + 0.012) * v - self.middle;
         let end = y + (0.6 * self.half + 0.015) * v;
         let outward = (end > SAFE[1] && self.level > 0.0) || (end < SAFE[0] && self.level < 0.0);
@@ -133,6 +147,28 @@ impl Sweep {
             self.next(sign, 0.0);
         }
         self.level
+    }
+
+    /// Where the axis swings so far that it has to calm down: the direction in which it is pushed meanwhile.
+    ///
+    /// With the valve closed an axis of natural frequency `w` swings about `y + a / w^2` by at most `sqrt(v^2 + (a / w)^2) / w`.
+    /// Reversals feed the oscillation of a lightly damped axis, at worst by their whole flow each time; none comes while it swings
+    /// further than from the outermost middle of the band to the end of the travel. A flow away from an end never brings the
+    /// oscillation nearer to that end, whatever its phase: it moves the middle by at least as much as it feeds the swing.
+    fn swings(&mut self, y: f32, v: f32, a: f32) -> Option<f32> {
+        let per_frequency = core::f32::consts::FRAC_1_PI * self.half;
+        let middle = y + per_frequency * per_frequency * a;
+        let swing = per_frequency * sqrt(v * v + per_frequency * per_frequency * a * a);
+        self.calms = swing > if self.calms { CALM * SWING } else { SWING };
+        if !self.calms {
+            return None;
+        }
+        let [low, high] = SAFE;
+        Some(match (middle - swing < low, middle + swing > high) {
+            (true, false) => 1.0,
+            (false, true) => -1.0,
+            _ => 0.0,
+        })
     }
 
     /// A level that moves an axis that stays.
