@@ -3,7 +3,7 @@
 use crate::math::sin;
 use crate::servo::motion::{MotionLimits, Setpoint};
 
-/// `centre + amplitude blend(t) sin(omega t)`; the blend rises from 0 to 1 over one period.
+/// `centre + amplitude blend(t) sin(omega t)`; the blend rises from 0 to 1 over one period, over more where the limits ask for it.
 ///
 /// The phase is a phasor that is turned by one sample at a time: + - x only.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,37 +16,54 @@ pub(crate) struct Sine {
     turn: [f32; 2],
     /// cos and sin of the phase.
     phase: [f32; 2],
-    /// Elapsed share of the first period, and the share of a sample.
+    /// Elapsed share of the growth, and the share of a sample.
     share: f32,
     growth: f32,
 }
 
-/// Largest acceleration and jerk over `A omega^2` and `A omega^3`, while the amplitude grows.
-const BLEND_ACCELERATION: f32 = 1.16;
-const BLEND_JERK: f32 = 1.56;
+/// Periods of growth, with the largest acceleration and jerk over `A omega^2` and `A omega^3` meanwhile.
+const GROWTHS: [[f32; 3]; 3] = [[1.0, 1.16, 1.56], [2.0, 1.02, 1.10], [4.0, 1.002, 1.013]];
+
+/// The largest amplitude that the limits allow at `frequency` (Hz) with this growth.
+fn amplitude(frequency: f32, limits: &MotionLimits, growth: [f32; 3]) -> f32 {
+    let [_, acceleration, jerk] = growth;
+    let omega = 2.0 * core::f32::consts::PI * frequency;
+    let by_velocity = limits.velocity / omega;
+    let by_acceleration = limits.acceleration / (acceleration * omega * omega);
+    let by_jerk = limits.jerk / (jerk * omega * omega * omega);
+    by_velocity.min(by_acceleration).min(by_jerk)
+}
 
 impl Sine {
-    /// The largest amplitude that the limits allow at `frequency` (Hz).
+    /// The largest amplitude that the limits allow at `frequency` (Hz), with the slowest growth.
     pub(crate) fn max_amplitude(frequency: f32, limits: &MotionLimits) -> f32 {
-        let omega = 2.0 * core::f32::consts::PI * frequency;
-        let by_velocity = limits.velocity / omega;
-        let by_acceleration = limits.acceleration / (BLEND_ACCELERATION * omega * omega);
-        let by_jerk = limits.jerk / (BLEND_JERK * omega * omega * omega);
-        by_velocity.min(by_acceleration).min(by_jerk)
+        let [.., slowest] = GROWTHS;
+        amplitude(frequency, limits, slowest)
     }
 
-    /// A sine of `frequency` in Hz. Not for the 1 ms path: one sine and cosine.
-    pub(crate) fn new(centre: f32, amplitude: f32, frequency: f32, sample_time: f32) -> Self {
+    /// A sine of `frequency` in Hz that grows as fast as the limits allow. Not for the 1 ms path: one sine and cosine.
+    pub(crate) fn new(
+        centre: f32,
+        wanted: f32,
+        frequency: f32,
+        limits: &MotionLimits,
+        sample_time: f32,
+    ) -> Self {
+        let [.., [slowest, ..]] = GROWTHS;
+        let periods = GROWTHS
+            .into_iter()
+            .find(|growth| wanted.abs() <= amplitude(frequency, limits, *growth))
+            .map_or(slowest, |[periods, ..]| periods);
         let omega = 2.0 * core::f32::consts::PI * frequency;
         let angle = omega * sample_time;
         Self {
             centre,
-            amplitude,
+            amplitude: wanted,
             omega,
             turn: [sin(angle + core::f32::consts::FRAC_PI_2), sin(angle)],
             phase: [1.0, 0.0],
             share: 0.0,
-            growth: frequency * sample_time,
+            growth: frequency * sample_time / periods,
         }
     }
 

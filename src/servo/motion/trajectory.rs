@@ -165,7 +165,7 @@ impl Trajectory {
     }
 
     /// Oscillates with `frequency` in Hz about the present position, in motion about the place where the reference comes to
-    /// rest; the amplitude grows over one period.
+    /// rest; the amplitude grows over one period, over two or four where the limits of motion ask for it.
     ///
     /// Refused, with the largest amplitude, unless the limits of motion and the travel have room for it.
     /// Not for the 1 ms path: one sine and cosine.
@@ -183,7 +183,7 @@ impl Trajectory {
         let room = below.min(above).max(0.0);
         let max = room.min(Sine::max_amplitude(frequency, &self.limits));
         Error::unless_within("amplitude", amplitude, -max, max)?;
-        let sine = Sine::new(centre, amplitude, frequency, self.sample_time);
+        let sine = Sine::new(centre, amplitude, frequency, &self.limits, self.sample_time);
         if self.setpoint.is_rest() {
             self.begin(Plan::Sine(sine));
         } else {

@@ -45,7 +45,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     }
 
     /// Oscillates with `frequency` in Hz about the present reference, in motion about the place where it comes to rest; the
-    /// amplitude grows over one period.
+    /// amplitude grows over one period, over two or four where the limits of motion ask for it.
     ///
     /// # Errors
     /// [`Error::Setting`], with the largest amplitude or frequency for which travel and limits of motion have room;

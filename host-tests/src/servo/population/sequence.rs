@@ -154,13 +154,13 @@ impl<'a, P: Positioner> Exercise<'a, P> {
         Some([stays, moving.max(settling).max(stays)])
     }
 
-    /// A sine: the largest error over whole `periods` after the first \[mm\].
+    /// A sine: the largest error over whole `periods` after the two in which it may grow \[mm\].
     pub fn sine(&mut self, amplitude: f64, frequency: f64, periods: f64) -> Option<f64> {
         let centre = self.reference;
         if !self.positioner.oscillate(amplitude, frequency) {
             return None;
         }
-        self.pass(1.0 / frequency)?;
+        self.pass(2.0 / frequency)?;
         let [largest, _] = self.pass(periods / frequency)?;
         self.arrive(centre)?;
         self.pass(0.3)?;

@@ -267,3 +267,21 @@ fn requests_after_any_motion_that_was_taken_over_keep_within_the_travel() {
         assert_eq!(end, Setpoint::at(target.unwrap_or(end.position)), "{case}");
     }
 }
+
+#[test]
+fn a_sine_at_the_limits_grows_within_them() {
+    for frequency in [0.5, 2.0, 5.0, 12.0, 30.0] {
+        let mut reference = standing_at(200.0, LIMITS);
+        let Err(Error::Setting(ConfigError::OutOfRange { limits, .. })) =
+            reference.oscillate(1e6, frequency)
+        else {
+            panic!("{frequency} Hz");
+        };
+        let [_, most] = limits;
+        for part in [0.5, 0.7, 0.95, 1.0] {
+            reference.hold(200.0);
+            assert_eq!(reference.oscillate(part * most, frequency), Ok(()));
+            watch(&mut reference, (6e3 / frequency) as usize);
+        }
+    }
+}
