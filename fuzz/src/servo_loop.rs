@@ -241,6 +241,7 @@ fn request(servo: &mut Loop, bytes: &mut Bytes<'_>, length: f32, min: f32) {
             delay: bytes.signal(0.004),
             sign: bytes.signal(1.0).signum(),
             noise: bytes.signal(0.01),
+            dead_volume: bytes.signal(0.5),
         }),
     };
     if let (Err(_), Some(before)) = (done, before) {

@@ -43,7 +43,7 @@ pub(crate) fn settings(bytes: &mut Bytes<'_>) -> (Config, Axis) {
         let place: &mut f32 = match bytes.choice(12) {
             0 => config.controller.bandwidth.insert(any),
             1 => &mut config.controller.blend,
-            2 => &mut config.controller.dead_volume,
+            2 => config.controller.dead_volume.insert(any),
             3 => &mut config.controller.transition,
             4 => &mut config.supervision.frequency_factor,
             5 => &mut config.supervision.max_relative_std_adapting,

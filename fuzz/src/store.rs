@@ -124,6 +124,7 @@ fn record(bytes: &mut Bytes<'_>) -> Record {
         delay: bytes.signal(4e-3),
         sign: bytes.signal(1.0).signum(),
         noise: bytes.signal(0.1),
+        dead_volume: bytes.signal(1.0),
     }
 }
 

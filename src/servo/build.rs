@@ -91,6 +91,7 @@ impl<S, V> ServoLoop<S, V> {
         self.sign = found.sign;
         self.delay = found.delay;
         self.noise = found.noise;
+        self.dead_volume = found.dead_volume;
     }
 
     /// Supervisor, reference, and the motion by the measured positions alone.

@@ -71,9 +71,9 @@ pub struct ControllerSettings {
     /// Least position error within which the valve rests at standstill, in units of y; default one code and two
     /// standard deviations of the noise. Hunting widens it.
     pub rest_window: Option<f32>,
-    /// Dead volume of a chamber over that of the stroke: how much stiffer the axis gets towards its ends. Default 0.06, a
-    /// cylinder; infinite for a drive that is as stiff everywhere.
-    pub dead_volume: f32,
+    /// Dead volume of a chamber over that of the stroke: how much stiffer the axis gets towards its ends. Infinite for a drive
+    /// that is as stiff everywhere. Default: what a commissioning finds, until then 0.06, a cylinder.
+    pub dead_volume: Option<f32>,
     /// Time in which the offset of a bumpless change of gains fades, in s; default 10 ms, what a valve takes.
     pub transition: f32,
 }
@@ -168,7 +168,7 @@ impl Config {
                 bandwidth: None,
                 blend: 0.01,
                 rest_window: None,
-                dead_volume: 0.06,
+                dead_volume: None,
                 transition: 0.01,
             },
             excitation: ExcitationSettings { amplitude: 0.5 },

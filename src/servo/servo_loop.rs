@@ -72,6 +72,7 @@ pub struct ServoLoop<S, V> {
     pub(crate) sign: f32,
     /// Delay of the valve in s.
     pub(crate) delay: f32,
+    pub(crate) dead_volume: f32,
     /// Standard deviation of the position, in units of y.
     pub(crate) noise: f32,
     /// What the commissioning made of the newest sample.

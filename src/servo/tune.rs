@@ -37,7 +37,7 @@ impl<S, V> ServoLoop<S, V> {
             let design = TuningDesign {
                 sample_time: time,
                 delay: samples.min(DELAY_MAX) as f32 * time,
-                dead_volume: settings.dead_volume,
+                dead_volume: found.dead_volume,
                 noise: self.config.noise.unwrap_or(found.noise),
                 bandwidth_max: settings.bandwidth.unwrap_or(f32::INFINITY),
             };
@@ -101,6 +101,7 @@ impl<S, V> ServoLoop<S, V> {
             delay,
             sign,
             noise,
+            dead_volume,
         } = *record;
         let stated = self
             .config
@@ -121,6 +122,7 @@ impl<S, V> ServoLoop<S, V> {
             delay,
             sign,
             noise,
+            dead_volume,
         };
         let design = tuned(&self.config, &found).resolve()?;
         design
@@ -154,6 +156,7 @@ impl<S, V> ServoLoop<S, V> {
             delay: self.delay,
             sign: self.sign,
             noise: self.noise,
+            dead_volume: self.dead_volume,
         })
     }
 }

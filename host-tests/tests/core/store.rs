@@ -32,6 +32,7 @@ fn record(number: usize) -> Record {
         delay: 2e-3,
         sign: -1.0,
         noise: 0.01,
+        dead_volume: f32::INFINITY,
     }
 }
 

@@ -89,7 +89,7 @@ const CHANGES: &[(&str, Change)] = &[
         c.controller.rest_window = Some(1.0)
     }),
     ("controller.dead_volume", |c| {
-        c.controller.dead_volume = 0.2;
+        c.controller.dead_volume = Some(0.2);
     }),
     ("controller.transition", |c| c.controller.transition = 0.5),
     ("excitation.amplitude", |c| c.excitation.amplitude = 0.2),
@@ -169,7 +169,7 @@ fn a_value_that_cannot_work_is_refused_with_the_name_of_its_setting() {
                 c.controller.bandwidth = Some(x);
             }),
             ("controller.dead_volume", |c, x| {
-                c.controller.dead_volume = if x > 0.0 { f32::NAN } else { x };
+                c.controller.dead_volume = Some(if x > 0.0 { f32::NAN } else { x });
             }),
             ("controller.rest_window", |c, x| {
                 c.controller.rest_window = Some(if x > 0.0 { f32::NAN } else { x });

@@ -17,6 +17,8 @@ pub(crate) struct CommissioningDesign {
     pub(crate) frequency: Option<f32>,
     /// Delay of the valve in s with which the fits begin, among others.
     pub(crate) delay: f32,
+    /// Dead volume of a chamber over that of the stroke, if it is known.
+    pub(crate) dead_volume: Option<f32>,
     /// Time in s of random levels before the first fit.
     pub(crate) excite_time: f32,
     /// Longest time in s.
@@ -33,6 +35,8 @@ pub(crate) struct Found {
     pub(crate) sign: f32,
     /// Standard deviation of the position, in units of y.
     pub(crate) noise: f32,
+    /// Dead volume of a chamber over that of the stroke; infinite where the stiffness is the same everywhere.
+    pub(crate) dead_volume: f32,
 }
 
 /// What one sample of the commissioning led to.

@@ -37,6 +37,7 @@ use crate::servo::commissioning::rest::{Rest, Still};
 use crate::servo::commissioning::search::Search;
 use crate::servo::commissioning::silence::Silence;
 use crate::servo::commissioning::sweep::Sweep;
+use crate::servo::control::place::stiffening;
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
 use crate::servo::supervision::state::Reason;
 
@@ -108,7 +109,11 @@ impl Commissioning {
             outside: 0.0,
             tracking: AlphaBetaGamma::new(rate, design.sample_time),
             record: Record::new(),
-            search: Search::new(design.sample_time, design.delay),
+            search: Search::new(
+                design.sample_time,
+                design.delay,
+                design.dead_volume.map(stiffening),
+            ),
             first_guess: None,
             accepted: None,
             has_rested: false,

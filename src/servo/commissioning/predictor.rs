@@ -4,7 +4,7 @@ use crate::math::sqrt;
 use crate::servo::commissioning::record::Record;
 
 /// Number of parameters.
-pub(crate) const PARAMETERS: usize = 8;
+pub(crate) const PARAMETERS: usize = 9;
 
 /// The parameters in the order of the fit; positions are in travels.
 ///
@@ -12,7 +12,8 @@ pub(crate) const PARAMETERS: usize = 8;
 /// v' = p - a2 v - F s        p' = b0 f(u(t - tau)) - a1 v - kappa |f| p        f(u) = q(u + offset)
 /// ```
 ///
-/// s is the direction of the measured motion; kappa is the loss of flow under load of an open valve.
+/// s is the direction of the measured motion; kappa is the loss of flow under load of an open valve. a1 and b0 are those of the
+/// middle of the travel: at a place both are k(x) times as large, see [`Place`](crate::servo::control::place::Place).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Theta {
     pub(crate) a1: f32,
@@ -23,6 +24,8 @@ pub(crate) struct Theta {
     pub(crate) friction: f32,
     pub(crate) delay: f32,
     pub(crate) kappa: f32,
+    /// How fast the stiffness grows towards the ends: e of k(x).
+    pub(crate) stiffening: f32,
 }
 
 /// Position, velocity, drive.
@@ -82,12 +85,25 @@ impl Theta {
             friction,
             delay,
             kappa,
+            stiffening,
         } = self;
-        [a1, a2, b0, dead_zone, offset, friction, delay, kappa]
+        [
+            a1, a2, b0, dead_zone, offset, friction, delay, kappa, stiffening,
+        ]
     }
 
     pub(crate) fn from_array(theta: [f32; PARAMETERS]) -> Self {
-        let [a1, a2, b0, dead_zone, offset, friction, delay, kappa] = theta;
+        let [
+            a1,
+            a2,
+            b0,
+            dead_zone,
+            offset,
+            friction,
+            delay,
+            kappa,
+            stiffening,
+        ] = theta;
         Self {
             a1,
             a2,
@@ -97,6 +113,17 @@ impl Theta {
             friction,
             delay,
             kappa,
+            stiffening,
+        }
+    }
+
+    /// The parameters where the stiffness is `k` times that of the middle.
+    #[inline]
+    pub(crate) fn stiffer(&self, k: f32) -> Self {
+        Self {
+            a1: k * self.a1,
+            b0: k * self.b0,
+            ..*self
         }
     }
 
@@ -194,6 +221,9 @@ impl Theta {
     }
 }
 
+/// Largest e of k(x): a dead volume of 0.035.
+const STIFFENING_MAX: f32 = 3.5;
+
 /// What a parameter is varied by: itself, or a part of what it acts on.
 pub(crate) fn scales(theta: &Theta) -> [f32; PARAMETERS] {
     let w = sqrt(theta.a1);
@@ -206,6 +236,7 @@ pub(crate) fn scales(theta: &Theta) -> [f32; PARAMETERS] {
         0.1 * theta.b0 / w,
         0.1 / w,
         0.5 * w,
+        1.0,
     ]
 }
 
@@ -220,7 +251,17 @@ pub(crate) fn bounded(theta: [f32; PARAMETERS]) -> Theta {
             low
         }
     };
-    let [a1, a2, b0, dead_zone, offset, friction, delay, kappa] = theta;
+    let [
+        a1,
+        a2,
+        b0,
+        dead_zone,
+        offset,
+        friction,
+        delay,
+        kappa,
+        stiffening,
+    ] = theta;
     let a1 = within(a1, 9.0, 9e4);
     let w = sqrt(a1);
     let b0 = within(b0, 1e-3 * a1, 50.0 * a1);
@@ -233,5 +274,6 @@ pub(crate) fn bounded(theta: [f32; PARAMETERS]) -> Theta {
         friction: within(friction, 0.0, b0 / w),
         delay: within(delay, 0.0, 0.03),
         kappa: within(kappa, 0.0, 2.0 * w),
+        stiffening: within(stiffening, 0.0, STIFFENING_MAX),
     }
 }

@@ -83,6 +83,7 @@ pub(crate) struct Regression {
     origin: f32,
     squares: f32,
     delays: [f32; COMPARED],
+    stiffening: f32,
     normals: [Normal; COMPARED],
     /// Delays that are solved, and the model of the one with the smallest error.
     solved: usize,
@@ -90,12 +91,13 @@ pub(crate) struct Regression {
 }
 
 impl Regression {
-    /// `stated` is the delay that the user knows or guesses.
+    /// `stated` is the delay that the user knows or guesses; a `stiffening` that is not known is none at first.
     #[inline(always)]
-    pub(crate) const fn new(stated: f32) -> Self {
+    pub(crate) const fn new(stated: f32, stiffening: f32) -> Self {
         let [second, third, fourth] = DELAYS;
         Self {
             delays: [stated, second, third, fourth],
+            stiffening,
             view: View::EMPTY,
             rate: 1.0,
             dead_zone: 0.0,
@@ -248,6 +250,7 @@ impl Regression {
             friction: (friction * rate * rate).max(0.0).min(b0 / w),
             delay,
             kappa: 0.0,
+            stiffening: self.stiffening,
         };
         Some((self.squares - explained, theta))
     }

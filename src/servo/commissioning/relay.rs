@@ -132,34 +132,18 @@ impl Relay {
                 self.command = COMMAND_MIN.max(0.5 * self.command);
             }
         }
-        if self.looked > SIGN_LOOK {
-            let outward = self.side * v;
-            let gained = outward - self.before;
-            let steadily = gained > 0.0 && self.gains[0] > 0.0 && self.gains[1] > 0.0;
-            let long = gained + self.gains[0] + self.gains[1];
-            self.gains = [gained, self.gains[0]];
-            self.before = outward;
-            self.looked = 0.0;
-            let out = self.side * (y - self.place) > SIGN_DISTANCE;
-            let slowly = self.since > SIGN_TIME && out;
-            let fast = self.since > FAST_TIME
-                && outward > FAST_SPEED
-                && outward > 2.0 * self.first
-                && self.switches == 1;
-            let ever = self.since > LATE_TIME && out && steadily && long > LATE_SPEED;
-            if ((slowly || fast) && gained > SIGN_SPEED) || ever {
-                // What drove it out brakes it.
-                self.command = self.size(amplitude);
-                self.gains = [0.0; 2];
-                self.first = outward;
-                self.sign = -self.sign;
-                self.flips += 1;
-                self.since = 0.0;
-                self.half = 0.0;
-                self.switches = 1;
-                // The other sign deserves the time that the first one had.
-                self.time = 0.0;
-            }
+        if self.looked > SIGN_LOOK && self.runs_away(y, v) {
+            // What drove it out brakes it.
+            self.command = self.size(amplitude);
+            self.gains = [0.0; 2];
+            self.first = self.side * v;
+            self.sign = -self.sign;
+            self.flips += 1;
+            self.since = 0.0;
+            self.half = 0.0;
+            self.switches = 1;
+            // The other sign deserves the time that the first one had.
+            self.time = 0.0;
         }
         if self.flips > FLIPS_MAX {
             return Relayed::Disobeys;
@@ -179,6 +163,25 @@ impl Relay {
             command: -self.turned * self.sign * self.side * size,
             sign: self.sign,
         }
+    }
+
+    /// Looks at the outward speed: whether it grows as only the flow under the wrong sign lets it.
+    fn runs_away(&mut self, y: f32, v: f32) -> bool {
+        let outward = self.side * v;
+        let gained = outward - self.before;
+        let [last, before] = self.gains;
+        self.gains = [gained, last];
+        self.before = outward;
+        self.looked = 0.0;
+        let out = self.side * (y - self.place) > SIGN_DISTANCE;
+        let slowly = self.since > SIGN_TIME && out;
+        let fast = self.since > FAST_TIME
+            && outward > FAST_SPEED
+            && outward > 2.0 * self.first
+            && self.switches == 1;
+        let steadily = gained > 0.0 && last > 0.0 && before > 0.0;
+        let ever = self.since > LATE_TIME && out && steadily && gained + last + before > LATE_SPEED;
+        ((slowly || fast) && gained > SIGN_SPEED) || ever
     }
 
     /// The size of the command: it grows while the axis stays on one side.

@@ -2,6 +2,7 @@
 
 use crate::servo::commissioning::predictor::Theta;
 use crate::servo::commissioning::{Commissioning, Found, Stage};
+use crate::servo::control::place::dead_volume;
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
 
@@ -25,6 +26,7 @@ impl Commissioning {
             delay: theta.delay,
             sign: self.sign,
             noise: length * self.still.sigma,
+            dead_volume: dead_volume(theta.stiffening),
         }
     }
 

@@ -70,13 +70,13 @@ pub(crate) struct Search {
 
 impl Search {
     #[inline(always)]
-    pub(crate) fn new(sample_time: f32, delay: f32) -> Self {
+    pub(crate) fn new(sample_time: f32, delay: f32, stiffening: Option<f32>) -> Self {
         let pace = [FIT_POINTS, SIMULATION_POINTS].map(|rate| (rate * sample_time + 0.6) as usize);
         Self {
             pace: pace.map(|points| points.clamp(1, WINDOW)),
             phase: Phase::Waiting(usize::MAX),
-            regression: Regression::new(delay),
-            fit: Fit::new(),
+            regression: Regression::new(delay, stiffening.unwrap_or(0.0)),
+            fit: Fit::new(stiffening.is_some()),
             simulation: None,
             starts: [0.0; STARTS.len() + 1],
             best: None,

@@ -1,6 +1,7 @@
 //! A prediction of the fit with its sensitivities, a point at a time.
 
 use crate::servo::commissioning::predictor::{PARAMETERS, Point, Prediction, Theta};
+use crate::servo::control::place::{off_middle, stiffness};
 
 /// Position, velocity and drive after an interval under a constant unit of acceleration, and of rate of the drive: Taylor series to
 /// the fourth derivative.
@@ -62,6 +63,23 @@ fn act(at: &mut Prediction, [x, v, p]: &[f32; 3], size: f32) {
     at.x += x * size;
     at.v += v * size;
     at.p += p * size;
+}
+
+/// What acts on the sensitivities in an interval.
+#[derive(Debug, Clone, Copy)]
+struct Acts {
+    /// The parameters at the place.
+    theta: Theta,
+    flow: f32,
+    /// Direction of the flow.
+    side: f32,
+    /// What dead zone, offset and delay do to the flow.
+    bent: [f32; 3],
+    /// Mean velocity and drive.
+    v: f32,
+    p: f32,
+    /// Stiffness over that of the middle, and its slope by the stiffening.
+    stiffer: [f32; 2],
 }
 
 /// A prediction and how it changes with each parameter, in the scale of the parameter.
@@ -138,74 +156,85 @@ impl Sensitivity {
     /// One interval on, under these commands: the newer one, the older one and its share. Cost: about 400 instructions.
     #[inline]
     pub(crate) fn advance(&mut self, point: &Point, [newer, older, part]: [f32; 3], inverse: f32) {
-        let theta = self.theta;
+        let k = stiffness(self.theta.stiffening, point.y);
+        let theta = self.theta.stiffer(k);
         let mean = |newer: f32, older: f32| newer + part * (older - newer);
         let (newer, older) = (theta.flow(newer), theta.flow(older));
         let (n, o) = (direction_of(newer), direction_of(older));
         let flow = mean(newer, older);
-        // What dead zone, offset and delay do to the flow.
         let bent = [-mean(n, o), mean(n * n, o * o), (older - newer) * inverse];
         let side = direction_of(flow);
-        let k = theta.kappa * side * flow;
+        let loss = theta.kappa * side * flow;
         let before = self.at;
+        let mut acts = Acts {
+            theta,
+            flow,
+            side,
+            bent,
+            v: 0.0,
+            p: before.p,
+            stiffer: [k, k * k * off_middle(point.y)],
+        };
         if point.direction == 0.0 {
-            self.rest(flow, k, point.time);
-            self.follow_at_rest(before.p, [flow, side], bent, k, point.time);
+            self.at.p += point.time * (theta.b0 * flow - loss * before.p);
+            self.at.v = 0.0;
+            self.follow_at_rest(&acts, loss, point.time);
         } else {
-            let transition = Transition::new(&theta, k, point.time);
+            let transition = Transition::new(&theta, loss, point.time);
             transition.advance(&mut self.at);
             let friction = -theta.friction * point.direction;
             act(&mut self.at, &transition.acceleration, friction);
             act(&mut self.at, &transition.rate, theta.b0 * flow);
-            let v = 0.5 * (before.v + self.at.v);
-            let p = 0.5 * (before.p + self.at.p);
-            self.follow(&transition, [v, p], [flow, side, point.direction], bent);
+            acts.v = 0.5 * (before.v + self.at.v);
+            acts.p = 0.5 * (before.p + self.at.p);
+            self.follow(&acts, &transition, point.direction);
         }
-    }
-
-    /// The prediction at rest, where only the drive changes.
-    #[inline]
-    fn rest(&mut self, flow: f32, k: f32, time: f32) {
-        self.at.p += time * (self.theta.b0 * flow - k * self.at.p);
-        self.at.v = 0.0;
     }
 
     /// Rates of the drive by which the parameters act on it: all but damping and friction.
     #[inline]
-    fn rates(
-        &self,
-        [v, p]: [f32; 2],
-        [flow, side]: [f32; 2],
-        [dead_zone, offset, delay]: [f32; 3],
-    ) -> [f32; 6] {
-        let theta = &self.theta;
+    fn rates(&self, acts: &Acts) -> [f32; 7] {
+        let Acts {
+            theta,
+            flow,
+            side,
+            bent: [dead_zone, offset, delay],
+            v,
+            p,
+            stiffer: [k, slope],
+        } = acts;
         let gain = theta.b0 - theta.kappa * side * p;
         let s = &self.scale;
         [
-            -v * s[0],
-            flow * s[2],
+            -v * k * s[0],
+            flow * k * s[2],
             gain * dead_zone * s[3],
             gain * offset * s[4],
             gain * delay * s[6],
             -side * flow * p * s[7],
+            (self.theta.b0 * flow - self.theta.a1 * v) * slope * s[8],
         ]
     }
 
     #[inline]
-    fn follow(
-        &mut self,
-        transition: &Transition,
-        [v, p]: [f32; 2],
-        [flow, side, direction]: [f32; 3],
-        bent: [f32; 3],
-    ) {
-        let rates = self.rates([v, p], [flow, side], bent);
-        let (damping, friction) = (-v * self.scale[1], -direction * self.scale[5]);
+    fn follow(&mut self, acts: &Acts, transition: &Transition, direction: f32) {
+        let rates = self.rates(acts);
+        let (damping, friction) = (-acts.v * self.scale[1], -direction * self.scale[5]);
         for slope in &mut self.slopes {
             transition.advance(slope);
         }
-        let [a1, a2, b0, dead_zone, offset, own_friction, delay, kappa] = &mut self.slopes;
-        for (slope, rate) in [a1, b0, dead_zone, offset, delay, kappa]
+        let [
+            a1,
+            a2,
+            b0,
+            dead_zone,
+            offset,
+            own_friction,
+            delay,
+            kappa,
+            stiffening,
+        ] = &mut self.slopes;
+        for (slope, rate) in [a1, b0, dead_zone, offset, delay, kappa, stiffening]
             .into_iter()
             .zip(rates)
         {
@@ -216,14 +245,14 @@ impl Sensitivity {
     }
 
     #[inline]
-    fn follow_at_rest(&mut self, p: f32, flow: [f32; 2], bent: [f32; 3], k: f32, time: f32) {
-        let rates = self.rates([0.0, p], flow, bent);
+    fn follow_at_rest(&mut self, acts: &Acts, loss: f32, time: f32) {
+        let rates = self.rates(acts);
         for slope in &mut self.slopes {
-            slope.p -= time * k * slope.p;
+            slope.p -= time * loss * slope.p;
             slope.v = 0.0;
         }
-        let [a1, _, b0, dead_zone, offset, _, delay, kappa] = &mut self.slopes;
-        for (slope, rate) in [a1, b0, dead_zone, offset, delay, kappa]
+        let [a1, _, b0, dead_zone, offset, _, delay, kappa, stiffening] = &mut self.slopes;
+        for (slope, rate) in [a1, b0, dead_zone, offset, delay, kappa, stiffening]
             .into_iter()
             .zip(rates)
         {

@@ -4,6 +4,7 @@ use crate::math::sqrt;
 use crate::servo::commissioning::predictor::{Point, Prediction, REACH, Theta};
 use crate::servo::commissioning::record::Record;
 use crate::servo::commissioning::view::{STEP_MAX, View};
+use crate::servo::control::place::stiffness;
 
 /// A model in free simulation beside the record.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,6 +88,7 @@ impl Simulation {
             }
             let flow = self.theta.flow_at(record, self.view.sign, i, inverse);
             self.theta
+                .stiffer(stiffness(self.theta.stiffening, point.y))
                 .advance(&mut self.at, flow, point.direction, point.time);
             self.next += 1;
         }

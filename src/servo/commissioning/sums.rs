@@ -5,7 +5,7 @@ use crate::math::sqrt;
 use crate::servo::commissioning::predictor::PARAMETERS;
 
 /// Standard deviations, in scales, with which the parameters are known beforehand: weak, so that nothing runs away.
-pub(crate) const PRIOR: [f32; PARAMETERS] = [5.0, 3.0, 5.0, 2.0, 2.0, 3.0, 5.0, 0.2];
+pub(crate) const PRIOR: [f32; PARAMETERS] = [5.0, 3.0, 5.0, 2.0, 2.0, 3.0, 5.0, 0.2, 1.3];
 /// Largest correlation of neighbouring errors that counts.
 const CORRELATION_MAX: f32 = 0.8;
 
@@ -38,7 +38,7 @@ impl Sums {
         for (sum, si) in self.gradient.iter_mut().zip(slope) {
             *sum += si * error;
         }
-        let [row0, row1, row2, row3, row4, row5, row6, row7] = &mut self.normal;
+        let [row0, row1, row2, row3, row4, row5, row6, row7, row8] = &mut self.normal;
         add::<1>(row0, slope);
         add::<2>(row1, slope);
         add::<3>(row2, slope);
@@ -47,6 +47,7 @@ impl Sums {
         add::<6>(row5, slope);
         add::<7>(row6, slope);
         add::<8>(row7, slope);
+        add::<9>(row8, slope);
         self.cost += error * error;
         self.lagged += error * self.last;
         self.last = error;

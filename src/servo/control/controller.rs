@@ -37,7 +37,7 @@ use crate::servo::motion::{Motion, Setpoint};
 /// let model = Model::linear(400.0, 20.0, 1.0e6);
 /// let mut config = Config::new(0.001, 20.0, Travel { min: -200.0, max: 200.0 });
 /// config.delay = 0.0;
-/// config.controller.dead_volume = f32::INFINITY; // as stiff at the ends as in the middle
+/// config.controller.dead_volume = Some(f32::INFINITY); // as stiff at the ends as in the middle
 /// let mut controller = Controller::new(&config.resolve()?, model);
 /// // The model is its own plant here.
 /// let mut plant = Motion::default();

@@ -3,7 +3,7 @@
 use crate::math::sqrt;
 use crate::servo::control::compensator::Drive;
 use crate::servo::control::margins::Margins;
-use crate::servo::control::place::Place;
+use crate::servo::control::place::{stiffening, stiffness};
 use crate::servo::control::poles::Poles;
 use crate::servo::control::sweep::{FrequencySweep, Swept, ratio};
 use crate::servo::design::TuningDesign;
@@ -157,7 +157,7 @@ impl Tuning {
             return self.next_case();
         }
         let stiffness = if self.near_end {
-            Place::at_share(self.design.dead_volume, NEAR_END)
+            stiffness(stiffening(self.design.dead_volume), NEAR_END)
         } else {
             1.0
         };

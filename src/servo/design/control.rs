@@ -7,7 +7,9 @@ use crate::servo::design::{AnchorDesign, ControllerDesign, EstimatorDesign, Tuni
 use crate::servo::error::Error;
 
 /// Least dead volume over the stroke: at its end a cylinder is then 50 times as stiff as in the middle.
-const DEAD_VOLUME_MIN: f32 = 0.005;
+pub(crate) const DEAD_VOLUME_MIN: f32 = 0.005;
+/// That of a usual cylinder.
+const DEAD_VOLUME: f32 = 0.06;
 
 impl Config {
     /// The resolution is that of a sensor, see [`ControllerDesign::with_resolution`].
@@ -21,8 +23,8 @@ impl Config {
         }
         Error::unless_positive("controller.blend", settings.blend)?;
         Error::unless_positive("controller.transition", settings.transition)?;
-        if settings.dead_volume != f32::INFINITY {
-            let volume = settings.dead_volume;
+        let volume = settings.dead_volume.unwrap_or(DEAD_VOLUME);
+        if volume != f32::INFINITY {
             Error::unless_within("controller.dead_volume", volume, DEAD_VOLUME_MIN, f32::MAX)?;
         }
         let noise = self.noise.unwrap_or(c::NOISE_RATIO * length);
@@ -33,7 +35,7 @@ impl Config {
                 sample_time: self.sample_time,
                 delay,
                 travel: self.travel,
-                dead_volume: settings.dead_volume,
+                dead_volume: volume,
             },
             anchor: AnchorDesign {
                 band: 0.0,
@@ -43,7 +45,7 @@ impl Config {
             tuning: TuningDesign {
                 sample_time: self.sample_time,
                 delay: predicted,
-                dead_volume: settings.dead_volume,
+                dead_volume: volume,
                 noise,
                 bandwidth_max: settings.bandwidth.unwrap_or(f32::INFINITY),
             },

@@ -69,6 +69,7 @@ fields! { of config, axis, design:
     config: config.clone(),
     sign: if config.reversed == Some(true) { -1.0 } else { 1.0 },
     delay: config.delay,
+    dead_volume: design.controller.estimator.dead_volume,
     noise: config.noise.unwrap_or(0.0),
     progress: Progress::Command(0.0),
     trajectory: Trajectory::new(design.motion, design.travel, design.sample_time),
@@ -107,6 +108,7 @@ fn commissioning(config: &Config, axis: &Axis) -> CommissioningDesign {
         amplitude: config.excitation.amplitude,
         frequency: config.bandwidth,
         delay: config.delay,
+        dead_volume: config.controller.dead_volume,
         excite_time: config.supervision.excite_time,
         time_limit: config.supervision.time_limit,
     }

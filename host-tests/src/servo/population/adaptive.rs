@@ -56,7 +56,7 @@ pub struct Commissioned {
     pub refusals: Vec<(Reason, bool)>,
     /// Time from power-up to control \[s\].
     pub verified_s: Option<f64>,
-    /// Velocity gain \[mm/s\] and natural frequency \[rad/s\] of the accepted model, over those of the axis.
+    /// Velocity gain \[mm/s\] and natural frequency \[rad/s\] of the accepted model, over those of the axis in the middle.
     pub ratios: Option<[f64; 2]>,
     /// Errors of the dead zone and of the offset of the valve, and of its delay \[s\].
     pub valve_errors: Option<[f64; 3]>,
@@ -155,13 +155,10 @@ impl LoopPositioner {
     /// Commissions from power-up until the loop controls or the user gives up.
     pub fn commission(&mut self, bench: &mut Bench) -> Commissioned {
         let mut done = Commissioned::default();
-        let (mut sum, mut samples) = (0.0, 0.0);
         self.servo.commission();
         let mut next = f64::INFINITY;
         while bench.time() < PATIENCE {
             let report = self.sample(bench.code());
-            sum += bench.position_mm();
-            samples += 1.0;
             match report.state {
                 State::Failed(reason) if next.is_infinite() => {
                     done.refusals.push((reason, bench.reversed));
@@ -170,13 +167,12 @@ impl LoopPositioner {
                 State::Failed(_) if bench.time() >= next => {
                     self.servo.commission();
                     next = f64::INFINITY;
-                    (sum, samples) = (0.0, 0.0);
                 }
                 state if state.is_controlling() => {
                     done.verified_s = Some(bench.time());
                     done.wrong_sign = (self.servo.sign() < 0.0) != bench.reversed;
                     let model = self.servo.supervisor().verified_model();
-                    done.ratios = model.map(|m| self.ratios(&m, bench.axis(), sum / samples));
+                    done.ratios = model.map(|m| self.ratios(&m, bench.axis()));
                     done.valve_errors = model.map(|m| self.valve_errors(&m, bench.axis()));
                     bench.hold(f64::from(report.command));
                     return done;
@@ -198,9 +194,9 @@ impl LoopPositioner {
         ]
     }
 
-    /// Velocity gain and natural frequency of a model over those of the axis about a position.
-    fn ratios(&self, model: &Model, axis: &AxisDraw, position_mm: f64) -> [f64; 2] {
-        let [gain, omega0, _] = axis.truth(position_mm);
+    /// Velocity gain and natural frequency of a model over those of the axis, both in the middle of the travel.
+    fn ratios(&self, model: &Model, axis: &AxisDraw) -> [f64; 2] {
+        let [gain, omega0, _] = axis.truth(0.5 * axis.stroke_mm());
         let a1 = f64::from(model.a1);
         let found = self.unit_mm * f64::from(model.b0) / a1;
         [found / gain, a1.sqrt() / omega0]
