@@ -22,12 +22,14 @@ fn request(bytes: &mut Bytes<'_>) -> Request {
             bandwidth: 20.0 * bytes.decades(1.0),
             travel: [0.0, 400.0],
             mm_per_count: 0.005,
+            dead_volume: None,
             adaptive: bytes.byte() & 1 == 0,
         }),
         _ => Request::Reset(Setup {
             bandwidth: bytes.any(),
             travel: [bytes.signal(400.0), bytes.signal(400.0)],
             mm_per_count: bytes.any(),
+            dead_volume: Some(bytes.any()),
             adaptive: true,
         }),
     }

@@ -38,7 +38,7 @@ impl Valve for LineValve {
 /// let mut controller = Controller::new();
 /// let mut sample = Sample { code: Some(20_000), ..Sample::default() };
 /// assert_eq!(controller.update(&sample).state, code::NO_LOOP);
-/// let setup = Setup { bandwidth: 25.0, travel: [0.0, 400.0], mm_per_count: 0.01, adaptive: true };
+/// let setup = Setup { bandwidth: 25.0, travel: [0.0, 400.0], mm_per_count: 0.01, dead_volume: None, adaptive: true };
 /// sample.requests.push(Request::Reset(setup)).map_err(|_| "full")?;
 /// sample.requests.push(Request::Commission).map_err(|_| "full")?;
 /// let reply = controller.update(&sample);
@@ -98,6 +98,7 @@ fn build(setup: &Setup) -> Result<ServoLoop<LineSensor, LineValve>, servo::Error
     let [min, max] = setup.travel;
     let mut config = servo::Config::new(1e-3, setup.bandwidth, Travel { min, max });
     config.adaptive = setup.adaptive;
+    config.controller.dead_volume = setup.dead_volume;
     let axis = Axis {
         scale: Scale::new(setup.mm_per_count).ok_or(servo::Error::Setting(
             ConfigError::NotPositive {

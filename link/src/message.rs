@@ -40,6 +40,8 @@ pub struct Setup {
     pub travel: [f32; 2],
     /// Position of one count of the sensor in mm; code 0 is position 0.
     pub mm_per_count: f32,
+    /// Dead volume of a chamber over that of the stroke, infinite for a drive of the same stiffness everywhere; `None` to find it.
+    pub dead_volume: Option<f32>,
     /// Whether the model follows the drive after the commissioning.
     pub adaptive: bool,
 }

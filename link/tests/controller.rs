@@ -8,6 +8,7 @@ const SETUP: Setup = Setup {
     bandwidth: 25.0,
     travel: [0.0, 400.0],
     mm_per_count: 0.01,
+    dead_volume: None,
     adaptive: true,
 };
 

@@ -3,7 +3,7 @@
 use indicatif::ProgressBar;
 use trendid::servo::Report;
 use trendid_host_tests::servo::plant::RESOLUTION_MM;
-use trendid_host_tests::servo::rig::{ROUGH_BANDWIDTH, Request, Rig, TRAVEL};
+use trendid_host_tests::servo::rig::{DEAD_VOLUME, ROUGH_BANDWIDTH, Request, Rig, TRAVEL};
 use trendid_host_tests::servo::shadow::Shadow;
 use trendid_link::{
     Counters, Exchange, ExchangeError, FIELDS, Reply, Request as Asked, Sample, Setup,
@@ -57,6 +57,7 @@ impl Target {
                 bandwidth: ROUGH_BANDWIDTH,
                 travel: [TRAVEL.min, TRAVEL.max],
                 mm_per_count: RESOLUTION_MM as f32,
+                dead_volume: Some(DEAD_VOLUME),
                 adaptive: !args.fixed,
             })],
             end: args.samples,

@@ -212,7 +212,7 @@ fn text(task: &Task, course: &Course, runs: &[Figures]) -> String {
     let seeds = runs.len();
     let mut text = format!(
         "A simulated pneumatic axis at 1 kHz, {}: {}.\n\
-         The no_std core in f32 knows its sign, its travel and roughly 25 rad/s; gains {}.\n\n",
+         The no_std core in f32 knows its sign, its travel, that it is a cylinder and roughly 25 rad/s; gains {}.\n\n",
         task.scenario.name(),
         task.scenario.description(),
         if task.fixed {

@@ -106,6 +106,9 @@ pub const TRAVEL: Travel = Travel {
 /// Bandwidth that the user expects of the axis \[rad/s\]; the pneumatic axis has about 31, the linear one 20.
 pub const ROUGH_BANDWIDTH: f32 = 25.0;
 
+/// Dead volume of a chamber over that of the stroke that the user states: a cylinder.
+pub const DEAD_VOLUME: f32 = 0.06;
+
 impl Rig {
     /// A rig with these settings of the loop.
     ///

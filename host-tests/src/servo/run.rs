@@ -10,7 +10,7 @@ use crate::servo::figures::Figures;
 pub use crate::servo::passage::Watcher;
 use crate::servo::passage::{Run, error};
 use crate::servo::plant::Plant;
-use crate::servo::rig::{ROUGH_BANDWIDTH, Rig, TRAVEL};
+use crate::servo::rig::{DEAD_VOLUME, ROUGH_BANDWIDTH, Rig, TRAVEL};
 use crate::servo::scenario::Scenario;
 use crate::servo::shadow::Shadow;
 
@@ -130,6 +130,12 @@ fn same_bits(a: Option<servo::Model>, b: Option<servo::Model>) -> bool {
 pub fn loop_config(options: &Options) -> servo::Config {
     let mut config = servo::Config::new(1e-3, ROUGH_BANDWIDTH, TRAVEL);
     config.adaptive = !options.fixed;
+    let dead_volume = if options.linear {
+        f32::INFINITY
+    } else {
+        DEAD_VOLUME
+    };
+    config.controller.dead_volume = Some(dead_volume);
     config
 }
 

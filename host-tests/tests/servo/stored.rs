@@ -5,18 +5,19 @@ use trendid::servo::store::Record;
 use trendid::servo::{Config, Error, Reason, ServoLoop, State};
 use trendid_host_tests::plants::pneumatic::{AxisParameters, PneumaticAxis};
 use trendid_host_tests::servo::plant::RESOLUTION_MM;
-use trendid_host_tests::servo::rig::{SimulatedSensor, SimulatedValve, TRAVEL};
+use trendid_host_tests::servo::rig::{DEAD_VOLUME, SimulatedSensor, SimulatedValve, TRAVEL};
 
 type Loop = ServoLoop<SimulatedSensor, SimulatedValve>;
 
-/// A loop that is told sample time, travel and sensor.
+/// A loop that is told sample time, travel, sensor and that the axis is a cylinder.
 fn fresh() -> Loop {
     let scale = Scale::new(RESOLUTION_MM as f32).expect("scale");
     let axis = Axis {
         scale,
         reference: 0,
     };
-    let config = Config::minimal(1e-3, TRAVEL);
+    let mut config = Config::minimal(1e-3, TRAVEL);
+    config.controller.dead_volume = Some(DEAD_VOLUME);
     ServoLoop::try_new(&config, axis, SimulatedSensor::default(), SimulatedValve).expect("settings")
 }
 

@@ -68,6 +68,7 @@ pub(crate) fn reset(seq: u32) -> Sample {
         bandwidth: 25.0,
         travel: [0.0, 400.0],
         mm_per_count: 0.01,
+        dead_volume: None,
         adaptive: true,
     };
     let mut sample = plain(seq, 1);
