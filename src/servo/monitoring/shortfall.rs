@@ -24,8 +24,10 @@ pub(crate) enum Short {
 /// many there are. D is what is left: a sound axis stays behind by the deflection with which friction
 /// holds it, and by a swing. A drive with little damping swings by `v / w` after a motion with v, in a phase that nobody knows: `(1 - 2 xi) v / w` for
 /// the fastest recent motion that was as expected. A loop that swings, near an end, where the drive is stiffer, faster than its model, has any phase to its
-/// expectation, and in half a wave D grows to some `2 v / w`: 2.5 v / w for the smaller one of the largest recent speeds in both directions. A
+/// expectation, and in half a wave D grows to some `2 v / w`, under a load of three times the mass sqrt(3) times that: 4.3 v / w for the smaller one of the largest recent speeds in both directions. A
 /// motion that runs away has only one direction.
+///
+/// An axis stands when its whole path since then, forth and back, is below a fifth of what is expected.
 ///
 /// D begins with the fault, whatever the axis did before, so that the full motion of a sensor that fails at speed counts at once; a wrong sign counts
 /// twice.
@@ -37,6 +39,8 @@ pub(crate) struct Shortfall {
     /// Expected and measured displacement since the axis is short.
     expected: f32,
     measured: f32,
+    /// Path of the axis since then, forth and back.
+    path: f32,
     /// Means of the latest expected and measured velocity, along the expected one.
     speed: f32,
     along: f32,
@@ -55,6 +59,8 @@ pub(crate) struct Shortfall {
 
 /// Share of the expected velocity that a sound axis may lack.
 const GAIN_SHARE: f32 = 0.3;
+/// Natural frequency under a load of three times the mass over that of the model.
+const HEAVY: f32 = 0.58;
 /// Share of the expected motion below which there is none.
 const STANDING_SHARE: f32 = 0.2;
 
@@ -87,6 +93,7 @@ impl Shortfall {
             self.short = 0.0;
             self.expected = 0.0;
             self.measured = 0.0;
+            self.path = 0.0;
             self.speed = speed;
             self.along = along;
             self.standing = 0;
@@ -98,10 +105,12 @@ impl Shortfall {
         self.along += share * (along - self.along);
         self.expected += step * speed;
         self.measured += step * along;
+        self.path += step * along.abs();
         let lacks = self.measured < STANDING_SHARE * self.expected;
         let alarm = lacks && short > bounds.short + self.swing;
         let little = STANDING_SHARE * self.speed;
-        let stands = alarm && self.along.abs() <= little;
+        let moved = self.path > STANDING_SHARE * self.expected;
+        let stands = alarm && !moved && self.along.abs() <= little;
         self.standing = if stands {
             self.standing.saturating_add(1)
         } else {
@@ -119,7 +128,7 @@ impl Shortfall {
     /// The displacement of a swing: of the one that follows the fastest recent motion, or of the one that is seen, whichever is larger.
     #[inline]
     fn swing_of(&mut self, expected: f32, measured: f32, bounds: &Bounds) -> f32 {
-        let kept = 1.0 - bounds.share;
+        let kept = 1.0 - HEAVY * bounds.share;
         let mut swing = 0.0;
         for ([up, down], velocity) in self.peaks.iter_mut().zip([expected, measured]) {
             *up = larger(kept * *up, velocity);
