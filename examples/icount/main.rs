@@ -203,9 +203,9 @@ fn span(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
 
 #[inline(never)]
 fn position_loop(meter: &mut impl Meter) {
-    if let (Ok(leader), Ok(follower)) = (servo(SimulatedValve), servo(Still)) {
+    if let (Ok(mut leader), Ok(follower)) = (servo(SimulatedValve), servo(Still)) {
         rows! { meter;
-            "whole position loop", 6, *row_servo, follower, motion(leader, ROUNDS * record::SAMPLES);
+            "whole position loop", 6, *row_servo, follower, motion(&mut leader, ROUNDS * record::SAMPLES);
         }
     }
 }

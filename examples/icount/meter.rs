@@ -53,14 +53,13 @@ impl Meter for Counter {
         name: &str,
         function: &str,
         n: usize,
-        state: S,
+        mut subject: S,
         samples: impl Iterator<Item = (U, f32)>,
         step: impl Fn(&mut S, &U, f32) -> R,
     ) {
         let [fine, systick] = self.clocks;
         let mut sums = [0.0f64; 2];
         let (mut worst, mut longest, mut peak, mut count) = (0, 0, 0, 0);
-        let mut subject = state;
         let mut copy = subject.clone();
         for (k, (u, y)) in samples.enumerate() {
             let (u, y) = black_box((u, y));

@@ -55,7 +55,7 @@ pub(crate) fn servo<V: Valve>(valve: V) -> Result<Servo<V>, servo::Error> {
 
 /// Codes of the drive under a loop of its own, and a move every second.
 pub(crate) fn motion(
-    mut leader: Servo<SimulatedValve>,
+    leader: &mut Servo<SimulatedValve>,
     samples: usize,
 ) -> impl Iterator<Item = ((i32, Option<f32>), f32)> {
     let mut drive = Drive::new(ORIGIN);

@@ -34,24 +34,34 @@ pub(crate) fn product_row_transposed<const N: usize>(a: &[f32; N], b: &Matrix<N>
 /// Lower triangle L with L L' = `matrix`; nothing where it is not clearly positive.
 pub(crate) fn cholesky<const N: usize>(matrix: &Matrix<N>) -> Option<Matrix<N>> {
     let mut l = [[0.0; N]; N];
+    for (i, row) in l.iter_mut().enumerate() {
+        row[..=i].copy_from_slice(&matrix[i][..=i]);
+    }
+    factor(&mut l).then_some(l)
+}
+
+/// Puts L with L L' = `matrix` into its lower triangle, the only one that is read; whether it is clearly positive.
+pub(crate) fn factor<const N: usize>(matrix: &mut Matrix<N>) -> bool {
+    let l = matrix;
     for j in 0..N {
-        let mut pivot = matrix[j][j];
+        let diagonal = l[j][j];
+        let mut pivot = diagonal;
         for k in 0..j {
             pivot -= l[j][k] * l[j][k];
         }
-        if !(pivot > 1e-6 * matrix[j][j]) {
-            return None;
+        if !(pivot > 1e-6 * diagonal) {
+            return false;
         }
         l[j][j] = sqrt(pivot);
         for i in j + 1..N {
-            let mut sum = matrix[i][j];
+            let mut sum = l[i][j];
             for k in 0..j {
                 sum -= l[i][k] * l[j][k];
             }
             l[i][j] = sum / l[j][j];
         }
     }
-    Some(l)
+    true
 }
 
 /// The first `count` entries of L^-1 b for a lower triangle L, those of b behind them.

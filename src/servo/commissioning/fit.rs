@@ -1,6 +1,6 @@
 //! A least-squares fit of the model to the record, a few points per sample.
 
-use crate::math::matrix::{backward, cholesky, forward};
+use crate::math::matrix::{self, backward, forward};
 use crate::math::sqrt;
 use crate::servo::commissioning::predictor::{PARAMETERS, Point, REACH, Theta, bounded, scales};
 use crate::servo::commissioning::record::Record;
@@ -16,6 +16,14 @@ const STIFFENING: usize = 8;
 const STIFFENING_USUAL: f32 = 2.2;
 /// Points after a start in which the direction of the motion is uncertain.
 const STARTING: u32 = 3;
+
+/// A part of the end of a pass that is done.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Ending {
+    Judged,
+    /// The normal of the sums is the Cholesky factor of the normal equations; with the gradient of the next step.
+    Factored([f32; PARAMETERS]),
+}
 
 /// Levenberg-Marquardt on the errors of a prediction that is corrected with a fixed rate.
 ///
@@ -43,6 +51,8 @@ pub(crate) struct Fit {
     sums: Sums,
     passes: u32,
     converged: bool,
+    /// How far the end of a pass has come.
+    ending: Option<Ending>,
     /// Whether the stiffening is not searched.
     knows_stiffening: bool,
 }
@@ -66,6 +76,7 @@ impl Fit {
             sums: NO_SUMS,
             passes: 0,
             converged: false,
+            ending: None,
             knows_stiffening,
         }
     }
@@ -84,6 +95,7 @@ impl Fit {
         self.damping = 1e-2;
         self.passes = 0;
         self.converged = false;
+        self.ending = None;
         self.opening = Some(theta);
     }
 
@@ -139,8 +151,25 @@ impl Fit {
         false
     }
 
-    /// Ends a pass: takes its parameters if they are better, and finds those of the next one. Cost: some 2500 instructions.
-    pub(crate) fn next_pass(&mut self) {
+    /// Ends a pass, in three samples: takes its parameters if they are better, factors the normal equations, finds the parameters of the
+    /// next one. Whether that is done. Cost: some 2000 instructions each.
+    pub(crate) fn next_pass(&mut self) -> bool {
+        match self.ending.take() {
+            None => self.judge(),
+            Some(Ending::Judged) => self.factor(),
+            Some(Ending::Factored(gradient)) => {
+                let (theta, gained) = self.step(gradient);
+                // What a step would gain need not be tried when it is next to nothing.
+                self.converged |= gained < (1.0 - CONVERGED) * self.best_sums.cost;
+                self.opening = Some(theta);
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Takes the parameters of the pass if they are better.
+    fn judge(&mut self) {
         self.passes += 1;
         // Written so that NaN is worse.
         if self.sums.cost < self.best_sums.cost {
@@ -151,35 +180,44 @@ impl Fit {
         } else {
             self.damping *= 10.0;
         }
-        let (theta, gained) = self.step();
-        // What a step would gain need not be tried when it is next to nothing.
-        self.converged |= gained < (1.0 - CONVERGED) * self.best_sums.cost;
-        self.opening = Some(theta);
+        self.ending = Some(Ending::Judged);
     }
 
-    /// The best parameters, moved to where the normal equations lead, and what they promise to take from the cost.
-    fn step(&self) -> (Theta, f32) {
+    /// Factors the normal equations of the best parameters with what is known beforehand, in the place of the sums of this pass.
+    fn factor(&mut self) {
         let scale = scales(&self.best);
-        let mut normal = self.best_sums.normal;
+        let best = self.best.to_array();
         let mut gradient = self.best_sums.gradient;
         let variance = self.best_sums.variance();
+        let normal = &mut self.sums.normal;
+        *normal = self.best_sums.normal;
         for j in 0..PARAMETERS {
             let prior = variance / (PRIOR[j] * PRIOR[j]);
             normal[j][j] += prior + self.damping * (normal[j][j] + prior);
             if j > 4 && j != 6 {
                 // Friction and loss of flow are none unless they are seen; of the stiffness the mean of all drives is.
                 let usual = match j {
-                    STIFFENING if self.knows_stiffening => self.best.stiffening,
+                    STIFFENING if self.knows_stiffening => best[STIFFENING],
                     STIFFENING => STIFFENING_USUAL,
                     _ => 0.0,
                 };
-                gradient[j] -= prior * (self.best.to_array()[j] - usual) / scale[j];
+                gradient[j] -= prior * (best[j] - usual) / scale[j];
             }
         }
-        let Some(factor) = cholesky(&normal) else {
+        // A gradient of 0 leads nowhere.
+        let solved = matrix::factor(normal);
+        let gradient = if solved { gradient } else { [0.0; PARAMETERS] };
+        self.ending = Some(Ending::Factored(gradient));
+    }
+
+    /// The best parameters, moved to where the factored normal equations lead under a gradient, and what they promise to take from the cost.
+    fn step(&self, gradient: [f32; PARAMETERS]) -> (Theta, f32) {
+        if gradient == [0.0; PARAMETERS] {
             return (self.best, 0.0);
-        };
-        let step = backward(&factor, forward(&factor, gradient));
+        }
+        let scale = scales(&self.best);
+        let factor = &self.sums.normal;
+        let step = backward(factor, forward(factor, gradient));
         let gained: f32 = step.iter().zip(&gradient).map(|(s, g)| s * g).sum();
         let mut theta = self.best.to_array();
         for (j, value) in theta.iter_mut().enumerate() {

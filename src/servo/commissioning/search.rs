@@ -13,8 +13,8 @@ use crate::servo::supervision::state::Reason;
 /// Points of the ring that a fit reads; the others come while it does.
 const WINDOW: usize = 384;
 /// Points of a fit and of a simulation per s: some 3.5 million instructions.
-const FIT_POINTS: f32 = 4e3;
-const SIMULATION_POINTS: f32 = 1.6e4;
+const FIT_POINTS: f32 = 3e3;
+const SIMULATION_POINTS: f32 = 1.2e4;
 /// Natural frequencies in rad/s at which a fit starts, beside what is known.
 const STARTS: [f32; 3] = [80.0, 40.0, 17.0];
 /// Error over movement, squared, of a start that need not be compared with others.
@@ -181,13 +181,13 @@ impl Search {
             }
             Phase::Ranking(k) => self.rank(record, k),
             Phase::Refining => {
-                if self.fit.advance(record, self.pace[0]) {
-                    self.fit.next_pass();
-                    if self.fit.is_done(REFINE_PASSES) {
-                        let theta = self.fit.best();
-                        let from = self.fit.end();
-                        self.phase = Phase::Holding(from, from + self.points(&theta));
-                    }
+                if self.fit.advance(record, self.pace[0])
+                    && self.fit.next_pass()
+                    && self.fit.is_done(REFINE_PASSES)
+                {
+                    let theta = self.fit.best();
+                    let from = self.fit.end();
+                    self.phase = Phase::Holding(from, from + self.points(&theta));
                 }
             }
             Phase::Holding(from, until) => {
