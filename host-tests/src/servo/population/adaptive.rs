@@ -87,6 +87,18 @@ impl LoopPositioner {
     /// # Errors
     /// What the loop says to its settings.
     pub fn new(axis: &AxisDraw, adaptive: bool) -> Result<Self, servo::Error> {
+        Self::knowing(axis, adaptive, None)
+    }
+
+    /// The same, of a user who states how stiff the axis is near its ends: the dead volume of a chamber over that of the stroke.
+    ///
+    /// # Errors
+    /// What the loop says to its settings.
+    pub fn knowing(
+        axis: &AxisDraw,
+        adaptive: bool,
+        dead_volume: Option<f32>,
+    ) -> Result<Self, servo::Error> {
         let unit_mm = UNIT_MM;
         let Some(scale) = Scale::new((axis.resolution_mm / unit_mm) as f32) else {
             panic!("resolution {} mm", axis.resolution_mm);
@@ -95,7 +107,8 @@ impl LoopPositioner {
             scale,
             reference: 0,
         };
-        let config = config(axis, adaptive, unit_mm);
+        let mut config = config(axis, adaptive, unit_mm);
+        config.controller.dead_volume = dead_volume;
         let (sensor_of, valve) = (SimulatedSensor::default(), SimulatedValve);
         Ok(Self {
             servo: ServoLoop::try_new(&config, sensor, sensor_of, valve)?,

@@ -8,6 +8,7 @@ use crate::servo::population::bench::Bench;
 use crate::servo::population::draw::{AxisDraw, Mechanics};
 use crate::servo::population::range::{Purpose, stream};
 use crate::servo::population::sequence::{Exercise, LARGE, Positioner, amplitude};
+use crate::servo::rig::DEAD_VOLUME;
 
 /// Frequency of the sine in which the mass changes \[Hz\].
 const FREQUENCY: f64 = 0.5;
@@ -41,13 +42,13 @@ pub struct Changed {
     pub models: u32,
 }
 
-/// Multiplies the moving mass of a pneumatic axis in a sine; the constant load stays. `None` of an axis that is not accepted or not pneumatic.
+/// Multiplies the moving mass of a pneumatic axis in a sine; the constant load stays, and the user states a cylinder. `None` of an axis that is not accepted or not pneumatic.
 pub fn mass(axis: &AxisDraw, factor: f64, adaptive: bool) -> Option<Changed> {
     let Mechanics::Pneumatic(parameters) = axis.mechanics else {
         return None;
     };
     let mut bench = Bench::new(axis, Purpose::Disturbance);
-    let mut positioner = LoopPositioner::new(axis, adaptive).ok()?;
+    let mut positioner = LoopPositioner::knowing(axis, adaptive, Some(DEAD_VOLUME)).ok()?;
     let _ = positioner.commission(&mut bench).verified_s?;
     let mut changed = Changed {
         seed: axis.seed,
