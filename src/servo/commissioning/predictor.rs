@@ -251,29 +251,19 @@ pub(crate) fn bounded(theta: [f32; PARAMETERS]) -> Theta {
             low
         }
     };
-    let [
-        a1,
-        a2,
-        b0,
-        dead_zone,
-        offset,
-        friction,
-        delay,
-        kappa,
-        stiffening,
-    ] = theta;
-    let a1 = within(a1, 9.0, 9e4);
+    let free = Theta::from_array(theta);
+    let a1 = within(free.a1, 9.0, 9e4);
     let w = sqrt(a1);
-    let b0 = within(b0, 1e-3 * a1, 50.0 * a1);
+    let b0 = within(free.b0, 1e-3 * a1, 50.0 * a1);
     Theta {
         a1,
-        a2: within(a2, 0.02 * w, 8.0 * w),
+        a2: within(free.a2, 0.02 * w, 8.0 * w),
         b0,
-        dead_zone: within(dead_zone, 0.0, 0.3),
-        offset: within(offset, -0.3, 0.3),
-        friction: within(friction, 0.0, b0 / w),
-        delay: within(delay, 0.0, 0.03),
-        kappa: within(kappa, 0.0, 2.0 * w),
-        stiffening: within(stiffening, 0.0, STIFFENING_MAX),
+        dead_zone: within(free.dead_zone, 0.0, 0.3),
+        offset: within(free.offset, -0.3, 0.3),
+        friction: within(free.friction, 0.0, b0 / w),
+        delay: within(free.delay, 0.0, 0.03),
+        kappa: within(free.kappa, 0.0, 2.0 * w),
+        stiffening: within(free.stiffening, 0.0, STIFFENING_MAX),
     }
 }

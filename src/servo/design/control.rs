@@ -7,7 +7,7 @@ use crate::servo::design::{AnchorDesign, ControllerDesign, EstimatorDesign, Tuni
 use crate::servo::error::Error;
 
 /// Least dead volume over the stroke: at its end a cylinder is then 50 times as stiff as in the middle.
-pub(crate) const DEAD_VOLUME_MIN: f32 = 0.005;
+const DEAD_VOLUME_MIN: f32 = 0.005;
 /// That of a usual cylinder.
 const DEAD_VOLUME: f32 = 0.06;
 

@@ -64,7 +64,6 @@ pub(crate) struct Bounds {
 const RECENT_RATE: f32 = 16.0;
 /// The same of the means that look for a mirrored motion.
 const MIRROR_RATES: [f32; 2] = [3.0, 12.0];
-
 /// The same of the mean velocity of an axis that creeps: of a swing little is left.
 const CREEP_RATE: f32 = 1.0;
 
@@ -116,5 +115,24 @@ impl Bounds {
             saturated: samples(SATURATED_CROSSINGS * design.travel.length() / gain + 10.0 / w),
             stop: samples(STOP_TIME_RATIO / w),
         }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod example {
+    use super::*;
+    use crate::servo::Config;
+    use crate::servo::motion::Travel;
+
+    /// Bounds of a model on an axis of 400 units, at 1 ms.
+    pub(crate) fn bounds(model: &Model) -> Bounds {
+        let travel = Travel {
+            min: 0.0,
+            max: 400.0,
+        };
+        let Ok(design) = Config::new(0.001, 20.0, travel).resolve() else {
+            panic!("a setting is refused");
+        };
+        Bounds::new(&design.monitoring, model)
     }
 }

@@ -61,28 +61,17 @@ impl Closing {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::servo::Config;
     use crate::servo::model::Model;
-    use crate::servo::motion::{Motion, Travel};
+    use crate::servo::monitoring::bounds::example;
+    use crate::servo::motion::Motion;
 
     /// A drive at any motion whose valve closes after its delay stops; one whose valve does not goes on.
     #[test]
     fn a_closed_valve_stops_an_axis_and_an_open_one_does_not() {
-        let config = Config::new(
-            0.001,
-            20.0,
-            Travel {
-                min: 0.0,
-                max: 400.0,
-            },
-        );
-        let Ok(design) = config.resolve() else {
-            panic!("a setting is refused");
-        };
         for w in [8.0_f32, 20.0, 80.0] {
             for damping in [0.1, 0.7, 2.0] {
                 let model = Model::linear(w * w, damping * w, w * w * 1000.0);
-                let bounds = Bounds::new(&design.monitoring, &model);
+                let bounds = example::bounds(&model);
                 for push in [0.0, 0.5, 1.0] {
                     for flow in [0.0, 0.3] {
                         let mut motion = Motion {

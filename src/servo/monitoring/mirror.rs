@@ -59,25 +59,13 @@ impl Slope {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::servo::Config;
     use crate::servo::model::Model;
-    use crate::servo::motion::Travel;
+    use crate::servo::monitoring::bounds::example;
 
     #[test]
     fn only_what_changes_with_the_expectation_the_other_way_is_mirrored() {
-        let config = Config::new(
-            0.001,
-            20.0,
-            Travel {
-                min: 0.0,
-                max: 400.0,
-            },
-        );
-        let Ok(design) = config.resolve() else {
-            panic!("a setting is refused");
-        };
         let model = Model::linear(400.0, 20.0, 4e5);
-        let bounds = Bounds::new(&design.monitoring, &model);
+        let bounds = example::bounds(&model);
         let mirrored = |measured: fn(f32) -> f32| {
             let mut mirror = Mirror::default();
             // A flow that grows.

@@ -75,24 +75,13 @@ impl Stop {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::servo::Config;
     use crate::servo::model::Model;
-    use crate::servo::motion::{Motion, Travel};
+    use crate::servo::monitoring::bounds::example;
+    use crate::servo::motion::Motion;
 
     /// With an offset beyond the dead zone, whichever of valve and sensor is the wrong way round, the axis comes to rest.
     #[test]
     fn the_middle_of_the_valve_is_found_behind_a_wrong_sign() {
-        let config = Config::new(
-            0.001,
-            20.0,
-            Travel {
-                min: 0.0,
-                max: 400.0,
-            },
-        );
-        let Ok(design) = config.resolve() else {
-            panic!("a setting is refused");
-        };
         for (valve, sensor) in [(-1.0, 1.0), (1.0, -1.0)] {
             for offset in [-0.08_f32, 0.08] {
                 let model = Model {
@@ -100,7 +89,7 @@ mod tests {
                     offset,
                     ..Model::linear(400.0, 16.0, 4e5)
                 };
-                let bounds = Bounds::new(&design.monitoring, &model);
+                let bounds = example::bounds(&model);
                 let mut stop = Stop::default();
                 stop.begin(Reason::WrongSign, &bounds);
                 // Still swinging.
