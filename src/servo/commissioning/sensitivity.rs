@@ -223,23 +223,10 @@ impl Sensitivity {
         for slope in &mut self.slopes {
             transition.advance(slope);
         }
-        let [
-            a1,
-            a2,
-            b0,
-            dead_zone,
-            offset,
-            own_friction,
-            delay,
-            kappa,
-            stiffening,
-        ] = &mut self.slopes;
-        for (slope, rate) in [a1, b0, dead_zone, offset, delay, kappa, stiffening]
-            .into_iter()
-            .zip(rates)
-        {
+        for (slope, rate) in driven(&mut self.slopes).into_iter().zip(rates) {
             act(slope, &transition.rate, rate);
         }
+        let [_, a2, _, _, _, own_friction, ..] = &mut self.slopes;
         act(a2, &transition.acceleration, damping);
         act(own_friction, &transition.acceleration, friction);
     }
@@ -251,14 +238,17 @@ impl Sensitivity {
             slope.p -= time * loss * slope.p;
             slope.v = 0.0;
         }
-        let [a1, _, b0, dead_zone, offset, _, delay, kappa, stiffening] = &mut self.slopes;
-        for (slope, rate) in [a1, b0, dead_zone, offset, delay, kappa, stiffening]
-            .into_iter()
-            .zip(rates)
-        {
+        for (slope, rate) in driven(&mut self.slopes).into_iter().zip(rates) {
             slope.p += time * rate;
         }
     }
+}
+
+/// The sensitivities on whose drive their parameters act, in the order of [`Sensitivity::rates`].
+#[inline]
+const fn driven(slopes: &mut [Prediction; PARAMETERS]) -> [&mut Prediction; 7] {
+    let [a1, _, b0, dead_zone, offset, _, delay, kappa, stiffening] = slopes;
+    [a1, b0, dead_zone, offset, delay, kappa, stiffening]
 }
 
 /// Direction of a flow, 0 for none.
