@@ -259,7 +259,7 @@ const fn fault(reason: Reason) -> Option<&'static str> {
         Reason::SensorStuck => "the sensor is stuck",
         Reason::ValveStuck => "the valve is stuck",
         Reason::Blocked => "the axis is blocked",
-        Reason::WrongSign => "sign of sensor or valve is wrong",
+        Reason::WrongSign => "sign of sensor or valve is wrong, or supply lost",
         Reason::TravelEnd => "the axis came to its end",
         Reason::Implausible => "the position jumped",
         Reason::FollowingError => "the axis does not follow",

@@ -52,7 +52,7 @@ pub(crate) fn reason_code(reason: Option<core_servo::Reason>) -> u8 {
 const REASONS: [&CStr; 18] = [
     c"no reason",
     c"a parameter is not a finite number",
-    c"the axis moves against the command: sign of sensor or valve is wrong",
+    c"the axis moves against the command: sign of sensor or valve is wrong, or the supply is lost",
     c"gain, frequency or damping is out of range for this axis",
     c"the model is unstable where the drive cannot be",
     c"the parameters are not certain enough",

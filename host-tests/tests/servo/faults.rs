@@ -4,7 +4,7 @@ use trendid::servo::{Model, State};
 use trendid_host_tests::servo::faults::fault::Fault;
 use trendid_host_tests::servo::faults::machine::Machine;
 use trendid_host_tests::servo::faults::normal::{controlled, work};
-use trendid_host_tests::servo::faults::trial::{Situation, run};
+use trendid_host_tests::servo::faults::trial::{Situation, prepare, run};
 use trendid_host_tests::servo::population::family::Family;
 
 /// Situations in which a model controls without a commissioning before.
@@ -37,6 +37,35 @@ fn every_fault_is_noticed_for_its_reason() {
     }
     assert!(runs > 200, "{runs} runs");
     assert!(20 * wrong.len() <= runs, "{wrong:#?}");
+}
+
+/// Why both may be called a wrong sign: by the position a supply that is lost is a reversed valve, at first.
+#[test]
+fn a_lost_supply_moves_the_axis_as_a_reversed_valve_does() {
+    let (mut alike, mut runs) = (0, 0);
+    for axis in controlled(Family::Pneumatic, true, 1, 20) {
+        let Some(sound) = prepare(&axis, Situation::Motion) else {
+            continue;
+        };
+        let mut machines = [sound.clone(), sound.clone(), sound];
+        machines[1].break_down(Fault::LostSupply);
+        machines[2].break_down(Fault::ReversedValve);
+        let (mut product, mut squares) = (0.0, [0.0, 0.0]);
+        for _ in 0..(0.15 / axis.sample_time) as usize {
+            let [x, lost, reversed] = machines.each_mut().map(|machine| {
+                let _ = machine.step();
+                machine.bench.position_mm()
+            });
+            let (lost, reversed) = (lost - x, reversed - x);
+            product += lost * reversed;
+            squares = [squares[0] + lost * lost, squares[1] + reversed * reversed];
+        }
+        let correlation = product / (squares[0] * squares[1]).sqrt();
+        println!("seed {}: correlation {correlation:.3}", axis.seed);
+        runs += 1;
+        alike += usize::from(correlation > 0.9);
+    }
+    assert!(runs >= 15 && 4 * alike >= 3 * runs, "{alike} of {runs}");
 }
 
 #[test]

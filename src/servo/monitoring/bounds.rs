@@ -24,9 +24,12 @@ pub(crate) struct Bounds {
     pub(crate) short: f32,
     pub(crate) ring: f32,
     pub(crate) swing: f32,
-    /// Shares of a new sample in the means of the last 1/(4 w), and in those that look for a mirrored motion.
+    /// Share of a new sample in the means of the last 1/(4 w).
     pub(crate) recent: f32,
-    pub(crate) mirror: [f32; 2],
+    /// Share of a sample in a filter of 1/w, what a damping xi lacks of 1, twice, and the share in the sums of both.
+    pub(crate) response: f32,
+    pub(crate) lack: f32,
+    pub(crate) evidence: f32,
     /// The same in the mean velocity of an axis that creeps.
     pub(crate) creep: f32,
     /// Samples in which an axis behind a closed valve has lost its speed.
@@ -62,8 +65,9 @@ pub(crate) struct Bounds {
 
 /// Rate of the recent means over that of the displacements, whose window is 4/w.
 const RECENT_RATE: f32 = 16.0;
-/// The same of the means that look for a mirrored motion.
-const MIRROR_RATES: [f32; 2] = [3.0, 12.0];
+/// The same of the filters of both sides of the equation of the drive, and of their sums.
+const RESPONSE_RATE: f32 = 4.0;
+const EVIDENCE_RATE: f32 = 8.0;
 /// The same of the mean velocity of an axis that creeps: of a swing little is left.
 const CREEP_RATE: f32 = 1.0;
 
@@ -96,7 +100,9 @@ impl Bounds {
             swing: SWING_TIME_RATIO / w,
             recent: least_of_one(RECENT_RATE * share),
             creep: least_of_one(CREEP_RATE * share),
-            mirror: MIRROR_RATES.map(|rate| least_of_one(rate * share)),
+            response: least_of_one(RESPONSE_RATE * share),
+            lack: 2.0 - model.a2 / w,
+            evidence: least_of_one(EVIDENCE_RATE * share),
             closing: samples(design.delay + CLOSING_TIME_RATIO / w),
             share: least_of_one(share),
             slack: flow * window + 2.0 * deflection + design.grain,

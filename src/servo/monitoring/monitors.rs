@@ -133,9 +133,13 @@ impl Monitors {
         self.obedience = Obedience::default();
     }
 
-    /// Judges a reading; `missed`: samples in a row without one.
+    /// Judges a reading; `missed`: samples in a row without one. While the valve is closed to find out why the axis moves against its
+    /// commands, every reading counts: of such a motion the model expects nothing.
     #[inline]
     pub(crate) fn judge(&mut self, y: f32, earlier: &Motion, missed: u32) -> Verdict {
+        if self.obedience.is_closing() {
+            return Verdict::Good;
+        }
         let verdict = self.readings.judge(y, earlier, missed);
         if verdict != Verdict::Good {
             self.counters.implausible_readings =
@@ -166,7 +170,10 @@ impl Monitors {
         let ends = self
             .travel
             .update(seen.y, seen.velocity, seen.command, seen.setpoint, bounds);
-        let mut found = self.obedience.update(&self.twin, seen.velocity, bounds);
+        let at_end = self.travel.is_end(seen.y, self.design.grain);
+        let mut found = self
+            .obedience
+            .update(&self.twin, seen.velocity, at_end, bounds);
         let swing = self.obedience.swing();
         let velocity = self.twin.velocity();
         let stuck = self.stuck.update(seen.same_code, velocity, swing, bounds);
@@ -181,7 +188,7 @@ impl Monitors {
             found = self.obedience.at_end(&self.twin, seen.velocity, bounds);
         }
         let reason = match found {
-            _ if stuck => Some(Reason::SensorStuck),
+            _ if stuck && !self.obedience.is_closing() => Some(Reason::SensorStuck),
             // An axis that stands shows its noise; a code that never changes is the sensor.
             Found::Disobeys(Reason::Blocked) if self.stuck.run() > bounds.no_motion => {
                 Some(Reason::SensorStuck)

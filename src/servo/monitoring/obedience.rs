@@ -2,7 +2,7 @@
 
 use crate::servo::monitoring::bounds::Bounds;
 use crate::servo::monitoring::closing::Closing;
-use crate::servo::monitoring::mirror::Mirror;
+use crate::servo::monitoring::response::Response;
 use crate::servo::monitoring::shortfall::{Short, Shortfall};
 use crate::servo::monitoring::twin::Twin;
 use crate::servo::supervision::state::Reason;
@@ -12,7 +12,7 @@ use crate::servo::supervision::state::Reason;
 /// | measured | monitor | reason |
 /// |---|---|---|
 /// | none | [`Shortfall`] | `Blocked` |
-/// | the other way | [`Shortfall`], then [`Mirror`] and [`Closing`] | `WrongSign`, `ValveStuck` or `Blocked` |
+/// | the other way | [`Shortfall`], then [`Response`] and [`Closing`] | `WrongSign`, `ValveStuck` or `Blocked` |
 /// | beyond three times the expected and twice the slack, for 1/(2 w) | displacements of the last 4/w | `ValveStuck` |
 ///
 /// The slack is the displacement that a dead zone and an offset as wrong as a commissioning may leave them, friction,
@@ -21,7 +21,7 @@ use crate::servo::supervision::state::Reason;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Obedience {
     shortfall: Shortfall,
-    mirror: Mirror,
+    response: Response,
     closing: Closing,
     runaway: u32,
 }
@@ -41,16 +41,24 @@ pub(crate) enum Found {
 const RUNAWAY_RATIO: f32 = 3.0;
 
 impl Obedience {
-    /// One sample.
+    /// One sample; `at_end`: the axis is at an end of its travel.
     #[inline]
-    pub(crate) fn update(&mut self, twin: &Twin, velocity: f32, bounds: &Bounds) -> Found {
-        if self.closing.is_active() {
-            return match self.closing.update(velocity) {
+    pub(crate) fn update(
+        &mut self,
+        twin: &Twin,
+        velocity: f32,
+        at_end: bool,
+        bounds: &Bounds,
+    ) -> Found {
+        let closing = self.closing.is_active();
+        let weight = self.closing.weight(at_end);
+        self.response.update(twin.flow(), velocity, weight, bounds);
+        if closing {
+            return match self.closing.update(velocity, &self.response) {
                 Some(reason) => Found::Disobeys(reason),
                 None => Found::Against,
             };
         }
-        self.mirror.update(twin.velocity(), velocity, bounds);
         let short = self.shortfall.update(twin.velocity(), velocity, bounds);
         let (e, m) = (twin.expected().abs(), twin.measured().abs());
         let runs_away = m > 2.0 * twin.slack(bounds) + RUNAWAY_RATIO * e;
@@ -65,6 +73,11 @@ impl Obedience {
             None if self.runaway > bounds.opposite => Found::Disobeys(Reason::ValveStuck),
             None => Found::Nothing,
         }
+    }
+
+    /// Whether the valve is being closed to find out why the axis moves against its commands.
+    pub(crate) const fn is_closing(&self) -> bool {
+        self.closing.is_active()
     }
 
     /// Displacement by which a swing may set the axis and its expectation apart.
@@ -82,8 +95,7 @@ impl Obedience {
     }
 
     fn against(&mut self, velocity: f32, bounds: &Bounds) -> Found {
-        let mirrored = self.mirror.is_mirrored();
-        self.closing.begin(velocity, mirrored, bounds);
+        self.closing.begin(velocity, &self.response, bounds);
         Found::Against
     }
 }

@@ -44,6 +44,12 @@ impl TravelMonitor {
         }
     }
 
+    /// Whether a position is at an end, or nearer to it than `grain`.
+    #[inline]
+    pub(crate) fn is_end(&self, y: f32, grain: f32) -> bool {
+        y > self.travel.max - grain || y < self.travel.min + grain
+    }
+
     /// Whether the axis must brake now.
     #[inline]
     pub(crate) fn update(

@@ -34,6 +34,7 @@ pub(crate) struct Twin {
     activity: f32,
     last: f32,
     late: f32,
+    flow: f32,
 }
 
 /// Least `a2 / w` of the expectation.
@@ -62,6 +63,7 @@ impl Twin {
             activity: 0.0,
             last: 0.0,
             late: 0.5 * design.delay + design.sample_time,
+            flow: 0.0,
         }
     }
 
@@ -109,6 +111,7 @@ impl Twin {
         self.last = command;
         let delayed = self.delayed(command);
         let flow = self.observer.model().valve_flow(delayed);
+        self.flow = flow;
         self.observer.predict(flow);
         self.observer.forget_position();
         let step = self.sample_time * self.observer.motion().velocity;
@@ -131,6 +134,11 @@ impl Twin {
     /// Displacement that the sensor shows.
     pub(crate) const fn measured(&self) -> f32 {
         self.measured
+    }
+
+    /// The flow that takes effect now.
+    pub(crate) const fn flow(&self) -> f32 {
+        self.flow
     }
 
     /// Expected velocity.

@@ -12,7 +12,8 @@ use core::fmt;
 pub enum Reason {
     /// A parameter is not finite.
     NotFinite,
-    /// The drive moves against the command.
+    /// The drive moves against the command: the sign of sensor or valve is wrong, or a supply that is lost lets the air of the drive out through
+    /// the inlet that the command opens. The position does not tell which.
     WrongSign,
     /// Gain, natural frequency or damping is out of the range of the drive's data.
     OutOfRange,
@@ -73,7 +74,7 @@ impl fmt::Display for Reason {
         f.write_str(match self {
             Self::NotFinite => "a parameter is not a finite number",
             Self::WrongSign => {
-                "the axis moves against the command: sign of sensor or valve is wrong"
+                "the axis moves against the command: sign of sensor or valve is wrong, or the supply is lost"
             }
             Self::OutOfRange => "gain, frequency or damping is out of range for this axis",
             Self::Unstable => "the model is unstable where the drive cannot be",

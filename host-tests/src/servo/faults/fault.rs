@@ -85,7 +85,9 @@ impl Fault {
     }
 
     /// The reasons that are right. Where position and commands are the same for two faults, both are: a valve that stays
-    /// closed, a clamped slide, a position that stays under its noise; a spool stuck within its dead zone is closed.
+    /// closed, a clamped slide, a position that stays under its noise; a spool stuck where friction or an end of the travel holds the axis is as
+    /// good as closed. A supply that is lost lets the air out through the inlet that a command opens, so that the axis moves against it as behind a reversed
+    /// valve.
     ///
     /// `silent`: the noise of the sensor does not reach from code to code, so that an axis at rest has one code.
     pub const fn reasons(self, silent: bool) -> &'static [Reason] {
@@ -106,6 +108,9 @@ impl Fault {
             Self::SensorSign => &[Reason::WrongSign, Reason::Implausible],
             Self::Jump => &[Reason::Implausible],
             Self::Spikes => &[],
+            Self::StuckValve if silent => {
+                &[Reason::ValveStuck, Reason::Blocked, Reason::SensorStuck]
+            }
             Self::StuckValve => &[Reason::ValveStuck, Reason::Blocked],
             Self::FailedValve => &[Reason::ValveFault],
             // Without air the axis stops, falls or is late.
@@ -113,12 +118,14 @@ impl Fault {
                 Reason::SensorStuck,
                 Reason::Blocked,
                 Reason::ValveStuck,
+                Reason::WrongSign,
                 Reason::FollowingError,
                 Reason::Saturated,
             ],
             Self::LostSupply => &[
                 Reason::Blocked,
                 Reason::ValveStuck,
+                Reason::WrongSign,
                 Reason::FollowingError,
                 Reason::Saturated,
             ],

@@ -81,8 +81,8 @@ pub struct FaultRun {
 /// Time after a fault in which it must be noticed \[s\].
 const OBSERVED: f64 = 6.0;
 
-/// Brings the machine to the moment of the fault; `None` when it does not come to that.
-fn prepare(axis: &AxisDraw, situation: Situation) -> Option<Machine> {
+/// Brings the machine to the moment before a fault; `None` when it does not come to that.
+pub fn prepare(axis: &AxisDraw, situation: Situation) -> Option<Machine> {
     let adaptive = situation != Situation::FixedGains;
     let mut machine = Machine::new(axis, adaptive, !situation.is_commissioned())?;
     let mut random = stream(axis.seed, Purpose::Sequence);
@@ -143,7 +143,16 @@ fn arrive(machine: &mut Machine) {
 
 /// Runs one fault; `None` when the axis does not come to the situation.
 pub fn run(axis: &AxisDraw, situation: Situation, fault: Fault) -> Option<FaultRun> {
-    let mut machine = prepare(axis, situation)?;
+    broken(prepare(axis, situation)?, axis, situation, fault)
+}
+
+/// Runs one fault from its moment on.
+pub fn broken(
+    mut machine: Machine,
+    axis: &AxisDraw,
+    situation: Situation,
+    fault: Fault,
+) -> Option<FaultRun> {
     if fault.is_mechanical() {
         machine.bench.pneumatic_mut()?;
     }
