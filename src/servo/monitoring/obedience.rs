@@ -59,7 +59,9 @@ impl Obedience {
                 None => Found::Against,
             };
         }
-        let short = self.shortfall.update(twin.velocity(), velocity, bounds);
+        let short =
+            self.shortfall
+                .update(twin.velocity(), self.response.commanded(), velocity, bounds);
         let (e, m) = (twin.expected().abs(), twin.measured().abs());
         let runs_away = m > 2.0 * twin.slack(bounds) + RUNAWAY_RATIO * e;
         self.runaway = if runs_away {

@@ -2,6 +2,7 @@
 
 use crate::servo::design::MonitoringDesign;
 use crate::servo::motion::Motion;
+use crate::servo::supervision::state::Reason;
 
 /// A gate on every reading: the distance that the axis can have moved since the last good one, and no more.
 ///
@@ -14,6 +15,9 @@ use crate::servo::motion::Motion;
 /// breakaway can; the filter with three poles at `-rate` that x comes from lags behind a step of the acceleration by 0.27 a / rate^2. sigma is
 /// the larger of the stated noise and the rms of the residual itself, each part of which enters with at most the gate, so
 /// that no outlier opens it.
+///
+/// Readings that last are a jump, unless they stay at the last good one: no force stops an axis so fast, but an obstacle does, and so does a sensor that is
+/// stuck.
 ///
 /// Known as: innovation gate (Bar-Shalom, Li and Kirubarajan 2001). Cost: about 30 instructions.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,6 +34,20 @@ pub(crate) struct Plausibility {
     residual_share: f32,
     /// Readings in a row that were replaced.
     bridged: u32,
+    /// The last good one, and how those after it lie to it.
+    last: f32,
+    after: After,
+}
+
+/// Readings that cannot be true beside the last one that can.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum After {
+    /// All are the same.
+    Same,
+    /// All are the same within noise and resolution.
+    Near,
+    /// They are elsewhere.
+    Away,
 }
 
 /// What becomes of a reading.
@@ -39,8 +57,8 @@ pub(crate) enum Verdict {
     Good,
     /// It cannot; the expected position replaces it.
     Bridge,
-    /// The position has jumped for good.
-    Jump,
+    /// It cannot, and neither could those before it.
+    Lasting(Reason),
 }
 
 impl Plausibility {
@@ -53,6 +71,8 @@ impl Plausibility {
             lag: design.tracking_lag,
             longest: design.jump,
             residual: 0.0,
+            last: 0.0,
+            after: After::Same,
             residual_share: design.residual_share,
             bridged: 0,
         }
@@ -85,15 +105,73 @@ impl Plausibility {
         let residual = (y - next).abs();
         if residual <= gate {
             self.bridged = 0;
+            self.last = y;
+            self.after = After::Same;
             self.residual += self.residual_share * (residual - self.residual);
             return Verdict::Good;
         }
         self.bridged = self.bridged.saturating_add(1);
-        if self.bridged < self.longest {
-            Verdict::Bridge
-        } else {
-            self.bridged = 0;
-            Verdict::Jump
+        let away = (y - self.last).abs();
+        if away > 8.0 * sigma + 3.0 * self.resolution {
+            self.after = After::Away;
+        } else if away > 0.0 && self.after == After::Same {
+            self.after = After::Near;
         }
+        if self.bridged < self.longest {
+            return Verdict::Bridge;
+        }
+        self.bridged = 0;
+        Verdict::Lasting(match self.after {
+            After::Same => Reason::SensorStuck,
+            After::Near => Reason::Blocked,
+            After::Away => Reason::Implausible,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::servo::Config;
+    use crate::servo::motion::Travel;
+
+    /// What becomes of readings after an axis at a speed that no force takes away at once, 300 mm/s against 10 mm/s^2.
+    fn lasting(after: impl Fn(u32) -> f32) -> Option<Reason> {
+        let travel = Travel {
+            min: 0.0,
+            max: 400.0,
+        };
+        let Ok(design) = Config::new(0.001, 20.0, travel).resolve() else {
+            panic!("a setting is refused");
+        };
+        let mut readings = Plausibility::new(&design.monitoring.with_resolution(0.01));
+        readings.tune(10.0);
+        for k in 0..200_u32 {
+            let motion = Motion {
+                position: 0.3 * (k as f32 - 1.0),
+                velocity: 300.0,
+                ..Motion::default()
+            };
+            let y = if k < 100 { 0.3 * k as f32 } else { after(k) };
+            match readings.judge(y, &motion, 0) {
+                Verdict::Good => assert!(k < 104, "sample {k}"),
+                Verdict::Bridge => assert!(k >= 100, "sample {k}"),
+                Verdict::Lasting(reason) => return Some(reason),
+            }
+        }
+        None
+    }
+
+    #[test]
+    fn a_stop_that_no_force_explains_is_no_jump() {
+        let stop = 0.3 * 99.0;
+        assert_eq!(lasting(|_| stop), Some(Reason::SensorStuck));
+        let noisy = |k: u32| stop + if k.is_multiple_of(2) { 0.01 } else { 0.0 };
+        assert_eq!(lasting(noisy), Some(Reason::Blocked));
+        assert_eq!(
+            lasting(|k| 100.0 + 0.3 * k as f32),
+            Some(Reason::Implausible)
+        );
+        assert_eq!(lasting(|_| 100.0), Some(Reason::Implausible));
     }
 }

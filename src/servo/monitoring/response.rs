@@ -65,6 +65,11 @@ impl Response {
         ];
     }
 
+    /// The velocity that the valve lets expect.
+    pub(crate) const fn commanded(&self) -> f32 {
+        self.commanded[1]
+    }
+
     /// Whether the axis shows too little motion for either fault.
     pub(crate) fn is_faint(&self) -> bool {
         let [commanded, shown] = self.squares;

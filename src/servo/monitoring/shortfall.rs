@@ -27,6 +27,8 @@ pub(crate) enum Short {
 /// expectation, and in half a wave D grows to some `2 v / w`, under a load of three times the mass sqrt(3) times that: 4.3 v / w for the smaller one of the largest recent speeds in both directions. A
 /// motion that runs away has only one direction.
 ///
+/// While friction holds the expectation, s is the sign of what is commanded: an axis with less friction than its model already moves that way.
+///
 /// An axis stands when its whole path since then, forth and back, is below a fifth of what is expected.
 ///
 /// D begins with the fault, whatever the axis did before, so that the full motion of a sensor that fails at speed counts at once; a wrong sign counts
@@ -69,11 +71,12 @@ const fn larger(a: f32, b: f32) -> f32 {
 }
 
 impl Shortfall {
-    /// One sample with the expected and the measured velocity.
+    /// One sample with the expected velocity, the one that the valve lets expect, and the measured one.
     #[inline]
     pub(crate) fn update(
         &mut self,
         expected: f32,
+        commanded: f32,
         measured: f32,
         bounds: &Bounds,
     ) -> Option<Short> {
@@ -82,9 +85,10 @@ impl Shortfall {
         let change = (expected - self.last).abs();
         self.last = expected;
         self.swing = self.swing_of(expected, measured, bounds);
-        let turned = expected * self.way < 0.0;
-        if expected != 0.0 {
-            self.way = expected;
+        let way = if expected != 0.0 { expected } else { commanded };
+        let turned = way * self.way < 0.0;
+        if way != 0.0 {
+            self.way = way;
         }
         let along = if self.way > 0.0 { measured } else { -measured };
         let tolerance = bounds.drift + GAIN_SHARE * speed + bounds.late_rate * change;
@@ -253,7 +257,12 @@ mod tests {
                 real.predict(late + self.flow);
                 let v = real.motion().velocity;
                 let measured = if after { sign * v } else { v };
-                let found = shortfall.update(expected.motion().velocity, measured, &self.bounds);
+                let found = shortfall.update(
+                    expected.motion().velocity,
+                    expected.motion().velocity,
+                    measured,
+                    &self.bounds,
+                );
                 if let Some(short) = found {
                     return Some((short, k));
                 }

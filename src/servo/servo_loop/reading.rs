@@ -31,8 +31,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         match verdict {
             Verdict::Good => Some(y),
             Verdict::Bridge => Some(self.expected()),
-            Verdict::Jump => {
-                self.fail(Reason::Implausible);
+            Verdict::Lasting(reason) => {
+                self.fail(reason);
                 Some(self.expected())
             }
         }
