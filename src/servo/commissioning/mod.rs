@@ -32,7 +32,7 @@ pub(crate) use face::{CommissioningDesign, Found, Progress};
 use crate::servo::commissioning::predictor::Theta;
 use crate::servo::commissioning::probe::Probe;
 use crate::servo::commissioning::record::Record;
-use crate::servo::commissioning::relay::Relay;
+use crate::servo::commissioning::relay::{Relay, at_end};
 use crate::servo::commissioning::rest::{Rest, Still};
 use crate::servo::commissioning::search::Search;
 use crate::servo::commissioning::silence::Silence;
@@ -183,7 +183,7 @@ impl Commissioning {
                     away = relay.is_away(y);
                 }
                 match self.heard(heard, progress) {
-                    Progress::Failed(Reason::Blocked) if away => {
+                    Progress::Failed(Reason::Blocked) if away && at_end(y) => {
                         Progress::Failed(Reason::ValveStuck)
                     }
                     progress => progress,

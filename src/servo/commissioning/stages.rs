@@ -1,7 +1,7 @@
 //! One sample of each stage, and what leads from one to the next.
 
 use crate::servo::commissioning::probe::{Probe, Probed};
-use crate::servo::commissioning::relay::{Relay, Relayed};
+use crate::servo::commissioning::relay::{Relay, Relayed, at_end};
 use crate::servo::commissioning::silence::{Heard, Silence};
 use crate::servo::commissioning::sweep::Sweep;
 use crate::servo::commissioning::view::View;
@@ -67,6 +67,10 @@ impl Commissioning {
                     return Progress::Failed(Reason::WrongSign);
                 }
                 self.begin_search(half, y)
+            }
+            // What stands is not moved by a valve that is open.
+            Relayed::Disobeys if v.abs() < RETURN_SPEED && !at_end(y) => {
+                Progress::Failed(Reason::Blocked)
             }
             Relayed::Disobeys => Progress::Failed(Reason::ValveStuck),
         }
