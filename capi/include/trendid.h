@@ -608,6 +608,8 @@ typedef struct trendid_report {
   uint32_t stops;
   // Factor on the bandwidth of the controller; 1 unless an oscillation was noticed.
   float derating;
+  // Departures from where the axis was while its reference rests: slips, creep and every half wave of a cycle.
+  uint32_t moves_at_rest;
 } trendid_report;
 
 // A position drive of order 3 behind a valve: `x''' = - a1 x' - a2 x'' + b0 (q(u) + offset)`.
@@ -890,7 +892,7 @@ TRENDID_STATIC_ASSERT(sizeof(trendid_parameter) == 3, "trendid_parameter has ano
 TRENDID_STATIC_ASSERT(sizeof(trendid_estimate) == 180, "trendid_estimate has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_status) == 36, "trendid_status has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_loop_settings) == 80, "trendid_loop_settings has another layout");
-TRENDID_STATIC_ASSERT(sizeof(trendid_report) == 48, "trendid_report has another layout");
+TRENDID_STATIC_ASSERT(sizeof(trendid_report) == 52, "trendid_report has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_model) == 24, "trendid_model has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_servo2) == 8u * TRENDID_SERVO2_WORDS, "trendid_servo2 has another size");
 TRENDID_STATIC_ASSERT(sizeof(trendid_servo3) == 8u * TRENDID_SERVO3_WORDS, "trendid_servo3 has another size");

@@ -45,7 +45,7 @@ const _: () = {
     assert!(size_of::<Estimate>() == 180);
     assert!(size_of::<Status>() == 36);
     assert!(size_of::<LoopSettings>() == 80);
-    assert!(size_of::<Report>() == 48);
+    assert!(size_of::<Report>() == 52);
     assert!(size_of::<Model>() == 24);
 };
 

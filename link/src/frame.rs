@@ -9,7 +9,7 @@ use heapless::Vec;
 use crate::Message;
 
 /// Second byte of every body: a receiver refuses frames of another version. It changes with the layout of any message.
-pub const VERSION: u8 = 2;
+pub const VERSION: u8 = 3;
 
 /// Longest body (tag, version, payload and check sum) in bytes.
 pub const MAX_BODY: usize = 128;

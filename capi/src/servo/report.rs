@@ -154,6 +154,8 @@ pub struct Report {
     pub stops: u32,
     /// Factor on the bandwidth of the controller; 1 unless an oscillation was noticed.
     pub derating: f32,
+    /// Departures from where the axis was while its reference rests: slips, creep and every half wave of a cycle.
+    pub moves_at_rest: u32,
 }
 
 impl From<core_servo::Report> for Report {
@@ -176,6 +178,7 @@ impl From<core_servo::Report> for Report {
             oscillations: faults.oscillations,
             stops: faults.stops,
             derating: faults.derating,
+            moves_at_rest: faults.moves_at_rest,
         }
     }
 }

@@ -133,6 +133,8 @@ pub struct Health {
     pub oscillations: u32,
     /// Faults that stopped the axis.
     pub stops: u32,
+    /// Departures from where the axis was while its reference rests.
+    pub moves_at_rest: u32,
     /// Slots that were not done in time.
     pub overruns: u32,
     /// Longest slot in us.
@@ -157,6 +159,7 @@ impl Health {
             saturated_samples: faults.saturated_samples,
             oscillations: faults.oscillations,
             stops: faults.stops,
+            moves_at_rest: faults.moves_at_rest,
             ..Self::default()
         }
     }

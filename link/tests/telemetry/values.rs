@@ -101,6 +101,7 @@ fn largest() -> [Content; 7] {
         saturated_samples: max,
         oscillations: max,
         stops: max,
+        moves_at_rest: max,
         overruns: max,
         longest_us: max,
         dropped: max,

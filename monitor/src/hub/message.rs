@@ -89,6 +89,7 @@ pub(super) fn health(health: &Health) -> String {
             "samples at full command": health.saturated_samples,
             "oscillations noticed": health.oscillations,
             "stops by a fault": health.stops,
+            "moves at rest": health.moves_at_rest,
             "slots not in time": health.overruns,
             "longest slot [us]": health.longest_us,
             "samples dropped": health.dropped,

@@ -60,6 +60,7 @@ pub(super) fn page(
         ("samples at full command", health.saturated_samples),
         ("oscillations noticed", health.oscillations),
         ("stops by a fault", health.stops),
+        ("moves at rest", health.moves_at_rest),
         ("slots not in time", health.overruns),
         ("samples dropped", health.dropped),
     ] {
