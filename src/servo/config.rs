@@ -110,7 +110,7 @@ pub struct SupervisionSettings {
     /// .. and the difference is at least this share of the movement: there is something to gain; default 0.3.
     #[doc(alias = "worth")]
     pub min_improvement: f32,
-    /// Least time of excitation before a model is considered, in s; default 0.26.
+    /// Least time of excitation before a model is considered, in s; default 0.3.
     #[doc(alias = "excite")]
     pub excite_time: f32,
     /// Time of free simulation in a validation, in s; default 0.12.
@@ -179,7 +179,7 @@ impl Config {
                 min_r_squared_adapting: 0.9,
                 replace_ratio: 0.7,
                 min_improvement: 0.3,
-                excite_time: 0.26,
+                excite_time: 0.3,
                 validation_time: 0.12,
                 time_limit: 6.0,
                 min_speed: None,

@@ -128,7 +128,12 @@ fn same_bits(a: Option<servo::Model>, b: Option<servo::Model>) -> bool {
 
 /// The settings of the loop in all scenarios.
 pub fn loop_config(options: &Options) -> servo::Config {
-    let mut config = servo::Config::new(1e-3, ROUGH_BANDWIDTH, TRAVEL);
+    stating(options, 1.0)
+}
+
+/// The settings of a user whose bandwidth is so many times the usual guess.
+pub fn stating(options: &Options, ratio: f32) -> servo::Config {
+    let mut config = servo::Config::new(1e-3, ratio * ROUGH_BANDWIDTH, TRAVEL);
     config.adaptive = !options.fixed;
     let dead_volume = if options.linear {
         f32::INFINITY

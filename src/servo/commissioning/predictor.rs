@@ -2,6 +2,7 @@
 
 use crate::math::sqrt;
 use crate::servo::commissioning::record::Record;
+use crate::servo::commissioning::view::View;
 
 /// Number of parameters.
 pub(crate) const PARAMETERS: usize = 9;
@@ -43,33 +44,51 @@ pub(crate) struct Point {
     pub(crate) time: f32,
     /// Position.
     pub(crate) y: f32,
-    /// Mean velocity about this point.
+    /// Mean velocity about the interval that it begins.
     pub(crate) velocity: f32,
-    /// Direction of the motion, 0 at rest.
+    /// Mean direction of the motion, -1 to 1; 0 where it is too slow to tell.
     pub(crate) direction: f32,
+    /// Whether it is at rest.
+    pub(crate) rests: bool,
 }
 
-/// Points on each side of which the mean velocity is taken.
-pub(crate) const REACH: usize = 3;
+/// Drive over friction that nothing holds: a breakaway of 2.5 times the Coulomb friction, of which a fit that has just begun may have found
+/// an eighth.
+const HELD_MOST: f32 = 20.0;
 
 impl Point {
-    /// Point `i` of a record with `REACH` more points on each side.
+    /// Point `i` of a record, and the motion of the interval that it begins; [`View::beyond`] more points follow.
+    ///
+    /// Where the velocity turns within the interval, the direction is the mean of the signs: of a velocity that goes from v to w in a straight
+    /// line, `(v + w) / (|v| + |w|)`.
     #[inline]
-    pub(crate) fn of(record: &Record, i: usize, time: f32, rest_velocity: f32) -> Self {
-        let span = 2.0 * REACH as f32 * time;
-        let velocity = (record.y(i + REACH) - record.y(i.saturating_sub(REACH))) / span;
-        let direction = if velocity > rest_velocity {
-            1.0
-        } else if velocity < -rest_velocity {
-            -1.0
-        } else {
-            0.0
-        };
+    pub(crate) fn of(record: &Record, i: usize, view: &View) -> Self {
+        let reach = view.reach;
+        let moved = |i: usize| record.y(i + reach) - record.y(i.saturating_sub(reach));
+        let (before, after) = (moved(i), moved(i + 1));
+        let sum = before + after;
+        let rests = before.abs() <= view.rest && after.abs() <= view.rest;
         Self {
-            time,
+            time: view.time,
             y: record.y(i),
-            velocity,
-            direction,
+            velocity: view.per_movement * sum,
+            direction: if rests {
+                0.0
+            } else {
+                sum / (before.abs() + after.abs())
+            },
+            rests,
+        }
+    }
+
+    /// The point under a drive: what friction cannot hold moves, however slowly.
+    ///
+    /// A drive without friction that counted as resting would lose what its slow motion shows.
+    #[inline]
+    pub(crate) fn under(self, drive: f32, friction: f32) -> Self {
+        Self {
+            rests: self.rests && drive.abs() <= HELD_MOST * friction,
+            ..self
         }
     }
 }
@@ -175,11 +194,11 @@ impl Theta {
 
     /// Moves a prediction on by the spacing of the points. Cost: about 60 instructions.
     #[inline]
-    pub(crate) fn advance(&self, at: &mut Prediction, flow: f32, direction: f32, time: f32) {
-        if direction == 0.0 {
-            self.rest(at, flow, time);
+    pub(crate) fn advance(&self, at: &mut Prediction, flow: f32, point: &Point) {
+        if point.rests {
+            self.rest(at, flow, point.time);
         } else {
-            self.slide(at, flow, direction, time);
+            self.slide(at, flow, point.direction, point.time);
         }
     }
 

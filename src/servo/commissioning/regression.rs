@@ -2,7 +2,7 @@
 
 use crate::math::matrix::{Matrix, backward, cholesky, forward};
 use crate::math::sqrt;
-use crate::servo::commissioning::predictor::{Point, REACH, Theta};
+use crate::servo::commissioning::predictor::{Point, Theta};
 use crate::servo::commissioning::record::Record;
 use crate::servo::commissioning::view::View;
 
@@ -148,11 +148,11 @@ impl Regression {
         let started = (STARTED / (self.rate * time)) as u32;
         for taken in 0..points {
             let i = self.next;
-            if i + REACH + 1 >= self.view.end {
+            if i + self.view.beyond() >= self.view.end {
                 return taken == 0;
             }
-            let point = Point::of(record, i, time, self.view.rest_velocity);
-            self.moving = if point.direction == 0.0 {
+            let point = Point::of(record, i, &self.view);
+            self.moving = if point.rests {
                 0
             } else {
                 self.moving.saturating_add(1)

@@ -14,7 +14,7 @@ use crate::servo::supervision::state::Reason;
 const WINDOW: usize = 384;
 /// Points of a fit and of a simulation per s: some 3.5 million instructions.
 const FIT_POINTS: f32 = 3e3;
-const SIMULATION_POINTS: f32 = 1.2e4;
+const SIMULATION_POINTS: f32 = 1e4;
 /// Natural frequencies in rad/s at which a fit starts, beside what is known.
 const STARTS: [f32; 3] = [80.0, 40.0, 17.0];
 /// Error over movement, squared, of a start that need not be compared with others.

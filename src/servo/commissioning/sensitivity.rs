@@ -47,13 +47,44 @@ impl Transition {
         }
     }
 
-    /// One interval on, without anything that acts on it.
+    /// One interval on from a state that is corrected by its position with these gains, without anything that acts on it.
     #[inline]
-    fn advance(&self, at: &mut Prediction) {
-        let (v, p) = (at.v, at.p);
-        at.x += self.velocity[0] * v + self.drive[0] * p;
-        at.v += self.velocity[1] * v + self.drive[1] * p;
-        at.p += self.velocity[2] * v + self.drive[2] * p;
+    fn corrected(&self, [x, v, p]: [f32; 3]) -> Step {
+        let ([vx, vv, vp], [px, pv, pp]) = (self.velocity, self.drive);
+        let (vv, pp) = (1.0 + vv, 1.0 + pp);
+        Step {
+            position: [
+                1.0 - x - vx * v - px * p,
+                -vv * v - pv * p,
+                -vp * v - pp * p,
+            ],
+            velocity: [vx, vv, vp],
+            drive: [px, pv, pp],
+        }
+    }
+}
+
+/// What position, velocity and drive of a unit become.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    position: [f32; 3],
+    velocity: [f32; 3],
+    drive: [f32; 3],
+}
+
+impl Step {
+    /// One interval on, under an action of this size.
+    #[inline(always)]
+    fn advance(&self, at: &mut Prediction, action: &[f32; 3], size: f32) {
+        let Prediction { x, v, p } = *at;
+        let on = |k: usize| {
+            self.position[k] * x + self.velocity[k] * v + self.drive[k] * p + action[k] * size
+        };
+        *at = Prediction {
+            x: on(0),
+            v: on(1),
+            p: on(2),
+        };
     }
 }
 
@@ -120,6 +151,12 @@ impl Sensitivity {
         friction.p = scale[5] * first.direction;
     }
 
+    /// A point as the prediction sees it.
+    #[inline]
+    pub(crate) fn seen(&self, point: Point) -> Point {
+        point.under(self.at.p, self.theta.friction)
+    }
+
     /// The parameters.
     pub(crate) const fn theta(&self) -> &Theta {
         &self.theta
@@ -135,27 +172,16 @@ impl Sensitivity {
         (point.y - self.at.x, slope)
     }
 
-    /// Corrects the prediction; at rest its position is known.
+    /// Corrects the prediction and moves it one interval on, under these commands: the newer one, the older one and its share. At rest the
+    /// position is known. Cost: about 400 instructions.
     #[inline]
-    pub(crate) fn correct(&mut self, point: &Point, [x, v, p]: [f32; 3]) {
-        if point.direction == 0.0 {
-            self.at.x = point.y;
-            for slope in &mut self.slopes {
-                slope.x = 0.0;
-            }
-            return;
-        }
-        let error = point.y - self.at.x;
-        act(&mut self.at, &[x, v, p], error);
-        for slope in &mut self.slopes {
-            let error = -slope.x;
-            act(slope, &[x, v, p], error);
-        }
-    }
-
-    /// One interval on, under these commands: the newer one, the older one and its share. Cost: about 400 instructions.
-    #[inline]
-    pub(crate) fn advance(&mut self, point: &Point, [newer, older, part]: [f32; 3], inverse: f32) {
+    pub(crate) fn advance(
+        &mut self,
+        point: &Point,
+        gains: [f32; 3],
+        [newer, older, part]: [f32; 3],
+        inverse: f32,
+    ) {
         let k = stiffness(self.theta.stiffening, point.y);
         let theta = self.theta.stiffer(k);
         let mean = |newer: f32, older: f32| newer + part * (older - newer);
@@ -165,29 +191,35 @@ impl Sensitivity {
         let bent = [-mean(n, o), mean(n * n, o * o), (older - newer) * inverse];
         let side = direction_of(flow);
         let loss = theta.kappa * side * flow;
-        let before = self.at;
         let mut acts = Acts {
             theta,
             flow,
             side,
             bent,
             v: 0.0,
-            p: before.p,
+            p: self.at.p,
             stiffer: [k, k * k * off_middle(point.y)],
         };
-        if point.direction == 0.0 {
-            self.at.p += point.time * (theta.b0 * flow - loss * before.p);
+        if point.rests {
+            self.at.x = point.y;
+            self.at.p += point.time * (theta.b0 * flow - loss * self.at.p);
             self.at.v = 0.0;
             self.follow_at_rest(&acts, loss, point.time);
         } else {
+            let error = point.y - self.at.x;
+            act(&mut self.at, &gains, error);
+            let before = self.at;
             let transition = Transition::new(&theta, loss, point.time);
-            transition.advance(&mut self.at);
             let friction = -theta.friction * point.direction;
-            act(&mut self.at, &transition.acceleration, friction);
+            transition.corrected([0.0; 3]).advance(
+                &mut self.at,
+                &transition.acceleration,
+                friction,
+            );
             act(&mut self.at, &transition.rate, theta.b0 * flow);
             acts.v = 0.5 * (before.v + self.at.v);
             acts.p = 0.5 * (before.p + self.at.p);
-            self.follow(&acts, &transition, point.direction);
+            self.follow(&acts, &transition, gains, point.direction);
         }
     }
 
@@ -217,26 +249,26 @@ impl Sensitivity {
     }
 
     #[inline]
-    fn follow(&mut self, acts: &Acts, transition: &Transition, direction: f32) {
+    fn follow(&mut self, acts: &Acts, on: &Transition, gains: [f32; 3], direction: f32) {
         let rates = self.rates(acts);
         let (damping, friction) = (-acts.v * self.scale[1], -direction * self.scale[5]);
-        for slope in &mut self.slopes {
-            transition.advance(slope);
-        }
+        let step = on.corrected(gains);
         for (slope, rate) in driven(&mut self.slopes).into_iter().zip(rates) {
-            act(slope, &transition.rate, rate);
+            step.advance(slope, &on.rate, rate);
         }
         let [_, a2, _, _, _, own_friction, ..] = &mut self.slopes;
-        act(a2, &transition.acceleration, damping);
-        act(own_friction, &transition.acceleration, friction);
+        step.advance(a2, &on.acceleration, damping);
+        step.advance(own_friction, &on.acceleration, friction);
     }
 
     #[inline]
     fn follow_at_rest(&mut self, acts: &Acts, loss: f32, time: f32) {
         let rates = self.rates(acts);
         for slope in &mut self.slopes {
-            slope.p -= time * loss * slope.p;
-            slope.v = 0.0;
+            *slope = Prediction {
+                p: slope.p - time * loss * slope.p,
+                ..Prediction::default()
+            };
         }
         for (slope, rate) in driven(&mut self.slopes).into_iter().zip(rates) {
             slope.p += time * rate;

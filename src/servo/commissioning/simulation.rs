@@ -1,7 +1,7 @@
 //! A model that runs by itself beside the record.
 
 use crate::math::sqrt;
-use crate::servo::commissioning::predictor::{Point, Prediction, REACH, Theta};
+use crate::servo::commissioning::predictor::{Point, Prediction, Theta};
 use crate::servo::commissioning::record::Record;
 use crate::servo::commissioning::view::{STEP_MAX, View};
 use crate::servo::control::place::stiffness;
@@ -30,7 +30,7 @@ impl Simulation {
         ratio: f32,
         release: usize,
     ) -> Self {
-        let first = Point::of(record, view.begin, view.time, view.rest_velocity);
+        let first = Point::of(record, view.begin, &view);
         let rate = ratio * sqrt(theta.a1);
         let rate = if rate * view.time < STEP_MAX {
             rate
@@ -56,12 +56,12 @@ impl Simulation {
 
     /// Takes `points` more; where there were none left, the mean squared error and the variance of the position.
     ///
-    /// Cost: some 120 instructions per point.
+    /// Cost: some 200 instructions per point.
     pub(crate) fn advance(&mut self, record: &Record, points: usize) -> Option<[f32; 2]> {
         let inverse = 1.0 / self.view.time;
         for taken in 0..points {
             let i = self.next;
-            if i + REACH >= self.view.end {
+            if i + self.view.beyond() >= self.view.end {
                 if taken > 0 {
                     return None;
                 }
@@ -69,10 +69,10 @@ impl Simulation {
                 let mean = sum / self.count;
                 return Some([sse / self.count, squares / self.count - mean * mean]);
             }
-            let point = Point::of(record, i, self.view.time, self.view.rest_velocity);
+            let point = Point::of(record, i, &self.view).under(self.at.p, self.theta.friction);
             let error = point.y - self.at.x;
             if i < self.release {
-                if point.direction == 0.0 {
+                if point.rests {
                     self.at.x = point.y;
                 } else {
                     self.at.x += self.gains[0] * error;
@@ -89,7 +89,7 @@ impl Simulation {
             let flow = self.theta.flow_at(record, self.view.sign, i, inverse);
             self.theta
                 .stiffer(stiffness(self.theta.stiffening, point.y))
-                .advance(&mut self.at, flow, point.direction, point.time);
+                .advance(&mut self.at, flow, &point);
             self.next += 1;
         }
         None

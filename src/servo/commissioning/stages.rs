@@ -5,11 +5,11 @@ use crate::servo::commissioning::relay::{Relay, Relayed, at_end};
 use crate::servo::commissioning::silence::{Heard, Silence};
 use crate::servo::commissioning::sweep::Sweep;
 use crate::servo::commissioning::view::View;
-use crate::servo::commissioning::{Commissioning, Progress, Stage, predictor, tracking_rate};
+use crate::servo::commissioning::{Commissioning, Progress, Stage, tracking_rate};
 use crate::servo::supervision::state::Reason;
 
 /// Points of the record per half period of the relay, and the largest spacing in s.
-const POINTS_PER_HALF: f32 = 16.0;
+const POINTS_PER_HALF: f32 = 12.0;
 const SPACING_MAX: f32 = 1e-2;
 /// Least dead zone over the command at the first movement, for the levels.
 const DEAD_ZONE_MIN: f32 = 0.4;
@@ -104,15 +104,7 @@ impl Commissioning {
         }
         self.first_guess = None;
         let time = self.record.stride() as f32 * self.design.sample_time;
-        let span = 2.0 * predictor::REACH as f32 * time;
-        let noise = 6.0 * self.still.sigma / span;
-        let view = View {
-            begin: 0,
-            end: 0,
-            time,
-            rest_velocity: noise.max(2e-3),
-            sign: self.sign,
-        };
+        let view = View::of(time, self.still.sigma, self.sign);
         let points = self.record.end() + (self.design.excite_time / time) as usize;
         self.search
             .begin(points, view, self.still.sigma, [frequency, dead_zone]);
