@@ -24,8 +24,9 @@ pub(crate) enum Short {
 /// many there are. D is what is left: a sound axis stays behind by the deflection with which friction
 /// holds it, and by a swing. A drive with little damping swings by `v / w` after a motion with v, in a phase that nobody knows: `(1 - 2 xi) v / w` for
 /// the fastest recent motion that was as expected. A loop that swings, near an end, where the drive is stiffer, faster than its model, has any phase to its
-/// expectation, and in half a wave D grows to some `2 v / w`, under a load of three times the mass sqrt(3) times that: 4.3 v / w for the smaller one of the largest recent speeds in both directions. A
-/// motion that runs away has only one direction.
+/// expectation, and in half a wave D grows to some `2 v / w`, under a load of three times the mass sqrt(3) times that, and half as much again where
+/// the loop is unstable with that load and the next half wave is larger by a half: 5.2 v / w for the smaller one of the largest recent speeds in
+/// both directions. A motion that runs away has only one direction.
 ///
 /// While friction holds the expectation, s is the sign of what is commanded: an axis with less friction than its model already moves that way.
 ///
