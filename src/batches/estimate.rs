@@ -1,7 +1,6 @@
 //! From the snapshots to an estimate.
 
 use crate::batches::Batched;
-use crate::batches::snapshots::Snapshot;
 use crate::estimation::rls::Estimator;
 use crate::math::matrix::Matrix;
 use crate::readout::estimate::Estimate;
@@ -27,7 +26,7 @@ pub struct Batches<const M: usize, const N: usize, const I: usize> {
 struct Spread<'a, const N: usize> {
     gain: &'a Matrix<N>,
     covariance: Matrix<N>,
-    /// Sums of the weights of the samples in each block, and of their squares.
+    /// Sums of the weights of the samples that were forgotten for in each block, and of their squares.
     samples: f32,
     squares: f32,
 }
@@ -77,7 +76,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         theta: &[f32; N],
         gain: &Matrix<N>,
     ) -> (Matrix<N>, f32) {
-        let now = Snapshot::of(estimator);
+        let now = self.snapshots.now(estimator);
         if !(now.samples > 0.0) {
             return ([[0.0; N]; N], 0.0);
         }
@@ -90,7 +89,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             squares: 0.0,
         };
         let begin = (&self.snapshots.begin, self.snapshots.begin_weight());
-        let (mut before, mut samples) = ([0.0; N], 0.0);
+        let (mut before, mut samples, mut forgotten) = ([0.0; N], 0.0, 0.0);
         let ends = core::iter::once(begin)
             .chain(self.snapshots.iter())
             .chain(core::iter::once((&now, 1.0)));
@@ -99,9 +98,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             let sum = end.score(theta).map(|d| weight * d);
             if rows > 0.0 {
                 let score = core::array::from_fn(|j| sum[j] - before[j] - rows * mean[j]);
-                spread.add(&score, rows);
+                spread.add(&score, weight * end.forgotten - forgotten);
             }
-            (before, samples) = (sum, weight * end.samples);
+            (before, samples, forgotten) = (sum, weight * end.samples, weight * end.forgotten);
         }
         let blocks = spread.samples * (spread.samples / spread.squares);
         let freedom = freedom(blocks);

@@ -18,6 +18,7 @@
 use crate::estimation::rls::Estimator;
 use crate::identifier::witness::Witness;
 use crate::math::matrix::Matrix;
+use crate::math::power;
 
 /// Snapshots in the ring.
 pub(crate) const SNAPSHOTS: usize = 16;
@@ -33,6 +34,8 @@ pub(super) struct Snapshot<const N: usize> {
     factors: Matrix<N>,
     /// Weight of the samples in it.
     pub(super) samples: f32,
+    /// The same of those that were forgotten for: information, where as much comes as goes.
+    pub(super) forgotten: f32,
     /// What it counts now.
     pub(super) weight: f32,
 }
@@ -42,14 +45,16 @@ impl<const N: usize> Snapshot<N> {
         theta: [0.0; N],
         factors: [[0.0; N]; N],
         samples: 0.0,
+        forgotten: 0.0,
         weight: 0.0,
     };
 
-    pub(super) fn of(estimator: &Estimator<N>) -> Self {
+    fn of(estimator: &Estimator<N>, forgotten: f32) -> Self {
         Self {
             theta: *estimator.theta(),
             factors: estimator.factors(),
             samples: estimator.samples(),
+            forgotten,
             weight: 1.0,
         }
     }
@@ -87,12 +92,14 @@ pub(crate) struct Snapshots<const N: usize> {
     used: usize,
     /// lambda.
     forgetting: f32,
-    /// What the newest snapshot counts now.
-    decay: f32,
-    /// Rows of a whole block, and of the present one so far.
+    /// Rows of a whole block that were forgotten for, and of the present one so far.
     length: u32,
     taken: u32,
-    /// Rows of the first blocks, so that the last doubling ends at the longest for a memory.
+    /// lambda^length.
+    decay: f32,
+    /// Weight of the samples that were forgotten for up to the newest snapshot.
+    forgotten: f32,
+    /// The same of the first blocks, so that the last doubling ends at the longest for a memory.
     shortest: u32,
     longest: u32,
     /// Begins anew with the next row.
@@ -108,14 +115,15 @@ impl<const N: usize> Snapshots<N> {
         };
         let shortest = longest >> (longest / FIRST).ilog2();
         Self {
-            begin: Snapshot::of(estimator),
+            begin: Snapshot::of(estimator, 0.0),
             ring: [const { Snapshot::EMPTY }; SNAPSHOTS],
             order: core::array::from_fn(|place| place as u8),
             used: 0,
             forgetting,
-            decay: 1.0,
             length: shortest,
             taken: 0,
+            decay: power(forgetting, shortest),
+            forgotten: 0.0,
             shortest,
             longest,
             stale: false,
@@ -125,22 +133,27 @@ impl<const N: usize> Snapshots<N> {
     /// Ends the present block, or begins anew.
     #[inline(never)]
     fn close(&mut self, estimator: &Estimator<N>) {
+        let decay = match self.stale {
+            true => self.newest(),
+            false => self.decay,
+        };
+        self.forgotten = self.forgotten(decay);
         self.taken = 0;
-        let decay = core::mem::replace(&mut self.decay, 1.0);
         if self.stale {
             self.stale = false;
             self.used = 0;
             self.length = self.shortest;
-            self.begin = Snapshot::of(estimator);
+            self.decay = power(self.forgetting, self.shortest);
+            self.begin = Snapshot::of(estimator, self.forgotten);
             return;
         }
-        self.begin.weight *= decay;
+        self.begin.weight *= self.decay;
         for snapshot in &mut self.ring {
-            snapshot.weight *= decay;
+            snapshot.weight *= self.decay;
         }
         let place = self.order.get(self.used).copied().unwrap_or(0);
         if let Some(slot) = self.ring.get_mut(usize::from(place)) {
-            *slot = Snapshot::of(estimator);
+            *slot = Snapshot::of(estimator, self.forgotten);
         }
         self.used += 1;
         if self.used == SNAPSHOTS {
@@ -156,6 +169,7 @@ impl<const N: usize> Snapshots<N> {
             return;
         }
         self.length *= 2;
+        self.decay *= self.decay;
         let before = self.order;
         let (kept, free) = self.order.split_at_mut(SNAPSHOTS / 2);
         for (places, pair) in kept.iter_mut().zip(free).zip(before.chunks_exact(2)) {
@@ -166,17 +180,37 @@ impl<const N: usize> Snapshots<N> {
         self.used = SNAPSHOTS / 2;
     }
 
+    /// Weight of the samples that were forgotten for up to now, the present block counting lambda^rows = `decay`.
+    fn forgotten(&self, decay: f32) -> f32 {
+        let fresh = match self.forgetting < 1.0 {
+            true => (1.0 - decay) / (1.0 - self.forgetting),
+            false => self.taken as f32,
+        };
+        decay * self.forgotten + fresh
+    }
+
+    /// The recursion now.
+    pub(super) fn now(&self, estimator: &Estimator<N>) -> Snapshot<N> {
+        Snapshot::of(estimator, self.forgotten(self.newest()))
+    }
+
+    /// What the newest snapshot counts now.
+    const fn newest(&self) -> f32 {
+        power(self.forgetting, self.taken)
+    }
+
     /// The snapshots from the oldest to the newest, each with what it counts now.
     pub(super) fn iter(&self) -> impl Iterator<Item = (&Snapshot<N>, f32)> {
-        self.order.iter().take(self.used).filter_map(|place| {
+        let newest = self.newest();
+        self.order.iter().take(self.used).filter_map(move |place| {
             let snapshot = self.ring.get(usize::from(*place))?;
-            Some((snapshot, snapshot.weight * self.decay))
+            Some((snapshot, snapshot.weight * newest))
         })
     }
 
     /// What the recursion before the first block counts now.
     pub(super) fn begin_weight(&self) -> f32 {
-        self.begin.weight * self.decay
+        self.begin.weight * self.newest()
     }
 }
 
@@ -188,17 +222,11 @@ impl<const M: usize, const N: usize, const I: usize> Witness<M, N, I> for Snapsh
     fn inputs(&mut self, _: &[[f32; M]; I]) {}
 
     #[inline(always)]
-    fn row(&mut self, _: &[f32; N], _: f32, estimator: &Estimator<N>) {
-        self.decay *= self.forgetting;
-        self.taken += 1;
+    fn row(&mut self, _: &[f32; N], _: f32, estimator: &Estimator<N>, forgot: bool) {
+        self.taken += u32::from(forgot);
         if self.taken >= self.length || self.stale {
             self.close(estimator);
         }
-    }
-
-    #[inline(always)]
-    fn passed(&mut self) {
-        self.decay *= self.forgetting;
     }
 
     #[inline(always)]

@@ -19,14 +19,15 @@
 //! would find the others well known, at the prior mean.
 //!
 //! # What holds
-//! For any finite rows, in any order, with lambda = 1 - eps, and r_i for r until the data have shown parameter i:
+//! For any finite rows, in any order, with lambda = 1 - eps or, before any of them, 1 (see `postponed`), and r_i for r until the data
+//! have shown parameter i:
 //!
 //! ```text
 //! D_j > 0,    P_ii <= N r eps lambda^-2N / (1 - lambda^t)       t samples in whole rounds of 2N after a start, for ever
 //! ```
 //!
 //! Proof. Let q = 1/P_ii just after turn i. A row and an observation of another parameter only add information, so they
-//! do not increase P_ii; forgetting multiplies it by 1/lambda. One round of 2N samples later, before the turn,
+//! do not increase P_ii; forgetting multiplies it by at most 1/lambda. One round of 2N samples later, before the turn,
 //! 1/P_ii >= lambda^2N q. The observation adds 2/r: q' >= lambda^2N q + 2/r, from any q >= 0; hence after n rounds
 //! q >= (1 - lambda^(2nN)) 2 / (r (1 - lambda^2N)) >= (1 - lambda^(2nN)) / (N r eps). Where the turn is skipped P_ii <= s is
 //! already smaller. Between two turns P_ii grows by at most lambda^-2N. D_j is multiplied by alpha_(j-1)/alpha_j, a
@@ -71,6 +72,9 @@ const VARIANCE: f32 = 16_384.0;
 
 /// s: below this P_ii the observation would change nothing that f32 shows.
 const CERTAIN: f32 = 2e-6 * VARIANCE;
+
+/// The same where a memory is eight times as long.
+const CERTAIN_LONG: f32 = CERTAIN / 8.0;
 
 /// A nominal value follows while P_ii is below this share of what the observations alone leave.
 const FOLLOWS: f32 = 0.1;
@@ -145,18 +149,19 @@ impl<const N: usize> StabilisedForgetting<N> {
     /// Cost: see the table of instruction counts.
     #[inline(always)]
     pub fn apply(&mut self, estimator: &mut Estimator<N>) {
-        let _ = self.turn(estimator);
+        let _ = self.turn(estimator, true);
     }
 
-    /// As [`apply`](Self::apply); gives `k` once in each second round, in a sample with little else to do: k counts them.
+    /// As [`apply`](Self::apply), nominal values following only behind a row that `brings` enough; gives `k` once in each second
+    /// round, in a sample with little else to do: k counts them.
     #[inline(always)]
-    pub(crate) fn turn(&mut self, estimator: &mut Estimator<N>) -> Option<u32> {
+    pub(crate) fn turn(&mut self, estimator: &mut Estimator<N>, brings: bool) -> Option<u32> {
         let (turn, observes) = (self.turn / 2, !self.turn.is_multiple_of(2));
         self.advance(1);
         if !observes {
             return None;
         }
-        self.observe(estimator, turn, false);
+        self.observe(estimator, turn, brings);
         if turn + 1 < N {
             return None;
         }
@@ -169,20 +174,9 @@ impl<const N: usize> StabilisedForgetting<N> {
         None
     }
 
-    /// As [`apply`](Self::apply) with both parts at once, for a sample time without a row.
-    #[inline(never)]
-    pub(crate) fn pass(&mut self, estimator: &mut Estimator<N>) {
-        estimator.pass();
-        let turn = self.turn;
-        self.advance(1);
-        if !turn.is_multiple_of(2) {
-            self.observe(estimator, turn / 2, true);
-        }
-    }
-
-    /// The observation of parameter `turn`, or its first part, where that is not known so well that it changes nothing.
+    /// The first part of the observation of parameter `turn`, where that is not known so well that it changes nothing.
     #[inline(always)]
-    fn observe(&mut self, estimator: &mut Estimator<N>, turn: usize, whole: bool) {
+    fn observe(&mut self, estimator: &mut Estimator<N>, turn: usize, brings: bool) {
         let (Some(nominal), Some(unsupported)) =
             (self.nominal.get_mut(turn), self.unsupported.get_mut(turn))
         else {
@@ -191,12 +185,9 @@ impl<const N: usize> StabilisedForgetting<N> {
         let own = *unsupported * self.inverse_share;
         // Not max(), which is a call of a library on the target.
         let assumed = || if own > VARIANCE { own } else { VARIANCE };
-        let variance = if whole {
-            estimator.observe_parameter(turn, *nominal, assumed(), CERTAIN)
-        } else {
-            estimator.begin_observation(turn, *nominal, assumed, CERTAIN)
-        };
-        if variance < self.follows {
+        let least = if brings { CERTAIN } else { CERTAIN_LONG };
+        let variance = estimator.begin_observation(turn, *nominal, assumed, least);
+        if brings && variance < self.follows {
             if !self.set {
                 *nominal = estimator.theta().get(turn).copied().unwrap_or(*nominal);
             }
@@ -212,14 +203,22 @@ impl<const N: usize> StabilisedForgetting<N> {
 
     /// After a sample whose row was left out on purpose: parameter i in turn is observed at its own value.
     ///
-    /// Whatever P was, after N such samples every P_ii is at most N r eps, what it is right after a turn without data, and
+    /// Whatever P was, after N such samples every P_ii is at most N r_i eps, what it is right after a turn without data, and
     /// the bound holds from there on; theta stays.
     #[inline(never)]
     pub(crate) fn hold(&mut self, estimator: &mut Estimator<N>) {
         let turn = self.turn / 2;
         self.advance(2);
-        if let Some(own) = estimator.theta().get(turn).copied() {
-            estimator.observe_parameter(turn, own, self.left, 0.0);
+        if let (Some(own), Some(unsupported)) = (
+            estimator.theta().get(turn).copied(),
+            self.unsupported.get(turn).copied(),
+        ) {
+            let left = if unsupported > self.left {
+                unsupported
+            } else {
+                self.left
+            };
+            estimator.observe_parameter(turn, own, left, 0.0);
         }
     }
 

@@ -4,6 +4,7 @@ mod factors;
 pub(crate) mod forgetting;
 pub(crate) mod mean_square;
 pub(crate) mod noise_level;
+pub(crate) mod postponed;
 pub(crate) mod regressor;
 pub(crate) mod rls;
 pub(crate) mod structure;

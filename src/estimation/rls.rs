@@ -1,5 +1,7 @@
 //! The estimator: recursive least squares on the factors U D U' of the covariance.
 
+mod memory;
+
 use crate::estimation::factors::{Factors, Row};
 use crate::estimation::mean_square::{MeanSquare, flush};
 use crate::estimation::two_words::TwoWords;
@@ -47,7 +49,8 @@ pub struct Estimator<const N: usize> {
     theta: TwoWords<N>,
     factors: Factors<N>,
     forgetting: f32,
-    inverse_forgetting: f32,
+    /// What the next row is forgotten for: lambda or 1, and one over it.
+    next: [f32; 2],
     /// Weighted sum of squares of the innovations with the weight of the samples in it.
     residual: MeanSquare,
     /// Weight of the samples in P.
@@ -84,7 +87,7 @@ impl<const N: usize> Estimator<N> {
             theta: TwoWords::new(theta),
             factors: Factors::independent(&std),
             forgetting,
-            inverse_forgetting: 1.0 / forgetting,
+            next: [forgetting, 1.0 / forgetting],
             residual: MeanSquare::new(forgetting),
             samples: 0.0,
             observation: Observation::NONE,
@@ -103,7 +106,7 @@ impl<const N: usize> Estimator<N> {
     pub fn update(&mut self, phi: &[f32; N], psi: f32) -> f32 {
         self.finish_observation();
         let innovation = self.innovation(phi, psi);
-        self.fold(phi, innovation);
+        let _ = self.fold(phi, innovation);
         innovation
     }
 
@@ -130,27 +133,19 @@ impl<const N: usize> Estimator<N> {
     #[inline(always)]
     pub fn correct(&mut self, z: &[f32; N], innovation: f32) {
         self.finish_observation();
-        self.fold(z, innovation);
+        let _ = self.fold(z, innovation);
     }
 
-    /// As [`correct`](Self::correct), where no observation waits for its rest.
+    /// As [`correct`](Self::correct), where no observation waits for its rest. Gives phi' P phi before it.
     #[inline(always)]
-    pub(crate) fn fold(&mut self, z: &[f32; N], innovation: f32) {
-        let row = self
-            .factors
-            .fold(z, self.forgetting, self.inverse_forgetting);
+    pub(crate) fn fold(&mut self, z: &[f32; N], innovation: f32) -> f32 {
+        let [forgetting, growth] = self.next;
+        let row = self.factors.fold(z, forgetting, growth);
         let step = innovation / row.alpha;
         self.theta.add(&row.gain, step);
-        self.residual.update(self.forgetting * (innovation * step));
-        self.samples = self.forgetting * self.samples + 1.0;
-    }
-
-    /// Lets one sample time pass without a row: forgets, and leaves theta and the noise level.
-    #[inline(always)]
-    pub fn pass(&mut self) {
-        self.finish_observation();
-        self.factors.grow(self.inverse_forgetting);
-        self.samples *= self.forgetting;
+        self.residual.update(forgetting * (innovation * step));
+        self.samples = forgetting * self.samples + 1.0;
+        row.alpha - forgetting
     }
 
     /// Takes `value` as an observation of parameter `index` alone, with `variance` relative to the noise of psi.
@@ -265,7 +260,7 @@ impl<const N: usize> Estimator<N> {
         (freedom > 0.0).then(|| self.residual.squares() / freedom)
     }
 
-    /// Number of samples in the memory: 1/(1-lambda) at most.
+    /// Weight of the samples in P: 1/(1-lambda) at most where every row is forgotten for.
     pub const fn samples(&self) -> f32 {
         self.samples
     }

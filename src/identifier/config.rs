@@ -37,8 +37,10 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     pub initial_input: [f32; I],
     /// Memory of the estimator in s, from N (N - 1) samples to 2^20 samples; `None` forgets nothing (default).
     ///
-    /// Where nothing excites a parameter its covariance stops at a bound and the parameter at its nominal value
-    /// ([`Identifier::set_nominal`](crate::Identifier::set_nominal)); while the drive does not move, the estimate is held.
+    /// In motion: while samples bring little information it is up to eight times as long, and while the drive does not move the
+    /// estimate is held and nothing forgotten; an innovation of six standard deviations then makes up for that at once. Where
+    /// nothing excites a parameter its covariance stops at a bound and the parameter at its nominal value
+    /// ([`Identifier::set_nominal`](crate::Identifier::set_nominal)).
     pub memory: Option<f32>,
     /// With a memory: whether a change of the drive in motion makes the memory short until the new drive is known;
     /// default `false`.

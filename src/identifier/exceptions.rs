@@ -1,5 +1,6 @@
 //! Samples that are not of the model: the axis stands against it, or the drive has changed.
 
+use crate::estimation::postponed::Postponed;
 use crate::identifier::plan::Plan;
 use crate::identifier::row::{Noise, Row};
 use crate::identifier::standstill::Motion;
@@ -43,6 +44,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let one_sample = self.estimator.samples().max(1.0);
         let theta = *self.estimator.theta();
         self.estimator.resume(theta, one_sample, &limit);
+        self.estimator.forget(true);
+        self.postponed = Postponed::new(plan.forgetting);
         self.signals.gate.keep_open(plan.times.gate_open);
         self.changes = self.changes.saturating_add(1);
         witness.changed();
@@ -91,6 +94,31 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             witness.widened();
         }
         found == Motion::Obeys
+    }
+
+    /// Whether the row just folded in, of this `spread`, contradicts what was learnt, and is one of a drive that moves.
+    ///
+    /// Inside the band of standstill it may as well be one of an axis that is held: the row that leaves the band decides.
+    #[inline(never)]
+    pub(super) fn contradicted(
+        &self,
+        plan: &Plan<T, M, N, I>,
+        error: f32,
+        spread: f32,
+        y: f32,
+    ) -> bool {
+        let least = plan.change_shares.least;
+        Postponed::contradicted(&self.estimator, error, spread, least)
+            && (!plan.can_stand || self.standstill.has_left(y))
+    }
+
+    /// A sample without a row: forgetting is owed, or done all the same behind another filter.
+    #[inline(never)]
+    pub(super) fn let_pass(&mut self) {
+        if self.postponed.pass() {
+            self.estimator.pass();
+            let _ = self.forgetting.turn(&mut self.estimator, false);
+        }
     }
 
     /// The initial state is again as uncertain as at the start.

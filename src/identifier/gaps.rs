@@ -14,7 +14,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// Lets the trends of y, from what they were before the sample, go on with the prediction.
     ///
     /// The estimator is left alone. For a sample that was replaced that is all: nothing learnt, nothing forgotten, P as it was. A
-    /// sample without y is time that passed; [`skip`](Self::skip) adds the forgetting.
+    /// sample without y is time that passed; [`skip`](Self::skip) adds that forgetting is owed.
     #[inline(never)]
     pub(super) fn go_on(
         &mut self,
@@ -64,8 +64,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.signals.gate.keep_open(plan.times.gate_pause);
         self.go_on(plan, before, &others);
         if plan.forgets && self.adapting {
-            self.forgetting.pass(&mut self.estimator);
-            witness.passed();
+            self.let_pass();
         }
     }
 

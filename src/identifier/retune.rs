@@ -56,6 +56,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.plan.retune(trends);
         let state = &mut self.state;
         let limit = self.plan.prior.std.map(|std| std * std);
+        // What belongs to the old filter is not held for longer than the memory.
+        state.call_in();
+        state.postponed.suspect();
         state.estimator.resume(theta, scale, &limit);
         state.forgetting.replace_nominal(nominal);
         if same_filter {

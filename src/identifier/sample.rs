@@ -122,26 +122,50 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             if plan.follows_changes && self.changing(plan, *row, moves, witness) {
                 return Outcome::Held { innovation };
             }
-            if moves {
-                self.estimator.fold(&row.phi, row.error);
-                witness.row(&row.phi, row.psi, &self.estimator);
-            } else {
-                self.estimator.pass();
-                witness.passed();
-            }
-            if let Some(part) = self.forgetting.turn(&mut self.estimator) {
-                self.flush(part);
-            }
             if !moves {
+                self.let_pass();
+                let turn = self.signals.turn;
+                if turn.is_multiple_of(16) {
+                    self.flush(turn / 16);
+                }
                 return Outcome::Held { innovation };
             }
+            self.remember(plan, row, y, witness);
         } else if obeys {
-            self.estimator.fold(&row.phi, row.error);
-            witness.row(&row.phi, row.psi, &self.estimator);
+            let _ = self.estimator.fold(&row.phi, row.error);
+            witness.row(&row.phi, row.psi, &self.estimator, true);
         } else {
             return Outcome::Held { innovation };
         }
         Outcome::Estimated { innovation }
+    }
+
+    /// Takes a row in with a memory, which forgets as much as the row before allowed for.
+    #[inline(always)]
+    fn remember(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        row: &Row<N>,
+        y: f32,
+        witness: &mut impl Witness<M, N, I>,
+    ) {
+        let forgot = self.postponed.forgets();
+        let spread = self.estimator.fold(&row.phi, row.error);
+        witness.row(&row.phi, row.psi, &self.estimator, forgot);
+        let mut brings = true;
+        if !self.postponed.is_usual(spread) {
+            if self.postponed.is_owed() && self.contradicted(plan, row.error, spread, y) {
+                self.call_in();
+                // The onset of a motion: its first rows are noise above all, and P has just been opened to them.
+                self.standstill.pause(N as u32);
+                witness.widened();
+                return;
+            }
+            brings = self.postponed.take(spread, &mut self.estimator);
+        }
+        if let Some(part) = self.forgetting.turn(&mut self.estimator, brings) {
+            self.flush(part);
+        }
     }
 
     /// Once in a while, a part at a time: what has decayed becomes zero before it becomes subnormal.

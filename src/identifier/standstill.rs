@@ -170,6 +170,12 @@ impl Standstill {
         (stuck >= least).then_some(mean)
     }
 
+    /// Whether `y`, that of the newest sample, was outside of the band.
+    pub(crate) fn has_left(&self, y: f32) -> bool {
+        let [entered, _] = self.entered;
+        y == entered
+    }
+
     /// Holds the estimate for `samples` at least.
     pub(crate) fn pause(&mut self, samples: u32) {
         self.pause = self.pause.max(samples);

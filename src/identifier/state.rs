@@ -8,6 +8,7 @@
 
 use crate::estimation::forgetting::StabilisedForgetting;
 use crate::estimation::noise_level::NoiseLevel;
+use crate::estimation::postponed::Postponed;
 use crate::estimation::rls::Estimator;
 use crate::identifier::change::ChangeDetector;
 use crate::identifier::plan::{Plan, Prior};
@@ -38,6 +39,7 @@ pub(crate) struct State<
     /// Changes of the drive that were found.
     pub(crate) changes: u32,
     pub(crate) forgetting: StabilisedForgetting<N>,
+    pub(super) postponed: Postponed,
 }
 
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
@@ -60,6 +62,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             change: ChangeDetector::new(plan.forgetting, plan.times.change_blind),
             changes: 0,
             forgetting,
+            postponed: Postponed::new(plan.forgetting),
         }
     }
 
@@ -74,6 +77,13 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.estimator = Estimator::new(prior.theta, prior.std, plan.forgetting);
         self.forgetting.set_nominal(prior.theta);
         self.forgetting.set_nominal_std(&prior.std);
+        self.postponed = Postponed::new(plan.forgetting);
+    }
+
+    /// Calls in what forgetting is owed.
+    pub(super) fn call_in(&mut self) {
+        let left = self.forgetting.nominal_variances().map(|(left, _)| left);
+        self.postponed.call(&mut self.estimator, left);
     }
 
     /// The newest y.

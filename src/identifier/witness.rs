@@ -8,11 +8,8 @@ pub(crate) trait Witness<const M: usize, const N: usize, const I: usize> {
     fn begin(&mut self);
     /// The trends of the inputs of a sample, also of one without y.
     fn inputs(&mut self, trends: &[[f32; M]; I]);
-    /// A row that the estimator has taken: the normalised regressor and its left-hand side.
-    fn row(&mut self, phi: &[f32; N], psi: f32, estimator: &Estimator<N>);
-    /// A sample time has passed without a row, and was forgotten from the estimator.
-    #[inline(always)]
-    fn passed(&mut self) {}
+    /// A row that the estimator has taken: the normalised regressor and its left-hand side, and whether lambda was applied before.
+    fn row(&mut self, phi: &[f32; N], psi: f32, estimator: &Estimator<N>, forgot: bool);
     /// The covariance of the estimator was changed by something that is no row.
     #[inline(always)]
     fn widened(&mut self) {}
@@ -29,5 +26,5 @@ impl<const M: usize, const N: usize, const I: usize> Witness<M, N, I> for () {
     #[inline(always)]
     fn inputs(&mut self, _: &[[f32; M]; I]) {}
     #[inline(always)]
-    fn row(&mut self, _: &[f32; N], _: f32, _: &Estimator<N>) {}
+    fn row(&mut self, _: &[f32; N], _: f32, _: &Estimator<N>, _: bool) {}
 }

@@ -95,7 +95,7 @@ impl<const M: usize, const N: usize, const I: usize, const R: usize> Witness<M, 
     }
 
     #[inline(always)]
-    fn row(&mut self, phi: &[f32; N], psi: f32, _: &Estimator<N>) {
+    fn row(&mut self, phi: &[f32; N], psi: f32, _: &Estimator<N>, _: bool) {
         let group = &mut self.group;
         if group.rows == 0 {
             let own = self.z.iter_mut().skip(self.layout.twice);

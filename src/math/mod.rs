@@ -23,6 +23,19 @@ pub(crate) fn deviation(variance: f32) -> f32 {
     }
 }
 
+/// `value` to a whole power of any size, by squaring. Cost: 5 instructions for each digit of the power.
+pub(crate) const fn power(value: f32, mut power: u32) -> f32 {
+    let (mut square, mut product) = (value, 1.0);
+    while power > 0 {
+        if power % 2 == 1 {
+            product *= square;
+        }
+        square *= square;
+        power /= 2;
+    }
+    product
+}
+
 /// `value` to a whole power.
 pub(crate) fn raised(value: f32, power: usize) -> f32 {
     let mut product = 1.0;

@@ -23,9 +23,11 @@ pub enum Kind {
         /// w.
         variance: f64,
     },
-    /// All of it; then every second sample one parameter in turn is observed at its nominal value, which follows the
+    /// All of it, before a row when the row before brought 1.5 times the share that goes, otherwise before every eighth;
+    /// then every second sample one parameter in turn is observed at its nominal value, which follows the
     /// estimate where its variance is small: what the core does, with dense matrices. Until the variance was small once, a nominal
-    /// value is the mean of the prior and weighs as much as keeps the prior variance.
+    /// value is the mean of the prior and weighs as much as keeps the prior variance. Behind a row that brought less nominal values
+    /// stand still.
     InTurn {
         /// That of one observation, once the variance of the parameter was small.
         variance: f64,
@@ -46,6 +48,8 @@ pub struct Forgetting<const N: usize> {
     information: SMatrix<f64, N, N>,
     covariance: SMatrix<f64, N, N>,
     turn: usize,
+    /// Rows before the next one that is forgotten for, in turns.
+    wait: u32,
 }
 
 impl<const N: usize> Forgetting<N> {
@@ -60,6 +64,7 @@ impl<const N: usize> Forgetting<N> {
             information: SMatrix::from_diagonal(&variances.map(f64::recip).into()),
             covariance: SMatrix::from_diagonal(&variances.into()),
             turn: 0,
+            wait: 0,
         }
     }
 
@@ -82,6 +87,7 @@ impl<const N: usize> Forgetting<N> {
     pub fn update(&mut self, phi: &[f64; N], psi: f64) {
         let phi = SVector::from(*phi);
         match self.kind {
+            Kind::InTurn { .. } if self.wait > 0 => {}
             Kind::Plain | Kind::InTurn { .. } => self.covariance /= self.lambda,
             Kind::Directional => {
                 let seen = self.information * phi;
@@ -109,6 +115,13 @@ impl<const N: usize> Forgetting<N> {
         self.covariance -= gain * spread.transpose();
         self.information += phi * phi.transpose();
         if let Kind::InTurn { variance, follows } = self.kind {
+            let forgotten = if self.wait == 0 { self.lambda } else { 1.0 };
+            let brings = forgotten * phi.dot(&spread) > 1.5 * (1.0 - self.lambda);
+            self.wait = match (brings, self.wait) {
+                (true, _) => 0,
+                (false, 0) => 7,
+                (false, wait) => wait - 1,
+            };
             let (i, observes) = (self.turn / 2, self.turn % 2 == 1);
             self.turn = (self.turn + 1) % (2 * N);
             if !observes {
@@ -120,7 +133,7 @@ impl<const N: usize> Forgetting<N> {
             let gain = column / (variance.max(least) + known);
             self.theta += gain * (self.nominal[i] - self.theta[i]);
             self.covariance -= gain * column.transpose();
-            if known < follows {
+            if brings && known < follows {
                 self.unsupported[i] = 0.0;
                 self.nominal[i] = self.theta[i];
             }

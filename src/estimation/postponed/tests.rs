@@ -1,0 +1,162 @@
+use super::*;
+use crate::estimation::forgetting::StabilisedForgetting;
+
+const MEMORY: u32 = 200;
+
+fn estimator() -> Estimator<1> {
+    Estimator::new([1.0], [1e-3], 1.0 - 1.0 / MEMORY as f32)
+}
+
+/// Rows with forgetting among so many that bring a share.
+fn forgotten(postponed: &mut Postponed, rows: u32, share: f32) -> u32 {
+    let (mut estimator, eps) = (estimator(), 1.0 / MEMORY as f32);
+    let mut count = 0;
+    for _ in 0..rows {
+        count += u32::from(postponed.forgets());
+        if !postponed.is_usual(share * eps) {
+            postponed.take(share * eps, &mut estimator);
+        }
+    }
+    count
+}
+
+#[test]
+fn rows_that_bring_little_are_forgotten_for_at_an_eighth() {
+    let mut postponed = Postponed::new(1.0 - 1.0 / MEMORY as f32);
+    assert_eq!(forgotten(&mut postponed, 800, 2.0), 800);
+    assert_eq!(postponed.owed, 0);
+    // The first row was decided on by the one before it.
+    assert_eq!(forgotten(&mut postponed, 800, 1.0), 100);
+    assert_eq!(postponed.owed, 700);
+    assert_eq!(forgotten(&mut postponed, 700, 2.0), 700);
+    assert_eq!(postponed.owed, 0);
+}
+
+#[test]
+fn a_rest_is_owed_up_to_a_limit_and_called_in_once() {
+    let mut estimator = estimator();
+    let mut postponed = Postponed::new(1.0 - 1.0 / MEMORY as f32);
+    for _ in 0..MEMORY / 2 {
+        let _ = postponed.pass();
+    }
+    assert!(!postponed.is_owed());
+    for _ in 0..100 * MEMORY {
+        let _ = postponed.pass();
+    }
+    assert!(postponed.is_owed());
+    let before = estimator.covariance(0, 0);
+    postponed.call(&mut estimator, [1e12]);
+    let growth = estimator.covariance(0, 0) / before;
+    assert!((4e8..6e8).contains(&growth), "{growth}");
+    assert!(postponed.forgets() && !postponed.is_owed());
+}
+
+#[test]
+fn a_contradiction_is_six_times_what_was_usual() {
+    let mut estimator = Estimator::<2>::new([0.0; 2], [1e-3; 2], 0.995);
+    for k in 0..2000 {
+        let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+        for size in [1.0_f32, 5.0, 7.0] {
+            let mut other = estimator.clone();
+            let spread = other.fold(&[1e-3, 1e-3], size * sign);
+            let contradicts = |least| Postponed::contradicted(&other, size * sign, spread, least);
+            let contradicted = contradicts(0.0);
+            // Some rows are needed to know what is usual.
+            assert!(k < 20 || contradicted == (size > 6.0), "{k} {size}");
+            assert!(k > 2 || !contradicted);
+            assert!(!contradicts(2.0));
+        }
+        let _ = estimator.fold(&[1e-3, 1e-3], sign);
+    }
+}
+
+/// Numbers in -1..1.
+struct Numbers(u32);
+
+impl Numbers {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (self.0 >> 8) as f32 * (2.0 / 16_777_216.0) - 1.0
+    }
+
+    fn below(&mut self, n: u32) -> u32 {
+        ((self.next() + 1.0) * 0.5 * n as f32) as u32
+    }
+}
+
+/// Rows of any size and direction for random times, rests between them, debts called in whenever there are any; largest P_ii over its bound.
+fn attack<const N: usize>(memory: f32, seed: u32) -> f32 {
+    let forgetting = 1.0 - 1.0 / memory;
+    let mut estimator = Estimator::<N>::new([0.0; N], [1e-2; N], forgetting);
+    let mut stabilised = StabilisedForgetting::<N>::new([0.0; N], forgetting);
+    let mut postponed = Postponed::new(forgetting);
+    let mut numbers = Numbers(seed);
+    let (mut largest, mut size, mut direction, mut left): (f32, f32, usize, u32) = (0.0, 1.0, 0, 0);
+    let (mut calls, mut rests) = (0, false);
+    for _ in 0..60_000 {
+        if left == 0 {
+            left = numbers.below((2.0 * memory) as u32) + 1;
+            size = 10.0_f32.powi(numbers.below(10) as i32 - 6);
+            direction = numbers.below(2 * N as u32) as usize;
+            rests = numbers.next() > 0.5;
+        }
+        left -= 1;
+        if rests {
+            let _ = postponed.pass();
+        } else {
+            // One direction, or all of them.
+            let phi: [f32; N] = core::array::from_fn(|j| match direction < N && j != direction {
+                true => 0.0,
+                false => size * numbers.next(),
+            });
+            let spread = estimator.fold(&phi, numbers.next());
+            if postponed.owed > 0 && numbers.next() > 0.9 {
+                let theta = *estimator.theta();
+                let left = stabilised.nominal_variances().map(|(left, _)| left);
+                postponed.call(&mut estimator, left);
+                for (before, after) in theta.iter().zip(estimator.theta()) {
+                    // Second words are carried over.
+                    assert!((before - after).abs() <= 1e-6 * before.abs());
+                }
+                calls += 1;
+            } else {
+                let brings = postponed.is_usual(spread) || postponed.take(spread, &mut estimator);
+                let _ = stabilised.turn(&mut estimator, brings);
+            }
+        }
+        estimator.finish_observation();
+        for i in 0..N {
+            let p = estimator.covariance(i, i);
+            assert!(
+                p.is_finite() && estimator.theta()[i].is_finite() && estimator.diagonal()[i] > 0.0
+            );
+            largest = largest.max(p / stabilised.bound());
+        }
+    }
+    assert!(calls > 10, "{calls}");
+    largest
+}
+
+/// Whatever the rows, the rests between them and the times at which a debt is called in.
+#[test]
+#[cfg_attr(miri, ignore = "millions of samples")]
+fn the_covariance_stays_below_its_bound_whenever_it_is_forgotten() {
+    let mut worst = [0.0_f32; 4];
+    for memory in [60.0, 200.0, 2000.0, 20_000.0] {
+        for seed in 0..3 {
+            let seed = 270_000 + seed;
+            let found = [
+                attack::<1>(memory, seed),
+                attack::<3>(memory, seed),
+                attack::<5>(memory, seed),
+                attack::<8>(memory, seed),
+            ];
+            for (worst, found) in worst.iter_mut().zip(found) {
+                assert!(found < 1.01, "memory {memory}, seed {seed}: {found}");
+                *worst = worst.max(found);
+            }
+        }
+    }
+    // The bound is no idle one.
+    assert!(worst.iter().all(|share| *share > 0.5), "{worst:?}");
+}
