@@ -73,9 +73,6 @@ const VARIANCE: f32 = 16_384.0;
 /// s: below this P_ii the observation would change nothing that f32 shows.
 const CERTAIN: f32 = 2e-6 * VARIANCE;
 
-/// The same where a memory is eight times as long.
-const CERTAIN_LONG: f32 = CERTAIN / 8.0;
-
 /// A nominal value follows while P_ii is below this share of what the observations alone leave.
 const FOLLOWS: f32 = 0.1;
 
@@ -185,8 +182,7 @@ impl<const N: usize> StabilisedForgetting<N> {
         let own = *unsupported * self.inverse_share;
         // Not max(), which is a call of a library on the target.
         let assumed = || if own > VARIANCE { own } else { VARIANCE };
-        let least = if brings { CERTAIN } else { CERTAIN_LONG };
-        let variance = estimator.begin_observation(turn, *nominal, assumed, least);
+        let variance = estimator.begin_observation(turn, *nominal, assumed, CERTAIN);
         if brings && variance < self.follows {
             if !self.set {
                 *nominal = estimator.theta().get(turn).copied().unwrap_or(*nominal);

@@ -39,8 +39,8 @@
 //! at 20/eps: 1/lambda^n = 5e8 leaves nothing of what rows have told. Before the noise is known (no more rows than parameters) nothing
 //! contradicts.
 //!
-//! Where a filter is exchanged what is owed is called in, and for five memories every sample forgets: rows of the old filter are
-//! not to be held.
+//! Where a filter is exchanged what is owed is called in. Then, and where the drive was found to be another one, every sample forgets for
+//! five memories: old rows are not to be held.
 //!
 //! # What does not hold
 //! A change that happens at rest and stays below six standard deviations in every row is not found at once: the old drive counts what it
@@ -148,7 +148,7 @@ impl Postponed {
         brings
     }
 
-    /// What was learnt up to now is of another filter: for some memories nothing is postponed.
+    /// What was learnt up to now is of another filter, or another drive: for some memories nothing is postponed.
     pub(crate) const fn suspect(&mut self) {
         self.suspect = self.debts[1] / 4;
     }

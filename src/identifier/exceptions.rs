@@ -46,6 +46,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.estimator.resume(theta, one_sample, &limit);
         self.estimator.forget(true);
         self.postponed = Postponed::new(plan.forgetting);
+        self.postponed.suspect();
         self.signals.gate.keep_open(plan.times.gate_open);
         self.changes = self.changes.saturating_add(1);
         witness.changed();
