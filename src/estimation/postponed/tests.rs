@@ -158,5 +158,5 @@ fn the_covariance_stays_below_its_bound_whenever_it_is_forgotten() {
         }
     }
     // The bound is no idle one.
-    assert!(worst.iter().all(|share| *share > 0.5), "{worst:?}");
+    assert!(worst.iter().all(|share| *share > 0.4), "{worst:?}");
 }
