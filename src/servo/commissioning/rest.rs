@@ -20,7 +20,7 @@ pub(crate) struct Still {
     pub(crate) since: f32,
     /// Deviation that counts as movement.
     pub(crate) detection: f32,
-    /// Longest run of equal positions, where the noise changes the code often; 0 where it does not.
+    /// Longest run of equal positions, where the noise changes the code often; 0 where it does not, and where the axis drifted.
     pub(crate) run: u32,
 }
 
@@ -107,7 +107,8 @@ impl Rest {
             drift: if certain { slope / time } else { 0.0 },
             since: 0.5 * (n - 1.0) * time,
             detection,
-            run: if sigma > SPANNING * resolution {
+            // In motion every sample has another code, whatever the noise.
+            run: if sigma > SPANNING * resolution && !certain {
                 self.longest
             } else {
                 0
