@@ -209,12 +209,7 @@ impl<const N: usize> StabilisedForgetting<N> {
             estimator.theta().get(turn).copied(),
             self.unsupported.get(turn).copied(),
         ) {
-            let left = if unsupported > self.left {
-                unsupported
-            } else {
-                self.left
-            };
-            estimator.observe_parameter(turn, own, left, 0.0);
+            estimator.observe_parameter(turn, own, self.left_of(unsupported), 0.0);
         }
     }
 
@@ -241,7 +236,17 @@ impl<const N: usize> StabilisedForgetting<N> {
 
     /// P_ii that each nominal value alone leaves, and the variance of those that no data support, 0 for the others.
     pub(crate) fn nominal_variances(&self) -> [(f32, f32); N] {
-        self.unsupported.map(|own| (own.max(self.left), own))
+        self.unsupported.map(|own| (self.left_of(own), own))
+    }
+
+    /// P_ii that each nominal value alone leaves.
+    pub(crate) fn left(&self) -> [f32; N] {
+        self.unsupported.map(|own| self.left_of(own))
+    }
+
+    /// The same of one whose variance without support is `own`.
+    const fn left_of(&self, own: f32) -> f32 {
+        if own > self.left { own } else { self.left }
     }
 
     /// Lets the nominal values follow the estimate again, from `nominal` on.

@@ -82,8 +82,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// Calls in what forgetting is owed.
     pub(super) fn call_in(&mut self) {
-        let left = self.forgetting.nominal_variances().map(|(left, _)| left);
-        self.postponed.call(&mut self.estimator, left);
+        self.postponed
+            .call(&mut self.estimator, self.forgetting.left());
     }
 
     /// The newest y.

@@ -112,8 +112,7 @@ fn attack<const N: usize>(memory: f32, seed: u32) -> f32 {
             let spread = estimator.fold(&phi, numbers.next());
             if postponed.owed > 0 && numbers.next() > 0.9 {
                 let theta = *estimator.theta();
-                let left = stabilised.nominal_variances().map(|(left, _)| left);
-                postponed.call(&mut estimator, left);
+                postponed.call(&mut estimator, stabilised.left());
                 for (before, after) in theta.iter().zip(estimator.theta()) {
                     // Second words are carried over.
                     assert!((before - after).abs() <= 1e-6 * before.abs());

@@ -12,7 +12,7 @@ use crate::servo::supervision::state::Reason;
 
 /// Points of the ring that a fit reads; the others come while it does.
 const WINDOW: usize = 384;
-/// Points of a fit and of a simulation per s: some 3.5 million instructions.
+/// Points of a fit and of a simulation per s: some 2.7 and 2 million instructions.
 const FIT_POINTS: f32 = 3e3;
 const SIMULATION_POINTS: f32 = 1e4;
 /// Natural frequencies in rad/s at which a fit starts, beside what is known.

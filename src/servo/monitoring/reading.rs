@@ -34,20 +34,9 @@ pub(crate) struct Plausibility {
     residual_share: f32,
     /// Readings in a row that were replaced.
     bridged: u32,
-    /// The last good one, and how those after it lie to it.
+    /// The last good one, and the largest distance of those after it.
     last: f32,
-    after: After,
-}
-
-/// Readings that cannot be true beside the last one that can.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum After {
-    /// All are the same.
-    Same,
-    /// All are the same within noise and resolution.
-    Near,
-    /// They are elsewhere.
-    Away,
+    furthest: f32,
 }
 
 /// What becomes of a reading.
@@ -72,7 +61,7 @@ impl Plausibility {
             longest: design.jump,
             residual: 0.0,
             last: 0.0,
-            after: After::Same,
+            furthest: 0.0,
             residual_share: design.residual_share,
             bridged: 0,
         }
@@ -97,8 +86,8 @@ impl Plausibility {
             self.noise
         };
         let late = t + 2.0 * self.sample_time;
-        let gate = 8.0 * sigma
-            + 3.0 * self.resolution
+        let grain = 8.0 * sigma + 3.0 * self.resolution;
+        let gate = grain
             + 2.0 * speed * self.sample_time
             + self.acceleration * (0.5 * late * late + self.lag);
         let next = earlier.position + self.sample_time * earlier.velocity;
@@ -106,25 +95,25 @@ impl Plausibility {
         if residual <= gate {
             self.bridged = 0;
             self.last = y;
-            self.after = After::Same;
+            self.furthest = 0.0;
             self.residual += self.residual_share * (residual - self.residual);
             return Verdict::Good;
         }
         self.bridged = self.bridged.saturating_add(1);
         let away = (y - self.last).abs();
-        if away > 8.0 * sigma + 3.0 * self.resolution {
-            self.after = After::Away;
-        } else if away > 0.0 && self.after == After::Same {
-            self.after = After::Near;
+        if away > self.furthest {
+            self.furthest = away;
         }
         if self.bridged < self.longest {
             return Verdict::Bridge;
         }
         self.bridged = 0;
-        Verdict::Lasting(match self.after {
-            After::Same => Reason::SensorStuck,
-            After::Near => Reason::Blocked,
-            After::Away => Reason::Implausible,
+        Verdict::Lasting(if self.furthest > grain {
+            Reason::Implausible
+        } else if self.furthest > 0.0 {
+            Reason::Blocked
+        } else {
+            Reason::SensorStuck
         })
     }
 }
