@@ -4,7 +4,7 @@ use clap::Args;
 use serde_json::{Value, json};
 use trendid_host_tests::endurance::found::Found;
 use trendid_host_tests::endurance::run::run;
-use trendid_host_tests::endurance::scenario::{Case, cases};
+use trendid_host_tests::endurance::scenario::{Case, MEMORIES, cases};
 
 use crate::format::significant;
 use crate::output::{Refusal, emit, emit_json, number, progress, under};
@@ -24,15 +24,30 @@ pub(crate) struct EnduranceArgs {
     /// Length of each scenario in s, at 1 kHz
     #[arg(long, value_name = "S", default_value_t = 1000.0)]
     pub seconds: f64,
-    /// Seed of the first run; each has its own
+    /// Seed of the first run of the whole table; each has its own, whatever is left out
     #[arg(long, value_name = "N", default_value_t = 200_000)]
     pub first_seed: u64,
     /// Only the scenarios whose name contains this
     #[arg(long, value_name = "TEXT")]
     pub only: Option<String>,
+    /// Only the runs with this memory in s, or "none"
+    #[arg(long, value_name = "S", value_parser = parse_memory)]
+    pub memory: Option<Memory>,
     /// The table as JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// A memory in s, or none.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Memory(Option<f64>);
+
+fn parse_memory(text: &str) -> Result<Memory, String> {
+    let known = MEMORIES.iter().find(|memory| named(**memory) == text);
+    known.copied().map(Memory).ok_or_else(|| {
+        let names: Vec<_> = MEMORIES.into_iter().map(named).collect();
+        format!("the table has {}", names.join(", "))
+    })
 }
 
 /// The other estimators run beside the first so many samples.
@@ -50,27 +65,30 @@ pub(crate) fn run_all(args: &EnduranceArgs) -> Result<(), Refusal> {
             args.seconds
         )));
     }
-    let mut cases = cases();
-    if let Some(text) = &args.only {
-        cases.retain(|case| case.name().contains(text));
-    }
-    if cases.is_empty() {
+    let wanted = |case: &Case| {
+        let name = args.only.as_deref().unwrap_or_default();
+        case.name().contains(name) && args.memory.is_none_or(|Memory(m)| m == case.memory)
+    };
+    let mut numbered: Vec<_> = (args.first_seed..).zip(cases()).collect();
+    numbered.retain(|(_, case)| wanted(case));
+    let (Some((first, _)), Some((last, _))) = (numbered.first(), numbered.last()) else {
         return Err(Refusal::new("--only leaves no scenario"));
-    }
+    };
     let samples = (1000.0 * args.seconds) as u64;
-    let bar = progress(cases.len() as u64, "endurance");
-    let numbered: Vec<_> = (args.first_seed..).zip(&cases).collect();
+    let bar = progress(numbered.len() as u64, "endurance");
     let found: Vec<Found> = under(&bar, &numbered, |(seed, case)| {
         // Beside one of the two runs with this memory; the nominal values are those of that run.
         let others = if case.trusted { OTHERS.min(samples) } else { 0 };
         run(case, *seed, samples, others)
     });
     bar.finish_and_clear();
-    let runs: Vec<(&Case, &Found)> = cases.iter().zip(&found).collect();
+    let runs: Vec<(&Case, &Found)> = (numbered.iter().map(|(_, case)| case))
+        .zip(&found)
+        .collect();
     if args.json {
         emit_json(&runs.iter().map(|(case, found)| row(case, found)).collect());
     } else {
-        emit(&text(&runs, args));
+        emit(&text(&runs, args.seconds, [*first, *last]));
     }
     let broken: Vec<String> = runs
         .iter()
@@ -112,10 +130,17 @@ fn label(case: &Case) -> String {
 }
 
 fn memory(case: &Case) -> String {
-    case.memory.map_or("none".into(), |m| format!("{m} s"))
+    match case.memory {
+        Some(_) => named(case.memory) + " s",
+        None => named(None),
+    }
 }
 
-fn text(runs: &[(&Case, &Found)], args: &EnduranceArgs) -> String {
+fn named(memory: Option<f64>) -> String {
+    memory.map_or("none".into(), |m| m.to_string())
+}
+
+fn text(runs: &[(&Case, &Found)], seconds: f64, [first, last]: [u64; 2]) -> String {
     let figure = |x: f64| {
         if x.is_finite() {
             significant(x, 2)
@@ -142,11 +167,8 @@ fn text(runs: &[(&Case, &Found)], args: &EnduranceArgs) -> String {
         );
     }
     text += &format!(
-        "\n{} runs of {} s, seeds {} to {}.\n",
+        "\n{} runs of {seconds} s, seeds {first} to {last}.\n",
         runs.len(),
-        args.seconds,
-        args.first_seed,
-        args.first_seed + runs.len() as u64 - 1
     );
     text
 }
