@@ -171,6 +171,7 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     // As for the span: eight identifiers are too many for the smallest memory, and its emulation takes minutes as it is.
     if cfg!(target_has_atomic = "32") {
         exact_and_bank(meter)?;
+        debt(meter)?;
         now_and_then(meter)?;
         instruments(meter)?;
         batches(meter)?;
@@ -247,6 +248,41 @@ fn batches(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     let calls = record::samples().take(CALLS);
     rows! { meter;
         "deviations by blocks", 5, *row_batches, batched, calls;
+    }
+    Ok(())
+}
+
+/// The sample in which a debt of forgetting is called in: a motion behind a long rest, of a drive that has changed meanwhile.
+#[inline(never)]
+fn debt(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
+    /// Ends of a motion, of the rest behind it, and of the next motion, in samples.
+    const ENDS: [u32; 3] = [5000, 20_000, 21_000];
+    let mut identifier = rows::following()?;
+    // The reference drive in steps of Euler, with a noise of 0.1 um; behind the rest with ten times the gain.
+    let ([mut x, mut velocity, mut acceleration], mut seed) = ([0.0_f32; 3], 1_u32);
+    for k in 0..ENDS[2] {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let y = x + 1e-4 * ((seed >> 8) as f32 * (1.0 / 16_777_216.0) - 0.5);
+        let (u, gain) = match k {
+            _ if k < ENDS[0] => ([-0.4, 0.4][(k / 50 * k / 50 % 7 % 2) as usize], 1e6),
+            _ if k < ENDS[1] => (0.0, 1e6),
+            _ => (0.4, 1e7),
+        };
+        let jerk = gain * u - 20.0 * acceleration - 400.0 * velocity;
+        acceleration += jerk * record::SAMPLE_TIME;
+        velocity += acceleration * record::SAMPLE_TIME;
+        x += velocity * record::SAMPLE_TIME;
+        let before = (k > ENDS[1]).then(|| identifier.clone());
+        let learnt = identifier.estimator().samples();
+        let _ = row_default(&mut identifier, u, y);
+        if let Some(before) = before
+            && identifier.estimator().samples() < 0.5 * learnt
+        {
+            rows! { meter;
+                "default, debt called in", 5, *row_default, before, core::iter::once((u, y));
+            }
+            break;
+        }
     }
     Ok(())
 }

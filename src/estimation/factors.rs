@@ -128,6 +128,18 @@ impl<const N: usize> Factors<N> {
         row
     }
 
+    /// Folds the unit row e_i, i = `index`, of the noise variance `variance` in.
+    #[inline(never)]
+    pub(crate) fn observe(&mut self, index: usize, variance: f32) {
+        let mut row = Row::new(variance, 1.0 / variance);
+        for j in 0..N {
+            if j >= index {
+                let f = self.upper[j].get(index).copied().unwrap_or(0.0);
+                self.fold_column(&mut row, j, f, 1.0);
+            }
+        }
+    }
+
     /// Columns in the first part of a unit row, which also finds P_ii; the second part also moves theta: about half each.
     const FIRST: usize = N.saturating_sub(1);
 

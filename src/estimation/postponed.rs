@@ -172,7 +172,7 @@ impl Postponed {
 
     /// Calls the debt in; `left` is what forgetting for ever leaves of each P_jj.
     ///
-    /// Cost: N observations, in a sample of its own kind that is rare.
+    /// Cost: N observations, about as much again as the rest of the sample; a row of its own in the table of instruction counts.
     #[inline(never)]
     pub(crate) fn call<const N: usize>(&mut self, estimator: &mut Estimator<N>, left: [f32; N]) {
         estimator.loosen(power(self.growth, self.owed), left);

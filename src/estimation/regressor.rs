@@ -113,19 +113,18 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
     ) -> ([f32; N], f32) {
         let inputs = inputs.as_flattened();
         let mut phi = [0.0; N];
-        for (entry, source) in phi.iter_mut().zip(&self.sources) {
+        for (j, (entry, source)) in phi.iter_mut().zip(&self.sources).enumerate() {
             let index = source.index as usize;
-            let trend = match output.lower.get(index) {
-                Some(y) => *y,
-                None => {
-                    let index = index - M;
-                    match inputs.get(index) {
-                        Some(u) => *u,
-                        None => extra.get(index - inputs.len()).copied().unwrap_or(0.0),
-                    }
-                }
+            // The constant and the initial state are the last parameters: found at once there, not looked for elsewhere.
+            let extra = match j + extra.len() < N {
+                true => None,
+                false => extra.get(index.wrapping_sub(M + inputs.len())),
             };
-            *entry = source.scale * trend;
+            let trend = extra.or_else(|| match index < M {
+                true => output.lower.get(index),
+                false => inputs.get(index - M),
+            });
+            *entry = source.scale * trend.copied().unwrap_or(0.0);
         }
         (phi, self.top_scale * output.top)
     }

@@ -77,15 +77,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let limits = [plan.times.certain, plan.times.settled];
         let noise = noise.known_or_infinite();
         let innovation = row.innovation;
-        let contradicts = match self.standstill.unexplained(y, innovation, noise) {
-            Some(size) if !(size <= noise) => {
-                !(size / (1.0 + self.estimator.spread(row.phi)) <= noise)
-            }
-            _ => false,
-        };
-        let found = self
-            .standstill
-            .judge(y, innovation, noise, limits, contradicts);
+        let unexplained = self.standstill.unexplained(y, innovation, noise);
+        let contradicts = unexplained.map(|size| {
+            !(size <= noise) && !(size / (1.0 + self.estimator.spread(row.phi)) <= noise)
+        });
+        let found = (self.standstill).judge(y, innovation, limits, contradicts);
         if let Motion::Stands | Motion::Freed = found {
             self.signals.rest(plan, y);
             witness.begin();

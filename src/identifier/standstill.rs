@@ -82,7 +82,8 @@ impl Standstill {
         }
     }
 
-    /// The innovation from that at y_0, squared and in units of what contradicts, while the axis is in its band; `noise` as below.
+    /// The innovation from that at y_0, squared and in units of what contradicts, while the axis is in its band; `noise` is the
+    /// variance of y, infinite while it is not known.
     #[inline(always)]
     pub(crate) fn unexplained(&self, y: f32, innovation: f32, noise: f32) -> Option<f32> {
         let [y_0, e_0] = self.entered;
@@ -91,8 +92,8 @@ impl Standstill {
         (far * far <= noise).then_some(size * size)
     }
 
-    /// Judges a sample by y and its innovation; `noise` is the variance of y, infinite while it is not known, `certain` and
-    /// `settling` in samples, `contradicts` whether [`unexplained`](Self::unexplained) exceeds noise and model.
+    /// Judges a sample by y and its innovation; `certain` and `settling` in samples, `contradicts` whether
+    /// [`unexplained`](Self::unexplained) exceeds noise and model, `None` outside the band.
     ///
     /// Cost: 15 instructions in motion.
     #[inline(always)]
@@ -100,14 +101,11 @@ impl Standstill {
         &mut self,
         y: f32,
         innovation: f32,
-        noise: f32,
         [certain, settling]: [u32; 2],
-        contradicts: bool,
+        contradicts: Option<bool>,
     ) -> Motion {
         self.stuck = 0;
-        let [y_0, _] = self.entered;
-        let far = (y - y_0) * (1.0 / BAND);
-        if far * far <= noise {
+        if let Some(contradicts) = contradicts {
             self.against = match contradicts {
                 true => self.against.saturating_add(1),
                 false => 0,
@@ -123,7 +121,8 @@ impl Standstill {
                 if !(contradicts && self.doubted >= certain) {
                     return Motion::Doubtful;
                 }
-                self.entered = [y_0, 0.0];
+                let [_, e_0] = &mut self.entered;
+                *e_0 = 0.0;
                 return Motion::Stands;
             }
         } else {
@@ -194,8 +193,8 @@ mod tests {
     /// With 1 + phi' P phi = `expected`.
     fn judge(standstill: &mut Standstill, y: f32, e: f32, expected: f32) -> Motion {
         let size = standstill.unexplained(y, e, NOISE);
-        let contradicts = size.is_some_and(|size| size / expected > NOISE);
-        standstill.judge(y, e, NOISE, LIMITS, contradicts)
+        let contradicts = size.map(|size| size / expected > NOISE);
+        standstill.judge(y, e, LIMITS, contradicts)
     }
 
     #[test]

@@ -8,7 +8,7 @@
 ///
 /// With terms of one sign an addition errs by at most the rounding of `c`, 2^-24 of the term itself, so that the sum of
 /// any number of terms is right to some units of the last digit until it leaves f32; one word alone stops growing at 2^24
-/// terms of one size. A sum beyond f32 is infinite and stays so.
+/// terms of one size. A sum beyond f32 is infinite and stays so: its second word is NaN, and with the next term the first.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Sum {
@@ -25,7 +25,11 @@ impl Sum {
 
     /// The sum.
     pub(crate) const fn value(self) -> f32 {
-        self.high
+        if self.high.is_nan() {
+            f32::INFINITY
+        } else {
+            self.high
+        }
     }
 
     /// Adds a term.
@@ -33,9 +37,7 @@ impl Sum {
     pub(crate) fn add(&mut self, term: f32) {
         let change = term + self.low;
         let sum = self.high + change;
-        let low = change - (sum - self.high);
-        // Beyond f32 nothing is left over.
-        self.low = if low.is_finite() { low } else { 0.0 };
+        self.low = change - (sum - self.high);
         self.high = sum;
     }
 }

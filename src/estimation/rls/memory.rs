@@ -38,12 +38,13 @@ impl<const N: usize> Estimator<N> {
     /// Multiplies P by `growth`, after an observation of each parameter j at its own value that leaves at most `left_j` of P_jj; theta
     /// stays.
     pub(crate) fn loosen(&mut self, growth: f32, left: [f32; N]) {
-        for (index, left) in left.into_iter().enumerate() {
-            let own = self.theta().get(index).copied().unwrap_or(0.0);
-            self.observe_parameter(index, own, left / growth, 0.0);
-        }
         self.finish_observation();
+        let share = 1.0 / growth;
+        for (index, left) in left.into_iter().enumerate() {
+            // Of its own value: only P learns of it.
+            self.factors.observe(index, left * share);
+        }
         self.factors.grow(growth);
-        self.samples /= growth;
+        self.samples *= share;
     }
 }
