@@ -100,6 +100,7 @@ impl Controller {
             self.slide(r, at_rest, heading_rate)
         };
         let flow = (rate - self.estimator.ahead().disturbance) / self.estimator.step().b0;
+        let flow = self.with_room(flow, r);
         within(
             model.valve_command(flow, self.design.blend) - self.null.value(),
             1.0,

@@ -16,6 +16,7 @@ pub(crate) mod observer;
 pub(crate) mod place;
 pub(crate) mod poles;
 pub(crate) mod rest;
+mod room;
 pub(crate) mod sweep;
 pub(crate) mod transfer;
 pub(crate) mod tuning;
