@@ -14,6 +14,9 @@ pub(crate) struct Options {
     /// Only scenarios of the identifier whose name contains this, and no axis.
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
+    /// Only scenarios of the identifier with this memory in s, or "none", and no axis.
+    #[arg(long, value_name = "S")]
+    memory: Option<String>,
     /// Puts the results into docs/soak.md, under the date and the commit.
     #[arg(long)]
     write: bool,
@@ -31,9 +34,12 @@ pub(crate) fn run(options: &Options) -> Done {
     if let Some(only) = &options.only {
         endurance.extend(["--only", only]);
     }
+    if let Some(memory) = &options.memory {
+        endurance.extend(["--memory", memory]);
+    }
     let program = ["run", "-q", "--release", "-p", "trendid-cli", "--"];
     let mut parts = vec![part("trendid", &program, &endurance)?];
-    if options.only.is_none() {
+    if options.only.is_none() && options.memory.is_none() {
         let example = [
             "run",
             "-q",
