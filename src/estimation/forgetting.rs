@@ -59,9 +59,6 @@
 //!
 //! # What does not hold
 //! Bounded is not right: rows that contradict the model move theta as far as the bound allows, and P knows nothing of it.
-//! A row counts the same wherever the drive is: at 10^7 f32 resolves 1, and a motion that shows one direction there, with noise of
-//! some hundred times the expected one, teaches the others (xi by 5 % in a day at constant speed with a memory of 0.2 s). Where the
-//! steps of y are whole digits the noise measured is 0, and behind a turn the standard deviation too small.
 //! After a change of the drive, directions without excitation keep the old values. In f32 the proof holds up
 //! to rounding: the property tests attack it with rows of 1e-6 to 1e6 and memories of 10^2 to 10^5 samples.
 

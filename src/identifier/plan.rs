@@ -61,6 +61,8 @@ pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, cons
     pub(crate) has_gate: bool,
     /// A variance of y that is always allowed for: that of a fiftieth of the expected noise.
     pub(crate) least_noise: f32,
+    /// Where half a digit of y in f32 is as large as the expected noise.
+    pub(crate) coarse: f32,
     /// Whether standstill can contradict the model: behind an integrator every input moves the drive.
     pub(crate) can_stand: bool,
     /// How long things last.
@@ -132,6 +134,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
                 && design.filter.is_some()
                 && smooth(&config.structure),
             least_noise: LEAST_NOISE * config.output_noise * config.output_noise,
+            coarse: config.output_noise * (2.0 / f32::EPSILON),
             can_stand: config.structure.integrators() > 0,
             times: Times::new(&config.structure, design, config.bandwidth),
             warm_up: design.warm_up.max((config.settling / sample_time) as u32),

@@ -18,6 +18,21 @@ pub(super) struct Row<const N: usize> {
     pub(super) innovation: f32,
 }
 
+impl<const N: usize> Row<N> {
+    /// Makes the row count for what it tells at the position `y`: beyond `coarse` f32 resolves y worse than the noise that is
+    /// expected, and the row is divided by how much worse. Its digits would outweigh nominal values that nothing supports.
+    #[inline(always)]
+    pub(super) fn weigh(&mut self, y: f32, coarse: f32) {
+        let far = y.abs();
+        if far > coarse {
+            let weight = coarse / far;
+            self.phi = self.phi.map(|x| x * weight);
+            self.psi *= weight;
+            self.error *= weight;
+        }
+    }
+}
+
 /// Variance of the noise of y.
 #[derive(Clone, Copy)]
 pub(super) struct Noise {

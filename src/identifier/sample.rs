@@ -55,7 +55,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             };
         }
         let noise = Noise::of(&self.noise, plan.least_noise);
-        let (row, third) = match self.judged(plan, y, &others, noise) {
+        let (mut row, third) = match self.judged(plan, y, &others, noise) {
             Ok(found) => found,
             Err(innovation) => return Outcome::Replaced { innovation },
         };
@@ -69,7 +69,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         match lasting {
             // Two samples have entered the trends at once: the rest of this one is left out.
             true => Outcome::Held { innovation },
-            false => self.learn(plan, &row, u, y, noise, witness),
+            false => self.learn(plan, &mut row, u, y, noise, witness),
         }
     }
 
@@ -106,7 +106,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     fn learn(
         &mut self,
         plan: &Plan<T, M, N, I>,
-        row: &Row<N>,
+        row: &mut Row<N>,
         u: [f32; I],
         y: f32,
         noise: Noise,
@@ -130,8 +130,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
                 }
                 return Outcome::Held { innovation };
             }
+            row.weigh(y + self.signals.reference, plan.coarse);
             self.remember(plan, row, y, witness);
         } else if obeys {
+            row.weigh(y + self.signals.reference, plan.coarse);
             let _ = self.estimator.fold(&row.phi, row.error);
             witness.row(&row.phi, row.psi, &self.estimator, true);
         } else {
