@@ -5,11 +5,13 @@ use crate::math::sqrt;
 use crate::servo::commissioning::predictor::{PARAMETERS, Point, Theta, bounded, scales};
 use crate::servo::commissioning::record::Record;
 use crate::servo::commissioning::sensitivity::Sensitivity;
-use crate::servo::commissioning::sums::{NO_SUMS, PRIOR, Sums};
+use crate::servo::commissioning::sums::{NO_SUMS, Sums};
 use crate::servo::commissioning::view::{STEP_MAX, View};
 
-/// Cost over the one before from which a pass has gained next to nothing.
-const CONVERGED: f32 = 0.97;
+/// Gain over the cost that is worth another pass; of points that are added to the sums of a pass, what makes the points before worth a second
+/// look. Less is taken by the step that the sums ask for, which costs no pass.
+const GAIN: f32 = 0.1;
+const GAIN_ADDED: f32 = 0.2;
 /// Place of the stiffening among the parameters, and what it is taken for: between 0, a drive of the same stiffness everywhere, and 3.2 of
 /// a usual cylinder, nearer to the cylinder, which strikes its end where its model is too soft.
 const STIFFENING: usize = 8;
@@ -53,6 +55,12 @@ pub(crate) struct Fit {
     converged: bool,
     /// How far the end of a pass has come.
     ending: Option<Ending>,
+    /// Whether prediction and sums are those of the best parameters up to the end of the view.
+    follows: bool,
+    /// Whether this pass goes on from one before.
+    goes_on: bool,
+    /// The best parameters with the step that the last sums ask for.
+    moved: Theta,
     /// Whether the stiffening is not searched.
     knows_stiffening: bool,
 }
@@ -77,6 +85,9 @@ impl Fit {
             passes: 0,
             converged: false,
             ending: None,
+            follows: false,
+            goes_on: false,
+            moved: theta,
             knows_stiffening,
         }
     }
@@ -96,21 +107,41 @@ impl Fit {
         self.passes = 0;
         self.converged = false;
         self.ending = None;
+        self.goes_on = false;
         self.opening = Some(theta);
+    }
+
+    /// Goes on to `end` with the best parameters, to whose sums the points since are added; whether it can.
+    ///
+    /// The sums are those of the prediction linearised at the best parameters. As long as the step that they ask for is small, it is that of
+    /// all points, and none need be read twice.
+    pub(crate) fn go_on(&mut self, end: usize) -> bool {
+        if !self.follows {
+            return false;
+        }
+        self.view.end = end;
+        self.sums = self.best_sums;
+        self.best_sums.cost = f32::INFINITY;
+        self.passes = 0;
+        self.converged = false;
+        self.opening = None;
+        self.goes_on = true;
+        true
     }
 
     /// Begins a pass. Cost: some 400 instructions.
     fn open(&mut self, record: &Record, theta: Theta) {
         self.gains = theta.gains(self.rate, self.view.time);
         let first = Point::of(record, self.view.begin, &self.view);
-        self.at.begin(theta, scales(&theta), &first);
+        self.at.begin(theta, &first);
         self.next = self.view.begin;
         self.settled = self.view.begin + (2.0 / (self.rate * self.view.time)) as usize;
         self.moving = 0;
         self.sums = NO_SUMS;
+        self.follows = false;
     }
 
-    /// Takes `points` more; whether there were none left. Cost: some 900 instructions per point.
+    /// Takes `points` more; whether there were none left. Cost: some 720 instructions per point.
     pub(crate) fn advance(&mut self, record: &Record, points: usize) -> bool {
         if let Some(theta) = self.opening.take() {
             self.open(record, theta);
@@ -154,8 +185,9 @@ impl Fit {
             Some(Ending::Judged) => self.factor(),
             Some(Ending::Factored(gradient)) => {
                 let (theta, gained) = self.step(gradient);
-                // What a step would gain need not be tried when it is next to nothing.
-                self.converged |= gained < (1.0 - CONVERGED) * self.best_sums.cost;
+                let worth = if self.goes_on { GAIN_ADDED } else { GAIN };
+                self.converged |= gained < worth * self.best_sums.cost;
+                self.moved = theta;
                 self.opening = Some(theta);
                 return true;
             }
@@ -167,8 +199,9 @@ impl Fit {
     fn judge(&mut self) {
         self.passes += 1;
         // Written so that NaN is worse.
-        if self.sums.cost < self.best_sums.cost {
-            self.converged = self.sums.cost > CONVERGED * self.best_sums.cost;
+        self.follows = self.sums.cost < self.best_sums.cost;
+        if self.follows {
+            self.converged = self.sums.cost > (1.0 - GAIN) * self.best_sums.cost;
             self.best = *self.at.theta();
             self.best_sums = self.sums;
             self.damping *= 0.2;
@@ -183,12 +216,11 @@ impl Fit {
         let scale = scales(&self.best);
         let best = self.best.to_array();
         let mut gradient = self.best_sums.gradient;
-        let variance = self.best_sums.variance();
+        let prior = self.best_sums.prior(&scale);
         let normal = &mut self.sums.normal;
         *normal = self.best_sums.normal;
         for j in 0..PARAMETERS {
-            let prior = variance / (PRIOR[j] * PRIOR[j]);
-            normal[j][j] += prior + self.damping * (normal[j][j] + prior);
+            normal[j][j] += prior[j] + self.damping * (normal[j][j] + prior[j]);
             if j > 4 && j != 6 {
                 // Friction and loss of flow are none unless they are seen; of the stiffness the mean of all drives is.
                 let usual = match j {
@@ -196,7 +228,7 @@ impl Fit {
                     STIFFENING => STIFFENING_USUAL,
                     _ => 0.0,
                 };
-                gradient[j] -= prior * (best[j] - usual) / scale[j];
+                gradient[j] -= prior[j] * (best[j] - usual);
             }
         }
         // A gradient of 0 leads nowhere.
@@ -216,7 +248,7 @@ impl Fit {
         let gained: f32 = step.iter().zip(&gradient).map(|(s, g)| s * g).sum();
         let mut theta = self.best.to_array();
         for (j, value) in theta.iter_mut().enumerate() {
-            let limit = if j < 3 { 0.5 } else { 1.0 };
+            let limit = if j < 3 { 0.5 } else { 1.0 } * scale[j];
             let step = if step[j] > limit {
                 limit
             } else if step[j] < -limit {
@@ -224,18 +256,24 @@ impl Fit {
             } else {
                 step[j]
             };
-            *value += step * scale[j];
+            *value += step;
         }
         (bounded(theta), gained)
     }
 
     /// Standard deviations of the best parameters: see [`Sums::std`].
     pub(crate) fn std(&self) -> [f32; 4] {
-        self.best_sums.std()
+        self.best_sums.std(&scales(&self.best))
     }
 
-    pub(crate) const fn best(&self) -> Theta {
-        self.best
+    /// The parameters that were found: the best ones with the step that their sums ask for.
+    pub(crate) const fn found(&self) -> Theta {
+        self.moved
+    }
+
+    /// Whether the pass went on from one before.
+    pub(crate) const fn went_on(&self) -> bool {
+        self.goes_on
     }
 
     /// Number after the last point of the fit.
@@ -248,3 +286,6 @@ impl Fit {
         self.converged || self.passes >= most
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -65,7 +65,7 @@ enum Stage {
 
 /// The commissioning. Memory: 4 kB of record, some 3 kB of sums.
 ///
-/// Cost per ms: some 3 points of a fit. The samples in which a fit ends or a model is taken cost more: see the table of
+/// Cost per ms: some 4 points of a fit. The samples in which a fit ends or a model is taken cost more: see the table of
 /// instruction counts.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Commissioning {

@@ -141,7 +141,7 @@ impl Regression {
         self.found = None;
     }
 
-    /// Takes `points` more; whether there were none left. Cost: some 900 instructions per point.
+    /// Takes `points` more; whether there were none left. Cost: some 780 instructions per point.
     pub(crate) fn advance(&mut self, record: &Record, points: usize) -> bool {
         let time = self.view.time;
         let settled = self.view.begin + (SETTLED / (self.rate * time)) as usize;

@@ -12,8 +12,8 @@ use crate::servo::supervision::state::Reason;
 
 /// Points of the ring that a fit reads; the others come while it does.
 const WINDOW: usize = 384;
-/// Points of a fit and of a simulation per s: some 2.7 and 2 million instructions.
-const FIT_POINTS: f32 = 3e3;
+/// Points of a fit and of a simulation per s: some 3 and 2.4 million instructions.
+const FIT_POINTS: f32 = 4e3;
 const SIMULATION_POINTS: f32 = 1e4;
 /// Natural frequencies in rad/s at which a fit starts, beside what is known.
 const STARTS: [f32; 3] = [80.0, 40.0, 17.0];
@@ -21,8 +21,9 @@ const STARTS: [f32; 3] = [80.0, 40.0, 17.0];
 const START_MISFIT: f32 = 0.2 * 0.2;
 /// Most passes of a refinement.
 const REFINE_PASSES: u32 = 8;
-/// Rate of the correction over the natural frequency.
+/// Rate of the correction over the natural frequency, and time over 1/rate in which a simulation is corrected before it runs by itself.
 const CORRECTION: f32 = 2.0;
+const CORRECTED: f32 = 12.0;
 /// Standard deviation of the position in travels below which a movement shows nothing.
 const MOVEMENT_MIN: f32 = 0.005;
 /// Length of a free simulation over 1/w0, and its range in s.
@@ -48,6 +49,8 @@ pub(crate) struct Search {
     phase: Phase,
     regression: Regression,
     fit: Fit,
+    /// Standard deviations of what was found: see [`Fit::std`].
+    std: [f32; 4],
     simulation: Option<Simulation>,
     starts: [f32; STARTS.len() + 1],
     best: Option<(Theta, f32)>,
@@ -77,6 +80,7 @@ impl Search {
             phase: Phase::Waiting(usize::MAX),
             regression: Regression::new(delay, stiffening.unwrap_or(0.0)),
             fit: Fit::new(stiffening.is_some()),
+            std: [f32::INFINITY; 4],
             simulation: None,
             starts: [0.0; STARTS.len() + 1],
             best: None,
@@ -138,7 +142,7 @@ impl Search {
     /// The estimate that waits for its validation.
     pub(crate) fn candidate(&self) -> Option<Theta> {
         let waits = matches!(self.phase, Phase::Holding(..) | Phase::Validating);
-        waits.then(|| self.fit.best())
+        waits.then(|| self.fit.found())
     }
 
     fn window(&self, record: &Record) -> View {
@@ -181,19 +185,20 @@ impl Search {
             }
             Phase::Ranking(k) => self.rank(record, k),
             Phase::Refining => {
-                if self.fit.advance(record, self.pace[0])
-                    && self.fit.next_pass()
-                    && self.fit.is_done(REFINE_PASSES)
-                {
-                    let theta = self.fit.best();
-                    let from = self.fit.end();
-                    self.phase = Phase::Holding(from, from + self.points(&theta));
+                if self.fit.advance(record, self.pace[0]) && self.fit.next_pass() {
+                    let (theta, from) = (self.fit.found(), self.fit.end());
+                    if self.fit.is_done(REFINE_PASSES) {
+                        self.phase = Phase::Holding(from, from + self.points(&theta));
+                    } else if self.fit.went_on() {
+                        self.refine(record, theta);
+                    }
                 }
             }
             Phase::Holding(from, until) => {
                 if record.end() >= until {
                     let view = self.window(record);
-                    self.simulate(record, view, self.fit.best(), from);
+                    self.simulate(record, view, self.fit.found(), from);
+                    self.std = self.fit.std();
                     self.phase = Phase::Validating;
                 }
             }
@@ -209,7 +214,11 @@ impl Search {
         self.phase = Phase::Trying(k);
     }
 
-    fn simulate(&mut self, record: &Record, view: View, theta: Theta, release: usize) {
+    /// Begins a simulation that runs by itself from `release` to the end of the view.
+    fn simulate(&mut self, record: &Record, mut view: View, theta: Theta, release: usize) {
+        let corrected = CORRECTED / (CORRECTION * sqrt(theta.a1) * view.time);
+        let begin = release.saturating_sub(corrected as usize);
+        view.begin = view.begin.max(begin);
         self.simulation = Some(Simulation::new(record, view, theta, CORRECTION, release));
     }
 
@@ -259,9 +268,9 @@ impl Search {
 
     fn judge(&mut self, record: &Record, slack: f32) -> Option<Theta> {
         let [misfit, silent] = self.misfit(record)?;
-        let theta = self.fit.best();
+        let theta = self.fit.found();
         let seen = [misfit, silent];
-        let verdict = verdict(&theta, self.previous.as_ref(), self.fit.std(), seen, slack);
+        let verdict = verdict(&theta, self.previous.as_ref(), self.std, seen, slack);
         self.previous = Some(theta);
         match verdict {
             Ok(()) => return Some(theta),
@@ -277,6 +286,8 @@ impl Search {
             self.failures = 0;
             self.best = None;
             self.attempt(record, 0);
+        } else if self.fit.go_on(record.end()) {
+            self.phase = Phase::Refining;
         } else {
             self.refine(record, theta);
         }

@@ -113,14 +113,13 @@ struct Acts {
     stiffer: [f32; 2],
 }
 
-/// A prediction and how it changes with each parameter, in the scale of the parameter.
+/// A prediction and how it changes with each parameter.
 ///
 /// The sensitivities obey the equation of the prediction, linearised: they share its transition over an interval, and differ by what
 /// acts on them. What follows the state acts with its mean over the interval.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Sensitivity {
     theta: Theta,
-    scale: [f32; PARAMETERS],
     at: Prediction,
     slopes: [Prediction; PARAMETERS],
 }
@@ -130,16 +129,14 @@ impl Sensitivity {
     pub(crate) fn new() -> Self {
         Self {
             theta: Theta::from_array([1.0; PARAMETERS]),
-            scale: [1.0; PARAMETERS],
             at: Prediction::default(),
             slopes: [Prediction::default(); PARAMETERS],
         }
     }
 
     /// Begins at a point.
-    pub(crate) fn begin(&mut self, theta: Theta, scale: [f32; PARAMETERS], first: &Point) {
+    pub(crate) fn begin(&mut self, theta: Theta, first: &Point) {
         self.theta = theta;
-        self.scale = scale;
         self.at = Prediction {
             x: first.y,
             v: first.velocity,
@@ -147,8 +144,8 @@ impl Sensitivity {
         };
         self.slopes = [Prediction::default(); PARAMETERS];
         let [_, a2, _, _, _, friction, ..] = &mut self.slopes;
-        a2.p = scale[1] * first.velocity;
-        friction.p = scale[5] * first.direction;
+        a2.p = first.velocity;
+        friction.p = first.direction;
     }
 
     /// A point as the prediction sees it.
@@ -236,22 +233,21 @@ impl Sensitivity {
             stiffer: [k, slope],
         } = acts;
         let gain = theta.b0 - theta.kappa * side * p;
-        let s = &self.scale;
         [
-            -v * k * s[0],
-            flow * k * s[2],
-            gain * dead_zone * s[3],
-            gain * offset * s[4],
-            gain * delay * s[6],
-            -side * flow * p * s[7],
-            (self.theta.b0 * flow - self.theta.a1 * v) * slope * s[8],
+            -v * k,
+            flow * k,
+            gain * dead_zone,
+            gain * offset,
+            gain * delay,
+            -side * flow * p,
+            (self.theta.b0 * flow - self.theta.a1 * v) * slope,
         ]
     }
 
     #[inline]
     fn follow(&mut self, acts: &Acts, on: &Transition, gains: [f32; 3], direction: f32) {
         let rates = self.rates(acts);
-        let (damping, friction) = (-acts.v * self.scale[1], -direction * self.scale[5]);
+        let (damping, friction) = (-acts.v, -direction);
         let step = on.corrected(gains);
         for (slope, rate) in driven(&mut self.slopes).into_iter().zip(rates) {
             step.advance(slope, &on.rate, rate);

@@ -56,7 +56,7 @@ impl Simulation {
 
     /// Takes `points` more; where there were none left, the mean squared error and the variance of the position.
     ///
-    /// Cost: some 200 instructions per point.
+    /// Cost: some 240 instructions per point.
     pub(crate) fn advance(&mut self, record: &Record, points: usize) -> Option<[f32; 2]> {
         let inverse = 1.0 / self.view.time;
         for taken in 0..points {

@@ -1,0 +1,90 @@
+//! What a fit finds.
+
+use super::*;
+use crate::servo::commissioning::predictor::Prediction;
+
+const TIME: f32 = 5e-3;
+/// Standard deviation of the position in travels.
+const SIGMA: f32 = 1e-4;
+
+/// A drive of 30 rad/s under random commands, each held for 12 points, in the middle of its travel.
+fn record(seed: u32, points: usize) -> (Record, View, Theta) {
+    let truth = Theta::from_array([900.0, 18.0, 1800.0, 0.03, 0.01, 1.0, 8e-3, 0.0, 0.0]);
+    let mut state = seed;
+    let mut random = || {
+        state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        (state >> 8) as f32 / 8_388_608.0 - 1.0
+    };
+    let mut at = Prediction {
+        x: 0.5,
+        ..Prediction::default()
+    };
+    let mut record = Record::new();
+    assert!(record.fix(1));
+    let (mut u, mut before) = (0.0, [0.0; 3]);
+    for k in 0..points {
+        if k % 12 == 0 {
+            u = 0.4 * random() - 0.3 * (at.x - 0.5).signum();
+        }
+        let noise = SIGMA * (random() + random() + random());
+        record.push(at.x + noise, u);
+        before = [u, before[0], before[1]];
+        let part = truth.delay / TIME - 1.0;
+        let flow = truth.mean_flow([before[1], before[2], part]);
+        let direction = at.v.signum();
+        truth.slide(&mut at, flow, direction, TIME);
+    }
+    let view = View {
+        end: points,
+        ..View::of(TIME, SIGMA, 1.0)
+    };
+    (record, view, truth)
+}
+
+/// Until the fit is done.
+fn run(fit: &mut Fit, record: &Record) {
+    while !(fit.advance(record, 50) && fit.next_pass() && fit.is_done(8)) {}
+}
+
+#[test]
+fn what_goes_on_finds_what_a_fit_of_all_points_finds() {
+    for seed in 1..=40 {
+        let (record, view, truth) = record(seed, 300);
+        let mut early = Fit::new(true);
+        let start = Theta {
+            a1: 1.3 * truth.a1,
+            b0: 0.8 * truth.b0,
+            friction: 0.0,
+            ..truth
+        };
+        early.begin(View { end: 200, ..view }, start, 2.0);
+        run(&mut early, &record);
+        let before = early.found();
+        assert!(early.go_on(300), "seed {seed}");
+        run(&mut early, &record);
+        let mut whole = Fit::new(true);
+        whole.begin(view, before, 2.0);
+        run(&mut whole, &record);
+        let (added, all) = (early.found(), whole.found());
+        let std = whole.std();
+        let errors = [
+            (added.a1 / all.a1 - 1.0, std[0]),
+            (added.b0 / added.a1 * all.a1 / all.b0 - 1.0, std[2]),
+            ((added.dead_zone - all.dead_zone) / 0.05, std[3]),
+        ];
+        for (error, std) in errors {
+            assert!(error.abs() < 0.5 * std, "seed {seed}: {error} of {std}");
+        }
+    }
+}
+
+#[test]
+fn what_has_not_ended_well_does_not_go_on() {
+    let (record, view, truth) = record(7, 200);
+    let mut fit = Fit::new(true);
+    assert!(!fit.go_on(200));
+    fit.begin(view, truth, 2.0);
+    assert!(!fit.go_on(200));
+    assert!(!fit.advance(&record, 1) && !fit.advance(&record, 50));
+    assert!(!fit.go_on(200));
+}
