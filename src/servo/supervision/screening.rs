@@ -89,6 +89,12 @@ impl ScreeningDesign {
 }
 
 impl SupervisionDesign {
+    /// Whether the candidate is clearly better than a model with this sum of squared errors.
+    pub(crate) fn is_better(&self, report: &FitReport, other: f32) -> bool {
+        report.sse < self.replace_ratio * other
+            && other - report.sse > self.min_improvement * report.sst
+    }
+
     /// Whether the candidate replaces the model in use; `false` when the axis moved too little to compare them.
     pub(crate) fn compare(&self, report: &FitReport) -> Result<bool, Reason> {
         let enough = VALIDATION_TRAVEL_RATIO * self.min_travel;
@@ -98,11 +104,8 @@ impl SupervisionDesign {
         if report.r_squared() < self.min_r_squared_adapting {
             return Err(Reason::PoorFit);
         }
-        let better = report.incumbent_sse.is_none_or(|other| {
-            report.sse < self.replace_ratio * other
-                && other - report.sse > self.min_improvement * report.sst
-        });
-        if better {
+        let used = report.incumbent_sse;
+        if used.is_none_or(|other| self.is_better(report, other)) {
             Ok(true)
         } else {
             Err(Reason::NotBetter)

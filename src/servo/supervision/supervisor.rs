@@ -11,7 +11,7 @@ use crate::servo::supervision::validation::{FitReport, Validation};
 /// Decides from samples and candidates of the identifier which model the controller may use.
 ///
 /// A candidate must be finite, of the right sign, in range, stable, certain, and must explain
-/// a window of later samples in free simulation, better than the model in use. The last
+/// a window of later samples in free simulation, better than the model in use and its simpler changes. The last
 /// verified model is kept bit for bit until another one replaces it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Supervisor {
@@ -258,9 +258,10 @@ impl Supervisor {
     }
 
     pub(crate) fn validate(&mut self, seen: &Observation) -> Option<FitReport> {
-        let report = self.validation.as_mut()?.update(seen.flow, seen.y)?;
-        self.report = report;
-        Some(report)
+        let validation = self.validation.as_mut()?;
+        validation.update(seen.flow, seen.y)?;
+        self.report = validation.simplify(|report, other| self.design.is_better(report, other));
+        Some(self.report)
     }
 
     pub(crate) fn accept(&mut self) -> Event {
