@@ -102,12 +102,13 @@ pub struct SupervisionSettings {
     /// Largest relative standard deviation of gain and natural frequency while the model follows the drive; damping may have
     /// four times as much. The comparison with the model in use decides; default 0.2.
     pub max_relative_std_adapting: f32,
-    /// Least R^2 of a free simulation, `1 - SSE/SST`, while the model follows the drive; default 0.9.
+    /// Least R^2 of a free simulation, `1 - SSE/SST`, while the model follows the drive; default 0.95.
     pub min_r_squared_adapting: f32,
-    /// A model replaces another when its squared error is below this share of the other's; default 0.7 ..
+    /// A model replaces another, and a change of all parameters one of a single number, when its squared error is below this share of the
+    /// other's; default 0.7 ..
     #[doc(alias = "better")]
     pub replace_ratio: f32,
-    /// .. and the difference is at least this share of the movement: there is something to gain; default 0.3.
+    /// .. and the difference is at least this share of the movement: there is something to gain; default 0.1.
     #[doc(alias = "worth")]
     pub min_improvement: f32,
     /// Least time of excitation before a model is considered, in s; default 0.3.
@@ -176,9 +177,9 @@ impl Config {
                 frequency_factor: 4.0,
                 max_gain: None,
                 max_relative_std_adapting: 0.2,
-                min_r_squared_adapting: 0.9,
+                min_r_squared_adapting: 0.95,
                 replace_ratio: 0.7,
-                min_improvement: 0.3,
+                min_improvement: 0.1,
                 excite_time: 0.3,
                 validation_time: 0.12,
                 time_limit: 6.0,
