@@ -269,6 +269,10 @@ impl Supervisor {
             return Event::None;
         };
         let model = *validation.candidate();
+        // A simpler change of what was screened was not.
+        if let Err(reason) = self.design.screening.admits(&model) {
+            return self.refuse(reason);
+        }
         self.accepted = self.accepted.saturating_add(1);
         self.verified_model = Some(model);
         self.variances = self.submitted;

@@ -180,3 +180,72 @@ impl Validation {
         self.candidate.observer.model()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::servo::config::Config;
+    use crate::servo::error::Error;
+    use crate::servo::motion::Travel;
+
+    const USED: Model = Model::linear(900.0, 15.0, 9e5);
+
+    /// What a validation of `candidate` leaves of it, on a drive under a flow that changes sign so often per second.
+    fn left(candidate: Model, drive: Model, per_second: f32) -> Result<Model, Error> {
+        let travel = Travel {
+            min: 0.0,
+            max: 400.0,
+        };
+        let design = Config::new(1e-3, 30.0, travel).resolve()?.supervision;
+        let mut motion = Motion {
+            position: 200.0,
+            ..Motion::default()
+        };
+        let mut validation =
+            Validation::new(&design.validation, candidate, Some(USED), motion, 0.0);
+        for k in 0.. {
+            let flow = if libm::sinf(per_second * core::f32::consts::PI * 1e-3 * k as f32) < 0.0 {
+                -0.3
+            } else {
+                0.3
+            };
+            let found = validation.update(flow, motion.position);
+            drive.advance(&mut motion, flow, 1e-3);
+            if found.is_some() {
+                break;
+            }
+        }
+        let report = validation.simplify(|report, other| design.is_better(report, other));
+        assert_eq!(design.compare(&report), Ok(true), "{report:?}");
+        Ok(*validation.candidate())
+    }
+
+    #[test]
+    fn what_a_change_of_one_number_explains_is_that_change() -> Result<(), Error> {
+        // Gain down to 0.4; the candidate also has another frequency, which slow motion does not show.
+        let drive = Model {
+            b0: 0.4 * USED.b0,
+            ..USED
+        };
+        let candidate = Model::linear(1.3 * USED.a1, 1.3 * USED.a2, 0.4 * 1.3 * USED.b0);
+        let found = left(candidate, drive, 1.0)?;
+        assert!((found.a1 / USED.a1 - 1.0).abs() < 1e-6);
+        assert!((found.b0 / drive.b0 - 1.0).abs() < 1e-5);
+        // Three times the load.
+        let drive = Model::linear(USED.a1 / 3.0, USED.a2 / 3.0, USED.b0 / 3.0);
+        let candidate = Model {
+            b0: 1.03 * drive.b0,
+            ..drive
+        };
+        let found = left(candidate, drive, 2.0)?;
+        assert!((found.b0 / found.a1 / (USED.b0 / USED.a1) - 1.0).abs() < 1e-5);
+        Ok(())
+    }
+
+    #[test]
+    fn what_no_change_of_one_number_explains_stays_as_it_was_found() -> Result<(), Error> {
+        let drive = Model::linear(4.0 * USED.a1, 2.0 * USED.a2, 0.5 * 4.0 * USED.b0);
+        assert_eq!(left(drive, drive, 2.0)?, drive);
+        Ok(())
+    }
+}
