@@ -128,9 +128,13 @@ impl<const N: usize> Factors<N> {
         row
     }
 
-    /// Folds the unit row e_i, i = `index`, of the noise variance `variance` in.
+    /// Folds the unit row e_i, i = `index`, of the noise variance `variance` in; one that is 0 or infinite, of a parameter that is known or
+    /// has no bound, says nothing.
     #[inline(never)]
     pub(crate) fn observe(&mut self, index: usize, variance: f32) {
+        if !(variance >= f32::MIN_POSITIVE && variance <= f32::MAX) {
+            return;
+        }
         let mut row = Row::new(variance, 1.0 / variance);
         for j in 0..N {
             if j >= index {

@@ -133,3 +133,22 @@ fn each_part_of_a_unit_row_is_an_observation() {
         both_parts::<8>(seed);
     }
 }
+
+#[test]
+fn an_observation_of_what_is_known_or_has_no_bound_says_nothing() {
+    let before = folded(1.0, 50);
+    for variance in [0.0, 1e-45, f32::INFINITY, f32::NAN] {
+        for index in 0..3 {
+            let mut factors = before;
+            factors.observe(index, variance);
+            assert_eq!(factors, before, "{variance}");
+        }
+    }
+    // A parameter that is known stays so, whatever it is observed with.
+    let mut known = Factors::independent(&[0.0, 2.0]);
+    known.observe(0, 1e-3);
+    known.observe(1, f32::MIN_POSITIVE);
+    let numbers = [known.covariance(0, 0), known.covariance(0, 1)];
+    assert_eq!(numbers, [0.0, 0.0]);
+    assert!(known.covariance(1, 1).is_finite());
+}
