@@ -132,7 +132,7 @@ impl<const N: usize> Factors<N> {
     /// has no bound, says nothing.
     #[inline(never)]
     pub(crate) fn observe(&mut self, index: usize, variance: f32) {
-        if !(variance >= f32::MIN_POSITIVE && variance <= f32::MAX) {
+        if !(f32::MIN_POSITIVE..=f32::MAX).contains(&variance) {
             return;
         }
         let mut row = Row::new(variance, 1.0 / variance);
