@@ -119,12 +119,7 @@ impl<const N: usize> Factors<N> {
     /// Folds the columns in that [`fold_unit`](Self::fold_unit) left.
     #[inline(always)]
     pub(crate) fn fold_unit_rest(&mut self, index: usize, mut row: Row<N>) -> Row<N> {
-        for j in Self::FIRST..N {
-            if j >= index {
-                let f = self.upper[j].get(index).copied().unwrap_or(0.0);
-                self.fold_column(&mut row, j, f, 1.0);
-            }
-        }
+        self.fold_unit_from(Self::FIRST, index, &mut row);
         row
     }
 
@@ -135,11 +130,16 @@ impl<const N: usize> Factors<N> {
         if !(f32::MIN_POSITIVE..=f32::MAX).contains(&variance) {
             return;
         }
-        let mut row = Row::new(variance, 1.0 / variance);
-        for j in 0..N {
+        self.fold_unit_from(0, index, &mut Row::new(variance, 1.0 / variance));
+    }
+
+    /// The columns from `first` on of the unit row e_i, i = `index`.
+    #[inline(always)]
+    fn fold_unit_from(&mut self, first: usize, index: usize, row: &mut Row<N>) {
+        for j in first..N {
             if j >= index {
                 let f = self.upper[j].get(index).copied().unwrap_or(0.0);
-                self.fold_column(&mut row, j, f, 1.0);
+                self.fold_column(row, j, f, 1.0);
             }
         }
     }

@@ -259,7 +259,9 @@ impl Supervisor {
 
     pub(crate) fn validate(&mut self, seen: &Observation) -> Option<FitReport> {
         let validation = self.validation.as_mut()?;
-        validation.update(seen.flow, seen.y)?;
+        if !validation.update(seen.flow, seen.y) {
+            return None;
+        }
         self.report = validation.simplify(|report, other| self.design.is_better(report, other));
         Some(self.report)
     }

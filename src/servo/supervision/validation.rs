@@ -130,10 +130,10 @@ impl Validation {
         }
     }
 
-    /// Takes the position y(k) and the flow in force from now on; gives the report at the end.
+    /// Takes the position y(k) and the flow in force from now on; whether that was the last sample.
     ///
     /// Cost: about 250 instructions.
-    pub(crate) fn update(&mut self, flow: f32, y: f32) -> Option<FitReport> {
+    pub(crate) fn update(&mut self, flow: f32, y: f32) -> bool {
         let observing = self.observe > 0;
         let error = self.candidate.update(flow, y, observing);
         let incumbent = &mut self.incumbent;
@@ -144,7 +144,7 @@ impl Validation {
         }
         if observing {
             self.observe -= 1;
-            return None;
+            return false;
         }
         let moved = y - self.origin;
         self.sum += moved;
@@ -156,11 +156,11 @@ impl Validation {
         }
         self.report.samples += 1;
         if self.report.samples < self.window {
-            return None;
+            return false;
         }
         let count = self.report.samples as f32;
         self.report.sst = self.squares - self.sum * self.sum / count;
-        Some(self.report)
+        true
     }
 
     /// The report at the end: that of the best simpler change, which becomes the candidate, unless the candidate is `better` than that too.
@@ -209,9 +209,9 @@ mod tests {
             } else {
                 0.3
             };
-            let found = validation.update(flow, motion.position);
+            let ends = validation.update(flow, motion.position);
             drive.advance(&mut motion, flow, 1e-3);
-            if found.is_some() {
+            if ends {
                 break;
             }
         }
