@@ -17,6 +17,9 @@ pub(crate) struct Options {
     /// Only scenarios of the identifier with this memory in s, or "none", and no axis.
     #[arg(long, value_name = "S")]
     memory: Option<String>,
+    /// Seed of the first run of the table of the identifier, for other draws than those of before.
+    #[arg(long, value_name = "N")]
+    first_seed: Option<String>,
     /// Puts the results into docs/soak.md, under the date and the commit.
     #[arg(long)]
     write: bool,
@@ -31,11 +34,13 @@ const PAGE: &str = "docs/soak.md";
 pub(crate) fn run(options: &Options) -> Done {
     let seconds = options.seconds.to_string();
     let mut endurance = vec!["endurance", "--seconds", &seconds];
-    if let Some(only) = &options.only {
-        endurance.extend(["--only", only]);
-    }
-    if let Some(memory) = &options.memory {
-        endurance.extend(["--memory", memory]);
+    let chosen = [
+        ("--only", &options.only),
+        ("--memory", &options.memory),
+        ("--first-seed", &options.first_seed),
+    ];
+    for (name, value) in chosen {
+        endurance.extend(value.iter().flat_map(|value| [name, value]));
     }
     let program = ["run", "-q", "--release", "-p", "trendid-cli", "--"];
     let mut parts = vec![part("trendid", &program, &endurance)?];
