@@ -252,14 +252,18 @@ fn batches(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     Ok(())
 }
 
-/// The sample in which a debt of forgetting is called in: a motion behind a long rest, of a drive that has changed meanwhile.
+/// The samples in which a debt of forgetting is called in: a motion behind a long rest, of a drive that has changed meanwhile.
 #[inline(never)]
 fn debt(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     /// Ends of a motion, of the rest behind it, and of the next motion, in samples.
     const ENDS: [u32; 3] = [5000, 20_000, 21_000];
+    /// The one that contradicts, one for each parameter, and the next.
+    const CALLED: usize = 7;
     let mut identifier = rows::following()?;
     // The reference drive in steps of Euler, with a noise of 0.1 um; behind the rest with ten times the gain.
     let ([mut x, mut velocity, mut acceleration], mut seed) = ([0.0_f32; 3], 1_u32);
+    // Before the last two samples, these, and then those that follow.
+    let (mut before, mut calls, mut seen) = ([None, None], [(0.0, 0.0); CALLED], 0);
     for k in 0..ENDS[2] {
         seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         let y = x + 1e-4 * ((seed >> 8) as f32 * (1.0 / 16_777_216.0) - 0.5);
@@ -272,16 +276,25 @@ fn debt(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
         acceleration += jerk * record::SAMPLE_TIME;
         velocity += acceleration * record::SAMPLE_TIME;
         x += velocity * record::SAMPLE_TIME;
-        let before = (k > ENDS[1]).then(|| identifier.clone());
         let learnt = identifier.estimator().samples();
+        if k > ENDS[1] && seen == 0 {
+            before = [before[1].take(), Some(identifier.clone())];
+            calls[0] = calls[1];
+        }
         let _ = row_default(&mut identifier, u, y);
-        if let Some(before) = before
-            && identifier.estimator().samples() < 0.5 * learnt
-        {
-            rows! { meter;
-                "default, debt called in", 5, *row_default, before, core::iter::once((u, y));
-            }
+        calls[seen.max(1)] = (u, y);
+        let begins = seen == 0 && identifier.estimator().samples() < 0.5 * learnt;
+        seen = match seen {
+            0 => 2 * usize::from(begins),
+            seen => seen + 1,
+        };
+        if seen == CALLED {
             break;
+        }
+    }
+    if let ([Some(before), _], CALLED) = (before, seen) {
+        rows! { meter;
+            "default, debt called in", 5, *row_default, before, calls.into_iter();
         }
     }
     Ok(())

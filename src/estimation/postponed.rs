@@ -39,6 +39,11 @@
 //! at 20/eps: 1/lambda^n = 5e8 leaves nothing of what rows have told. Before the noise is known (no more rows than parameters) nothing
 //! contradicts.
 //!
+//! No sample has to do it all: each of the next N observes one parameter, and the last of them multiplies. They take no row, as those of
+//! the onset of a motion are noise above all, and nothing else touches P. An observation makes P smaller or leaves it, so that until the
+//! product every P_ii is at most what it was, below the bound, with D > 0; behind it P is what is written above, as if done at once. Who
+//! reads in between finds that already.
+//!
 //! Where a filter is exchanged what is owed is called in. Then, and where the drive was found to be another one, every sample forgets for
 //! five memories: old rows are not to be held.
 //!
@@ -111,8 +116,9 @@ impl Postponed {
         false
     }
 
+    /// One more sample is owed.
     #[inline(always)]
-    const fn postpone(&mut self) {
+    pub(crate) const fn postpone(&mut self) {
         if self.owed < self.debts[1] {
             self.owed += 1;
         }
@@ -170,12 +176,10 @@ impl Postponed {
         before >= 0.0 && square > CONTRADICTS * before && square > CONTRADICTS * least
     }
 
-    /// Calls the debt in; `left` is what forgetting for ever leaves of each P_jj.
-    ///
-    /// Cost: N observations, about as much again as the rest of the sample; a row of its own in the table of instruction counts.
-    #[inline(never)]
+    /// Begins to call the debt in; `left` is what forgetting for ever leaves of each P_jj. The estimator has to be loosened N times
+    /// before it takes the next row.
     pub(crate) fn call<const N: usize>(&mut self, estimator: &mut Estimator<N>, left: [f32; N]) {
-        estimator.loosen(power(self.growth, self.owed), left);
+        estimator.begin_loosening(power(self.growth, self.owed), left);
         estimator.forget(true);
         (self.owed, self.wait) = (0, 0);
     }

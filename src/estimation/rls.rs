@@ -3,6 +3,7 @@
 mod memory;
 
 use crate::estimation::factors::{Factors, Row};
+use crate::estimation::loosening::Loosening;
 use crate::estimation::mean_square::{MeanSquare, flush};
 use crate::estimation::two_words::TwoWords;
 
@@ -56,6 +57,7 @@ pub struct Estimator<const N: usize> {
     /// Weight of the samples in P.
     samples: f32,
     observation: Observation<N>,
+    loosening: Loosening<N>,
 }
 
 /// An observation of one parameter whose last columns are not yet in P, and theta not yet moved.
@@ -91,6 +93,7 @@ impl<const N: usize> Estimator<N> {
             residual: MeanSquare::new(forgetting),
             samples: 0.0,
             observation: Observation::NONE,
+            loosening: Loosening::NONE,
         }
     }
 
@@ -121,10 +124,11 @@ impl<const N: usize> Estimator<N> {
         innovation
     }
 
-    /// Variance that P leaves of the innovation of the row `phi`, relative to the noise: phi' P phi.
+    /// Variance that P leaves of the innovation of the row `phi`, relative to the noise: phi' P phi; while P is being loosened at least
+    /// that.
     #[inline(always)]
     pub(crate) fn spread(&self, phi: [f32; N]) -> f32 {
-        self.factors.spread(phi)
+        self.loosening.growth * self.factors.spread(phi)
     }
 
     /// Corrects the estimate by `innovation` along the direction `z`.
@@ -230,17 +234,26 @@ impl<const N: usize> Estimator<N> {
 
     /// Entry (i, j) of P = U D U', relative to the noise variance.
     pub fn covariance(&self, i: usize, j: usize) -> f32 {
-        self.factors.covariance(i, j)
+        match self.is_loosening() {
+            true => self.loosened().covariance(i, j),
+            false => self.factors.covariance(i, j),
+        }
     }
 
     /// P, bit for bit the entries that [`covariance`](Self::covariance) gives, for less than half the instructions.
     pub(crate) fn covariances(&self) -> [[f32; N]; N] {
-        self.factors.covariances()
+        match self.is_loosening() {
+            true => self.loosened().covariances(),
+            false => self.factors.covariances(),
+        }
     }
 
     /// U above the diagonal and D on it, column by column.
     pub(crate) fn factors(&self) -> [[f32; N]; N] {
-        self.factors.packed()
+        match self.is_loosening() {
+            true => self.loosened().packed(),
+            false => self.factors.packed(),
+        }
     }
 
     /// The factors D_j: positive, or 0 for a known parameter.

@@ -109,9 +109,26 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             && (!plan.can_stand || self.standstill.has_left(y))
     }
 
-    /// A sample without a row: forgetting is owed, or done all the same behind another filter.
+    /// A sample while no rows are taken.
+    #[inline(never)]
+    pub(super) fn go_without(&mut self) {
+        if self.adapting {
+            self.let_pass();
+        }
+    }
+
+    /// A sample without a row: forgetting is owed, or done all the same behind another filter; a call goes on.
     #[inline(never)]
     pub(super) fn let_pass(&mut self) {
+        if !self.learns {
+            if !self.estimator.is_loosening() {
+                self.begin_call();
+            }
+            self.estimator.loosen();
+            self.learns = !self.estimator.is_loosening();
+            self.postponed.postpone();
+            return;
+        }
         if self.postponed.pass() {
             self.estimator.pass();
             let _ = self.forgetting.turn(&mut self.estimator, false);

@@ -191,7 +191,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// Adapts (`true`, as constructed) or holds the estimate; predictions go on.
     pub fn adapt(&mut self, on: bool) {
-        self.state.adapting = on;
+        self.state.adapt(on);
     }
 
     /// The model found, with its uncertainty: noise bias taken out, an insignificant constant withdrawn.

@@ -37,7 +37,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.signals.turn = self.signals.turn.wrapping_add(1);
         let turn = self.signals.turn;
         // With a memory forgetting says when there is time.
-        if turn.is_multiple_of(16) && !(plan.forgets && self.adapting) {
+        if turn.is_multiple_of(16) && !(plan.forgets && self.learns) {
             self.flush(turn / 16);
         }
         // Before the row: it moves theta.
@@ -114,7 +114,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     ) -> Outcome {
         let innovation = row.innovation;
         let obeys = !plan.can_stand || self.obeys(plan, row, u, y, noise, witness);
-        if !self.adapting {
+        if !self.learns {
+            self.go_without();
             return Outcome::Held { innovation };
         }
         if plan.forgets {
@@ -157,9 +158,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let mut brings = true;
         if !self.postponed.is_usual(spread) {
             if self.postponed.is_owed() && self.contradicted(plan, row.error, spread, y) {
-                self.call_in();
-                // The onset of a motion: its first rows are noise above all, and P has just been opened to them.
-                self.standstill.pause(N as u32);
+                // The rows that are left out meanwhile are those of the onset of a motion: noise above all.
+                self.learns = false;
                 witness.widened();
                 return;
             }

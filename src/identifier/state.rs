@@ -31,6 +31,8 @@ pub(crate) struct State<
     pub(crate) prediction: f32,
     pub(crate) errors: PredictionError,
     pub(crate) adapting: bool,
+    /// Whether rows are taken: it adapts, and no debt is to be called in first.
+    pub(super) learns: bool,
     /// Samples of y that were replaced by their prediction.
     pub(crate) replaced: u32,
     pub(super) signals: Signals<T, M, I, D>,
@@ -56,6 +58,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             prediction: 0.0,
             errors: PredictionError::new(),
             adapting: true,
+            learns: true,
             replaced: 0,
             signals: Signals::new(plan, plan.warm_up),
             standstill: Standstill::new(),
@@ -78,12 +81,32 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.forgetting.set_nominal(prior.theta);
         self.forgetting.set_nominal_std(&prior.std);
         self.postponed = Postponed::new(plan.forgetting);
+        self.learns = self.adapting;
     }
 
-    /// Calls in what forgetting is owed.
+    /// Calls in what forgetting is owed, all at once. Not for the 1 ms path.
     pub(super) fn call_in(&mut self) {
+        self.end_call();
+        self.begin_call();
+        self.end_call();
+    }
+
+    pub(super) fn begin_call(&mut self) {
         self.postponed
             .call(&mut self.estimator, self.forgetting.left());
+    }
+
+    fn end_call(&mut self) {
+        while self.estimator.is_loosening() {
+            self.estimator.loosen();
+        }
+        self.learns = self.adapting;
+    }
+
+    /// Takes rows, or holds the estimate.
+    pub(crate) const fn adapt(&mut self, on: bool) {
+        self.adapting = on;
+        self.learns = on && !self.estimator.is_loosening();
     }
 
     /// The newest y.

@@ -46,6 +46,9 @@ fn a_rest_is_owed_up_to_a_limit_and_called_in_once() {
     assert!(postponed.is_owed());
     let before = estimator.covariance(0, 0);
     postponed.call(&mut estimator, [1e12]);
+    assert!(estimator.is_loosening());
+    estimator.loosen();
+    assert!(!estimator.is_loosening());
     let growth = estimator.covariance(0, 0) / before;
     assert!((4e8..6e8).contains(&growth), "{growth}");
     assert!(postponed.forgets() && !postponed.is_owed());
@@ -84,6 +87,33 @@ impl Numbers {
     }
 }
 
+/// Calls a debt in, in parts.
+fn call<const N: usize>(estimator: &mut Estimator<N>, postponed: &mut Postponed, left: [f32; N]) {
+    let theta = *estimator.theta();
+    let stored =
+        |estimator: &Estimator<N>| core::array::from_fn(|i| estimator.stored_covariance(i));
+    let mut before: [f32; N] = stored(estimator);
+    postponed.call(estimator, left);
+    let read: [f32; N] = core::array::from_fn(|i| estimator.covariance(i, i));
+    for part in 1..=N {
+        assert!(estimator.is_loosening());
+        estimator.loosen();
+        // Who reads finds what it will be.
+        assert!((0..N).all(|i| estimator.covariance(i, i) == read[i]));
+        if part < N {
+            let after = stored(estimator);
+            assert!((0..N).all(|i| after[i] <= before[i] * (1.0 + 1e-5)));
+            assert!(estimator.diagonal().iter().all(|d| *d > 0.0));
+            before = after;
+        }
+    }
+    assert!(!estimator.is_loosening());
+    for (before, after) in theta.iter().zip(estimator.theta()) {
+        // Second words are carried over.
+        assert!((before - after).abs() <= 1e-6 * before.abs());
+    }
+}
+
 /// Rows of any size and direction for random times, rests between them, debts called in whenever there are any; largest P_ii over its bound.
 fn attack<const N: usize>(memory: f32, seed: u32) -> f32 {
     let forgetting = 1.0 - 1.0 / memory;
@@ -111,12 +141,7 @@ fn attack<const N: usize>(memory: f32, seed: u32) -> f32 {
             });
             let spread = estimator.fold(&phi, numbers.next());
             if postponed.owed > 0 && numbers.next() > 0.9 {
-                let theta = *estimator.theta();
-                postponed.call(&mut estimator, stabilised.left());
-                for (before, after) in theta.iter().zip(estimator.theta()) {
-                    // Second words are carried over.
-                    assert!((before - after).abs() <= 1e-6 * before.abs());
-                }
+                call(&mut estimator, &mut postponed, stabilised.left());
                 calls += 1;
             } else {
                 let brings = postponed.is_usual(spread) || postponed.take(spread, &mut estimator);

@@ -1,5 +1,7 @@
 //! What the estimator does for its memory beside taking rows.
 
+use crate::estimation::factors::Factors;
+use crate::estimation::loosening::Loosening;
 use crate::estimation::rls::Estimator;
 
 impl<const N: usize> Estimator<N> {
@@ -35,16 +37,41 @@ impl<const N: usize> Estimator<N> {
         self.samples *= self.forgetting;
     }
 
-    /// Multiplies P by `growth`, after an observation of each parameter j at its own value that leaves at most `left_j` of P_jj; theta
-    /// stays.
-    pub(crate) fn loosen(&mut self, growth: f32, left: [f32; N]) {
+    /// P is to be multiplied by `growth`, after an observation of each parameter j at its own value that leaves at most `left_j` of P_jj;
+    /// theta stays. [`loosen`](Self::loosen) does it in N parts, and no row comes between.
+    ///
+    /// Who reads P before the last part finds it as it will be.
+    pub(crate) fn begin_loosening(&mut self, growth: f32, left: [f32; N]) {
         self.finish_observation();
-        let share = 1.0 / growth;
-        for (index, left) in left.into_iter().enumerate() {
-            // Of its own value: only P learns of it.
-            self.factors.observe(index, left * share);
+        self.loosening = Loosening::new(growth, left);
+        self.samples /= growth;
+    }
+
+    /// Whether parts are missing.
+    #[inline(always)]
+    pub(crate) const fn is_loosening(&self) -> bool {
+        !self.loosening.is_done()
+    }
+
+    /// The next part.
+    #[inline(never)]
+    pub(crate) fn loosen(&mut self) {
+        self.loosening.part(&mut self.factors);
+    }
+
+    /// P_ii as it is stored, whatever parts are missing.
+    #[cfg(test)]
+    pub(crate) fn stored_covariance(&self, index: usize) -> f32 {
+        self.factors.covariance(index, index)
+    }
+
+    /// The factors behind the last part.
+    #[inline(never)]
+    pub(super) fn loosened(&self) -> Factors<N> {
+        let (mut loosening, mut factors) = (self.loosening, self.factors);
+        while !loosening.is_done() {
+            loosening.part(&mut factors);
         }
-        self.factors.grow(growth);
-        self.samples *= share;
+        factors
     }
 }
