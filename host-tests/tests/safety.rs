@@ -1,4 +1,4 @@
-//! `SAFETY.md` names tests that exist, and every fault that the tests know.
+//! `SAFETY.md` names tests that exist, and every fault that the tests know; so do the tuned constants of the loop.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -145,6 +145,39 @@ fn every_fault_of_the_tests_has_a_row() {
         .map(|fault| fault.name().to_owned())
         .collect();
     assert_eq!(keys, known);
+}
+
+/// The texts of all sources below a folder.
+fn texts(folder: &Path, found: &mut Vec<String>) {
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            texts(&path, found);
+        } else if path.extension().is_some_and(|x| x == "rs") {
+            found.push(std::fs::read_to_string(&path).expect("a source"));
+        }
+    }
+}
+
+#[test]
+fn every_constant_of_the_loop_is_held_by_tests_that_exist() {
+    let page = read("src/servo/design/constants.rs");
+    let held = page
+        .lines()
+        .filter_map(|line| line.split_once("Held by: "))
+        .flat_map(|(_, names)| names.trim_end_matches('.').split(", "))
+        .map(|name| name.split(" (").next().unwrap_or_default());
+    let held: BTreeSet<_> = held.collect();
+    assert!(held.len() > 8, "{held:?}");
+    let mut sources = Vec::new();
+    for folder in ["src", "host-tests/tests"] {
+        texts(&root().join(folder), &mut sources);
+    }
+    let missing: Vec<_> = held
+        .into_iter()
+        .filter(|name| !sources.iter().any(|source| is_test(source, name)))
+        .collect();
+    assert!(missing.is_empty(), "{missing:#?}");
 }
 
 #[test]

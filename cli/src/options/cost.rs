@@ -26,7 +26,7 @@ pub(super) enum Cost {
     },
 }
 
-/// The counts that `cargo xtask icount --bless` has written.
+/// The counts that `cargo xtask docs --write icount.json` has written.
 pub(super) const COUNTS: &str = include_str!("../../../docs/icount.json");
 
 /// Mean of a row at -O3 in instructions.

@@ -7,7 +7,7 @@
 //! [`Config::resolve`]: crate::servo::Config::resolve
 
 // Defaults that follow from the bandwidth w of the plant (rad/s) and the travel L.
-// Held by: the_axis_commissions_itself_and_follows, changes_in_motion_are_survived_and_nearly_always_made_good_in_two_seconds.
+// Held by: the_axis_commissions_itself_and_follows, changes_in_motion_are_survived.
 
 /// Noise over L: 10 um on 400 mm, a magnetostrictive transducer.
 pub(crate) const NOISE_RATIO: f32 = 2.5e-5;
@@ -68,7 +68,7 @@ pub(crate) const DELAY_MAX: usize = 40;
 pub(crate) const SENSOR_ERROR_TIME: f32 = 0.003;
 
 // Stick-slip friction.
-// Held by: the_axis_commissions_itself_and_follows (sines through reversals), changes_in_motion_.. (doubled friction).
+// Held by: the_axis_commissions_itself_and_follows (sines through reversals), changes_in_motion_are_survived (doubled friction).
 
 /// Drive over friction up to which a stop ends in sticking, and at which an axis without measurements starts.
 pub(crate) const STOP_HOLD_RATIO: f32 = 1.2;
@@ -84,7 +84,7 @@ pub(crate) const STOP_HOLD_RATIO: f32 = 1.2;
 pub(crate) const TRANSITION_RATE_MAX: f32 = 50.0;
 
 // Supervision.
-// Held by: faults_are_refused_for_the_right_reason_and_the_gains_are_kept, changes_in_motion_...
+// Held by: faults_are_refused_for_the_right_reason_and_the_gains_are_kept, changes_in_motion_are_survived.
 
 /// Time in s between two candidates, and the length of `Verified`.
 pub(crate) const LOOK_TIME: f32 = 0.016;
