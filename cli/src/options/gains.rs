@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use indicatif::ProgressBar;
+use trendid_host_tests::paper::options::{self as runs, Pair};
 
 use super::cost::Cost;
-use super::runs::{self, Pair};
 use crate::output::under;
 
 /// One option: what it costs, and where it is tried.

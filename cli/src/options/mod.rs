@@ -2,7 +2,6 @@
 
 mod cost;
 mod gains;
-mod runs;
 
 use clap::Args;
 use serde_json::{Value, json};

@@ -6,6 +6,7 @@
 //! | [`methods`] | conditions, filters and methods of the reproduction |
 //! | [`transient`] | how an estimate comes to its end through a record |
 //! | [`offline`] | fits that see a whole record at once |
+//! | [`options`] | one record without and with each option of the core |
 //! | [`mod@trial`] | one record through every method |
 //! | [`statistics`] | statistics over many records |
 //! | [`mod@coverage`] | how often the true value lies within the reported standard deviations |
@@ -15,6 +16,7 @@ pub mod coverage;
 pub mod iterations;
 pub mod methods;
 pub mod offline;
+pub mod options;
 pub mod sigma;
 pub mod statistics;
 pub mod table1;

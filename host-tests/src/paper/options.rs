@@ -1,19 +1,20 @@
-//! One run of each option: the same record without it and with it.
+//! One run of each option of the core: the same record without it and with it.
 
 use trendid::identifier::DelayBank;
 use trendid::inputs::DeadZone;
 use trendid::trends::{ExactTrends, FilteredTrends, RawTrends, Scheme, TrendOperator};
 use trendid::{Config, Identifier, Structure};
-use trendid_host_tests::oracles::forgetting::{Forgetting, Kind, ServoRows};
-use trendid_host_tests::paper::trial::{Filter, Method, Setting, trial};
-use trendid_host_tests::plants::linear::{Input, LinearPlant};
-use trendid_host_tests::plants::servo::{REFERENCE, Servo};
-use trendid_host_tests::signals::excitation::Excitation;
-use trendid_host_tests::signals::experiment::{Experiment, Record};
-use trendid_host_tests::signals::noise::{Additive, Condition, Reading};
+
+use crate::oracles::forgetting::{Forgetting, Kind, ServoRows};
+use crate::paper::trial::{Filter, Method, Setting, trial};
+use crate::plants::linear::{Input, LinearPlant};
+use crate::plants::servo::{REFERENCE, Servo};
+use crate::signals::excitation::Excitation;
+use crate::signals::experiment::{Experiment, Record};
+use crate::signals::noise::{Additive, Condition, Reading};
 
 /// Errors of one run without and with the option.
-pub(super) type Pair = [[f64; 3]; 2];
+pub type Pair = [[f64; 3]; 2];
 
 /// Rough bandwidth of the reference servo \[rad/s\].
 const BANDWIDTH: f32 = 20.0;
@@ -52,7 +53,8 @@ fn ending<T: TrendOperator<3>, const N: usize>(
     errors(&identifier.theta(), &REFERENCE)
 }
 
-pub(super) fn filtered(seed: u64) -> Pair {
+/// Filtered trends for raw ones.
+pub fn filtered(seed: u64) -> Pair {
     let record = Experiment::reference(Condition::white(100.0), 0.5).record(seed);
     let structure = Structure::<3, 3, 1>::INTEGRATING;
     let raw = RawTrends::try_new(Scheme::Tustin, DT as f32).expect("1 ms");
@@ -63,7 +65,8 @@ pub(super) fn filtered(seed: u64) -> Pair {
     ]
 }
 
-pub(super) fn compensated(seed: u64) -> Pair {
+/// The noise bias taken out.
+pub fn compensated(seed: u64) -> Pair {
     let methods = [false, true].map(|compensated| Method::Core {
         scheme: Scheme::Tustin,
         filter: Filter::Default,
@@ -80,7 +83,8 @@ pub(super) fn compensated(seed: u64) -> Pair {
 /// The servo with the start and without a constant.
 const STARTED: Structure<3, 4, 1> = Structure::INTEGRATING_WITH_INITIAL_STATE;
 
-pub(super) fn start(seed: u64) -> Pair {
+/// The initial state as a parameter.
+pub fn start(seed: u64) -> Pair {
     let record = Experiment::reference(Condition::white(100.0), 0.5).record(seed);
     let without = Structure::<3, 3, 1>::INTEGRATING;
     [
@@ -89,7 +93,8 @@ pub(super) fn start(seed: u64) -> Pair {
     ]
 }
 
-pub(super) fn constant(seed: u64) -> Pair {
+/// The offset of the valve as a parameter.
+pub fn constant(seed: u64) -> Pair {
     let mut experiment = Experiment::reference(Condition::white(10.0), 1.0);
     experiment.valve.offset = 0.04;
     let record = experiment.record(seed);
@@ -100,7 +105,8 @@ pub(super) fn constant(seed: u64) -> Pair {
     ]
 }
 
-pub(super) fn dead_zone(seed: u64) -> Pair {
+/// A dead zone that is found on the way.
+pub fn dead_zone(seed: u64) -> Pair {
     let mut experiment = Experiment::closed_loop(Condition::white(20.0), 4.0);
     experiment.valve.dead_zone = 0.03;
     let record = experiment.record(seed);
@@ -126,7 +132,7 @@ pub(super) fn dead_zone(seed: u64) -> Pair {
 }
 
 /// What 20 s of rest do to the reading under plain exponential forgetting, and under that of the core.
-pub(super) fn bounded(seed: u64) -> Pair {
+pub fn bounded(seed: u64) -> Pair {
     let mut config = Config::new(Structure::<3, 5, 1>::SERVO, BANDWIDTH, [0.4], 50.0);
     config.memory = Some(0.2);
     let mut with: Identifier<_, 3, 5> =
@@ -162,7 +168,8 @@ pub(super) fn bounded(seed: u64) -> Pair {
     })
 }
 
-pub(super) fn retuned(seed: u64) -> Pair {
+/// The filter retuned to what was found, from three times the bandwidth.
+pub fn retuned(seed: u64) -> Pair {
     let record = Experiment::reference(Condition::white_relative(16.72), 3.0).record(seed);
     let rough = 3.0 * BANDWIDTH;
     let config = Config::new(Structure::<3, 5, 1>::SERVO, rough, [1.0], 50.0);
@@ -186,7 +193,8 @@ pub(super) fn retuned(seed: u64) -> Pair {
     [fixed, tuned].map(|identifier| errors(&identifier.theta(), &REFERENCE))
 }
 
-pub(super) fn banked(seed: u64) -> Pair {
+/// A delay that is found.
+pub fn banked(seed: u64) -> Pair {
     const DELAY: usize = 3;
     let mut experiment = Experiment::reference(Condition::white(100.0), 0.5);
     let inputs = [Input::delayed(&[REFERENCE.b0()], DELAY)];
@@ -204,7 +212,8 @@ pub(super) fn banked(seed: u64) -> Pair {
     [read(bank.candidate(0)), read(bank.chosen())]
 }
 
-pub(super) fn exact(seed: u64) -> Pair {
+/// Exact trends for a slow sampling.
+pub fn exact(seed: u64) -> Pair {
     const SLOW: f64 = 0.005;
     let truth = Servo {
         c: 2500.0,
