@@ -43,6 +43,48 @@ impl Counter {
             systick_off: false,
         }
     }
+
+    /// Writes the line of a row, or takes the row of nothing. Once for all rows: the smallest machine has no room for more.
+    #[inline(never)]
+    fn finish(&mut self, [name, function]: [&str; 2], [n, ram]: [usize; 2], counted: &Counted) {
+        let [fine, systick] = self.clocks;
+        let mean = counted
+            .sums
+            .map(|sum| (sum / f64::from(counted.count)) as f32);
+        if n == 0 {
+            self.idle = mean;
+            return;
+        }
+        let units = |clock: &Clock, i: usize, ticks: f32| clock.units(ticks - self.idle[i]) + 1.0;
+        let by_fine = units(&fine, 0, mean[0]);
+        let by_systick = units(&systick, 1, mean[1]);
+        // Two counters with their own calibration must agree. SysTick counts in steps of
+        // six instructions, and in a repeatable run the part of a step does not average out.
+        const STEP: f32 = 6.0;
+        if (by_systick - by_fine).abs() > 0.02 * by_fine + STEP {
+            self.systick_off = true;
+        }
+        // By integers: what writes a float takes 20 kB.
+        let [mean, coarse] = [by_fine, by_systick].map(|units| (10.0 * units + 0.5) as u32);
+        let worst = (units(&fine, 0, counted.worst as f32) + 0.5) as u32;
+        line(format_args!(
+            "{name};{function};{n};{}.{};{worst};{}.{};{};{ram}",
+            mean / 10,
+            mean % 10,
+            coarse / 10,
+            coarse % 10,
+            counted.peak,
+        ));
+    }
+}
+
+/// What was counted of a row: ticks of both clocks and the most by the finer one, bytes of stack, steps.
+#[cfg(target_os = "none")]
+struct Counted {
+    sums: [f64; 2],
+    worst: u32,
+    peak: usize,
+    count: u32,
 }
 
 #[cfg(target_os = "none")]
@@ -78,25 +120,13 @@ impl Meter for Counter {
             worst = worst.max(ticks);
             count += 1;
         }
-        let mean = sums.map(|sum| (sum / f64::from(count)) as f32);
-        if n == 0 {
-            self.idle = mean;
-            return;
-        }
-        let units = |clock: &Clock, i: usize, ticks: f32| clock.units(ticks - self.idle[i]) + 1.0;
-        let by_fine = units(&fine, 0, mean[0]);
-        let by_systick = units(&systick, 1, mean[1]);
-        // Two counters with their own calibration must agree. SysTick counts in steps of
-        // six instructions, and in a repeatable run the part of a step does not average out.
-        const STEP: f32 = 6.0;
-        if (by_systick - by_fine).abs() > 0.02 * by_fine + STEP {
-            self.systick_off = true;
-        }
-        line(format_args!(
-            "{name};{function};{n};{by_fine:.1};{:.0};{by_systick:.1};{peak};{}",
-            units(&fine, 0, worst as f32),
-            size_of::<S>(),
-        ));
+        let counted = Counted {
+            sums,
+            worst,
+            peak,
+            count,
+        };
+        self.finish([name, function], [n, size_of::<S>()], &counted);
     }
 }
 

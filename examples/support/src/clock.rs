@@ -108,11 +108,14 @@ impl Clock {
 
 impl fmt::Display for Clock {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // By integers: what writes a float takes 20 kB.
+        let rate = (1e4 * self.rate() + 0.5) as u32;
         write!(
             f,
-            "{}: {:.4} ticks per unit of {:?}",
+            "{}: {}.{:04} ticks per unit of {:?}",
             self.name,
-            self.rate(),
+            rate / 10_000,
+            rate % 10_000,
             self.unit
         )
     }
