@@ -149,25 +149,14 @@ macro_rules! rows {
 }
 
 fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
-    rows! { meter;
-        "nothing", 0, *row_nothing, (), samples();
-        "raw Goodwin", 3, *row_raw, rows::raw(Scheme::Goodwin)?, samples();
-        "raw Tustin", 3, *row_raw, rows::raw(Scheme::Tustin)?, samples();
-        "filtered Tustin", 3, *row_filtered, rows::filtered(Scheme::Tustin)?, samples();
-        "default", 5, *row_default, rows::default()?, samples();
-        "default with memory", 5, *row_default, rows::following()?, samples();
-    }
+    structures(meter)?;
     // A Cortex-M0 (no atomic exchange) has no room for several copies of a long window, and its emulation of two loops
     // takes minutes.
     if cfg!(target_has_atomic = "32") {
         span(meter)?;
         position_loop(meter);
     }
-    rows! { meter;
-        "with start", 4, *row_constant, rows::started()?, samples();
-        "with constant", 4, *row_constant, rows::offset()?, samples();
-        "with dead zone", 5, *row_dead_zone, rows::dead_zoned()?, samples();
-    }
+    options(meter)?;
     // As for the span: eight identifiers are too many for the smallest memory, and its emulation takes minutes as it is.
     if cfg!(target_has_atomic = "32") {
         exact_and_bank(meter)?;
@@ -178,21 +167,64 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     }
     #[cfg(all(target_os = "none", target_abi = "eabihf"))]
     telemetry::rows(meter, samples(), samples().take(CALLS));
+    full(meter)?;
+    estimators(meter);
+    bounded_estimators(meter);
+    Ok(())
+}
+
+// All states of a function lie on the stack: a few rows in each, for the smallest memory.
+
+#[inline(never)]
+fn structures(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
+    rows! { meter;
+        "nothing", 0, *row_nothing, (), samples();
+        "raw Goodwin", 3, *row_raw, rows::raw(Scheme::Goodwin)?, samples();
+        "raw Tustin", 3, *row_raw, rows::raw(Scheme::Tustin)?, samples();
+        "filtered Tustin", 3, *row_filtered, rows::filtered(Scheme::Tustin)?, samples();
+        "default", 5, *row_default, rows::default()?, samples();
+        "default with memory", 5, *row_default, rows::following()?, samples();
+    }
+    Ok(())
+}
+
+#[inline(never)]
+fn options(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
+    rows! { meter;
+        "with start", 4, *row_constant, rows::started()?, samples();
+        "with constant", 4, *row_constant, rows::offset()?, samples();
+        "with dead zone", 5, *row_dead_zone, rows::dead_zoned()?, samples();
+    }
+    Ok(())
+}
+
+#[inline(never)]
+fn full(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     rows! { meter;
         "order 3 full", 6, *row_full, rows::full()?, samples();
+    }
+    Ok(())
+}
+
+#[inline(never)]
+fn estimators(meter: &mut impl Meter) {
+    rows! { meter;
         "bare estimator", 3, &row_bare_3, bare(), rows_of_numbers();
         "bare estimator", 4, &row_bare_4, bare(), rows_of_numbers();
         "bare estimator", 5, &row_bare_5, bare(), rows_of_numbers();
         "bare estimator", 6, &row_bare_6, bare(), rows_of_numbers();
+    }
+}
+
+#[inline(never)]
+fn bounded_estimators(meter: &mut impl Meter) {
+    rows! { meter;
         "bare, bounded at rest", 3, &row_bounded_3, bounded(), rows_of_numbers();
         "bare, bounded at rest", 4, &row_bounded_4, bounded(), rows_of_numbers();
         "bare, bounded at rest", 5, &row_bounded_5, bounded(), rows_of_numbers();
         "bare, bounded at rest", 6, &row_bounded_6, bounded(), rows_of_numbers();
     }
-    Ok(())
 }
-
-// Rows with a large state are in functions of their own: all states of a function lie on the stack.
 
 #[inline(never)]
 fn span(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {

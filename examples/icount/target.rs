@@ -1,6 +1,6 @@
 //! The entry on a target: clocks, table, and whether the counters agree.
 
-use cortex_m_rt::entry;
+use cortex_m_rt::{ExceptionFrame, entry, exception};
 
 use trendid_example_support::board::{exit, line};
 use trendid_example_support::clock::{Clock, Unit};
@@ -14,6 +14,13 @@ core::arch::global_asm!(".global __trendid_deep_stack", "__trendid_deep_stack = 
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     line(format_args!("{info}"));
+    exit(false)
+}
+
+// SAFETY: it does not return. A fault ends the run at once: without a handler the image stands still until the task gives up.
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    line(format_args!("hard fault at {:#x}", frame.pc()));
     exit(false)
 }
 
