@@ -3,6 +3,7 @@
 use crate::estimation::postponed::Postponed;
 use crate::identifier::plan::Plan;
 use crate::identifier::row::{Noise, Row};
+use crate::identifier::signals::Others;
 use crate::identifier::standstill::Motion;
 use crate::identifier::state::State;
 use crate::identifier::witness::Witness;
@@ -59,17 +60,17 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         &mut self,
         plan: &Plan<T, M, N, I>,
         row: &Row<N>,
-        u: [f32; I],
+        others: &Others<M, I>,
         y: f32,
         noise: Noise,
         witness: &mut impl Witness<M, N, I>,
     ) -> bool {
-        if plan.sticks(&u) {
+        if plan.sticks(&self.signals.last_inputs) {
             if let Some(y) = self.standstill.sticks(y, plan.times.gate_pause) {
                 self.signals.rest(plan, y);
                 witness.begin();
                 // In force from now on, should the axis break away before the next sample.
-                let others = self.signals.other_trends(plan, u);
+                let others = self.signals.again(plan, others);
                 witness.inputs(&others.inputs);
             }
             return false;

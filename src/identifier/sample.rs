@@ -69,7 +69,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         match lasting {
             // Two samples have entered the trends at once: the rest of this one is left out.
             true => Outcome::Held { innovation },
-            false => self.learn(plan, &mut row, u, y, noise, witness),
+            false => self.learn(plan, &mut row, &others, y, noise, witness),
         }
     }
 
@@ -107,13 +107,13 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         &mut self,
         plan: &Plan<T, M, N, I>,
         row: &mut Row<N>,
-        u: [f32; I],
+        others: &Others<M, I>,
         y: f32,
         noise: Noise,
         witness: &mut impl Witness<M, N, I>,
     ) -> Outcome {
         let innovation = row.innovation;
-        let obeys = !plan.can_stand || self.obeys(plan, row, u, y, noise, witness);
+        let obeys = !plan.can_stand || self.obeys(plan, row, others, y, noise, witness);
         if !self.learns {
             self.go_without();
             return Outcome::Held { innovation };

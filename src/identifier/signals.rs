@@ -9,6 +9,8 @@ use crate::trends::{Hold, Memory, TrendOperator, Trends};
 pub(crate) struct Others<const M: usize, const I: usize> {
     pub(crate) inputs: [[f32; M]; I],
     pub(crate) extra: [f32; 2],
+    /// The inputs as they act: behind their delays.
+    acting: [f32; I],
 }
 
 /// Memory of the signals; begins anew after a gap in the samples.
@@ -119,7 +121,7 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         }
     }
 
-    /// The trends of the inputs, of the constant and of the initial state.
+    /// Takes inputs; gives the trends of the inputs, of the constant and of the initial state.
     #[inline(always)]
     pub(crate) fn other_trends<const N: usize>(
         &mut self,
@@ -127,33 +129,54 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         u: [f32; I],
     ) -> Others<M, I> {
         self.last_inputs = u;
-        Others {
-            inputs: self.input_trends(plan, u),
-            extra: self.extra_columns(plan),
-        }
+        let acting = self.delayed(plan, u);
+        self.trends_under(plan, acting)
+    }
+
+    /// The same once more in a sample whose inputs are in their delay lines, behind trends that begin again.
+    #[inline(never)]
+    pub(crate) fn again<const N: usize>(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        others: &Others<M, I>,
+    ) -> Others<M, I> {
+        self.trends_under(plan, others.acting)
     }
 
     #[inline(always)]
-    fn input_trends<const N: usize>(
+    fn delayed<const N: usize>(&mut self, plan: &Plan<T, M, N, I>, u: [f32; I]) -> [f32; I] {
+        if D == 0 {
+            return u;
+        }
+        let mut acting = u;
+        for (c, u) in acting.iter_mut().enumerate() {
+            let (delay, part) = (plan.delays[c], plan.delay_parts[c]);
+            *u = if part > 0.0 {
+                self.lines[c].update_between(*u, delay, part)
+            } else {
+                self.lines[c].update(*u, delay)
+            };
+        }
+        acting
+    }
+
+    #[inline(always)]
+    fn trends_under<const N: usize>(
         &mut self,
         plan: &Plan<T, M, N, I>,
-        u: [f32; I],
-    ) -> [[f32; M]; I] {
+        acting: [f32; I],
+    ) -> Others<M, I> {
         let mut inputs = [[0.0; M]; I];
         for c in 0..I {
-            let (delay, part) = (plan.delays[c], plan.delay_parts[c]);
-            let delayed = if D == 0 {
-                u[c]
-            } else if part > 0.0 {
-                self.lines[c].update_between(u[c], delay, part)
-            } else {
-                self.lines[c].update(u[c], delay)
-            };
             inputs[c] = plan
                 .trends
-                .input(&mut self.inputs[c], delayed, plan.holds[c]);
+                .input(&mut self.inputs[c], acting[c], plan.holds[c]);
         }
-        inputs
+        Others {
+            inputs,
+            extra: self.extra_columns(plan),
+            acting,
+        }
     }
 
     /// Entries of the regressor for the constant and the initial state.

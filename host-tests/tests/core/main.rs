@@ -37,6 +37,7 @@ mod retune;
 mod robustness;
 mod roots;
 mod settings;
+mod sticks;
 mod store;
 mod transfer;
 mod valve;
