@@ -234,26 +234,17 @@ impl<const N: usize> Estimator<N> {
 
     /// Entry (i, j) of P = U D U', relative to the noise variance.
     pub fn covariance(&self, i: usize, j: usize) -> f32 {
-        match self.is_loosening() {
-            true => self.loosened().covariance(i, j),
-            false => self.factors.covariance(i, j),
-        }
+        self.read(|factors| factors.covariance(i, j))
     }
 
     /// P, bit for bit the entries that [`covariance`](Self::covariance) gives, for less than half the instructions.
     pub(crate) fn covariances(&self) -> [[f32; N]; N] {
-        match self.is_loosening() {
-            true => self.loosened().covariances(),
-            false => self.factors.covariances(),
-        }
+        self.read(|factors| factors.covariances())
     }
 
     /// U above the diagonal and D on it, column by column.
     pub(crate) fn factors(&self) -> [[f32; N]; N] {
-        match self.is_loosening() {
-            true => self.loosened().packed(),
-            false => self.factors.packed(),
-        }
+        self.read(|factors| factors.packed())
     }
 
     /// The factors D_j: positive, or 0 for a known parameter.

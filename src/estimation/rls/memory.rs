@@ -65,9 +65,18 @@ impl<const N: usize> Estimator<N> {
         self.factors.covariance(index, index)
     }
 
+    /// What the factors say once no part is missing.
+    #[inline(always)]
+    pub(super) fn read<R>(&self, of: impl FnOnce(&Factors<N>) -> R) -> R {
+        match self.is_loosening() {
+            true => of(&self.loosened()),
+            false => of(&self.factors),
+        }
+    }
+
     /// The factors behind the last part.
     #[inline(never)]
-    pub(super) fn loosened(&self) -> Factors<N> {
+    fn loosened(&self) -> Factors<N> {
         let (mut loosening, mut factors) = (self.loosening, self.factors);
         while !loosening.is_done() {
             loosening.part(&mut factors);
