@@ -219,8 +219,9 @@ impl Controller {
         self.factor = arriving.factor.unwrap_or(self.factor);
         self.tune(arriving.model.unwrap_or(*self.estimator.model()));
         if arriving.model.is_some() {
-            // What the model before could not explain.
+            // What the model before could not explain, and how far its hops went.
             self.estimator.forget_disturbance();
+            self.rest.forget();
         }
         let changed = self.law(&r, rests, changes);
         self.transfer.keep(command, changed)
