@@ -73,6 +73,18 @@ impl ThirdOrder {
         self.p.load = load;
     }
 
+    /// Multiplies the moving mass: what is stated per mass, the stiffness and the force in the drive fall by the factor.
+    pub fn multiply_mass(&mut self, factor: f64) {
+        let p = &mut self.p;
+        let root = factor.sqrt();
+        p.omega0 /= root;
+        p.xi /= root;
+        p.force_max /= factor;
+        p.load /= factor;
+        p.friction = p.friction.scaled(1.0 / factor);
+        self.state[2] /= factor;
+    }
+
     fn derivative(&self, s: &State, command: f64, direction: f64) -> State {
         let p = &self.p;
         let [_, v, force, spool, rate] = *s;

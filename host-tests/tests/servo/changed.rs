@@ -7,16 +7,16 @@ use trendid_host_tests::servo::population::family::Family;
 /// Seeds of usual axes: none was used to tune anything.
 const SEEDS: std::ops::RangeInclusive<u64> = 200_001..=200_040;
 
-fn changed(factor: f64, adaptive: bool) -> Vec<Changed> {
+fn changed(family: Family, factor: f64, adaptive: bool) -> Vec<Changed> {
     SEEDS
-        .filter_map(|seed| {
-            mass(
-                &AxisDraw::new(Family::Pneumatic, true, seed),
-                factor,
-                adaptive,
-            )
-        })
+        .filter_map(|seed| mass(&AxisDraw::new(family, true, seed), factor, adaptive))
         .collect()
+}
+
+/// With the loop that adapts and with the one that does not.
+fn both(family: Family, factor: f64) -> (Vec<Changed>, Vec<Changed>) {
+    let [adapts, fixed] = [true, false].map(|adaptive| changed(family, factor, adaptive));
+    (adapts, fixed)
 }
 
 fn median(runs: &[Changed], of: impl Fn(&Changed) -> f64) -> f64 {
@@ -29,6 +29,15 @@ fn count(runs: &[Changed], holds: impl Fn(&Changed) -> bool) -> usize {
     runs.iter().filter(|run| holds(run)).count()
 }
 
+/// Stopped loops, medians of the error in the sine over that before and of the steady state in mm: adaptive and fixed.
+fn figures(runs: [&[Changed]; 2]) -> ([usize; 2], [f64; 2], [f64; 2]) {
+    (
+        runs.map(|runs| count(runs, |run| run.stopped.is_some())),
+        runs.map(|runs| median(runs, ratio)),
+        runs.map(|runs| median(runs, |run| run.steady_state_mm)),
+    )
+}
+
 /// Error in the sine over that before the change.
 fn ratio(run: &Changed) -> f64 {
     run.sine_mm[1] / run.sine_mm[0]
@@ -37,10 +46,8 @@ fn ratio(run: &Changed) -> f64 {
 #[test]
 fn a_loop_that_adapts_is_no_worse_than_one_that_does_not() {
     for (factor, ratio_max, stopped_max) in [(3.0, 2.0, 2), (1.0 / 3.0, 3.5, 1)] {
-        let (adapts, fixed) = (changed(factor, true), changed(factor, false));
-        let stopped = [&adapts, &fixed].map(|runs| count(runs, |run| run.stopped.is_some()));
-        let ratios = [&adapts, &fixed].map(|runs| median(runs, ratio));
-        let steady = [&adapts, &fixed].map(|runs| median(runs, |run| run.steady_state_mm));
+        let (adapts, fixed) = both(Family::Pneumatic, factor);
+        let (stopped, ratios, steady) = figures([&adapts, &fixed]);
         let calmed = [&adapts, &fixed].map(|runs| count(runs, |run| run.oscillations > 0));
         println!(
             "mass x{factor:.2}: {} axes, adaptive and fixed: sine over that before {ratios:.2?}, steady state {steady:.3?} mm, \
@@ -56,5 +63,42 @@ fn a_loop_that_adapts_is_no_worse_than_one_that_does_not() {
         );
         assert!(steady[0] <= steady[1], "{steady:?}");
         assert!(stopped[0] + calmed[0] <= stopped[1] + calmed[1]);
+    }
+}
+
+/// Drives that no friction holds: nothing but the identifier tells the loop of their mass.
+///
+/// Three times the mass: the loop that adapts has the error of before at most this many times.
+const WITHOUT_STICKING: [(Family, f64); 3] = [
+    (Family::Linear, 2.0),
+    (Family::BallScrew, 2.5),
+    (Family::Hydraulic, 2.5),
+];
+
+#[test]
+fn a_loop_adapts_where_no_friction_holds_the_axis() {
+    for (family, ratio_max) in WITHOUT_STICKING {
+        for factor in [3.0, 1.0 / 3.0] {
+            let (adapts, fixed) = both(family, factor);
+            let (stopped, ratios, steady) = figures([&adapts, &fixed]);
+            let learned = [&adapts, &fixed].map(|runs| count(runs, |run| run.models > 1));
+            println!(
+                "{family:?}, mass x{factor:.2}: {} axes, adaptive and fixed: sine over that before {ratios:.2?}, steady state \
+                 {steady:.3?} mm, stopped {stopped:?}, with another model {learned:?}",
+                adapts.len()
+            );
+            assert!(adapts.len() >= 36, "accepted: {}", adapts.len());
+            assert!(stopped[0] <= stopped[1], "{stopped:?}");
+            assert!(ratios[0] <= ratios[1], "{ratios:?}");
+            assert!(steady[0] <= steady[1], "{steady:?}");
+            assert_eq!(learned[1], 0);
+            if factor > 1.0 {
+                assert!(
+                    ratios[0] < ratio_max && 2.0 * ratios[0] < ratios[1],
+                    "{ratios:?}"
+                );
+                assert!(2 * learned[0] > adapts.len(), "{learned:?}");
+            }
+        }
     }
 }

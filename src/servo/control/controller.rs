@@ -143,6 +143,9 @@ impl Controller {
         let deflection = model.friction / model.a1;
         let grain = self.design.grain;
         self.sticky = deflection > STICKY * grain;
+        if !self.sticky {
+            self.anchor.restart();
+        }
         let room = model.dead_zone > 0.3 * model.offset.abs() + 0.002;
         let most = if self.sticky {
             WINDOW[usize::from(!room)] * deflection
@@ -248,9 +251,12 @@ impl Controller {
         self.estimator.pushes()
     }
 
-    /// Samples since the axis began to stick, or to slide.
+    /// Samples since the axis began to stick, or to slide; one that friction does not hold has always slid.
     pub(crate) const fn since(&self) -> u32 {
-        self.anchor.since()
+        match self.sticky {
+            true => self.anchor.since(),
+            false => u32::MAX,
+        }
     }
 
     /// Acceleration lost to friction, with the sign of the motion: at rest, all of the drive.

@@ -99,6 +99,14 @@ impl Bench {
         }
     }
 
+    /// Multiplies the moving mass; a constant load stays.
+    pub fn multiply_mass(&mut self, factor: f64) {
+        match &mut self.drive {
+            Drive::Pneumatic(axis) => axis.set_mass(factor * axis.parameters().mass),
+            Drive::ThirdOrder(drive) => drive.multiply_mass(factor),
+        }
+    }
+
     /// True position \[mm\].
     pub fn position_mm(&self) -> f64 {
         self.drive.position_mm()

@@ -42,13 +42,15 @@ pub struct Changed {
     pub models: u32,
 }
 
-/// Multiplies the moving mass of a pneumatic axis in a sine; the constant load stays, and the user states a cylinder. `None` of an axis that is not accepted or not pneumatic.
+/// Multiplies the moving mass in a sine; the constant load stays, and the user states how stiff the axis is near its ends. `None` of an
+/// axis that is not accepted.
 pub fn mass(axis: &AxisDraw, factor: f64, adaptive: bool) -> Option<Changed> {
-    let Mechanics::Pneumatic(parameters) = axis.mechanics else {
-        return None;
+    let dead_volume = match axis.mechanics {
+        Mechanics::Pneumatic(_) => DEAD_VOLUME,
+        Mechanics::ThirdOrder(_) => f32::INFINITY,
     };
     let mut bench = Bench::new(axis, Purpose::Disturbance);
-    let mut positioner = LoopPositioner::knowing(axis, adaptive, Some(DEAD_VOLUME)).ok()?;
+    let mut positioner = LoopPositioner::knowing(axis, adaptive, Some(dead_volume)).ok()?;
     let _ = positioner.commission(&mut bench).verified_s?;
     let mut changed = Changed {
         seed: axis.seed,
@@ -64,9 +66,7 @@ pub fn mass(axis: &AxisDraw, factor: f64, adaptive: bool) -> Option<Changed> {
     let mut exercise = Exercise::new(&mut bench, &mut positioner);
     // A run that the loop ended has the figures that it came to.
     let _ = exercise.through_a_change(&mut changed, |bench| {
-        if let Some(axis) = bench.pneumatic_mut() {
-            axis.set_mass(factor * parameters.mass);
-        }
+        bench.multiply_mass(factor);
     });
     changed.stopped = positioner.stopped();
     if let Some(faults) = positioner.faults() {
