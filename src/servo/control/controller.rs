@@ -222,9 +222,8 @@ impl Controller {
         self.factor = arriving.factor.unwrap_or(self.factor);
         self.tune(arriving.model.unwrap_or(*self.estimator.model()));
         if arriving.model.is_some() {
-            // What the model before could not explain, and how far its hops went.
+            // What the model before could not explain.
             self.estimator.forget_disturbance();
-            self.rest.forget();
         }
         let changed = self.law(&r, rests, changes);
         self.transfer.keep(command, changed)

@@ -13,8 +13,7 @@ pub(crate) struct RestDesign {
 ///
 /// A hop of stick-slip of length h, with integral action, is a limit cycle exactly when it exceeds the window on both sides.
 /// Each hunt - through the window to the other side, or out of the rest - widens it by 1.25: the cycle ends after
-/// `log(h / 2 W) / log 1.25` hops. A stop at the first attempt narrows it again. It is kept from target to target. How far a hop goes
-/// is the doing of the model: with another one the window begins anew, and widens again as far as that one needs.
+/// `log(h / 2 W) / log 1.25` hops. A stop at the first attempt narrows it again. It is kept from target to target.
 ///
 /// Known as: hunting of stiction and integral action (Armstrong-Helouvry, Dupont and Canudas de Wit 1994).
 #[derive(Debug, Clone, PartialEq)]
@@ -58,11 +57,6 @@ impl RestWindow {
         if !(self.window > self.design.least) {
             self.window = self.design.least;
         }
-    }
-
-    /// Goes on with what another model makes of the axis: its hops are not those that have widened the window.
-    pub(crate) const fn forget(&mut self) {
-        self.window = self.design.least;
     }
 
     /// The valve no longer rests.
@@ -124,28 +118,5 @@ impl RestWindow {
 
     pub(crate) const fn window(&self) -> f32 {
         self.window
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A model that lets the axis hop over its target widens the window; what it widened is not held against the model that follows.
-    #[test]
-    fn another_model_begins_with_the_smallest_window() {
-        let design = RestDesign {
-            least: 0.01,
-            most: 1.0,
-        };
-        let mut rest = RestWindow::new(&design);
-        for k in 0..40 {
-            rest.update(if k % 2 == 0 { 0.4 } else { -0.4 }, false);
-        }
-        assert!(rest.window() > 0.3, "{}", rest.window());
-        rest.forget();
-        assert_eq!(rest.window(), design.least);
-        rest.update(0.4, false);
-        assert!(!rest.rests());
     }
 }
