@@ -7,7 +7,7 @@ use trendid_example_support::reset::{Cause, Causes};
 use trendid_example_support::survivor::{Fault, Survivor};
 use trendid_link::telemetry;
 
-use crate::logger;
+use crate::logger::FRAMES;
 
 /// Shows a model as its parameters, and as frequency and damping of the drive behind the integrator.
 ///
@@ -88,13 +88,13 @@ pub(crate) fn fault(fault: Option<Fault>) {
         Some(Fault::HardFault { pc, lr }) => {
             defmt::error!("fault: hard fault");
             // Addresses are another with every build: no lines for the quoted log.
-            if !logger::is_over_semihosting() {
+            if !FRAMES.are_over_semihosting() {
                 defmt::error!("at {=u32:#x}, return address {=u32:#x}", pc, lr);
             }
         }
         Some(Fault::StackOverflow { sp }) => {
             defmt::error!("fault: the stack overflowed");
-            if !logger::is_over_semihosting() {
+            if !FRAMES.are_over_semihosting() {
                 defmt::error!("its pointer was {=u32:#x}", sp);
             }
         }

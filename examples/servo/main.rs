@@ -12,12 +12,12 @@
 //! | telemetry and requests (`wire.rs`), 921 600 baud | USART1: transmit PA9, receive PA10 |
 //! | the same through the debugger (`TELEMETRY` in `wiring.rs`) | channel 1 of RTT in both directions |
 //!
-//! Nothing moves by itself: after every reset the loop is idle until the button is pressed, which commissions the axis; the
-//! next press stops it; or until the wire asks. A verified model is kept in flash; `RESUME` lets control begin with it after a reset, at the position
-//! where the axis then is. The interrupt reads, identifies, controls and drives; it hands a snapshot to the idle loop, which
-//! alone logs, without waiting for a reader. An update that is not done when the next slot begins is an overrun: it is
-//! counted, the loop is told of every slot that is missing, and three in a row stop the machine, as a fault of sensor,
-//! valve or axis does.
+//! Nothing moves by itself: after every reset the loop is idle until the button is pressed, which commissions the axis;
+//! the next press stops it; or until the wire asks. A verified model is kept in flash; `RESUME` lets control begin with
+//! it after a reset, at the position where the axis then is. The interrupt reads, identifies, controls and drives; it
+//! hands a snapshot to the idle loop, which alone logs, without waiting for a reader. An update that is not done when
+//! the next slot begins is an overrun: it is counted, the loop is told of every slot that is missing, and three in a
+//! row stop the machine, as a fault of sensor, valve or axis does.
 //!
 //! A machine that is stopped has the safe output until the button was held for two seconds. The fault is kept in memory
 //! that survives a reset, with a panic, a hard fault and a bite of the watchdog, so that a restart does not forget it. The

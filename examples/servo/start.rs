@@ -69,7 +69,7 @@ fn begin() -> Idle {
     // The internal oscillator runs after reset on every chip; a clock control that does not know it is QEMU's.
     let emulated = chip.RCC.cr().read().hsirdy().bit_is_clear();
     if emulated {
-        logger::over_semihosting();
+        logger::FRAMES.go_over_semihosting();
     }
     let mut rcc = clocked(chip.RCC, emulated);
 
@@ -236,7 +236,7 @@ fn idle(
             let store = |(keep, record): (&mut Keep, _)| keep.store(record, seconds);
             requests::stored(keep.as_mut().zip(now.record.as_ref()).is_some_and(store));
         }
-        let frames = logger::lost();
+        let frames = logger::FRAMES.lost();
         if frames != lost {
             lost = frames;
             defmt::warn!("lines of the log that found no room: {=u32}", lost);

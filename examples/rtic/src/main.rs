@@ -17,8 +17,6 @@
 #![no_main]
 
 mod debugger;
-// The same frames from the same image over RTT or semihosting.
-#[path = "../../servo/logger.rs"]
 mod logger;
 mod rest;
 
@@ -92,7 +90,7 @@ mod app {
         // The internal oscillator runs after reset on every chip; a clock control that does not know it is QEMU's.
         let emulated = chip.RCC.cr().read().hsirdy().bit_is_clear();
         let clock = if emulated {
-            logger::over_semihosting();
+            logger::FRAMES.go_over_semihosting();
             rcc::Config::hsi()
         } else {
             rcc::Config::hse(CRYSTAL_MHZ.MHz()).sysclk(168.MHz())

@@ -5,7 +5,7 @@ use trendid::hardware::Valve;
 
 use trendid_example_support::drive::SimulatedValve;
 
-use crate::logger;
+use crate::logger::FRAMES;
 
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
@@ -13,7 +13,7 @@ fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     // On a machine: by the registers of the output, whose driver is in the hands of the task that panicked.
     let _ = SimulatedValve.safe();
     defmt::error!("{}", defmt::Display2Format(&info.message()));
-    if logger::is_over_semihosting() {
+    if FRAMES.are_over_semihosting() {
         debug::exit(debug::EXIT_FAILURE);
     }
     loop {

@@ -22,5 +22,8 @@ pub mod survivor;
 pub mod board;
 #[cfg(target_os = "none")]
 pub mod clock;
+// The log is that of this core alone.
+#[cfg(all(target_os = "none", target_abi = "eabihf"))]
+pub mod frames;
 #[cfg(target_os = "none")]
 pub mod stack;

@@ -6,9 +6,7 @@
 #![no_std]
 #![no_main]
 
-#[path = "emulated/clock.rs"]
 mod clock;
-#[path = "emulated/line.rs"]
 mod line;
 
 use cortex_m::peripheral::NVIC;
