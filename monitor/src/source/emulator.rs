@@ -1,16 +1,16 @@
 //! The firmware of the servo example in QEMU, in real time, on its simulated drive.
 
 use std::io::ErrorKind;
-use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
 use crate::args::Args;
+use crate::source::call::{File, Place, Port};
 use crate::source::channel::{Line, Said};
 use crate::source::gdb::{Gdb, carry};
-use crate::source::line::{again, prompt, pump};
+use crate::source::line::{again, pump};
 
 /// Target of the image.
 const TARGET: &str = "thumbv7em-none-eabihf";
@@ -44,11 +44,11 @@ pub(super) fn run(args: &Args, mut line: Line) {
     let name = image.file_name().unwrap_or_default().to_string_lossy();
     let name = format!("{name} in QEMU");
     again(&mut line, |line| {
-        let (stream, _emulator) = start(&image, args.rtt, line)?;
         if args.rtt {
+            let (stream, _emulator) = Start::rtt(&image).at(Port::new(), line)?;
             return carry(Gdb::new(stream)?, &name, line);
         }
-        prompt(&stream).map_err(|error| format!("a socket for QEMU: {error}"))?;
+        let (stream, _emulator) = Start::wire(&image).at(File::new(), line)?;
         line.say(Said::Up(name.clone()));
         pump(stream, line)
     });
@@ -88,59 +88,79 @@ fn executable(messages: &str) -> Option<PathBuf> {
     messages.lines().filter_map(named).next_back()
 }
 
-/// Starts QEMU, which calls back before the first instruction, over its serial line or as a debugger's stub.
-fn start(image: &Path, rtt: bool, line: &Line) -> Result<(TcpStream, Emulator), String> {
-    let failed = |error: std::io::Error| format!("a socket for QEMU: {error}");
-    let listener = TcpListener::bind("127.0.0.1:0").map_err(failed)?;
-    listener.set_nonblocking(true).map_err(failed)?;
-    let address = listener.local_addr().map_err(failed)?;
-    let socket = format!(
-        "socket,id=line,host=127.0.0.1,port={},nodelay=on",
-        address.port()
-    );
-    let (word, serial, stub) = if rtt {
-        ("rtt", "null", "chardev:line")
-    } else {
-        ("wire", "chardev:line", "none")
-    };
-    let mut emulator = Command::new("qemu-system-arm")
-        .args([
-            "-machine",
-            "netduinoplus2",
-            "-nographic",
-            "-monitor",
-            "none",
-        ])
-        // Its script leaves the requests to the line.
-        .arg("-semihosting-config")
-        .arg(format!("enable=on,target=native,arg=image,arg={word}"))
-        .args(["-chardev", &socket, "-serial", serial, "-gdb", stub])
-        .arg("-kernel")
-        .arg(image)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .spawn()
-        .map(Emulator)
-        .map_err(|error| {
-            format!(
-                "qemu-system-arm does not start ({error}): `cargo xtask setup` says what to install"
-            )
-        })?;
-    loop {
-        match listener.accept() {
-            Ok((stream, _)) => {
-                stream.set_nonblocking(false).map_err(failed)?;
-                return Ok((stream, emulator));
+/// What the emulator is started with.
+struct Start<'a> {
+    image: &'a Path,
+    /// What the image is told.
+    word: &'static str,
+    serial: &'static str,
+    stub: &'static str,
+}
+
+impl<'a> Start<'a> {
+    /// Telemetry over the serial line.
+    fn wire(image: &'a Path) -> Self {
+        Self {
+            image,
+            word: "wire",
+            serial: "chardev:line",
+            stub: "none",
+        }
+    }
+
+    /// Telemetry over RTT, which a debugger's stub reads.
+    fn rtt(image: &'a Path) -> Self {
+        Self {
+            image,
+            word: "rtt",
+            serial: "null",
+            stub: "chardev:line",
+        }
+    }
+
+    /// Starts QEMU, which calls back before the first instruction.
+    fn at<P: Place>(
+        &self,
+        place: std::io::Result<P>,
+        line: &Line,
+    ) -> Result<(P::Stream, Emulator), String> {
+        let failed = |error: std::io::Error| format!("a socket for QEMU: {error}");
+        let place = place.map_err(failed)?;
+        let mut emulator = self.spawn(&place.option().map_err(failed)?)?;
+        loop {
+            match place.answer() {
+                Ok(stream) => return Ok((stream, emulator)),
+                Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+                Err(error) => return Err(failed(error)),
             }
-            Err(error) if error.kind() == ErrorKind::WouldBlock => {}
-            Err(error) => return Err(failed(error)),
+            match emulator.0.try_wait() {
+                Ok(None) if line.lives() => thread::sleep(PAUSE),
+                Ok(None) => return Err("the program ends".into()),
+                Ok(Some(status)) => return Err(format!("QEMU has ended: {status}")),
+                Err(error) => return Err(format!("QEMU: {error}")),
+            }
         }
-        match emulator.0.try_wait() {
-            Ok(None) if line.lives() => thread::sleep(PAUSE),
-            Ok(None) => return Err("the program ends".into()),
-            Ok(Some(status)) => return Err(format!("QEMU has ended: {status}")),
-            Err(error) => return Err(format!("QEMU: {error}")),
-        }
+    }
+
+    fn spawn(&self, socket: &str) -> Result<Emulator, String> {
+        Command::new("qemu-system-arm")
+            .args(["-machine", "netduinoplus2", "-nographic"])
+            .args(["-monitor", "none"])
+            // Its script leaves the requests to the line.
+            .arg("-semihosting-config")
+            .arg(format!("enable=on,target=native,arg=image,arg={}", self.word))
+            .args(["-chardev", &format!("socket,id=line,{socket}")])
+            .args(["-serial", self.serial, "-gdb", self.stub, "-kernel"])
+            .arg(self.image)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .spawn()
+            .map(Emulator)
+            .map_err(|error| {
+                format!(
+                    "qemu-system-arm does not start ({error}): `cargo xtask setup` says what to install"
+                )
+            })
     }
 }
 

@@ -11,7 +11,7 @@ use crate::source::channel::{Line, Said};
 const PAUSE: Duration = Duration::from_secs(1);
 
 /// Longest wait for bytes, so that what is asked does not wait longer.
-const WAIT: Duration = Duration::from_millis(5);
+pub(super) const WAIT: Duration = Duration::from_millis(5);
 
 pub(super) fn over_port(device: &str, baud: u32, mut line: Line) {
     again(&mut line, |line| {

@@ -1,6 +1,7 @@
 //! Where the telemetry comes from: bytes of the wire, whatever is at its other end.
 
 pub(crate) mod axis;
+mod call;
 mod channel;
 mod emulator;
 mod gdb;
