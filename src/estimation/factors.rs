@@ -198,7 +198,7 @@ impl<const N: usize> Factors<N> {
     ///
     /// The part of P that the last column of U carried moves into the factors before
     /// it, by the rank-one update of Agee and Turner. Cost: about one row.
-    pub(crate) fn widen_last(&mut self, variance: f32) {
+    pub(crate) fn inflate_last(&mut self, variance: f32) {
         let Some(last) = N.checked_sub(1) else {
             return;
         };

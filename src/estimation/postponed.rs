@@ -28,7 +28,8 @@
 //! that contradicts calls the debt in:
 //!
 //! ```text
-//! called  <=>  e^2 / (1 + phi' P phi) > 36 sigma^2    and    lambda^n < 1/2          sigma^2: mean of the rows before it, and what is allowed for
+//! called  <=>  e^2 / (1 + phi' P phi) > 36 sigma^2    and    lambda^n < 1/2
+//!              sigma^2: mean of the rows before it, and what is allowed for
 //!
 //! P^-1 <- P^-1 + sum over i of lambda^-n / (N r_i eps) e_i e_i'        each parameter observed at its own value: theta stays
 //! P    <- lambda^-n P,   n <- 0

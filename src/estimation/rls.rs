@@ -227,9 +227,10 @@ impl<const N: usize> Estimator<N> {
     /// Makes the last parameter uncertain again: adds `variance` to P_nn and leaves all other entries of P.
     ///
     /// Cost: about one `update`.
-    pub fn widen_last(&mut self, variance: f32) {
+    #[doc(alias = "widen_last")]
+    pub fn inflate_last(&mut self, variance: f32) {
         self.finish_observation();
-        self.factors.widen_last(variance);
+        self.factors.inflate_last(variance);
     }
 
     /// Entry (i, j) of P = U D U', relative to the noise variance.

@@ -6,12 +6,13 @@
 //! changed  <=>  E > 0.1^2 S   and   E > 12 L (1 + phi' P phi)   and   E > 12 times a fiftieth of the expected noise, squared
 //! ```
 //!
-//! White noise passes the lag weakened, a wrong model does not: the command moves the drive within the bandwidth. The second
-//! condition is relative to what is usual, so noise of any colour and a model that is slightly wrong all the time are none;
-//! the first one leaves out what matters little. L follows E and not e_f^2, so that what is new does not pass for usual at
-//! once; with a memory below some 20/omega it does all the same, and the memory itself is short enough. With Gaussian innovations E has about sixteen degrees of freedom, so that
-//! chance alone exceeds 12 times the mean with a probability below 1e-30 per 4/omega: false alarms come from drives that
-//! the model does not describe. They cost accuracy for one memory, nothing else.
+//! White noise passes the lag weakened, a wrong model does not: the command moves the drive within the bandwidth. The
+//! second condition is relative to what is usual, so noise of any colour and a model that is slightly wrong all the
+//! time are none; the first one leaves out what matters little. L follows E and not e_f^2, so that what is new does not
+//! pass for usual at once; with a memory below some 20/omega it does all the same, and the memory itself is short
+//! enough. With Gaussian innovations E has about sixteen degrees of freedom, so that chance alone exceeds 12 times the
+//! mean with a probability below 1e-30 per 4/omega: false alarms come from drives that the model does not describe.
+//! They cost accuracy for one memory, nothing else.
 //!
 //! Then everything learnt counts as much as one sample of the memory: `P <- n P`, no D beyond the prior. The rows are left
 //! out while the filter carries both drives, for three time constants of its pair; what its slow pole carries on is an

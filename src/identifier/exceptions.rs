@@ -82,7 +82,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let contradicts = unexplained.map(|size| {
             !(size <= noise) && !(size / (1.0 + self.estimator.spread(row.phi)) <= noise)
         });
-        let found = (self.standstill).judge(y, innovation, limits, contradicts);
+        let found = (self.standstill).classify(y, innovation, limits, contradicts);
         if let Motion::Stands | Motion::Freed = found {
             self.signals.rest(plan, y);
             witness.begin();
@@ -147,7 +147,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let std = last(&plan.prior.std);
         let missing = std * std - last(self.estimator.diagonal());
         if missing > 0.0 {
-            self.estimator.widen_last(missing);
+            self.estimator.inflate_last(missing);
         }
     }
 }

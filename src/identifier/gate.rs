@@ -51,7 +51,13 @@ impl<T> Gate<T> {
 
     /// Classifies a sample by its innovation and its third difference, in the unit of y; `noise` is the variance of y.
     #[inline(always)]
-    pub(crate) fn judge(&mut self, innovation: f32, third: f32, noise: f32, pause: u32) -> Verdict {
+    pub(crate) fn classify(
+        &mut self,
+        innovation: f32,
+        third: f32,
+        noise: f32,
+        pause: u32,
+    ) -> Verdict {
         let jump = (innovation - self.mean) * (1.0 / INNOVATION);
         let third = third * third * (1.0 / (20.0 * THIRD * THIRD));
         let jump = jump * jump;

@@ -68,7 +68,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             self.plan.structure.initial_state(),
             self.plan.prior.std.last(),
         ) {
-            state.estimator.widen_last(std * std);
+            state.estimator.inflate_last(std * std);
         }
         let settling = (settling / sample_time) as u32;
         let warm_up = self.plan.trends.design().warm_up;

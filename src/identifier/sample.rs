@@ -55,7 +55,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             };
         }
         let noise = Noise::of(&self.noise, plan.least_noise);
-        let (mut row, third) = match self.judged(plan, y, &others, noise) {
+        let (mut row, third) = match self.screened(plan, y, &others, noise) {
             Ok(found) => found,
             Err(innovation) => return Outcome::Replaced { innovation },
         };
@@ -76,7 +76,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// The row of y with the third difference that y makes, `None` where a change lasts; or the innovation of a sample that
     /// is replaced by its prediction.
     #[inline(always)]
-    fn judged(
+    fn screened(
         &mut self,
         plan: &Plan<T, M, N, I>,
         y: f32,
@@ -90,7 +90,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let before = self.signals.output.clone();
         let row = self.row(plan, y, others);
         let gate = &mut self.signals.gate;
-        match gate.judge(row.innovation, third, noise.allowed, plan.times.gate_pause) {
+        match gate.classify(row.innovation, third, noise.allowed, plan.times.gate_pause) {
             Verdict::Plausible => Ok((row, Some(third))),
             Verdict::Implausible => {
                 gate.replaced = Some((y, before.clone()));

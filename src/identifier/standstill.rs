@@ -50,7 +50,7 @@ pub(crate) enum Motion {
     /// Nothing contradicts the model.
     Obeys,
     /// The row is not of the model, or may not be.
-    Doubtful,
+    Withheld,
     /// The axis stands for certain: the trends are to begin again at rest.
     Stands,
     /// It has stood, and moves already: the trends are to begin again, from a state that is not known.
@@ -65,7 +65,7 @@ pub(crate) struct Standstill {
     /// Contradictions in a row.
     against: u32,
     /// Samples since they were enough, and the last of them in a row without a contradiction.
-    doubted: u32,
+    contradicted: u32,
     quiet: u32,
     /// Samples until the trends are free of what contradicted.
     pause: u32,
@@ -80,7 +80,7 @@ impl Standstill {
         Self {
             entered: [0.0; 2],
             against: 0,
-            doubted: 0,
+            contradicted: 0,
             quiet: 0,
             pause: 0,
             stuck: 0,
@@ -98,12 +98,12 @@ impl Standstill {
         (far * far <= noise).then_some(size * size)
     }
 
-    /// Judges a sample by y and its innovation; `certain` and `settling` in samples, `contradicts` whether
+    /// Classifies a sample by y and its innovation; `certain` and `settling` in samples, `contradicts` whether
     /// [`unexplained`](Self::unexplained) exceeds noise and model, `None` outside the band.
     ///
     /// Cost: 15 instructions in motion.
     #[inline(always)]
-    pub(crate) fn judge(
+    pub(crate) fn classify(
         &mut self,
         y: f32,
         innovation: f32,
@@ -116,16 +116,16 @@ impl Standstill {
                 true => self.against.saturating_add(1),
                 false => 0,
             };
-            if self.doubted > 0 || self.against >= LEAST {
-                self.doubted = self.doubted.saturating_add(1);
+            if self.contradicted > 0 || self.against >= LEAST {
+                self.contradicted = self.contradicted.saturating_add(1);
                 self.quiet = if contradicts { 0 } else { self.quiet + 1 };
                 if self.quiet >= settling {
-                    (self.doubted, self.quiet) = (0, 0);
+                    (self.contradicted, self.quiet) = (0, 0);
                     self.entered = [y, innovation];
                     return Motion::Obeys;
                 }
-                if !(contradicts && self.doubted >= certain) {
-                    return Motion::Doubtful;
+                if !(contradicts && self.contradicted >= certain) {
+                    return Motion::Withheld;
                 }
                 let [_, e_0] = &mut self.entered;
                 *e_0 = 0.0;
@@ -134,10 +134,10 @@ impl Standstill {
         } else {
             self.entered = [y, innovation];
             self.against = 0;
-            if self.doubted > 0 {
-                self.pause(self.doubted.saturating_mul(PAUSE).min(settling));
-                let stood = self.doubted >= certain;
-                (self.doubted, self.quiet) = (0, 0);
+            if self.contradicted > 0 {
+                self.pause(self.contradicted.saturating_mul(PAUSE).min(settling));
+                let stood = self.contradicted >= certain;
+                (self.contradicted, self.quiet) = (0, 0);
                 if stood {
                     self.entered = [y, 0.0];
                     return Motion::Freed;
@@ -146,7 +146,7 @@ impl Standstill {
         }
         if self.pause > 0 {
             self.pause -= 1;
-            return Motion::Doubtful;
+            return Motion::Withheld;
         }
         Motion::Obeys
     }
@@ -197,10 +197,10 @@ mod tests {
     const NOISE: f32 = 0.032;
 
     /// With 1 + phi' P phi = `expected`.
-    fn judge(standstill: &mut Standstill, y: f32, e: f32, expected: f32) -> Motion {
+    fn classify(standstill: &mut Standstill, y: f32, e: f32, expected: f32) -> Motion {
         let size = standstill.unexplained(y, e, NOISE);
         let contradicts = size.map(|size| size / expected > NOISE);
-        standstill.judge(y, e, LIMITS, contradicts)
+        standstill.classify(y, e, LIMITS, contradicts)
     }
 
     #[test]
@@ -208,11 +208,11 @@ mod tests {
         let mut standstill = Standstill::new();
         for k in 0..1000 {
             let y = if k < 500 { 0.3 * k as f32 } else { 150.0 };
-            assert_eq!(judge(&mut standstill, y, 0.1, 1.0), Motion::Obeys);
+            assert_eq!(classify(&mut standstill, y, 0.1, 1.0), Motion::Obeys);
             // However wrong a model is: in motion nothing is held.
             if k < 500 && k % 3 == 0 {
                 let mut other = standstill.clone();
-                let found = judge(&mut other, y + 2.0, 100.0, 1.0);
+                let found = classify(&mut other, y + 2.0, 100.0, 1.0);
                 assert_eq!(found, Motion::Obeys);
             }
         }
@@ -222,36 +222,36 @@ mod tests {
     fn what_contradicts_no_more_is_released() {
         let mut standstill = Standstill::new();
         for k in 0..5 {
-            let found = judge(&mut standstill, 0.0, 30.0, 1.0);
-            assert_eq!(found == Motion::Doubtful, k == 4, "{k}");
+            let found = classify(&mut standstill, 0.0, 30.0, 1.0);
+            assert_eq!(found == Motion::Withheld, k == 4, "{k}");
         }
         // The model has become uncertain, and its innovation is no contradiction any more.
         for k in 1..=600 {
-            let found = judge(&mut standstill, 0.0, 30.0, 1e3);
+            let found = classify(&mut standstill, 0.0, 30.0, 1e3);
             assert_eq!(found == Motion::Obeys, k == 600, "{k}");
         }
-        assert_eq!(judge(&mut standstill, 0.0, 30.0, 1.0), Motion::Obeys);
+        assert_eq!(classify(&mut standstill, 0.0, 30.0, 1.0), Motion::Obeys);
     }
 
     #[test]
     fn a_blocked_axis_is_held_and_the_motion_after_it_too_for_a_while() {
         let mut standstill = Standstill::new();
-        let mut judge = |y: f32, e: f32| judge(&mut standstill, y, e, 1.0);
+        let mut classify = |y: f32, e: f32| classify(&mut standstill, y, e, 1.0);
         for k in 1..200 {
             let expected = match k {
                 ..5 => Motion::Obeys,
-                5..54 => Motion::Doubtful,
+                5..54 => Motion::Withheld,
                 _ => Motion::Stands,
             };
-            assert_eq!(judge(0.0, 30.0), expected, "{k}");
+            assert_eq!(classify(0.0, 30.0), expected, "{k}");
         }
         for k in 0..700 {
             let expected = match k {
                 0 => Motion::Freed,
-                1..=600 => Motion::Doubtful,
+                1..=600 => Motion::Withheld,
                 _ => Motion::Obeys,
             };
-            assert_eq!(judge(10.0 * (k + 1) as f32, 30.0), expected, "{k}");
+            assert_eq!(classify(10.0 * (k + 1) as f32, 30.0), expected, "{k}");
         }
     }
 }

@@ -158,8 +158,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
 
     /// A sample of the way from what was found to a controller that watches: poles, the parts of the loop, the motion.
     ///
-    /// Ready after the poles (some 30 samples per case of [`Tuning`](super::control::tuning::Tuning), most of them while the model is validated), 8 samples
-    /// and the settling of the observer.
+    /// Ready after the poles (some 30 samples per case of [`Tuning`](super::control::tuning::Tuning), most of them
+    /// while the model is validated), 8 samples and the settling of the observer.
     fn prepare(&mut self, found: &Found) -> Result<(), Reason> {
         if self.building.is_none() && !self.search_poles(found, PIECES_PER_SAMPLE) {
             return Ok(());

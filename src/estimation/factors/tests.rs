@@ -57,7 +57,7 @@ fn covariance_is_the_inverse_of_the_information() {
 fn widening_adds_to_the_last_variance_only() {
     let before = folded(0.99, 100);
     let mut after = before;
-    after.widen_last(3.0);
+    after.inflate_last(3.0);
     for i in 0..3 {
         for j in 0..3 {
             let added = after.covariance(i, j) - before.covariance(i, j);

@@ -114,7 +114,8 @@ fn call<const N: usize>(estimator: &mut Estimator<N>, postponed: &mut Postponed,
     }
 }
 
-/// Rows of any size and direction for random times, rests between them, debts called in whenever there are any; largest P_ii over its bound.
+/// Rows of any size and direction for random times, rests between them, debts called in whenever there are any; largest
+/// P_ii over its bound.
 fn attack<const N: usize>(memory: f32, seed: u32) -> f32 {
     let forgetting = 1.0 - 1.0 / memory;
     let mut estimator = Estimator::<N>::new([0.0; N], [1e-2; N], forgetting);

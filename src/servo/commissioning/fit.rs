@@ -8,8 +8,8 @@ use crate::servo::commissioning::sensitivity::Sensitivity;
 use crate::servo::commissioning::sums::{NO_SUMS, Sums};
 use crate::servo::commissioning::view::{STEP_MAX, View};
 
-/// Gain over the cost that is worth another pass; of points that are added to the sums of a pass, what makes the points before worth a second
-/// look. Less is taken by the step that the sums ask for, which costs no pass.
+/// Gain over the cost that is worth another pass; of points that are added to the sums of a pass, what makes the points
+/// before worth a second look. Less is taken by the step that the sums ask for, which costs no pass.
 const GAIN: f32 = 0.1;
 const GAIN_ADDED: f32 = 0.2;
 /// Place of the stiffening among the parameters, and what it is taken for: between 0, a drive of the same stiffness everywhere, and 3.2 of
@@ -113,8 +113,8 @@ impl Fit {
 
     /// Goes on to `end` with the best parameters, to whose sums the points since are added; whether it can.
     ///
-    /// The sums are those of the prediction linearised at the best parameters. As long as the step that they ask for is small, it is that of
-    /// all points, and none need be read twice.
+    /// The sums are those of the prediction linearised at the best parameters. As long as the step that they ask for is
+    /// small, it is that of all points, and none need be read twice.
     pub(crate) fn go_on(&mut self, end: usize) -> bool {
         if !self.follows {
             return false;
@@ -181,7 +181,7 @@ impl Fit {
     /// next one. Whether that is done. Cost: some 2000 instructions each.
     pub(crate) fn next_pass(&mut self) -> bool {
         match self.ending.take() {
-            None => self.judge(),
+            None => self.evaluate(),
             Some(Ending::Judged) => self.factor(),
             Some(Ending::Factored(gradient)) => {
                 let (theta, gained) = self.step(gradient);
@@ -196,7 +196,7 @@ impl Fit {
     }
 
     /// Takes the parameters of the pass if they are better.
-    fn judge(&mut self) {
+    fn evaluate(&mut self) {
         self.passes += 1;
         // Written so that NaN is worse.
         self.follows = self.sums.cost < self.best_sums.cost;
@@ -237,7 +237,8 @@ impl Fit {
         self.ending = Some(Ending::Factored(gradient));
     }
 
-    /// The best parameters, moved to where the factored normal equations lead under a gradient, and what they promise to take from the cost.
+    /// The best parameters, moved to where the factored normal equations lead under a gradient, and what they promise
+    /// to take from the cost.
     fn step(&self, gradient: [f32; PARAMETERS]) -> (Theta, f32) {
         if gradient == [0.0; PARAMETERS] {
             return (self.best, 0.0);

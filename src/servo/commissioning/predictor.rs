@@ -59,8 +59,8 @@ const HELD_MOST: f32 = 20.0;
 impl Point {
     /// Point `i` of a record, and the motion of the interval that it begins; [`View::beyond`] more points follow.
     ///
-    /// Where the velocity turns within the interval, the direction is the mean of the signs: of a velocity that goes from v to w in a straight
-    /// line, `(v + w) / (|v| + |w|)`.
+    /// Where the velocity turns within the interval, the direction is the mean of the signs: of a velocity that goes
+    /// from v to w in a straight line, `(v + w) / (|v| + |w|)`.
     #[inline]
     pub(crate) fn of(record: &Record, i: usize, view: &View) -> Self {
         let reach = view.reach;

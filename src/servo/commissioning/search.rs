@@ -202,7 +202,7 @@ impl Search {
                     self.phase = Phase::Validating;
                 }
             }
-            Phase::Validating => return self.judge(record, slack),
+            Phase::Validating => return self.validate(record, slack),
         }
         None
     }
@@ -266,7 +266,7 @@ impl Search {
         self.phase = Phase::Refining;
     }
 
-    fn judge(&mut self, record: &Record, slack: f32) -> Option<Theta> {
+    fn validate(&mut self, record: &Record, slack: f32) -> Option<Theta> {
         let [misfit, silent] = self.misfit(record)?;
         let theta = self.fit.found();
         let seen = [misfit, silent];

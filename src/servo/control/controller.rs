@@ -138,12 +138,13 @@ impl Controller {
         let poles = self
             .poles
             .on(self.frequency / self.found_for, self.frequency, fastest);
-        self.estimator.tune(model, derated(&poles, self.factor));
+        self.estimator.tune(model, poles.derated(self.factor));
         self.anchor.tune(poles.observer);
         let deflection = model.friction / model.a1;
         let grain = self.design.grain;
         self.sticky = deflection > STICKY * grain;
         if !self.sticky {
+            // From now on no position reaches it: a place that it still held would be held for ever.
             self.anchor.restart();
         }
         let room = model.dead_zone > 0.3 * model.offset.abs() + 0.002;
@@ -289,13 +290,5 @@ impl Controller {
     /// Margins of the loop in the middle of the travel; `None` when no poles have the wanted ones and the slowest are in use.
     pub const fn margins(&self) -> Option<Margins> {
         self.margins
-    }
-}
-
-fn derated(poles: &Poles, factor: f32) -> Poles {
-    Poles {
-        bandwidth: factor * poles.bandwidth,
-        disturbance: factor * poles.disturbance,
-        ..*poles
     }
 }

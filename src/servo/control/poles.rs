@@ -56,6 +56,16 @@ impl Poles {
         }
     }
 
+    /// The poles with the bandwidth of the loop and of the disturbance multiplied by a factor.
+    #[inline]
+    pub(crate) fn derated(&self, factor: f32) -> Self {
+        Self {
+            bandwidth: factor * self.bandwidth,
+            disturbance: factor * self.disturbance,
+            ..*self
+        }
+    }
+
     /// Gains on a drive with these coefficients and natural frequency. Cost: about 15 instructions.
     #[inline]
     pub(crate) fn feedback(&self, a1: f32, a2: f32, frequency: f32) -> Feedback {

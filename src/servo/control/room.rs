@@ -25,10 +25,11 @@ impl Approach {
     /// room = distance - the larger of v/w + 2 a/w^2 and p/w^2,   C flow <= 0.7 w room
     /// ```
     ///
-    /// Behind a closed valve a drive without damping goes `a/w^2 + sqrt((v/w)^2 + (a/w^2)^2)` further, which is less than the first, where v
-    /// and a that lead away count as 0; one that is damped comes to rest after `p/w^2`. Of an axis that is held, a and p are what its
-    /// drive is beyond friction: so it hops by the first when it is let go. With that flow all the time, a drive with a damping of 0.05 or more
-    /// meets its end with less than a tenth of its speed, or not at all.
+    /// Behind a closed valve a drive without damping goes `a/w^2 + sqrt((v/w)^2 + (a/w^2)^2)` further, which is less
+    /// than the first, where v and a that lead away count as 0; one that is damped comes to rest after `p/w^2`. Of an
+    /// axis that is held, a and p are what its drive is beyond friction: so it hops by the first when it is let go.
+    /// With that flow all the time, a drive with a damping of 0.05 or more meets its end with less than a tenth of its
+    /// speed, or not at all.
     ///
     /// Known as: control barrier function (Ames et al. 2019).
     #[inline]
@@ -76,7 +77,8 @@ mod tests {
     use crate::servo::model::Model;
     use crate::servo::motion::Motion;
 
-    /// The largest speed with which a drive passes an end at 100 that is told to go there at full flow, over its largest one; and its last place.
+    /// The largest speed with which a drive passes an end at 100 that is told to go there at full flow, over its
+    /// largest one; and its last place.
     fn blow(w: f32, damping: f32, gain: f32) -> (f32, f32) {
         let model = Model::linear(w * w, 2.0 * damping * w, w * w * gain);
         let mut motion = Motion::default();

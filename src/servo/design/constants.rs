@@ -126,9 +126,9 @@ pub(crate) const HELD_DEFLECTIONS: f32 = 3.5;
 /// Time without motion, and against the command: the rise time of the drive, and half of it.
 pub(crate) const NO_MOTION_TIME_RATIO: f32 = 1.0;
 pub(crate) const OPPOSITE_TIME_RATIO: f32 = 0.5;
-/// Displacement over speed by which a swing and its expectation may differ in half a wave: 2 at the natural frequency of the model,
-/// sqrt(3) times that under a load of three times the mass, and half as much again where the loop is unstable with it and the swing grows by
-/// half from one half wave to the next.
+/// Displacement over speed by which a swing and its expectation may differ in half a wave: 2 at the natural frequency
+/// of the model, sqrt(3) times that under a load of three times the mass, and half as much again where the loop is
+/// unstable with it and the swing grows by half from one half wave to the next.
 pub(crate) const SWING_TIME_RATIO: f32 = 5.2;
 /// Time after which an axis behind a closed valve has lost its speed: half a period.
 pub(crate) const CLOSING_TIME_RATIO: f32 = 3.0;

@@ -19,8 +19,8 @@ pub(crate) struct Bounds {
     pub(crate) sample_time: f32,
     /// Samples by which commands may take effect sooner or later than the model says.
     pub(crate) late_rate: f32,
-    /// Displacement by which a sound axis falls short, and times in s by which the speed of a motion that it may swing after and that of a swing
-    /// that is seen add to it.
+    /// Displacement by which a sound axis falls short, and times in s by which the speed of a motion that it may swing
+    /// after and that of a swing that is seen add to it.
     pub(crate) short: f32,
     pub(crate) ring: f32,
     pub(crate) swing: f32,
@@ -38,8 +38,8 @@ pub(crate) struct Bounds {
     pub(crate) share: f32,
     /// Displacement that dead zone, offset and friction may add to the expectation or take from it.
     pub(crate) slack: f32,
-    /// Motion that may be expected of an axis that friction holds, noise and resolution included, the drift that the flow makes per s, and the time in s by
-    /// which a stop may be shorter than expected.
+    /// Motion that may be expected of an axis that friction holds, noise and resolution included, the drift that the
+    /// flow makes per s, and the time in s by which a stop may be shorter than expected.
     pub(crate) held: f32,
     pub(crate) drift: f32,
     pub(crate) stopping: f32,

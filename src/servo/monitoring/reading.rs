@@ -10,14 +10,14 @@ use crate::servo::supervision::state::Reason;
 /// |y - x| <= 8 sigma + 3 resolutions + 2 |v| Delta + a ((t + 2 Delta)^2 / 2 + 0.27 / rate^2)
 /// ```
 ///
-/// x, v: position and velocity expected from earlier readings alone; t: time since the last good reading. Two missed slots move
-/// the axis by 2 |v| Delta, an obstacle takes at most |v| Delta away; a = C w is what the full force can change, 2.5 times the friction what a
-/// breakaway can; the filter with three poles at `-rate` that x comes from lags behind a step of the acceleration by 0.27 a / rate^2. sigma is
-/// the larger of the stated noise and the rms of the residual itself, each part of which enters with at most the gate, so
-/// that no outlier opens it.
+/// x, v: position and velocity expected from earlier readings alone; t: time since the last good reading. Two missed
+/// slots move the axis by 2 |v| Delta, an obstacle takes at most |v| Delta away; a = C w is what the full force can
+/// change, 2.5 times the friction what a breakaway can; the filter with three poles at `-rate` that x comes from lags
+/// behind a step of the acceleration by 0.27 a / rate^2. sigma is the larger of the stated noise and the rms of the
+/// residual itself, each part of which enters with at most the gate, so that no outlier opens it.
 ///
-/// Readings that last are a jump, unless they stay at the last good one: no force stops an axis so fast, but an obstacle does, and so does a sensor that is
-/// stuck.
+/// Readings that last are a jump, unless they stay at the last good one: no force stops an axis so fast, but an
+/// obstacle does, and so does a sensor that is stuck.
 ///
 /// Known as: innovation gate (Bar-Shalom, Li and Kirubarajan 2001). Cost: about 30 instructions.
 #[derive(Debug, Clone, PartialEq)]

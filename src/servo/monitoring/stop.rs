@@ -11,10 +11,10 @@ use crate::servo::supervision::state::Reason;
 /// itself, within `2 xi v / w + a / w^2`.
 ///
 /// With a wrong sign nobody knows on which side of zero the middle is: with the offset o of the model it is at -o when
-/// the sensor counts the other way, and at o when the valve opens the other way. The valve goes to zero; where the offset exceeds the dead
-/// zone, the axis then creeps, the measured way along o when it is the valve and against it when it is the sensor. In both cases
-/// the middle is |o| the way of the creep. A swing that is taken for a creep corrects itself: with the valve at |o| the wrong way the axis creeps the
-/// other way.
+/// the sensor counts the other way, and at o when the valve opens the other way. The valve goes to zero; where the
+/// offset exceeds the dead zone, the axis then creeps, the measured way along o when it is the valve and against it
+/// when it is the sensor. In both cases the middle is |o| the way of the creep. A swing that is taken for a creep
+/// corrects itself: with the valve at |o| the wrong way the axis creeps the other way.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Stop {
     /// Samples of braking that are left.

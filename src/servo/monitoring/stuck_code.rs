@@ -5,12 +5,12 @@ use crate::servo::monitoring::bounds::Bounds;
 
 /// Samples and expected motion since the code last changed.
 ///
-/// Noise that spans more than a code changes it within a few samples, moving or not: the longest run of equal codes seen
-/// in good work tells how few. Beyond eight times that run the code counts as stuck as soon as the model expects motion of
-/// ten codes and sixteen sigma in the run, however slowly. Where the noise is below 0.75 codes, runs at rest may be long;
-/// there the expected motion must exceed what can hold the axis back: friction, a stop that is harder than expected (1/w of
-/// the speed at its begin) or the swing after it, which friction ended, and for all of the run a flow as wrong as dead zone and offset may be.
-/// Cost: about 20 instructions.
+/// Noise that spans more than a code changes it within a few samples, moving or not: the longest run of equal codes
+/// seen in good work tells how few. Beyond eight times that run the code counts as stuck as soon as the model expects
+/// motion of ten codes and sixteen sigma in the run, however slowly. Where the noise is below 0.75 codes, runs at rest
+/// may be long; there the expected motion must exceed what can hold the axis back: friction, a stop that is harder than
+/// expected (1/w of the speed at its begin) or the swing after it, which friction ended, and for all of the run a flow
+/// as wrong as dead zone and offset may be. Cost: about 20 instructions.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct StuckCode {
     /// Expected motion of many codes.

@@ -12,8 +12,8 @@ use core::fmt;
 pub enum Reason {
     /// A parameter is not finite.
     NotFinite,
-    /// The drive moves against the command: the sign of sensor or valve is wrong, or a supply that is lost lets the air of the drive out through
-    /// the inlet that the command opens. The position does not tell which.
+    /// The drive moves against the command: the sign of sensor or valve is wrong, or a supply that is lost lets the air
+    /// of the drive out through the inlet that the command opens. The position does not tell which.
     WrongSign,
     /// Gain, natural frequency or damping is out of the range of the drive's data.
     OutOfRange,
