@@ -1,4 +1,5 @@
-//! The arrows run one way: a room uses only the rooms left of it, and no two files import each other.
+//! The arrows run one way: a room uses only the rooms left of it, and no two files import each other. Files of the core are
+//! short, comments narrow.
 //!
 //! Read from the sources: the `use` lines and the full paths in the code, without tests. A name that a module passes on
 //! (`pub use`) counts for the file that defines it.
@@ -7,11 +8,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use layering::arrows::{arrows, module};
+use layering::packages::{packages, sources};
+use layering::shape::{COLUMNS, LINES, is_long, wide_comments};
 use layering::source::{Names, Source};
 
 /// In the folder beside this file.
 mod layering {
     pub(crate) mod arrows;
+    pub(crate) mod packages;
+    pub(crate) mod shape;
     pub(crate) mod source;
 }
 
@@ -49,11 +54,6 @@ const ORDERS: [(&str, &[&str]); 2] = [
 
 /// Rooms that only these may use, beside the crate root.
 const RESERVED: [(&str, &str, &[&str]); 1] = [("src", "hardware", &["servo"])];
-
-/// Folders of the root package and of the tests; those of the other packages are found.
-///
-/// In those that contain programs, each folder with a `main.rs` or `lib.rs` is one.
-const FOLDERS: [&str; 3] = ["src", "examples", "host-tests/tests"];
 
 /// Whether a file of the room `from` may not use one of the room `to`; the crate root is no room, and no file uses it.
 fn denied(package: &str, from: &str, to: &str) -> bool {
@@ -94,74 +94,6 @@ fn violations(package: &str, files: &[(String, String)]) -> Vec<String> {
     wrong
 }
 
-/// The sources below a folder, by their path from it.
-fn sources(folder: &Path) -> Vec<(String, String)> {
-    let mut files = Vec::new();
-    let mut folders = vec![folder.to_path_buf()];
-    while let Some(next) = folders.pop() {
-        let entries =
-            std::fs::read_dir(&next).unwrap_or_else(|e| panic!("{}: {e}", next.display()));
-        for path in entries.map(|entry| entry.expect("an entry").path()) {
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|x| x == "rs") {
-                let text = std::fs::read_to_string(&path).expect("a source");
-                let name = path.strip_prefix(folder).expect("below").to_string_lossy();
-                files.push((name.replace('\\', "/"), text));
-            }
-        }
-    }
-    files
-}
-
-/// The folders below `at` that hold a package; none of them is a package of another workspace or of a build.
-fn package_folders(root: &Path, at: &str, found: &mut Vec<String>) {
-    let entries = std::fs::read_dir(root.join(at)).expect("a folder");
-    for entry in entries.map(|entry| entry.expect("an entry")) {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        let skipped = name.starts_with('.') || ["target", "src", "examples"].contains(&&*name);
-        if skipped || !entry.path().is_dir() {
-            continue;
-        }
-        let folder = if at.is_empty() {
-            name
-        } else {
-            format!("{at}/{name}")
-        };
-        if entry.path().join("Cargo.toml").exists() && entry.path().join("src").exists() {
-            found.push(format!("{folder}/src"));
-            package_folders(root, &folder, found);
-        }
-    }
-}
-
-/// Each package and program.
-fn packages() -> Vec<(String, Vec<(String, String)>)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let mut folders: Vec<String> = FOLDERS.map(String::from).to_vec();
-    package_folders(&root, "", &mut folders);
-    let mut found = Vec::new();
-    for package in &folders {
-        let files = sources(&root.join(package));
-        let programs = files.iter().filter_map(|(file, _)| {
-            file.strip_suffix("/main.rs")
-                .or(file.strip_suffix("/lib.rs"))
-        });
-        for program in programs {
-            let own = files.iter().filter_map(|(file, text)| {
-                let file = file.strip_prefix(program)?.strip_prefix('/')?;
-                Some((file.to_owned(), text.clone()))
-            });
-            found.push((format!("{package}/{program}"), own.collect()));
-        }
-        let is_root = |(file, _): &(String, String)| ["lib.rs", "main.rs"].contains(&file.as_str());
-        if files.iter().any(is_root) {
-            found.push((package.clone(), files));
-        }
-    }
-    found
-}
-
 #[test]
 fn every_room_uses_only_the_rooms_before_it() {
     let packages = packages();
@@ -183,6 +115,34 @@ fn the_core_has_its_modules_in_rooms() {
         .filter(|f| !f.contains('/'))
         .collect();
     assert!(top.len() <= 3, "{top:?}");
+}
+
+#[test]
+fn files_of_the_core_are_short_and_comments_narrow() {
+    let packages = packages();
+    let long = packages
+        .iter()
+        .filter(|(package, _)| package == "src")
+        .flat_map(|(package, files)| files.iter().map(move |file| (package, file)))
+        .filter(|(_, (_, text))| is_long(text))
+        .map(|(package, (file, _))| format!("{package}/{file} has more than {LINES} lines"));
+    let wide = packages.iter().flat_map(|(package, files)| {
+        files.iter().flat_map(move |(file, text)| {
+            let lines = wide_comments(text).into_iter();
+            lines.map(move |line| format!("{package}/{file}:{line} is wider than {COLUMNS}"))
+        })
+    });
+    let wrong: Vec<String> = long.chain(wide).collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn a_long_file_and_a_wide_comment_are_seen() {
+    let (lines, columns) = ("a\n".repeat(LINES), "a".repeat(COLUMNS - 3));
+    assert!(!is_long(&lines) && is_long(&format!("{lines}a\n")));
+    let text =
+        format!("// {columns}\nlet a = 0;\n/// {columns}\n    // a{columns}\n//! | {columns} |");
+    assert_eq!(wide_comments(&text), [3, 4]);
 }
 
 /// Violations in a core that consists of these files.

@@ -73,7 +73,8 @@ impl Setting {
 pub enum Filter {
     /// The paper's raw trends, theta = (a1, a2, b0).
     None,
-    /// The default of the core, [`for_bandwidth`](trendid::trends::FilteredTrends::for_bandwidth): `(s + 2.2)(s^2 + 30.8 s + 484)`, with a constant and the start.
+    /// The default of the core, [`for_bandwidth`](trendid::trends::FilteredTrends::for_bandwidth):
+    /// `(s + 2.2)(s^2 + 30.8 s + 484)`, with a constant and the start.
     Default,
     /// Drift as a parabola over a short record: `(s + 3.5)(s^2 + 59.5 s + 1225)`, with a constant, the start and the time as a
     /// second input; the constant and the slope of the drift are known to be small, and never withdrawn.

@@ -165,3 +165,35 @@ fn change_servo(plant: &mut LinearPlant, scenario: Scenario) {
     *plant = servo.plant(1e-3);
     plant.place(&state);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Codes of 0.2 s behind the change of a scenario.
+    fn codes(scenario: Scenario, linear: bool, seed: u64) -> Vec<i32> {
+        let mut plant = match linear {
+            true => Plant::linear(seed),
+            false => Plant::pneumatic(&AxisParameters::SERVO, seed),
+        };
+        plant.change(scenario, seed);
+        let code = |_| {
+            plant.step(0.0);
+            plant.code()
+        };
+        (0..200).map(code).collect()
+    }
+
+    #[test]
+    fn the_seed_reaches_the_noise_of_every_scenario() {
+        for linear in [false, true] {
+            for scenario in Scenario::ALL {
+                let [first, again, other] = [5, 5, 6].map(|seed| codes(scenario, linear, seed));
+                assert_eq!(first, again, "{scenario:?}");
+                // A sensor that repeats its last code shows no noise.
+                let silent = !linear && scenario == Scenario::StuckSensor;
+                assert!(silent || first != other, "{scenario:?}, linear: {linear}");
+            }
+        }
+    }
+}

@@ -228,7 +228,7 @@ fn an_observation_in_two_parts_is_the_whole_one_for_whatever_comes_next() {
         let next: [(&str, Step); 5] = [
             ("correct", |estimator| estimator.correct(&[0.1; 5], 0.1)),
             ("pass", Estimator::pass),
-            ("widen_last", |estimator| estimator.widen_last(2.0)),
+            ("inflate_last", |estimator| estimator.inflate_last(2.0)),
             ("resume", |estimator| {
                 estimator.resume([0.5; 5], 3.0, &[1e4; 5])
             }),

@@ -79,7 +79,7 @@ fn widening_the_last_parameter_leaves_the_rest_of_the_covariance() {
         let _ = estimator.update(&[1.0, (0.3 * x).sin(), (0.7 * x).cos(), 0.9_f32.powi(k)], x);
     }
     let before = estimator.clone();
-    estimator.widen_last(5.0);
+    estimator.inflate_last(5.0);
     for i in 0..4 {
         for j in 0..4 {
             let grown = if i == 3 && j == 3 { 5.0 } else { 0.0 };

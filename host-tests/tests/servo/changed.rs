@@ -14,9 +14,8 @@ fn changed(family: Family, factor: f64, adaptive: bool) -> Vec<Changed> {
 }
 
 /// With the loop that adapts and with the one that does not.
-fn both(family: Family, factor: f64) -> (Vec<Changed>, Vec<Changed>) {
-    let [adapts, fixed] = [true, false].map(|adaptive| changed(family, factor, adaptive));
-    (adapts, fixed)
+fn both(family: Family, factor: f64) -> [Vec<Changed>; 2] {
+    [true, false].map(|adaptive| changed(family, factor, adaptive))
 }
 
 fn median(runs: &[Changed], of: impl Fn(&Changed) -> f64) -> f64 {
@@ -46,7 +45,7 @@ fn ratio(run: &Changed) -> f64 {
 #[test]
 fn a_loop_that_adapts_is_no_worse_than_one_that_does_not() {
     for (factor, ratio_max, stopped_max) in [(3.0, 2.0, 2), (1.0 / 3.0, 3.5, 1)] {
-        let (adapts, fixed) = both(Family::Pneumatic, factor);
+        let [adapts, fixed] = both(Family::Pneumatic, factor);
         let (stopped, ratios, steady) = figures([&adapts, &fixed]);
         let calmed = [&adapts, &fixed].map(|runs| count(runs, |run| run.oscillations > 0));
         println!(
@@ -66,9 +65,9 @@ fn a_loop_that_adapts_is_no_worse_than_one_that_does_not() {
     }
 }
 
-/// Drives that no friction holds: nothing but the identifier tells the loop of their mass.
+/// Drives whose models know no friction that holds them: nothing but the identifier tells the loop of their mass.
 ///
-/// Three times the mass: the loop that adapts has the error of before at most this many times.
+/// With each, the largest error in the sine under three times the mass over that before; these seeds show 1.38, 1.82, 1.47.
 const WITHOUT_STICKING: [(Family, f64); 3] = [
     (Family::Linear, 2.0),
     (Family::BallScrew, 2.5),
@@ -79,7 +78,7 @@ const WITHOUT_STICKING: [(Family, f64); 3] = [
 fn a_loop_adapts_where_no_friction_holds_the_axis() {
     for (family, ratio_max) in WITHOUT_STICKING {
         for factor in [3.0, 1.0 / 3.0] {
-            let (adapts, fixed) = both(family, factor);
+            let [adapts, fixed] = both(family, factor);
             let (stopped, ratios, steady) = figures([&adapts, &fixed]);
             let learned = [&adapts, &fixed].map(|runs| count(runs, |run| run.models > 1));
             println!(

@@ -1,4 +1,5 @@
-//! The loop on the nominal axis and after changes, over many draws of noise and excitation: one run says little about an axis with friction.
+//! The loop on the nominal axis and after changes, over many draws of noise and excitation: one run says little about
+//! an axis with friction.
 
 use trendid_host_tests::servo::figures::Figures;
 use trendid_host_tests::servo::run::{Options, run_with, stating};

@@ -65,9 +65,7 @@ pub fn mass(axis: &AxisDraw, factor: f64, adaptive: bool) -> Option<Changed> {
     };
     let mut exercise = Exercise::new(&mut bench, &mut positioner);
     // A run that the loop ended has the figures that it came to.
-    let _ = exercise.through_a_change(&mut changed, |bench| {
-        bench.multiply_mass(factor);
-    });
+    let _ = exercise.through_a_change(&mut changed, factor);
     changed.stopped = positioner.stopped();
     if let Some(faults) = positioner.faults() {
         (changed.oscillations, changed.derating) = (faults.oscillations, faults.derating);
@@ -78,11 +76,7 @@ pub fn mass(axis: &AxisDraw, factor: f64, adaptive: bool) -> Option<Changed> {
 }
 
 impl Exercise<'_, LoopPositioner> {
-    fn through_a_change(
-        &mut self,
-        changed: &mut Changed,
-        change: impl FnOnce(&mut Bench),
-    ) -> Option<()> {
+    fn through_a_change(&mut self, changed: &mut Changed, factor: f64) -> Option<()> {
         let axis = *self.bench.axis();
         let length = axis.stroke_mm();
         let _ = self.step(0.5 * length, 1.0, 0.5)?;
@@ -96,7 +90,7 @@ impl Exercise<'_, LoopPositioner> {
         changed.sine_mm[0] = largest;
         let phase = stream(axis.seed, Purpose::Sequence).random_range(0.0..period);
         let _ = self.pass(phase)?;
-        change(self.bench);
+        self.bench.multiply_mass(factor);
         let _ = self.pass(LEARNING)?;
         let [largest, _] = self.pass(2.0 * period)?;
         changed.sine_mm[1] = largest;
