@@ -35,9 +35,8 @@ try {
   };
   const plain = identify(), valve = identify("--dead-zone", zone.toFixed(4));
   const shown = ([gain, omega0]) => `gain ${gain.toFixed(3)}, frequency ${omega0.toFixed(3)} of those of the page`;
-  // The gain is what a record of moves holds; the frequency is shown (docs/monitor.md).
-  check("the gain of the valve is that of the page", Math.abs(valve[0] - 1) < 0.15, shown(valve));
-  check("and is further from it without its dead zone", Math.abs(plain[0] - 1) > Math.abs(valve[0] - 1), shown(plain));
+  // How near they are is held over many axes by the test `valve_records` of the command line.
+  check("the gain is nearer to that of the page with its dead zone", Math.abs(plain[0] - 1) > Math.abs(valve[0] - 1), `${shown(valve)}; without ${shown(plain)}`);
   check("no error in the console of the valve", page.errors.length === 0, page.errors.join(" | ") || "none");
   await end(monitor.child);
 } finally {

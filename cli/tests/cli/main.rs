@@ -9,3 +9,4 @@ mod records_spread;
 mod refusals;
 mod reports;
 mod simulated;
+mod valve_records;
