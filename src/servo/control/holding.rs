@@ -33,9 +33,10 @@ pub(crate) struct Slip {
 
 /// Command of the valve at rest.
 ///
-/// While friction holds the axis its drive goes on by `b0 q`, unseen, where q, the flow through the valve and its leaks, grows with
-/// the command c; the axis slips when the drive has come to the edge of what friction holds. So a slip tells on which
-/// side of the command that holds the axis c was, whatever the valve and its leaks are: upward, c was too large; downward, too small.
+/// While friction holds the axis its drive goes on by `b0 q`, unseen, where q, the flow through the valve and its
+/// leaks, grows with the command c; the axis slips when the drive has come to the edge of what friction holds. So a
+/// slip tells on which side of the command that holds the axis c was, whatever the valve and its leaks are: upward, c
+/// was too large; downward, too small.
 ///
 /// ```text
 /// slipped both ways, more than 0.004 apart:  c <- half of their sum                                       bisection
@@ -43,14 +44,14 @@ pub(crate) struct Slip {
 /// one way, near the edge and beyond it:      c <- c - direction factor q,   q = way of the drive / (b0 time)
 /// ```
 ///
-/// Bisection halves the bracket with each slip and asks nothing of q but that it grows. The step before there is a bracket takes q from the
-/// times between slips; its factor grows while they go the same way, since nobody knows the width of the dead zone, and is halved after one
-/// the other way. A bound that is contradicted, because the load, the place or the supply is another one, is forgotten, and the
-/// search goes on from where it is. The command stays within 0.05 of the dead zone, which is what the monitors
-/// take a valve to be wrong by.
+/// Bisection halves the bracket with each slip and asks nothing of q but that it grows. The step before there is a
+/// bracket takes q from the times between slips; its factor grows while they go the same way, since nobody knows the
+/// width of the dead zone, and is halved after one the other way. A bound that is contradicted, because the load, the
+/// place or the supply is another one, is forgotten, and the search goes on from where it is. The command stays within
+/// 0.05 of the dead zone, which is what the monitors take a valve to be wrong by.
 ///
-/// An axis that stopped near its breakaway slips early, whatever q is: the rests and the ways of slips in one direction are added up until they
-/// outlast what came before them.
+/// An axis that stopped near its breakaway slips early, whatever q is: the rests and the ways of slips in one direction
+/// are added up until they outlast what came before them.
 ///
 /// Without it an axis with gravity and a leak slips from its rest again and again, and the loop brings it back: a cycle that
 /// no window ends, because the drive drifts and does not hunt.
@@ -169,9 +170,9 @@ mod tests {
 
     const FRICTION: f32 = 0.004;
 
-    /// Slips in the first and in the last 30 s of 60 s of a drive that drifts by `b0 (flow + load)` between -friction and friction and is held
-    /// from its middle after each; half of what the command is beyond the edge of the dead zone leaks through inside it,
-    /// as 2 % of it.
+    /// Slips in the first and in the last 30 s of 60 s of a drive that drifts by `b0 (flow + load)` between -friction
+    /// and friction and is held from its middle after each; inside its dead zone the valve lets 2 % of the command
+    /// through.
     fn slips(holding: &mut Holding, middle: f32, dead_zone: f32, load: f32) -> [u32; 2] {
         let (mut drive, mut found) = (0.0_f32, [0, 0]);
         for k in 0..60_000_u32 {

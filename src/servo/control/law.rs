@@ -9,7 +9,8 @@ use crate::servo::motion::Setpoint;
 
 /// Largest speed over C at which an error of the position is worked off.
 const CATCH_UP: f32 = 0.3;
-/// Stopping deceleration over friction: below the first it is left to friction, beyond the second it would reverse the drive.
+/// Stopping deceleration over friction: below the first it is left to friction, beyond the second it would reverse the
+/// drive.
 const NEED: [f32; 2] = [0.15, 3.0];
 /// Rate at which the drive of a sticking axis is brought to its goal, per delay and per sample.
 const QUICK: [f32; 2] = [1.0, 0.3];
@@ -109,8 +110,8 @@ impl Controller {
         )
     }
 
-    /// Whether the drive of an axis that is held comes to the middle of what friction holds, which an axis that slips from its rest needs:
-    /// it stopped at the edge, where a small drift is enough.
+    /// Whether the drive of an axis that is held comes to the middle of what friction holds, which an axis that slips
+    /// from its rest needs: it stopped at the edge, where a small drift is enough.
     pub(super) fn centres(&self) -> bool {
         let drive = self.estimator.ahead().drive;
         let most = CENTRED * self.estimator.model().friction;
@@ -126,11 +127,12 @@ impl Controller {
 
     /// Rate of the drive that moves a sticking axis.
     ///
-    /// It is pushed to where the reference will be when the push has moved it, and that time is known to a quarter: what is missing then has
-    /// a sign only beyond a quarter of the way that the reference goes meanwhile. A push the wrong way would cost the whole hop.
+    /// It is pushed to where the reference will be when the push has moved it, and that time is known to a quarter:
+    /// what is missing then has a sign only beyond a quarter of the way that the reference goes meanwhile. A push the
+    /// wrong way would cost the whole hop.
     ///
-    /// The drive of an axis that sticks is only integrated, up to a limit. Beyond it, a load is in the way or the drive is less than it seems:
-    /// then the error counts, as for an axis that slides.
+    /// The drive of an axis that sticks is only integrated, up to a limit. Beyond it, a load is in the way or the drive
+    /// is less than it seems: then the error counts, as for an axis that slides.
     #[inline]
     fn break_away(&self, r: &Setpoint, at_rest: bool, heading_rate: f32) -> f32 {
         let model = self.estimator.model();

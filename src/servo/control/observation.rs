@@ -13,8 +13,8 @@ const SETTLING: f32 = 6.0;
 /// Time over that of the observer after a breakaway in which the disturbance stays behind a moving reference: three poles
 /// at the observer's rate are within a quarter of their way by then.
 const STARTING: f32 = 4.0;
-/// The same behind a stop in which what came before acts on the drive: errors of the observer are within e^-30 of nothing, and a model that
-/// is wrong by half leaves e^-15.
+/// The same behind a stop in which what came before acts on the drive: errors of the observer are within e^-30 of
+/// nothing, and a model that is wrong by half leaves e^-15.
 const SETTLED: f32 = 30.0;
 
 impl Controller {
@@ -137,9 +137,9 @@ impl Controller {
 
     /// Whether the axis has just broken away.
     ///
-    /// While it was held, the drive was only integrated, and how far beyond friction it broke away nobody measured: of the state it is the
-    /// drive that is unknown. An integrator that took the error for a disturbance would keep it for 1/wd, and the axis would
-    /// leave the reference to the other side.
+    /// While it was held, the drive was only integrated, and how far beyond friction it broke away nobody measured: of
+    /// the state it is the drive that is unknown. An integrator that took the error for a disturbance would keep it for
+    /// 1/wd, and the axis would leave the reference to the other side.
     pub(super) fn starts(&self) -> bool {
         let time = self.sample_time() * self.anchor.since() as f32;
         self.sticky && time * self.estimator.poles().observer < STARTING

@@ -52,8 +52,8 @@ impl RestWindow {
         self.bound();
     }
 
-    /// The loop is another one: half of what hunting has widened is forgotten. All of it would have to be learnt again, by hunting; none
-    /// of it would keep what a wrong model made.
+    /// The loop is another one: half of what hunting has widened is forgotten. All of it would have to be learnt again,
+    /// by hunting; none of it would keep what a wrong model made.
     pub(crate) fn forget(&mut self) {
         self.window *= KEPT;
         self.bound();
