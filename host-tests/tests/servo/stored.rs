@@ -86,12 +86,8 @@ fn a_model_that_was_improved_is_stored_with_its_deviations() {
     servo.resume(&first).expect("the model of this axis");
     plant.set_mass(2.5 * plant.parameters().mass);
     let _ = step(&mut servo, &mut plant, 1.0);
-    // Moves: a sine in which nothing slips determines two of the three parameters.
-    let learned = (0..20_000).find_map(|k| {
-        if k % 1500 == 0 {
-            let target = [150.0, 250.0, 180.0, 230.0][k / 1500 % 4];
-            servo.move_to(target).expect("a target in the travel");
-        }
+    servo.oscillate(60.0, 1.0).expect("a sine in the travel");
+    let learned = (0..20_000).find_map(|_| {
         let _ = step(&mut servo, &mut plant, 1.0);
         servo.record().filter(|record| record.model != first.model)
     });

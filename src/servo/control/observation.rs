@@ -3,7 +3,7 @@
 use crate::math::{sign, within};
 use crate::servo::control::anchor::Hold;
 use crate::servo::control::controller::Controller;
-use crate::servo::control::holding::{Holding, Slip};
+use crate::servo::control::holding::Holding;
 use crate::servo::control::null::NullOffset;
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
@@ -13,9 +13,6 @@ const SETTLING: f32 = 6.0;
 /// Time over that of the observer after a breakaway in which the disturbance stays behind a moving reference: three poles
 /// at the observer's rate are within a quarter of their way by then.
 const STARTING: f32 = 4.0;
-/// The same behind a stop in which what came before acts on the drive: errors of the observer are within e^-30 of
-/// nothing, and a model that is wrong by half leaves e^-15.
-const SETTLED: f32 = 30.0;
 
 impl Controller {
     /// Begins at a motion, without an offset of earlier gains.
@@ -94,8 +91,8 @@ impl Controller {
         };
         if let Hold::Left(direction) = hold {
             let friction = self.estimator.model().friction;
-            let slip = self.slip(direction);
-            self.holding.slip(&slip);
+            self.holding
+                .slip(direction, friction / self.estimator.step().b0);
             self.estimator.release(direction, y, friction);
             self.left = [reference - y, reference];
         }
@@ -117,29 +114,11 @@ impl Controller {
         }
     }
 
-    /// A slip in a direction, as the model sees it.
-    fn slip(&self, direction: f32) -> Slip {
-        let (model, b0) = (self.estimator.model(), self.estimator.step().b0);
-        Slip {
-            direction,
-            friction: model.friction / b0,
-            drive: self.estimator.now().drive / b0,
-            settled: self.design.delay + SETTLED / self.estimator.poles().observer,
-            middle: self.middle(),
-            dead_zone: model.dead_zone,
-        }
-    }
-
-    /// The command in the middle of the dead zone.
-    pub(super) fn middle(&self) -> f32 {
-        -self.estimator.model().offset - self.null.value()
-    }
-
     /// Whether the axis has just broken away.
     ///
-    /// While it was held, the drive was only integrated, and how far beyond friction it broke away nobody measured: of
-    /// the state it is the drive that is unknown. An integrator that took the error for a disturbance would keep it for
-    /// 1/wd, and the axis would leave the reference to the other side.
+    /// While it was held, the drive was only integrated, and how far beyond friction it broke away nobody measured: of the state it is the
+    /// drive that is unknown. An integrator that took the error for a disturbance would keep it for 1/wd, and the axis would
+    /// leave the reference to the other side.
     pub(super) fn starts(&self) -> bool {
         let time = self.sample_time() * self.anchor.since() as f32;
         self.sticky && time * self.estimator.poles().observer < STARTING
