@@ -9,8 +9,9 @@
 //! | [`record`] | a file | numbers that are finite, or one error |
 //! | [`drivers`] | what buses and timers answer | position within its bits, command as it was set, no pulse of the wrong sign |
 //!
-//! `cargo xtask fuzz` lets libFuzzer look for bytes that break this; `tests/corpus.rs` runs what it has found, and bytes by
-//! chance, with every other test. One input again: `cargo run -p trendid-fuzz --bin identifier FILE`.
+//! `cargo xtask fuzz` lets libFuzzer look for bytes that break this; `tests/corpus.rs` runs what it
+//! has found, and bytes by chance, with every other test. One input again:
+//! `cargo run -p trendid-fuzz --bin identifier FILE`.
 
 pub mod bytes;
 pub mod drivers;

@@ -1,5 +1,7 @@
 //! What a flash holds, and saves that lose their power.
 
+use std::sync::LazyLock;
+
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
@@ -80,6 +82,7 @@ impl NorFlash for Flash {
     }
 }
 
+#[derive(Clone, Debug)]
 struct Code;
 impl PositionSensor for Code {
     type Error = ();
@@ -88,6 +91,7 @@ impl PositionSensor for Code {
         Ok(20_000)
     }
 }
+#[derive(Clone, Debug)]
 struct Finite;
 impl Valve for Finite {
     type Error = ();
@@ -128,9 +132,25 @@ fn record(bytes: &mut Bytes<'_>) -> Record {
     }
 }
 
-/// The same numbers, bit by bit.
+/// Whether all numbers are the same, bit by bit.
 fn same(one: &Record, other: &Record) -> bool {
-    format!("{one:?}") == format!("{other:?}")
+    let bits = |record: &Record| {
+        let model = record.model;
+        let rest = [
+            model.a1,
+            model.a2,
+            model.b0,
+            model.dead_zone,
+            model.offset,
+            model.friction,
+            record.delay,
+            record.sign,
+            record.noise,
+            record.dead_volume,
+        ];
+        (rest.map(f32::to_bits), record.std.map(f32::to_bits))
+    };
+    bits(one) == bits(other)
 }
 
 fn store(flash: Flash) -> ModelStore<Flash> {
@@ -203,13 +223,19 @@ pub fn run(bytes: &[u8]) {
     assert!(margins[0] == flash.bytes[..MARGIN] && margins[1] == flash.bytes[SIZE - MARGIN..]);
 }
 
-/// What was loaded controls with commands that are numbers, or is refused and leaves a loop that stands.
-fn resume(record: &Record) {
+/// A loop that was just built; copied, because the design of its settings takes longer.
+static FRESH: LazyLock<ServoLoop<Code, Finite>> = LazyLock::new(|| {
     let axis = Axis {
         scale: Scale::new(0.01).expect("a scale"),
         reference: 0,
     };
-    let mut servo = ServoLoop::try_new(&config(), axis, Code, Finite).expect("settings");
+    ServoLoop::try_new(&config(), axis, Code, Finite).expect("settings")
+});
+
+/// What was loaded controls with commands that are numbers, or is refused and leaves a loop that
+/// stands.
+fn resume(record: &Record) {
+    let mut servo = FRESH.clone();
     let resumed = servo.resume(record).is_ok();
     for _ in 0..4 {
         let report = servo.update();

@@ -1,4 +1,5 @@
-//! What the fuzzer has found, and bytes by chance, on every target: with every other test, without a fuzzer.
+//! What the fuzzer has found, and bytes by chance, on every target: with every other test, without
+//! a fuzzer.
 
 use std::path::Path;
 

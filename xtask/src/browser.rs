@@ -1,5 +1,5 @@
-//! Both pages in a headless browser, used as their users would, and the firmware in the emulator behind one of them; pictures go to
-//! `target/browser`.
+//! Both pages in a headless browser, used as their users would, and the firmware in the emulator
+//! behind one of them; pictures go to `target/browser`.
 
 use std::fs;
 use std::path::PathBuf;

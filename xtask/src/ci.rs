@@ -75,7 +75,8 @@ pub(crate) fn test() -> Done {
     steps(&TESTS)
 }
 
-/// The claims over hundreds of seeds; those about records of real drives where `TRENDID_RECORDS` names their directory.
+/// The claims over hundreds of seeds; those about records of real drives where `TRENDID_RECORDS`
+/// names their directory.
 pub(crate) fn statistics() -> Done {
     let arguments = ["test", "-q", "--release", "-p", "trendid-host-tests"];
     let mut command = cargo(&arguments);
@@ -115,7 +116,8 @@ pub(crate) fn lint() -> Done {
     process::run(cargo(&arguments))
 }
 
-/// Tests on the host: with overflow checks, and the bits of the self-test as the optimiser makes them, too.
+/// Tests on the host: with overflow checks, and the bits of the self-test as the optimiser makes
+/// them, too.
 pub(crate) fn host() -> Done {
     process::run(cargo(&[
         "test",
@@ -130,8 +132,8 @@ pub(crate) fn host() -> Done {
 
 /// Packs and builds what is published.
 ///
-/// In a directory of its own every time: cargo keeps the packages of an earlier run by their path and version, and would
-/// build one package against another's past.
+/// In a directory of its own every time: cargo keeps the packages of an earlier run by their path
+/// and version, and would build one package against another's past.
 pub(crate) fn package() -> Done {
     let place = process::target_directory()?.join(format!("packages-{}", std::process::id()));
     let mut command = cargo(&["package", "-q", "--allow-dirty", "--target-dir"]);

@@ -8,7 +8,8 @@ use crate::tool::{self, Tool};
 /// Least share of the lines of `src/` in percent.
 const LEAST: f64 = 95.0;
 
-/// The tests: unit tests and the two suites of the core and of the loop. The long claims are left out.
+/// The tests: unit tests and the two suites of the core and of the loop. The long claims are left
+/// out.
 const TESTS: [&str; 8] = [
     "-p",
     "trendid",
@@ -20,7 +21,8 @@ const TESTS: [&str; 8] = [
     "--quiet",
 ];
 
-/// Prints every file of the core below the limit, with the lines that no test runs; fails when the whole is below.
+/// Prints every file of the core below the limit, with the lines that no test runs; fails when the
+/// whole is below.
 pub(crate) fn run() -> Done {
     Tool::named("llvm-cov", "cargo-llvm-cov").install()?;
     tool::components(None, &["llvm-tools"])?;

@@ -1,4 +1,5 @@
-//! What the dependencies are: licences, sources, duplicates, advisories; and which of them nobody uses.
+//! What the dependencies are: licences, sources, duplicates, advisories; and which of them nobody
+//! uses.
 
 use crate::process::{self, Done, cargo};
 use crate::tool::Tool;
@@ -28,7 +29,8 @@ pub(crate) fn machete() -> Done {
     process::run(cargo(&["machete"]))
 }
 
-/// Whether a published package breaks its users; there is nothing to compare with before the first release.
+/// Whether a published package breaks its users; there is nothing to compare with before the first
+/// release.
 pub(crate) fn semver(published: &[&str]) -> Done {
     Tool::named("semver-checks", "cargo-semver-checks").install()?;
     let mut command = cargo(&["semver-checks"]);

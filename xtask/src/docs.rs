@@ -1,4 +1,5 @@
-//! What a document quotes stands between two marks, is never typed, and is what its command prints today.
+//! What a document quotes stands between two marks, is never typed, and is what its command prints
+//! today.
 //!
 //! ```text
 //! <!-- run KIND[, long][, near]: COMMAND -->
@@ -6,9 +7,10 @@
 //! <!-- end -->
 //! ```
 //!
-//! KIND is `text` (a block of program output) or `markdown` (as it is). COMMAND is `trendid ..` or `cargo xtask ..`.
-//! `long` takes minutes and is left out without `--long`. `near` has figures that another compiler changes: numbers may
-//! differ by two per cent. Pictures that a command draws by `--plot DIRECTORY` are compared byte for byte.
+//! KIND is `text` (a block of program output) or `markdown` (as it is). COMMAND is `trendid ..` or
+//! `cargo xtask ..`. `long` takes minutes and is left out without `--long`. `near` has figures that
+//! another compiler changes: numbers may differ by two per cent. Pictures that a command draws by
+//! `--plot DIRECTORY` are compared byte for byte.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,10 +24,12 @@ use crate::{golden, printed, quote};
 /// Options of the task.
 #[derive(Default, clap::Args)]
 pub(crate) struct Options {
-    /// Write what the commands print now, instead of comparing; NAME is a part of a document's path or of a command.
+    /// Write what the commands print now, instead of comparing; NAME is a part of a document's path
+    /// or of a command.
     ///
-    /// With the name of a reference file (examples/data/selftest.txt, examples/data/servo.bin, docs/icount.json) this
-    /// file: the numbers that the self-test and the counts are measured against change on purpose only.
+    /// With the name of a reference file (examples/data/selftest.txt, examples/data/servo.bin,
+    /// docs/icount.json) this file: the numbers that the self-test and the counts are measured
+    /// against change on purpose only.
     #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = "")]
     write: Option<String>,
     /// The blocks that take minutes, too.

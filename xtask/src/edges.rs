@@ -156,6 +156,8 @@ fn reference(name: &str) -> Result<Vec<String>, String> {
         "run",
         "-q",
         "--release",
+        "-p",
+        "trendid-capi",
         "--example",
         "c-reference",
         "--",

@@ -53,7 +53,8 @@ impl Image {
         let range = section.address()..section.address() + section.size();
         let mut functions = BTreeMap::new();
         let mut names = Vec::new();
-        // Where data begins and ends within the code: the mapping symbols $d and $t of the ARM ELF specification.
+        // Where data begins and ends within the code: the mapping symbols $d and $t of the ARM ELF
+        // specification.
         let mut mapping = BTreeMap::new();
         for symbol in file.symbols() {
             let name = symbol.name().unwrap_or_default().to_owned();

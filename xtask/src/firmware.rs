@@ -67,8 +67,8 @@ fn indented(lines: Vec<String>) -> String {
 /// Runs of the servo controller, by the word that its script knows (`examples/servo/emulated.rs`).
 const SERVO: [&str; 5] = ["servo", "panic", "hardfault", "overflow", "idle-overflow"];
 
-/// The servo controller on its simulated drive: it must reach control, end in the safe output after three overruns, and
-/// report after a restart what ended the run before.
+/// The servo controller on its simulated drive: it must reach control, end in the safe output after
+/// three overruns, and report after a restart what ended the run before.
 fn servo(build_only: bool) -> Result<String, String> {
     let path = M4F.build("servo", "firmware")?;
     not_empty(&Image::read(&path)?)?;
@@ -94,7 +94,8 @@ fn servo(build_only: bool) -> Result<String, String> {
     Ok(text)
 }
 
-/// Runs of the processor in the loop: the step of a new axis, an axis that changes, and a bad line with a bad sensor.
+/// Runs of the processor in the loop: the step of a new axis, an axis that changes, and a bad line
+/// with a bad sensor.
 const PIL: [&str; 3] = [
     "--scenario nominal --samples 4000",
     "--scenario mass --samples 11000",
@@ -135,12 +136,14 @@ fn not_empty(image: &Image) -> Done {
     }
 }
 
-/// Code in bytes that the image with one update of three parameters may have, with the bounded forgetting, the
-/// gates of rest, standstill and innovation, bridged gaps, filters that are flushed, friction that holds the drive, changes
-/// that are followed, forgetting that waits for information, and slow states in two words.
+/// Code in bytes that the image with one update of three parameters may have, with the bounded
+/// forgetting, the gates of rest, standstill and innovation, bridged gaps, filters that are
+/// flushed, friction that holds the drive, changes that are followed, forgetting that waits for
+/// information, and slow states in two words.
 const BUDGET: u64 = 14 * 1024;
 
-/// Images of which functions are called in the 1 ms path or on a byte of the line, and how the names of these begin.
+/// Images of which functions are called in the 1 ms path or on a byte of the line, and how the
+/// names of these begin.
 const CALLED: [(&str, &str); 2] = [("icount", "row_"), ("pil", "link_")];
 
 /// The sizes; fails when an image is empty, too large, or can panic in an update or on a frame.
@@ -157,7 +160,8 @@ pub(crate) fn size() -> Result<String, String> {
                 "| {example} | {opt} | {} | {} | {} |\n",
                 image.text, image.flash, image.ram
             );
-            // In small code postcard's reading of an f32 keeps a check of its length, which cannot fail.
+            // In small code postcard's reading of an f32 keeps a check of its length, which cannot
+            // fail.
             if (example, opt) == ("pil", "s") {
                 continue;
             }

@@ -1,4 +1,5 @@
-//! The servo loop in RTIC and Embassy: packages of their own, checked, built, run in the emulator, held against the host.
+//! The servo loop in RTIC and Embassy: packages of their own, checked, built, run in the emulator,
+//! held against the host.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -143,7 +144,8 @@ pub(crate) fn rtic() -> Result<String, String> {
     Ok(text)
 }
 
-/// Embassy: requests go over the serial line as the servo example on the host made them, and the log comes back over it.
+/// Embassy: requests go over the serial line as the servo example on the host made them, and the
+/// log comes back over it.
 pub(crate) fn embassy() -> Result<String, String> {
     setup::run()?;
     let package = Package("embassy");

@@ -1,14 +1,15 @@
 //! libFuzzer on the targets in `fuzz/`, with a stable compiler.
 //!
-//! The flags are those that cargo-fuzz gives without a sanitizer: the coverage of LLVM is a pass that stable compilers have, and
-//! overflow checks and debug assertions find what a sanitizer would in code without `unsafe`. `cargo fuzz run TARGET` finds
-//! the same targets.
+//! The flags are those that cargo-fuzz gives without a sanitizer: the coverage of LLVM is a pass
+//! that stable compilers have, and overflow checks and debug assertions find what a sanitizer would
+//! in code without `unsafe`. `cargo fuzz run TARGET` finds the same targets.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
+use crate::dated;
 use crate::process::{self, Done, cargo, root, target_directory};
 
 /// Options of the task.
@@ -25,19 +26,24 @@ pub(crate) struct Options {
     /// Seed of the fuzzer; 0 takes another one each time.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u32,
+    /// Puts the results into docs/proofs.md, under the date and the commit, and adds up those
+    /// before.
+    #[arg(long)]
+    write: bool,
     /// Keeps what was found in the corpus, without what covers nothing new.
     #[arg(long)]
     keep: bool,
 }
 
-/// A target and the longest input that makes sense for it in bytes.
+/// A target and its longest input in bytes: some dozen calls, so that the time goes into many
+/// executions.
 const TARGETS: [(&str, u32); 6] = [
-    ("identifier", 400),
-    ("servo_loop", 300),
-    ("link", 600),
-    ("store", 600),
-    ("record", 600),
-    ("drivers", 300),
+    ("identifier", 120),
+    ("servo_loop", 80),
+    ("link", 160),
+    ("store", 200),
+    ("record", 160),
+    ("drivers", 120),
 ];
 
 const FLAGS: [&str; 9] = [
@@ -64,14 +70,39 @@ pub(crate) fn run(options: &Options) -> Done {
         let names: Vec<_> = TARGETS.iter().map(|(name, _)| *name).collect();
         return Err(format!("no such target; there are {}", names.join(", ")));
     }
+    let heading = dated::heading("fuzz")?;
     let programs = build()?;
-    println!("| target | executions | seconds | edges | inputs kept |\n|---|---|---|---|---|");
+    println!("{HEAD}");
+    let mut rows = String::new();
     for (name, length) in TARGETS {
         if wanted(name) {
-            fuzz(&programs.join(name), name, length, options)?;
+            let row = fuzz(&programs.join(name), name, length, options)?;
+            println!("{row}");
+            rows += &format!("{row}\n");
         }
     }
+    if options.write {
+        dated::add(PAGE, &heading, &format!("{HEAD}\n{rows}"))?;
+        sum()?;
+    }
     Ok(())
+}
+
+const PAGE: &str = "docs/proofs.md";
+const HEAD: &str =
+    "| target | seed | executions | seconds | edges | inputs found |\n|---|---|---|---|---|---|";
+
+/// Executions of each target in all sections of the page.
+fn sum() -> Done {
+    let rows = dated::rows(PAGE, ", fuzz")?;
+    let mut table = String::from("| target | runs | executions |\n|---|---|---|\n");
+    for (name, _) in TARGETS {
+        let rows = rows.iter().filter(|row| row[0] == name);
+        let executions: Vec<u64> = rows.filter_map(|row| row.get(2)?.parse().ok()).collect();
+        let (runs, all) = (executions.len(), executions.iter().sum::<u64>());
+        table += &format!("| {name} | {runs} | {all} |\n");
+    }
+    dated::replace(PAGE, "## Executions of the fuzzer, all runs below", &table)
 }
 
 /// Builds every target; gives where they are.
@@ -102,7 +133,9 @@ fn host() -> Result<String, String> {
 }
 
 /// Runs one target on its corpus; what it finds goes to a directory of its own.
-fn fuzz(program: &Path, name: &str, length: u32, options: &Options) -> Done {
+///
+/// What earlier runs found is where it begins, so that a long run may be one of many pieces.
+fn fuzz(program: &Path, name: &str, length: u32, options: &Options) -> Result<String, String> {
     let corpus = root().join("fuzz/corpus").join(name);
     let found = target_directory()?.join("fuzz/found").join(name);
     let crashes = target_directory()?.join("fuzz/crashes").join(name);
@@ -143,8 +176,9 @@ fn fuzz(program: &Path, name: &str, length: u32, options: &Options) -> Done {
         .rev()
         .find_map(|line| line.split("cov: ").nth(1)?.split(' ').next())
         .unwrap_or("?");
-    println!(
-        "| {name} | {} | {:.0} | {edges} | {} |",
+    let row = format!(
+        "| {name} | {} | {} | {:.0} | {edges} | {} |",
+        options.seed,
         number("stat::number_of_executed_units:"),
         start.elapsed().as_secs_f64(),
         count(&found)
@@ -152,7 +186,7 @@ fn fuzz(program: &Path, name: &str, length: u32, options: &Options) -> Done {
     if options.keep {
         merge(program, &corpus, &found, length)?;
     }
-    Ok(())
+    Ok(row)
 }
 
 /// Takes what covers more into the corpus.

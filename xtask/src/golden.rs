@@ -1,4 +1,5 @@
-//! Reference files: renewed by their name only (`cargo xtask docs --write NAME`), because others are measured against them.
+//! Reference files: renewed by their name only (`cargo xtask docs --write NAME`), because others
+//! are measured against them.
 
 use std::fs;
 
@@ -24,7 +25,8 @@ pub(crate) fn write(name: &str) -> Result<bool, String> {
     Ok(true)
 }
 
-/// The record is what its generator gives; the other files are compared by the self-test and by `icount`.
+/// The record is what its generator gives; the other files are compared by the self-test and by
+/// `icount`.
 pub(crate) fn check() -> Done {
     let (path, content) = FILES[0];
     let kept = fs::read(root().join(path)).map_err(|error| format!("{path}: {error}"))?;

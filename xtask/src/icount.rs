@@ -14,14 +14,29 @@ pub(crate) const BASELINE: &str = "docs/icount.json";
 
 /// Rows of the short table, with their number of parameters.
 const BRIEF: [(&str, u32); 7] = [
-    ("raw Tustin", 3),
     ("filtered Tustin", 3),
     ("default", 5),
     ("default with memory", 5),
     ("default, debt called in", 5),
     ("whole position loop", 6),
     ("bare estimator", 5),
+    ("bare, bounded at rest", 5),
 ];
+
+/// Mean and worst case that a row at -O3 must not exceed.
+const LIMITS: [(&str, u32, [f64; 2]); 3] = [
+    ("default with memory", 5, [720.0, 850.0]),
+    ("default, debt called in", 5, [720.0, 850.0]),
+    ("whole position loop", 6, [f64::INFINITY, 4000.0]),
+];
+
+/// Mean of the recursion with its covariance bounded over that without, and its worst case over its
+/// mean.
+const BOUNDED: [f64; 2] = [2.1, 1.5];
+
+/// Mean instructions of recursive least squares of so many parameters on the full covariance
+/// matrix, by the `ArxRls` of PX4 on the same core: what the bounded recursion must stay below.
+const FULL_MATRIX: [(u32, f64); 4] = [(3, 184.0), (4, 378.0), (5, 765.0), (6, 1195.0)];
 
 /// Growth of the mean or of the worst case that fails, as a factor.
 const GROWTH: f64 = 1.02;
@@ -35,7 +50,8 @@ pub(crate) struct Options {
     /// Only the rows of the front page.
     #[arg(long, conflicts_with = "json")]
     brief: bool,
-    /// Count on Cortex-M3 and Cortex-M0, without floating-point unit (by SysTick, 40 to 63 instructions per tick); compares nothing.
+    /// Count on Cortex-M3 and Cortex-M0, without floating-point unit (by SysTick, 40 to 63
+    /// instructions per tick); compares nothing.
     #[arg(long, conflicts_with_all = ["json", "brief"])]
     soft: bool,
 }
@@ -66,6 +82,7 @@ pub(crate) fn run(options: &Options) -> Result<String, String> {
     compare(&before, &rows).map_err(|error| {
         format!("{error}(`cargo xtask docs --write {BASELINE}` takes the new counts)")
     })?;
+    within(&rows)?;
     if options.json {
         json(&rows)
     } else if options.brief {
@@ -176,6 +193,50 @@ fn compare(before: &[Row], now: &[Row]) -> Done {
     }
 }
 
+/// Every limit of a row, and what it costs to keep the covariance bounded.
+fn within(rows: &[Row]) -> Done {
+    let find = |name: &str, n: u32| {
+        let row = rows
+            .iter()
+            .find(|row| (row.row.as_str(), row.n, row.opt.as_str()) == (name, n, "3"));
+        row.ok_or_else(|| format!("{name} (n = {n}): no such row"))
+    };
+    let mut faults = String::new();
+    let mut check = |what: String, found: f64, limit: f64| {
+        if !(found <= limit) {
+            let _ = writeln!(faults, "{what}: {found:.2} of {limit}");
+        }
+    };
+    for (name, n, [mean, worst]) in LIMITS {
+        let row = find(name, n)?;
+        check(format!("{name}, mean"), row.mean, mean);
+        check(format!("{name}, worst"), row.worst, worst);
+    }
+    for (n, full) in FULL_MATRIX {
+        let (bare, bounded) = (
+            find("bare estimator", n)?,
+            find("bare, bounded at rest", n)?,
+        );
+        let [dearer, uneven] = BOUNDED;
+        check(
+            format!("bounded, n = {n}, over bare"),
+            bounded.mean / bare.mean,
+            dearer,
+        );
+        check(
+            format!("bounded, n = {n}, worst over mean"),
+            bounded.worst / bounded.mean,
+            uneven,
+        );
+        check(format!("bounded, n = {n}, mean"), bounded.mean, full);
+    }
+    if faults.is_empty() {
+        Ok(())
+    } else {
+        Err(format!("above a limit:\n{faults}"))
+    }
+}
+
 fn markdown(rows: &[Row]) -> String {
     let mut table = String::from(
         "| row | n | -O | mean | worst | text [B] | RAM [B] | stack [B] |\n|---|---|---|---|---|---|---|---|\n",
@@ -229,5 +290,41 @@ mod tests {
         assert!(compare(&[row(100.0, 100.0)], &[row(102.1, 100.0)]).is_err());
         assert!(compare(&[row(100.0, 100.0)], &[row(100.0, 103.0)]).is_err());
         assert!(compare(&[row(100.0, 100.0)], &[]).is_err());
+    }
+
+    #[test]
+    fn limits_of_rows_and_of_what_the_bound_costs() {
+        let named = |name: &str, n: u32, mean: f64, worst: f64| Row {
+            row: name.into(),
+            n,
+            ..row(mean, worst)
+        };
+        let mut rows: Vec<_> = LIMITS
+            .map(|(name, n, [mean, worst])| named(name, n, mean.min(1.0), worst))
+            .into();
+        for (n, full) in FULL_MATRIX {
+            rows.push(named("bare estimator", n, full / 2.1, full));
+            rows.push(named("bare, bounded at rest", n, full, 1.5 * full));
+        }
+        assert_eq!(within(&rows), Ok(()));
+        for index in 0..rows.len() {
+            let changed = |mean: f64, worst: f64| {
+                let mut rows = rows.clone();
+                rows[index].mean *= mean;
+                rows[index].worst *= worst;
+                within(&rows)
+            };
+            // Beside its own limits, a recursion without a bound that is cheaper makes the other
+            // one dear.
+            let faults = match rows[index].row.as_str() {
+                "bare estimator" => vec![changed(0.99, 1.0)],
+                "bare, bounded at rest" => vec![changed(1.01, 1.0), changed(1.0, 1.01)],
+                _ => vec![changed(1.0, 1.01)],
+            };
+            assert!(faults.iter().all(Result::is_err), "{:?}", rows[index]);
+            let mut fewer = rows.clone();
+            fewer.remove(index);
+            assert!(within(&fewer).is_err());
+        }
     }
 }

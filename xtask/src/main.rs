@@ -1,11 +1,13 @@
 //! Tasks of the project: `cargo xtask --help`.
 //!
-//! The steps of continuous integration are these tasks under these names, so that what fails there is repeated here.
+//! The steps of continuous integration are these tasks under these names, so that what fails there
+//! is repeated here.
 
 mod browser;
 mod capi;
 mod ci;
 mod coverage;
+mod dated;
 mod deny;
 mod docs;
 mod edges;
@@ -46,9 +48,11 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Adds what is missing: thumb targets by rustup, qemu-system-arm by apt where it may; else says what to install.
+    /// Adds what is missing: thumb targets by rustup, qemu-system-arm by apt where it may; else
+    /// says what to install.
     Setup,
-    /// Sets up, then runs every test, on the host and on the emulated targets; what takes long is in `statistics`.
+    /// Sets up, then runs every test, on the host and on the emulated targets; what takes long is
+    /// in `statistics`.
     Test,
     /// Formatting and lints, on the host and on the target.
     Lint,
@@ -66,7 +70,8 @@ enum Task {
     Package,
     #[command(flatten)]
     Printed(printed::Task),
-    /// The Python package: wheel, tests in a fresh environment, types, and the page that is executed.
+    /// The Python package: wheel, tests in a fresh environment, types, and the page that is
+    /// executed.
     Python(python::Options),
     /// The claims that need hundreds of runs.
     Statistics,
@@ -82,7 +87,8 @@ enum Task {
     Workflow,
     /// libFuzzer on every target of `fuzz/`, with a stable compiler.
     Fuzz(fuzz::Options),
-    /// Undefined behaviour in the tests of core, link, support and store, by interpretation (needs a nightly compiler).
+    /// Undefined behaviour in the tests of core, link, support and store, by interpretation (needs
+    /// a nightly compiler).
     Miri(miri::Options),
     /// Which lines of the core the tests run: 95 % at least.
     Coverage,

@@ -1,4 +1,5 @@
-//! Every package with the oldest compiler that is promised; where that cannot be had, what can be said without it.
+//! Every package with the oldest compiler that is promised; where that cannot be had, what can be
+//! said without it.
 
 use crate::process::{self, Done, cargo, works};
 
@@ -8,8 +9,8 @@ const PROMISED: &str = env!("CARGO_PKG_RUST_VERSION");
 /// Options of the task.
 #[derive(clap::Args)]
 pub(crate) struct Options {
-    /// Without that compiler: no item of the standard library is newer (clippy), and no dependency in a lock file asks for a newer one.
-    /// What is newer in the language itself is not seen.
+    /// Without that compiler: no item of the standard library is newer (clippy), and no dependency
+    /// in a lock file asks for a newer one. What is newer in the language itself is not seen.
     #[arg(long)]
     by_lint: bool,
 }

@@ -17,9 +17,11 @@ pub(crate) enum Task {
     Pil,
     /// The servo loop in RTIC 2, in the emulator; the same hash as on the host.
     Rtic,
-    /// The C interface: header, no panic, the example on host and target against Rust, instructions over the edge.
+    /// The C interface: header, no panic, the example on host and target against Rust, instructions
+    /// over the edge.
     Capi(capi::Options),
-    /// The servo loop in Embassy, in the emulator, with requests over its serial line; the same hash as on the host.
+    /// The servo loop in Embassy, in the emulator, with requests over its serial line; the same
+    /// hash as on the host.
     Embassy,
     /// The playground as static files, in `target/web-page`; prints their sizes.
     Web,

@@ -18,7 +18,8 @@ pub(crate) fn root() -> PathBuf {
 
 /// A cargo command in the root.
 ///
-/// RUSTFLAGS would replace the linker arguments of `.cargo/config.toml` and give an empty image, so it is taken away.
+/// RUSTFLAGS would replace the linker arguments of `.cargo/config.toml` and give an empty image, so
+/// it is taken away.
 pub(crate) fn cargo(arguments: &[&str]) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command
@@ -139,7 +140,8 @@ impl Machine {
             .join(example))
     }
 
-    /// Starts an image and hands it a word; one instruction is one nanosecond of its clock, and waiting takes no time.
+    /// Starts an image and hands it a word; one instruction is one nanosecond of its clock, and
+    /// waiting takes no time.
     pub(crate) fn start(self, image: &std::path::Path, word: &str) -> Result<Child, String> {
         self.launch(image, word, "null", Stdio::null())
     }
@@ -179,7 +181,8 @@ impl Machine {
             })
     }
 
-    /// Runs an image to its end and gives its output; an error when it fails or needs longer than `limit`.
+    /// Runs an image to its end and gives its output; an error when it fails or needs longer than
+    /// `limit`.
     pub(crate) fn output(
         self,
         image: &std::path::Path,
@@ -189,8 +192,9 @@ impl Machine {
         self.finish(self.start(image, word)?, Vec::new(), image, limit)
     }
 
-    /// As [`output`](Self::output), with `said` on the first serial line, once the image has written a line: what it receives before
-    /// it listens is lost. What comes back over the line is in the output.
+    /// As [`output`](Self::output), with `said` on the first serial line, once the image has
+    /// written a line: what it receives before it listens is lost. What comes back over the line is
+    /// in the output.
     pub(crate) fn talk(
         self,
         image: &std::path::Path,

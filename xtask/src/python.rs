@@ -1,4 +1,5 @@
-//! The Python package: a wheel, tests of it in a fresh environment, types, and the page that is executed.
+//! The Python package: a wheel, tests of it in a fresh environment, types, and the page that is
+//! executed.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -123,7 +124,8 @@ fn interpreter() -> Done {
     )
 }
 
-/// Formatting and lints of the native part. Its lock file may grow by what the packages of the workspace need: not `--locked`.
+/// Formatting and lints of the native part. Its lock file may grow by what the packages of the
+/// workspace need: not `--locked`.
 fn lint(package: &Path, place: &Path) -> Done {
     for arguments in [
         &["fmt", "--check"][..],

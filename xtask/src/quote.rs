@@ -55,7 +55,8 @@ impl<'a> Mark<'a> {
     }
 }
 
-/// The document with each quotation replaced by what `renewed` gives for it and its old text, if it gives something.
+/// The document with each quotation replaced by what `renewed` gives for it and its old text, if it
+/// gives something.
 pub(crate) fn replaced(
     document: &str,
     renewed: &mut impl FnMut(&Mark<'_>, &str) -> Result<Option<String>, String>,

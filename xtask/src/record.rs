@@ -1,4 +1,5 @@
-//! The record that host and target both run: a servo in integer arithmetic, the same bytes on every machine.
+//! The record that host and target both run: a servo in integer arithmetic, the same bytes on every
+//! machine.
 
 const SAMPLES: usize = 5000;
 const REFERENCE: i64 = 1_234_567;
@@ -14,10 +15,11 @@ const STEPS: i64 = 64;
 
 /// Six bytes a sample, little endian: command as i16, position as i32 in micrometres.
 ///
-/// The plant is x''' + 20 x'' + 400 x' = 10^6 u in mm, with a command of +-0.4, +-10 um of uniform noise and an offset of the
-/// valve of 2 % of full command. Position, velocity and acceleration are fixed-point numbers with 20 binary places of a
-/// micrometre; one step is 1/64 ms of the symplectic Euler scheme. The plant of this record is close to the reference
-/// plant and not equal to it, which is no matter: what is compared is bits.
+/// The plant is x''' + 20 x'' + 400 x' = 10^6 u in mm, with a command of +-0.4, +-10 um of uniform
+/// noise and an offset of the valve of 2 % of full command. Position, velocity and acceleration are
+/// fixed-point numbers with 20 binary places of a micrometre; one step is 1/64 ms of the symplectic
+/// Euler scheme. The plant of this record is close to the reference plant and not equal to it,
+/// which is no matter: what is compared is bits.
 pub(crate) fn bytes() -> Vec<u8> {
     const ONE: i64 = 1 << 20;
     let mut bytes = Vec::with_capacity(SAMPLES * 6);

@@ -1,14 +1,15 @@
 //! Simulated hours of the identifier and of the loop.
 
-use std::fs;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
-use crate::process::{Done, cargo, root};
+use crate::dated;
+use crate::process::{Done, cargo};
 
 /// Options of the task.
 #[derive(Default, clap::Args)]
 pub(crate) struct Options {
-    /// Simulated seconds of each scenario of the identifier and of each axis of the loop; a day has 86400.
+    /// Simulated seconds of each scenario of the identifier and of each axis of the loop; a day
+    /// has 86400.
     #[arg(long, value_name = "S", default_value_t = SHORT)]
     seconds: u32,
     /// Only scenarios of the identifier whose name contains this, and no axis.
@@ -30,7 +31,8 @@ const SHORT: u32 = 60;
 
 const PAGE: &str = "docs/soak.md";
 
-/// Runs every scenario of `trendid endurance` and a working day of the loop, each on all cores; fails when either does.
+/// Runs every scenario of `trendid endurance` and a working day of the loop, each on all cores;
+/// fails when either does.
 pub(crate) fn run(options: &Options) -> Done {
     let seconds = options.seconds.to_string();
     let mut endurance = vec!["endurance", "--seconds", &seconds];
@@ -43,6 +45,7 @@ pub(crate) fn run(options: &Options) -> Done {
         endurance.extend(value.iter().flat_map(|value| [name, value]));
     }
     let program = ["run", "-q", "--release", "-p", "trendid-cli", "--"];
+    let heading = dated::heading(&format!("{} s", options.seconds))?;
     let mut parts = vec![part("trendid", &program, &endurance)?];
     if options.only.is_none() && options.memory.is_none() {
         let example = [
@@ -58,7 +61,7 @@ pub(crate) fn run(options: &Options) -> Done {
         parts.push(part("working_day", &example, &[&seconds])?);
     }
     if options.write {
-        write(options, &parts)?;
+        write(&heading, &parts)?;
     }
     let failed: Vec<_> = parts
         .iter()
@@ -100,24 +103,12 @@ fn part(name: &str, program: &[&str], arguments: &[&str]) -> Result<Part, String
     })
 }
 
-/// Puts a section on top of those before it: of the long tables the rows that break a limit, and the last line.
-fn write(options: &Options, parts: &[Part]) -> Done {
-    let date = shown("date", &["-u", "+%Y-%m-%d"])?;
-    let commit = shown("git", &["rev-parse", "--short=10", "HEAD"])?;
-    let changed = !shown("git", &["status", "--porcelain", "--untracked-files=no"])?.is_empty();
-    let mut section = format!(
-        "## {date}, commit {commit}{}, {} s\n",
-        if changed { " with changes" } else { "" },
-        options.seconds
-    );
-    for part in parts {
-        section += &format!("\n`{}`\n\n{}", part.command, shortened(&part.text));
-    }
-    let path = root().join(PAGE);
-    let page = fs::read_to_string(&path).map_err(|error| format!("{PAGE}: {error}"))?;
-    let at = page.find("\n## ").map_or(page.len(), |at| at + 1);
-    let (head, tail) = page.split_at(at);
-    fs::write(&path, format!("{head}{section}\n{tail}")).map_err(|error| format!("{PAGE}: {error}"))
+/// Puts a section on top of those before it: of the long tables the rows that break a limit, and
+/// the last line.
+fn write(heading: &str, parts: &[Part]) -> Done {
+    let shown = |part: &Part| format!("`{}`\n\n{}", part.command, shortened(&part.text));
+    let parts: Vec<_> = parts.iter().map(shown).collect();
+    dated::add(PAGE, heading, &parts.join("\n\n"))
 }
 
 /// Rows of a table that keep their limits are counted, not shown.
@@ -135,13 +126,4 @@ fn shortened(text: &str) -> String {
         short.push(format!("{kept} of them keep every limit."));
     }
     short.join("\n") + "\n"
-}
-
-fn shown(program: &str, arguments: &[&str]) -> Result<String, String> {
-    let output = Command::new(program)
-        .args(arguments)
-        .current_dir(root())
-        .output()
-        .map_err(|error| format!("{program}: {error}"))?;
-    Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }

@@ -29,7 +29,8 @@ impl Tool {
             return Ok(());
         }
         let mut command = Command::new("cargo");
-        // Without the toolchain of this task: programs are built with the default one, in their own directory.
+        // Without the toolchain of this task: programs are built with the default one, in their own
+        // directory.
         command
             .args(["install", "--locked", "--quiet", self.package])
             .env_remove("RUSTFLAGS")

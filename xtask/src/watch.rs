@@ -1,4 +1,5 @@
-//! The firmware in the emulator, watched on a page for a given time: rates, losses, memory, redraws.
+//! The firmware in the emulator, watched on a page for a given time: rates, losses, memory,
+//! redraws.
 
 use std::fs;
 use std::process::Command;
@@ -17,7 +18,8 @@ pub(crate) struct Options {
     rtt: bool,
 }
 
-/// Builds image and monitor as a user has them, and runs them; fails when a sample is missing, dropped or lost.
+/// Builds image and monitor as a user has them, and runs them; fails when a sample is missing,
+/// dropped or lost.
 pub(crate) fn run(options: &Options) -> Done {
     let chromium = browser::chromium()?;
     let target = target_directory()?;

@@ -1,4 +1,5 @@
-//! The playground as static files: two WebAssembly modules, one page with everything that its first paint needs.
+//! The playground as static files: two WebAssembly modules, one page with everything that its first
+//! paint needs.
 
 use std::fs;
 use std::io::Write;
@@ -41,7 +42,8 @@ pub(crate) fn run() -> Result<String, String> {
 /// Builds the playground; gives its folder.
 pub(crate) fn build() -> Result<PathBuf, String> {
     add_targets(&[TARGET])?;
-    // Libraries of C for the browser alone: as such they do not link on a host with the log of the firmware.
+    // Libraries of C for the browser alone: as such they do not link on a host with the log of the
+    // firmware.
     for package in ["trendid-web", "trendid-web-identify"] {
         process::run(cargo(&[
             "rustc",

@@ -1,4 +1,5 @@
-//! The workflow of continuous integration: read by actionlint, and every task it names is one of this program.
+//! The workflow of continuous integration: read by actionlint, and every task it names is one of
+//! this program.
 
 use std::collections::BTreeSet;
 use std::process::Command;

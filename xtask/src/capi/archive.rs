@@ -16,7 +16,8 @@ pub(crate) struct Archive {
     pub profile: &'static str,
     /// What the table calls it.
     pub core: &'static str,
-    /// Arguments of the compiler for this core; the last resort of what an archive of ours links with.
+    /// Arguments of the compiler for this core; the last resort of what an archive of ours links
+    /// with.
     pub machine: &'static [&'static str],
 }
 
@@ -86,7 +87,8 @@ impl Archive {
         self.profile == "capi-size"
     }
 
-    /// Features of the package: on a microcontroller without `trendid_any`, which has the code of every structure.
+    /// Features of the package: on a microcontroller without `trendid_any`, which has the code of
+    /// every structure.
     fn features(self) -> &'static str {
         if self.machine.is_empty() {
             "archive,any"
@@ -146,7 +148,8 @@ impl Archive {
             functions.first().ok_or("no function")?
         ));
         command.arg(self.path()?).arg("-o").arg(&image);
-        // The memory functions of an operating system are in its shared library: the static one wants a whole program.
+        // The memory functions of an operating system are in its shared library: the static one
+        // wants a whole program.
         command.arg(if self.machine.is_empty() {
             "-lc"
         } else {
@@ -172,7 +175,8 @@ impl Archive {
         Ok((code(&file), names))
     }
 
-    /// Links every function of the header and looks for the machinery of panics; gives the number of functions.
+    /// Links every function of the header and looks for the machinery of panics; gives the number
+    /// of functions.
     pub(crate) fn without_panics(self) -> Result<usize, String> {
         let functions = exported()?;
         let any = self.machine.is_empty();

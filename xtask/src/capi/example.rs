@@ -1,4 +1,5 @@
-//! The example in C and C++: strict, under sanitizers, on the host and in the emulator, and its lines against those of Rust.
+//! The example in C and C++: strict, under sanitizers, on the host and in the emulator, and its
+//! lines against those of Rust.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -39,7 +40,8 @@ pub(crate) fn run_all() -> Result<String, String> {
         &of_wrapper,
         &lines(&sanitized.join("example-cpp"))?,
     )?;
-    // By `add_subdirectory`, which calls cargo; in the directory where the archive is already built.
+    // By `add_subdirectory`, which calls cargo; in the directory where the archive is already
+    // built.
     let toolchain = root().join("examples/c/cmake/stm32f405.cmake");
     let target = built(
         &place.join("stm32f405"),
@@ -128,7 +130,8 @@ fn made(place: &Path, tree: &Path, target: &str) -> Result<PathBuf, String> {
 
 /// The lines of the same runs in Rust.
 fn reference() -> Result<Vec<String>, String> {
-    let mut command = cargo(&["run", "-q", "--release", "--example", "c-reference"]);
+    let run = ["run", "-q", "--release", "-p", "trendid-capi"];
+    let mut command = cargo(&[&run[..], &["--example", "c-reference"]].concat());
     collected(&mut command)
 }
 

@@ -1,4 +1,5 @@
-//! The C interface: header, archives, panics, the example on host and target against Rust, what the edge costs.
+//! The C interface: header, archives, panics, the example on host and target against Rust, what the
+//! edge costs.
 
 mod archive;
 mod example;
@@ -90,7 +91,8 @@ fn header(write: bool) -> Done {
 /// More instructions than this factor of those in Rust fail.
 const EDGE: f64 = 1.05;
 
-/// The lines of the image that counts, with as many fields as `N`; comments and other lines are left out.
+/// The lines of the image that counts, with as many fields as `N`; comments and other lines are
+/// left out.
 fn counted<const N: usize>(profile: &str) -> Result<Vec<[String; N]>, String> {
     let image = M4F.build_of("trendid-capi", "edge", profile)?;
     let lines = M4F.lines(&image, Duration::from_secs(300))?;

@@ -1,4 +1,5 @@
-//! What a user without Rust gets: header, archives of every core, the configuration of CMake, and a table of sizes.
+//! What a user without Rust gets: header, archives of every core, the configuration of CMake, and a
+//! table of sizes.
 
 use std::fmt::Write;
 use std::fs;
