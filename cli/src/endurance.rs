@@ -19,7 +19,8 @@ use crate::output::{Refusal, emit, emit_json, number, progress, under};
 Errors are the largest over the whole scenario; of scenarios whose data do not obey the model, those after ten seconds of
 motion that follow. The last three columns are other ways to forget, in f64, on the same samples (at most a million).
 The command fails when a limit is broken: 0.15/0.1/0.3 % for C/omega0/xi and 4 sigma where the data obey the model,
-0.1 % where they did not, the covariance within its bound, every number finite.")]
+0.1 % where they did not, both while a digit of the position in f32 is no larger than its noise (to 84 m); the covariance
+within its bound, every number finite.")]
 pub(crate) struct EnduranceArgs {
     /// Length of each scenario in s, at 1 kHz
     #[arg(long, value_name = "S", default_value_t = 1000.0)]

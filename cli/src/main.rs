@@ -44,13 +44,15 @@ enum Command {
     Paper(paper::PaperArgs),
     /// Cost in instructions and gain in accuracy of each option of the core
     Options(options::OptionsArgs),
-    /// Whether the estimate stays true over hours: every motion with every memory, other ways to forget beside
+    /// Whether the estimate stays true over hours: every motion with every memory, other ways to
+    /// forget beside
     Endurance(endurance::EnduranceArgs),
     Sigma(sigma::SigmaArgs),
     /// The adaptive position loop in every scenario, with fixed gains beside
     Loop(servo::position_loop::LoopArgs),
     Monitor(monitor::MonitorArgs),
-    /// A scenario of the demonstration with the loop on an emulated or real processor, bit for bit as on the host
+    /// A scenario of the demonstration with the loop on an emulated or real processor, bit for bit
+    /// as on the host
     Pil(pil::PilArgs),
 }
 

@@ -79,7 +79,8 @@ pub(crate) fn progress(steps: u64, what: &'static str) -> ProgressBar {
     bar
 }
 
-/// What `one` makes of each of `items`, on all processors and in their order, each a step of the bar.
+/// What `one` makes of each of `items`, on all processors and in their order, each a step of the
+/// bar.
 pub(crate) fn under<I: Sync, T: Send>(
     bar: &ProgressBar,
     items: &[I],

@@ -12,39 +12,65 @@ pub(crate) const DELAYS: usize = 7;
 /// Longest delay that is tried, in samples.
 pub const LONGEST_DELAY: usize = 200;
 
-/// A delay between samples is taken where its error is smaller than this share of that of the next whole one.
+/// A delay between samples is taken where its error is smaller than this share of that of the next
+/// whole one.
 const BETTER: f64 = 0.99;
 
 fn error(judged: &Judged) -> f64 {
     judged.folds.total(Refitted::StateAndConstant)
 }
 
-/// The delay with the smallest error at a filter, and whether it is the longest that is offered.
-pub(crate) fn best_delay(problem: &Problem, start: &Judged) -> (usize, bool) {
+/// Errors of the folds at delays from 0 on, longer ones for as long as one of the two longest wins.
+fn tried(problem: &Problem, start: &Judged) -> Vec<(usize, Folds)> {
     let pole = start.pole;
     let at = |delay: usize| {
-        let judged = judged(problem, pole, delay as f64, Method::Instruments);
-        judged.map_or(f64::INFINITY, |judged| error(&judged))
+        let judged = judged(problem, pole, delay as f64, Method::Instruments)?;
+        Some((delay, judged.folds))
     };
-    let (mut best, mut smallest) = (start.fit.delay() as usize, f64::INFINITY);
-    let mut next = 0;
+    let (mut all, mut next) = (Vec::new(), 0);
     loop {
         let end = (next + DELAYS.max(next / 2)).min(LONGEST_DELAY + 1);
         let delays: Vec<usize> = (next..end).collect();
-        let errors = side_by_side(&delays, |delay| at(*delay));
-        for (delay, error) in delays.into_iter().zip(errors) {
-            if error < smallest {
-                (best, smallest) = (delay, error);
-            }
-        }
+        all.extend(
+            side_by_side(&delays, |delay| at(*delay))
+                .into_iter()
+                .flatten(),
+        );
         next = end;
+        let best = smallest(&all).map_or(start.fit.delay() as usize, |(delay, _)| *delay);
         if best + 2 < end || next > LONGEST_DELAY {
-            return (best, best == LONGEST_DELAY);
+            return all;
         }
     }
 }
 
-/// The same fit with its delay between two samples, where that simulates better: halves, then quarters.
+fn smallest(all: &[(usize, Folds)]) -> Option<&(usize, Folds)> {
+    let error = |folds: &Folds| folds.total(Refitted::StateAndConstant);
+    all.iter()
+        .min_by(|a, b| error(&a.1).total_cmp(&error(&b.1)))
+}
+
+/// The delay with the smallest error at a filter, and whether it is the longest that is offered.
+pub(crate) fn best_delay(problem: &Problem, start: &Judged) -> (usize, bool) {
+    let [best, _] = best_and_shortest(problem, start);
+    (best, best == LONGEST_DELAY)
+}
+
+/// The delay with the smallest error at a filter, and the shortest one that simulates as well
+/// within one standard error over the folds.
+pub(crate) fn best_and_shortest(problem: &Problem, start: &Judged) -> [usize; 2] {
+    let all = tried(problem, start);
+    let Some((best, folds)) = smallest(&all) else {
+        return [start.fit.delay() as usize; 2];
+    };
+    let alike =
+        |(_, other): &&(usize, Folds)| other.behind(folds, Refitted::StateAndConstant) <= 1.0;
+    let shortest = all.iter().filter(alike).map(|(delay, _)| *delay).min();
+    [*best, shortest.unwrap_or(*best)]
+}
+
+/// The same fit with its delay between two samples, where that simulates better: halves, then
+/// quarters.
 pub(crate) fn between_samples<'a>(problem: &'a Problem<'a>, judged: Judged<'a>) -> Judged<'a> {
     let mut best = judged;
     for step in [0.5, 0.25] {

@@ -6,6 +6,11 @@ use crate::problem::Problem;
 /// Name of the input that a force balance takes as Coulomb friction.
 pub const COULOMB: &str = "sgn(v)";
 
+/// Name of the input behind `first` that tells the width of its dead zone: the sign of what passes.
+pub fn sign_of(first: &str) -> String {
+    format!("sgn({first})")
+}
+
 /// A value with its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quantity {
@@ -60,6 +65,24 @@ impl Problem<'_> {
         self.quantity(estimate, b / a, &by)
     }
 
+    /// Half width of the dead zone of a valve that the record shows, in units of the first input;
+    /// of a model with that input.
+    pub fn dead_zone(&self, estimate: &Estimate) -> Option<Quantity> {
+        let [first, second, ..] = &self.signals.inputs[..] else {
+            return None;
+        };
+        if second.name != sign_of(first.name) {
+            return None;
+        }
+        let c = 1;
+        let (b, width) = (estimate.b[0][0], -estimate.b[c][0] / estimate.b[0][0]);
+        let by = [
+            (Some(self.place_b(c)), -1.0 / b),
+            (Some(self.place_b(0)), -width / b),
+        ];
+        Some(self.quantity(estimate, width, &by))
+    }
+
     /// Time constants of the real poles \[s\].
     ///
     /// `T = -1/p` and `dp/da_i = -p^i / A'(p)`; a double pole has no finite standard deviation.
@@ -79,7 +102,8 @@ impl Problem<'_> {
         found.map(time_constant).collect()
     }
 
-    /// Real and imaginary part of the poles behind the integrator \[rad/s\], slowest first; derivatives by differences.
+    /// Real and imaginary part of the poles behind the integrator \[rad/s\], slowest first;
+    /// derivatives by differences.
     pub fn poles(&self, estimate: &Estimate) -> Vec<(Quantity, Quantity)> {
         let integrators = usize::from(self.structure.integrator);
         let of = |theta: &[f64]| {
@@ -113,8 +137,8 @@ impl Problem<'_> {
             .collect()
     }
 
-    /// What a force balance `u = J v' + F v + Fc sgn(v) + offset` calls the parameters of `1/(s (s + a_1))`, in
-    /// units of the first input; empty for other structures.
+    /// What a force balance `u = J v' + F v + Fc sgn(v) + offset` calls the parameters of
+    /// `1/(s (s + a_1))`, in units of the first input; empty for other structures.
     pub fn force_balance(&self, estimate: &Estimate) -> Vec<(&'static str, Quantity)> {
         let [b] = estimate.b[0][..] else {
             return Vec::new();

@@ -109,6 +109,16 @@ pub enum Error {
     /// A model that no controller is designed for.
     #[error("no controller for this model: {0}")]
     Model(String),
+    /// Filter poles that the sampling does not carry.
+    #[error(
+        "filter poles at {pole} rad/s were asked for; up to {fastest:.4} rad/s, half of the sampling rate, are possible"
+    )]
+    Filter {
+        /// Asked for \[rad/s\].
+        pole: f64,
+        /// The fastest \[rad/s\].
+        fastest: f64,
+    },
     /// A bandwidth that the sampling does not carry.
     #[error(
         "a bandwidth of {bandwidth} rad/s was asked for; above 0 and up to {fastest} rad/s, half of the sampling rate, is possible"

@@ -1,9 +1,9 @@
 //! The filter of the trends chosen by parts of the record that its model has not seen.
 //!
-//! Every pole gives a model by instruments; each fold is simulated by the model without it. Among the poles that simulate
-//! as well as the best, within one standard error over the folds, the one with the sharpest parameters is taken. Then
-//! the filter `1/A` of the model itself (iterative prefiltering: Steiglitz and McBride 1965; Young and Jakeman 1980),
-//! where it simulates better.
+//! Every pole gives a model by instruments; each fold is simulated by the model without it. Among
+//! the poles that simulate as well as the best, within one standard error over the folds, the one
+//! with the sharpest parameters is taken. Then the filter `1/A` of the model itself (iterative
+//! prefiltering: Steiglitz and McBride 1965; Young and Jakeman 1980), where it simulates better.
 
 use crate::error::{Error, Weakness};
 use crate::folds::{Folds, Refitted};
@@ -22,14 +22,15 @@ const ITERATIONS: usize = 4;
 /// Smaller than this share of the error before, that of the own filter counts as better.
 const BETTER: f64 = 0.995;
 
-/// Instruments count as weak where their model simulates the folds worse than that of least squares: by so many standard
-/// errors, and so many times the error.
+/// Instruments count as weak where their model simulates the folds worse than that of least
+/// squares: by so many standard errors, and so many times the error.
 const BEHIND: f64 = 2.0;
 const WORSE: f64 = 1.1;
 
 /// A fit with its folds.
 pub struct Judged<'a> {
-    /// The pole of the filter \[rad/s\]: of its m equal factors, or of the one that stands for the integrator.
+    /// The pole of the filter \[rad/s\]: of its m equal factors, or of the one that stands for the
+    /// integrator.
     pub pole: f64,
     /// Whether the filter is that of the model itself.
     pub own: bool,
@@ -85,7 +86,8 @@ pub fn best<'a>(tried: Vec<Judged<'a>>) -> Option<Judged<'a>> {
         .min_by(|a, b| a.folds.sharpness().total_cmp(&b.folds.sharpness()))
 }
 
-/// The fit at the best of some poles, by instruments; by least squares where no instruments give a stable model.
+/// The fit at the best of some poles, by instruments; by least squares where no instruments give a
+/// stable model.
 ///
 /// # Errors
 /// [`Error::CannotCarry`] where no pole gives a model whose folds can be simulated.
@@ -147,7 +149,8 @@ fn own_filter<'a>(problem: &'a Problem<'a>, judged: &Judged) -> Option<Judged<'a
     })
 }
 
-/// Falls back to least squares where the instruments are weak: where its model simulates the folds clearly better.
+/// Falls back to least squares where the instruments are weak: where its model simulates the folds
+/// clearly better.
 pub fn guarded<'a>(problem: &'a Problem<'a>, judged: Judged<'a>) -> (Judged<'a>, bool) {
     if judged.fit.method() == Method::LeastSquares {
         return (judged, true);

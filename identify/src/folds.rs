@@ -1,7 +1,7 @@
 //! A model judged by parts of the record that it has not seen.
 //!
-//! Known as: cross validation over contiguous folds, jackknife. The sums of a [`Fit`] subtract, so leaving a fold out
-//! costs no pass over the record.
+//! Known as: cross validation over contiguous folds, jackknife. The sums of a [`Fit`] subtract, so
+//! leaving a fold out costs no pass over the record.
 
 use crate::instruments::{FOLDS, Fit};
 use crate::polynomials::Polynomials;
@@ -42,9 +42,15 @@ impl Folds {
             if !model.is_stable(integrators) {
                 return None;
             }
-            *squares = problem
-                .simulate(&model, fit.delay(), range(problem.samples(), fold))?
-                .squares;
+            let mut range = range(problem.samples(), fold);
+            let all = range.len() as f64;
+            // Before the record no delayed input is known.
+            range.start = range
+                .start
+                .max((fit.delay().ceil() as usize).min(range.end / 2));
+            let share = range.len() as f64 / all;
+            let simulated = problem.simulate(&model, fit.delay(), range)?;
+            *squares = simulated.squares.map(|squares| squares / share);
             models.push(model);
             thetas.push(theta);
         }
@@ -75,7 +81,8 @@ impl Folds {
             })
     }
 
-    /// How much larger the error is than another's, in standard errors of the difference over the folds.
+    /// How much larger the error is than another's, in standard errors of the difference over the
+    /// folds.
     pub fn behind(&self, other: &Self, refitted: Refitted) -> f64 {
         let differences: Vec<f64> = self
             .each(refitted)
@@ -96,7 +103,8 @@ impl Folds {
         }
     }
 
-    /// The logarithm of the product of the relative standard deviations: small where all parameters are sharp.
+    /// The logarithm of the product of the relative standard deviations: small where all parameters
+    /// are sharp.
     pub fn sharpness(&self) -> f64 {
         self.sigma
             .iter()

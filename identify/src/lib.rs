@@ -48,6 +48,7 @@
 //! ```
 
 pub mod coulomb_input;
+pub mod dead_zone;
 pub mod delay_choice;
 pub mod derived;
 pub mod dynamic;

@@ -88,7 +88,8 @@ impl Polynomials {
             .is_some_and(|poles| poles.iter().all(|(re, _)| *re < 0.0))
     }
 
-    /// Gain, natural frequency and damping with the first input, and the poles; as the core reads them.
+    /// Gain, natural frequency and damping with the first input, and the poles; as the core reads
+    /// them.
     pub(crate) fn reading(&self, integrators: usize) -> Reading {
         let behind = self.poles(integrators);
         let lowest = self.a.get(integrators).copied().unwrap_or(1.0);

@@ -27,7 +27,8 @@ const PASSES: usize = 8;
 /// Movement of a parameter between two passes, in standard deviations, that ends them.
 const SETTLED: f64 = 1e-3;
 
-/// One-step prediction errors of a run, summed in f64: over a long record f32 would lose the later, smaller errors.
+/// One-step prediction errors of a run, summed in f64: over a long record f32 would lose the later,
+/// smaller errors.
 #[doc(alias = "Index")]
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PredictionErrors {
@@ -135,7 +136,8 @@ impl Problem<'_> {
         }
         let mut core = self.setup(tuning, denominator).build()?;
         let y = self.signals.output;
-        // Positions are large against their increments: the reference goes before f32 (integrator only).
+        // Positions are large against their increments: the reference goes before f32 (integrator
+        // only).
         let reference = match self.structure.integrator {
             true => y[0],
             false => 0.0,

@@ -1,7 +1,7 @@
 //! A denominator, sampled without error for inputs that are held or go straight to the next sample.
 //!
-//! The state is that of the observer form, each entry related to a power of a rate `r`, so that all are of
-//! one size however fast the plant is:
+//! The state is that of the observer form, each entry related to a power of a rate `r`, so that all
+//! are of one size however fast the plant is:
 //!
 //! ```text
 //! x1' = r (x2 - alpha_1 x1) + b_{m-1} u         alpha_i = a_{m-i} / r^i

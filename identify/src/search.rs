@@ -1,5 +1,9 @@
 //! Freedom of a search over a record.
 
+use std::f64::consts::PI;
+
+use crate::error::Error;
+
 /// A value that is given, or one to be found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Choice<T> {
@@ -16,6 +20,17 @@ pub struct Freedom {
     pub pole: Choice<Option<f64>>,
     /// The delay in samples.
     pub delay: Choice<usize>,
+}
+
+impl Freedom {
+    /// Refuses filter poles that the sampling does not carry.
+    pub(crate) fn check(&self, dt: f64) -> Result<(), Error> {
+        let fastest = PI / dt;
+        match self.pole {
+            Choice::Given(Some(pole)) if pole >= fastest => Err(Error::Filter { pole, fastest }),
+            _ => Ok(()),
+        }
+    }
 }
 
 impl Default for Freedom {

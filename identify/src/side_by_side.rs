@@ -6,8 +6,8 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 /// What `one` makes of each of `items`, in their order.
 ///
-/// The processors are shared by one piece of code, whatever the items and results: a compiler that made it anew for each kind
-/// of work would spend seconds on it.
+/// The processors are shared by one piece of code, whatever the items and results: a compiler that
+/// made it anew for each kind of work would spend seconds on it.
 pub fn side_by_side<I: Sync, T: Send>(items: &[I], one: impl Fn(&I) -> T + Sync) -> Vec<T> {
     let results: Vec<Mutex<Option<T>>> = items.iter().map(|_| Mutex::new(None)).collect();
     on_all_processors(items.len(), &|k| {

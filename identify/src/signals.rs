@@ -28,7 +28,8 @@ pub struct Signals<'a> {
     pub output: &'a [f64],
     /// At most [`INPUTS`](crate::dynamic::INPUTS) inputs.
     pub inputs: Vec<Input<'a>>,
-    /// Where the drive stands still and friction balances every force: nothing acts there. The inputs are zero then.
+    /// Where the drive stands still and friction balances every force: nothing acts there. The
+    /// inputs are zero then.
     pub standstill: Option<&'a [bool]>,
 }
 
@@ -50,7 +51,7 @@ impl<'a> Signals<'a> {
     }
 
     /// Some samples of all signals.
-    pub(crate) fn part(&self, range: Range<usize>) -> Self {
+    pub fn part(&self, range: Range<usize>) -> Self {
         let inputs = self.inputs.iter().map(|input| Input {
             samples: &input.samples[range.clone()],
             ..*input
@@ -63,7 +64,8 @@ impl<'a> Signals<'a> {
         }
     }
 
-    /// Whether the inputs and the constant act at a sample, which they do unless the drive stands still.
+    /// Whether the inputs and the constant act at a sample, which they do unless the drive stands
+    /// still.
     pub fn acts(&self, sample: usize) -> bool {
         self.standstill.is_none_or(|still| !still[sample])
     }

@@ -1,13 +1,15 @@
 //! Where a drive stands still, held by friction.
 //!
-//! `sgn(v)` is no model of sticking: at rest friction balances whatever acts. There the equation of a drive behind an
-//! integrator holds with no force at all, so its inputs are zero for as long as it rests.
+//! `sgn(v)` is no model of sticking: at rest friction balances whatever acts. There the equation of
+//! a drive behind an integrator holds with no force at all, so its inputs are zero for as long as
+//! it rests.
 
 /// A standstill lasts at least this share of the record, and at least so many samples.
 const SHARE: f64 = 0.01;
 const SHORTEST: usize = 20;
 
-/// It moves at most this share of the whole movement, or so many steps of the sensor, or so many times the noise.
+/// It moves at most this share of the whole movement, or so many steps of the sensor, or so many
+/// times the noise.
 const REST: f64 = 1e-4;
 const STEPS: f64 = 2.0;
 const NOISE: f64 = 6.0;
@@ -25,7 +27,8 @@ pub fn standstill(y: &[f64]) -> Option<Vec<bool>> {
     let limit = limit(y)?;
     let mut still = vec![false; n];
     let mut any = false;
-    // Where a window begins in which all samples are within the limit, by the running extremes of halves of windows.
+    // Where a window begins in which all samples are within the limit, by the running extremes of
+    // halves of windows.
     let half = window / 2;
     let parts: Vec<(f64, f64)> = y.chunks(half).map(extremes).collect();
     let mut first = 0;

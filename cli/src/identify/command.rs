@@ -3,7 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use trendid_identify::{Choice, Freedom, Options, Problem, Structure, identify};
+use trendid_identify::dead_zone::DeadZone;
+use trendid_identify::{
+    Choice, Error, Freedom, Identification, Options, Problem, Signals, Structure, identify,
+};
 
 use crate::identify::figures;
 use crate::identify::parse::{delay, filter};
@@ -42,11 +45,13 @@ pub(crate) struct IdentifyArgs {
     /// Number of zeros: b0 .. bK of each input are estimated
     #[arg(long, value_name = "K", default_value_t = 0)]
     zeros: usize,
-    /// Delay of the inputs in samples, or the best of 0 to 6 and of longer ones, up to 200, for as long as the longest wins
+    /// Delay of the inputs in samples, or the best of 0 to 6 and of longer ones, up to 200, for as
+    /// long as the longest wins
     #[arg(long, value_name = "D|auto", default_value = "0", value_parser = delay)]
     delay: Choice<usize>,
-    /// Filter poles in rad/s, `auto` (those whose model is sharpest where it simulates eighths of the record that it has not seen
-    /// as well as the best, or the poles of that model itself where they do better), or `none` for raw trends
+    /// Filter poles in rad/s, `auto` (those whose model is sharpest where it simulates eighths of
+    /// the record that it has not seen as well as the best, or the poles of that model itself where
+    /// they do better), or `none` for raw trends
     #[arg(long, value_name = "POLE|auto|none", default_value = "auto", value_parser = filter, allow_negative_numbers = true)]
     filter: Choice<Option<f64>>,
     /// Memory of the estimator; without it nothing is forgotten
@@ -66,8 +71,6 @@ pub(crate) struct IdentifyArgs {
 ///
 /// One sentence on what is wrong with the record or the structure.
 pub(crate) fn run(args: &IdentifyArgs) -> Result<(), Refusal> {
-    let loaded = args.signals.load()?;
-    let signals = loaded.signals();
     let structure = Structure {
         order: args.order,
         integrator: args.integrator,
@@ -78,20 +81,36 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<(), Refusal> {
         scheme: args.signals.scheme.into(),
         memory: args.memory,
     };
-    let problem = Problem::new(&signals, structure, options)?;
     let freedom = Freedom {
         pole: args.filter,
         delay: args.delay,
     };
+    let (loaded, first_half) = match args.signals.dead_zone {
+        Some(Choice::Auto) => {
+            let find = |signals: &Signals| DeadZone::find(signals, structure, options, freedom);
+            let [whole, half] = args.signals.load_finding(find)?;
+            (whole, Some(half))
+        }
+        _ => (args.signals.load()?, None),
+    };
+    let signals = loaded.signals();
+    let problem = Problem::new(&signals, structure, options)?;
     let bar = Bar::new("choosing filter and delay");
     let trace_points = if args.plot.is_some() { TRACE_POINTS } else { 0 };
-    let found = identify(&problem, freedom, trace_points, &bar)?;
+    let mut found = identify(&problem, freedom, trace_points, &bar)?;
+    if let Some(half) = &first_half {
+        let signals = half.signals();
+        let half = Problem::new(&signals, structure, options)?;
+        hold_out(&mut found, identify(&half, freedom, 0, &()));
+    }
     bar.finish();
     let report = Report {
         file: &args.signals.file,
         output: &args.signals.output,
         start: loaded.start,
         jitter: loaded.jitter,
+        granted: loaded.granted.as_deref(),
+        dead_zone: loaded.dead_zone,
         problem: &problem,
         freedom,
         found: &found,
@@ -109,4 +128,14 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<(), Refusal> {
         }
     }
     Ok(())
+}
+
+/// Takes the simulation of the second half from a model whose dead zone has not seen it either.
+fn hold_out(found: &mut Identification, of_half: Result<Identification, Error>) {
+    found.held_out = false;
+    if let Ok(half) = of_half
+        && half.held_out
+    {
+        (found.free_run, found.held_out) = (half.free_run, true);
+    }
 }

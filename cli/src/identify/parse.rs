@@ -18,11 +18,12 @@ pub(super) fn power(name: &str) -> Result<(&str, i32), Refusal> {
     }
 }
 
-/// `--dead-zone WIDTH` for clap.
-pub(super) fn width(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(width) if width >= 0.0 && width.is_finite() => Ok(width),
-        _ => Err("expected a number of 0 or more".into()),
+/// `--dead-zone WIDTH|auto` for clap.
+pub(super) fn width(text: &str) -> Result<Choice<f64>, String> {
+    match (text, text.parse::<f64>()) {
+        ("auto", _) => Ok(Choice::Auto),
+        (_, Ok(width)) if width >= 0.0 && width.is_finite() => Ok(Choice::Given(width)),
+        _ => Err("expected a number of 0 or more, or `auto`".into()),
     }
 }
 

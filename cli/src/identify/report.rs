@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use trendid_identify::dead_zone::DeadZone;
 use trendid_identify::derived::Quantity;
 use trendid_identify::{Choice, Freedom, Identification, Problem, Way};
 
@@ -16,6 +17,10 @@ pub(super) struct Report<'a> {
     pub start: f64,
     /// Largest departure of a time step where the samples were moved to equal intervals.
     pub jitter: Option<f64>,
+    /// What was taken for granted of the time stamps.
+    pub granted: Option<&'a str>,
+    /// The dead zone that the first inputs are behind.
+    pub dead_zone: Option<DeadZone>,
     pub problem: &'a Problem<'a>,
     pub freedom: Freedom,
     pub found: &'a Identification,
@@ -87,7 +92,19 @@ impl Report<'_> {
             true => " (the longest that was tried: give a longer one by --delay)",
             false => "",
         };
+        let zone = match (self.dead_zone, p.signals.inputs.first()) {
+            (Some(zone), Some(input)) => format!(
+                "commands within {} of {} count as none in {}\n",
+                significant(zone.half_width, 3),
+                significant(zone.centre, 3),
+                input.name
+            ),
+            _ => String::new(),
+        };
         let plural = if found.delay == 1.0 { "" } else { "s" };
+        let granted = self
+            .granted
+            .map_or(String::new(), |granted| format!("{granted}\n"));
         let jitter = self.jitter.map_or(String::new(), |jitter| {
             format!(
                 "time steps vary by up to {} %: moved to equal intervals\n",
@@ -95,7 +112,7 @@ impl Report<'_> {
             )
         });
         format!(
-            "{}: {} samples every {} s, t = {} .. {} s\n{jitter}{filter}, delay {} sample{plural}{at_end}, {memory}\n\n",
+            "{}: {} samples every {} s, t = {} .. {} s\n{granted}{jitter}{zone}{filter}, delay {} sample{plural}{at_end}, {memory}\n\n",
             self.file.display(),
             p.samples(),
             significant(p.signals.dt, 5),
@@ -190,13 +207,16 @@ impl Report<'_> {
         let mut push = |name: String, q: Quantity| {
             rows.push(vec![name, with_sigma(q.value, q.sigma)]);
         };
+        let unit = self.problem.signals.inputs[0].name;
         for (name, q) in self.further_gains() {
             push(format!("{gain} of {name}"), q);
+        }
+        if let Some(q) = self.problem.dead_zone(e) {
+            push(format!("dead zone, half [{unit}]"), q);
         }
         for q in self.problem.time_constants(e) {
             push("time constant [s]".into(), q);
         }
-        let unit = self.problem.signals.inputs[0].name;
         for (name, q) in self.problem.force_balance(e) {
             push(format!("{name} [{unit}]"), q);
         }
@@ -233,8 +253,9 @@ impl Report<'_> {
     /// Gains of the delayed inputs behind the first.
     pub(super) fn further_gains(&self) -> Vec<(&str, Quantity)> {
         let inputs = self.problem.signals.inputs.iter().enumerate().skip(1);
+        let behind_zone = self.dead_zone.is_some();
         inputs
-            .filter(|(_, input)| input.delayed)
+            .filter(|(c, input)| input.delayed && !(*c == 1 && behind_zone))
             .map(|(c, input)| (input.name, self.problem.gain(&self.found.estimate, c)))
             .collect()
     }

@@ -49,6 +49,8 @@ impl Report<'_> {
             "iae": number(errors.iae),
             "samples": p.samples(),
             "jitter": self.jitter.map(number),
+            "granted": self.granted,
+            "dead_zone": self.dead_zone.map(|z| json!({"half_width": number(z.half_width), "centre": number(z.centre)})),
             "physical": self.physical_json(),
         })
     }
@@ -89,6 +91,10 @@ impl Report<'_> {
         for (name, q) in p.force_balance(e) {
             physical[name] = number(q.value);
             sigma[name] = number(q.sigma);
+        }
+        if let Some(q) = p.dead_zone(e) {
+            physical["dead_zone"] = number(q.value);
+            sigma["dead_zone"] = number(q.sigma);
         }
         for (name, q) in self.further_gains() {
             physical["further_gains"][name] = number(q.value);

@@ -9,7 +9,8 @@ use trendid_identify::{Signals, Structure};
 use crate::format::{counted, significant, table, with_sigma};
 use crate::output::number;
 
-/// Fewer points of fit than this between the recommended structure and the best say that they are alike.
+/// Fewer points of fit than this between the recommended structure and the best say that they are
+/// alike.
 const DOUBT: f64 = 2.0;
 
 /// Everything that is printed.

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use trendid_identify::derived::COULOMB;
+use trendid_identify::dead_zone::DeadZone;
+use trendid_identify::derived::{COULOMB, sign_of};
 use trendid_identify::dynamic::INPUTS;
-use trendid_identify::{Error, Hold, Input, Scheme, Signals, coulomb_input, standstill};
+use trendid_identify::{Choice, Error, Hold, Input, Scheme, Signals, coulomb_input, standstill};
 
 use crate::identify::parse::{interval, power, width};
 use crate::output::Refusal;
@@ -17,10 +18,10 @@ pub(crate) struct SignalArgs {
     /// Record: `#` comments, a header line, then one line per sample; `-` for the standard input
     #[arg(value_name = "FILE.csv")]
     pub file: PathBuf,
-    /// Column with the time stamps
+    /// Column with the time stamps; without a column `t` the only one such as `t_ms` or `time [us]`
     #[arg(long, value_name = "COL", default_value = "t")]
     pub time: String,
-    /// Unit of the time stamps, s without; needed where the name of the column says another one
+    /// Unit of the time stamps; without, that in the name of their column, or s
     #[arg(long, value_enum)]
     pub time_unit: Option<TimeUnit>,
     /// Sampling interval in s; the time stamps are then not read
@@ -32,10 +33,12 @@ pub(crate) struct SignalArgs {
     /// Output column
     #[arg(long, value_name = "COL", default_value = "y")]
     pub output: String,
-    /// Half width of the dead zone of a valve, in the unit of the first input: commands inside are taken as 0, and sgn of those
-    /// outside is a further input; -b0[sgn(u)] / b0[u] is the width that the record shows
-    #[arg(long, value_name = "WIDTH", value_parser = width)]
-    pub dead_zone: Option<f64>,
+    /// Half width of the dead zone of a valve, in the unit of the first input: commands inside are
+    /// taken as 0, and sgn of those outside is a further input; or `auto`, the width and
+    /// the centre whose model simulates eighths of the record that it has not seen best (only for
+    /// `identify`)
+    #[arg(long, value_name = "WIDTH|auto", value_parser = width)]
+    pub dead_zone: Option<Choice<f64>>,
     /// Add a constant input (offset); it comes out as 0 as long as the record does not show one
     #[arg(long)]
     pub constant: bool,
@@ -116,9 +119,14 @@ pub(crate) struct Loaded {
     pub start: f64,
     /// Sampling interval \[s\].
     pub dt: f64,
-    /// The largest departure of a time step, relative to the interval, where the samples were moved to equal intervals.
+    /// The largest departure of a time step, relative to the interval, where the samples were moved
+    /// to equal intervals.
     pub jitter: Option<f64>,
+    /// What was taken for granted of the time stamps.
+    pub granted: Option<String>,
     y: Vec<f64>,
+    /// The dead zone of the valve that the first inputs are behind.
+    pub dead_zone: Option<DeadZone>,
     /// Real inputs, then sgn(v) where wanted.
     inputs: Vec<LoadedInput>,
     /// Where friction holds the drive, with sgn(v) as an input only.
@@ -133,16 +141,13 @@ struct LoadedInput {
 }
 
 impl LoadedInput {
-    /// Takes what a valve with a dead zone of this half width lets pass; gives the other input that such a valve is linear in, the
-    /// sign of it (`trendid::inputs::dead_zone`).
-    fn behind_dead_zone(&mut self, width: f64) -> Self {
-        for u in &mut self.samples {
-            *u = if u.abs() > width { *u } else { 0.0 };
-        }
-        let sign = |u: &f64| if *u == 0.0 { 0.0 } else { u.signum() };
+    /// Takes what passes a dead zone; gives the sign of it as another input.
+    fn behind(&mut self, zone: DeadZone) -> Self {
+        let [through, signs] = zone.inputs(&self.samples);
+        self.samples = through;
         Self {
-            name: format!("sgn({})", self.name),
-            samples: self.samples.iter().map(sign).collect(),
+            name: sign_of(&self.name),
+            samples: signs,
             ..*self
         }
     }
@@ -173,17 +178,61 @@ impl SignalArgs {
     ///
     /// The first thing that is wrong with the file, a column or the span.
     pub(crate) fn load(&self) -> Result<Loaded, Refusal> {
-        self.check()?;
-        let powers = self
-            .input
-            .iter()
-            .map(|name| power(name))
-            .collect::<Result<Vec<_>, _>>()?;
+        let zone = match self.dead_zone {
+            None => None,
+            Some(Choice::Given(half_width)) => Some(DeadZone {
+                half_width,
+                centre: 0.0,
+            }),
+            Some(Choice::Auto) => {
+                return Err(Refusal::new(
+                    "--dead-zone auto needs the structure of a model: `trendid identify` finds the width, give it here",
+                ));
+            }
+        };
+        let powers = self.powers()?;
+        self.assembled(&self.record(&powers)?, &powers, zone)
+    }
+
+    /// The same behind the dead zone that `find` takes from signals without one, and behind that of
+    /// their first half.
+    ///
+    /// # Errors
+    ///
+    /// As [`load`](Self::load); those of `find`.
+    pub(crate) fn load_finding(
+        &self,
+        find: impl Fn(&Signals) -> Result<DeadZone, Error>,
+    ) -> Result<[Loaded; 2], Refusal> {
+        let powers = self.powers()?;
         let record = self.record(&powers)?;
-        let mut signals = record.signals.into_iter();
+        let plain = self.assembled(&record, &powers, None)?;
+        let signals = plain.signals();
+        let whole = find(&signals)?;
+        let half = find(&signals.part(0..signals.output.len() / 2)).unwrap_or(whole);
+        Ok([
+            self.assembled(&record, &powers, Some(whole))?,
+            self.assembled(&record, &powers, Some(half))?,
+        ])
+    }
+
+    /// Columns and exponents of the inputs.
+    fn powers(&self) -> Result<Vec<(&str, i32)>, Refusal> {
+        self.check()?;
+        self.input.iter().map(|name| power(name)).collect()
+    }
+
+    /// The signals of a record in their roles.
+    fn assembled(
+        &self,
+        record: &Record,
+        powers: &[(&str, i32)],
+        zone: Option<DeadZone>,
+    ) -> Result<Loaded, Refusal> {
+        let mut signals = record.signals.iter().cloned();
         let y = signals.next().unwrap_or_default();
         let mut inputs = Vec::new();
-        for ((name, (_, exponent)), samples) in self.input.iter().zip(&powers).zip(&mut signals) {
+        for ((name, (_, exponent)), samples) in self.input.iter().zip(powers).zip(&mut signals) {
             inputs.push(LoadedInput {
                 name: name.clone(),
                 samples: samples.iter().map(|v| v.powi(*exponent)).collect(),
@@ -191,8 +240,8 @@ impl SignalArgs {
                 hold: self.hold.into(),
             });
         }
-        if let (Some(width), Some(u)) = (self.dead_zone, inputs.first_mut()) {
-            let sign = u.behind_dead_zone(width);
+        if let (Some(zone), Some(u)) = (zone, inputs.first_mut()) {
+            let sign = u.behind(zone);
             inputs.insert(1, sign);
         }
         let mut still = None;
@@ -220,7 +269,9 @@ impl SignalArgs {
             start: record.start,
             dt: record.dt,
             jitter: record.jitter,
+            granted: record.granted.clone(),
             y,
+            dead_zone: zone,
             inputs,
         })
     }

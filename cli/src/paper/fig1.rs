@@ -42,7 +42,8 @@ pub(super) struct Fig1Args {
     pub json: bool,
 }
 
-/// The estimate at one sample: a1, a2, b0 over their true values, and the standard deviations in the same unit.
+/// The estimate at one sample: a1, a2, b0 over their true values, and the standard deviations in
+/// the same unit.
 struct Point {
     t: f64,
     ratio: [f64; 3],

@@ -1,4 +1,5 @@
-//! `trendid paper table1`: the paper's Table 1 again, with the core, the bound and two opponents on the same records.
+//! `trendid paper table1`: the paper's Table 1 again, with the core, the bound and two opponents on
+//! the same records.
 
 use trendid_host_tests::paper::statistics::{COLUMNS, Line, summary};
 use trendid_host_tests::paper::trial::{Method, Setting, Trial, trial};

@@ -202,7 +202,8 @@ fn short_row(group: &[&Line], scheme: Scheme, shown: &[(Filter, Method)]) -> Str
     format!("| {} |\n", cells.join(" | "))
 }
 
-/// Whether the comparison with the limits shows the method: modified Tustin, filtered, the core's own read-out.
+/// Whether the comparison with the limits shows the method: modified Tustin, filtered, the core's
+/// own read-out.
 pub(super) fn checked(method: Method) -> bool {
     match method {
         Method::Core {
@@ -232,7 +233,8 @@ fn verdict(line: &Line) -> String {
     }
 }
 
-/// Every filter behind modified Tustin against the limits, and the rms against the extended Kalman filter.
+/// Every filter behind modified Tustin against the limits, and the rms against the extended Kalman
+/// filter.
 pub(super) fn check(args: &Table1Args, lines: &[Line]) -> String {
     let head = [
         "reading, condition",

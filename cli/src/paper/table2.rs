@@ -1,6 +1,8 @@
-//! `trendid paper table2`: the paper's Table 2 again, structures of every size and what IQ says of them.
+//! `trendid paper table2`: the paper's Table 2 again, structures of every size and what IQ says of
+//! them.
 //!
-//! IQ is the paper's name of the sum of squared errors (ISE); it stays where the printed table is compared.
+//! IQ is the paper's name of the sum of squared errors (ISE); it stays where the printed table is
+//! compared.
 
 use trendid::estimation::Terms;
 use trendid::model::OutputEvaluation;
@@ -188,7 +190,8 @@ fn by_ten<const M: usize>(
     Ok(f64::from(evaluation.prediction_error().ise()))
 }
 
-/// IQ of the velocity of a free simulation from rest, in mm^2; infinite where the model cannot be simulated.
+/// IQ of the velocity of a free simulation from rest, in mm^2; infinite where the model cannot be
+/// simulated.
 fn simulated(found: &Estimate, fresh: &Record) -> f64 {
     let Ok(mut plant) = LinearPlant::new(&found.a, &found.b[0], fresh.dt) else {
         return f64::INFINITY;

@@ -38,7 +38,8 @@ pub(crate) struct PilArgs {
     /// Ends the run after so many samples of 1 ms; without, the whole scenario runs
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(super) samples: Option<u32>,
-    /// Disturbs one frame in N in each direction: a wrong bit, a lost byte, a lost frame, a frame that comes twice
+    /// Disturbs one frame in N in each direction: a wrong bit, a lost byte, a lost frame, a frame
+    /// that comes twice
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(super) faults: Option<u32>,
     /// Every Nth reading of the sensor fails

@@ -1,4 +1,5 @@
-//! The loop on the target beside the one here: each sample goes to both, and what both computed is compared.
+//! The loop on the target beside the one here: each sample goes to both, and what both computed is
+//! compared.
 
 use indicatif::ProgressBar;
 use trendid::servo::Report;
@@ -13,8 +14,8 @@ use super::args::PilArgs;
 use super::line::Disturbed;
 use crate::output;
 
-/// How often a sample is sent before the target is given up: 20 s either way, since a busy machine may leave an emulator
-/// without time for a while. On a line with faults a wait is 20 ms, else 1 s.
+/// How often a sample is sent before the target is given up: 20 s either way, since a busy machine
+/// may leave an emulator without time for a while. On a line with faults a wait is 20 ms, else 1 s.
 const fn attempts(faults: bool) -> u32 {
     if faults { 1000 } else { 20 }
 }

@@ -128,7 +128,8 @@ impl Drop for Emulator {
     }
 }
 
-/// Starts the image in the emulator with its USART1 on a socket, and waits until the image is heard.
+/// Starts the image in the emulator with its USART1 on a socket, and waits until the image is
+/// heard.
 ///
 /// `patience` is the timeout of a read after that.
 pub(super) fn emulated(image: &Path, patience: Duration) -> Result<(Emulator, TcpStream), Refusal> {

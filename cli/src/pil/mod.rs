@@ -1,4 +1,5 @@
-//! `trendid pil`: the adaptive position loop on a processor, emulated or real, against the simulated axis, bit for bit.
+//! `trendid pil`: the adaptive position loop on a processor, emulated or real, against the
+//! simulated axis, bit for bit.
 
 mod args;
 mod compare;
@@ -24,7 +25,8 @@ use line::{Disturbed, Line};
 /// Runs the scenario with the loop on the target and compares every number with the same loop here.
 ///
 /// # Errors
-/// One sentence on a target that cannot be reached or does not answer, and on the first number that differs.
+/// One sentence on a target that cannot be reached or does not answer, and on the first number that
+/// differs.
 pub(crate) fn run(args: &PilArgs) -> Result<(), Refusal> {
     let mut emulator = None;
     let (line, name): (Box<dyn Line>, _) = match &args.port {

@@ -3,8 +3,8 @@
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-/// Everything is drawn this much larger, because coordinates are whole pixels; the header of the file
-/// scales it down.
+/// Everything is drawn this much larger, because coordinates are whole pixels; the header of the
+/// file scales it down.
 const SCALE: u32 = 3;
 
 /// A length in pixels of the finished picture.

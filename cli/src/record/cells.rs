@@ -4,11 +4,15 @@ use std::path::Path;
 
 use super::error::RecordError;
 
+/// The column of the time stamps unless another one is named.
+pub(super) const TIME: &str = "t";
+
 /// Largest departure of a time step from the sampling interval, relative to
 /// the interval; time stamps are often rounded in the file.
 const STEP_TOLERANCE: f64 = 0.01;
 
-/// Departures below this are jitter, and the samples are moved; from half a step on a sample may be missing.
+/// Departures below this are jitter, and the samples are moved; from half a step on a sample may be
+/// missing.
 const JITTER: f64 = 1.0 / 3.0;
 
 /// Columns that a refusal names at most.
@@ -32,14 +36,46 @@ fn printable(text: &str) -> String {
     shown
 }
 
-/// The unit other than s that the name of a column of time stamps ends with.
-pub(super) fn unit_of(name: &str) -> Option<&'static str> {
+/// The unit other than s that the name of a column of time stamps ends with, and how many s it is.
+pub(super) fn unit_of(name: &str) -> Option<(&'static str, f64)> {
     let mut words = name.split(|c: char| !c.is_alphanumeric());
     match words.rfind(|word| !word.is_empty()) {
-        Some("ms" | "msec") => Some("ms"),
-        Some("us" | "\u{b5}s" | "\u{3bc}s" | "usec") => Some("us"),
-        Some("ns" | "nsec") => Some("ns"),
+        Some("ms" | "msec") => Some(("ms", 1e-3)),
+        Some("us" | "\u{b5}s" | "\u{3bc}s" | "usec") => Some(("us", 1e-6)),
+        Some("ns" | "nsec") => Some(("ns", 1e-9)),
         _ => None,
+    }
+}
+
+/// What to say where the stamps are whole seconds: they may count something else.
+pub(super) fn whole_seconds(stamps: &[f64], name: &str) -> Option<String> {
+    let whole = stamps.len() > 1 && stamps.iter().all(|t| t.fract() == 0.0);
+    whole.then(|| {
+        format!("`{name}` holds whole numbers, taken for s: --time-unit ms where they count ms")
+    })
+}
+
+/// Where the time stamps are: without a column `t`, in the only one whose name begins with `t` or
+/// `time` and ends with a unit.
+pub(super) fn time_position(
+    path: &Path,
+    names: &csv::StringRecord,
+    wanted: &str,
+) -> Result<usize, RecordError> {
+    let found = position(path, names, wanted);
+    if wanted != TIME || found.is_ok() {
+        return found;
+    }
+    let counts_time = |name: &str| {
+        let mut words = name.split(|c: char| !c.is_alphanumeric());
+        let stem = matches!(words.next(), Some("t" | "time"));
+        let last = words.rfind(|word| !word.is_empty());
+        stem && (unit_of(name).is_some() || last == Some("s"))
+    };
+    let mut columns = names.iter().enumerate().filter(|(_, n)| counts_time(n));
+    match (columns.next(), columns.next()) {
+        (Some((column, _)), None) => Ok(column),
+        _ => found,
     }
 }
 
@@ -130,11 +166,13 @@ pub(super) fn surplus(
 pub(super) enum Timing {
     /// Equally spaced, up to the rounding in the file.
     Regular(f64),
-    /// Around equal intervals: the mean interval and the largest departure of a step, relative to it.
+    /// Around equal intervals: the mean interval and the largest departure of a step, relative to
+    /// it.
     Jitter { dt: f64, largest: f64 },
 }
 
-/// The sampling interval of the stamps: their median step decides what is irregular, their whole span gives the figure.
+/// The sampling interval of the stamps: their median step decides what is irregular, their whole
+/// span gives the figure.
 pub(super) fn timing(stamps: &[f64], lines: &[u64], column: &str) -> Result<Timing, RecordError> {
     if stamps.len() < 2 {
         return Err(RecordError::TooFewSamples {

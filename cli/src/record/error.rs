@@ -83,9 +83,4 @@ pub(crate) enum RecordError {
         needed: usize,
         part: String,
     },
-    /// The time stamps count another unit than s by the name of their column.
-    #[error(
-        "the column `{column}` counts {unit} by its name; time stamps are in s unless --time-unit says otherwise"
-    )]
-    UnitOfTime { column: String, unit: &'static str },
 }

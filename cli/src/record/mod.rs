@@ -10,18 +10,19 @@ mod tests;
 use std::io::Read;
 use std::path::Path;
 
-use cells::{Timing, cell, position, surplus, timing, unit_of};
+use cells::{Timing, cell, position, surplus, time_position, timing, unit_of};
 pub(crate) use error::RecordError;
 
 /// The column of the time stamps.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Clock<'a> {
     pub column: &'a str,
-    /// Its unit in s; without it the name of the column must not say another one than s.
+    /// Its unit in s; without it that in the name of the column, or s.
     pub unit: Option<f64>,
     /// The sampling interval in s, where no column is read.
     pub dt: Option<f64>,
-    /// Whether the signals after the first are held between their samples, not straight: how jitter is taken out.
+    /// Whether the signals after the first are held between their samples, not straight: how jitter
+    /// is taken out.
     pub held: bool,
 }
 
@@ -34,16 +35,18 @@ pub(crate) struct Record {
     pub start: f64,
     /// Sampling interval in s.
     pub dt: f64,
-    /// The largest departure of a time step from the interval, relative to it, where the samples were therefore moved to
-    /// equal intervals.
+    /// The largest departure of a time step from the interval, relative to it, where the samples
+    /// were therefore moved to equal intervals.
     pub jitter: Option<f64>,
+    /// What was taken for granted of the time stamps, in one sentence.
+    pub granted: Option<String>,
     /// The signals in the order in which they were asked for.
     pub signals: Vec<Vec<f64>>,
 }
 
 impl Record {
-    /// Reads the `signals` of the CSV file at `path`, or of the standard input for `-`, sampled at the
-    /// stamps of a column.
+    /// Reads the `signals` of the CSV file at `path`, or of the standard input for `-`, sampled at
+    /// the stamps of a column.
     ///
     /// Lines starting with `#` are comments; cells are separated by commas, or
     /// by semicolons or tabs when the header has no comma. Quoted cells, CRLF
@@ -80,32 +83,31 @@ impl Record {
         let text = String::from_utf8_lossy(bytes);
         let lines = Lines::of(text.trim_start_matches('\u{feff}'));
         if let Some(dt) = clock.dt {
-            let (signals, _) = lines.columns(path, None, signals)?;
+            let Table { columns, .. } = lines.columns(path, None, signals)?;
             return Ok(Self {
                 comments: lines.comments,
                 start: 0.0,
                 dt,
                 jitter: None,
-                signals,
+                granted: None,
+                signals: columns,
             });
         }
-        let (columns, numbers) = lines.columns(path, Some(clock.column), signals)?;
-        let unit = match clock.unit {
-            Some(unit) => unit,
-            None => match unit_of(clock.column) {
-                Some(unit) => {
-                    return Err(RecordError::UnitOfTime {
-                        column: clock.column.to_owned(),
-                        unit,
-                    });
-                }
-                None => 1.0,
-            },
+        let table = lines.columns(path, Some(clock.column), signals)?;
+        let by_name = unit_of(&table.time);
+        let unit = match (clock.unit, by_name) {
+            (Some(unit), _) | (None, Some((_, unit))) => unit,
+            (None, None) => 1.0,
         };
-        let mut columns = columns.into_iter();
-        let stamps: Vec<f64> = columns.next().unwrap_or_default();
-        let stamps: Vec<f64> = stamps.iter().map(|t| unit * t).collect();
-        let timing = timing(&stamps, &numbers, clock.column)?;
+        let mut columns = table.columns.into_iter();
+        let counts: Vec<f64> = columns.next().unwrap_or_default();
+        let granted = match (clock.unit, by_name) {
+            (Some(_), _) => None,
+            (None, Some((name, _))) => Some(format!("`{}` counts {name} by its name", table.time)),
+            (None, None) => cells::whole_seconds(&counts, &table.time),
+        };
+        let stamps: Vec<f64> = counts.iter().map(|t| unit * t).collect();
+        let timing = timing(&stamps, &table.numbers, &table.time)?;
         let mut signals: Vec<Vec<f64>> = columns.collect();
         let (dt, jitter) = match timing {
             Timing::Regular(dt) => (dt, None),
@@ -119,6 +121,7 @@ impl Record {
             start: stamps[0],
             dt,
             jitter,
+            granted,
             signals,
         })
     }
@@ -170,6 +173,7 @@ impl Record {
             start: self.start + first as f64 * self.dt,
             dt: self.dt,
             jitter: self.jitter,
+            granted: self.granted.clone(),
             signals: self
                 .signals
                 .iter()
@@ -177,6 +181,16 @@ impl Record {
                 .collect(),
         })
     }
+}
+
+/// The wanted columns of a table.
+struct Table {
+    /// Name of the column of the time stamps.
+    time: String,
+    /// The time stamps where they are wanted, then the signals.
+    columns: Vec<Vec<f64>>,
+    /// Number of the line of each row.
+    numbers: Vec<u64>,
 }
 
 /// The lines of a file by what they are.
@@ -189,8 +203,8 @@ struct Lines {
 }
 
 impl Lines {
-    /// The CSV reader counts no comments and blank lines, so they are taken out here and the number of
-    /// each line that stays is kept.
+    /// The CSV reader counts no comments and blank lines, so they are taken out here and the number
+    /// of each line that stays is kept.
     fn of(text: &str) -> Self {
         let mut lines = Self {
             comments: Vec::new(),
@@ -211,13 +225,13 @@ impl Lines {
         lines
     }
 
-    /// The column `time` where there is one, then those of the signals; and the number of the line of each row.
+    /// The column `time` where one is wanted, then those of the signals.
     fn columns(
         &self,
         path: &Path,
         time: Option<&str>,
         signals: &[String],
-    ) -> Result<(Vec<Vec<f64>>, Vec<u64>), RecordError> {
+    ) -> Result<Table, RecordError> {
         let header = self.table.lines().next();
         let header = header.ok_or_else(|| RecordError::NoHeader {
             path: path.to_owned(),
@@ -237,7 +251,11 @@ impl Lines {
         };
         let names = rows.headers().map_err(unreadable)?.clone();
         let mut wanted = Vec::new();
-        for name in time.into_iter().chain(signals.iter().map(String::as_str)) {
+        if let Some(name) = time {
+            wanted.push(time_position(path, &names, name)?);
+        }
+        let time = wanted.first().map(|c| names[*c].to_owned());
+        for name in signals {
             wanted.push(position(path, &names, name)?);
         }
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); wanted.len()];
@@ -255,6 +273,10 @@ impl Lines {
             }
             numbers.push(line);
         }
-        Ok((columns, numbers))
+        Ok(Table {
+            time: time.unwrap_or_default(),
+            columns,
+            numbers,
+        })
     }
 }

@@ -1,7 +1,8 @@
 //! Samples with jitter moved to equal intervals.
 //!
-//! The first signal is an output: read between its samples. An input that is held from sample to sample counts with its
-//! mean over each interval, which is what a drive integrates; one that goes straight is read as the output.
+//! The first signal is an output: read between its samples. An input that is held from sample to
+//! sample counts with its mean over each interval, which is what a drive integrates; one that goes
+//! straight is read as the output.
 
 /// The signals every `dt` from the first stamp on, as many samples as before; stamps ascend.
 pub(super) fn resampled(

@@ -1,5 +1,6 @@
 //! What is read and what is refused.
 
+use super::cells::TIME;
 use super::*;
 
 const SECONDS: Clock = Clock {
@@ -131,26 +132,35 @@ fn a_window_keeps_both_bounds() {
 }
 
 #[test]
-fn a_clock_in_another_unit_is_asked_for() {
-    let text = "t_ms,u\n0,1\n2,3\n4,5\n";
-    let read = |unit| {
+fn the_unit_of_a_clock_is_in_its_name() {
+    let read = |text: &str, column, unit| {
         let clock = Clock {
-            column: "t_ms",
+            column,
             unit,
             ..SECONDS
         };
-        Record::parse(
-            Path::new("x.csv"),
-            text.as_bytes(),
-            clock,
-            &["u".to_owned()],
-        )
+        let signals = ["u".to_owned()];
+        Record::parse(Path::new("x.csv"), text.as_bytes(), clock, &signals)
     };
+    let in_ms = "t_ms,u\n0,1\n2,3\n4,5\n";
+    // The only column of its kind stands for `t`.
+    for column in ["t_ms", TIME] {
+        let found = read(in_ms, column, None).unwrap();
+        assert!((found.dt - 2e-3).abs() < 1e-15);
+        assert_eq!(found.granted.unwrap(), "`t_ms` counts ms by its name");
+    }
+    let told = read(in_ms, "t_ms", Some(1e-6)).unwrap();
+    assert!((told.dt - 2e-6).abs() < 1e-15 && told.granted.is_none());
+    let two = read("t_ms,time_us,u\n0,0,1\n2,2000,3\n", TIME, None);
+    assert!(matches!(two, Err(RecordError::MissingColumn { .. })));
+    // Whole numbers may count anything.
+    let whole = read("t,u\n0,1\n2,3\n4,5\n", TIME, None).unwrap();
+    assert_eq!(whole.dt, 2.0);
+    assert!(whole.granted.unwrap().contains("--time-unit ms"));
     assert_eq!(
-        read(None).unwrap_err().to_string(),
-        "the column `t_ms` counts ms by its name; time stamps are in s unless --time-unit says otherwise"
+        read("t,u\n0,1\n0.5,3\n1,5\n", TIME, None).unwrap().granted,
+        None
     );
-    assert!((read(Some(1e-3)).unwrap().dt - 2e-3).abs() < 1e-15);
     for (name, unit) in [
         ("time [us]", Some("us")),
         ("t (ms)", Some("ms")),
@@ -158,7 +168,7 @@ fn a_clock_in_another_unit_is_asked_for() {
         ("time_s", None),
         ("terms", None),
     ] {
-        assert_eq!(unit_of(name), unit, "{name}");
+        assert_eq!(unit_of(name).map(|(name, _)| name), unit, "{name}");
     }
 }
 

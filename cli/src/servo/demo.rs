@@ -1,4 +1,5 @@
-//! `trendid demo`: a pneumatic axis commissions itself, tracks and follows a change; or the identification of a linear servo.
+//! `trendid demo`: a pneumatic axis commissions itself, tracks and follows a change; or the
+//! identification of a linear servo.
 
 use std::path::PathBuf;
 
@@ -111,7 +112,8 @@ struct Identification {
     /// Trends of Goodwin (4) or modified Tustin (8), tustin without
     #[arg(long, value_enum, requires = "linear")]
     scheme: Option<SchemeName>,
-    /// Filter poles in rad/s, `none` for the paper's raw trends, `auto` for the default of the core, auto without
+    /// Filter poles in rad/s, `none` for the paper's raw trends, `auto` for the default of the
+    /// core, auto without
     #[arg(long, value_name = "POLE|none|auto", requires = "linear", value_parser = filter, allow_negative_numbers = true)]
     filter: Option<Choice<Option<f64>>>,
 }

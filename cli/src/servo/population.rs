@@ -41,10 +41,12 @@ pub(super) struct PopulationArgs {
     /// Name the seeds of the worst axes
     #[arg(long, requires = "population")]
     worst: bool,
-    /// Let the first N axes that a model near the truth controls work for so many seconds each, without a fault
+    /// Let the first N axes that a model near the truth controls work for so many seconds each,
+    /// without a fault
     #[arg(long, value_name = "S", requires = "population", conflicts_with_all = ["commission", "worst", "faults"])]
     work: Option<f64>,
-    /// Break so many axes, the first that a model near the truth controls, in every way and every state
+    /// Break so many axes, the first that a model near the truth controls, in every way and every
+    /// state
     #[arg(long, value_name = "N", default_value_t = 0, requires = "population")]
     faults: u64,
 }

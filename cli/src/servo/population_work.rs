@@ -1,4 +1,5 @@
-//! `trendid loop --population N --work S`: work without a fault, in which every alarm is a false one.
+//! `trendid loop --population N --work S`: work without a fault, in which every alarm is a false
+//! one.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,5 @@
-//! `trendid loop`: the figures of the adaptive position loop in every scenario, with fixed gains beside.
+//! `trendid loop`: the figures of the adaptive position loop in every scenario, with fixed gains
+//! beside.
 
 use clap::Args;
 use indicatif::ProgressBar;
@@ -39,7 +40,8 @@ pub(crate) struct LoopArgs {
     /// Seed of the first run
     #[arg(long, value_name = "N", default_value_t = 1)]
     first_seed: u64,
-    /// The linear servo of Table 2 behind the same valve dead zone and sensor, instead of the pneumatic axis
+    /// The linear servo of Table 2 behind the same valve dead zone and sensor, instead of the
+    /// pneumatic axis
     #[arg(long, conflicts_with = "population")]
     linear: bool,
     /// One JSON object per run, or one of the population

@@ -144,7 +144,8 @@ fn table2_finds_the_structure_and_absent_terms_near_zero() {
             "{name} {found}"
         );
     }
-    // m = 3: a common factor (s + c) is free, and a1 = 20 + a0 of the factor shows it: the servo is in the product.
+    // m = 3: a common factor (s + c) is free, and a1 = 20 + a0 of the factor shows it: the servo is
+    // in the product.
     let third = &row(&table, 3, 6)["median"];
     let [a3, a1, a0] = ["a3", "a1", "a0"].map(|n| number(&third[n]));
     assert!(number(&third["b2"]).abs() < 1e-6, "{third}");

@@ -1,8 +1,12 @@
 //! Records of real drives against their published parameters.
 //!
-//! The records are not part of the project (docs/results.md says where they are from), so these tests are left out of a
-//! plain run, which lists them as ignored. With the records as CSV files in one directory:
-//! `TRENDID_RECORDS=DIRECTORY cargo test --release -p trendid-cli records -- --ignored --nocapture`.
+//! The records are not part of the project (docs/results.md says where they are from), so these
+//! tests are left out of a plain run, which lists them as ignored. With the records as CSV files in
+//! one directory:
+//!
+//! ```text
+//! TRENDID_RECORDS=DIRECTORY cargo test --release -p trendid-cli records -- --ignored --nocapture
+//! ```
 
 use std::path::Path;
 
@@ -173,7 +177,8 @@ fn cylinder_has_its_lag_and_its_two_gains() {
     }
 }
 
-/// Reference: an offline model with a hardening spring that simulates 98.3 %; nine samples in a period.
+/// Reference: an offline model with a hardening spring that simulates 98.3 %; nine samples in a
+/// period.
 #[test]
 #[ignore = "needs the records: TRENDID_RECORDS=DIRECTORY"]
 fn oscillator_keeps_its_damping() {

@@ -1,7 +1,8 @@
-//! Records of real drives against themselves: their halves, their repeats, and other filters. Is a standard deviation as
-//! wide as what it describes?
+//! Records of real drives against themselves: their halves, their repeats, and other filters. Is a
+//! standard deviation as wide as what it describes?
 //!
-//! As [`crate::records`]: `TRENDID_RECORDS=DIRECTORY cargo test --release -p trendid-cli spread -- --ignored --nocapture`.
+//! As [`crate::records`]:
+//! `TRENDID_RECORDS=DIRECTORY cargo test --release -p trendid-cli spread -- --ignored --nocapture`.
 
 use serde_json::Value;
 
@@ -14,8 +15,8 @@ const MOTOR: [&str; 1] = ["--coulomb"];
 const CYLINDER: [&str; 6] = ["--input", "u1", "--input", "u2", "--hold", "foh"];
 const SPRING: [&str; 6] = ["--input", "u", "--input", "y^3", "--hold", "foh"];
 
-/// The records whose halves both move the drive, and their structures. Those of the motor with 8 s of one profile are
-/// compared as repeats: each half has one acceleration only, and is refused.
+/// The records whose halves both move the drive, and their structures. Those of the motor with 8 s
+/// of one profile are compared as repeats: each half has one acceleration only, and is refused.
 fn records() -> Vec<(&'static str, Vec<&'static str>)> {
     let of = |structure: &[&'static str], rest: &[&'static str]| [structure, rest].concat();
     let mut records = vec![("emps", of(&AXIS, &MOTOR))];
@@ -101,12 +102,12 @@ fn halves_differ_by_their_standard_deviations() {
     assert!((0.5..=1.5).contains(&rms(&all)));
 }
 
-/// Five repeats of one profile. The drive itself changes meanwhile: the inertia that is found falls by 3 % from the first
-/// to the last, and the offset steps; no single record knows that. What
-/// stays is the lag, so it is judged; the others are printed beside it.
+/// Five repeats of one profile. The inertia that is found falls by 3 % from the first to the last
+/// while the friction stays within 0.3 %: the drive, not the scale of its torque, changes. It is
+/// within what the deviations allow for.
 #[test]
 #[ignore = "needs the records: TRENDID_RECORDS=DIRECTORY"]
-fn the_lag_of_repeats_differs_by_its_standard_deviations_at_most() {
+fn repeats_differ_by_their_standard_deviations() {
     let structure = [&AXIS[..], &MOTOR].concat();
     let repeats =
         [1, 2, 3, 4, 5].map(|k| found(&format!("lorenz_S1_{k}"), &structure, &["--to", "8"]));
@@ -126,16 +127,17 @@ fn the_lag_of_repeats_differs_by_its_standard_deviations_at_most() {
         all.concat().len(),
         rms(&all.concat())
     );
-    assert!(rms(&all[0]) <= 1.5);
+    assert!((0.5..=1.5).contains(&rms(&all.concat())));
 }
 
-/// Poles at half and at twice the automatic one. For the records that have no structure of their own here (camber is of third
-/// order, the hair dryer has a dead time between samples) or need the filter of the model (silverbox, nine samples in a
-/// period), another filter is another compromise: they are printed, and the axes are judged.
+/// Poles at half and at twice the automatic one. What has no structure of its own here (camber, which
+/// moves as much with the third order and a zero) or needs the filter of the model (silverbox, nine
+/// samples in a period) has another compromise behind another filter, the same in every block: no
+/// deviation contains it. They are printed, and the others are judged.
 #[test]
 #[ignore = "needs the records: TRENDID_RECORDS=DIRECTORY"]
-fn another_filter_moves_an_axis_by_less_than_a_standard_deviation() {
-    let mut axes = Vec::new();
+fn another_filter_moves_a_drive_by_less_than_a_standard_deviation() {
+    let mut judged = Vec::new();
     for (name, structure) in records() {
         let automatic = found(name, &structure, &[]);
         for factor in [0.5, 2.0] {
@@ -145,16 +147,16 @@ fn another_filter_moves_an_axis_by_less_than_a_standard_deviation() {
             let ((was, sigma), (is, _)) = (automatic.parameters[0], moved.parameters[0]);
             let step = (is - was) / sigma;
             println!("{name}: pole times {factor}: a moves by {step:+.2} standard deviations");
-            if structure.contains(&"--integrator") {
-                axes.push(step);
+            if !["camber_LinD_1mm", "silverbox_multisine"].contains(&name) {
+                judged.push(step);
             }
         }
     }
-    let within = axes.iter().filter(|step| step.abs() < 1.0).count();
+    let within = judged.iter().filter(|step| step.abs() < 1.0).count();
     println!(
-        "axes with other filters: {within} of {} within one standard deviation, rms {:.2}",
-        axes.len(),
-        rms(&axes)
+        "drives with other filters: {within} of {} within one standard deviation, rms {:.2}",
+        judged.len(),
+        rms(&judged)
     );
-    assert!(rms(&axes) < 1.0 && within + 1 >= axes.len());
+    assert_eq!(within, judged.len());
 }

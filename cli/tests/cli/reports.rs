@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::process::{Command, Stdio};
 
-use crate::common::{Scratch, json, stdout};
+use crate::common::{Scratch, json, near, stdout};
 
 /// A record of `n` samples every 10 ms: `t,u,w,y` with a binary input u and a slower one w.
 fn record(n: usize, mut plant: impl FnMut(usize, f64, f64) -> f64) -> String {
@@ -159,6 +159,28 @@ fn a_long_delay_is_found() {
     assert!(said.contains("delay 14 samples, "), "{said}");
     let value = json(&[&args[..], &["auto", "--json"]].concat());
     assert_eq!(value["delay_at_end"], false);
+}
+
+/// Inputs from before the record, which a delay asks for, are not made up.
+#[test]
+fn a_delay_of_many_samples_is_found_behind_an_axis() {
+    const LATE: usize = 150;
+    let dir = Scratch::new("late-axis");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/data/servo.csv");
+    let record = std::fs::read_to_string(path).expect("the record of the examples");
+    let rows: Vec<Vec<&str>> = (record.lines().skip(6))
+        .map(|line| line.split(',').collect())
+        .collect();
+    let mut text = String::from("t,u,y\n");
+    for (now, late) in rows.iter().skip(LATE).zip(&rows) {
+        text += &format!("{},{},{}\n", now[0], now[1], late[2]);
+    }
+    let file = dir.file("late.csv", &text);
+    let args = ["--order", "3", "--integrator", "--delay", "auto", "--json"];
+    let found = json(&[&["identify", &file], &args[..]].concat());
+    let delay = 1e3 * found["delay_s"].as_f64().expect("a delay");
+    assert!((delay - LATE as f64).abs() <= 0.5, "{delay}");
+    near(&found["physical"]["gain"], 2500.0, 1.0);
 }
 
 #[test]

@@ -157,7 +157,8 @@ fn delay_friction_and_several_inputs_are_found() {
 #[test]
 fn slow_sampling_loses_no_damping() {
     let dir = Scratch::new("slow");
-    // y'' + 30 y' + 90000 y = 90000 u, ten samples in a period, u held: exact by its two real recursions.
+    // y'' + 30 y' + 90000 y = 90000 u, ten samples in a period, u held: exact by its two real
+    // recursions.
     let (w, xi, dt) = (300.0_f64, 0.05_f64, 2.0e-3_f64);
     let wd = w * (1.0 - xi * xi).sqrt();
     let (decay, sine, cosine) = ((-xi * w * dt).exp(), (wd * dt).sin(), (wd * dt).cos());
@@ -210,7 +211,8 @@ fn columns(dir: &Scratch, seed: &str) -> Vec<[f64; 2]> {
 fn a_valve_with_a_dead_zone_is_found_behind_its_two_inputs() {
     const WIDTH: f64 = 0.05;
     let dir = Scratch::new("dead-zone");
-    // The drive is linear: the sum of two records is a record, of four levels, each of which is reached through the valve.
+    // The drive is linear: the sum of two records is a record, of four levels, each of which is
+    // reached through the valve.
     let mut text = String::from("t,u,y\n");
     let (one, other) = (columns(&dir, "12"), columns(&dir, "13"));
     for (k, ([u1, y1], [u2, y2])) in one.into_iter().zip(other).enumerate() {

@@ -1,4 +1,5 @@
-//! Records of an axis behind a valve with a dead zone, as the monitor writes them: a commissioning and six moves.
+//! Records of an axis behind a valve with a dead zone, as the monitor writes them: a commissioning
+//! and six moves.
 
 use std::fmt::Write;
 
@@ -17,8 +18,9 @@ const SEEDS: std::ops::RangeInclusive<u64> = 200_017..=200_024;
 const PLACES: [f64; 6] = [0.3, 0.7, 0.45, 0.6, 0.35, 0.5];
 const EACH: f64 = 3.0;
 
-/// The CSV of an axis, velocity gain \[mm/s\] and natural frequency of the model of its loop, and the dead zone.
-fn record(seed: u64) -> (String, [f64; 3]) {
+/// The CSV of an axis, velocity gain \[mm/s\] and natural frequency of the axis itself in the middle
+/// of its travel, the gain of the model of its loop, and half of the dead zone.
+fn record(seed: u64) -> (String, [f64; 4]) {
     let axis = AxisDraw::new(Family::Pneumatic, true, seed);
     let mut bench = Bench::new(&axis, Purpose::Disturbance);
     let mut positioner = LoopPositioner::new(&axis, true).expect("settings");
@@ -33,17 +35,17 @@ fn record(seed: u64) -> (String, [f64; 3]) {
             bench.hold(sample.command);
         }
     }
-    let model = positioner.servo().supervisor().verified_model();
-    let zone = f64::from(model.expect("a model").dead_zone);
     let samples = positioner.remembered();
-    let [gain, omega0, _] = samples.last().and_then(|s| s.used).expect("a model");
+    let [learned, ..] = samples.last().and_then(|s| s.used).expect("a model");
+    let [gain, omega0, _] = axis.truth(0.5 * axis.stroke_mm());
+    let [zone, _] = axis.valve_null();
     let mut csv = String::from("t,u,y\n");
     for (k, seen) in samples.iter().enumerate() {
         let t = k as f64 * axis.sample_time;
         let (u, y) = (seen.report.command, seen.position_mm);
         writeln!(csv, "{t},{u},{y}").expect("text");
     }
-    (csv, [gain, omega0, zone])
+    (csv, [gain, omega0, learned, zone])
 }
 
 fn median(values: &[f64]) -> f64 {
@@ -52,12 +54,13 @@ fn median(values: &[f64]) -> f64 {
     sorted[sorted.len() / 2]
 }
 
+/// Against the axis itself; the dead zone is told, or found with its middle.
 #[test]
 fn the_dead_zone_of_the_valve_gives_its_records_their_gain() {
     let scratch = Scratch::new("valve-records");
-    let (mut plain, mut valve) = (Vec::new(), Vec::new());
+    let mut errors: [Vec<f64>; 4] = Default::default();
     for seed in SEEDS {
-        let (csv, [gain, omega0, zone]) = record(seed);
+        let (csv, [gain, omega0, learned, zone]) = record(seed);
         let file = scratch.file(&format!("{seed}.csv"), &csv);
         let zone = format!("{zone:.4}");
         let ratios = |more: &[&str]| {
@@ -71,23 +74,36 @@ fn the_dead_zone_of_the_valve_gives_its_records_their_gain() {
             ];
             let found = json(&[&["identify", &file, "--json"], &structure[..], more].concat());
             let number = |name: &str| found["physical"][name].as_f64().expect("a number");
-            [number("gain").abs() / gain.abs(), number("omega0") / omega0]
+            [number("gain").abs() / gain, number("omega0") / omega0]
         };
-        let (without, with) = (ratios(&[]), ratios(&["--dead-zone", &zone]));
+        let all = [
+            ratios(&[]),
+            ratios(&["--dead-zone", &zone]),
+            ratios(&["--dead-zone", "auto"]),
+            [learned.abs() / gain, f64::NAN],
+        ];
         println!(
-            "{seed}: gain and frequency over those of the loop, without {without:.2?}, with {with:.2?}"
+            "{seed}: gain and frequency over those of the axis, without, told and found dead zone, by the loop {all:.2?}"
         );
-        plain.push((without[0] - 1.0).abs());
-        valve.push((with[0] - 1.0).abs());
+        for (errors, [gain, _]) in errors.iter_mut().zip(all) {
+            errors.push((gain - 1.0).abs());
+        }
     }
-    let worst = valve.iter().copied().fold(0.0, f64::max);
-    let medians = [&plain, &valve].map(|errors| median(errors));
-    println!(
-        "median error of the gain without and with the dead zone {medians:.3?}, worst with it {worst:.3}"
-    );
-    assert!(
-        medians[1] < 0.15 && 2.0 * medians[1] < medians[0],
-        "{medians:?}"
-    );
-    assert!(worst < 0.3, "{worst}");
+    let worst = |errors: &[f64]| errors.iter().copied().fold(0.0, f64::max);
+    for (name, errors) in ["without", "told", "found", "by the loop"]
+        .iter()
+        .zip(&errors)
+    {
+        println!(
+            "gain, {name}: error {:.3} in the median, {:.3} at most",
+            median(errors),
+            worst(errors)
+        );
+    }
+    let [without, told, found, _] = &errors;
+    for one in [told, found] {
+        assert!(median(one) < 0.5 * median(without), "{errors:?}");
+        assert!(worst(one) < worst(without), "{errors:?}");
+    }
+    assert!(median(found) < 0.1 && worst(found) < 0.3, "{errors:?}");
 }

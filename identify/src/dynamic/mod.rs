@@ -32,8 +32,8 @@ macro_rules! sizes {
     };
 }
 
-// Each costs a second of a processor in a build. The servo's own numbers stand for themselves, and those without room for
-// padding: b_0 of four inputs of order 1, eight b_i of order 2.
+// Each costs a second of a processor in a build. The servo's own numbers stand for themselves, and
+// those without room for padding: b_0 of four inputs of order 1, eight b_i of order 2.
 sizes! {
     1: 2 4 5 6 7;
     2: 3 4 6 8 9 10;
@@ -42,9 +42,10 @@ sizes! {
 }
 
 impl Setup {
-    /// Builds the core for this setup: that of its number of parameters or of the next larger one that there is, with the
-    /// surplus known to be 0. Without a memory the numbers are the same; with one they differ by what an observation of a
-    /// nominal value counts, and the shortest memory is that of the larger core.
+    /// Builds the core for this setup: that of its number of parameters or of the next larger one
+    /// that there is, with the surplus known to be 0. Without a memory the numbers are the same;
+    /// with one they differ by what an observation of a nominal value counts, and the shortest
+    /// memory is that of the larger core.
     ///
     /// # Errors
     /// The core's own [`ConfigError`]; more inputs or parameters than offered are

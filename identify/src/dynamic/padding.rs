@@ -1,11 +1,12 @@
 //! A structure in the next larger core: what is too much are coefficients known to be 0.
 //!
-//! The core leaves a known parameter out of everything but its arithmetic, so that every other number has the same bits
-//! as in the core of the exact size. Added are b_i of inputs that do not exist, whose signal is 0, and where there are not
-//! enough those of the other inputs above their own. Where there is room below them only (four inputs, each with
-//! b_(m-1)) the standard deviations of the read-out differ: it measures an input by its first coefficient. With a memory the core
-//! takes the parameters in turns, known ones too: a round is longer then, and numbers differ by what an observation of a
-//! nominal value counts.
+//! The core leaves a known parameter out of everything but its arithmetic, so that every other
+//! number has the same bits as in the core of the exact size. Added are b_i of inputs that do not
+//! exist, whose signal is 0, and where there are not enough those of the other inputs above their
+//! own. Where there is room below them only (four inputs, each with b_(m-1)) the standard
+//! deviations of the read-out differ: it measures an input by its first coefficient. With a memory
+//! the core takes the parameters in turns, known ones too: a round is longer then, and numbers
+//! differ by what an observation of a nominal value counts.
 
 use std::ops::Range;
 
@@ -62,7 +63,8 @@ fn with(terms: Terms, power: usize, order: usize) -> Terms {
 }
 
 impl Padding {
-    /// The padding to so many parameters; `None` where there are more, or not enough that could be added.
+    /// The padding to so many parameters; `None` where there are more, or not enough that could be
+    /// added.
     pub(super) fn to(setup: &Setup, size: usize) -> Option<Self> {
         let mut own = [Terms::NONE; INPUTS];
         for (own, terms) in own.iter_mut().zip(&setup.inputs) {

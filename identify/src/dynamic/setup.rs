@@ -13,12 +13,13 @@ pub const PARAMETERS: usize = 10;
 
 /// The settings of the core for up to [`INPUTS`] inputs, made by [`settings`].
 ///
-/// The sizes are placeholders until [`Setup::build`] knows the structure, so `structure`, `initial` and `prior_std`
-/// are without effect; [`Recursion::warm_start`](crate::dynamic::Recursion::warm_start) begins from known parameters.
+/// The sizes are placeholders until [`Setup::build`] knows the structure, so `structure`, `initial`
+/// and `prior_std` are without effect;
+/// [`Recursion::warm_start`](crate::dynamic::Recursion::warm_start) begins from known parameters.
 pub type Settings = Config<1, INPUTS, INPUTS>;
 
-/// The core's defaults for a plant of this bandwidth \[rad/s\] and these sizes of signals, see [`Config::new`].
-/// Inputs beyond [`INPUTS`] are left out; [`Setup::build`] refuses them.
+/// The core's defaults for a plant of this bandwidth \[rad/s\] and these sizes of signals, see
+/// [`Config::new`]. Inputs beyond [`INPUTS`] are left out; [`Setup::build`] refuses them.
 pub fn settings(bandwidth: f32, input_ranges: &[f32], output_range: f32) -> Settings {
     let mut ranges = [1.0; INPUTS];
     for (slot, range) in ranges.iter_mut().zip(input_ranges) {

@@ -14,7 +14,8 @@ pub trait Recursion: Send + Sync {
     fn update(&mut self, u: &[f32], y: f32) -> Outcome;
     /// The model at this moment.
     fn estimate(&self) -> Estimate;
-    /// The parameters of [`estimate`](Self::estimate) alone, at about a tenth of its cost; as many as there is room for.
+    /// The parameters of [`estimate`](Self::estimate) alone, at about a tenth of its cost; as many
+    /// as there is room for.
     fn theta(&self, to: &mut [f32]);
     /// Sums of the squared and of the absolute prediction errors so far.
     fn prediction_error(&self) -> PredictionError;
@@ -86,7 +87,8 @@ pub(super) fn sized<const M: usize, const N: usize>(
     }))
 }
 
-/// The core with the numbers of numerator coefficients of its inputs, and which of its parameters are the structure's.
+/// The core with the numbers of numerator coefficients of its inputs, and which of its parameters
+/// are the structure's.
 struct Sized<T: TrendOperator<M>, const M: usize, const N: usize> {
     identifier: Identifier<T, M, N, INPUTS, DELAY>,
     numerators: Vec<usize>,

@@ -35,11 +35,12 @@ pub(crate) struct Simulation {
 }
 
 impl Problem<'_> {
-    /// Simulates samples `range` of the record and compares with the output there; the inputs before
-    /// the range serve the delays. Cost: m + 2 simulations and a least-squares fit of m + 1 columns.
+    /// Simulates samples `range` of the record and compares with the output there; the inputs
+    /// before the range serve the delays. Cost: m + 2 simulations and a least-squares fit of m + 1
+    /// columns.
     ///
-    /// The output is linear in the initial state and in the constant, so both are least-squares fits.
-    /// `None` where the model runs away.
+    /// The output is linear in the initial state and in the constant, so both are least-squares
+    /// fits. `None` where the model runs away.
     pub fn free_run(
         &self,
         estimate: &Estimate,
@@ -56,7 +57,8 @@ impl Problem<'_> {
         (fit_x0.is_finite() && fit_x0c.is_finite()).then_some(FreeRun { y, fit_x0, fit_x0c })
     }
 
-    /// The simulation behind [`free_run`](Self::free_run). A standstill holds the state and does not count.
+    /// The simulation behind [`free_run`](Self::free_run). A standstill holds the state and does
+    /// not count.
     pub(crate) fn simulate(
         &self,
         model: &Polynomials,
@@ -109,7 +111,8 @@ impl Problem<'_> {
         })
     }
 
-    /// What the inputs and the constant add to the derivatives of the state from sample k of the range on.
+    /// What the inputs and the constant add to the derivatives of the state from sample k of the
+    /// range on.
     fn forces(
         &self,
         model: &Polynomials,
@@ -157,8 +160,8 @@ impl Problem<'_> {
     }
 }
 
-/// The weights of the combination of `columns` nearest to `error` in the sense of least squares, and the sum of the
-/// squares of what remains. Dependent columns share their weight.
+/// The weights of the combination of `columns` nearest to `error` in the sense of least squares,
+/// and the sum of the squares of what remains. Dependent columns share their weight.
 fn refit(columns: &[DVector<f64>], error: &DVector<f64>) -> Option<(Vec<f64>, f64)> {
     // Columns of length one, so that the bound has no unit.
     let lengths: Vec<f64> = columns

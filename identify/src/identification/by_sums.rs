@@ -94,7 +94,8 @@ fn chosen(problem: &Problem, freedom: Freedom, progress: &dyn Progress) -> Resul
     })
 }
 
-/// Filter and delay by folds, in a long record over a part of it, then the model of the whole record.
+/// Filter and delay by folds, in a long record over a part of it, then the model of the whole
+/// record.
 pub(super) fn sharp(
     problem: &Problem,
     freedom: Freedom,

@@ -11,7 +11,8 @@ pub enum Way {
     Instruments,
     /// By least squares over the sums, because the instruments were weak.
     WeakInstruments,
-    /// By the recursion of the core: with a memory, raw trends or the scheme of Goodwin, and for what is not stable.
+    /// By the recursion of the core: with a memory, raw trends or the scheme of Goodwin, and for
+    /// what is not stable.
     Recursion,
 }
 
@@ -30,7 +31,8 @@ pub struct Identification {
     pub delay_at_end: bool,
     /// The model of the whole record.
     pub estimate: Estimate,
-    /// Blocks that its standard deviations rest on; `None` for those of the recursion, which take the noise for white.
+    /// Blocks that its standard deviations rest on; `None` for those of the recursion, which take
+    /// the noise for white.
     pub effective_blocks: Option<f64>,
     /// The same by least squares behind the same filter, for comparison.
     pub least_squares: Option<Estimate>,
@@ -38,8 +40,8 @@ pub struct Identification {
     pub errors: PredictionErrors,
     /// Free simulation of the second half; `None` where the model runs away.
     pub free_run: Option<FreeRun>,
-    /// Whether the simulated model, its filter and its delay come from the first half alone. The whole record stands in
-    /// where the first half does not separate the parameters.
+    /// Whether the simulated model, its filter and its delay come from the first half alone. The
+    /// whole record stands in where the first half does not separate the parameters.
     pub held_out: bool,
     /// The course of the parameters in the recursion.
     pub trace: Trace,

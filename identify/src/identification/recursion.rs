@@ -1,4 +1,5 @@
-//! What the recursion of the core says of a record: a model, its prediction errors, the parameters it cannot separate.
+//! What the recursion of the core says of a record: a model, its prediction errors, the parameters
+//! it cannot separate.
 
 use super::by_sums::sharp;
 use super::model::{Identification, Way};
@@ -26,7 +27,8 @@ pub(super) fn recursive_errors(
     Some((run.errors, trace))
 }
 
-/// The model by the recursion of the core, with the filter and the delay that instruments would take.
+/// The model by the recursion of the core, with the filter and the delay that instruments would
+/// take.
 pub(super) fn recursion(
     problem: &Problem,
     freedom: Freedom,

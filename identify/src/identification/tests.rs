@@ -5,10 +5,16 @@ use crate::error::Weakness;
 use crate::problem::{Options, Structure};
 use crate::signals::Signals;
 
-/// `y' = -2 y + 6 u` with a drift of the output: least squares is low, instruments are not.
-#[test]
-fn instruments_stand_where_least_squares_is_biased() {
-    let (dt, decay) = (0.01, (-0.02_f64).exp());
+const LAG: Structure = Structure {
+    order: 1,
+    integrator: false,
+    zeros: 0,
+    constant: true,
+};
+
+/// u and y of `y' = -2 y + 6 u` with a drift of the output, sampled every 10 ms.
+fn drifting() -> [Vec<f64>; 2] {
+    let decay = (-0.02_f64).exp();
     let mut state = 1_u32;
     let mut random = || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -23,14 +29,35 @@ fn instruments_stand_where_least_squares_is_biased() {
         y.push(x + drift + 0.3 * random());
         x = decay * x + 3.0 * (1.0 - decay) * u;
     }
-    let signals = Signals::held(dt, &u, &y);
-    let structure = Structure {
-        order: 1,
-        integrator: false,
-        zeros: 0,
-        constant: true,
+    [u, y]
+}
+
+/// The model behind the printed fit, its filter and its delay come from the first half alone: it is
+/// what the first half by itself gives.
+#[test]
+fn the_simulated_half_has_no_part_in_its_model() {
+    let [u, y] = drifting();
+    let n = y.len();
+    let signals = Signals::held(0.01, &u, &y);
+    let first = signals.part(0..n / 2);
+    let of = |signals| Problem::new(signals, LAG, Options::default()).expect("a problem");
+    let freedom = Freedom {
+        pole: Choice::Auto,
+        delay: Choice::Auto,
     };
-    let problem = Problem::new(&signals, structure, Options::default()).expect("a problem");
+    let whole = identify(&of(&signals), freedom, 0, &()).expect("a model");
+    let half = identify(&of(&first), freedom, 0, &()).expect("a model");
+    assert!(whole.held_out && whole.estimate != half.estimate);
+    let simulated = of(&signals).free_run(&half.estimate, half.delay, n / 2..n);
+    assert_eq!(whole.free_run, simulated);
+}
+
+/// Least squares is low, instruments are not.
+#[test]
+fn instruments_stand_where_least_squares_is_biased() {
+    let [u, y] = drifting();
+    let signals = Signals::held(0.01, &u, &y);
+    let problem = Problem::new(&signals, LAG, Options::default()).expect("a problem");
     let freedom = Freedom {
         pole: Choice::Given(Some(20.0)),
         delay: Choice::Given(0),
@@ -43,6 +70,20 @@ fn instruments_stand_where_least_squares_is_biased() {
     assert!(ls.a[0] > 2.1 || ls.a[0] < 1.9, "{:?}", ls.a);
     let off = (found.estimate.a[0] - 2.0).abs();
     assert!(off < 0.5 * (ls.a[0] - 2.0).abs(), "{off}");
+}
+
+#[test]
+fn a_filter_faster_than_the_sampling_is_refused() {
+    let [u, y] = drifting();
+    let signals = Signals::held(0.01, &u, &y);
+    let problem = Problem::new(&signals, LAG, Options::default()).expect("a problem");
+    let freedom = Freedom {
+        pole: Choice::Given(Some(400.0)),
+        delay: Choice::Given(0),
+    };
+    let refused = identify(&problem, freedom, 0, &()).expect_err("a refusal");
+    assert!(matches!(refused, Error::Filter { pole: 400.0, .. }));
+    assert!(refused.to_string().contains("314.1593 rad/s"), "{refused}");
 }
 
 #[test]

@@ -24,8 +24,8 @@ pub(crate) trait Design: Send {
     fn of_input(&self, hold: Hold) -> Box<dyn Lane>;
     /// f_0 .. f_{m-1} of the filter in the plane of the trends.
     fn filter(&self) -> Vec<f64>;
-    /// A model in the plane of the trends as one of the s plane: its denominator, and the factor from the
-    /// numerators found to those of s. `None` where a pole is too fast for the sampling.
+    /// A model in the plane of the trends as one of the s plane: its denominator, and the factor
+    /// from the numerators found to those of s. `None` where a pole is too fast for the sampling.
     fn to_s_plane(&self, a: &[f64], integrators: usize) -> Option<(Vec<f64>, f64)>;
 }
 
@@ -38,7 +38,8 @@ struct Signal<const M: usize> {
     hold: Hold,
 }
 
-/// Trends behind the filter `filter` of the s plane, exact for the denominator `model` where there is one.
+/// Trends behind the filter `filter` of the s plane, exact for the denominator `model` where there
+/// is one.
 ///
 /// # Errors
 /// The core's refusal of the filter; an order outside 1 to 4.

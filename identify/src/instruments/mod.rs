@@ -1,7 +1,7 @@
 //! Instrumental variables over a whole record: the inputs filtered twice, combined after the sums.
 //!
-//! Known as: instrumental variables with a fixed auxiliary denominator (Young 1981; Garnier and Wang 2008), with a
-//! cluster-robust covariance over blocks of time.
+//! Known as: instrumental variables with a fixed auxiliary denominator (Young 1981; Garnier and
+//! Wang 2008), with a cluster-robust covariance over blocks of time.
 //!
 //! ```text
 //! q = m - integrators    A_z fixed, stable, of order q    A_f the filter of the trends
@@ -10,17 +10,20 @@
 //! row of a_i := - sum_c sum_j b_cj (row of x_c,i-integrators+j)       theta = (Z'Phi)^-1 Z'psi
 //! ```
 //!
-//! The noise of the output is in the regressors of a_i, not in what the inputs alone give: the estimate is free of
-//! bias whatever the noise. Behind an integrator `s^i y = s^(i-1) v` and `v = B/A' u`: nothing is integrated, nothing
-//! drifts. The equations are linear in the rows of the sums, so the numerators b may change afterwards for all past
-//! samples. The m coefficients of the initial state of plant and filter are further regressors, so that a record may
-//! begin anywhere and a filter be slow.
+//! The noise of the output is in the regressors of a_i, not in what the inputs alone give: the
+//! estimate is free of bias whatever the noise. Behind an integrator `s^i y = s^(i-1) v` and
+//! `v = B/A' u`: nothing is integrated, nothing drifts. The equations are linear in the rows of the
+//! sums, so the numerators b may change afterwards for all past samples. The m coefficients of the
+//! initial state of plant and filter are further regressors, so that a record may begin anywhere
+//! and a filter be slow.
 //!
-//! All trends are the core's; the sums are in f64. Cost: (r + p) (p + 1) multiplications per sample and pass for r twice
-//! filtered rows and p regressors, two or three passes.
+//! All trends are the core's; the sums are in f64. Cost: (r + p) (p + 1) multiplications per sample
+//! and pass for r twice filtered rows and p regressors, two or three passes.
 
+mod factored;
 mod lanes;
 mod solve;
+mod spread;
 mod sums;
 
 use nalgebra::DMatrix;
@@ -41,7 +44,8 @@ pub const FOLDS: usize = 8;
 /// Passes of a comparison: one with a rough auxiliary denominator, one with that of its model.
 const PASSES: usize = 2;
 
-/// Further passes at most until the auxiliary denominator and the numerators are those of the estimate.
+/// Further passes at most until the auxiliary denominator and the numerators are those of the
+/// estimate.
 const FURTHER_PASSES: usize = 4;
 
 /// Numerators that differ by less than this from those without a hold need no further pass.
@@ -69,7 +73,8 @@ pub struct Found {
 }
 
 impl<'a> Fit<'a> {
-    /// The sums behind the filter polynomial `filter` (f_0 .. f_{m-1}) with inputs `delay` samples late.
+    /// The sums behind the filter polynomial `filter` (f_0 .. f_{m-1}) with inputs `delay` samples
+    /// late.
     ///
     /// # Errors
     /// The core's refusal of the filter; [`Error::CannotCarry`] where the equations are singular.
@@ -105,7 +110,8 @@ impl<'a> Fit<'a> {
         }
     }
 
-    /// The same with further passes, until auxiliary denominator and numerators are those of the estimate.
+    /// The same with further passes, until auxiliary denominator and numerators are those of the
+    /// estimate.
     ///
     /// # Errors
     /// As [`Fit::new`].
@@ -114,7 +120,8 @@ impl<'a> Fit<'a> {
         Ok(self)
     }
 
-    /// At most so many passes with the auxiliary denominator and the numerators of the model before.
+    /// At most so many passes with the auxiliary denominator and the numerators of the model
+    /// before.
     fn repeat(&mut self, passes: usize) -> Result<(), Error> {
         for _ in 0..passes {
             let Some(next) = self.next_setting() else {
@@ -226,7 +233,8 @@ impl<'a> Fit<'a> {
         })
     }
 
-    /// Derivatives of theta in the s plane by theta in the plane of the trends, by differences of a third of sigma.
+    /// Derivatives of theta in the s plane by theta in the plane of the trends, by differences of a
+    /// third of sigma.
     fn slope(&self, theta: &[f64], mapped: &[f64], covariance: &DMatrix<f64>) -> DMatrix<f64> {
         let p = theta.len();
         let mut slope = DMatrix::identity(p, p);

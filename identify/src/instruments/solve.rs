@@ -2,12 +2,15 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::instruments::factored::{Factored, sizes};
+use crate::instruments::spread::{Score, spread};
 use crate::instruments::sums::{BLOCKS, Sums};
 
 /// Repetitions with the numerators of the estimate.
 const REPETITIONS: usize = 3;
 
-/// Energy of a column of the initial state, over that of the whole record, below which its blocks say nothing of it.
+/// Energy of a column of the initial state, over that of the whole record, below which its blocks
+/// say nothing of it.
 const ABSENT: f64 = 1e-9;
 
 /// Smallest pivot of equations with rows and columns of size one.
@@ -52,7 +55,8 @@ impl Sums {
         total
     }
 
-    /// The equations of least squares, or with the rows of the twice filtered inputs combined by numerators.
+    /// The equations of least squares, or with the rows of the twice filtered inputs combined by
+    /// numerators.
     fn combined(&self, sums: &[f64], numerators: Option<&[f64]>) -> Equations {
         let layout = &self.layout;
         let (columns, auxiliary) = (layout.columns(), layout.auxiliary_rows());
@@ -124,8 +128,8 @@ impl Sums {
 
     /// Parameters of the whole record with their covariance.
     ///
-    /// Known as: cluster-robust (sandwich) covariance over blocks of time, batch means. The scores of a block are its
-    /// equations at the parameters of the whole record.
+    /// Known as: cluster-robust (sandwich) covariance over blocks of time, batch means. The scores
+    /// of a block are its equations at the parameters of the whole record (`spread`).
     pub(super) fn solve_whole(&self, method: Method) -> Option<Solution> {
         let Found {
             theta,
@@ -134,38 +138,26 @@ impl Sums {
         } = self.found(method, |_| false)?;
         let p = self.layout.parameters();
         let n = present.len();
-        let scores: Vec<DVector<f64>> = self
+        let scores: Vec<Score> = self
             .blocks
             .iter()
             .map(|block| {
                 let equations = self.combined(block, b.as_deref());
                 let columns = equations.ncols() - 1;
-                let score = equations.column(columns) - equations.columns(0, columns) * &theta;
-                DVector::from_iterator(n, present.iter().map(|j| score[*j]))
+                let left = equations.column(columns) - equations.columns(0, columns) * &theta;
+                Score {
+                    matrix: DMatrix::from_fn(n, n, |i, j| equations[(present[i], present[j])]),
+                    left: DVector::from_iterator(n, present.iter().map(|j| left[*j])),
+                }
             })
             .collect();
         let whole = self.combined(&self.total(|_| false), b.as_deref());
         let matrix = DMatrix::from_fn(n, n, |i, j| whole[(present[i], present[j])]);
-        let influences = influences(&matrix, &scores)?;
-        let mut sum = DMatrix::zeros(p, p);
-        let mut squares = vec![Vec::new(); p];
-        for influence in &influences {
-            let part = influence.rows(0, p);
-            sum += part * part.transpose();
-            for (squares, v) in squares.iter_mut().zip(part.iter()) {
-                squares.push(v * v);
-            }
-        }
-        let effective = squares
-            .iter()
-            .map(|s| effective(s))
-            .fold(BLOCKS as f64, f64::min);
-        let k = BLOCKS as f64;
-        let covariance = (BLOCKS > p + 1).then(|| sum * (k / (k - 1.0) * k / (k - p as f64)));
+        let (covariance, effective_blocks) = spread(&Factored::new(&matrix)?, &scores, p)?;
         Some(Solution {
             theta: theta.as_slice()[..p].to_vec(),
-            covariance,
-            effective_blocks: effective,
+            covariance: (BLOCKS > p + 1).then(|| covariance.view((0, 0), (p, p)).into_owned()),
+            effective_blocks,
         })
     }
 }
@@ -177,59 +169,6 @@ struct Found {
     numerators: Option<Vec<f64>>,
     /// The columns with data.
     present: Vec<usize>,
-}
-
-/// How many normal scores spread their squares as these: 3 (sum)^2 / sum of squares.
-fn effective(squares: &[f64]) -> f64 {
-    let sum: f64 = squares.iter().sum();
-    let of_squares: f64 = squares.iter().map(|s| s * s).sum();
-    if of_squares > 0.0 {
-        3.0 * sum * sum / of_squares
-    } else {
-        0.0
-    }
-}
-
-/// `M^-1 s` for each score, with rows and columns brought to size one.
-fn influences(matrix: &DMatrix<f64>, scores: &[DVector<f64>]) -> Option<Vec<DVector<f64>>> {
-    let (rows, columns) = sizes(matrix)?;
-    let n = matrix.nrows();
-    let scaled = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] / (rows[i] * columns[j]));
-    let lu = scaled.full_piv_lu();
-    scores
-        .iter()
-        .map(|s| {
-            let s = DVector::from_fn(n, |i, _| s[i] / rows[i]);
-            let found = lu.solve(&s)?;
-            Some(DVector::from_fn(n, |j, _| found[j] / columns[j]))
-        })
-        .collect()
-}
-
-/// Divisors that bring every row and column to a largest entry of about one.
-fn sizes(matrix: &DMatrix<f64>) -> Option<(Vec<f64>, Vec<f64>)> {
-    let n = matrix.nrows();
-    let mut columns = vec![1.0; n];
-    let mut rows = vec![1.0; n];
-    for _ in 0..3 {
-        for i in 0..n {
-            rows[i] = (0..n)
-                .map(|j| (matrix[(i, j)] / columns[j]).abs())
-                .fold(0.0, f64::max);
-        }
-        if !rows.iter().all(|r| *r > 0.0 && r.is_finite()) {
-            return None;
-        }
-        for j in 0..n {
-            columns[j] = (0..n)
-                .map(|i| (matrix[(i, j)] / rows[i]).abs())
-                .fold(0.0, f64::max);
-        }
-        if !columns.iter().all(|r| *r > 0.0 && r.is_finite()) {
-            return None;
-        }
-    }
-    Some((rows, columns))
 }
 
 /// The solution over some of the columns, the others 0; `None` where the equations are singular.

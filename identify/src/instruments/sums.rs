@@ -22,6 +22,14 @@ pub(crate) struct Setting {
     pub(super) delay: f64,
 }
 
+impl Setting {
+    /// The first sample whose delayed inputs are in a record of so many samples; a quarter of the
+    /// record at most is given up for them.
+    fn begin(&self, samples: usize) -> usize {
+        (self.delay.ceil() as usize).min(samples / 4)
+    }
+}
+
 /// Places of the regressors and of the instruments.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Layout {
@@ -82,12 +90,13 @@ impl Layout {
 
 /// The sums of a pass, in blocks.
 ///
-/// Rows: the twice filtered inputs, then the regressors themselves. Columns: the regressors, then the left-hand side.
+/// Rows: the twice filtered inputs, then the regressors themselves. Columns: the regressors, then
+/// the left-hand side.
 pub(crate) struct Sums {
     pub(super) layout: Layout,
     pub(super) design: Box<dyn Design>,
-    /// What is subtracted from the output: positions are large against their increments, so their reference goes
-    /// before f32. Only an integrator or a constant takes it up.
+    /// What is subtracted from the output: positions are large against their increments, so their
+    /// reference goes before f32. Only an integrator or a constant takes it up.
     pub(super) reference: f64,
     /// Row after row, one matrix for each block.
     pub(super) blocks: Vec<Vec<f64>>,
@@ -108,8 +117,8 @@ impl InputLanes {
         phi.copy_from_slice(&trends[..phi.len()]);
     }
 
-    /// The first `rows` of `s^j / (A_f A_z)` of sample `k` into `z`, with f_0 .. f_{m-1} of the filter; their number,
-    /// which is 0 without an auxiliary denominator.
+    /// The first `rows` of `s^j / (A_f A_z)` of sample `k` into `z`, with f_0 .. f_{m-1} of the
+    /// filter; their number, which is 0 without an auxiliary denominator.
     fn twice_filtered(&mut self, k: usize, rows: usize, filter: &[f64], z: &mut [f64]) -> usize {
         let Some((once, twice)) = &mut self.auxiliary else {
             return 0;
@@ -153,6 +162,7 @@ impl Sums {
         let signals = problem.signals;
         let layout = Layout::of(problem);
         let dt = signals.dt;
+        let begin = setting.begin(signals.output.len());
         let design = design(dt, &setting.filter, Some(&setting.model))
             .or_else(|_| self::design(dt, &setting.filter, None))?;
         let mut inputs = Vec::new();
@@ -180,17 +190,18 @@ impl Sums {
                 BLOCKS
             ],
             reference: match layout.constant || layout.first > 0 {
-                true => signals.output[0],
+                true => signals.output[begin],
                 false => 0.0,
             },
             layout,
             design,
         };
-        sums.run(problem, &mut inputs);
+        sums.run(problem, begin, &mut inputs);
         Ok(sums)
     }
 
-    fn run(&mut self, problem: &Problem, inputs: &mut [InputLanes]) {
+    /// All products from the sample `begin` on.
+    fn run(&mut self, problem: &Problem, begin: usize, inputs: &mut [InputLanes]) {
         let layout = self.layout.clone();
         let (m, q, first) = (layout.order, layout.outputs(), layout.first);
         let (columns, auxiliary) = (layout.columns(), layout.auxiliary_rows());
@@ -206,7 +217,7 @@ impl Sums {
         let filter = self.design.filter();
         let mut z = vec![0.0; auxiliary];
         let mut phi = vec![0.0; columns + 1];
-        for (k, y) in samples.iter().enumerate() {
+        for (k, y) in samples.iter().enumerate().skip(begin) {
             let trends = output.output((y - reference) as f32);
             for i in 0..q {
                 phi[i] = -trends[first + i];
@@ -223,10 +234,10 @@ impl Sums {
                 phi[place] = constant.input(f32::from(u8::from(acts)))[0];
                 place += 1;
             }
-            let impulse = if k == 0 { 1.0 } else { 0.0 };
+            let impulse = if k == begin { 1.0 } else { 0.0 };
             let trends = start.output(impulse);
             phi[place..place + m].copy_from_slice(&trends[..m]);
-            if k == 0 {
+            if k == begin {
                 continue;
             }
             let sums = &mut self.blocks[k * BLOCKS / samples.len()];

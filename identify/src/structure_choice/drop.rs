@@ -1,4 +1,5 @@
-//! Why a structure is dropped: it rests on a parameter that is not told from zero, or a zero cancels a pole.
+//! Why a structure is dropped: it rests on a parameter that is not told from zero, or a zero
+//! cancels a pole.
 
 use crate::error::Error;
 use crate::folds::Folds;
@@ -6,7 +7,8 @@ use crate::instruments::Found;
 use crate::polynomials::Polynomials;
 use crate::problem::Problem;
 
-/// A highest b, or a_0 without an integrator, below so many jackknife deviations is not told from zero.
+/// A highest b, or a_0 without an integrator, below so many jackknife deviations is not told from
+/// zero.
 const TOLD: f64 = 3.0;
 
 /// A zero nearer than this share to a pole cancels it.
@@ -53,8 +55,8 @@ impl std::fmt::Display for Drop {
     }
 }
 
-/// Whether the parameters that the structure rests on are told from zero: the highest b of every delayed input and,
-/// without an integrator, a_0.
+/// Whether the parameters that the structure rests on are told from zero: the highest b of every
+/// delayed input and, without an integrator, a_0.
 pub(super) fn rests_on(problem: &Problem, found: &Found, folds: &Folds) -> Result<(), Drop> {
     let names = problem.parameter_names();
     let q = problem.structure.order - usize::from(problem.structure.integrator);
@@ -81,8 +83,8 @@ pub(super) fn rests_on(problem: &Problem, found: &Found, folds: &Folds) -> Resul
     Ok(())
 }
 
-/// Whether a zero is so near to a pole that both may go; one near an integrator, in units of the slowest other pole,
-/// takes out of the record what the integrator brings in.
+/// Whether a zero is so near to a pole that both may go; one near an integrator, in units of the
+/// slowest other pole, takes out of the record what the integrator brings in.
 pub(super) fn cancels(problem: &Problem, model: &Polynomials) -> Result<(), Drop> {
     let integrators = usize::from(problem.structure.integrator);
     let Some(poles) = model.poles(integrators) else {

@@ -1,16 +1,18 @@
-//! The choice of a structure: orders, integrator, zeros and delays compared on parts of the record left out.
+//! The choice of a structure: orders, integrator, zeros and delays compared on parts of the record
+//! left out.
 //!
-//! Every structure is estimated by instruments at its own filter and its own delay; each fold is simulated by the model
-//! without it, initial state and constant refitted. What is unstable, has a parameter that is not told from zero where
-//! the structure rests on it, or a zero that cancels a pole, is dropped and says why. Among those that simulate about as
-//! well as the best, the one with the fewest parameters is recommended.
+//! Every structure is estimated by instruments at its own filter and its own delay; each fold is
+//! simulated by the model without it, initial state and constant refitted. What is unstable, has a
+//! parameter that is not told from zero where the structure rests on it, or a zero that cancels a
+//! pole, is dropped and says why. Among those that simulate about as well as the best, the one with
+//! the fewest parameters is recommended.
 
 mod drop;
 
 pub use drop::Drop;
 use drop::{cancels, rests_on};
 
-use crate::delay_choice::{DELAYS, best_delay};
+use crate::delay_choice::{DELAYS, LONGEST_DELAY, best_and_shortest};
 use crate::error::Error;
 use crate::filter_choice::{self, Judged};
 use crate::folds::{Folds, Refitted};
@@ -46,7 +48,8 @@ pub struct Candidate {
     pub found: Found,
     /// Errors of the folds left out.
     pub folds: Folds,
-    /// Free simulation of all folds, each by the model without it, initial state and constant refitted \[%\].
+    /// Free simulation of all folds, each by the model without it, initial state and constant
+    /// refitted \[%\].
     pub fit_x0c: f64,
 }
 
@@ -121,6 +124,7 @@ pub fn select(
     };
     // What is wrong with the simplest structure is wrong with the record.
     Problem::new(signals, simplest, options)?;
+    freedom.check(signals.dt)?;
     progress.begin(structures.len());
     let tried: Vec<Result<Candidate, Dropped>> = side_by_side(&structures, |&structure| {
         let tried = candidate(signals, structure, options, freedom);
@@ -138,7 +142,9 @@ pub fn select(
         max_order: range.max_order,
     })?;
     let error = |k: &usize| candidates[*k].folds.total(Refitted::StateAndConstant);
-    let count = |k: &usize| candidates[*k].names.len();
+    // Every loop has a delay of some samples; one longer than those tried first is a parameter.
+    let count =
+        |k: &usize| candidates[*k].names.len() + usize::from(candidates[*k].delay >= DELAYS);
     let simplest = alike
         .iter()
         .copied()
@@ -176,20 +182,60 @@ fn candidate(
     freedom: Freedom,
 ) -> Result<Candidate, Drop> {
     let problem = Problem::new(signals, structure, options).map_err(Drop::Failed)?;
-    let (judged, delay_at_end) = best(&problem, freedom)?;
+    let poles = match freedom.pole {
+        Choice::Given(Some(pole)) => vec![pole],
+        _ => filter_choice::poles(problem.samples(), problem.signals.dt),
+    };
+    let at = |delay: usize| filter_choice::choose(&problem, &poles, delay as f64, &());
+    let first = match freedom.delay {
+        Choice::Given(delay) => {
+            let candidate = passed(&problem, at(delay).map_err(|_| Drop::Unstable)?)?;
+            return Ok(Candidate {
+                delay_at_end: false,
+                ..candidate
+            });
+        }
+        Choice::Auto => at(0).or_else(|_| at(DELAYS / 2)),
+    };
+    let first = first.map_err(|_| Drop::Unstable)?;
+    let [best, shortest] = best_and_shortest(&problem, &first);
+    let around = |delay: usize| {
+        let near: Vec<f64> = poles
+            .iter()
+            .copied()
+            .filter(|pole| (0.2..5.0).contains(&(pole / first.pole)))
+            .collect();
+        filter_choice::choose(&problem, &near, delay as f64, &())
+    };
+    match around(best) {
+        Ok(judged) => passed(&problem, judged).or_else(|reason| {
+            // A long delay takes the place of a lag, which then is not told from none.
+            let short = around(shortest).ok().filter(|_| shortest < best);
+            short.map_or(Err(reason.clone()), |short| {
+                passed(&problem, short).map_err(|_| reason)
+            })
+        }),
+        Err(_) => passed(&problem, first),
+    }
+}
+
+/// A fit as a candidate, or why it is none.
+fn passed(problem: &Problem, judged: Judged) -> Result<Candidate, Drop> {
+    let structure = problem.structure;
     let found = judged.fit.found().map_err(Drop::Failed)?;
     let model = judged.fit.model().ok_or(Drop::Unstable)?;
     if !model.is_stable(usize::from(structure.integrator)) {
         return Err(Drop::Unstable);
     }
-    rests_on(&problem, &found, &judged.folds)?;
-    cancels(&problem, &model)?;
-    let spread: f64 = spread(signals);
+    rests_on(problem, &found, &judged.folds)?;
+    cancels(problem, &model)?;
+    let spread: f64 = spread(problem.signals);
     let error = judged.folds.total(Refitted::StateAndConstant);
+    let delay = judged.fit.delay() as usize;
     Ok(Candidate {
         structure,
-        delay: judged.fit.delay() as usize,
-        delay_at_end,
+        delay,
+        delay_at_end: delay == LONGEST_DELAY,
         pole: judged.pole,
         names: problem.parameter_names(),
         fit_x0c: 100.0 * (1.0 - (error / spread).sqrt()),
@@ -203,28 +249,4 @@ fn spread(signals: &Signals) -> f64 {
     let y = signals.output;
     let mean = y.iter().sum::<f64>() / y.len() as f64;
     y.iter().map(|y| (y - mean).powi(2)).sum()
-}
-
-/// The best filter and delay of a structure: the filter without delay, the delay at that filter, the filter again around it.
-fn best<'a>(problem: &'a Problem<'a>, freedom: Freedom) -> Result<(Judged<'a>, bool), Drop> {
-    let poles = match freedom.pole {
-        Choice::Given(Some(pole)) => vec![pole],
-        _ => filter_choice::poles(problem.samples(), problem.signals.dt),
-    };
-    let at = |delay: usize| filter_choice::choose(problem, &poles, delay as f64, &());
-    let delay = match freedom.delay {
-        Choice::Given(delay) => return Ok((at(delay).map_err(|_| Drop::Unstable)?, false)),
-        Choice::Auto => 0,
-    };
-    let first = at(delay)
-        .or_else(|_| at(DELAYS / 2))
-        .map_err(|_| Drop::Unstable)?;
-    let (delay, at_end) = best_delay(problem, &first);
-    let near: Vec<f64> = poles
-        .iter()
-        .copied()
-        .filter(|pole| (0.2..5.0).contains(&(pole / first.pole)))
-        .collect();
-    let again = filter_choice::choose(problem, &near, delay as f64, &());
-    Ok((again.unwrap_or(first), at_end))
 }

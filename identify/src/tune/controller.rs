@@ -1,4 +1,5 @@
-//! Controllers as state equations of the samples: the one form that is simulated, judged and printed from.
+//! Controllers as state equations of the samples: the one form that is simulated, judged and
+//! printed from.
 
 use nalgebra::{Complex, DMatrix, DVector, RowDVector};
 
@@ -16,7 +17,8 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// From minus the output to the command at `omega` \[rad/s\]: what stands before the plant in the loop.
+    /// From minus the output to the command at `omega` \[rad/s\]: what stands before the plant in
+    /// the loop.
     pub fn response(&self, omega: f64, dt: f64) -> Complex<f64> {
         let z = Complex::new(0.0, omega * dt).exp();
         let b = self.b[1].map(|b| Complex::new(b, 0.0));
@@ -108,7 +110,8 @@ impl Pid {
         from_rows(&rows, &u)
     }
 
-    /// `u(k) = -a1 u(k-1) - a2 u(k-2) + b0 e(k) + b1 e(k-1) + b2 e(k-2)`, the derivative taken of the error: (b, a).
+    /// `u(k) = -a1 u(k-1) - a2 u(k-2) + b0 e(k) + b1 e(k-1) + b2 e(k-2)`, the derivative taken of
+    /// the error: (b, a).
     pub fn difference_equation(&self, dt: f64) -> ([f64; 3], [f64; 2]) {
         let Self { kp, ti, td, tf } = *self;
         let beta = tf / (tf + dt);

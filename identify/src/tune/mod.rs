@@ -12,8 +12,9 @@
 //! | PID, derivative of the output filtered | crossover at W with 60 degrees |
 //! | state feedback with observer | slower poles onto a circle of radius W, observer at 3 W, a constant disturbance estimated |
 //!
-//! Gain and phase at the crossover: Astrom and Hagglund, Advanced PID Control (2006); sensitivity as the measure of
-//! robustness, the same, section 4; delays ahead of the state: Astrom and Wittenmark, Computer-Controlled Systems (1997).
+//! Gain and phase at the crossover: Astrom and Hagglund, Advanced PID Control (2006); sensitivity
+//! as the measure of robustness, the same, section 4; delays ahead of the state: Astrom and
+//! Wittenmark, Computer-Controlled Systems (1997).
 //!
 //! ```
 //! use trendid_identify::tune::{Goal, Model, tune};
@@ -46,10 +47,12 @@ pub use model::Model;
 pub use plant::SampledPlant;
 pub use state_feedback::StateFeedback;
 
-/// Largest sensitivity of a loop whose bandwidth is chosen: a gain margin of 2.4 and a phase margin of 34 degrees at least.
+/// Largest sensitivity of a loop whose bandwidth is chosen: a gain margin of 2.4 and a phase margin
+/// of 34 degrees at least.
 pub const SENSITIVITY: f64 = 1.7;
 
-/// Bandwidths that are tried between the slowest and the fastest, and steps that sharpen the choice.
+/// Bandwidths that are tried between the slowest and the fastest, and steps that sharpen the
+/// choice.
 const TRIED: usize = 24;
 const SHARPENED: usize = 5;
 
@@ -162,7 +165,8 @@ impl TunedLoop {
 
 /// Gains for a model; the margins hold for `around` too, models within what is known of it.
 ///
-/// Cost: some 30 bandwidths for each kind of controller, each with a frequency response of every model.
+/// Cost: some 30 bandwidths for each kind of controller, each with a frequency response of every
+/// model.
 ///
 /// # Errors
 /// [`Error::Model`] for a model without a controller, [`Error::SampleTime`], [`Error::Bandwidth`].

@@ -87,7 +87,8 @@ impl Model {
         Ok(())
     }
 
-    /// Coefficients of r, r', r'' .. in the command that lets the undelayed plant follow: `A(s)/B(s)` by powers of s.
+    /// Coefficients of r, r', r'' .. in the command that lets the undelayed plant follow:
+    /// `A(s)/B(s)` by powers of s.
     pub(super) fn feedforward(&self) -> Vec<f64> {
         let m = self.a.len();
         let a = |i: usize| self.a.get(i).copied().unwrap_or(1.0);

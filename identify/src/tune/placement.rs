@@ -1,11 +1,12 @@
 //! Poles of sampled state equations where they are wanted (Ackermann's formula).
 //!
-//! In powers of the difference `(A - 1)/step` rather than of A: at fast sampling the powers of A are nearly the same
-//! matrix.
+//! In powers of the difference `(A - 1)/step` rather than of A: at fast sampling the powers of A
+//! are nearly the same matrix.
 
 use nalgebra::{Complex, DMatrix, DVector, RowDVector};
 
-/// K such that `A - b K` has these eigenvalues, in conjugate pairs; `None` where the input does not reach all states.
+/// K such that `A - b K` has these eigenvalues, in conjugate pairs; `None` where the input does not
+/// reach all states.
 pub(super) fn gains(
     a: &DMatrix<f64>,
     b: &DVector<f64>,
@@ -39,7 +40,8 @@ pub(super) fn gains(
     k.iter().all(|v| v.is_finite()).then_some(k)
 }
 
-/// Poles of the s plane on the circle of radius `rate`, damping 0.7 for pairs, as poles of the samples.
+/// Poles of the s plane on the circle of radius `rate`, damping 0.7 for pairs, as poles of the
+/// samples.
 pub(super) fn circle(order: usize, rate: f64, dt: f64) -> Vec<Complex<f64>> {
     let mut poles = Vec::new();
     for _ in 0..order / 2 {

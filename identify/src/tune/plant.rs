@@ -1,4 +1,5 @@
-//! The plant as a sampled controller sees it: held inputs, a delay between samples, no discretisation error.
+//! The plant as a sampled controller sees it: held inputs, a delay between samples, no
+//! discretisation error.
 
 use nalgebra::{Complex, DMatrix, DVector, RowDVector};
 
@@ -6,7 +7,8 @@ use super::model::Model;
 
 /// `x(k+1) = A x(k) + B_0 u(k-d) + B_1 u(k-d-1)`, `y = C x`.
 ///
-/// The states are those of the controllable form, entry i times `rate^(m-1-i)`, so that all are of one size.
+/// The states are those of the controllable form, entry i times `rate^(m-1-i)`, so that all are of
+/// one size.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampledPlant {
     pub(super) a: DMatrix<f64>,

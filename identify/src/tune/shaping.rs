@@ -12,7 +12,8 @@ const INNER: f64 = 3.0;
 const INNER_MARGIN: f64 = 65.0 * std::f64::consts::PI / 180.0;
 const MARGIN: f64 = 60.0 * std::f64::consts::PI / 180.0;
 
-/// Least and largest lag of a PI controller at the crossover \[rad\]: an integral time of four and of a sixth of 1/W.
+/// Least and largest lag of a PI controller at the crossover \[rad\]: an integral time of four and
+/// of a sixth of 1/W.
 const LEAST_LAG: f64 = 0.245;
 const LARGEST_LAG: f64 = 1.4;
 
@@ -22,7 +23,8 @@ const INTEGRAL: f64 = 5.0;
 /// The filter of a derivative is so many times faster than what it is for.
 const FILTER: f64 = 10.0;
 
-/// The phase of a plant from 0 downwards, -360 to 0 degrees \[rad\]; its sign is that of the gain at rest.
+/// The phase of a plant from 0 downwards, -360 to 0 degrees \[rad\]; its sign is that of the gain
+/// at rest.
 fn lag(value: Complex<f64>) -> f64 {
     let turn = 2.0 * std::f64::consts::PI;
     let phase = value.arg().rem_euclid(turn) - turn;

@@ -7,8 +7,9 @@
 //! u      = N r - K x(k+d) - K_u v(k-1) - w                   x(k+d): the state that the inputs under way lead to
 //! ```
 //!
-//! Poles of the plant that are slower than the bandwidth go onto a circle of that radius; faster ones stay where they are, because
-//! to slow them down costs robustness. The observer likewise, at three times the bandwidth.
+//! Poles of the plant that are slower than the bandwidth go onto a circle of that radius; faster
+//! ones stay where they are, because to slow them down costs robustness. The observer likewise, at
+//! three times the bandwidth.
 
 use nalgebra::{Complex, DMatrix, DVector, RowDVector};
 
@@ -30,7 +31,8 @@ pub struct StateFeedback {
     pub k_input: f64,
     /// u per unit of the reference.
     pub n: f64,
-    /// The states and, at the end, the disturbance per unit of the prediction error, one sample ahead.
+    /// The states and, at the end, the disturbance per unit of the prediction error, one sample
+    /// ahead.
     pub l: Vec<f64>,
     /// Whether the states are y and its derivatives.
     pub derivatives: bool,
@@ -94,7 +96,8 @@ pub(super) fn design(
     Some((gains, controller))
 }
 
-/// Stable poles of the plant from `rate` on, as poles of the samples, and how many others there are.
+/// Stable poles of the plant from `rate` on, as poles of the samples, and how many others there
+/// are.
 fn kept(own: &[(f64, f64)], rate: f64, dt: f64) -> (Vec<Complex<f64>>, usize) {
     let fast = own
         .iter()

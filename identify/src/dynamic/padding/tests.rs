@@ -77,7 +77,8 @@ const EXACT: [(usize, usize, Build); 16] = [
     (4, 9, sized::<4, 9>),
 ];
 
-/// The core of the exact size; `None` where `setup` has a size that is instantiated, or more than there is.
+/// The core of the exact size; `None` where `setup` has a size that is instantiated, or more than
+/// there is.
 fn exact(setup: &Setup) -> Option<Result<Box<dyn Recursion>, ConfigError>> {
     let size = setup.parameters();
     let wanted = |of: &&(usize, usize, Build)| (of.0, of.1) == (setup.order, size);
@@ -183,7 +184,8 @@ fn with_a_memory_a_padded_core_differs_by_little_of_its_deviation() {
         compared += 1;
     }
     assert!(compared > 100, "{compared}");
-    // Measured: 0.014 and 0.13, the largest of 114. Without data a variance is in proportion to the length of a round.
+    // Measured: 0.014 and 0.13, the largest of 114. Without data a variance is in proportion to the
+    // length of a round.
     assert!(apart < 0.03 && wider < 0.2, "{apart} {wider}");
 }
 
