@@ -1,7 +1,8 @@
-//! A working day of the position loop on five axes: moves, sines, small steps and rests, without any fault.
+//! A working day of the position loop on five axes: moves, sines, small steps and rests, without
+//! any fault.
 //!
-//! `cargo run --release -p trendid-host-tests --example working_day -- 86400`; fails when a loop stops that follows its
-//! reference.
+//! `cargo run --release -p trendid-host-tests --example working_day -- 86400`; fails when a loop
+//! stops that follows its reference.
 
 use trendid_host_tests::servo::faults::normal::{NormalRun, controlled, work};
 use trendid_host_tests::servo::population::family::Family;

@@ -1,7 +1,7 @@
 //! Simulated drives, oracles and bounds in f64 against which the core is judged.
 //!
-//! Nothing here uses the core's arithmetic: an oracle that shared code could not disagree. Only [`paper`] and [`servo`]
-//! know the core, because they run it.
+//! Nothing here uses the core's arithmetic: an oracle that shared code could not disagree. Only
+//! [`paper`] and [`servo`] know the core, because they run it.
 //!
 //! | room | what |
 //! |---|---|

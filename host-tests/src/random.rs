@@ -5,7 +5,8 @@ use std::convert::Infallible;
 use chacha20::ChaCha8Rng;
 use rand::{SeedableRng, TryRng};
 
-/// ChaCha with 8 rounds: its stream is the same on every machine, and a copy goes on where the original stood.
+/// ChaCha with 8 rounds: its stream is the same on every machine, and a copy goes on where the
+/// original stood.
 #[derive(Debug)]
 pub struct Random(ChaCha8Rng);
 
@@ -54,7 +55,8 @@ mod tests {
 
     use super::*;
 
-    /// Every figure of every document follows from these: a version of the library that changes them changes all.
+    /// Every figure of every document follows from these: a version of the library that changes
+    /// them changes all.
     #[test]
     fn the_streams_are_those_of_the_figures() {
         let mut random = Random::seed_from_u64(1);

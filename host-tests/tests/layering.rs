@@ -1,8 +1,8 @@
-//! The arrows run one way: a room uses only the rooms left of it, and no two files import each other. Files of the core are
-//! short, comments narrow.
+//! The arrows run one way: a room uses only the rooms left of it, and no two files import each
+//! other. Files of the core are short, comments narrow.
 //!
-//! Read from the sources: the `use` lines and the full paths in the code, without tests. A name that a module passes on
-//! (`pub use`) counts for the file that defines it.
+//! Read from the sources: the `use` lines and the full paths in the code, without tests. A name
+//! that a module passes on (`pub use`) counts for the file that defines it.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -55,7 +55,8 @@ const ORDERS: [(&str, &[&str]); 2] = [
 /// Rooms that only these may use, beside the crate root.
 const RESERVED: [(&str, &str, &[&str]); 1] = [("src", "hardware", &["servo"])];
 
-/// Whether a file of the room `from` may not use one of the room `to`; the crate root is no room, and no file uses it.
+/// Whether a file of the room `from` may not use one of the room `to`; the crate root is no room,
+/// and no file uses it.
 fn denied(package: &str, from: &str, to: &str) -> bool {
     let order = ORDERS
         .iter()
@@ -140,9 +141,11 @@ fn files_of_the_core_are_short_and_comments_narrow() {
 fn a_long_file_and_a_wide_comment_are_seen() {
     let (lines, columns) = ("a\n".repeat(LINES), "a".repeat(COLUMNS - 3));
     assert!(!is_long(&lines) && is_long(&format!("{lines}a\n")));
-    let text =
-        format!("// {columns}\nlet a = 0;\n/// {columns}\n    // a{columns}\n//! | {columns} |");
-    assert_eq!(wide_comments(&text), [3, 4]);
+    let text = format!(
+        "// {columns}\nlet a = 0;\n/// {columns}\n    // a{columns}\n//! | {columns} |\n\
+         /// ```\n/// {columns}\n/// ```\n/// {columns}"
+    );
+    assert_eq!(wide_comments(&text), [3, 4, 9]);
 }
 
 /// Violations in a core that consists of these files.

@@ -15,8 +15,9 @@ const FEWEST: f32 = 8.0;
 pub struct Batches<const M: usize, const N: usize, const I: usize> {
     /// The model.
     pub estimate: Estimate<M, N, I>,
-    /// Whether the standard deviations come from the blocks; otherwise they are those of the identifier, because there are fewer
-    /// than 8 blocks, or because the noise of y in the regressors is larger than the motion.
+    /// Whether the standard deviations come from the blocks; otherwise they are those of the
+    /// identifier, because there are fewer than 8 blocks, or because the noise of y in the
+    /// regressors is larger than the motion.
     pub by_blocks: bool,
     /// How many blocks of equal length would spread the samples as these.
     pub blocks: f32,
@@ -26,7 +27,8 @@ pub struct Batches<const M: usize, const N: usize, const I: usize> {
 struct Spread<'a, const N: usize> {
     gain: &'a Matrix<N>,
     covariance: Matrix<N>,
-    /// Sums of the weights of the samples that were forgotten for in each block, and of their squares.
+    /// Sums of the weights of the samples that were forgotten for in each block, and of their
+    /// squares.
     samples: f32,
     squares: f32,
 }
@@ -49,7 +51,8 @@ impl<const N: usize> Spread<'_, N> {
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
     Batched<T, M, N, I, D>
 {
-    /// The model with standard deviations from the blocks, or those of the identifier where it says so.
+    /// The model with standard deviations from the blocks, or those of the identifier where it says
+    /// so.
     ///
     /// Cost: see the table of instruction counts.
     pub fn estimate(&self) -> Batches<M, N, I> {
@@ -80,7 +83,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         if !(now.samples > 0.0) {
             return ([[0.0; N]; N], 0.0);
         }
-        // What takes the bias of noise out is as much for every sample: the scores then add up to what the prior adds.
+        // What takes the bias of noise out is as much for every sample: the scores then add up to
+        // what the prior adds.
         let mean = now.score(theta).map(|d| d / now.samples);
         let mut spread = Spread {
             gain,
@@ -113,8 +117,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
 /// Variance of the estimate per sum of squares of the influences of K blocks.
 ///
-/// The mean of their scores is known: K/(K-1). The variance is itself an estimate with K-1 degrees of freedom, so that an error over the
-/// standard deviation has Student's distribution; what is reported is the standard deviation of that, (K-1)/(K-3) times the variance.
+/// The mean of their scores is known: K/(K-1). The variance is itself an estimate with K-1 degrees
+/// of freedom, so that an error over the standard deviation has Student's distribution; what is
+/// reported is the standard deviation of that, (K-1)/(K-3) times the variance.
 fn freedom(blocks: f32) -> f32 {
     blocks / (blocks - 3.0)
 }

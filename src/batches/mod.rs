@@ -1,7 +1,7 @@
 //! Standard deviations of least squares without a noise model.
 //!
-//! Known as: batch means of the scores; cluster-robust or sandwich covariance over blocks of time (Liang and Zeger, Biometrika 73
-//! (1986)).
+//! Known as: batch means of the scores; cluster-robust or sandwich covariance over blocks of time
+//! (Liang and Zeger, Biometrika 73 (1986)).
 //!
 //! ```text
 //! s_b = sum over the rows of block b of phi (psi - phi' theta)          from the recursion alone     `snapshots`
@@ -9,10 +9,11 @@
 //! G   = (I + w P M) P                   change of the estimate per score: of the recursion and of the step that takes the bias out
 //! ```
 //!
-//! The estimate is that of the [`Identifier`], to the last bit: only its standard deviations are others. Those of
-//! [`Identifier::estimate`] come from a model of the noise, white and an excess; these from how much the scores of blocks
-//! differ, whatever the spectrum of the residual. Neither contains a bias: noise of y that is not white moves least
-//! squares itself, which [`instruments`](crate::instruments) do not let happen.
+//! The estimate is that of the [`Identifier`], to the last bit: only its standard deviations are
+//! others. Those of [`Identifier::estimate`] come from a model of the noise, white and an excess;
+//! these from how much the scores of blocks differ, whatever the spectrum of the residual. Neither
+//! contains a bias: noise of y that is not white moves least squares itself, which
+//! [`instruments`](crate::instruments) do not let happen.
 
 mod estimate;
 mod snapshots;
@@ -26,10 +27,12 @@ use crate::trends::TrendOperator;
 
 /// An [`Identifier`] that also keeps what it was at up to 16 times.
 ///
-/// The const parameters are those of [`Identifier`], which runs inside and gives the same numbers as alone.
+/// The const parameters are those of [`Identifier`], which runs inside and gives the same numbers
+/// as alone.
 ///
-/// Guarantees: as [`Identifier`]. Cost: see the table of instruction counts; 17 (N + 1) (N + 1) floats of memory. The filter stays as
-/// it is: [`Identifier::retune`] is not offered, because scores behind two filters do not add up.
+/// Guarantees: as [`Identifier`]. Cost: see the table of instruction counts; 17 (N + 1) (N + 1)
+/// floats of memory. The filter stays as it is: [`Identifier::retune`] is not offered, because
+/// scores behind two filters do not add up.
 ///
 /// # Examples
 /// ```

@@ -1,19 +1,21 @@
 //! The recursion at the ends of blocks of time, as many as fit a ring.
 //!
-//! What a block of rows adds to the equations of least squares follows from the recursion before and behind it: with the
-//! information `I = P^-1` and any parameters t
+//! What a block of rows adds to the equations of least squares follows from the recursion before
+//! and behind it: with the information `I = P^-1` and any parameters t
 //!
 //! ```text
 //! d = I (theta - t) = sum of all rows so far of phi (psi - phi' t), and what the prior adds
 //! s_b = d_b - lambda^rows d_(b-1)          sum over the rows of block b of phi (psi - phi' t)
 //! ```
 //!
-//! so that a sample costs a comparison, and a block a copy of U, D and theta. `theta - t` is small: nothing cancels.
+//! so that a sample costs a comparison, and a block a copy of U, D and theta. `theta - t` is small:
+//! nothing cancels.
 //!
-//! When the ring is full every other snapshot goes, which leaves eight, and a new block gets twice the rows: whatever the length
-//! of the record, there are 8 to 16 blocks of equal length. With a memory blocks grow no longer than an eighth of it; the
-//! oldest snapshot then goes, and what was before it and behind it is one block. What no row explains (the drive has changed, the
-//! initial state is unknown again) begins the ring anew: everything learnt before is then one block.
+//! When the ring is full every other snapshot goes, which leaves eight, and a new block gets twice
+//! the rows: whatever the length of the record, there are 8 to 16 blocks of equal length. With a
+//! memory blocks grow no longer than an eighth of it; the oldest snapshot then goes, and what was
+//! before it and behind it is one block. What no row explains (the drive has changed, the initial
+//! state is unknown again) begins the ring anew: everything learnt before is then one block.
 
 use crate::estimation::rls::Estimator;
 use crate::identifier::witness::Witness;
@@ -180,7 +182,8 @@ impl<const N: usize> Snapshots<N> {
         self.used = SNAPSHOTS / 2;
     }
 
-    /// Weight of the samples that were forgotten for up to now, the present block counting lambda^rows = `decay`.
+    /// Weight of the samples that were forgotten for up to now, the present block counting
+    /// lambda^rows = `decay`.
     fn forgotten(&self, decay: f32) -> f32 {
         let fresh = match self.forgetting < 1.0 {
             true => (1.0 - decay) / (1.0 - self.forgetting),

@@ -5,7 +5,8 @@ use crate::estimation::mean_square::flush;
 /// Entries of U below this change no digit of any result.
 const NEGLIGIBLE: f32 = 1e-18;
 
-/// A covariance P = U D U', relative to the noise variance; D stays positive by construction (Bierman).
+/// A covariance P = U D U', relative to the noise variance; D stays positive by construction
+/// (Bierman).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Factors<const N: usize> {
     /// `upper[j][i]` is U_ij, with its unit diagonal and its zeros.
@@ -68,7 +69,8 @@ impl<const N: usize> Factors<N> {
         sum
     }
 
-    /// Folds the row `z` in: P becomes `(P^-1 lambda + z z')^-1`, with `forgetting` = lambda and `growth` = 1/lambda.
+    /// Folds the row `z` in: P becomes `(P^-1 lambda + z z')^-1`, with `forgetting` = lambda and
+    /// `growth` = 1/lambda.
     #[inline(always)]
     pub(crate) fn fold(&mut self, z: &[f32; N], forgetting: f32, growth: f32) -> Row<N> {
         // f = U' z
@@ -85,8 +87,8 @@ impl<const N: usize> Factors<N> {
         row
     }
 
-    /// Folds the first columns of the unit row e_i, i = `index`, of the noise variance `variance` in, where P_ii is above
-    /// `least`; [`fold_unit_rest`](Self::fold_unit_rest) folds the others.
+    /// Folds the first columns of the unit row e_i, i = `index`, of the noise variance `variance`
+    /// in, where P_ii is above `least`; [`fold_unit_rest`](Self::fold_unit_rest) folds the others.
     ///
     /// Gives P_ii before the step, 0 for an index that does not exist.
     #[inline(always)]
@@ -123,8 +125,8 @@ impl<const N: usize> Factors<N> {
         row
     }
 
-    /// Folds the unit row e_i, i = `index`, of the noise variance `variance` in; one that is 0 or infinite, of a parameter that is known or
-    /// has no bound, says nothing.
+    /// Folds the unit row e_i, i = `index`, of the noise variance `variance` in; one that is 0 or
+    /// infinite, of a parameter that is known or has no bound, says nothing.
     #[inline(never)]
     pub(crate) fn observe(&mut self, index: usize, variance: f32) {
         if !(f32::MIN_POSITIVE..=f32::MAX).contains(&variance) {
@@ -144,7 +146,8 @@ impl<const N: usize> Factors<N> {
         }
     }
 
-    /// Columns in the first part of a unit row, which also finds P_ii; the second part also moves theta: about half each.
+    /// Columns in the first part of a unit row, which also finds P_ii; the second part also moves
+    /// theta: about half each.
     const FIRST: usize = N.saturating_sub(1);
 
     /// Column j of one row: D_j and the U_ij above it.
@@ -172,7 +175,8 @@ impl<const N: usize> Factors<N> {
         }
     }
 
-    /// Multiplies P by `scale`; no D_j grows beyond the one in `limit`, or beyond itself where it is larger already.
+    /// Multiplies P by `scale`; no D_j grows beyond the one in `limit`, or beyond itself where it
+    /// is larger already.
     pub(crate) fn grow_within(&mut self, scale: f32, limit: &[f32; N]) {
         for (d, limit) in self.diagonal.iter_mut().zip(limit) {
             let scaled = *d * scale;
@@ -194,7 +198,8 @@ impl<const N: usize> Factors<N> {
         }
     }
 
-    /// Makes the last parameter uncertain again: adds `variance` to P_nn and leaves all other entries of P.
+    /// Makes the last parameter uncertain again: adds `variance` to P_nn and leaves all other
+    /// entries of P.
     ///
     /// The part of P that the last column of U carried moves into the factors before
     /// it, by the rank-one update of Agee and Turner. Cost: about one row.
@@ -259,7 +264,8 @@ impl<const N: usize> Factors<N> {
         sum
     }
 
-    /// P, bit for bit the entries that [`covariance`](Self::covariance) gives, for less than half the instructions.
+    /// P, bit for bit the entries that [`covariance`](Self::covariance) gives, for less than half
+    /// the instructions.
     pub(crate) fn covariances(&self) -> [[f32; N]; N] {
         let mut p = [[0.0; N]; N];
         for (k, (column, d)) in self.upper.iter().zip(&self.diagonal).enumerate() {

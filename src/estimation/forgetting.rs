@@ -1,11 +1,13 @@
-//! Forgetting that stays bounded: without excitation the covariance stops, and the estimate with it.
+//! Forgetting that stays bounded: without excitation the covariance stops, and the estimate with
+//! it.
 //!
-//! Known as: stabilised forgetting (Kulhavy & Zarrop 1993), here one parameter per sample; covariance limiting and
-//! leakage (Astrom & Wittenmark 1995, ch. 11) are its cruder relatives.
+//! Known as: stabilised forgetting (Kulhavy & Zarrop 1993), here one parameter per sample;
+//! covariance limiting and leakage (Astrom & Wittenmark 1995, ch. 11) are its cruder relatives.
 //!
-//! Exponential forgetting alone multiplies P by 1/lambda in every direction that the data do not show, without end: an
-//! hour at constant speed overflows f32. So every second sample brings one observation that was not made: parameter i has
-//! its nominal value c_i, with the variance r/2 in units of the noise of psi, one parameter after the other:
+//! Exponential forgetting alone multiplies P by 1/lambda in every direction that the data do not
+//! show, without end: an hour at constant speed overflows f32. So every second sample brings one
+//! observation that was not made: parameter i has its nominal value c_i, with the variance r/2 in
+//! units of the noise of psi, one parameter after the other:
 //!
 //! ```text
 //! k odd, i = (k-1)/2 mod N
@@ -13,61 +15,73 @@
 //! c_i <- theta_i  while P_ii < 0.1 N r eps, unless the nominal values were set           eps = 1 - lambda
 //! ```
 //!
-//! A nominal value that no data supported yet is the mean of a prior, and counts for no more: until the data have once
-//! shown parameter i (P_ii < 0.1 N r eps), its r is that which leaves the prior variance s_i^2 where there are no data,
-//! r_i = max(r, s_i^2 / (N eps)). With a smaller one the first samples of a motion that shows only some of the parameters
-//! would find the others well known, at the prior mean.
+//! A nominal value that no data supported yet is the mean of a prior, and counts for no more: until
+//! the data have once shown parameter i (P_ii < 0.1 N r eps), its r is that which leaves the prior
+//! variance s_i^2 where there are no data, r_i = max(r, s_i^2 / (N eps)). With a smaller one the
+//! first samples of a motion that shows only some of the parameters would find the others well
+//! known, at the prior mean.
 //!
 //! # What holds
-//! For any finite rows, in any order, with lambda = 1 - eps or, before any of them, 1 (see `postponed`), and r_i for r until the data
-//! have shown parameter i:
+//! For any finite rows, in any order, with lambda = 1 - eps or, before any of them, 1 (see
+//! `postponed`), and r_i for r until the data have shown parameter i:
 //!
 //! ```text
 //! D_j > 0,    P_ii <= N r eps lambda^-2N / (1 - lambda^t)       t samples in whole rounds of 2N after a start, for ever
 //! ```
 //!
-//! Proof. Let q = 1/P_ii just after turn i. A row and an observation of another parameter only add information, so they
-//! do not increase P_ii; forgetting multiplies it by at most 1/lambda. One round of 2N samples later, before the turn,
-//! 1/P_ii >= lambda^2N q. The observation adds 2/r: q' >= lambda^2N q + 2/r, from any q >= 0; hence after n rounds
-//! q >= (1 - lambda^(2nN)) 2 / (r (1 - lambda^2N)) >= (1 - lambda^(2nN)) / (N r eps). Where the turn is skipped P_ii <= s is
-//! already smaller. Between two turns P_ii grows by at most lambda^-2N. D_j is multiplied by alpha_(j-1)/alpha_j, a
-//! quotient of positive numbers. P is positive semidefinite, so every other entry is bounded by the diagonal.
+//! Proof. Let q = 1/P_ii just after turn i. A row and an observation of another parameter only add
+//! information, so they do not increase P_ii; forgetting multiplies it by at most 1/lambda. One
+//! round of 2N samples later, before the turn, 1/P_ii >= lambda^2N q. The observation adds 2/r:
+//! q' >= lambda^2N q + 2/r, from any q >= 0; hence after n rounds q >= (1 - lambda^(2nN)) 2 /
+//! (r (1 - lambda^2N)) >= (1 - lambda^(2nN)) / (N r eps). Where the turn is skipped P_ii <= s is
+//! already smaller. Between two turns P_ii grows by at most lambda^-2N. D_j is multiplied by
+//! alpha_(j-1)/alpha_j, a quotient of positive numbers. P is positive semidefinite, so every other
+//! entry is bounded by the diagonal.
 //!
-//! For theta, with nominal values c that were set and e_k = psi_k - phi_k' c, theta - c = P sum lambda^(k) phi e.
-//! As the minimum is no larger than the cost at c, (theta - c)' P^-1 (theta - c) <= max e^2 / eps, and so, after the start,
+//! For theta, with nominal values c that were set and e_k = psi_k - phi_k' c, theta - c = P sum
+//! lambda^(k) phi e. As the minimum is no larger than the cost at c, (theta - c)' P^-1 (theta - c)
+//! <= max e^2 / eps, and so, after the start,
 //!
 //! ```text
 //! |theta_i - c_i| <= sqrt(N r lambda^-2N) max |e_k|
 //! ```
 //!
-//! Nominal values that follow are former estimates, each taken while its standard deviation was below a third of the one
-//! that the observations alone leave: without data they stand still, and theta with them.
+//! Nominal values that follow are former estimates, each taken while its standard deviation was
+//! below a third of the one that the observations alone leave: without data they stand still, and
+//! theta with them. They do too while f32 resolves the position worse than its noise and than at
+//! the start: what such rows teach is forgotten, not kept for ever.
 //!
 //! # In two parts
-//! An observation passes through the columns of U and D one by one, from i to N-1. All but the last follow the row of
-//! sample k; the last, and the step of theta with it, goes before the row of sample k+1, so that no sample has to do it all.
-//! Nothing comes between the two: whatever changes P or theta finishes the observation first, so that the proof above, which
-//! looks at whole ones, is not touched. Who reads in between finds P behind an observation of another row z with the same variance,
+//! An observation passes through the columns of U and D one by one, from i to N-1. All but the last
+//! follow the row of sample k; the last, and the step of theta with it, goes before the row of
+//! sample k+1, so that no sample has to do it all. Nothing comes between the two: whatever changes
+//! P or theta finishes the observation first, so that the proof above, which looks at whole ones,
+//! is not touched. Who reads in between finds P behind an observation of another row z with the
+//! same variance,
 //!
 //! ```text
 //! f = U' e_i,   U' z = (0.., f_i, .., f_(N-2), 0),   sigma = z' P z = z' P e_i <= P_ii
 //! P_ii <- P_ii - sigma^2 / (r/2 + sigma)
 //! ```
 //!
-//! for a column whose f_j is 0 changes nothing. So D > 0, no P_jj is larger than before, P_ii lies between what it was and what it
-//! will be, and theta is still the one before.
+//! for a column whose f_j is 0 changes nothing. So D > 0, no P_jj is larger than before, P_ii lies
+//! between what it was and what it will be, and theta is still the one before.
 //!
 //! # What does not hold
-//! Bounded is not right: rows that contradict the model move theta as far as the bound allows, and P knows nothing of it.
-//! After a change of the drive, directions without excitation keep the old values. In f32 the proof holds up
-//! to rounding: the property tests attack it with rows of 1e-6 to 1e6 and memories of 10^2 to 10^5 samples.
+//! Bounded is not right: rows that contradict the model move theta as far as the bound allows, and
+//! P knows nothing of it. After a change of the drive, directions without excitation keep the old
+//! values. In f32 the proof holds up to rounding: the property tests attack it with rows of 1e-6 to
+//! 1e6 and memories of 10^2 to 10^5 samples.
+
+mod variances;
 
 use crate::estimation::rls::Estimator;
 
 /// r/2: variance of each observation of a nominal value, relative to the noise of psi.
 ///
-/// A power of two, so that U and D of the parameters before the one observed keep their bits. The information that
-/// forgetting cannot take away is that of memory/(N r) samples of full excitation: 1 in 10^5 of what the memory holds.
+/// A power of two, so that U and D of the parameters before the one observed keep their bits. The
+/// information that forgetting cannot take away is that of memory/(N r) samples of full excitation:
+/// 1 in 10^5 of what the memory holds.
 const VARIANCE: f32 = 16_384.0;
 
 /// s: below this P_ii the observation would change nothing that f32 shows.
@@ -76,7 +90,7 @@ const CERTAIN: f32 = 2e-6 * VARIANCE;
 /// A nominal value follows while P_ii is below this share of what the observations alone leave.
 const FOLLOWS: f32 = 0.1;
 
-/// Observes one parameter every other sample at its nominal value, so that forgetting stays bounded.
+/// Observes one parameter every other sample at its nominal value: forgetting stays bounded.
 ///
 /// | symbol | argument | shape |
 /// |---|---|---|
@@ -100,9 +114,13 @@ const FOLLOWS: f32 = 0.1;
 #[derive(Debug, Clone, PartialEq)]
 pub struct StabilisedForgetting<const N: usize> {
     nominal: [f32; N],
-    /// Variance of nominal values that no data support, relative to the noise of psi as in the prior.
+    /// Variance of nominal values that no data support, relative to the noise of psi as in the
+    /// prior.
     unsupported: [f32; N],
-    /// Whether the nominal values were set; otherwise they follow the estimate where it is well known.
+    /// Variance of nominal values that were set, in the same unit; 0 for those that follow.
+    own: [f32; N],
+    /// Whether the nominal values were set; otherwise they follow the estimate where it is well
+    /// known.
     set: bool,
     /// Samples within the round of 2N.
     turn: usize,
@@ -112,7 +130,7 @@ pub struct StabilisedForgetting<const N: usize> {
     left: f32,
     /// The same before the turn.
     bound: f32,
-    /// P_ii below which data have shown a parameter.
+    /// P_ii below which data have shown a parameter; 0 where none of the present can.
     follows: f32,
     /// 1/(2 N eps); 0 where nothing is forgotten.
     inverse_share: f32,
@@ -128,20 +146,23 @@ impl<const N: usize> StabilisedForgetting<N> {
             growth /= forgetting;
             k += 1;
         }
+        let bound = VARIANCE * share * growth;
         Self {
             nominal,
             unsupported: [0.0; N],
+            own: [0.0; N],
             set: false,
             turn: 0,
             rounds: 0,
             left: VARIANCE * share,
-            bound: VARIANCE * share * growth,
-            follows: FOLLOWS * VARIANCE * share * growth,
+            bound,
+            follows: FOLLOWS * bound,
             inverse_share: if share > 0.0 { 1.0 / share } else { 0.0 },
         }
     }
 
-    /// After every sample: each second time the first part of one observation; [`Estimator`] finishes it before its next row.
+    /// After every sample: each second time the first part of one observation; [`Estimator`]
+    /// finishes it before its next row.
     ///
     /// Cost: see the table of instruction counts.
     #[inline(always)]
@@ -149,8 +170,8 @@ impl<const N: usize> StabilisedForgetting<N> {
         let _ = self.turn(estimator, true);
     }
 
-    /// As [`apply`](Self::apply), nominal values following only behind a row that `brings` enough; gives `k` once in each second
-    /// round, in a sample with little else to do: k counts them.
+    /// As [`apply`](Self::apply), nominal values following only behind a row that `brings` enough;
+    /// gives `k` once in each second round, in a sample with little else to do: k counts them.
     #[inline(always)]
     pub(crate) fn turn(&mut self, estimator: &mut Estimator<N>, brings: bool) -> Option<u32> {
         let (turn, observes) = (self.turn / 2, !self.turn.is_multiple_of(2));
@@ -171,7 +192,8 @@ impl<const N: usize> StabilisedForgetting<N> {
         None
     }
 
-    /// The first part of the observation of parameter `turn`, where that is not known so well that it changes nothing.
+    /// The first part of the observation of parameter `turn`, where that is not known so well that
+    /// it changes nothing.
     #[inline(always)]
     fn observe(&mut self, estimator: &mut Estimator<N>, turn: usize, brings: bool) {
         let (Some(nominal), Some(unsupported)) =
@@ -197,10 +219,11 @@ impl<const N: usize> StabilisedForgetting<N> {
         self.turn = if next < 2 * N { next } else { 0 };
     }
 
-    /// After a sample whose row was left out on purpose: parameter i in turn is observed at its own value.
+    /// After a sample whose row was left out on purpose: parameter i in turn is observed at its own
+    /// value.
     ///
-    /// Whatever P was, after N such samples every P_ii is at most N r_i eps, what it is right after a turn without data, and
-    /// the bound holds from there on; theta stays.
+    /// Whatever P was, after N such samples every P_ii is at most N r_i eps, what it is right after
+    /// a turn without data, and the bound holds from there on; theta stays.
     #[inline(never)]
     pub(crate) fn hold(&mut self, estimator: &mut Estimator<N>) {
         let turn = self.turn / 2;
@@ -213,46 +236,22 @@ impl<const N: usize> StabilisedForgetting<N> {
         }
     }
 
-    /// Sets the nominal values: where nothing is excited, the estimate returns to them within the memory.
+    /// Sets the nominal values, to which the estimate returns where nothing is excited.
     pub const fn set_nominal(&mut self, nominal: [f32; N]) {
         self.nominal = nominal;
         self.set = true;
     }
 
-    /// Sets the standard deviations of the present nominal values, relative to the noise of psi.
-    ///
-    /// P counts the observations of nominal values as if they had the noise of the data; a reading adds this. It
-    /// is forgotten parameter by parameter, when the data show one.
-    pub(crate) fn set_nominal_std(&mut self, std: &[f32; N]) {
-        for (variance, std) in self.unsupported.iter_mut().zip(std) {
-            *variance = std * std;
-        }
-    }
-
-    /// Variances of the nominal values without support in the data, 0 for the others; `None` where nothing is forgotten.
-    pub(crate) fn unsupported(&self) -> Option<&[f32; N]> {
-        (self.bound > 0.0).then_some(&self.unsupported)
-    }
-
-    /// P_ii that each nominal value alone leaves, and the variance of those that no data support, 0 for the others.
-    pub(crate) fn nominal_variances(&self) -> [(f32, f32); N] {
-        self.unsupported.map(|own| (self.left_of(own), own))
-    }
-
-    /// P_ii that each nominal value alone leaves.
-    pub(crate) fn left(&self) -> [f32; N] {
-        self.unsupported.map(|own| self.left_of(own))
-    }
-
-    /// The same of one whose variance without support is `own`.
-    const fn left_of(&self, own: f32) -> f32 {
-        if own > self.left { own } else { self.left }
-    }
-
     /// Lets the nominal values follow the estimate again, from `nominal` on.
     pub const fn follow(&mut self, nominal: [f32; N]) {
         self.nominal = nominal;
+        self.own = [0.0; N];
         self.set = false;
+    }
+
+    /// Whether the present rows may move nominal values that follow.
+    pub(crate) const fn heed(&mut self, rows: bool) {
+        self.follows = if rows { FOLLOWS * self.bound } else { 0.0 };
     }
 
     /// The nominal values, normalised.

@@ -2,10 +2,12 @@
 
 /// At this weight both sums are halved: a longer past would round the newest sample away.
 ///
-/// With 2^18 samples in the sum the newest one still has six bits of its own, whatever its size relative to the mean.
+/// With 2^18 samples in the sum the newest one still has six bits of its own, whatever its size
+/// relative to the mean.
 const HORIZON: f32 = 262_144.0;
 
-/// Squares of quantities that are normalised, or of lengths in any sensible unit, are zero below this.
+/// Squares of quantities that are normalised, or of lengths in any sensible unit, are zero below
+/// this.
 const NEGLIGIBLE: f32 = 1e-30;
 
 /// Weighted sum of squares and the weight of the samples in it.
@@ -70,7 +72,8 @@ impl MeanSquare {
 /// Sets `value` to zero where its magnitude is below `least`.
 #[inline(always)]
 pub(crate) fn flush(value: &mut f32, least: f32) {
-    // Without their sign bits numbers are in the order of their bits; cheaper than a comparison of floats.
+    // Without their sign bits numbers are in the order of their bits; cheaper than a comparison of
+    // floats.
     if value.to_bits() << 1 < least.to_bits() << 1 {
         *value = 0.0;
     }
@@ -106,5 +109,27 @@ mod tests {
         mean.update(3.0);
         assert_eq!(mean.squares() / mean.samples(), 3.0);
         assert!(mean.samples() < 0.51 * HORIZON);
+    }
+
+    #[test]
+    fn sums_end_at_zero_and_not_in_subnormal_numbers() {
+        let mut mean = MeanSquare::new(0.5);
+        mean.update(1.0);
+        for k in 0..300 {
+            mean.flush();
+            assert!(mean.squares == 0.0 || mean.squares >= NEGLIGIBLE, "{k}");
+            mean.update(0.0);
+        }
+        assert_eq!(mean.squares(), 0.0);
+        assert!((mean.samples() - 2.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_limit_is_exceeded_by_a_mean_below_it() {
+        let mut mean = MeanSquare::new(1.0);
+        for square in [1.0, 3.0] {
+            mean.update(square);
+        }
+        assert!(mean.exceeded_by(2.01) && !mean.exceeded_by(2.0));
     }
 }

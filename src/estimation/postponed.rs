@@ -1,8 +1,9 @@
 //! Forgetting waits for information: what a row does not bring is not taken either.
 //!
-//! Forgetting takes the share eps = 1 - lambda of all information before a row, in every direction. A row brings phi' P phi, in one
-//! direction. Where one direction alone is shown the two balance at phi' P phi = eps; below, P grows with every row: a small
-//! step of the reference, seconds behind the one before, costs more than it tells. So
+//! Forgetting takes the share eps = 1 - lambda of all information before a row, in every direction.
+//! A row brings phi' P phi, in one direction. Where one direction alone is shown the two balance at
+//! phi' P phi = eps; below, P grows with every row: a small step of the reference, seconds behind
+//! the one before, costs more than it tells. So
 //!
 //! ```text
 //! phi' P phi > 1.5 eps    forgetting before the next row
@@ -10,21 +11,25 @@
 //! no row                  none: the drive does not move, a sample is missing
 //! ```
 //!
-//! The limit lies above the balance, so that a motion that shows one direction is not taken for more. Below it the memory is
-//! eight times as long, and N directions balance at N eps/8 in the mean: such a motion remains what it is. Row k decides on
-//! row k+1, so that phi' P phi is that of its own step and costs nothing.
+//! The limit lies above the balance, so that a motion that shows one direction is not taken for
+//! more. Below it the memory is eight times as long, and N directions balance at N eps/8 in the
+//! mean: such a motion remains what it is. Row k decides on row k+1, so that phi' P phi is that of
+//! its own step and costs nothing.
 //!
 //! # The bound
-//! The observations of nominal values go on with every row, as [`forgetting`](crate::estimation::forgetting) has them. Its proof needs no
-//! more of a row than that forgetting multiplies P by at most 1/lambda; here it is that or 1. With k counting rows it holds word
-//! by word: samples without a row change nothing. Nominal values that follow stand still behind rows that bring little, and are observed
-//! down to an eighth of the P_ii: over the longer memory the rows, whose regressors are noise in directions that are not shown, weigh
-//! against them as before. What no data support keeps between an eighth and all of its prior variance.
+//! The observations of nominal values go on with every row, as
+//! [`forgetting`](crate::estimation::forgetting) has them. Its proof needs no more of a row than
+//! that forgetting multiplies P by at most 1/lambda; here it is that or 1. With k counting rows it
+//! holds word by word: samples without a row change nothing. Nominal values that follow stand still
+//! behind rows that bring little, and are observed down to an eighth of the P_ii: over the longer
+//! memory the rows, whose regressors are noise in directions that are not shown, weigh against them
+//! as before. What no data support keeps between an eighth and all of its prior variance.
 //!
 //! # The debt
-//! What was postponed is owed: n counts the samples whose forgetting did not happen. Rows that bring enough pay it back one by
-//! one: after n of them what was learnt before has lost the share lambda^n in the usual way, and counts no more than if nothing
-//! had been postponed. But a drive may have changed meanwhile, and what was not forgotten on time stands against what is new. A row
+//! What was postponed is owed: n counts the samples whose forgetting did not happen. Rows that
+//! bring enough pay it back one by one: after n of them what was learnt before has lost the share
+//! lambda^n in the usual way, and counts no more than if nothing had been postponed. But a drive
+//! may have changed meanwhile, and what was not forgotten on time stands against what is new. A row
 //! that contradicts calls the debt in:
 //!
 //! ```text
@@ -35,23 +40,26 @@
 //! P    <- lambda^-n P,   n <- 0
 //! ```
 //!
-//! The result is `(lambda^n P^-1 + diag(1 / (N r_i eps)))^-1`: what forgetting on time would have left beside what the
-//! nominal values leave without data, right after a turn. So `P_ii <= N r_i eps`, and the bound goes on to hold in every sample. n stops
-//! at 20/eps: 1/lambda^n = 5e8 leaves nothing of what rows have told. Before the noise is known (no more rows than parameters) nothing
-//! contradicts.
+//! The result is `(lambda^n P^-1 + diag(1 / (N r_i eps)))^-1`: what forgetting on time would have
+//! left beside what the nominal values leave without data, right after a turn. So
+//! `P_ii <= N r_i eps`, and the bound goes on to hold in every sample. n stops at 20/eps:
+//! 1/lambda^n = 5e8 leaves nothing of what rows have told. Before the noise is known (no more rows
+//! than parameters) nothing contradicts.
 //!
-//! No sample has to do it all: each of the next N observes one parameter, and the last of them multiplies. They take no row, as those of
-//! the onset of a motion are noise above all, and nothing else touches P. An observation makes P smaller or leaves it, so that until the
-//! product every P_ii is at most what it was, below the bound, with D > 0; behind it P is what is written above, as if done at once. Who
-//! reads in between finds that already.
+//! No sample has to do it all: each of the next N observes one parameter, and the last of them
+//! multiplies. They take no row, as those of the onset of a motion are noise above all, and nothing
+//! else touches P. An observation makes P smaller or leaves it, so that until the product every
+//! P_ii is at most what it was, below the bound, with D > 0; behind it P is what is written above,
+//! as if done at once. Who reads in between finds that already.
 //!
-//! Where a filter is exchanged what is owed is called in. Then, and where the drive was found to be another one, every sample forgets for
-//! five memories: old rows are not to be held.
+//! Where a filter is exchanged what is owed is called in. Then, and where the drive was found to be
+//! another one, every sample forgets for five memories: old rows are not to be held.
 //!
 //! # What does not hold
-//! A change that happens at rest and stays below six standard deviations in every row is not found at once: the old drive counts what it
-//! counted before the rest, and loses the share eps with every row that brings enough, eps/8 with others. The bias falls with
-//! the memory, in samples of motion, and no single row shows it. The variance reported is that of the drive before the rest.
+//! A change that happens at rest and stays below six standard deviations in every row is not found
+//! at once: the old drive counts what it counted before the rest, and loses the share eps with
+//! every row that brings enough, eps/8 with others. The bias falls with the memory, in samples of
+//! motion, and no single row shows it. The variance reported is that of the drive before the rest.
 
 use crate::estimation::rls::Estimator;
 use crate::math::power;
@@ -60,7 +68,7 @@ use crate::math::power;
 const ENOUGH: f32 = 1.5;
 
 /// Rows without forgetting between two with it, where they bring little.
-const PAUSE: u32 = 7;
+pub(crate) const PAUSE: u32 = 7;
 
 /// Standard deviations of the innovation that contradict, squared.
 const CONTRADICTS: f32 = 36.0;
@@ -125,7 +133,8 @@ impl Postponed {
         }
     }
 
-    /// Whether a row is the usual one: its `spread` phi' P phi is enough, it was forgotten for, and nothing is owed.
+    /// Whether a row is the usual one: its `spread` phi' P phi is enough, it was forgotten for, and
+    /// nothing is owed.
     #[inline(always)]
     pub(crate) const fn is_usual(&self, spread: f32) -> bool {
         spread > self.enough && self.wait | self.owed == 0
@@ -155,7 +164,8 @@ impl Postponed {
         brings
     }
 
-    /// What was learnt up to now is of another filter, or another drive: for some memories nothing is postponed.
+    /// What was learnt up to now is of another filter, or another drive: for some memories nothing
+    /// is postponed.
     pub(crate) const fn suspect(&mut self) {
         self.suspect = self.debts[1] / 4;
     }
@@ -166,7 +176,8 @@ impl Postponed {
         self.owed > self.debts[0]
     }
 
-    /// Whether the row that was just folded in contradicts; `least` is a variance of the innovation that is always allowed for.
+    /// Whether the row that was just folded in contradicts; `least` is a variance of the innovation
+    /// that is always allowed for.
     pub(crate) fn contradicted<const N: usize>(
         estimator: &Estimator<N>,
         innovation: f32,
@@ -177,8 +188,8 @@ impl Postponed {
         before >= 0.0 && square > CONTRADICTS * before && square > CONTRADICTS * least
     }
 
-    /// Begins to call the debt in; `left` is what forgetting for ever leaves of each P_jj. The estimator has to be loosened N times
-    /// before it takes the next row.
+    /// Begins to call the debt in; `left` is what forgetting for ever leaves of each P_jj. The
+    /// estimator has to be loosened N times before it takes the next row.
     pub(crate) fn call<const N: usize>(&mut self, estimator: &mut Estimator<N>, left: [f32; N]) {
         estimator.begin_loosening(power(self.growth, self.owed), left);
         estimator.forget(true);

@@ -18,7 +18,8 @@ use crate::trends::{Design, NoiseGain, Trends};
 /// The trend behind one entry of phi.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Source {
-    /// 0..M: trends of y; M..M+M*I: trends of the inputs one after the other; then constant and initial state.
+    /// 0..M: trends of y; M..M+M*I: trends of the inputs one after the other; then constant and
+    /// initial state.
     index: u8,
     /// The signed scale of phi.
     scale: f32,
@@ -40,7 +41,8 @@ pub(crate) struct Regressor<const M: usize, const N: usize> {
 }
 
 impl<const M: usize, const N: usize> Regressor<M, N> {
-    /// Scales from the design values: a signal of `output_range` and `input_range[i]` at `bandwidth`.
+    /// Scales from the design values: a signal of `output_range` and `input_range[i]` at
+    /// `bandwidth`.
     pub(crate) fn new<const I: usize>(
         structure: &Structure<M, N, I>,
         design: &Design<M>,
@@ -103,7 +105,8 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
         }
     }
 
-    /// The normalised regressor phi and the normalised left-hand side psi. Cost: 9 instructions per parameter.
+    /// The normalised regressor phi and the normalised left-hand side psi. Cost: 9 instructions per
+    /// parameter.
     #[inline(always)]
     pub(crate) fn assemble<const I: usize>(
         &self,
@@ -115,7 +118,8 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
         let mut phi = [0.0; N];
         for (j, (entry, source)) in phi.iter_mut().zip(&self.sources).enumerate() {
             let index = source.index as usize;
-            // The constant and the initial state are the last parameters: found at once there, not looked for elsewhere.
+            // The constant and the initial state are the last parameters: found at once there, not
+            // looked for elsewhere.
             let extra = match j + extra.len() < N {
                 true => None,
                 false => extra.get(index.wrapping_sub(M + inputs.len())),
@@ -129,7 +133,8 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
         (phi, self.top_scale * output.top)
     }
 
-    /// beta > 0: growth of the normalised equation error per unit of y(k); alpha of (10) in scaled form.
+    /// beta > 0: growth of the normalised equation error per unit of y(k); alpha of (10) in scaled
+    /// form.
     #[inline(always)]
     pub(crate) fn feedthrough(&self, theta: &[f32; N]) -> f32 {
         let mut beta = self.feedthrough_top;

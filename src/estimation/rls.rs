@@ -20,12 +20,12 @@ use crate::estimation::two_words::TwoWords;
 /// theta <- theta + k e / alpha_n              P = U D U'
 /// ```
 ///
-/// D stays positive by construction, in f32, which the textbook form of P does not. Theta
-/// is kept in two words: a correction below half the last digit of theta is carried over
-/// to the next sample, not lost. Under forgetting alone P grows without bound where
-/// nothing excites the parameters: see [`StabilisedForgetting`](crate::estimation::StabilisedForgetting).
-/// A parameter whose prior standard deviation is 0 is known: it never moves, and
-/// every other number is the same as if it were not in the model.
+/// D stays positive by construction, in f32, which the textbook form of P does not. Theta is kept
+/// in two words: a correction below half the last digit of theta is carried over to the next
+/// sample, not lost. Under forgetting alone P grows without bound where nothing excites the
+/// parameters: see [`StabilisedForgetting`](crate::estimation::StabilisedForgetting). A parameter
+/// whose prior standard deviation is 0 is known: it never moves, and every other number is the same
+/// as if it were not in the model.
 ///
 /// | symbol | argument | shape |
 /// |---|---|---|
@@ -124,8 +124,8 @@ impl<const N: usize> Estimator<N> {
         innovation
     }
 
-    /// Variance that P leaves of the innovation of the row `phi`, relative to the noise: phi' P phi; while P is being loosened at least
-    /// that.
+    /// Variance that P leaves of the innovation of the row `phi`, relative to the noise: phi' P
+    /// phi; while P is being loosened at least that.
     #[inline(always)]
     pub(crate) fn spread(&self, phi: [f32; N]) -> f32 {
         self.loosening.growth * self.factors.spread(phi)
@@ -140,7 +140,8 @@ impl<const N: usize> Estimator<N> {
         let _ = self.fold(z, innovation);
     }
 
-    /// As [`correct`](Self::correct), where no observation waits for its rest. Gives phi' P phi before it.
+    /// As [`correct`](Self::correct), where no observation waits for its rest. Gives phi' P phi
+    /// before it.
     #[inline(always)]
     pub(crate) fn fold(&mut self, z: &[f32; N], innovation: f32) -> f32 {
         let [forgetting, growth] = self.next;
@@ -152,11 +153,13 @@ impl<const N: usize> Estimator<N> {
         row.alpha - forgetting
     }
 
-    /// Takes `value` as an observation of parameter `index` alone, with `variance` relative to the noise of psi.
+    /// Takes `value` as an observation of parameter `index` alone, with `variance` relative to the
+    /// noise of psi.
     ///
-    /// Nothing is forgotten, and no sample counted. Nothing happens where P_ii is below
-    /// `least`, for an index that does not exist and for a known parameter. Gives P_ii before the step.
-    /// `variance` should be a power of two: then D and U of the parameters before this one keep their bits.
+    /// Nothing is forgotten, and no sample counted. Nothing happens where P_ii is below `least`,
+    /// for an index that does not exist and for a known parameter. Gives P_ii before the step.
+    /// `variance` should be a power of two: then D and U of the parameters before this one keep
+    /// their bits.
     #[inline(never)]
     pub fn observe_parameter(
         &mut self,
@@ -170,10 +173,11 @@ impl<const N: usize> Estimator<N> {
         before
     }
 
-    /// All of [`observe_parameter`](Self::observe_parameter) but its last column and the step of theta.
+    /// All of [`observe_parameter`](Self::observe_parameter) but its last column and the step of
+    /// theta.
     ///
-    /// P is then that behind an observation of another row, z with U'z = (0.., f_i, .., f_(N-2), 0). What changes the estimator
-    /// next finishes the observation first.
+    /// P is then that behind an observation of another row, z with U'z = (0.., f_i, ..,
+    /// f_(N-2), 0). What changes the estimator next finishes the observation first.
     #[inline(always)]
     pub(crate) fn begin_observation(
         &mut self,
@@ -209,7 +213,8 @@ impl<const N: usize> Estimator<N> {
         self.theta.add(&row.gain, (value - theta) / row.alpha);
     }
 
-    /// Sets what is too small to matter to zero, before it becomes subnormal: row `index` of U and of theta's second word.
+    /// Sets what is too small to matter to zero, before it becomes subnormal: row `index` of U and
+    /// of theta's second word.
     ///
     /// One index per sample in turn is enough. Cost: 4 instructions for each parameter.
     #[inline(always)]
@@ -224,7 +229,8 @@ impl<const N: usize> Estimator<N> {
         self.residual.flush();
     }
 
-    /// Makes the last parameter uncertain again: adds `variance` to P_nn and leaves all other entries of P.
+    /// Makes the last parameter uncertain again: adds `variance` to P_nn and leaves all other
+    /// entries of P.
     ///
     /// Cost: about one `update`.
     #[doc(alias = "widen_last")]
@@ -238,9 +244,15 @@ impl<const N: usize> Estimator<N> {
         self.read(|factors| factors.covariance(i, j))
     }
 
-    /// P, bit for bit the entries that [`covariance`](Self::covariance) gives, for less than half the instructions.
+    /// P, bit for bit the entries that [`covariance`](Self::covariance) gives, for less than half
+    /// the instructions.
     pub(crate) fn covariances(&self) -> [[f32; N]; N] {
         self.read(|factors| factors.covariances())
+    }
+
+    /// The P_ii.
+    pub(crate) fn variances(&self) -> [f32; N] {
+        self.read(|factors| core::array::from_fn(|i| factors.covariance(i, i)))
     }
 
     /// U above the diagonal and D on it, column by column.
@@ -253,7 +265,8 @@ impl<const N: usize> Estimator<N> {
         self.factors.diagonal()
     }
 
-    /// Variance of the noise of psi from the innovations, with a degree of freedom taken off for each parameter that is not known.
+    /// Variance of the noise of psi from the innovations, with a degree of freedom taken off for
+    /// each parameter that is not known.
     ///
     /// `None` until there are more samples than such parameters.
     pub fn noise_variance(&self) -> Option<f32> {

@@ -45,8 +45,8 @@ use crate::estimation::terms::{Parameter, Terms};
 /// use trendid::Structure;
 /// const SERVO: Structure<3, 4, 1> = Structure::SERVO;
 /// ```
-/// Other terms are checked in the same way by [`structure!`](crate::structure), those known at run time only by
-/// [`Structure::try_new`].
+/// Other terms are checked in the same way by [`structure!`](crate::structure), those known at run
+/// time only by [`Structure::try_new`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Structure<const M: usize, const N: usize, const I: usize> {
@@ -67,7 +67,8 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
     #[doc(alias = "integrating_with_start")]
     pub const INTEGRATING_WITH_INITIAL_STATE: Self = Self::servo(false, true);
 
-    /// As [`Structure::INTEGRATING`], with a constant and the initial state: the structure to start with.
+    /// As [`Structure::INTEGRATING`], with a constant and the initial state: the structure to start
+    /// with.
     pub const SERVO: Self = Self::servo(true, true);
 
     /// Every a_i and every b_i.
@@ -243,7 +244,8 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
 /// let double: Structure<3, 2, 1> = structure!(Terms::of(&[2]), [Terms::of(&[0])], false);
 /// assert_eq!(double.integrators(), 2);
 /// ```
-/// Terms that contradict the sizes do not compile, in a `let` as in a constant. Another number of parameters:
+/// Terms that contradict the sizes do not compile, in a `let` as in a constant. Another number of
+/// parameters:
 /// ```compile_fail,E0080
 /// use trendid::estimation::Terms;
 /// use trendid::{Structure, structure};

@@ -1,4 +1,5 @@
-//! Parameters in two words: a correction below half the last digit is carried over to the next one, not lost.
+//! Parameters in two words: a correction below half the last digit is carried over to the next one,
+//! not lost.
 
 use crate::estimation::mean_square::flush;
 
@@ -60,5 +61,17 @@ mod tests {
         // One word would still be 1: each correction is below half its last digit.
         assert_eq!(1.0 + 1e-9, 1.0_f32);
         assert!((sum.high()[0] - 1.000_001).abs() < 1e-7);
+    }
+
+    #[test]
+    fn second_words_end_at_zero_and_not_in_subnormal_numbers() {
+        let mut number = TwoWords {
+            high: [1.0; 3],
+            low: [1e-19, -1e-19, 1e-17],
+        };
+        for index in [0, 1, 2, 3] {
+            number.flush(index);
+        }
+        assert_eq!(number.low, [0.0, 0.0, 1e-17]);
     }
 }

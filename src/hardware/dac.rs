@@ -10,8 +10,9 @@ const MIDDLE: i32 = 0x8000;
 /// Codes from zero to full command on either side.
 const FULL: f32 = 32_767.0;
 
-/// A valve amplifier on a DAC with 24-bit frames (eight control bits, zero for normal operation, then the code, high byte
-/// first), as the DAC8551 and the AD5662 speak them; the middle code is command zero.
+/// A valve amplifier on a DAC with 24-bit frames (eight control bits, zero for normal operation,
+/// then the code, high byte first), as the DAC8551 and the AD5662 speak them; the middle code is
+/// command zero.
 ///
 /// The command is rounded to the steps of the converter and the rounded value is returned.
 #[derive(Debug)]

@@ -1,8 +1,10 @@
-//! The edge to the machine: position sensors and valves over embedded-hal 1.0, and the scale between counts and units.
+//! The edge to the machine: position sensors and valves over embedded-hal 1.0, and the scale
+//! between counts and units.
 //!
-//! Drivers speak raw integer codes. A code is converted to a float once, by [`Axis`], after a reference has been
-//! subtracted in counts: the float then carries the increment and not the distance from a far zero, which would exceed the
-//! resolution of an f32. The valve takes the command of the model, -1 to 1.
+//! Drivers speak raw integer codes. A code is converted to a float once, by [`Axis`], after a
+//! reference has been subtracted in counts: the float then carries the increment and not the
+//! distance from a far zero, which would exceed the resolution of an f32. The valve takes the
+//! command of the model, -1 to 1.
 //!
 //! Every driver has a safe output for a controller that gives up ([`Valve::safe`]).
 
@@ -33,7 +35,8 @@ pub trait Valve {
 
     /// Sets the command and returns what was set: `command` limited to -1..=1, and zero for NaN.
     ///
-    /// The identifier must see the returned value, not the requested one: a saturation that it does not see is a gain error.
+    /// The identifier must see the returned value, not the requested one: a saturation that it does
+    /// not see is a gain error.
     ///
     /// # Errors
     /// The error of the output; the command is then unknown.

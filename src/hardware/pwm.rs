@@ -15,10 +15,12 @@ pub enum PwmError<P, D> {
     Direction(D),
 }
 
-/// A proportional valve on a bridge with a PWM and a direction input; direction high is a positive command.
+/// A proportional valve on a bridge with a PWM and a direction input; direction high is a positive
+/// command.
 ///
-/// The command is rounded to the steps of the timer and the rounded value is returned, so that the identifier sees the
-/// command that was set. The pulse is taken to zero before the direction changes: no pulse ever has the wrong sign.
+/// The command is rounded to the steps of the timer and the rounded value is returned, so that the
+/// identifier sees the command that was set. The pulse is taken to zero before the direction
+/// changes: no pulse ever has the wrong sign.
 #[derive(Debug)]
 pub struct PwmValve<P, D> {
     pulse: P,

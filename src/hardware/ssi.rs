@@ -43,9 +43,10 @@ pub enum SsiError<E> {
 
 /// An SSI encoder on a bus without chip select (wire the clock and the data line only).
 ///
-/// The bus must idle high and sample on the falling edge (SPI mode 2). The first falling edge latches the position, the
-/// encoder then shifts out a bit on each rising edge; so the first sampled bit is the idle level, always high, and the
-/// position begins with the second. Four bytes are read in one transaction: 32 clocks, 64 us at 500 kHz.
+/// The bus must idle high and sample on the falling edge (SPI mode 2). The first falling edge
+/// latches the position, the encoder then shifts out a bit on each rising edge; so the first
+/// sampled bit is the idle level, always high, and the position begins with the second. Four bytes
+/// are read in one transaction: 32 clocks, 64 us at 500 kHz.
 #[derive(Debug)]
 pub struct SsiEncoder<SPI> {
     spi: SPI,

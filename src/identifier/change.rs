@@ -1,4 +1,5 @@
-//! A change of the drive in motion: found by the innovation within the bandwidth, answered by a memory that becomes short.
+//! A change of the drive in motion: found by the innovation within the bandwidth, answered by a
+//! memory that becomes short.
 //!
 //! ```text
 //! e_f, psi_f   innovation and left-hand side of the equation behind a lag of 1/(2 omega)
@@ -6,23 +7,28 @@
 //! changed  <=>  E > 0.1^2 S   and   E > 12 L (1 + phi' P phi)   and   E > 12 times a fiftieth of the expected noise, squared
 //! ```
 //!
-//! White noise passes the lag weakened, a wrong model does not: the command moves the drive within the bandwidth. The
-//! second condition is relative to what is usual, so noise of any colour and a model that is slightly wrong all the
-//! time are none; the first one leaves out what matters little. L follows E and not e_f^2, so that what is new does not
-//! pass for usual at once; with a memory below some 20/omega it does all the same, and the memory itself is short
-//! enough. With Gaussian innovations E has about sixteen degrees of freedom, so that chance alone exceeds 12 times the
-//! mean with a probability below 1e-30 per 4/omega: false alarms come from drives that the model does not describe.
-//! They cost accuracy for one memory, nothing else.
+//! White noise passes the lag weakened, a wrong model does not: the command moves the drive within
+//! the bandwidth. The second condition is relative to what is usual, so noise of any colour and a
+//! model that is slightly wrong all the time are none; the first one leaves out what matters
+//! little. L follows E and not e_f^2, so that what is new does not pass for usual at once; with a
+//! memory below some 20/omega it does all the same, and the memory itself is short enough. With
+//! Gaussian innovations E has about sixteen degrees of freedom, so that chance alone exceeds 12
+//! times the mean with a probability below 1e-30 per 4/omega: false alarms come from drives that
+//! the model does not describe. They cost accuracy for one memory, nothing else.
 //!
-//! Then everything learnt counts as much as one sample of the memory: `P <- n P`, no D beyond the prior. The rows are left
-//! out while the filter carries both drives, for three time constants of its pair; what its slow pole carries on is an
-//! initial state, which becomes uncertain again.
+//! Then everything learnt counts as much as one sample of the memory: `P <- n P`, no D beyond the
+//! prior. The rows are left out while the filter carries both drives, for three time constants of
+//! its pair; what its slow pole carries on is an initial state, which becomes uncertain again. What
+//! the rows behind that tell is weighed against so little that the memory plays no part: it is as
+//! long as the time since, until that is as long as the memory.
 //!
 //! # The bound
-//! `n P` may exceed the bound of [`forgetting`](crate::estimation::forgetting). While the rows are left out each parameter
-//! is observed in turn at its own value, so that theta stays, with the variance that the bound leaves right after a turn: after
-//! N samples the bound holds again, and no row is folded in before that. The initial state alone is as uncertain as at the
-//! start.
+//! `n P` may exceed the bound of [`forgetting`](crate::estimation::forgetting). In the first N
+//! samples without rows each parameter is observed once at its own value, so that theta stays, with
+//! the variance that the bound leaves right after a turn: behind them the bound holds again, and no
+//! row is folded in before that. Each observation more would count as much again as all that is to
+//! be forgotten: at a memory of 10 s forty of them kept the old drive for a second. The initial
+//! state alone is as uncertain as at the start.
 
 use crate::estimation::mean_square::{MeanSquare, flush};
 
@@ -57,7 +63,8 @@ pub(crate) struct Shares {
 }
 
 impl Shares {
-    /// For bandwidth times sample time, and a variance of the innovation that is always allowed for.
+    /// For bandwidth times sample time, and a variance of the innovation that is always allowed
+    /// for.
     pub(crate) const fn new(angle: f32, least: f32) -> Self {
         Self {
             lag: 2.0 * angle / (1.0 + 2.0 * angle),
@@ -79,7 +86,8 @@ impl ChangeDetector {
         }
     }
 
-    /// Takes innovation and left-hand side of a row; whether the drive has changed. `spread` gives phi' P phi.
+    /// Takes innovation and left-hand side of a row; whether the drive has changed. `spread` gives
+    /// phi' P phi.
     ///
     /// Cost: 35 instructions.
     #[inline(always)]
@@ -126,3 +134,6 @@ impl ChangeDetector {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

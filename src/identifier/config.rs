@@ -24,51 +24,61 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     pub input_range: [f32; I],
     /// Typical movement of the output, in its unit.
     pub output_range: f32,
-    /// Expected standard deviation of the noise of one output sample; weighs the prior, default `output_range / 1000`.
+    /// Expected standard deviation of the noise of one output sample; weighs the prior, default
+    /// `output_range / 1000`.
     pub output_noise: f32,
     /// Course of each input between samples; default held.
     pub holds: [Hold; I],
     /// Delay of each input in samples, at most `D`; default 0.
     pub delays: [usize; I],
-    /// Part of a sample by which each input is later than `delays`, 0 to below 1; default 0. [`Config::set_delay`] sets both.
+    /// Part of a sample by which each input is later than `delays`, 0 to below 1; default 0.
+    /// [`Config::set_delay`] sets both.
     pub delay_parts: [f32; I],
     /// Input in equilibrium before the first sample; default 0.
     #[doc(alias = "rest")]
     pub initial_input: [f32; I],
-    /// Memory of the estimator in s, from N (N - 1) samples to 2^20 samples; `None` forgets nothing (default).
+    /// Memory of the estimator in s, from N (N - 1) samples to 2^20 samples; `None` forgets nothing
+    /// (default).
     ///
-    /// In motion: while samples bring little information it is up to eight times as long, and while the drive does not move the
-    /// estimate is held and nothing forgotten; an innovation of six standard deviations then makes up for that at once. Where
-    /// nothing excites a parameter its covariance stops at a bound and the parameter at its nominal value
+    /// In motion: while samples bring little information it is up to eight times as long, and while
+    /// the drive does not move the estimate is held and nothing forgotten; an innovation of six
+    /// standard deviations then makes up for that at once. Where nothing excites a parameter its
+    /// covariance stops at a bound and the parameter at its nominal value
     /// ([`Identifier::set_nominal`](crate::Identifier::set_nominal)).
     pub memory: Option<f32>,
-    /// With a memory: whether a change of the drive in motion makes the memory short until the new drive is known;
-    /// default `false`.
+    /// With a memory: whether a change of the drive in motion makes the memory short until the new
+    /// drive is known; default `false`.
     ///
-    /// A change is what lets the innovation, within the bandwidth, grow beyond what noise and uncertainty explain and
-    /// beyond a tenth of the motion itself. What was learnt before counts for one sample then, the standard deviations grow
-    /// accordingly, and the estimate is held while the filter carries both drives:
-    /// [`Identifier::changes`](crate::Identifier::changes) counts. A drive with friction or a dead zone that the model
-    /// leaves out shows itself as a change now and then.
+    /// A change is what lets the innovation, within the bandwidth, grow beyond what noise and
+    /// uncertainty explain and beyond a tenth of the motion itself. What was learnt before counts
+    /// for one sample then, the standard deviations grow accordingly, and the estimate is held
+    /// while the filter carries both drives: [`Identifier::changes`](crate::Identifier::changes)
+    /// counts. A drive with friction or a dead zone that the model leaves out shows itself as a
+    /// change now and then.
     pub follow_changes: bool,
-    /// Which input is the sign of the velocity ([`inputs::coulomb`](crate::inputs::coulomb)), if one is; default `None`.
+    /// Which input is the sign of the velocity ([`inputs::coulomb`](crate::inputs::coulomb)), if
+    /// one is; default `None`.
     ///
-    /// While it is 0 the axis may stick, and no model says how large the friction is: the estimate is held, and behind an
-    /// integrator the trends begin anew at rest when the axis breaks away.
+    /// While it is 0 the axis may stick, and no model says how large the friction is: the estimate
+    /// is held, and behind an integrator the trends begin anew at rest when the axis breaks away.
+    /// Before that, in models of order 1 and 2, a command up to twice the friction found counts as
+    /// one that did not act.
     pub friction_input: Option<usize>,
     /// Estimate at the start, in the order of theta and the user's units; default 0.
     pub initial: [f32; N],
-    /// Standard deviation of `initial`, 0 for a known parameter; default `None`: ten times the design size,
-    /// and 3 % of the size of the input for the constant of a drive that integrates.
+    /// Standard deviation of `initial`, 0 for a known parameter; default `None`: ten times the
+    /// design size, and 3 % of the size of the input for the constant of a drive that integrates.
     pub prior_std: Option<[f32; N]>,
-    /// Parameters that are known to be their `initial`, whatever their standard deviation would be; default none.
+    /// Parameters that are known to be their `initial`, whatever their standard deviation would be;
+    /// default none.
     ///
-    /// Every other number is the same as if they were not in the model, but with a memory, which takes all parameters in turns.
+    /// Every other number is the same as if they were not in the model, but with a memory, which
+    /// takes all parameters in turns.
     pub known: [bool; N],
     /// Time after the first sample, in s, without estimation while the trends settle; default 0.
     pub settling: f32,
-    /// Standard deviations below which a constant is insignificant and withdrawn from the reading, fading out at twice as
-    /// many; default 2, 0 always keeps it.
+    /// Standard deviations below which a constant is insignificant and withdrawn from the reading,
+    /// fading out at twice as many; default 2, 0 always keeps it.
     #[doc(alias = "doubt")]
     pub offset_significance: f32,
 }
@@ -102,7 +112,8 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
         }
     }
 
-    /// Sets the delay of an input in samples, also between two of them; an input that does not exist is left out.
+    /// Sets the delay of an input in samples, also between two of them; an input that does not
+    /// exist is left out.
     ///
     /// Exact for a held input, and for a straight one up to an eighth of its second difference.
     ///
@@ -122,8 +133,8 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
         }
     }
 
-    /// The same settings for another structure over the same inputs; `initial`, `prior_std` and `known`, which belong
-    /// to the parameters of a structure, are those of [`Config::new`].
+    /// The same settings for another structure over the same inputs; `initial`, `prior_std` and
+    /// `known`, which belong to the parameters of a structure, are those of [`Config::new`].
     ///
     /// # Examples
     /// ```
@@ -218,13 +229,15 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
     }
 }
 
-/// Bandwidth times sample time: below, f32 has no digits for the trends; above, they do not follow the plant.
+/// Bandwidth times sample time: below, f32 has no digits for the trends; above, they do not follow
+/// the plant.
 const ANGLE: [f32; 2] = [1e-4, 1.0];
 
 /// Typical sizes of signals: within, every scale and its square fit f32.
 const RANGE: [f32; 2] = [1e-9, 1e9];
 
-/// Noise over the typical movement: below 10^-7 f32 has none; noise beyond the movement is no measurement.
+/// Noise over the typical movement: below 10^-7 f32 has none; noise beyond the movement is no
+/// measurement.
 const NOISE: [f32; 2] = [1e-7, 10.0];
 
 /// Longest memory in samples: of a longer one `1 - lambda` has no digits in f32.
@@ -233,7 +246,8 @@ const LONGEST: f32 = 1_048_576.0;
 /// Longest time before the first estimate, in samples.
 const SETTLING: f32 = 16_777_216.0;
 
-/// Shortest memory in samples: N (N - 1), from which on the bound of the covariance holds, and at least 3.
+/// Shortest memory in samples: N (N - 1), from which on the bound of the covariance holds, and at
+/// least 3.
 const fn shortest_memory<const N: usize>() -> f32 {
     let n = N * N.saturating_sub(1);
     if n > 3 { n as f32 } else { 3.0 }
@@ -247,5 +261,6 @@ pub(crate) fn check_std<const N: usize>(std: &[f32; N]) -> Result<(), ConfigErro
     Ok(())
 }
 
-/// A sample this many times its range away from zero is no measurement; it would also let sums overflow.
+/// A sample this many times its range away from zero is no measurement; it would also let sums
+/// overflow.
 pub(crate) const REACH: f32 = 1e6;

@@ -10,19 +10,20 @@ use crate::trends::TrendOperator;
 
 /// Identifiers of the same structure with the delays 0, 1, .. `K-1` of one input, side by side.
 ///
-/// An unmodelled delay biases theta and enlarges the residual: the candidate with the smallest normalised prediction
-/// error, `sqrt(sum e e_post / (n - N)) / beta` in the unit of y, has the right delay. All candidates see the same noise,
-/// so small differences count.
+/// An unmodelled delay biases theta and enlarges the residual: the candidate with the smallest
+/// normalised prediction error, `sqrt(sum e e_post / (n - N)) / beta` in the unit of y, has the
+/// right delay. All candidates see the same noise, so small differences count.
 ///
 /// | parameter | meaning |
 /// |---|---|
 /// | `C` | the [`Identifier`]; its delay lines `D` hold at least `K - 1` samples |
 /// | `K` | number of candidates, with delays of 0 to `K-1` samples |
 ///
-/// It is laid out as the array of its candidates: who has memory for one can make them in their places.
+/// It is laid out as the array of its candidates: who has memory for one can make them in their
+/// places.
 ///
-/// Guarantees: as [`Identifier`]. Cost: `K` times the identifier in time and memory, for commissioning; afterwards
-/// go on with [`DelayBank::chosen`] alone.
+/// Guarantees: as [`Identifier`]. Cost: `K` times the identifier in time and memory, for
+/// commissioning; afterwards go on with [`DelayBank::chosen`] alone.
 ///
 /// # Examples
 /// ```
@@ -49,7 +50,8 @@ use crate::trends::TrendOperator;
 /// assert!((servo.estimate().physical().omega0.unwrap() - 20.0).abs() < 0.2);
 /// # Ok::<(), trendid::ConfigError>(())
 /// ```
-/// Delay lines that are too short for the longest candidate do not compile, and neither does an empty bank:
+/// Delay lines that are too short for the longest candidate do not compile, and neither does an
+/// empty bank:
 /// ```compile_fail,E0080
 /// use trendid::{Servo, identifier::DelayBank};
 /// let bank = DelayBank::<Servo<6>, 8>::new(0.001, 20.0, 1.0, 50.0);
@@ -144,7 +146,8 @@ impl<
         first.unwrap_or(Outcome::WarmingUp { remaining: 0 })
     }
 
-    /// Prediction error of each candidate in the unit of y; `None` until there are more samples than parameters.
+    /// Prediction error of each candidate in the unit of y; `None` until there are more samples
+    /// than parameters.
     pub fn errors(&self) -> [Option<f32>; K] {
         core::array::from_fn(|delay| self.candidates[delay].noise_std())
     }
@@ -163,10 +166,11 @@ impl<
         best
     }
 
-    /// The delay between the samples, by a parabola through the squared errors of the best candidate and its neighbours.
+    /// The delay between the samples, by a parabola through the squared errors of the best
+    /// candidate and its neighbours.
     ///
-    /// Half a sample at most from [`DelayBank::best`], which it is for the first and the last candidate. An identifier for it
-    /// is made by [`Config::set_delay`].
+    /// Half a sample at most from [`DelayBank::best`], which it is for the first and the last
+    /// candidate. An identifier for it is made by [`Config::set_delay`].
     pub fn refined(&self) -> Option<f32> {
         let best = self.best()?;
         let errors = self.errors();
@@ -189,7 +193,8 @@ impl<
         Some(best as f32 + within(step, 0.5))
     }
 
-    /// Prediction error of the second best candidate over that of the best: at least 1, larger for a clearer choice.
+    /// Prediction error of the second best candidate over that of the best: at least 1, larger for
+    /// a clearer choice.
     pub fn margin(&self) -> Option<f32> {
         let best = self.best()?;
         let errors = self.errors();

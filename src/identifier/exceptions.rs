@@ -12,7 +12,8 @@ use crate::trends::TrendOperator;
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
     State<T, M, N, I, D>
 {
-    /// Whether the drive has just changed, or the filter still carries what it was: the row is left out.
+    /// Whether the drive has just changed, or the filter still carries what it was: the row is left
+    /// out.
     #[inline(never)]
     pub(super) fn changing(
         &mut self,
@@ -24,7 +25,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let change = &mut self.change;
         if change.settling > 0 {
             change.settling -= 1;
-            self.forgetting.hold(&mut self.estimator);
+            if change.settling + N as u32 >= plan.times.change_settling {
+                self.forgetting.hold(&mut self.estimator);
+            }
             if change.settling == 0 {
                 self.lose_initial_state(plan);
                 witness.widened();
@@ -54,7 +57,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         true
     }
 
-    /// Whether the row may be of the model; where the axis stands against it the trends begin again at rest.
+    /// Whether the row may be of the model; where the axis stands against it the trends begin again
+    /// at rest.
     #[inline(always)]
     pub(super) fn obeys(
         &mut self,
@@ -67,11 +71,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     ) -> bool {
         if plan.sticks(&self.signals.last_inputs) {
             if let Some(y) = self.standstill.sticks(y, plan.times.gate_pause) {
-                self.signals.rest(plan, y);
-                witness.begin();
-                // In force from now on, should the axis break away before the next sample.
-                let others = self.signals.again(plan, others);
-                witness.inputs(&others.inputs);
+                self.begin_at_rest(plan, y, others, witness);
             }
             return false;
         }
@@ -84,8 +84,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         });
         let found = (self.standstill).classify(y, innovation, limits, contradicts);
         if let Motion::Stands | Motion::Freed = found {
-            self.signals.rest(plan, y);
-            witness.begin();
+            self.begin_at_rest(plan, y, others, witness);
         }
         if found == Motion::Freed {
             self.lose_initial_state(plan);
@@ -94,9 +93,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         found == Motion::Obeys
     }
 
-    /// Whether the row just folded in, of this `spread`, contradicts what was learnt, and is one of a drive that moves.
+    /// Whether the row just folded in, of this `spread`, contradicts what was learnt, and is one of
+    /// a drive that moves.
     ///
-    /// Inside the band of standstill it may as well be one of an axis that is held: the row that leaves the band decides.
+    /// Inside the band of standstill it may as well be one of an axis that is held: the row that
+    /// leaves the band decides.
     #[inline(never)]
     pub(super) fn contradicted(
         &self,
@@ -118,7 +119,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
     }
 
-    /// A sample without a row: forgetting is owed, or done all the same behind another filter; a call goes on.
+    /// A sample without a row: forgetting is owed, or done all the same behind another filter; a
+    /// call goes on.
     #[inline(never)]
     pub(super) fn let_pass(&mut self) {
         if !self.learns {
@@ -134,6 +136,22 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             self.estimator.pass();
             let _ = self.forgetting.turn(&mut self.estimator, false);
         }
+    }
+
+    /// The trends begin again at rest at `y`, with the inputs of this sample: they are in force
+    /// from now on, should the axis break away before the next one.
+    #[inline(never)]
+    fn begin_at_rest(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        y: f32,
+        others: &Others<M, I>,
+        witness: &mut impl Witness<M, N, I>,
+    ) {
+        self.signals.rest(plan, y);
+        witness.begin();
+        let others = self.signals.again(plan, others);
+        witness.inputs(&others.inputs);
     }
 
     /// The initial state is again as uncertain as at the start.

@@ -13,8 +13,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 {
     /// Lets the trends of y, from what they were before the sample, go on with the prediction.
     ///
-    /// The estimator is left alone. For a sample that was replaced that is all: nothing learnt, nothing forgotten, P as it was. A
-    /// sample without y is time that passed; [`skip`](Self::skip) adds that forgetting is owed.
+    /// The estimator is left alone. For a sample that was replaced that is all: nothing learnt,
+    /// nothing forgotten, P as it was. A sample without y is time that passed; [`skip`](Self::skip)
+    /// adds that forgetting is owed.
     #[inline(never)]
     pub(super) fn go_on(
         &mut self,
@@ -41,7 +42,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.signals.remaining = self.signals.remaining.saturating_sub(1);
     }
 
-    /// One sample time without y: the trends go on with what the model predicts under the inputs `u`.
+    /// One sample time without y: the trends go on with what the model predicts under the inputs
+    /// `u`.
     #[inline(never)]
     pub(crate) fn skip(
         &mut self,
@@ -77,7 +79,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.skip(plan, self.signals.last_inputs, witness);
     }
 
-    /// A refused sample is a sample time without y; inputs that cannot be taken stay what they were.
+    /// A refused sample is a sample time without y; inputs that cannot be taken stay what they
+    /// were.
     #[inline(never)]
     pub(super) fn refuse(
         &mut self,

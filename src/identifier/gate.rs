@@ -4,15 +4,17 @@
 //! implausible  <=>  |e(k) - e_mean| > 4 sigma_y   and   |y(k) - 3 y(k-1) + 3 y(k-2) - y(k-3)| > 1.2 sqrt(20) sigma_y
 //! ```
 //!
-//! e is the innovation, e_mean its mean over some samples: a model that is wrong makes e large and e_mean with it. An
-//! implausible sample is replaced by `y - (e - e_mean)`. If the next one is implausible too, the change lasts: both
-//! are taken as measured, and the gate stays open for a while. So one wrong sample costs one row, and a
-//! step of the position enters the trends in the sample in which it happened.
+//! e is the innovation, e_mean its mean over some samples: a model that is wrong makes e large and
+//! e_mean with it. An implausible sample is replaced by `y - (e - e_mean)`. If the next one is
+//! implausible too, the change lasts: both are taken as measured, and the gate stays open for a
+//! while. So one wrong sample costs one row, and a step of the position enters the trends in the
+//! sample in which it happened.
 
 /// Standard deviations of the noise beyond which the innovation is implausible.
 const INNOVATION: f32 = 4.0;
 
-/// The same for the third difference of y, relative to its own standard deviation, sqrt(20) times that of the noise.
+/// The same for the third difference of y, relative to its own standard deviation, sqrt(20) times
+/// that of the noise.
 const THIRD: f32 = 1.2;
 
 /// Share of the newest innovation in its mean.
@@ -49,7 +51,8 @@ impl<T> Gate<T> {
         }
     }
 
-    /// Classifies a sample by its innovation and its third difference, in the unit of y; `noise` is the variance of y.
+    /// Classifies a sample by its innovation and its third difference, in the unit of y; `noise` is
+    /// the variance of y.
     #[inline(always)]
     pub(crate) fn classify(
         &mut self,
@@ -81,3 +84,6 @@ impl<T> Gate<T> {
         self.open = self.open.max(samples);
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -18,6 +18,7 @@ pub(crate) mod servo;
 mod signals;
 mod standstill;
 mod state;
+mod stuck;
 mod times;
 pub(crate) mod witness;
 
@@ -102,8 +103,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         Ok(Self { plan, state })
     }
 
-    /// Begins anew with other settings and other trends, in the place of this identifier: as [`Identifier::try_new`], with less
-    /// stack. Not for the 1 ms path.
+    /// Begins anew with other settings and other trends, in the place of this identifier: as
+    /// [`Identifier::try_new`], with less stack. Not for the 1 ms path.
     ///
     /// # Errors
     /// As of [`Identifier::try_new`]; nothing is changed then.
@@ -132,7 +133,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.state.update(&self.plan, u, y, witness)
     }
 
-    /// Back to the identifier as constructed, in every field: the filter, prior, estimate and signals, and it adapts.
+    /// Back to the identifier as constructed, in every field: the filter, prior, estimate and
+    /// signals, and it adapts.
     pub fn reset(&mut self) {
         self.plan.restore();
         self.state = State::new(&self.plan);
@@ -140,8 +142,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// Lets `samples` sample times pass without a measurement, under the newest inputs.
     ///
-    /// The model bridges a short gap (up to 5 over the bandwidth); after a longer one the trends begin anew with the next
-    /// sample, as by [`Identifier::restart_trends`].
+    /// The model bridges a short gap (up to 5 over the bandwidth); after a longer one the trends
+    /// begin anew with the next sample, as by [`Identifier::restart_trends`].
     pub fn skip(&mut self, samples: u32) {
         self.skip_seen(samples, &mut ());
     }
@@ -181,12 +183,14 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         Ok(())
     }
 
-    /// With a memory: makes the current estimate the nominal one, to which the estimate returns where nothing excites it.
+    /// With a memory: makes the current estimate the nominal one, to which the estimate returns
+    /// where nothing excites it.
     ///
     /// Without this call the nominal values follow the estimate while it is well known.
     #[doc(alias = "trust")]
     pub fn set_nominal(&mut self) {
-        self.state.set_nominal();
+        let noise = self.plan.prior_noise;
+        self.state.set_nominal(noise * noise);
     }
 
     /// Adapts (`true`, as constructed) or holds the estimate; predictions go on.
@@ -194,10 +198,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.state.adapt(on);
     }
 
-    /// The model found, with its uncertainty: noise bias taken out, an insignificant constant withdrawn.
+    /// The model found, with its uncertainty: noise bias taken out, an insignificant constant
+    /// withdrawn.
     ///
-    /// Cost: see the table of instruction counts; one call serves all numbers. For the loop that reports, not for every
-    /// sample.
+    /// Cost: see the table of instruction counts; one call serves all numbers. For the loop that
+    /// reports, not for every sample.
     pub fn estimate(&self) -> Estimate<M, N, I> {
         self.read_out().estimate()
     }
@@ -239,7 +244,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
     }
 
-    /// Standard deviation of the innovation in the unit of y, `None` until there are more samples than parameters.
+    /// Standard deviation of the innovation in the unit of y, `None` until there are more samples
+    /// than parameters.
     pub fn noise_std(&self) -> Option<f32> {
         let beta = self
             .plan
@@ -289,3 +295,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const D: usize>
         self.update_inputs([u], y)
     }
 }
+
+#[cfg(test)]
+mod tests;

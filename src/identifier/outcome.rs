@@ -22,14 +22,16 @@ pub enum Outcome {
         /// Samples until the first estimate.
         remaining: u32,
     },
-    /// The sample was refused and entered no buffer; its time passed, bridged by the prediction of y.
+    /// The sample was refused and entered no buffer; its time passed, bridged by the prediction of
+    /// y.
     Refused(Refusal),
     /// y was implausible (a spike) and replaced by its prediction; the estimate was left alone.
     Replaced {
         /// y(k) minus its prediction, in the unit of y.
         innovation: f32,
     },
-    /// The sample was predicted; the estimate is held, by the user or because the drive does not move.
+    /// The sample was predicted; the estimate is held, by the user or because the drive does not
+    /// move.
     Held {
         /// y(k) minus its prediction, in the unit of y.
         innovation: f32,

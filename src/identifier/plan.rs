@@ -16,8 +16,9 @@ const MOVES: f32 = 5.0;
 /// Least variance of the noise over the expected one.
 const LEAST_NOISE: f32 = 0.02 * 0.02;
 
-/// Largest bandwidth times sample time with an innovation gate: beyond, the third difference of the motion itself is as
-/// large as a spike, and the predictions of a rough model would replace good samples.
+/// Largest bandwidth times sample time with an innovation gate: beyond, the third difference of the
+/// motion itself is as large as a spike, and the predictions of a rough model would replace good
+/// samples.
 const FINE: f32 = 0.1;
 
 /// Mean and standard deviation of the parameters before the first sample, normalised.
@@ -52,7 +53,8 @@ pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, cons
     pub(crate) prior_noise: f32,
     pub(crate) bandwidth: f32,
     pub(crate) forgets: bool,
-    /// 1 / 25 times the variance of each entry of phi under white noise of variance 1 on y; 0 where there is none.
+    /// 1 / 25 times the variance of each entry of phi under white noise of variance 1 on y; 0 where
+    /// there is none.
     noise_weights: [f32; N],
     /// Whether there is none in any.
     always_moves: bool,
@@ -63,7 +65,8 @@ pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, cons
     pub(crate) least_noise: f32,
     /// Where half a digit of y in f32 is as large as the expected noise.
     pub(crate) coarse: f32,
-    /// Whether standstill can contradict the model: behind an integrator every input moves the drive.
+    /// Whether standstill can contradict the model: behind an integrator every input moves the
+    /// drive.
     pub(crate) can_stand: bool,
     /// How long things last.
     pub(crate) times: Times,
@@ -158,14 +161,15 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
         Ok(())
     }
 
-    /// Whether the trends of y exceed their noise; where they do not, a row holds no information on the drive.
+    /// Whether the trends of y exceed their noise; where they do not, a row holds no information on
+    /// the drive.
     ///
     /// ```text
     /// moves  <=>  sum over the columns of y: phi_j^2 / M_jj > 25 sigma_y^2        sigma_y^2 = S / (20 n)
     /// ```
     ///
-    /// `noise` is sigma_y^2, -1 as long as it is not known. True then, and for trends without a known noise gain.
-    /// Cost: 10 instructions.
+    /// `noise` is sigma_y^2, -1 as long as it is not known. True then, and for trends without a
+    /// known noise gain. Cost: 10 instructions.
     #[inline(always)]
     pub(crate) fn moves(&self, phi: &[f32; N], noise: f32) -> bool {
         // Those of y are the first parameters, at most M.
@@ -183,12 +187,18 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
         self.can_stand && velocity.is_some_and(|sign| *sign == 0.0)
     }
 
+    /// The input that is the sign of the velocity.
+    pub(crate) const fn friction_input(&self) -> Option<usize> {
+        self.friction_input
+    }
+
     /// Whether an input is the sign of the velocity.
     pub(crate) const fn turns(&self) -> bool {
         self.friction_input.is_some()
     }
 
-    /// Whether `trends` differ from those in use in their numerators only: every signal then is already what it would be.
+    /// Whether `trends` differ from those in use in their numerators only: every signal then is
+    /// already what it would be.
     pub(crate) fn same_filter(&self, trends: &T) -> bool {
         let (old, new) = (self.trends.design(), trends.design());
         new.filter.is_some() && new.filter == old.filter && new.feedthrough == old.feedthrough
@@ -236,7 +246,8 @@ fn output_form<const M: usize, const N: usize, const I: usize>(
     }
 }
 
-/// Whether every input acts at least two integrations behind: then the velocity has no steps, and a step of y is no motion.
+/// Whether every input acts at least two integrations behind: then the velocity has no steps, and a
+/// step of y is no motion.
 fn smooth<const M: usize, const N: usize, const I: usize>(structure: &Structure<M, N, I>) -> bool {
     let inputs = structure.inputs();
     inputs.iter().all(|terms| !terms.contains(M - 1))

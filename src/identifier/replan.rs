@@ -9,8 +9,9 @@ use crate::trends::TrendOperator;
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
     Identifier<T, M, N, I, D>
 {
-    /// Takes other settings and other trends. [`Identifier::expect_noise`] and [`Identifier::reset`] must follow before the next
-    /// update; in samples of their own, where all are too much for one.
+    /// Takes other settings and other trends. [`Identifier::expect_noise`] and
+    /// [`Identifier::reset`] must follow before the next update; in samples of their own, where all
+    /// are too much for one.
     ///
     /// # Errors
     /// As of [`Identifier::try_new`]; nothing is changed then.

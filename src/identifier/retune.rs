@@ -16,15 +16,17 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 {
     /// Goes on from the estimate with other trends: a filter nearer to the plant.
     ///
-    /// The estimate and its covariance stay, so nothing jumps. The new filter begins at the present position; while its
-    /// transient lasts, for `settling` seconds, the estimate is held, and the initial state becomes uncertain again. Three
-    /// time constants of the slowest pole beside that of the initial state leave 5 % of the transient; no standard
-    /// deviation contains this rest. Where the filter is the same and only the numerators are new, the signals go on and
-    /// nothing is held. [`Identifier::reset`] leads back to the trends of the construction.
-    /// Cost: about 9000 instructions for order 3, once; not for every sample.
+    /// The estimate and its covariance stay, so nothing jumps. The new filter begins at the present
+    /// position; while its transient lasts, for `settling` seconds, the estimate is held, and the
+    /// initial state becomes uncertain again. Three time constants of the slowest pole beside that
+    /// of the initial state leave 5 % of the transient; no standard deviation contains this rest.
+    /// Where the filter is the same and only the numerators are new, the signals go on and nothing
+    /// is held. [`Identifier::reset`] leads back to the trends of the construction. Cost: about
+    /// 9000 instructions for order 3, once; not for every sample.
     ///
     /// # Errors
-    /// [`ConfigError::OutOfRange`] for another sample time or a negative time; nothing is changed then.
+    /// [`ConfigError::OutOfRange`] for another sample time or a negative time; nothing is changed
+    /// then.
     pub fn retune(&mut self, trends: T, settling: f32) -> Result<(), ConfigError> {
         let plan = &self.plan;
         let (old, new) = (plan.trends.design(), trends.design());

@@ -6,7 +6,8 @@ use crate::identifier::signals::Others;
 use crate::identifier::state::State;
 use crate::trends::TrendOperator;
 
-/// One over the third difference that noise does not make, in standard deviations of y: 4 times sqrt(20).
+/// One over the third difference that noise does not make, in standard deviations of y: 4 times
+/// sqrt(20).
 const STEP: f32 = 1.0 / 18.0;
 
 /// The regressor with its equation error, and that as an innovation in the unit of y.
@@ -19,8 +20,9 @@ pub(super) struct Row<const N: usize> {
 }
 
 impl<const N: usize> Row<N> {
-    /// Makes the row count for what it tells at the position `y`: beyond `coarse` f32 resolves y worse than the noise that is
-    /// expected, and the row is divided by how much worse. Its digits would outweigh nominal values that nothing supports.
+    /// Makes the row count for what it tells at the position `y`: beyond `coarse` f32 resolves y
+    /// worse than the noise that is expected, and the row is divided by how much worse. Its digits
+    /// would outweigh nominal values that nothing supports.
     #[inline(always)]
     pub(super) fn weigh(&mut self, y: f32, coarse: f32) {
         let far = y.abs();
@@ -50,7 +52,8 @@ impl Noise {
         Self { known, allowed }
     }
 
-    /// The variance that is allowed; infinite, so that nothing exceeds it, while the noise is not known.
+    /// The variance that is allowed; infinite, so that nothing exceeds it, while the noise is not
+    /// known.
     #[inline(always)]
     pub(super) fn known_or_infinite(self) -> f32 {
         if self.known < 0.0 {
@@ -96,7 +99,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             let _ = self.signals.output_trends(plan, newest);
             self.replaced = self.replaced.saturating_sub(1);
         }
-        // Beyond all noise: the trends carry this step of the position or of the velocity for a while.
+        // Beyond all noise: the trends carry this step of the position or of the velocity for a
+        // while.
         let third = self.noise.third_difference(y) * STEP;
         if third * third > Noise::of(&self.noise, plan.least_noise).allowed {
             self.standstill.pause(plan.times.after_step);

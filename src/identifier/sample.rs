@@ -42,6 +42,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
         // Before the row: it moves theta.
         self.estimator.finish_observation();
+        if I > 1 && plan.sticks(&u) {
+            self.give_back(plan);
+        }
         let others = self.signals.other_trends(plan, u);
         witness.inputs(&others.inputs);
         if self.signals.remaining > 0 {
@@ -73,8 +76,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
     }
 
-    /// The row of y with the third difference that y makes, `None` where a change lasts; or the innovation of a sample that
-    /// is replaced by its prediction.
+    /// The row of y with the third difference that y makes, `None` where a change lasts; or the
+    /// innovation of a sample that is replaced by its prediction.
     #[inline(always)]
     fn screened(
         &mut self,
@@ -158,7 +161,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let mut brings = true;
         if !self.postponed.is_usual(spread) {
             if self.postponed.is_owed() && self.contradicted(plan, row.error, spread, y) {
-                // The rows that are left out meanwhile are those of the onset of a motion: noise above all.
+                // The rows that are left out meanwhile are those of the onset of a motion: noise
+                // above all.
                 self.learns = false;
                 witness.widened();
                 return;
@@ -166,11 +170,27 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             brings = self.postponed.take(spread, &mut self.estimator);
         }
         if let Some(part) = self.forgetting.turn(&mut self.estimator, brings) {
-            self.flush(part);
+            self.tidy(plan, part);
         }
     }
 
-    /// Once in a while, a part at a time: what has decayed becomes zero before it becomes subnormal.
+    /// Once in a while, in a sample with little else to do: whether nominal values may follow, and
+    /// a part of [`flush`](Self::flush).
+    ///
+    /// They do while f32 resolves the position as well as the noise that is expected, or half as
+    /// well as where it began.
+    #[inline(never)]
+    fn tidy(&mut self, plan: &Plan<T, M, N, I>, part: u32) {
+        if part.is_multiple_of(8) {
+            let far = self.position().abs();
+            let resolved = far <= plan.coarse || far <= 2.0 * self.signals.reference.abs();
+            self.forgetting.heed(resolved);
+        }
+        self.flush(part);
+    }
+
+    /// Once in a while, a part at a time: what has decayed becomes zero before it becomes
+    /// subnormal.
     #[inline(never)]
     fn flush(&mut self, part: u32) {
         match part % 8 {

@@ -8,9 +8,11 @@ use crate::trends::filter::settling_time;
 use crate::trends::filtered::FilteredTrends;
 use crate::trends::{Design, Scheme, TrendOperator};
 
-/// A servo: `b0 / (s (s^2 + a2 s + a1))`, the offset of its valve and its initial position, behind the default filter.
+/// A servo: `b0 / (s (s^2 + a2 s + a1))`, the offset of its valve and its initial position, behind
+/// the default filter.
 ///
-/// theta = (a1, a2, b0, constant, initial state), the structure [`Structure::SERVO`]. `D` is the longest delay in samples.
+/// theta = (a1, a2, b0, constant, initial state), the structure [`Structure::SERVO`]. `D` is the
+/// longest delay in samples.
 ///
 /// # Examples
 /// ```
@@ -78,7 +80,8 @@ fn servo<const N: usize, const I: usize>(
 }
 
 impl Servo {
-    /// A servo sampled every `sample_time` (s), of rough `bandwidth` (rad/s), with the typical sizes of u and y.
+    /// A servo sampled every `sample_time` (s), of rough `bandwidth` (rad/s), with the typical
+    /// sizes of u and y.
     ///
     /// # Errors
     /// The value that cannot work, as a [`ConfigError`] that names it.
@@ -111,7 +114,8 @@ impl<const D: usize> Servo<D> {
 }
 
 impl ValveServo {
-    /// As [`Servo::new`], forgetting with `memory` (s), about two blocks of the [`DeadZone`](crate::inputs::DeadZone).
+    /// As [`Servo::new`], forgetting with `memory` (s), about two blocks of the
+    /// [`DeadZone`](crate::inputs::DeadZone).
     ///
     /// # Errors
     /// As [`Servo::new`].
@@ -131,7 +135,8 @@ impl ValveServo {
 impl<const M: usize, const N: usize, const I: usize, const D: usize>
     Identifier<FilteredTrends<M>, M, N, I, D>
 {
-    /// Goes on with the default filter for a plant of the bandwidth `omega0` (rad/s), as [`Identifier::retune`].
+    /// Goes on with the default filter for a plant of the bandwidth `omega0` (rad/s), as
+    /// [`Identifier::retune`].
     ///
     /// The estimate is held for three time constants of the filter's pair.
     ///

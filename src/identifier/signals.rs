@@ -17,8 +17,8 @@ pub(crate) struct Others<const M: usize, const I: usize> {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Signals<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> {
     pub(crate) output: T::Memory,
-    inputs: [T::Memory; I],
-    constant: T::Memory,
+    pub(crate) inputs: [T::Memory; I],
+    pub(crate) constant: T::Memory,
     lines: [DelayLine<D>; I],
     /// Contribution of the initial state to the trends.
     pub(crate) initial: f32,
@@ -31,6 +31,8 @@ pub(crate) struct Signals<T: TrendOperator<M>, const M: usize, const I: usize, c
     /// The newest y in the trends, and the newest inputs.
     pub(crate) last: f32,
     pub(crate) last_inputs: [f32; I],
+    /// The newest inputs as they act: behind their delays.
+    pub(crate) acting: [f32; I],
     /// Samples without y since the last one.
     pub(crate) gap: u32,
     /// Samples, modulo 2^32.
@@ -55,6 +57,7 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
             gate: Gate::new(plan.times.gate_open),
             last: 0.0,
             last_inputs: plan.initial_inputs,
+            acting: plan.initial_inputs,
             gap: 0,
             turn: 0,
         }
@@ -130,10 +133,15 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
     ) -> Others<M, I> {
         self.last_inputs = u;
         let acting = self.delayed(plan, u);
+        // Only beside an input of friction.
+        if I > 1 {
+            self.acting = acting;
+        }
         self.trends_under(plan, acting)
     }
 
-    /// The same once more in a sample whose inputs are in their delay lines, behind trends that begin again.
+    /// The same once more in a sample whose inputs are in their delay lines, behind trends that
+    /// begin again.
     #[inline(never)]
     pub(crate) fn again<const N: usize>(
         &mut self,

@@ -1,38 +1,45 @@
-//! Standstill against the model: the axis is blocked, friction holds it, the command stays inside the dead zone.
+//! Standstill against the model: the axis is blocked, friction holds it, the command stays inside
+//! the dead zone.
 //!
 //! ```text
 //! stands      <=>  |y - y_0| <= 6 sigma_y                       y_0: where the band was entered
 //! contradicts <=>  |e - e_0| > 12 sigma_y sqrt(1 + phi' P phi)          e: the innovation, e_0 where the band was entered
 //! ```
 //!
-//! An integrating drive that stands where the model moves by more than twice the band does not obey the model, and its
-//! rows teach what is wrong; a model that is not known yet (phi' P phi) does not contradict. From
-//! the fifth such sample in a row on the estimate is held until the axis leaves the band, and then for four times as long, at most the
-//! settling time of the trends: they still carry what was not of the model. Once it has been held for 1/bandwidth the
-//! standstill is certain: the trends begin again at rest as often as it contradicts. When it ends they begin again too, but the
-//! axis moves already: the initial state becomes uncertain; a structure without one waits until the trends have lost it.
+//! An integrating drive that stands where the model moves by more than twice the band does not obey
+//! the model, and its rows teach what is wrong; a model that is not known yet (phi' P phi) does not
+//! contradict. From the fifth such sample in a row on the estimate is held until the axis leaves
+//! the band, and then for four times as long, at most the settling time of the trends: they still
+//! carry what was not of the model. Once it has been held for 1/bandwidth the standstill is
+//! certain: the trends begin again at rest as often as it contradicts. When it ends they begin
+//! again too, but the axis moves already: the initial state becomes uncertain; a structure without
+//! one waits until the trends have lost it.
 //!
-//! Nothing is held for ever on a model that is not known: what contradicts no more for the settling time of the trends, which have
-//! lost by then what did, is no standstill. So an estimate that is held goes on being contradicted, by more than its own uncertainty;
-//! and before the noise is known nothing contradicts.
+//! Nothing is held for ever on a model that is not known: what contradicts no more for the settling
+//! time of the trends, which have lost by then what did, is no standstill. So an estimate that is
+//! held goes on being contradicted, by more than its own uncertainty; and before the noise is known
+//! nothing contradicts.
 //!
-//! Where an input says that the velocity is 0, friction is whatever holds the axis, and no size of the innovation tells: the
-//! row is left out, and the trends begin at rest at the mean of y.
+//! Where an input says that the velocity is 0, friction is whatever holds the axis, and no size of
+//! the innovation tells: the row is left out, the command is given back (`stuck`), and from half of
+//! 1/bandwidth on the trends begin at rest at the mean of y.
 //!
-//! A model that is merely wrong is not held up: while the drive moves, it crosses the band in few samples, and the pause
-//! is in proportion to them.
+//! A model that is merely wrong is not held up: while the drive moves, it crosses the band in few
+//! samples, and the pause is in proportion to them.
 //!
 //! # What does not hold
-//! A stick that is over before the trends begin at rest is left out with four times its length only: the trends carry a friction that
-//! was not told for longer. On a drive of 20 rad/s that breaks away at 1.5 times the Coulomb friction, ten samples of standstill
-//! at every turn of a sine are errors of 6 to 9 %, three samples 1 %, far beyond the standard deviation. To begin at rest
-//! at once is right for a velocity that is exactly 0 and wrong for a measured one, which is 0 while the drive turns.
+//! A stick that is over before the trends begin at rest is left out with four times its length.
+//! Where the velocity is 0 in a wide band the axis moves in it, and what is given back and left out
+//! is not all of what friction did: a band of a twentieth of the largest velocity leaves errors of
+//! 5 to 7 %, one of a hundredth 1 %. To begin at rest at once is right for a velocity that is
+//! exactly 0 and wrong for a measured one, which is 0 while the drive turns.
 
-/// Half width of the band in standard deviations of the noise; the difference of two samples leaves it by chance
-/// twice in 10^5 samples.
+/// Half width of the band in standard deviations of the noise; the difference of two samples leaves
+/// it by chance twice in 10^5 samples.
 const BAND: f32 = 6.0;
 
-/// Standard deviations beyond which the innovation contradicts: twice the band, so that no motion inside it does.
+/// Standard deviations beyond which the innovation contradicts: twice the band, so that no motion
+/// inside it does.
 const CONTRADICTS: f32 = 2.0 * BAND;
 
 /// Contradictions in a row before anything is concluded.
@@ -53,7 +60,8 @@ pub(crate) enum Motion {
     Withheld,
     /// The axis stands for certain: the trends are to begin again at rest.
     Stands,
-    /// It has stood, and moves already: the trends are to begin again, from a state that is not known.
+    /// It has stood, and moves already: the trends are to begin again, from a state that is not
+    /// known.
     Freed,
 }
 
@@ -88,8 +96,8 @@ impl Standstill {
         }
     }
 
-    /// The innovation from that at y_0, squared and in units of what contradicts, while the axis is in its band; `noise` is the
-    /// variance of y, infinite while it is not known.
+    /// The innovation from that at y_0, squared and in units of what contradicts, while the axis is
+    /// in its band; `noise` is the variance of y, infinite while it is not known.
     #[inline(always)]
     pub(crate) fn unexplained(&self, y: f32, innovation: f32, noise: f32) -> Option<f32> {
         let [y_0, e_0] = self.entered;
@@ -98,8 +106,9 @@ impl Standstill {
         (far * far <= noise).then_some(size * size)
     }
 
-    /// Classifies a sample by y and its innovation; `certain` and `settling` in samples, `contradicts` whether
-    /// [`unexplained`](Self::unexplained) exceeds noise and model, `None` outside the band.
+    /// Classifies a sample by y and its innovation; `certain` and `settling` in samples,
+    /// `contradicts` whether [`unexplained`](Self::unexplained) exceeds noise and model, `None`
+    /// outside the band.
     ///
     /// Cost: 15 instructions in motion.
     #[inline(always)]
@@ -153,7 +162,8 @@ impl Standstill {
 
     /// Takes a sample whose velocity is given as 0: friction may be anything that holds the axis.
     ///
-    /// Gives where it stands, once it has stood for `least` samples: a measured velocity is 0 now and then while it turns.
+    /// Gives where it stands, once it has stood for `least` samples: a measured velocity is 0 now
+    /// and then while it turns.
     pub(crate) fn sticks(&mut self, y: f32, least: u32) -> Option<f32> {
         let stuck = self.stuck.saturating_add(1);
         let share = (1.0 / stuck as f32).max(STUCK);
@@ -188,70 +198,4 @@ impl Standstill {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const LIMITS: [u32; 2] = [50, 600];
-
-    /// A standard deviation of 0.18.
-    const NOISE: f32 = 0.032;
-
-    /// With 1 + phi' P phi = `expected`.
-    fn classify(standstill: &mut Standstill, y: f32, e: f32, expected: f32) -> Motion {
-        let size = standstill.unexplained(y, e, NOISE);
-        let contradicts = size.map(|size| size / expected > NOISE);
-        standstill.classify(y, e, LIMITS, contradicts)
-    }
-
-    #[test]
-    fn motion_and_rest_as_the_model_says_obey() {
-        let mut standstill = Standstill::new();
-        for k in 0..1000 {
-            let y = if k < 500 { 0.3 * k as f32 } else { 150.0 };
-            assert_eq!(classify(&mut standstill, y, 0.1, 1.0), Motion::Obeys);
-            // However wrong a model is: in motion nothing is held.
-            if k < 500 && k % 3 == 0 {
-                let mut other = standstill.clone();
-                let found = classify(&mut other, y + 2.0, 100.0, 1.0);
-                assert_eq!(found, Motion::Obeys);
-            }
-        }
-    }
-
-    #[test]
-    fn what_contradicts_no_more_is_released() {
-        let mut standstill = Standstill::new();
-        for k in 0..5 {
-            let found = classify(&mut standstill, 0.0, 30.0, 1.0);
-            assert_eq!(found == Motion::Withheld, k == 4, "{k}");
-        }
-        // The model has become uncertain, and its innovation is no contradiction any more.
-        for k in 1..=600 {
-            let found = classify(&mut standstill, 0.0, 30.0, 1e3);
-            assert_eq!(found == Motion::Obeys, k == 600, "{k}");
-        }
-        assert_eq!(classify(&mut standstill, 0.0, 30.0, 1.0), Motion::Obeys);
-    }
-
-    #[test]
-    fn a_blocked_axis_is_held_and_the_motion_after_it_too_for_a_while() {
-        let mut standstill = Standstill::new();
-        let mut classify = |y: f32, e: f32| classify(&mut standstill, y, e, 1.0);
-        for k in 1..200 {
-            let expected = match k {
-                ..5 => Motion::Obeys,
-                5..54 => Motion::Withheld,
-                _ => Motion::Stands,
-            };
-            assert_eq!(classify(0.0, 30.0), expected, "{k}");
-        }
-        for k in 0..700 {
-            let expected = match k {
-                0 => Motion::Freed,
-                1..=600 => Motion::Withheld,
-                _ => Motion::Obeys,
-            };
-            assert_eq!(classify(10.0 * (k + 1) as f32, 30.0), expected, "{k}");
-        }
-    }
-}
+mod tests;

@@ -80,6 +80,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.estimator = Estimator::new(prior.theta, prior.std, plan.forgetting);
         self.forgetting.set_nominal(prior.theta);
         self.forgetting.set_nominal_std(&prior.std);
+        self.forgetting.set_own(prior.std.map(|std| std * std));
         self.postponed = Postponed::new(plan.forgetting);
         self.learns = self.adapting;
     }
@@ -114,8 +115,12 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.signals.last + self.signals.reference
     }
 
-    /// Makes the current estimate the nominal one.
-    pub(crate) fn set_nominal(&mut self) {
+    /// Makes the current estimate the nominal one, as well known as it is; `expected` is the
+    /// variance of psi from the noise that is expected.
+    pub(crate) fn set_nominal(&mut self, expected: f32) {
         self.forgetting.set_nominal(*self.estimator.theta());
+        let noise = self.estimator.noise_variance().unwrap_or(expected) / expected;
+        self.forgetting
+            .set_own(self.estimator.variances().map(|variance| noise * variance));
     }
 }

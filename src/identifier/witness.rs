@@ -2,13 +2,15 @@
 
 use crate::estimation::rls::Estimator;
 
-/// Sees the trends of the inputs and the rows of an identifier; `()` sees nothing and costs nothing.
+/// Sees the trends of the inputs and the rows of an identifier; `()` sees nothing and costs
+/// nothing.
 pub(crate) trait Witness<const M: usize, const N: usize, const I: usize> {
     /// The trends of the inputs begin anew, at rest.
     fn begin(&mut self);
     /// The trends of the inputs of a sample, also of one without y.
     fn inputs(&mut self, trends: &[[f32; M]; I]);
-    /// A row that the estimator has taken: the normalised regressor and its left-hand side, and whether lambda was applied before.
+    /// A row that the estimator has taken: the normalised regressor and its left-hand side, and
+    /// whether lambda was applied before.
     fn row(&mut self, phi: &[f32; N], psi: f32, estimator: &Estimator<N>, forgot: bool);
     /// The covariance of the estimator was changed by something that is no row.
     #[inline(always)]

@@ -4,15 +4,16 @@
 //! x_j = s^j / (A_f A_z) u          j = 0 .. q + k        A_z: the q fastest poles of A_f, in units of the bandwidth
 //! ```
 //!
-//! The trend of order 0 of u is `u / A_f`; a chain of q trapezoidal integrators with the feedback of A_z makes x_0 .. x_q
-//! of it, and `s^q = A_z - sum z_i s^i` what is above. The trapezoids need not be exact: instruments may be any function
-//! of the inputs.
+//! The trend of order 0 of u is `u / A_f`; a chain of q trapezoidal integrators with the feedback
+//! of A_z makes x_0 .. x_q of it, and `s^q = A_z - sum z_i s^i` what is above. The trapezoids need
+//! not be exact: instruments may be any function of the inputs.
 
 use crate::math::complex::Complex;
 use crate::math::roots::roots;
 use crate::math::sqrt;
 
-/// The coefficients of A_z with its integrators behind it, at the places `first` to `M - 1` of polynomials of order M.
+/// The coefficients of A_z with its integrators behind it, at the places `first` to `M - 1` of
+/// polynomials of order M.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Auxiliary<const M: usize> {
     /// The order of A_z is `M - first`.
@@ -180,7 +181,8 @@ pub(crate) struct Lane<const M: usize> {
 }
 
 impl<const M: usize> Lane<M> {
-    /// A lane for an input of this size; `top` is the size of the trend of order m of a signal of size 1.
+    /// A lane for an input of this size; `top` is the size of the trend of order m of a signal of
+    /// size 1.
     pub(crate) fn new(range: f32, top: f32, bandwidth: f32) -> Self {
         let mut scales = [0.0; M];
         let mut size = top * range;

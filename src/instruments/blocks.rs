@@ -4,13 +4,15 @@
 //! S_b = sum over the rows of block b of z [phi' psi]          b = 0 .. 15
 //! ```
 //!
-//! When all blocks are in use neighbours are added, which leaves eight, and a new block gets twice the rows: whatever the
-//! length of the record, there are 8 to 16 blocks of equal length. With a memory the blocks are scaled by
-//! `lambda^rows` when one closes and grow no longer than an eighth of the memory; the two oldest are then added.
-//! At most one pair of blocks is added with a row. Where a change of the drive is found the ring begins anew.
+//! When all blocks are in use neighbours are added, which leaves eight, and a new block gets twice
+//! the rows: whatever the length of the record, there are 8 to 16 blocks of equal length. With a
+//! memory the blocks are scaled by `lambda^rows` when one closes and grow no longer than an eighth
+//! of the memory; the two oldest are then added. At most one pair of blocks is added with a row.
+//! Where a change of the drive is found the ring begins anew.
 //!
-//! Rows are summed apart before they enter their block: f32 adds at most [`APART`] rows, then at most as many of these
-//! sums, with a rounding of `2^-24 sqrt(rows)` rather than of `2^-24` times as many.
+//! Rows are summed apart before they enter their block: f32 adds at most [`APART`] rows, then at
+//! most as many of these sums, with a rounding of `2^-24 sqrt(rows)` rather than of `2^-24` times
+//! as many.
 
 /// Blocks in the ring.
 pub(crate) const BLOCKS: usize = 16;
@@ -137,7 +139,8 @@ impl<const N: usize, const R: usize> Blocks<N, R> {
         }
     }
 
-    /// Begins anew, with what [`new`](Self::new) was given; whoever reads the blocks sees it in their changes.
+    /// Begins anew, with what [`new`](Self::new) was given; whoever reads the blocks sees it in
+    /// their changes.
     ///
     /// A block without rows is none: only the one that takes the next rows has to be empty.
     pub(crate) fn begin(&mut self, forgetting: f32) {
@@ -156,7 +159,8 @@ impl<const N: usize, const R: usize> Blocks<N, R> {
         self.changes = self.changes.wrapping_add(1);
     }
 
-    /// Takes the products of so many `rows` with the same instruments; `phi` and `psi` are their sums.
+    /// Takes the products of so many `rows` with the same instruments; `phi` and `psi` are their
+    /// sums.
     #[inline(always)]
     pub(crate) fn update(&mut self, z: &[f32; R], phi: &[f32; N], psi: f32, rows: u32) {
         self.fresh.add_row(z, phi, psi);
@@ -254,10 +258,15 @@ impl<const N: usize, const R: usize> Blocks<N, R> {
         }
     }
 
-    /// A block with its weight; `None` where it is empty. The rows that are summed apart belong to none.
-    pub(crate) fn block(&self, index: usize) -> Option<(&Products<N, R>, f32)> {
-        let block = self.blocks.get(index).filter(|block| block.rows > 0.0)?;
-        Some((&block.sums, block.weight))
+    /// The block at a place from the oldest on, its weight, and whether it follows the one before
+    /// without a gap; `None` where it is empty. The rows that are summed apart belong to none.
+    pub(crate) fn block(&self, place: usize) -> Option<(&Products<N, R>, f32, bool)> {
+        let block = self.blocks.get(self.slot(place));
+        let block = block.filter(|block| block.rows > 0.0)?;
+        // Where pairs are left to be added, the seconds of them stand behind all others.
+        let follows =
+            place > 0 && (self.pair >= BLOCKS / 2 || (place < BLOCKS / 2 && place <= self.pair));
+        Some((&block.sums, block.weight, follows))
     }
 
     /// Rows that no block has yet.

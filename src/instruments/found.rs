@@ -23,6 +23,7 @@ pub struct Found<const M: usize, const N: usize, const I: usize> {
     pub estimate: Estimate<M, N, I>,
     /// What it rests on.
     pub way: Way,
-    /// How many blocks carry the standard deviations: 16 at most, fewer where most of the motion is in some of them.
+    /// How many blocks carry the standard deviations: 16 at most, fewer where most of the motion is
+    /// in some of them.
     pub effective_blocks: f32,
 }

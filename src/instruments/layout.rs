@@ -1,12 +1,13 @@
 //! Where the instruments of a structure stand.
 
 use crate::estimation::structure::Structure;
-use crate::estimation::terms::Parameter;
+use crate::estimation::terms::{Parameter, index_of};
 
-/// Rows of the instruments of a structure: the const parameter `R` of [`Instrumented`](crate::instruments::Instrumented).
+/// Rows of the instruments of a structure: the const parameter `R` of
+/// [`Instrumented`](crate::instruments::Instrumented).
 ///
-/// Behind m - nu = q poles, nu integrators aside, each input with the numerators up to b_k gives q + k twice filtered
-/// rows; the regressors that are not of y follow.
+/// Behind m - nu = q poles, nu integrators aside, each input with the numerators up to b_k gives
+/// q + k twice filtered rows; the regressors that are not of y follow.
 ///
 /// # Examples
 /// ```
@@ -66,6 +67,11 @@ impl<const M: usize, const N: usize, const I: usize> Layout<M, N, I> {
             twice: counts.iter().sum(),
             initial_state: structure.initial_state(),
         }
+    }
+
+    /// Place of the constant among the parameters.
+    pub(crate) fn constant(&self) -> Option<usize> {
+        index_of(&self.parameters, Parameter::Constant)
     }
 
     /// Place of the first twice filtered row of an input.

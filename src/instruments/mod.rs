@@ -1,11 +1,13 @@
-//! Instruments beside the recursion: estimates without the bias of noise, standard deviations without a noise model.
+//! Instruments beside the recursion: estimates without the bias of noise, standard deviations
+//! without a noise model.
 //!
-//! Known as: instrumental variables with a fixed auxiliary denominator (Young, Refined instrumental variable methods,
-//! 1981; Garnier and Wang, Identification of Continuous-time Models from Sampled Data, 2008), with a covariance by batch
-//! means of the scores (cluster-robust or sandwich covariance).
+//! Known as: instrumental variables with a fixed auxiliary denominator (Young, Refined instrumental
+//! variable methods, 1981; Garnier and Wang, Identification of Continuous-time Models from Sampled
+//! Data, 2008), with a covariance by batch means of the scores (cluster-robust or sandwich
+//! covariance).
 //!
-//! Least squares has the noise of y in its regressors and is biased by it; white noise is taken out at the read-out, drift
-//! and colour are not. Instruments are functions of the inputs alone:
+//! Least squares has the noise of y in its regressors and is biased by it; white noise is taken out
+//! at the read-out, drift and colour are not. Instruments are functions of the inputs alone:
 //!
 //! ```text
 //! x_cj = s^j / (A_f A_z) u_c                                   A_z fixed, stable, of order q = m - integrators
@@ -13,15 +15,16 @@
 //! per row        G += z [phi' psi]                             no auxiliary model runs: nothing can diverge     `sums`
 //! at read-out    row of a_i := - sum_c sum_j b_cj (row of x_c,i-integrators+j)           `layout`
 //!                theta = (Z'Phi)^-1 Z'psi                      b by least squares first, then repeated      `solve`
-//!                V = M^-1 (sum_b s_b s_b') M^-T K/(K-1) K/(K-p),  s_b = g_b - G_b theta,  M = sum G_b       `reading`
+//!                V = M^-1 (sum_b s_b s_b') M^-T,  s_b = g_b - G_b theta,  M = sum G_b, and what few blocks ask for       `spread`
 //! ```
 //!
-//! The sums stand in a ring of up to 16 blocks of time (`blocks`), so that the scores s_b tell how much the estimate would
-//! vary, whatever the spectrum of the noise; p parameters, K blocks. The equations are linear in the rows of the sums, so
-//! a better b counts for all past samples.
+//! The sums stand in a ring of up to 16 blocks of time (`blocks`), so that the scores s_b tell how
+//! much the estimate would vary, whatever the spectrum of the noise. The equations are linear in
+//! the rows of the sums, so a better b counts for all past samples.
 //!
-//! Everything else, forgetting, held samples, gaps, delay, is the identifier's: only rows that its recursion takes enter the
-//! sums, and where it finds a change of the drive ([`Config::follow_changes`]) they begin anew.
+//! Everything else, forgetting, held samples, gaps, delay, is the identifier's: only rows that its
+//! recursion takes enter the sums, and where it finds a change of the drive
+//! ([`Config::follow_changes`]) they begin anew.
 
 mod auxiliary;
 mod blocks;
@@ -29,6 +32,7 @@ mod found;
 mod layout;
 mod reading;
 mod solve;
+mod spread;
 mod sums;
 mod weakness;
 
@@ -50,10 +54,12 @@ use crate::trends::TrendOperator;
 /// |---|---|---|
 /// | r | `R` | rows of the instruments, [`rows`] of the structure |
 ///
-/// The other parameters are those of [`Identifier`], which runs inside and gives the same numbers as alone.
+/// The other parameters are those of [`Identifier`], which runs inside and gives the same numbers
+/// as alone.
 ///
-/// Guarantees: as [`Identifier`]. Cost: see the table of instruction counts; 17 R (N + 1) floats of memory. The filter
-/// stays as it is: [`Identifier::retune`] is not offered, because instruments through two filters do not add up.
+/// Guarantees: as [`Identifier`]. Cost: see the table of instruction counts; 17 R (N + 1) floats of
+/// memory. The filter stays as it is: [`Identifier::retune`] is not offered, because instruments
+/// through two filters do not add up.
 ///
 /// # Examples
 /// ```
@@ -109,8 +115,9 @@ impl<
     /// An identifier at rest with its instruments.
     ///
     /// # Errors
-    /// As [`Identifier::try_new`]; [`ConfigError::ParameterCount`] where `R` is not [`rows`] of the structure,
-    /// [`ConfigError::Unstable`] for trends without a filter (or with one whose poles are not found).
+    /// As [`Identifier::try_new`]; [`ConfigError::ParameterCount`] where `R` is not [`rows`] of the
+    /// structure, [`ConfigError::Unstable`] for trends without a filter (or with one whose poles
+    /// are not found).
     pub fn try_new(config: &Config<M, N, I>, trends: T) -> Result<Self, ConfigError> {
         let found = rows(&config.structure);
         if found != R {
@@ -211,8 +218,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const R: usize, const 
 impl<const N: usize, const R: usize> Reading<N, R> {
     /// One step; the estimate with the last one, after which the next reading begins.
     ///
-    /// The samples between two steps enter the next reading: the blocks wait up to 16 samples for a step, then go on, and the
-    /// reading begins again.
+    /// The samples between two steps enter the next reading: the blocks wait up to 16 samples for a
+    /// step, then go on, and the reading begins again.
     pub fn step<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize>(
         &mut self,
         of: &mut Instrumented<T, M, N, I, R, D>,

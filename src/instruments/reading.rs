@@ -5,6 +5,7 @@ use crate::instruments::blocks::{BLOCKS, Products};
 use crate::instruments::found::{Found, Way};
 use crate::instruments::layout::Layout;
 use crate::instruments::solve::Factored;
+use crate::instruments::spread::Spread;
 use crate::instruments::sums::Instruments;
 use crate::instruments::weakness::is_weak;
 use crate::math::matrix::Matrix;
@@ -13,7 +14,8 @@ use crate::trends::TrendOperator;
 /// Solutions with the numerators of the one before.
 const REPETITIONS: usize = 3;
 
-/// An estimate by instruments under way: 16 steps of at most a block each, 3 solutions, 16 scores, the covariance.
+/// An estimate by instruments under way: 16 steps of at most a block each, 3 solutions, 16 scores,
+/// the covariance.
 ///
 /// # Examples
 /// ```
@@ -47,11 +49,13 @@ pub struct Reading<const N: usize, const R: usize> {
     theta: [f32; N],
     /// Numerators that combined the rows of `factored`.
     combined: [f32; N],
-    /// Parameters that are not solved for: known ones, and those of which nothing is left in the sums.
+    /// Parameters that are not solved for: known ones, and those of which nothing is left in the
+    /// sums.
     fixed: [bool; N],
     factored: Option<Factored<N>>,
-    covariance: Matrix<N>,
-    fourth: [f32; N],
+    spread: Spread<N>,
+    /// Of the constant, by the recursion.
+    constant_variance: f32,
 }
 
 impl<const N: usize, const R: usize> Default for Reading<N, R> {
@@ -71,8 +75,8 @@ impl<const N: usize, const R: usize> Reading<N, R> {
             combined: [0.0; N],
             fixed: [false; N],
             factored: None,
-            covariance: [[0.0; N]; N],
-            fourth: [0.0; N],
+            spread: Spread::ZERO,
+            constant_variance: 0.0,
         }
     }
 
@@ -90,7 +94,7 @@ impl<const N: usize, const R: usize> Reading<N, R> {
         let step = self.step;
         self.step += 1;
         if step < BLOCKS {
-            if let Some((sums, weight)) = blocks.block(step) {
+            if let Some((sums, weight, _)) = blocks.block(step) {
                 self.total.add(1.0, sums, weight);
             }
             return None;
@@ -106,8 +110,8 @@ impl<const N: usize, const R: usize> Reading<N, R> {
             return None;
         }
         if step < SCORES + BLOCKS {
-            if let Some((sums, weight)) = blocks.block(step - SCORES) {
-                self.add_score(&instruments.layout, sums, weight);
+            if let Some((sums, weight, follows)) = blocks.block(step - SCORES) {
+                self.add_score(&instruments.layout, sums, weight, follows);
             }
             return None;
         }
@@ -136,6 +140,7 @@ impl<const N: usize, const R: usize> Reading<N, R> {
         let read_out = identifier.read_out();
         self.theta = read_out.normalised_theta();
         self.fixed = read_out.known();
+        self.constant_variance = read_out.constant_variance();
         for j in 0..N {
             let mut seen = 0.0_f32;
             for row in &self.total.phi {
@@ -145,7 +150,8 @@ impl<const N: usize, const R: usize> Reading<N, R> {
         }
     }
 
-    /// The combined equations of some sums with the present numerators: M, and what is left of the right-hand side.
+    /// The combined equations of some sums with the present numerators: M, and what is left of the
+    /// right-hand side.
     fn equations<const M: usize, const I: usize>(
         &self,
         layout: &Layout<M, N, I>,
@@ -201,31 +207,26 @@ impl<const N: usize, const R: usize> Reading<N, R> {
         Ok(())
     }
 
-    /// The influence of a block on theta, squared.
+    /// Adds a block to what the estimate varies.
     fn add_score<const M: usize, const I: usize>(
         &mut self,
         layout: &Layout<M, N, I>,
         sums: &Products<N, R>,
         weight: f32,
+        follows: bool,
     ) {
         let Some(factored) = &self.factored else {
             return;
         };
-        let (matrix, mut score) = self.equations(layout, sums, &self.combined);
+        let (mut matrix, mut score) = self.equations(layout, sums, &self.combined);
         for i in 0..N {
             for j in 0..N {
                 score[i] -= matrix[i][j] * self.theta[j];
+                matrix[i][j] *= weight;
             }
             score[i] *= weight;
         }
-        let influence = factored.solve(&score);
-        for i in 0..N {
-            for j in 0..N {
-                self.covariance[i][j] += influence[i] * influence[j];
-            }
-            let square = influence[i] * influence[i];
-            self.fourth[i] += square * square;
-        }
+        self.spread.add(factored, &matrix, score, follows);
     }
 
     fn finish<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize>(
@@ -238,32 +239,25 @@ impl<const N: usize, const R: usize> Reading<N, R> {
         if !(blocks >= parameters + 2.0) {
             return self.recursion(identifier, Way::TooFewBlocks);
         }
-        let mut effective = BLOCKS as f32;
-        for j in 0..N {
-            let square = self.covariance[j][j];
-            let found = 3.0 * square * (square / self.fourth[j]);
-            if !self.fixed[j] && found < effective {
-                effective = found;
-            }
-        }
-        let freedom = blocks / (blocks - 1.0) * (blocks / (blocks - parameters));
-        for value in self.covariance.as_flattened_mut() {
-            *value *= freedom;
-        }
-        if is_weak::<M, N>(
-            &instruments.layout.parameters,
-            &self.theta,
-            &self.covariance,
-        ) {
+        let layout = &instruments.layout;
+        if is_weak::<M, N>(&layout.parameters, &self.theta, self.spread.scores()) {
             return self.recursion(identifier, Way::WeakInstruments);
         }
+        let found = self.spread.found(blocks, parameters, &self.fixed);
+        let without_constant = layout.constant().and_then(|index| {
+            let unit = core::array::from_fn(|i| if i == index { 1.0 } else { 0.0 });
+            Some(self.factored.as_ref()?.solve(&unit))
+        });
         self.step = 0;
         Found {
-            estimate: identifier
-                .read_out()
-                .with_covariance(&self.theta, &self.covariance),
+            estimate: (identifier.read_out()).with_covariance(
+                &self.theta,
+                &found.covariance,
+                without_constant,
+                self.constant_variance,
+            ),
             way: Way::Instruments,
-            effective_blocks: effective,
+            effective_blocks: found.effective,
         }
     }
 }

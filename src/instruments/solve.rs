@@ -1,8 +1,8 @@
 //! The combined equations `M theta = r`, not symmetric, by orthogonal columns.
 //!
-//! Rows and columns are brought to size one, then `M = Q R` by the modified Gram-Schmidt process with the right-hand side as
-//! a further column (Bjorck, BIT 7 (1967)): as stable as Householder's, and without pivots there is no index that could
-//! be out of bounds.
+//! Rows and columns are brought to size one, then `M = Q R` by the modified Gram-Schmidt process
+//! with the right-hand side as a further column (Bjorck, BIT 7 (1967)): as stable as Householder's,
+//! and without pivots there is no index that could be out of bounds.
 
 use crate::math::matrix::Matrix;
 use crate::math::sqrt;

@@ -6,10 +6,11 @@
 //! G += z_g (sum over the rows of the group of [phi' psi])          z_g: the instruments at the begin of the group
 //! ```
 //!
-//! An instrument may be any function of the inputs, hence also one that stands still for a while: the estimate stays without bias,
-//! every row counts, and the filter and the products are computed once for all of them. What it costs is correlation: over a group
-//! of `0.08/bandwidth` the exact instruments turn by at most 0.08 rad, so that the standard deviation grows by about `0.08^2/6`, one
-//! in a thousand. At 20 rad/s and 1 kHz a group has four rows.
+//! An instrument may be any function of the inputs, hence also one that stands still for a while:
+//! the estimate stays without bias, every row counts, and the filter and the products are computed
+//! once for all of them. What it costs is correlation: over a group of `0.08/bandwidth` the exact
+//! instruments turn by at most 0.08 rad, so that the standard deviation grows by about `0.08^2/6`,
+//! one in a thousand. At 20 rad/s and 1 kHz a group has four rows.
 
 use crate::estimation::rls::Estimator;
 use crate::identifier::witness::Witness;
@@ -120,7 +121,8 @@ impl<const M: usize, const N: usize, const I: usize, const R: usize> Witness<M, 
 }
 
 impl<const M: usize, const N: usize, const I: usize, const R: usize> Instruments<M, N, I, R> {
-    /// The products of the group enter the sums, and the instruments of the next one are those of these trends.
+    /// The products of the group enter the sums, and the instruments of the next one are those of
+    /// these trends.
     #[inline(never)]
     fn next_group(&mut self, trends: &[[f32; M]; I]) {
         let group = &mut self.group;

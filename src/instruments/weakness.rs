@@ -5,12 +5,12 @@ use crate::math::matrix::Matrix;
 use crate::math::polynomial::largest_rate;
 use crate::math::{deviation, raised};
 
-/// A standard deviation beyond this share of what it belongs to shows weak instruments: ratios of sums as uncertain as
-/// that have no variance that a first order could tell.
+/// A standard deviation beyond this share of what it belongs to shows weak instruments: ratios of
+/// sums as uncertain as that have no variance that a first order could tell.
 const WEAK: f32 = 1.0 / 3.0;
 
-/// Whether an a_i of a model of order `M` is not known to a third of its power of the largest rate, or of the first input no
-/// b_i to a third; all normalised.
+/// Whether an a_i of a model of order `M` is not known to a third of its power of the largest rate,
+/// or of the first input no b_i to a third; all normalised.
 pub(crate) fn is_weak<const M: usize, const N: usize>(
     parameters: &[Parameter; N],
     theta: &[f32; N],

@@ -40,7 +40,8 @@ pub(crate) fn cholesky<const N: usize>(matrix: &Matrix<N>) -> Option<Matrix<N>> 
     factor(&mut l).then_some(l)
 }
 
-/// Puts L with L L' = `matrix` into its lower triangle, the only one that is read; whether it is clearly positive.
+/// Puts L with L L' = `matrix` into its lower triangle, the only one that is read; whether it is
+/// clearly positive.
 pub(crate) fn factor<const N: usize>(matrix: &mut Matrix<N>) -> bool {
     let l = matrix;
     for j in 0..N {

@@ -14,7 +14,8 @@ pub(crate) fn sqrt(x: f32) -> f32 {
     if x > 0.0 { libm::sqrtf(x) } else { 0.0 }
 }
 
-/// Standard deviation of a variance; infinite where rounding or overflow left no variance (negative, NaN).
+/// Standard deviation of a variance; infinite where rounding or overflow left no variance
+/// (negative, NaN).
 pub(crate) fn deviation(variance: f32) -> f32 {
     if variance >= 0.0 {
         sqrt(variance)
@@ -23,7 +24,8 @@ pub(crate) fn deviation(variance: f32) -> f32 {
     }
 }
 
-/// `value` to a whole power of any size, by squaring. Cost: 5 instructions for each digit of the power.
+/// `value` to a whole power of any size, by squaring. Cost: 5 instructions for each digit of the
+/// power.
 pub(crate) const fn power(value: f32, mut power: u32) -> f32 {
     let (mut square, mut product) = (value, 1.0);
     while power > 0 {

@@ -15,7 +15,8 @@ const SETTLED: f32 = 0.1;
 /// Steps of the iteration; simple roots take about ten.
 const STEPS: usize = 200;
 
-/// Writes the roots of `c` into `roots`, by rising distance from zero; both have the length of the order.
+/// Writes the roots of `c` into `roots`, by rising distance from zero; both have the length of the
+/// order.
 ///
 /// `None` where the order is above 4 or the iteration (Durand 1960, Kerner 1966) does not settle.
 pub(crate) fn roots(c: &[f32], roots: &mut [Complex]) -> Option<()> {

@@ -6,9 +6,10 @@
 /// c = x + low,   s = high + c,   low <- c - (s - high),   high <- s
 /// ```
 ///
-/// With terms of one sign an addition errs by at most the rounding of `c`, 2^-24 of the term itself, so that the sum of
-/// any number of terms is right to some units of the last digit until it leaves f32; one word alone stops growing at 2^24
-/// terms of one size. A sum beyond f32 is infinite and stays so: its second word is NaN, and with the next term the first.
+/// With terms of one sign an addition errs by at most the rounding of `c`, 2^-24 of the term
+/// itself, so that the sum of any number of terms is right to some units of the last digit until it
+/// leaves f32; one word alone stops growing at 2^24 terms of one size. A sum beyond f32 is infinite
+/// and stays so: its second word is NaN, and with the next term the first.
 #[derive(Debug, Clone, Copy, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Sum {

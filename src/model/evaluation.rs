@@ -6,7 +6,8 @@ use crate::trends::{Form, Hold, Memory, RawTrends, TrendOperator, Window};
 
 /// Sums of the prediction errors: the indices IQ and IV of equation (11), elsewhere ISE and IAE.
 ///
-/// Each sum has two words, so that it is right to the last digits of f32 after any number of samples.
+/// Each sum has two words, so that it is right to the last digits of f32 after any number of
+/// samples.
 ///
 /// # Examples
 /// ```

@@ -90,11 +90,12 @@ fn finite(value: f32) -> Option<f32> {
     value.is_finite().then_some(value)
 }
 
-/// What rounding may leave of a sum of nine products of rounded factors, relative to the sum of their sizes: where the
-/// terms cancel, the variance is known no better.
+/// What rounding may leave of a sum of nine products of rounded factors, relative to the sum of
+/// their sizes: where the terms cancel, the variance is known no better.
 const ROUNDING: f32 = 8.0 * f32::EPSILON;
 
-/// Standard deviations of gain, omega0 and damping, first order in the covariance of `[b_0, a_nu, a_{nu+1}]`.
+/// Standard deviations of gain, omega0 and damping, first order in the covariance of
+/// `[b_0, a_nu, a_{nu+1}]`.
 ///
 /// For two poles behind the integrators, in the user's units; `None` unless a_nu is positive.
 pub(crate) fn second_order_std(

@@ -4,7 +4,8 @@ use crate::math::complex::Complex;
 use crate::math::polynomial::is_hurwitz;
 use crate::math::roots::roots;
 
-/// `G(s) = (b_{m-1} s^{m-1} + .. + b_0) / (s^m + a_{m-1} s^{m-1} + .. + a_0)` for each input, equation (1).
+/// `G(s) = (b_{m-1} s^{m-1} + .. + b_0) / (s^m + a_{m-1} s^{m-1} + .. + a_0)` for each input,
+/// equation (1).
 ///
 /// Absent parameters are 0. Units: a_i in s^(i-m), b_i in unit of y per unit of u per s^(m-i).
 ///
@@ -60,7 +61,8 @@ impl<const M: usize, const I: usize> TransferFunction<M, I> {
             && self.constant.is_finite()
     }
 
-    /// Static gain `b_0/a_0`; with integrators the gain behind them, `b_0/a_nu` (velocity per unit of u for one).
+    /// Static gain `b_0/a_0`; with integrators the gain behind them, `b_0/a_nu` (velocity per unit
+    /// of u for one).
     ///
     /// `None` if the input does not exist, every coefficient is 0 or the quotient is not finite.
     pub fn gain(&self, input: usize) -> Option<f32> {

@@ -1,7 +1,7 @@
 //! The bias of white noise on y, and the step that takes it out.
 //!
-//! Known as: bias-compensated least squares. Stoica and Soderstrom, Int. J. Control 35 (1982); Zheng and Feng,
-//! IEEE Trans. Automatic Control 40 (1995).
+//! Known as: bias-compensated least squares. Stoica and Soderstrom, Int. J. Control 35 (1982);
+//! Zheng and Feng, IEEE Trans. Automatic Control 40 (1995).
 
 use crate::math::matrix::{
     Matrix, product, product_row, product_row_transposed, product_transposed,
@@ -21,7 +21,8 @@ struct Noise<const N: usize> {
     spread: f32,
     /// Variance of the residual.
     residual: f32,
-    /// Variance of the noise; `None` where it is unknown or no filter stands in front of the estimator.
+    /// Variance of the noise; `None` where it is unknown or no filter stands in front of the
+    /// estimator.
     white: Option<f32>,
 }
 
@@ -39,7 +40,8 @@ impl<const N: usize> Noise<N> {
         }
         let residual = source.residual();
         let allowed = if spread > 0.0 { residual / spread } else { 0.0 };
-        // A third difference that the residual cannot explain is that of the signal: nothing is compensated.
+        // A third difference that the residual cannot explain is that of the signal: nothing is
+        // compensated.
         let white = match (source.design.filter, source.noise.variance()) {
             (Some(_), Some(white)) if white <= PLAUSIBLE * allowed => {
                 Some(if white < allowed { white } else { allowed })
@@ -57,8 +59,8 @@ impl<const N: usize> Noise<N> {
 
     /// Splits the residual into the part that white noise explains and the rest.
     ///
-    /// The rest is slow (drift, friction, a wrong model): about `2/(omega Delta)` samples count as one; `angle` is
-    /// omega Delta.
+    /// The rest is slow (drift, friction, a wrong model): about `2/(omega Delta)` samples count as
+    /// one; `angle` is omega Delta.
     fn split(&self, top_scale: f32, samples: f32, angle: f32) -> Residual {
         let Some(white) = self.white else {
             return Residual {
@@ -145,7 +147,8 @@ impl<const N: usize> Compensated<N> {
 
 /// One step of the correction from the recursion with the covariance `p`.
 ///
-/// Inlined, with what it calls, where it is called once: the matrices that it hands over are not copied then.
+/// Inlined, with what it calls, where it is called once: the matrices that it hands over are not
+/// copied then.
 #[inline(always)]
 pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
     source: &ReadOut<'_, M, N, I>,
@@ -215,3 +218,6 @@ fn corrected<const N: usize>(
     }
     (theta, transform, weight * trace)
 }
+
+#[cfg(test)]
+mod tests;

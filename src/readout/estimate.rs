@@ -15,8 +15,8 @@ use crate::model::transfer_function::TransferFunction;
 /// | [`covariance`](Self::covariance) | `N` by `N` | products of those |
 /// | [`physical_std`](Self::physical_std) | gain, omega0, damping | y (or y/s) per u, rad/s, 1 |
 ///
-/// Guarantees: a standard deviation is never NaN. It is infinite where nothing is known or f32 cannot hold the
-/// variance, and 0 only for a parameter that was given as known.
+/// Guarantees: a standard deviation is never NaN. It is infinite where nothing is known or f32
+/// cannot hold the variance, and 0 only for a parameter that was given as known.
 ///
 /// # Examples
 /// ```
@@ -98,7 +98,8 @@ impl<const M: usize, const N: usize, const I: usize> Estimate<M, N, I> {
 
     /// Standard deviations of gain, omega0 and damping of the first input, to first order.
     ///
-    /// `None` unless two poles stand behind the integrators, a_nu is positive and b_0 is in the model.
+    /// `None` unless two poles stand behind the integrators, a_nu is positive and b_0 is in the
+    /// model.
     pub fn physical_std(&self) -> Option<[f32; 3]> {
         let nu = self.structure.integrators();
         if M != nu + 2 {
@@ -147,7 +148,8 @@ mod tests {
 
     #[test]
     fn deviations_of_the_physical_reading() {
-        // omega0 = sqrt(a1): 16 / (2 20); gain = b0/a1 and damping = a2/(2 omega0) with both their parts.
+        // omega0 = sqrt(a1): 16 / (2 20); gain = b0/a1 and damping = a2/(2 omega0) with both their
+        // parts.
         let [gain, omega0, damping] = servo(256.0).physical_std().unwrap();
         assert!((omega0 - 0.4).abs() < 1e-6);
         assert!((gain - 103.077_64).abs() < 1e-3, "{gain}");

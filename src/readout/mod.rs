@@ -10,15 +10,16 @@
 //! Sigma   = s T P_c T' + floor                                                 residual_spectrum, sandwich
 //! ```
 //!
-//! takes the bias out to first order, at the read-out only: nothing is added to the
-//! 1 ms path but the level s. In P_c one w P M is the step, the other the noise of the
-//! regressors times that of the residual. The residual of the filtered equation is not
-//! white: it is `A/A_f` times the noise. T weighs it by the frequencies at which a parameter is
-//! seen. The floor covers the error of trends in place of derivatives, the rounding of f32, and the
-//! remaining bias after a damped step. Then an insignificant constant is withdrawn (`significance`), and
-//! trends that have a plane of their own are mapped to the s plane (`s_plane`).
+//! takes the bias out to first order, at the read-out only: nothing is added to the 1 ms path but
+//! the level s. In P_c one w P M is the step, the other the noise of the regressors times that of
+//! the residual. The residual of the filtered equation is not white: it is `A/A_f` times the noise.
+//! T weighs it by the frequencies at which a parameter is seen. The floor covers the error of
+//! trends in place of derivatives, the rounding of f32, and the remaining bias after a damped step.
+//! Then an insignificant constant is withdrawn (`significance`), and trends that have a plane of
+//! their own are mapped to the s plane (`s_plane`).
 //!
-//! Known as: bias-compensated least squares with sandwich covariance and a pre-test; sources in the files.
+//! Known as: bias-compensated least squares with sandwich covariance and a pre-test; sources in the
+//! files.
 
 mod compensation;
 pub(crate) mod estimate;
@@ -41,21 +42,25 @@ use crate::readout::s_plane::{estimate_in_s_plane, theta_in_s_plane};
 use crate::readout::sandwich::{sandwich, transform};
 use crate::readout::significance::Withdrawal;
 
-/// Error of trends in place of derivatives, relative to a parameter, in units of `(omega_n Delta)^2`.
+/// Error of trends in place of derivatives, relative to a parameter, in units of
+/// `(omega_n Delta)^2`.
 ///
-/// Measured without noise at 1 and 5 ms: 0.17 to 0.24 of every a_i and b_i of servos with damping 0.2 to 1, -0.08 of a
-/// lag, 0.1 to 0.22 of an oscillator. All parameters of a model share it to a tenth, so a gain `b_0/a_nu` hardly has it,
-/// unless friction turns with the velocity (`ReadOut::common`).
+/// Measured without noise at 1 and 5 ms: 0.17 to 0.24 of every a_i and b_i of servos with damping
+/// 0.2 to 1, -0.08 of a lag, 0.1 to 0.22 of an oscillator. All parameters of a model share it to a
+/// tenth, so a gain `b_0/a_nu` hardly has it, unless friction turns with the velocity
+/// (`ReadOut::common`).
 const DISCRETE: f32 = 0.2;
 
 /// Error of f32, relative to a parameter.
 const ARITHMETIC: f32 = 2e-5;
 
-/// Rounding to f32, relative to what is rounded: a quarter of the distance between two numbers, the mean of what one costs.
+/// Rounding to f32, relative to what is rounded: a quarter of the distance between two numbers, the
+/// mean of what one costs.
 ///
-/// A row of size 1 has this error over `omega_n Delta`, by the samples over which the trends add it up. The same in every
-/// row while the motion is steady, it does not average out: errors of at most rho in n rows move theta by
-/// `P sum phi rho_k`, whose entries are at most `rho sqrt(n P_ii)`, whatever their order and sign.
+/// A row of size 1 has this error over `omega_n Delta`, by the samples over which the trends add it
+/// up. The same in every row while the motion is steady, it does not average out: errors of at most
+/// rho in n rows move theta by `P sum phi rho_k`, whose entries are at most `rho sqrt(n P_ii)`,
+/// whatever their order and sign.
 const ROUNDING: f32 = 0.25 * f32::EPSILON;
 
 impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
@@ -63,7 +68,8 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     #[inline(always)]
     fn compensated(&self, p: &Matrix<N>) -> (Compensated<N>, Option<Withdrawal<N>>) {
         let mut found = compensate(self, p);
-        // Before the noise is known every constant counts: after a change of the filter nothing jumps.
+        // Before the noise is known every constant counts: after a change of the filter nothing
+        // jumps.
         let withdrawal = self.estimator.noise_variance().and_then(|_| {
             Withdrawal::of(
                 &self.structure.parameters(),
@@ -98,7 +104,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         let p = self.covariance();
         let (found, withdrawal) = self.compensated(&p);
         let (mut covariance, floor) = self.shaped(&p, &found);
-        self.add_unsupported(&p, &mut covariance);
+        self.add_nominal_values(&p, &mut covariance);
         let units = self.regressor.units();
         let parameters = self.structure.parameters();
         let known = |i: usize| p[i][i] == 0.0;
@@ -118,10 +124,18 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             withdrawal.apply_to_covariance(&mut covariance);
         }
         let theta = found.theta;
-        self.in_s_plane(theta, covariance)
+        let mut found = self.in_s_plane(theta, covariance);
+        // No residual and no parameter to err by: nothing was seen, which is not to be certain.
+        for i in 0..N {
+            if found.covariance[i][i] == 0.0 && !known(i) {
+                found.covariance[i][i] = f32::INFINITY;
+            }
+        }
+        found
     }
 
-    /// P_c under the noise where each parameter is seen, normalised; the floor relative to a parameter.
+    /// P_c under the noise where each parameter is seen, normalised; the floor relative to a
+    /// parameter.
     fn shaped(&self, p: &Matrix<N>, found: &Compensated<N>) -> (Matrix<N>, f32) {
         let mut covariance = found.covariance(p);
         let even = found.residual.even;
@@ -164,10 +178,12 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         (covariance, floor)
     }
 
-    /// Variance of psi by the rounding of y to f32, as far as the noise does not hide it; `white` is that of the noise.
+    /// Variance of psi by the rounding of y to f32, as far as the noise does not hide it; `white`
+    /// is that of the noise.
     ///
-    /// Where the drive has gone so far that the last digit of its position is larger than the noise, the rounding goes through
-    /// all its values as slowly as the position passes them: it is no white noise. About `2/(omega Delta)` samples count as one.
+    /// Where the drive has gone so far that the last digit of its position is larger than the
+    /// noise, the rounding goes through all its values as slowly as the position passes them: it is
+    /// no white noise. About `2/(omega Delta)` samples count as one.
     fn resolution(&self, white: f32) -> f32 {
         let step = self.regressor.top_scale() * ROUNDING * self.position;
         let square = step * step;
@@ -207,3 +223,6 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         estimate_in_s_plane(found, self.design)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,15 +1,16 @@
 //! How much of the residual's noise falls where each direction of the parameters is seen.
 //!
-//! The residual of the filtered equation is `A/A_f` times the white noise of y, not white. The information of least
-//! squares and the noise in it are
+//! The residual of the filtered equation is `A/A_f` times the white noise of y, not white. The
+//! information of least squares and the noise in it are
 //!
 //! ```text
 //! R = sum_omega W phi(j omega) phi(j omega)^H              ~ P^-1
 //! S = sum_omega W phi(j omega) phi(j omega)^H |A/A_f|^2
 //! ```
 //!
-//! over a flat command spectrum W. An entry of phi is a power of j omega, that of y times -G, so an entry of the matrices
-//! is a moment of W, W Re G, W Im G or W |G|^2 over even or odd powers of omega: those are summed, not the matrices.
+//! over a flat command spectrum W. An entry of phi is a power of j omega, that of y times -G, so an
+//! entry of the matrices is a moment of W, W Re G, W Im G or W |G|^2 over even or odd powers of
+//! omega: those are summed, not the matrices.
 
 use crate::estimation::terms::Parameter;
 use crate::math::complex::Complex;
@@ -23,7 +24,6 @@ pub(crate) struct ResidualSpectrum<'a, const M: usize, const N: usize> {
     pub(crate) parameters: [Parameter; N],
     /// User's value of one normalised unit.
     pub(crate) units: &'a [f32; N],
-    /// The parameters.
     pub(crate) theta: &'a [f32; N],
     /// a_0 .. a_{m-1}.
     pub(crate) denominator: [f32; M],
@@ -37,15 +37,15 @@ pub(crate) struct ResidualSpectrum<'a, const M: usize, const N: usize> {
     pub(crate) slowest: f32,
 }
 
-/// Frequencies of the sums, evenly on a logarithmic scale from 0.05 to 3.5 times the natural frequency.
+/// Frequencies of the sums, on a logarithmic scale from 0.05 to 3.5 times the natural frequency.
 const FREQUENCIES: usize = 12;
 const LOWEST: f32 = 0.05;
 const STEP: f32 = 1.47;
 
-/// A record of T seconds shows a spectrum through a kernel with the tails of a Lorentz curve of half width 1/T.
+/// A record of T seconds shows a spectrum through a Lorentz curve of half width 1/T.
 const BLUR: f32 = 3.0;
 
-/// Sums over the frequencies of W times powers of x: entry k goes with `x^(2k)`, in `imaginary` with `x^(2k+1)`.
+/// Sums over the frequencies of W times `x^(2k)`, in `imaginary` times `x^(2k+1)`, k = 0, 1, ..
 #[derive(Clone, Copy)]
 struct Moments<const M: usize> {
     /// Of W.
@@ -156,8 +156,7 @@ impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
                 sums[1][first][first] += both * residuals[k];
             }
         }
-        let [r, s] = sums;
-        (r, s)
+        sums.into()
     }
 
     /// Mean of `|A/A_f|^2` about each frequency, as a record of this duration shows it.
@@ -167,14 +166,14 @@ impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
         residuals: &[f32; FREQUENCIES],
     ) -> [f32; FREQUENCIES] {
         let width = BLUR / (self.duration * self.natural);
-        let square = width * width;
         let (mut sums, mut weights) = ([0.0; FREQUENCIES], [0.0; FREQUENCIES]);
         for k in 0..FREQUENCIES {
             // The kernel is symmetric: each pair once.
             for l in 0..=k {
                 let (x, other) = (grid[k], grid[l]);
                 let (near, far) = (x - other, x + other);
-                let kernel = 1.0 / (square + near * near) + 1.0 / (square + far * far);
+                let kernel =
+                    1.0 / (width * width + near * near) + 1.0 / (width * width + far * far);
                 weights[k] += kernel * other;
                 sums[k] += kernel * other * residuals[l];
                 if l < k {
@@ -195,7 +194,7 @@ impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
             .any(|c| matches!(c, Parameter::Input { input: other, .. } if *other == input))
     }
 
-    /// How the parameters are seen under `input` of the size `range`; `None` for those that are not.
+    /// How the parameters are seen under `input` of the size `range`; `None` where they are not.
     fn seen(&self, input: usize, scales: &[f32; M], range: f32) -> [Option<Seen>; N] {
         core::array::from_fn(|j| {
             let (power, output) = match self.parameters[j] {
@@ -203,9 +202,8 @@ impl<const M: usize, const N: usize> ResidualSpectrum<'_, M, N> {
                 Parameter::Input { input: of, power } if of == input => (power, false),
                 _ => return None,
             };
-            let factor = range * self.units[j] / scale_of(scales, power);
             Some(Seen {
-                factor,
+                factor: range * self.units[j] / scale_of(scales, power),
                 power,
                 output,
             })
@@ -279,7 +277,7 @@ pub(crate) fn natural_frequency<const M: usize>(a: &[f32; M], bandwidth: f32) ->
     }
 }
 
-/// Mean of |A/A_f|^2 over 0.1 to 2.5 times the natural frequency, weighted by the spectrum of the regressor.
+/// Mean of |A/A_f|^2 from 0.1 to 2.5 times the natural frequency, weighted as the regressor is.
 pub(crate) fn in_band<const M: usize>(a: &[f32; M], filter: &[f32; M], bandwidth: f32) -> f32 {
     let natural = natural_frequency(a, bandwidth);
     let (a, filter) = (unscaled(a, natural), unscaled(filter, natural));
@@ -297,3 +295,6 @@ pub(crate) fn in_band<const M: usize>(a: &[f32; M], filter: &[f32; M], bandwidth
     }
     if weights > 0.0 { sum / weights } else { 1.0 }
 }
+
+#[cfg(test)]
+mod tests;

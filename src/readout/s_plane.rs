@@ -10,7 +10,8 @@ use crate::math::pow;
 use crate::readout::estimate::Estimate;
 use crate::trends::{Design, Mapped};
 
-/// Step of a difference quotient, relative to the power of the largest rate that a coefficient stands for.
+/// Step of a difference quotient, relative to the power of the largest rate that a coefficient
+/// stands for.
 const STEP: f32 = 0.01;
 
 /// Theta with its denominator and numerators replaced by those of `image` of the denominator.
@@ -87,7 +88,8 @@ pub(crate) fn estimate_in_s_plane<const M: usize, const N: usize, const I: usize
     }
 }
 
-/// Column j: how theta of the s plane follows the parameter j of the trends. Only the denominator is not linear.
+/// Column j: how theta of the s plane follows the parameter j of the trends. Only the denominator
+/// is not linear.
 fn slope<const M: usize, const N: usize, const I: usize>(
     theta: &[f32; N],
     structure: &Structure<M, N, I>,

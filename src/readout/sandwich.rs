@@ -1,10 +1,11 @@
 //! The covariance of least squares under a residual that is not white.
 //!
-//! Known as: sandwich covariance. White, Econometrica 48 (1980); Ljung, System Identification (1999), ch. 9.
+//! Known as: sandwich covariance. White, Econometrica 48 (1980); Ljung, System Identification
+//! (1999), ch. 9.
 //!
-//! With R and S of the [residual's spectrum](super::residual_spectrum) the covariance is `R^-1 S R^-1`. With `R = L L'`
-//! and `L^-1 S L^-T = Z Z'` the matrix `T = L^-T Z L'` gives `T P T' = R^-1 S R^-1` where P is `R^-1`, and `T P T'` stays
-//! positive for any other P.
+//! With R and S of the [residual's spectrum](super::residual_spectrum) the covariance is
+//! `R^-1 S R^-1`. With `R = L L'` and `L^-1 S L^-T = Z Z'` the matrix `T = L^-T Z L'` gives
+//! `T P T' = R^-1 S R^-1` where P is `R^-1`, and `T P T'` stays positive for any other P.
 
 use crate::estimation::terms::{Parameter, index_of};
 use crate::math::matrix::{
@@ -13,7 +14,8 @@ use crate::math::matrix::{
 };
 use crate::math::sqrt;
 
-/// T; `None` where R and S have no proper factors. Parameters that are not `free` are known and stand apart.
+/// T; `None` where R and S have no proper factors. Parameters that are not `free` are known and
+/// stand apart.
 pub(crate) fn transform<const N: usize>(
     mut r: Matrix<N>,
     mut s: Matrix<N>,
@@ -62,11 +64,13 @@ fn whitened<const N: usize>(s: &Matrix<N>, l: &Matrix<N>) -> Matrix<N> {
     core::array::from_fn(|j| forward_to(l, column(&rows, j), j + 1))
 }
 
-/// Noise counts this many times for a constant: in a short record it differs from the initial state and from a command only
-/// above its own frequencies. Chosen on separate seeds with offsets of 0.1 to 10 %.
+/// Noise counts this many times for a constant: in a short record it differs from the initial state
+/// and from a command only above its own frequencies. Chosen on separate seeds with offsets of 0.1
+/// to 10 %.
 const SEPARATION: f32 = 1.5;
 
-/// T P T' of least squares without the constant, plus the contribution of the constant at the frequencies of the constant.
+/// T P T' of least squares without the constant, plus the contribution of the constant at the
+/// frequencies of the constant.
 ///
 /// T does not know how a constant and the command resemble each other in a short record; P does.
 pub(crate) fn sandwich<const N: usize>(
@@ -108,7 +112,8 @@ mod tests {
     use super::*;
     use crate::readout::residual_spectrum::ResidualSpectrum;
 
-    /// A servo seen through a filter that is its own denominator with the slow pole 2: s^3 + 22 s^2 + 440 s + 800.
+    /// A servo seen through a filter that is its own denominator with the slow pole 2: s^3 + 22
+    /// s^2 + 440 s + 800.
     fn spectrum<'a>(units: &'a [f32; 4], theta: &'a [f32; 4]) -> ResidualSpectrum<'a, 3, 4> {
         ResidualSpectrum {
             parameters: [

@@ -1,13 +1,15 @@
 //! An estimate whose covariance comes from the scores of blocks of time.
 
-use crate::estimation::terms::Parameter;
+use crate::estimation::terms::{Parameter, index_of};
 use crate::math::matrix::Matrix;
+use crate::readout::compensation::compensate;
 use crate::readout::estimate::Estimate;
 use crate::readout::residual_spectrum::natural_frequency;
 use crate::readout::significance::Withdrawal;
 use crate::readout::source::ReadOut;
 
-/// Where more of the correction of the noise bias is left than is taken, the estimate is no smooth function of the scores.
+/// Where more of the correction of the noise bias is left than is taken, the estimate is no smooth
+/// function of the scores.
 const MOSTLY: f32 = 0.5;
 
 impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
@@ -23,8 +25,9 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         self.estimator.diagonal().map(|variance| variance == 0.0)
     }
 
-    /// The estimate of [`estimate`](Self::estimate) under another covariance, `of` the parameters before the constant is
-    /// withdrawn and of their change per score, all normalised; `None` where that gives none, or where the regressors are mostly noise.
+    /// The estimate of [`estimate`](Self::estimate) under another covariance, `of` the parameters
+    /// before the constant is withdrawn and of their change per score, all normalised; `None` where
+    /// that gives none, or where the regressors are mostly noise.
     pub(crate) fn under(
         &self,
         of: impl FnOnce(&[f32; N], &Matrix<N>) -> Option<Matrix<N>>,
@@ -78,6 +81,15 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         }
     }
 
+    /// Variance by which the recursion judges its constant, normalised; 0 without one.
+    pub(crate) fn constant_variance(&self) -> f32 {
+        let p = self.covariance();
+        let found = compensate(self, &p);
+        let variance = index_of(&self.structure.parameters(), Parameter::Constant)
+            .and_then(|index| found.covariance_row(&p, index)?.get(index).copied());
+        variance.unwrap_or(0.0) * found.residual.significance
+    }
+
     /// Adds the error that no residual shows; everything in the user's units.
     fn add_floor(
         &self,
@@ -102,24 +114,40 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         }
     }
 
-    /// The estimate `theta` with its `covariance`, both normalised: an insignificant constant withdrawn, the floor of the
-    /// arithmetic added.
+    /// The estimate `theta` with its `covariance`, both normalised: an insignificant constant
+    /// withdrawn, the floor of the arithmetic added.
+    ///
+    /// `direction` is the change of theta per change of the equation of the constant: along it
+    /// theta is the solution without a constant. The constant counts as significant where it is so
+    /// by its own variance and by that `of_recursion`, which few blocks do not make uncertain.
     pub(crate) fn with_covariance(
         &self,
         theta: &[f32; N],
         covariance: &Matrix<N>,
+        direction: Option<[f32; N]>,
+        of_recursion: f32,
     ) -> Estimate<M, N, I> {
         let units = self.regressor.units();
         let parameters = self.structure.parameters();
         let mut theta: [f32; N] = core::array::from_fn(|j| units[j] * theta[j]);
-        let withdrawal = Withdrawal::of(
-            &parameters,
-            &theta,
-            |index| covariance.get(index).copied(),
-            units,
-            1.0,
-            self.significance,
-        );
+        let withdrawal = direction.and_then(|direction| {
+            let index = index_of(&parameters, Parameter::Constant)?;
+            let own = *covariance.get(index)?.get(index)?;
+            let variance = if own > of_recursion {
+                own
+            } else {
+                of_recursion
+            };
+            let length = *direction.get(index)?;
+            Withdrawal::of(
+                &parameters,
+                &theta,
+                |_| Some(direction),
+                units,
+                variance / length,
+                self.significance,
+            )
+        });
         if let Some(withdrawal) = &withdrawal {
             withdrawal.apply(&mut theta);
         }

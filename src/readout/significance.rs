@@ -1,7 +1,7 @@
 //! A constant that the data do not show is withdrawn.
 //!
-//! Known as: pre-test estimator. Judge and Bock, The Statistical Implications of Pre-Test and Stein-Rule Estimators
-//! (1978).
+//! Known as: pre-test estimator. Judge and Bock, The Statistical Implications of Pre-Test and
+//! Stein-Rule Estimators (1978).
 //!
 //! The offset of a valve belongs in the model: left out, an offset of 10 % of the command
 //! spoils the estimate by tens of percent. Estimated where there is none, it makes the gain
@@ -33,10 +33,11 @@ pub(crate) struct Withdrawal<const N: usize> {
 }
 
 impl<const N: usize> Withdrawal<N> {
-    /// The withdrawal from the estimate `theta`, in the user's units; `None` for a significant constant.
+    /// The withdrawal from the estimate `theta`, in the user's units; `None` for a significant
+    /// constant.
     ///
-    /// `row_of` gives a row of P, normalised; `residual` the variance of the innovation, or more where it is not white;
-    /// `limit` the number of standard deviations.
+    /// `row_of` gives a row of P, normalised; `residual` the variance of the innovation, or more
+    /// where it is not white; `limit` the number of standard deviations.
     pub(crate) fn of(
         columns: &[Parameter; N],
         theta: &[f32; N],
@@ -90,8 +91,8 @@ impl<const N: usize> Withdrawal<N> {
         let own = row.get(self.index).copied().unwrap_or(0.0);
         let share = self.share();
         let g = self.direction.map(|direction| share * direction);
-        // Part of the withdrawn value stays as variance. The factor 0.6 keeps 3-sigma coverage above 90 % for offsets of
-        // one sigma, and 1-sigma coverage below 75 % for none.
+        // Part of the withdrawn value stays as variance. The factor 0.6 keeps 3-sigma coverage
+        // above 90 % for offsets of one sigma, and 1-sigma coverage below 75 % for none.
         let depth = self.ratio.min(1.0);
         let left = own + 0.6 * depth * (1.0 + depth) * self.value * self.value;
         for i in 0..N {
@@ -168,9 +169,24 @@ mod tests {
         withdrawal(3.0)
             .unwrap()
             .apply_to_covariance(&mut covariance);
-        // Without the constant the variance of the gain is 2 - 1/1; 3 is three quarters of the limit.
+        // Without the constant the variance of the gain is 2 - 1/1; 3 is three quarters of the
+        // limit.
         let left = 9.0 * 0.6 * 0.75 * 1.75;
         assert!((covariance[0][0] - (1.0 + left)).abs() < 1e-6);
         assert!((covariance[1][1] - left).abs() < 1e-6);
+    }
+
+    #[test]
+    fn what_was_taken_out_can_be_put_back() {
+        // In the user's units the constant is 5 times, the gain 30 times the normalised one.
+        let (units, before) = ([30.0, 5.0], [10.0, 12.0]);
+        let row_of = |i: usize| P.get(i).copied();
+        let found = Withdrawal::of(&COLUMNS, &before, row_of, &units, 4.0, 2.0).unwrap();
+        let mut theta = before;
+        found.apply(&mut theta);
+        // All of it: within 20. The gain follows by P_gc/P_cc = 1 in its units.
+        assert!((theta[0] - (10.0 - 12.0 * 6.0)).abs() < 1e-4 && theta[1].abs() < 1e-5);
+        found.undo(&mut theta);
+        assert!((theta[0] - 10.0).abs() < 1e-4 && (theta[1] - 12.0).abs() < 1e-4);
     }
 }

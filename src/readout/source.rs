@@ -2,11 +2,18 @@
 
 use crate::estimation::forgetting::StabilisedForgetting;
 use crate::estimation::noise_level::NoiseLevel;
+use crate::estimation::postponed::PAUSE;
 use crate::estimation::regressor::Regressor;
 use crate::estimation::rls::Estimator;
 use crate::estimation::structure::Structure;
 use crate::math::matrix::Matrix;
 use crate::trends::Design;
+
+/// Share of a variance below which what a prior adds to it is left out.
+const SHOWN: f32 = 1e-3;
+
+/// Share of the bound at which P_kk stays under rows that bring little.
+const LEAST: f32 = 1.0 / (1.0 + PAUSE as f32);
 
 /// The recursion and its plan, borrowed for one reading.
 pub(crate) struct ReadOut<'a, const M: usize, const N: usize, const I: usize> {
@@ -30,36 +37,43 @@ pub(crate) struct ReadOut<'a, const M: usize, const N: usize, const I: usize> {
 }
 
 impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
-    /// Variance of the innovation of psi, the prior one until there are more samples than parameters.
+    /// Variance of the innovation of psi, the prior one until there are more samples than
+    /// parameters.
     pub(super) fn residual(&self) -> f32 {
         self.estimator
             .noise_variance()
             .unwrap_or(self.prior_noise * self.prior_noise)
     }
 
-    /// Adds the uncertainty of nominal values without support in the data.
+    /// Adds the uncertainty of nominal values that no data support or that were set: P counts them
+    /// as if the noise of the data, where that is less than expected, were all of it.
     ///
-    /// P counts a prior of standard deviation s sigma_0 as s times the noise; where the noise found is smaller than the
-    /// expected sigma_0, so is what P makes of the prior. The weight of the nominal value k in theta is P e_k over what
-    /// the observations of it alone leave of P_kk.
-    pub(super) fn add_unsupported(&self, p: &Matrix<N>, covariance: &mut Matrix<N>) {
-        let Some(variances) = self.forgetting.unsupported() else {
-            return;
-        };
+    /// ```text
+    /// whole   what the nominal value alone leaves of P_kk       own   its variance, relative to that of the expected noise sigma_0
+    /// Sigma <- Sigma + (P e_k / whole) (P e_k / whole)' (own sigma_0^2 - whole sigma^2)
+    /// ```
+    ///
+    /// A prior alone leaves itself, observations of the value the bound or, as motion that shows
+    /// little is forgotten for at every eighth row only, an eighth of it: as much as P_kk says
+    /// between the least of these and the bound. So a value is taken for all that is known down to
+    /// there, and by the share of P_kk below. Without a memory what the data have shown is left
+    /// out: no entry i would grow by more than a thousandth.
+    pub(super) fn add_nominal_values(&self, p: &Matrix<N>, covariance: &mut Matrix<N>) {
+        let (expected, residual) = (self.prior_noise * self.prior_noise, self.residual());
         let bound = self.forgetting.bound();
-        let missing = self.prior_noise * self.prior_noise - self.residual();
-        if !(missing > 0.0) {
-            return;
-        }
-        for (k, variance) in variances.iter().enumerate() {
-            if !(*variance > 0.0) {
+        for (k, (prior, own)) in self.forgetting.own_variances().iter().enumerate() {
+            let whole = match *prior && *own > bound {
+                true => *own,
+                false => between(smaller(*own, LEAST * bound), p[k][k], bound),
+            };
+            let missing = own * expected - whole * residual;
+            let shown = bound == 0.0 && p[k][k] * missing < SHOWN * whole * (whole * residual);
+            if shown || !(missing > 0.0) {
                 continue;
             }
-            let whole = if *variance > bound { *variance } else { bound };
-            let variance = missing * variance;
             for i in 0..N {
                 for j in 0..N {
-                    covariance[i][j] += (p[i][k] / whole) * (p[j][k] / whole) * variance;
+                    covariance[i][j] += (p[i][k] / whole) * (p[j][k] / whole) * missing;
                 }
             }
         }
@@ -67,9 +81,10 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
 
     /// Share of the [`DISCRETE`](super::DISCRETE) errors of two parameters that is common to both.
     ///
-    /// Every parameter has a tenth of its own. Where friction turns with the velocity nothing is common: when within the
-    /// sample it turned is known to about `omega Delta/4`, in a share `omega Delta/pi` of the samples, an error of the same
-    /// order that moves the gain, the damping and the friction each in its own way.
+    /// Every parameter has a tenth of its own. Where friction turns with the velocity nothing is
+    /// common: when within the sample it turned is known to about `omega Delta/4`, in a share
+    /// `omega Delta/pi` of the samples, an error of the same order that moves the gain, the damping
+    /// and the friction each in its own way.
     pub(super) const fn common(&self, same: bool) -> f32 {
         match (same, self.turns) {
             (true, _) => 1.01,
@@ -82,4 +97,15 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     pub(super) fn covariance(&self) -> Matrix<N> {
         self.estimator.covariances()
     }
+}
+
+/// `value`, but no less than `least` and no more than `most`; not by max(), which is a call of a
+/// library on the target.
+const fn between(least: f32, value: f32, most: f32) -> f32 {
+    smaller(if value > least { value } else { least }, most)
+}
+
+/// The smaller one.
+const fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }

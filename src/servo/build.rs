@@ -8,8 +8,9 @@
 //! | 7 | supervisor, reference, motion |
 //! | 8 | monitors; the controller knows motion and commands, and its observer settles from here on |
 //!
-//! Meanwhile the commissioning goes on: it moves the axis within its own bounds and uses none of these parts. What can be refused
-//! comes before anything is replaced. Another model begins anew: only the newest is worth controlling on.
+//! Meanwhile the commissioning goes on: it moves the axis within its own bounds and uses none of
+//! these parts. What can be refused comes before anything is replaced. Another model begins anew:
+//! only the newest is worth controlling on.
 
 use crate::hardware::Axis;
 use crate::servo::building::{Building, Part, tuned};
@@ -19,6 +20,7 @@ use crate::servo::identification::{expect_noise, replan, trends};
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
 use crate::servo::motion::trajectory::Trajectory;
 use crate::servo::servo_loop::ServoLoop;
+use crate::servo::servo_loop::drive::Drive;
 use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
 use crate::servo::supervision::state::Reason;
 
@@ -28,7 +30,7 @@ impl<S, V> ServoLoop<S, V> {
     /// # Errors
     /// [`Reason::OutOfRange`] for numbers that cannot work; the loop is as before.
     pub(crate) fn build(&mut self, found: &Found) -> Result<bool, Reason> {
-        let Some(building) = &mut self.building else {
+        let Some(building) = &mut self.takeover.building else {
             return self.begin_building(found);
         };
         if building.model != found.model {
@@ -67,7 +69,7 @@ impl<S, V> ServoLoop<S, V> {
                     &design.supervision.validation.observer,
                     found.model,
                 );
-                self.building = None;
+                self.takeover.building = None;
                 return Ok(true);
             }
         }
@@ -76,11 +78,11 @@ impl<S, V> ServoLoop<S, V> {
 
     /// The controller, with the poles that were searched.
     fn control_on(&mut self, found: &Found) {
-        let Some(Building { design, .. }) = &self.building else {
+        let Some(Building { design, .. }) = &self.takeover.building else {
             return;
         };
         let design = design.controller.with_resolution(resolution(&self.axis));
-        self.controller = match &self.tuning {
+        self.controller = match &self.takeover.tuning {
             Some(tuned) if tuned.model == found.model => {
                 let (poles, margins) = tuned.tuning.poles();
                 Controller::with_poles(&design, found.model, poles, margins)
@@ -88,15 +90,12 @@ impl<S, V> ServoLoop<S, V> {
             // The poles are searched where the model is installed.
             _ => Controller::provisional(&design, found.model),
         };
-        self.sign = found.sign;
-        self.delay = found.delay;
-        self.noise = found.noise;
-        self.dead_volume = found.dead_volume;
+        self.drive = Drive::of(found);
     }
 
     /// Supervisor, reference, and the motion by the measured positions alone.
     fn supervise_on(&mut self) {
-        let Some(Building { design, .. }) = &self.building else {
+        let Some(Building { design, .. }) = &self.takeover.building else {
             return;
         };
         let motion = self.commissioning.motion();
@@ -110,9 +109,10 @@ impl<S, V> ServoLoop<S, V> {
         self.tracking.begin(motion);
     }
 
-    /// Gives up what is being built. An identifier whose plan is the new one and whose state is the old one begins anew.
+    /// Gives up what is being built. An identifier whose plan is the new one and whose state is the
+    /// old one begins anew.
     pub(crate) fn stop_building(&mut self) {
-        if let Some(building) = self.building.take()
+        if let Some(building) = self.takeover.building.take()
             && matches!(building.next, Part::Noise | Part::Estimate)
         {
             if building.next == Part::Noise {
@@ -126,7 +126,7 @@ impl<S, V> ServoLoop<S, V> {
     /// The settings and the design for what was found.
     fn begin_building(&mut self, found: &Found) -> Result<bool, Reason> {
         let design = tuned(&self.config, found).resolve();
-        self.building = Some(Building {
+        self.takeover.building = Some(Building {
             model: found.model,
             design: design.map_err(|_| Reason::OutOfRange)?,
             trends: None,

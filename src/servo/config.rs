@@ -4,7 +4,8 @@ use crate::servo::motion::{MotionLimits, Travel};
 
 /// Settings of an axis: its data, and overrides of the defaults.
 ///
-/// A setting that is `None` follows from the others when the loop is built, so nothing that follows goes stale.
+/// A setting that is `None` follows from the others when the loop is built, so nothing that follows
+/// goes stale.
 ///
 /// # Examples
 /// ```
@@ -23,27 +24,29 @@ use crate::servo::motion::{MotionLimits, Travel};
 pub struct Config {
     /// Sample time in s.
     pub sample_time: f32,
-    /// Rough bandwidth of the plant in rad/s, if known: the commissioning then searches there first. Its result
-    /// replaces it.
+    /// Rough bandwidth of the plant in rad/s, if known: the commissioning then searches there
+    /// first. Its result replaces it.
     pub bandwidth: Option<f32>,
     /// Travel of the axis.
     pub travel: Travel,
-    /// Whether a positive command moves the axis towards smaller positions, if known. A commissioning must confirm a sign
-    /// that was stated or found before: otherwise it ends with [`Reason::WrongSign`](crate::servo::Reason::WrongSign).
+    /// Whether a positive command moves the axis towards smaller positions, if known. A
+    /// commissioning must confirm a sign that was stated or found before: otherwise it ends with
+    /// [`Reason::WrongSign`](crate::servo::Reason::WrongSign).
     pub reversed: Option<bool>,
-    /// Standard deviation of the position noise, in units of y; default the one found by the commissioning, before it 2.5e-5
-    /// of the travel.
+    /// Standard deviation of the position noise, in units of y; default the one found by the
+    /// commissioning, before it 2.5e-5 of the travel.
     pub noise: Option<f32>,
     /// Largest command, within 0..=1; default 1.
     pub range: f32,
     /// Largest rate of the command per s; default 400.
     pub rate: f32,
-    /// Delay of the valve in s, at most 40 samples; default 2 ms. It is rounded to samples. What the commissioning finds
-    /// replaces it.
+    /// Delay of the valve in s, at most 40 samples; default 2 ms. It is rounded to samples. What
+    /// the commissioning finds replaces it.
     pub delay: f32,
     /// Memory of the identifier in s; default 1.5.
     pub memory: f32,
-    /// Least standard deviation of the fast part of the command with which the model follows the drive; default 0.1.
+    /// Least standard deviation of the fast part of the command with which the model follows the
+    /// drive; default 0.1.
     #[doc(alias = "rich")]
     pub min_excitation: f32,
     /// Whether the model follows the drive after the commissioning; default true.
@@ -58,7 +61,8 @@ pub struct Config {
     pub supervision: SupervisionSettings,
 }
 
-/// What is asked of the closed loop. Its bandwidth follows from the verified model, delay, noise and sample time.
+/// What is asked of the closed loop. Its bandwidth follows from the verified model, delay, noise
+/// and sample time.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -68,13 +72,15 @@ pub struct ControllerSettings {
     pub bandwidth: Option<f32>,
     /// Half width of the flow over which the inverse of the dead zone changes sign; default 0.01.
     pub blend: f32,
-    /// Least position error within which the valve rests at standstill, in units of y; default one code and two
-    /// standard deviations of the noise. Hunting widens it.
+    /// Least position error within which the valve rests at standstill, in units of y; default one
+    /// code and two standard deviations of the noise. Hunting widens it.
     pub rest_window: Option<f32>,
-    /// Dead volume of a chamber over that of the stroke: how much stiffer the axis gets towards its ends. Infinite for a drive
-    /// that is as stiff everywhere. Default: what a commissioning finds, until then 0.06, a cylinder.
+    /// Dead volume of a chamber over that of the stroke: how much stiffer the axis gets towards its
+    /// ends. Infinite for a drive that is as stiff everywhere. Default: what a commissioning finds,
+    /// until then 0.06, a cylinder.
     pub dead_volume: Option<f32>,
-    /// Time in which the offset of a bumpless change of gains fades, in s; default 10 ms, what a valve takes.
+    /// Time in which the offset of a bumpless change of gains fades, in s; default 10 ms, what a
+    /// valve takes.
     pub transition: f32,
 }
 
@@ -99,16 +105,19 @@ pub struct SupervisionSettings {
     pub frequency_factor: f32,
     /// Largest velocity gain, units of y per s and unit of u; default 50 travels.
     pub max_gain: Option<f32>,
-    /// Largest relative standard deviation of gain and natural frequency while the model follows the drive; damping may have
-    /// four times as much. The comparison with the model in use decides; default 0.2.
+    /// Largest relative standard deviation of gain and natural frequency while the model follows
+    /// the drive; damping may have four times as much. The comparison with the model in use
+    /// decides; default 0.2.
     pub max_relative_std_adapting: f32,
-    /// Least R^2 of a free simulation, `1 - SSE/SST`, while the model follows the drive; default 0.95.
+    /// Least R^2 of a free simulation, `1 - SSE/SST`, while the model follows the drive;
+    /// default 0.95.
     pub min_r_squared_adapting: f32,
-    /// A model replaces another, and a change of all parameters one of a single number, when its squared error is below this share of the
-    /// other's; default 0.7 ..
+    /// A model replaces another, and a change of all parameters one of a single number, when its
+    /// squared error is below this share of the other's; default 0.7 ..
     #[doc(alias = "better")]
     pub replace_ratio: f32,
-    /// .. and the difference is at least this share of the movement: there is something to gain; default 0.1.
+    /// .. and the difference is at least this share of the movement: there is something to gain;
+    /// default 0.1.
     #[doc(alias = "worth")]
     pub min_improvement: f32,
     /// Least time of excitation before a model is considered, in s; default 0.3.
@@ -119,15 +128,18 @@ pub struct SupervisionSettings {
     pub validation_time: f32,
     /// Longest commissioning, in s; default 6.
     pub time_limit: f32,
-    /// Velocity below which the axis does not count as moving, units of y per s; default 0.05 travels per s.
+    /// Velocity below which the axis does not count as moving, units of y per s; default 0.05
+    /// travels per s.
     pub min_speed: Option<f32>,
-    /// Movement below this within the time of excitation is none, units of y; default 2e-3 of the travel.
+    /// Movement below this within the time of excitation is none, units of y; default 2e-3 of the
+    /// travel.
     #[doc(alias = "still")]
     pub min_travel: Option<f32>,
     /// Rise of the innovation's variance that counts as a change of the drive; default 5.
     #[doc(alias = "change")]
     pub alarm_ratio: f32,
-    /// Tracking error up to which a model in use stays in use, units of y; default 5e-3 of the travel.
+    /// Tracking error up to which a model in use stays in use, units of y; default 5e-3 of the
+    /// travel.
     #[doc(alias = "tolerable")]
     pub error_deadband: Option<f32>,
 }
@@ -136,7 +148,8 @@ pub struct SupervisionSettings {
 const PROVISIONAL_STEP: f32 = 0.02;
 
 impl Config {
-    /// The defaults for a `sample_time` (s) and a plant of a rough `bandwidth` (rad/s) on a `travel`.
+    /// The defaults for a `sample_time` (s) and a plant of a rough `bandwidth` (rad/s) on a
+    /// `travel`.
     pub const fn new(sample_time: f32, bandwidth: f32, travel: Travel) -> Self {
         Self {
             bandwidth: Some(bandwidth),

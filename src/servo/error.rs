@@ -5,7 +5,8 @@ use core::fmt;
 use crate::error::{ConfigError, check_positive, check_range};
 use crate::servo::supervision::state::Reason;
 
-/// A configuration of the servo loop that cannot work; names the setting, its value and the expected values.
+/// A configuration of the servo loop that cannot work; names the setting, its value and the
+/// expected values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -13,7 +14,8 @@ use crate::servo::supervision::state::Reason;
 pub enum Error {
     /// A setting of the loop.
     Setting(ConfigError),
-    /// Bandwidth squared times travel is beyond 1e7: the unit of y is too small for the accelerations of this axis.
+    /// Bandwidth squared times travel is beyond 1e7: the unit of y is too small for the
+    /// accelerations of this axis.
     Unit {
         /// Bandwidth squared times travel, in units of y per s^2.
         acceleration: f32,

@@ -12,11 +12,13 @@ use crate::servo::supervision::screening::Candidate;
 use crate::trends::Scheme;
 use crate::trends::filtered::FilteredTrends;
 
-/// The identifier of the loop: order 3, theta = (a1, a2, b0 of u, b0 of sgn u, b1 of sgn v, constant).
+/// The identifier of the loop: order 3, theta = (a1, a2, b0 of u, b0 of sgn u, b1 of sgn v,
+/// constant).
 #[doc(alias = "ServoIdentifier")]
 pub type LoopIdentifier = Identifier<FilteredTrends<3>, 3, 6, 3>;
 
-/// The third input is sgn v times s: Coulomb friction acts on the acceleration, one integration behind the valve.
+/// The third input is sgn v times s: Coulomb friction acts on the acceleration, one integration
+/// behind the valve.
 const STRUCTURE: Structure<3, 6, 3> = crate::structure!(
     Terms::of(&[1, 2]),
     [Terms::of(&[0]), Terms::of(&[0]), Terms::of(&[1])],
@@ -90,13 +92,15 @@ pub(crate) fn reopen(identifier: &mut LoopIdentifier, model: &Model, share: f32)
 
 /// The present estimate with its relative variances, to first order and as the recursion has them.
 ///
-/// Without the correction for noise bias of [`Identifier::theta`], which costs more than a sample has; the validation
-/// compares the model with the axis in any case.
+/// Without the correction for noise bias of [`Identifier::theta`], which costs more than a sample
+/// has; the validation compares the model with the axis in any case.
 ///
-/// In control the valve is that of `controller`, and so is the deflection `friction / a1` at which friction holds the axis against its
-/// stiffness: with a1 = stiffness/mass and friction = force/mass the mass cancels. What changes a1 in motion is mostly the mass; a
-/// friction that stayed as an acceleration would be three times too large under three times the mass, and a loop that stops by
-/// friction would hunt. Where the stiffness changes instead, as with the supply, friction is wrong by as much as the stiffness.
+/// In control the valve is that of `controller`, and so is the deflection `friction / a1` at which
+/// friction holds the axis against its stiffness: with a1 = stiffness/mass and friction =
+/// force/mass the mass cancels. What changes a1 in motion is mostly the mass; a friction that
+/// stayed as an acceleration would be three times too large under three times the mass, and a loop
+/// that stops by friction would hunt. Where the stiffness changes instead, as with the supply,
+/// friction is wrong by as much as the stiffness.
 pub(crate) fn candidate(identifier: &LoopIdentifier, controller: Option<&Controller>) -> Candidate {
     let found = identifier.recursion();
     let mut theta = found.theta();

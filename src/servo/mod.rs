@@ -1,4 +1,5 @@
-//! Adaptive position control: reference, control on a verified model, supervision, and the whole loop in one call.
+//! Adaptive position control: reference, control on a verified model, supervision, and the whole
+//! loop in one call.
 //!
 //! ```text
 //! sensor -> y -> [commissioning] excitation ------------------> limiter -> valve -> u
@@ -51,3 +52,6 @@ pub use servo_loop::ServoLoop;
 pub use supervision::state::{Reason, State};
 pub use supervision::supervisor::Supervisor;
 pub use supervision::validation::FitReport;
+
+#[cfg(test)]
+mod tests;

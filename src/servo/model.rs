@@ -1,4 +1,5 @@
-//! The model that the controller works with: an integrating drive behind a valve with dead zone and offset.
+//! The model that the controller works with: an integrating drive behind a valve with dead zone and
+//! offset.
 
 use crate::servo::motion::Motion;
 
@@ -87,8 +88,8 @@ impl Model {
         ]
     }
 
-    /// The fields in the order in which they are stored, sent and shown: a1 in 1/s^2, a2 in 1/s, b0 in y/s^3 per unit of u,
-    /// dead zone and offset in units of u, friction in y/s^2.
+    /// The fields in the order in which they are stored, sent and shown: a1 in 1/s^2, a2 in 1/s, b0
+    /// in y/s^3 per unit of u, dead zone and offset in units of u, friction in y/s^2.
     ///
     /// # Examples
     /// ```
@@ -136,7 +137,8 @@ impl Model {
 
     /// Flow of a command through a valve whose spool is off by the offset: `q(u + offset)`.
     ///
-    /// Beyond the dead zone the same as [`Model::flow`]; within it this valve is closed, as a real one is.
+    /// Beyond the dead zone the same as [`Model::flow`]; within it this valve is closed, as a real
+    /// one is.
     #[inline]
     pub(crate) fn valve_flow(&self, command: f32) -> f32 {
         let spool = command + self.offset;
@@ -149,7 +151,8 @@ impl Model {
         }
     }
 
-    /// The command for a wanted flow; the jump of 2 delta at zero is a steep line of half width `blend`.
+    /// The command for a wanted flow; the jump of 2 delta at zero is a steep line of half width
+    /// `blend`.
     ///
     /// `blend` is a flow and positive; beyond it the inverse is exact.
     #[inline]
@@ -164,8 +167,8 @@ impl Model {
         }
     }
 
-    /// The command for a wanted flow through a valve whose spool is off by the offset; within `blend` of none the jump of the
-    /// dead zone is a steep line.
+    /// The command for a wanted flow through a valve whose spool is off by the offset; within
+    /// `blend` of none the jump of the dead zone is a steep line.
     #[inline]
     pub(crate) fn valve_command(&self, flow: f32, blend: f32) -> f32 {
         let jump = if flow > blend {
@@ -226,38 +229,4 @@ impl Model {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const SERVO: Model = Model {
-        dead_zone: 0.03,
-        offset: 0.01,
-        ..Model::linear(400.0, 20.0, 1.0e6)
-    };
-
-    #[test]
-    fn the_command_undoes_the_flow() {
-        for u in [-0.9_f32, -0.3, -0.05, 0.05, 0.4, 1.0] {
-            let back = SERVO.command(SERVO.flow(u), 0.002);
-            assert!((back - u).abs() < 1e-6, "{u} came back as {back}");
-        }
-        // Continuous across zero: the ends of the blend meet the exact inverse.
-        for edge in [0.002_f32, -0.002] {
-            let inside = SERVO.command(edge * 0.9999 + SERVO.offset, 0.002);
-            let outside = SERVO.command(edge * 1.0001 + SERVO.offset, 0.002);
-            assert!((inside - outside).abs() < 1e-4);
-        }
-    }
-
-    #[test]
-    fn a_held_flow_ends_at_the_velocity_gain() {
-        let mut motion = Motion::default();
-        for _ in 0..2000 {
-            SERVO.advance(&mut motion, 0.1, 1e-3);
-        }
-        assert!((motion.velocity - 250.0).abs() < 0.05);
-        assert!(motion.acceleration.abs() < 0.5);
-        // The position lags the ramp by 2 xi / w0.
-        assert!((motion.position - 250.0 * (2.0 - 0.05)).abs() < 0.1);
-    }
-}
+mod tests;

@@ -34,12 +34,12 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 self.calm();
                 false
             }
-            Some(Alarm::Close) => {
-                self.closes = true;
+            closes @ Some(Alarm::Close) => {
+                self.alarm = closes;
                 true
             }
-            Some(Alarm::Brake) => {
-                self.ends = true;
+            brakes @ Some(Alarm::Brake) => {
+                self.alarm = brakes;
                 false
             }
             Some(Alarm::Stop(reason)) => {
@@ -61,14 +61,16 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.supervisor.fail(reason);
     }
 
-    /// The answer to an oscillation: less bandwidth at once, and the model of the commissioning is a candidate again.
+    /// The answer to an oscillation: less bandwidth at once, and the model of the commissioning is
+    /// a candidate again.
     ///
-    /// An oscillation does not tell whether the model in use is wrong or the one before was: after a heavier load the model of the
-    /// commissioning is. Less bandwidth calms either. Which model describes the axis is decided as between any two models, by what
-    /// they make of later samples.
-    fn calm(&mut self) {
-        self.reconsiders = self.known_good != self.supervisor.verified_model();
-        let slower = DERATING * self.derating;
+    /// An oscillation does not tell whether the model in use is wrong or the one before was: after
+    /// a heavier load the model of the commissioning is. Less bandwidth calms either. Which model
+    /// describes the axis is decided as between any two models, by what they make of later samples.
+    pub(crate) fn calm(&mut self) {
+        let fallback = &mut self.fallback;
+        fallback.reconsiders = fallback.known_good != self.supervisor.verified_model();
+        let slower = DERATING * fallback.derating;
         if slower > DERATING_MIN {
             self.derate(slower);
         } else {
@@ -78,14 +80,15 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
 
     /// Multiplies the bandwidth of the controller by `factor`.
     pub(crate) fn derate(&mut self, factor: f32) {
-        if factor != self.derating {
-            self.derating = factor;
+        if factor != self.fallback.derating {
+            self.fallback.derating = factor;
             self.controller.derate(factor);
             self.monitors.derated(factor);
         }
     }
 
-    /// The controller and the monitors go on with another model; nothing happens when they have it already.
+    /// The controller and the monitors go on with another model; nothing happens when they have it
+    /// already.
     pub(crate) fn retune(&mut self, model: Model) {
         if model == *self.controller.model() {
             return;
@@ -95,18 +98,20 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.monitors.retune(model, self.controller.motion());
     }
 
-    /// The command outside of commissioning and control: a brake for a while after a fault, then the middle of the valve.
+    /// The command outside of commissioning and control: a brake for a while after a fault, then
+    /// the middle of the valve.
     pub(crate) fn stopping(&mut self, y: f32) -> f32 {
         self.stop.look(self.tracking.motion().velocity);
         if self.stop.brakes() {
-            self.sign * self.controller.brake(y)
+            self.drive.sign * self.controller.brake(y)
         } else {
             self.centre()
         }
     }
 
-    /// The command at which a valve of the verified model is closed. Of a valve that is stuck nothing is known, of one with the wrong sign
-    /// what the [`Stop`](crate::servo::monitoring::stop::Stop) finds.
+    /// The command at which a valve of the verified model is closed. Of a valve that is stuck
+    /// nothing is known, of one with the wrong sign what the
+    /// [`Stop`](crate::servo::monitoring::stop::Stop) finds.
     pub(crate) fn centre(&self) -> f32 {
         match (self.supervisor.state(), self.supervisor.verified_model()) {
             (State::Failed(Reason::ValveStuck), _) => 0.0,
@@ -114,10 +119,10 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             (State::Failed(Reason::WrongSign), Some(model))
                 if model.offset.abs() > model.dead_zone =>
             {
-                self.sign * self.stop.creeps() * model.offset.abs()
+                self.drive.sign * self.stop.creeps() * model.offset.abs()
             }
             (State::Failed(Reason::WrongSign), _) => 0.0,
-            (State::Failed(_), Some(model)) => -self.sign * model.offset,
+            (State::Failed(_), Some(model)) => -self.drive.sign * model.offset,
             _ => 0.0,
         }
     }

@@ -1,25 +1,29 @@
 //! Sensor, identifier, supervisor, controller and valve in one call per sample.
 
 mod begin;
+pub(crate) mod commands;
+pub(crate) mod drive;
 mod reading;
 mod requests;
+pub(crate) mod sensed;
 mod skip;
+pub(crate) mod takeover;
 
 use crate::hardware::{Axis, PositionSensor, Valve};
-use crate::servo::building::Building;
 use crate::servo::commissioning::{Commissioning, Progress};
 use crate::servo::config::Config;
 use crate::servo::control::controller::Controller;
 use crate::servo::control::limiter::CommandLimiter;
-use crate::servo::control::tuning::Tuned;
-use crate::servo::design::constants::DELAY_MAX;
 use crate::servo::identification::{LoopIdentifier, inputs_of_known};
-use crate::servo::model::Model;
-use crate::servo::monitoring::{Monitors, stop::Stop};
+use crate::servo::monitoring::{Alarm, Monitors, stop::Stop};
 use crate::servo::motion::Setpoint;
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
 use crate::servo::motion::trajectory::Trajectory;
 use crate::servo::report::Report;
+use crate::servo::servo_loop::commands::Commands;
+use crate::servo::servo_loop::drive::Drive;
+use crate::servo::servo_loop::sensed::Sensed;
+use crate::servo::servo_loop::takeover::{Fallback, Takeover};
 use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
 use crate::servo::supervision::state::Reason;
 use crate::servo::supervision::supervisor::Supervisor;
@@ -57,56 +61,31 @@ pub struct ServoLoop<S, V> {
     pub(crate) sensor: S,
     pub(crate) valve: V,
     pub(crate) axis: Axis,
-    pub(crate) adaptive: bool,
-    sample_time: f32,
-    pub(crate) run_out_rate: f32,
-    sensor_errors: u32,
-    /// Samples after a breakaway in which the filtered signals still contain friction.
-    pub(crate) settled: u32,
+    pub(crate) config: Config,
     pub(crate) identifier: LoopIdentifier,
     pub(crate) supervisor: Supervisor,
     pub(crate) controller: Controller,
-    pub(crate) config: Config,
     pub(crate) commissioning: Commissioning,
-    /// Sign of the valve.
-    pub(crate) sign: f32,
-    /// Delay of the valve in s.
-    pub(crate) delay: f32,
-    pub(crate) dead_volume: f32,
-    /// Standard deviation of the position, in units of y.
-    pub(crate) noise: f32,
     /// What the commissioning made of the newest sample.
     pub(crate) progress: Progress,
+    /// What belongs to the model: the drive around it.
+    pub(crate) drive: Drive,
     pub(crate) trajectory: Trajectory,
+    pub(crate) run_out_rate: f32,
     pub(crate) limiter: CommandLimiter,
+    pub(crate) commands: Commands,
+    pub(crate) sensed: Sensed,
     pub(crate) tracking: AlphaBetaGamma,
     pub(crate) monitor: ExcitationMonitor,
     pub(crate) monitors: Monitors,
+    /// What the monitors want of the next command.
+    pub(crate) alarm: Option<Alarm>,
     pub(crate) stop: Stop,
-    /// Factor on the bandwidth, 1 unless an oscillation was noticed.
-    pub(crate) derating: f32,
-    /// The model of the commissioning, and whether it is the next candidate.
-    pub(crate) known_good: Option<Model>,
-    pub(crate) reconsiders: bool,
-    /// The loop for what was found, while it is being built.
-    pub(crate) building: Option<Building>,
-    /// The search of poles for the model that is being validated.
-    pub(crate) tuning: Option<Tuned>,
-    /// Samples in which the observer of the controller settles before it takes over.
-    pub(crate) watching: u32,
-    /// The latest commands: what is on its way when a controller takes over.
-    pub(crate) commands: [f32; DELAY_MAX + 1],
-    pub(crate) newest: usize,
-    code: i32,
-    pub(crate) position: f32,
-    begun: bool,
-    /// Consecutive sensor errors.
-    errors: u32,
+    /// Samples after a breakaway in which the filtered signals still contain friction.
+    pub(crate) settled: u32,
+    pub(crate) takeover: Takeover,
+    pub(crate) fallback: Fallback,
     start_requested: bool,
-    /// The stopping distance to an end of the travel is used up.
-    pub(crate) ends: bool,
-    /// The axis moves against its commands.
-    pub(crate) closes: bool,
 }
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
@@ -114,24 +93,20 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     ///
     /// Cost: see the table of instruction counts.
     pub fn update(&mut self) -> Report {
-        // A position that is not finite is no reading.
+        // A position that no axis has is no reading.
         let read = self.sensor.counts().ok();
-        let code = read.filter(|code| self.axis.position(*code).is_finite());
-        let missed = self.errors;
-        self.errors = match code {
-            Some(_) => 0,
-            None => self.errors.saturating_add(1),
-        };
-        let same_code = self.begun && code.is_none_or(|code| code == self.code);
+        let code = read.filter(|code| self.config.travel.may_have(self.axis.position(*code)));
+        let missed = self.sensed.errors;
+        let same_code = self.sensed.count(code);
         let Some(y) = self.reading(code, missed) else {
             return self.blind();
         };
-        self.position = y;
+        self.sensed.position = y;
         self.begin(y);
         self.tracking.update(y);
         let (setpoint, requested) = self.requested(y, same_code);
         let limited = self.limiter.update(requested);
-        self.remember(limited);
+        self.commands.push(limited);
         let Ok(command) = self.valve.drive(limited) else {
             self.fail(Reason::ValveFault);
             return self.report(setpoint, 0.0, None, false);
@@ -141,7 +116,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             let retuned = self.commission_on(command);
             return self.report(setpoint, command, None, retuned);
         }
-        let along = self.sign * command;
+        let along = self.drive.sign * command;
         self.refine_poles();
         self.controller.applied(along);
         let inputs = inputs_of_known(&self.controller);
@@ -168,16 +143,17 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         } else if state.is_controlling() {
             let setpoint = self.trajectory.update();
             let command = self.controller.update(&setpoint, y);
-            if core::mem::take(&mut self.closes) {
-                return (setpoint, 0.0);
-            }
-            let ends = core::mem::take(&mut self.ends);
             let against = if self.tracking.motion().velocity > 0.0 {
                 -1.0
             } else {
                 1.0
             };
-            (setpoint, self.sign * if ends { against } else { command })
+            let command = match self.alarm.take() {
+                Some(Alarm::Close) => 0.0,
+                Some(Alarm::Brake) => against,
+                _ => command,
+            };
+            (setpoint, self.drive.sign * command)
         } else {
             (Setpoint::at(y), self.stopping(y))
         }
@@ -192,7 +168,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     ) -> Report {
         Report {
             state: self.supervisor.state(),
-            position: self.position,
+            position: self.sensed.position,
             setpoint,
             command,
             innovation,

@@ -10,6 +10,7 @@ use crate::servo::identification::{LoopIdentifier, candidate, reopen};
 use crate::servo::model::Model;
 use crate::servo::motion::{Motion, Setpoint};
 use crate::servo::servo_loop::ServoLoop;
+use crate::servo::servo_loop::takeover::Fallback;
 use crate::servo::supervision::event::{Event, Observation};
 use crate::servo::supervision::screening::Candidate;
 use crate::servo::supervision::state::{Reason, State};
@@ -17,7 +18,8 @@ use crate::servo::supervision::supervisor::Supervisor;
 use crate::servo::tune::PIECES_PER_SAMPLE;
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
-    /// Everything between the identifier and the controller; whether a model reached the controller.
+    /// Everything between the identifier and the controller; whether a model reached the
+    /// controller.
     pub(crate) fn supervise(
         &mut self,
         setpoint: &Setpoint,
@@ -37,7 +39,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             innovation: outcome.innovation(),
         };
         let mut event = self.supervisor.update(&seen);
-        if self.adaptive && event == Event::None && self.supervisor.wants_candidate() {
+        if self.config.adaptive && event == Event::None && self.supervisor.wants_candidate() {
             let candidate = self.reconsidered().unwrap_or_else(|| self.candidate());
             event = self.supervisor.submit(&candidate, &seen);
         }
@@ -48,7 +50,10 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// Whether the identifier learns from this sample.
     fn learns(&self) -> bool {
         let state = self.supervisor.state();
-        self.adaptive && state == State::Adapting && self.monitor.is_exciting() && self.slides()
+        self.config.adaptive
+            && state == State::Adapting
+            && self.monitor.is_exciting()
+            && self.slides()
     }
 
     /// Whether the axis has slid for a while: a start shows more of friction than of the model.
@@ -84,7 +89,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 true
             }
             Event::Changed => {
-                if self.adaptive
+                if self.config.adaptive
                     && let Some(model) = self.supervisor.verified_model()
                 {
                     reopen(&mut self.identifier, &model, CHANGED_STD);
@@ -102,26 +107,21 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
 
     /// The controller knows the motion and the commands that are on their way.
     fn begin_control(&mut self, model: Model, motion: Motion) {
-        let (sign, length) = (self.sign, self.commands.len());
-        let commands = (0..length).map(|age| {
-            let at = (self.newest + length - age).checked_rem(length);
-            let command = at.and_then(|at| self.commands.get(at));
-            sign * command.copied().unwrap_or(0.0)
-        });
+        let commands = self.commands.along(self.drive.sign);
         self.controller.begin(model, motion, commands);
     }
 
     /// Control begins at a motion of the controller, and lets it run out.
     fn engage(&mut self, model: Model, motion: Motion) {
-        let along = self.sign * self.limiter.last();
+        let along = self.drive.sign * self.limiter.last();
         self.monitors.begin(model, motion, along);
-        self.known_good = Some(model);
-        self.reconsiders = false;
         self.derate(1.0);
+        self.fallback = Fallback::new(Some(model));
         self.trajectory.run_out(motion, self.run_out_rate);
     }
 
-    /// What the newest sample of the commissioning leads to; whether a model reached the controller.
+    /// What the newest sample of the commissioning leads to; whether a model reached the
+    /// controller.
     pub(crate) fn commission_on(&mut self, command: f32) -> bool {
         let before = self.supervisor.state();
         let event = match self.progress {
@@ -135,10 +135,11 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 Event::None
             }
             Progress::Found(found, _) => {
-                if self.watching > 0 {
-                    self.watching -= 1;
-                    self.controller.watch(self.position, self.sign * command);
-                    if self.watching > 0 {
+                if self.takeover.watching > 0 {
+                    self.takeover.watching -= 1;
+                    self.controller
+                        .watch(self.sensed.position, self.drive.sign * command);
+                    if self.takeover.watching > 0 {
                         return false;
                     }
                     self.supervisor.commissioned(found.model)
@@ -156,17 +157,19 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.follow(event, before)
     }
 
-    /// A sample of the way from what was found to a controller that watches: poles, the parts of the loop, the motion.
+    /// A sample of the way from what was found to a controller that watches: poles, the parts of
+    /// the loop, the motion.
     ///
-    /// Ready after the poles (some 30 samples per case of [`Tuning`](super::control::tuning::Tuning), most of them
-    /// while the model is validated), 8 samples and the settling of the observer.
+    /// Ready after the poles (some 30 samples per case of
+    /// [`Tuning`](super::control::tuning::Tuning), most of them while the model is validated), 8
+    /// samples and the settling of the observer.
     fn prepare(&mut self, found: &Found) -> Result<(), Reason> {
-        if self.building.is_none() && !self.search_poles(found, PIECES_PER_SAMPLE) {
+        if self.takeover.building.is_none() && !self.search_poles(found, PIECES_PER_SAMPLE) {
             return Ok(());
         }
         if self.build(found)? {
             self.begin_control(found.model, self.commissioning.motion());
-            self.watching = self.controller.settling();
+            self.takeover.watching = self.controller.settling();
         }
         Ok(())
     }
@@ -179,8 +182,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
 
     /// The model of the commissioning, once after an oscillation on another one; it was verified.
     fn reconsidered(&mut self) -> Option<Candidate> {
-        let model = self.known_good?;
-        core::mem::take(&mut self.reconsiders).then(|| Candidate::known(model))
+        let model = self.fallback.known_good?;
+        core::mem::take(&mut self.fallback.reconsiders).then(|| Candidate::known(model))
     }
 
     /// The supervisor, for its state, its reasons and the fit of models.
@@ -188,14 +191,15 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         &self.supervisor
     }
 
-    /// Sign of the valve as the commissioning found it: -1 when the axis moves against a positive command.
+    /// Sign of the valve as the commissioning found it: -1 when the axis moves against a positive
+    /// command.
     pub const fn sign(&self) -> f32 {
-        self.sign
+        self.drive.sign
     }
 
     /// Delay of the valve in s, as the commissioning found it.
     pub const fn delay(&self) -> f32 {
-        self.delay
+        self.drive.delay
     }
 
     /// The identifier, for its estimate.
@@ -208,8 +212,9 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         &self.controller
     }
 
-    /// Margins of the loop in the middle of the travel, for the model that its poles were found for; `None` before there are
-    /// poles, and when none have the wanted margins and the slowest are in use.
+    /// Margins of the loop in the middle of the travel, for the model that its poles were found
+    /// for; `None` before there are poles, and when none have the wanted margins and the slowest
+    /// are in use.
     pub const fn margins(&self) -> Option<Margins> {
         self.controller.margins()
     }

@@ -16,21 +16,15 @@ use crate::servo::supervision::state::Reason;
 pub(crate) const PIECES_PER_SAMPLE: u32 = 3;
 
 impl<S, V> ServoLoop<S, V> {
-    /// The newest command, for the controller that takes over.
-    #[inline]
-    pub(crate) fn remember(&mut self, command: f32) {
-        self.newest += 1;
-        if self.newest >= self.commands.len() {
-            self.newest = 0;
-        }
-        if let Some(slot) = self.commands.get_mut(self.newest) {
-            *slot = command;
-        }
-    }
-
-    /// `pieces` of the search for what was found; whether there are poles. Begins again for another model.
+    /// `pieces` of the search for what was found; whether there are poles. Begins again for another
+    /// model.
     pub(crate) fn search_poles(&mut self, found: &Found, pieces: u32) -> bool {
-        if self.tuning.as_ref().is_none_or(|t| t.model != found.model) {
+        if self
+            .takeover
+            .tuning
+            .as_ref()
+            .is_none_or(|t| t.model != found.model)
+        {
             let time = self.config.sample_time;
             let settings = &self.config.controller;
             let samples = (found.delay / time + 0.5) as usize;
@@ -41,14 +35,14 @@ impl<S, V> ServoLoop<S, V> {
                 noise: self.config.noise.unwrap_or(found.noise),
                 bandwidth_max: settings.bandwidth.unwrap_or(f32::INFINITY),
             };
-            self.tuning = Some(Tuned {
+            self.takeover.tuning = Some(Tuned {
                 model: found.model,
                 tuning: Tuning::new(&design, &found.model),
                 done: false,
             });
             return false;
         }
-        let Some(tuned) = &mut self.tuning else {
+        let Some(tuned) = &mut self.takeover.tuning else {
             return false;
         };
         for _ in 0..pieces {
@@ -60,10 +54,11 @@ impl<S, V> ServoLoop<S, V> {
         tuned.done || tuned.tuning.has_some()
     }
 
-    /// One piece more of a search that goes on in control; faster poles that it finds come into force. A newer model restarts it:
-    /// until it ends, the poles in use follow the model by its natural frequency, which keeps their margins.
+    /// One piece more of a search that goes on in control; faster poles that it finds come into
+    /// force. A newer model restarts it: until it ends, the poles in use follow the model by its
+    /// natural frequency, which keeps their margins.
     pub(crate) fn refine_poles(&mut self) {
-        let Some(tuned) = &mut self.tuning else {
+        let Some(tuned) = &mut self.takeover.tuning else {
             return;
         };
         if !tuned.tuning.step() {
@@ -73,23 +68,25 @@ impl<S, V> ServoLoop<S, V> {
         if self.supervisor.verified_model() == Some(tuned.model) {
             self.controller.replace_poles(poles, margins);
         }
-        self.tuning = None;
+        self.takeover.tuning = None;
     }
 
     /// Searches the poles for another model from now on.
     pub(crate) fn search_again(&mut self, model: Model) {
-        self.tuning = Some(Tuned {
+        self.takeover.tuning = Some(Tuned {
             model,
             tuning: Tuning::new(self.controller.tuning_design(), &model),
             done: false,
         });
     }
 
-    /// Control from the next sample on with what an earlier commissioning found, at the actual position.
+    /// Control from the next sample on with what an earlier commissioning found, at the actual
+    /// position.
     ///
     /// # Errors
-    /// [`Error::Model`] with the reason, when the model does not pass what every candidate must, when delay or noise are
-    /// negative or not finite, or when the sign is not that of the settings; the loop is as before.
+    /// [`Error::Model`] with the reason, when the model does not pass what every candidate must,
+    /// when delay or noise are negative or not finite, or when the sign is not that of the
+    /// settings; the loop is as before.
     pub fn resume(&mut self, record: &Record) -> Result<(), Error>
     where
         S: PositionSensor,
@@ -130,13 +127,13 @@ impl<S, V> ServoLoop<S, V> {
             .screening
             .admits(&model)
             .map_err(Error::Model)?;
-        let before = self.building.take();
+        let before = self.takeover.building.take();
         loop {
             match self.build(&found) {
                 Ok(true) => break,
                 Ok(false) => {}
                 Err(reason) => {
-                    self.building = before;
+                    self.takeover.building = before;
                     return Err(Error::Model(reason));
                 }
             }
@@ -146,17 +143,18 @@ impl<S, V> ServoLoop<S, V> {
         Ok(())
     }
 
-    /// The verified model and its conditions, for [`resume`](Self::resume) after a loss of power; `None` before there is one.
+    /// The verified model and its conditions, for [`resume`](Self::resume) after a loss of power;
+    /// `None` before there is one.
     pub fn record(&self) -> Option<Record> {
         let model = self.supervisor.verified_model()?;
         let [a1, a2, b0] = self.supervisor.verified_std();
         Some(Record {
             model,
             std: [a1, a2, b0, f32::INFINITY, f32::INFINITY, f32::INFINITY],
-            delay: self.delay,
-            sign: self.sign,
-            noise: self.noise,
-            dead_volume: self.dead_volume,
+            delay: self.drive.delay,
+            sign: self.drive.sign,
+            noise: self.drive.noise,
+            dead_volume: self.drive.dead_volume,
         })
     }
 }

@@ -69,6 +69,14 @@ impl<const M: usize> TrendOperator<M> for AnyTrends<M> {
         }
     }
 
+    fn withdraw(&self, memory: &mut AnyMemory<M>, u: f32) {
+        match self {
+            Self::Raw(trends) => trends.withdraw(&mut memory.window, u),
+            Self::Filtered(trends) => trends.withdraw(&mut memory.chain, u),
+            Self::Exact(trends) => trends.withdraw(&mut memory.chain, u),
+        }
+    }
+
     fn design(&self) -> &Design<M> {
         match self {
             Self::Raw(trends) => trends.design(),

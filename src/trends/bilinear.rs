@@ -1,6 +1,7 @@
 //! The bilinear (Tustin) map of poles between the s plane and the gamma plane of the trapezoids.
 //!
-//! Known as: delta and bilinear planes. Middleton and Goodwin, Digital Control and Estimation (1990).
+//! Known as: delta and bilinear planes. Middleton and Goodwin, Digital Control and Estimation
+//! (1990).
 //!
 //! ```text
 //! gamma = (2/Delta)(1-q^-1)/(1+q^-1)        gamma_p = (2/Delta) tanh(p Delta/2)
@@ -25,10 +26,12 @@ use crate::math::polynomial::{is_schur, scaled, unscaled};
 /// Terms of f: the last one is below 1e-9 for |x| = 1.
 const TERMS: usize = 9;
 
-/// Runge-Kutta steps from one plane to the other: 1e-6 of a coefficient for poles at |p| Delta/2 = 1.
+/// Runge-Kutta steps from one plane to the other: 1e-6 of a coefficient for poles at |p| Delta/2
+/// = 1.
 const STEPS: usize = 8;
 
-/// Coefficients of `gamma^m + ..` with the roots `(2/Delta) tanh(p Delta/2)` for those of `s^m + ..`.
+/// Coefficients of `gamma^m + ..` with the roots `(2/Delta) tanh(p Delta/2)` for those of
+/// `s^m + ..`.
 ///
 /// `None` unless every |p| is below 2/Delta.
 pub(crate) fn to_gamma_plane<const M: usize>(a: &[f32; M], sample_time: f32) -> Option<[f32; M]> {
@@ -42,7 +45,8 @@ pub(crate) fn to_gamma_plane<const M: usize>(a: &[f32; M], sample_time: f32) -> 
 pub(crate) fn to_s_plane<const M: usize>(a: &[f32; M], sample_time: f32) -> Option<[f32; M]> {
     let half = 0.5 * sample_time;
     let found = flow(&scaled(a, half), 0.0, 1.0);
-    // A real root beyond 2/Delta in gamma has no p: its flow ends outside the unit circle or diverges.
+    // A real root beyond 2/Delta in gamma has no p: its flow ends outside the unit circle or
+    // diverges.
     is_schur(&found).then(|| unscaled(&found, half))
 }
 

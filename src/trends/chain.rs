@@ -11,7 +11,8 @@ pub struct Chain<const M: usize> {
     pub(crate) states: [f32; M],
     /// y(k-1), for increments.
     pub(crate) last: f32,
-    /// Second word of state 0: what its last digit could not take is carried over to the next sample.
+    /// Second word of state 0: what its last digit could not take is carried over to the next
+    /// sample.
     pub(crate) pending: f32,
 }
 
@@ -110,11 +111,13 @@ impl<const M: usize> Integrators<M> {
         }
     }
 
-    /// One sample through the filter: `direct` enters at the top, `held` after the first integration.
+    /// One sample through the filter: `direct` enters at the top, `held` after the first
+    /// integration.
     ///
-    /// State 0 has a second word, `pending`. Under a steady signal its increments shrink below half its last digit, where
-    /// one word would stop: 0.5 ulp over Delta times the slow pole away from its end, 4e-5 of it at 20 rad/s and 1 kHz. What
-    /// is the same in every row does not average out.
+    /// State 0 has a second word, `pending`. Under a steady signal its increments shrink below half
+    /// its last digit, where one word would stop: 0.5 ulp over Delta times the slow pole away from
+    /// its end, 4e-5 of it at 20 rad/s and 1 kHz. What is the same in every row does not average
+    /// out.
     #[inline(always)]
     pub(crate) fn step(
         &self,
@@ -154,11 +157,12 @@ impl<const M: usize> Integrators<M> {
 
     /// One increment of y through the filter.
     ///
-    /// State 0 holds `y - f_0 S_0` in place of S_0: the part of the position that the filter
-    /// has not followed yet. At rest it goes to zero, where f32 is finest; S_0 would stay at the
-    /// position over f_0 and round every increment to its own last digit. In motion it is the speed over the
-    /// slow pole, and its last digit, each time the same, would pass for a speed. In its second word, `pending`,
-    /// what the filter follows until the next sample waits for the next increment: the two nearly cancel.
+    /// State 0 holds `y - f_0 S_0` in place of S_0: the part of the position that the filter has
+    /// not followed yet. At rest it goes to zero, where f32 is finest; S_0 would stay at the
+    /// position over f_0 and round every increment to its own last digit. In motion it is the speed
+    /// over the slow pole, and its last digit, each time the same, would pass for a speed. In its
+    /// second word, `pending`, what the filter follows until the next sample waits for the next
+    /// increment: the two nearly cancel.
     #[inline(always)]
     pub(crate) fn step_increment(
         &self,
@@ -203,7 +207,8 @@ mod tests {
     use crate::trends::filtered::FilteredTrends;
     use crate::trends::operator::TrendOperator;
 
-    /// In one word the state would stop 3e-5 of its end away from it, in every row of a steady motion alike.
+    /// In one word the state would stop 3e-5 of its end away from it, in every row of a steady
+    /// motion alike.
     #[test]
     #[cfg_attr(miri, ignore = "hundreds of thousands of samples")]
     fn a_steady_input_is_reached_to_the_last_digits() {

@@ -54,10 +54,12 @@ impl<const D: usize> DelayLine<D> {
         out
     }
 
-    /// Takes u(k), gives the mean over the sample interval from k on of an input held from sample to sample that is
-    /// `delay + part` samples late, `part` from 0 to 1: `(1 - part) u(k - delay) + part u(k - delay - 1)`.
+    /// Takes u(k), gives the mean over the sample interval from k on of an input held from sample
+    /// to sample that is `delay + part` samples late, `part` from 0 to 1:
+    /// `(1 - part) u(k - delay) + part u(k - delay - 1)`.
     ///
-    /// What a held input integrates to over an interval is exact with it; a delay beyond `D - 1` counts as that.
+    /// What a held input integrates to over an interval is exact with it; a delay beyond `D - 1`
+    /// counts as that.
     ///
     /// # Examples
     /// ```

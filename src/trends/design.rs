@@ -28,7 +28,8 @@ pub struct Design<const M: usize> {
     /// Coefficients of the filter `A_f`; `None` where there is none.
     #[doc(alias = "filter_polynomial")]
     pub filter: Option<[f32; M]>,
-    /// Covariance of the trends under white noise of variance 1 on y; zero where there is no filter.
+    /// Covariance of the trends under white noise of variance 1 on y; zero where there is no
+    /// filter.
     pub noise_gain: NoiseGain<M>,
     /// Decay of the slowest real mode of the filter in one sample; 0 where there is no filter.
     #[doc(alias = "decay")]
@@ -96,9 +97,11 @@ impl<const M: usize> Design<M> {
         raised(each, M)
     }
 
-    /// Share of the discretisation error that these trends leave to a model with the denominator `found`, 0 to 1.
+    /// Share of the discretisation error that these trends leave to a model with the denominator
+    /// `found`, 0 to 1.
     ///
-    /// In the gamma plane: the distance to the model of the numerators, in powers of the largest rate.
+    /// In the gamma plane: the distance to the model of the numerators, in powers of the largest
+    /// rate.
     #[doc(alias = "inexact")]
     pub fn discretisation_share(&self, found: &[f32; M]) -> f32 {
         let Plane::Gamma { model, .. } = self.plane else {
@@ -115,7 +118,8 @@ impl<const M: usize> Design<M> {
         if far < 1.0 { far } else { 1.0 }
     }
 
-    /// The model of the s plane for the denominator `found` with these trends, behind this many integrators.
+    /// The model of the s plane for the denominator `found` with these trends, behind this many
+    /// integrators.
     ///
     /// `None` where `found` already is of the s plane, and where a pole is beyond 2/Delta.
     #[doc(alias = "continuous")]
@@ -143,7 +147,8 @@ impl<const M: usize> Design<M> {
     }
 }
 
-/// Factor from the numerators found to those of a model with denominator `a` in the s plane, `image` in gamma.
+/// Factor from the numerators found to those of a model with denominator `a` in the s plane,
+/// `image` in gamma.
 ///
 /// The gain behind the integrators is what the samples show, so it stays.
 fn at_rest<const M: usize>(own: f32, a: &[f32; M], image: &[f32; M], integrators: usize) -> f32 {

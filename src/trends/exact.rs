@@ -1,4 +1,5 @@
-//! Trends that are exact at any sample time: the numerators of the hold and the poles of the s plane.
+//! Trends that are exact at any sample time: the numerators of the hold and the poles of the s
+//! plane.
 
 use crate::error::{ConfigError, assert_order, check_finite, check_positive};
 use crate::trends::bilinear::to_gamma_plane;
@@ -12,15 +13,15 @@ use crate::trends::operator::{Form, Hold, TrendOperator, sealed};
 
 /// [`FilteredTrends`] for signals that are sampled slowly: a dozen samples per period and fewer.
 ///
-/// `Departs from (8):` nothing of y is interpolated in the equation
-/// `A_g(gamma) y = N(gamma) u` that the samples of y obey. Its poles are
-/// `gamma_p = (2/Delta) tanh(p Delta/2)` for the poles p of the plant, its numerators those of the hold.
-/// The trend j of an input is replaced by `N_j(gamma)` of `s^j/A(s)` over the filter. The plant's own A is
-/// not known at first: the filter replaces it until [`ExactTrends::with_model`] is given an estimate.
-/// With the right A every parameter is exact for any Delta and any filter; with another A the
-/// numerators are wrong by its distance times `(omega Delta)^2 / 12`. The model is read in the s plane
-/// and keeps the gain (behind the integrators) that was found. The standard deviations of an estimate
-/// are those of the s plane; prior deviations are not mapped, a prior is rough anyway.
+/// `Departs from (8):` nothing of y is interpolated in the equation `A_g(gamma) y = N(gamma) u`
+/// that the samples of y obey. Its poles are `gamma_p = (2/Delta) tanh(p Delta/2)` for the poles p
+/// of the plant, its numerators those of the hold. The trend j of an input is replaced by
+/// `N_j(gamma)` of `s^j/A(s)` over the filter. The plant's own A is not known at first: the filter
+/// replaces it until [`ExactTrends::with_model`] is given an estimate. With the right A every
+/// parameter is exact for any Delta and any filter; with another A the numerators are wrong by its
+/// distance times `(omega Delta)^2 / 12`. The model is read in the s plane and keeps the gain
+/// (behind the integrators) that was found. The standard deviations of an estimate are those of the
+/// s plane; prior deviations are not mapped, a prior is rough anyway.
 ///
 /// | symbol | argument | unit |
 /// |---|---|---|
@@ -60,20 +61,24 @@ pub struct ExactTrends<const M: usize> {
 }
 
 impl<const M: usize> ExactTrends<M> {
-    /// Trends behind `1/A_f(s)`, `A_f = s^m + filter[m-1] s^{m-1} + .. + filter[0]`, with the numerators of A = `A_f`.
+    /// Trends behind `1/A_f(s)`, `A_f = s^m + filter[m-1] s^{m-1} + .. + filter[0]`, with the
+    /// numerators of A = `A_f`.
     ///
     /// # Errors
-    /// As [`FilteredTrends::from_polynomial`]; [`ConfigError::TooFast`] where `A_f` has a pole at 2/Delta or above.
+    /// As [`FilteredTrends::from_polynomial`]; [`ConfigError::TooFast`] where `A_f` has a pole at
+    /// 2/Delta or above.
     pub fn from_polynomial(sample_time: f32, filter: [f32; M]) -> Result<Self, ConfigError> {
         const { assert_order(M) };
         check_positive("sample_time", sample_time)?;
-        // The map keeps the half plane of every pole: a filter that is unstable there is unstable here.
+        // The map keeps the half plane of every pole: a filter that is unstable there is unstable
+        // here.
         let image = in_gamma_plane("filter", &filter, sample_time)?;
         let chain = FilteredTrends::from_polynomial(Scheme::Tustin, sample_time, image)?;
         Ok(Self::of(chain, &filter, image, &image))
     }
 
-    /// The same filter with the numerators of a plant `A = s^m + a[m-1] s^{m-1} + .. + a[0]`, stable or not.
+    /// The same filter with the numerators of a plant `A = s^m + a[m-1] s^{m-1} + .. + a[0]`,
+    /// stable or not.
     ///
     /// # Errors
     /// [`ConfigError::NotFinite`], [`ConfigError::TooFast`] where A has a pole at 2/Delta or above.
@@ -83,7 +88,8 @@ impl<const M: usize> ExactTrends<M> {
         Ok(Self::of(self.chain.clone(), &a, image, &filter))
     }
 
-    /// Trends behind the default filter for a plant of rough bandwidth omega (rad/s), see [`FilteredTrends::for_bandwidth`].
+    /// Trends behind the default filter for a plant of rough bandwidth omega (rad/s), see
+    /// [`FilteredTrends::for_bandwidth`].
     ///
     /// # Errors
     /// As [`ExactTrends::from_polynomial`].
@@ -92,7 +98,8 @@ impl<const M: usize> ExactTrends<M> {
         Self::from_polynomial(sample_time, for_bandwidth(bandwidth))
     }
 
-    /// The numerators of a plant with denominator `a` in s, `image` in gamma, behind the filter in gamma.
+    /// The numerators of a plant with denominator `a` in s, `image` in gamma, behind the filter in
+    /// gamma.
     fn of(chain: FilteredTrends<M>, a: &[f32; M], image: [f32; M], filter: &[f32; M]) -> Self {
         let numerators = Numerators::new(a, &image, filter, chain.design().sample_time);
         let plane = Plane::Gamma {
@@ -145,6 +152,10 @@ impl<const M: usize> TrendOperator<M> for ExactTrends<M> {
             }
             sum
         })
+    }
+
+    fn withdraw(&self, memory: &mut Chain<M>, u: f32) {
+        self.chain.withdraw(memory, u);
     }
 
     fn design(&self) -> &Design<M> {

@@ -1,7 +1,7 @@
 //! Filtered trends: the state-variable filter (sections 1-2 of the paper behind one stable filter).
 //!
-//! Known as: state-variable filter (Young 1981; Garnier and Wang 2008), Poisson moment functionals where all poles are
-//! equal (Saha and Rao 1983).
+//! Known as: state-variable filter (Young 1981; Garnier and Wang 2008), Poisson moment functionals
+//! where all poles are equal (Saha and Rao 1983).
 
 use crate::error::{ConfigError, assert_order, check_positive, check_range};
 use crate::math::polynomial::{is_hurwitz, slowest_rate};
@@ -65,7 +65,8 @@ impl<const M: usize> FilteredTrends<M> {
     /// Trends behind a filter with the real poles `-poles[i]`.
     ///
     /// # Errors
-    /// [`ConfigError::NotPositive`]; with forward rectangles [`ConfigError::OutOfRange`] for a pole above 1/Delta.
+    /// [`ConfigError::NotPositive`]; with forward rectangles [`ConfigError::OutOfRange`] for a pole
+    /// above 1/Delta.
     pub fn try_new(scheme: Scheme, sample_time: f32, poles: [f32; M]) -> Result<Self, ConfigError> {
         check_positive("sample_time", sample_time)?;
         for (i, pole) in poles.into_iter().enumerate() {
@@ -80,8 +81,8 @@ impl<const M: usize> FilteredTrends<M> {
     /// Trends behind `1/A_f`, `A_f = s^m + filter[m-1] s^{m-1} + .. + filter[0]`.
     ///
     /// # Errors
-    /// [`ConfigError::NotPositive`], also for a coefficient of the polynomial; [`ConfigError::Unstable`] where it breaks
-    /// the Hurwitz conditions.
+    /// [`ConfigError::NotPositive`], also for a coefficient of the polynomial;
+    /// [`ConfigError::Unstable`] where it breaks the Hurwitz conditions.
     pub fn from_polynomial(
         scheme: Scheme,
         sample_time: f32,
@@ -115,12 +116,13 @@ impl<const M: usize> FilteredTrends<M> {
         })
     }
 
-    /// The filter for a plant of rough bandwidth omega (rad/s): `(s + 0.11 omega) (s^2 + 1.54 omega s + 1.21 omega^2)` for m = 3.
+    /// The filter for a plant of rough bandwidth omega (rad/s):
+    /// `(s + 0.11 omega) (s^2 + 1.54 omega s + 1.21 omega^2)` for m = 3.
     ///
-    /// A pair of damping 0.7 at 1.1 omega, above which noise dominates the dynamics, and a
-    /// slow real pole that keeps the position in the regressor (m = 1: the pole 1.1 omega;
-    /// m = 2: two real poles; m = 4: a further pole 1.1 omega): measured to be within 1.4
-    /// times the Cramer-Rao bound under white noise, with [`Structure::SERVO`](crate::Structure::SERVO).
+    /// A pair of damping 0.7 at 1.1 omega, above which noise dominates the dynamics, and a slow
+    /// real pole that keeps the position in the regressor (m = 1: the pole 1.1 omega; m = 2: two
+    /// real poles; m = 4: a further pole 1.1 omega): measured to be within 1.4 times the Cramer-Rao
+    /// bound under white noise, with [`Structure::SERVO`](crate::Structure::SERVO).
     ///
     /// # Errors
     /// As [`FilteredTrends::try_new`].
@@ -179,6 +181,10 @@ impl<const M: usize> TrendOperator<M> for FilteredTrends<M> {
         self.integrators.step(states, pending, direct, held).lower
     }
 
+    fn withdraw(&self, memory: &mut Chain<M>, u: f32) {
+        memory.states[M - 1] -= self.design.sample_time * u;
+    }
+
     fn design(&self) -> &Design<M> {
         &self.design
     }
@@ -221,7 +227,8 @@ mod tests {
         // Forward rectangles are unstable above 1/Delta.
         assert!(FilteredTrends::<1>::try_new(Scheme::Goodwin, 0.001, [1001.0]).is_err());
         assert!(FilteredTrends::<1>::try_new(Scheme::Tustin, 0.001, [1001.0]).is_ok());
-        // (s - 1)(s^2 + 4 s + 9) fails in its own signs, s^3 + s^2 + s + 2 in the Hurwitz condition.
+        // (s - 1)(s^2 + 4 s + 9) fails in its own signs, s^3 + s^2 + s + 2 in the Hurwitz
+        // condition.
         let polynomial = |f| FilteredTrends::<3>::from_polynomial(Scheme::Tustin, 0.001, f);
         let not_positive = ConfigError::NotPositive {
             setting: ("filter", 0).into(),

@@ -44,10 +44,11 @@ pub(crate) struct Numerators<const M: usize> {
 }
 
 impl<const M: usize> Numerators<M> {
-    /// For the plant with denominator `a` in s, `image` in gamma, behind the filter with the poles `filter` in gamma.
+    /// For the plant with denominator `a` in s, `image` in gamma, behind the filter with the poles
+    /// `filter` in gamma.
     ///
-    /// With X the matrix of the state equations of 1/A (states s^j/A) and b their input, in
-    /// units of 2/Delta: `N(gamma) = adj(gamma - tanh X) w`, w = (tanh X / X) b for the zero-order hold,
+    /// With X the matrix of the state equations of 1/A (states s^j/A) and b their input, in units
+    /// of 2/Delta: `N(gamma) = adj(gamma - tanh X) w`, w = (tanh X / X) b for the zero-order hold,
     /// (tanh X / X)^2 b for the first-order hold, which also has the feedthrough
     /// `d = ((tanh X / X) - 1)/X b`: `d A_g/A_f = d + sum d (a_g - f)_i gamma^i/A_f`.
     pub(crate) fn new(a: &[f32; M], image: &[f32; M], filter: &[f32; M], sample_time: f32) -> Self {
@@ -132,7 +133,8 @@ fn tanh_ratio<const M: usize>(v: &[f32; M], a: &[f32; M]) -> [f32; M] {
 /// Rows of `adj(gamma - tanh X) w`, weights of gamma^i.
 fn adjugate<const M: usize>(w: &[f32; M], a: &[f32; M], image: &[f32; M]) -> [[f32; M]; M] {
     let mut rows = [[0.0; M]; M];
-    // sum gamma^i (G^(m-1-i) + image_{m-1} G^(m-2-i) + .. + image_{i+1}) w, from the highest power down
+    // sum gamma^i (G^(m-1-i) + image_{m-1} G^(m-2-i) + .. + image_{i+1}) w, from the highest power
+    // down
     let mut column = *w;
     for i in (0..M).rev() {
         for (row, value) in rows.iter_mut().zip(column) {
@@ -169,7 +171,8 @@ mod tests {
 
     #[test]
     fn two_integrators_by_hand() {
-        // 1/s^2: Delta^2/2 (z+1)/(z-1)^2 held, Delta^2/6 (z^2+4z+1)/(z-1)^2 straight = 1/gamma^2 - Delta^2/12.
+        // 1/s^2: Delta^2/2 (z+1)/(z-1)^2 held, Delta^2/6 (z^2+4z+1)/(z-1)^2 straight = 1/gamma^2 -
+        // Delta^2/12.
         let found = numerators([0.0, 0.0]);
         assert_eq!(found.zero, [[1.0, 0.0], [0.0, 1.0]]);
         assert_eq!(found.first, [[1.0, 0.0], [0.0, 1.0]]);

@@ -6,8 +6,8 @@ use crate::trends::difference::{Scheme, Trends};
 use crate::trends::noise_gain::NoiseGain;
 use crate::trends::operator::{Form, Hold, Memory, TrendOperator, sealed};
 
-/// Trends over a span of `L` samples (linear integral filter; S. Sagara, Z. Zhao: Numerical integration approach to
-/// on-line identification of continuous-time systems. 1990), recursive.
+/// Trends over a span of `L` samples (linear integral filter; S. Sagara, Z. Zhao: Numerical
+/// integration approach to on-line identification of continuous-time systems. 1990), recursive.
 ///
 /// Both sides of (5) are multiplied by `((1-q^-L)/(1-q^-1))^m`, which turns every
 /// difference over one sample into one over L samples, and every mean into an
@@ -54,7 +54,8 @@ pub struct IntegralTrends<const M: usize, const L: usize> {
 pub struct Span<const M: usize, const L: usize> {
     /// Ring j holds the signal integrated j times, M spans long.
     rings: [[[f32; L]; M]; M],
-    /// The running sums, and the sums that replace them once per span so that rounding does not pile up.
+    /// The running sums, and the sums that replace them once per span so that rounding does not
+    /// pile up.
     sums: [f32; M],
     fresh: [f32; M],
     /// The value of each ring that the newest one has overwritten, M spans old.

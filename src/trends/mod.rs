@@ -14,7 +14,8 @@
 //! | [`IntegralTrends`] | `R_i ((1-q^-L)/(1-q^-1))^m` | the same over a span of L samples, for comparison |
 //! | [`AnyTrends`] | - | one of the first three, chosen at run time |
 //!
-//! B. Ninness, G. C. Goodwin: The relationship between discrete time and continuous time linear estimation. 1991. Trends (4).
+//! B. Ninness, G. C. Goodwin: The relationship between discrete time and continuous time linear
+//! estimation. 1991. Trends (4).
 //!
 //! All operators give trends in the unit of the signal times s^(i-m) (filtered)
 //! or s^-i (raw), so that theta is the transfer function's in SI units.

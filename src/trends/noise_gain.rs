@@ -14,7 +14,8 @@ pub struct NoiseGain<const M: usize> {
     pub top: f32,
 }
 
-/// Most doublings of the sum over time: 2^24 samples are longer than the memory of any filter in f32.
+/// Most doublings of the sum over time: 2^24 samples are longer than the memory of any filter in
+/// f32.
 const DOUBLINGS: usize = 24;
 
 impl<const M: usize> NoiseGain<M> {
@@ -27,8 +28,9 @@ impl<const M: usize> NoiseGain<M> {
 
     /// Sum of g g' over the response g of `chain` to one unit sample, in closed form.
     ///
-    /// `chain` takes its memory and a sample to the trends. With b the memory after the sample and F the step of the
-    /// memory, `X = sum F^k b b' F'^k` doubles its number of terms by `X + F^n X F^n'`, `F^2n = F^n F^n`.
+    /// `chain` takes its memory and a sample to the trends. With b the memory after the sample and
+    /// F the step of the memory, `X = sum F^k b b' F'^k` doubles its number of terms by
+    /// `X + F^n X F^n'`, `F^2n = F^n F^n`.
     pub(crate) fn of(chain: impl Fn(&mut [f32; M], f32) -> Trends<M>) -> Self {
         let mut gain = Self::ZERO;
         let mut memory = [0.0; M];

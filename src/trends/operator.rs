@@ -14,8 +14,9 @@ pub enum Hold {
     Zero,
     /// Linear between u(k) and u(k+1): a measured quantity.
     First,
-    /// u(k) is the mean since sample k-1: what is known only when it is over, such as the friction of a drive that has
-    /// turned in between. Raw trends by Goodwin's scheme and trends over a span take it as `First`.
+    /// u(k) is the mean since sample k-1: what is known only when it is over, such as the friction
+    /// of a drive that has turned in between. Raw trends by Goodwin's scheme and trends over a span
+    /// take it as `First`.
     Mean,
 }
 
@@ -26,8 +27,8 @@ pub enum Form {
     /// By its value: every trend, for a model with a_0.
     #[default]
     Position,
-    /// By its increments, for a model without a_0: the position at which the drive stands costs no digits. Trend 0 has
-    /// no meaning then.
+    /// By its increments, for a model without a_0: the position at which the drive stands costs no
+    /// digits. Trend 0 has no meaning then.
     #[doc(alias = "movement")]
     Increment,
 }
@@ -45,7 +46,8 @@ pub trait Memory<const M: usize>: Clone + Debug + PartialEq + sealed::Sealed {
     /// Memory of an input that has always had this value.
     #[doc(alias = "settled_input")]
     fn input_at_rest(design: &Design<M>, hold: Hold, value: f32) -> Self;
-    /// Sets what has decayed beyond any use to zero, before it becomes subnormal; nothing decays in windows of samples.
+    /// Sets what has decayed beyond any use to zero, before it becomes subnormal; nothing decays in
+    /// windows of samples.
     fn flush(&mut self) {}
 }
 
@@ -60,8 +62,12 @@ pub trait TrendOperator<const M: usize>: Clone + Debug + PartialEq + sealed::Sea
 
     /// Takes y(k), gives `R_i y` for i = 0..m.
     fn output(&self, memory: &mut Self::Memory, y: f32, form: Form) -> Trends<M>;
-    /// Takes u(k), gives `P_i u` for i = 0..m-1; under a zero-order hold these use past inputs only.
+    /// Takes u(k), gives `P_i u` for i = 0..m-1; under a zero-order hold these use past inputs
+    /// only.
     fn input(&self, memory: &mut Self::Memory, u: f32, hold: Hold) -> [f32; M];
+    /// As if an input that is held at `u` from the newest sample on were 0 from there on. Trends
+    /// over a span go on with it.
+    fn withdraw(&self, _memory: &mut Self::Memory, _u: f32) {}
     /// Everything that follows from the coefficients, computed once.
     fn design(&self) -> &Design<M>;
 }

@@ -151,6 +151,10 @@ impl<const M: usize> TrendOperator<M> for RawTrends<M> {
         lower
     }
 
+    fn withdraw(&self, memory: &mut Window<M>, u: f32) {
+        memory.past[0] -= u;
+    }
+
     fn design(&self) -> &Design<M> {
         &self.design
     }

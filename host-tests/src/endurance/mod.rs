@@ -1,8 +1,9 @@
 //! Does the estimate stay true over hours? Every kind of motion a drive knows, with every memory.
 //!
-//! A run begins with ten seconds of binary noise; then the scenario lasts as long as asked. Where the data obey the model
-//! the estimate is compared with the truth all the time; where they do not (the axis is blocked, the command stays inside
-//! the dead zone), ten seconds of motion follow, and the estimate is compared at their end.
+//! A run begins with ten seconds of binary noise; then the scenario lasts as long as asked. Where
+//! the data obey the model the estimate is compared with the truth all the time; where they do not
+//! (the axis is blocked, the command stays inside the dead zone), ten seconds of motion follow, and
+//! the estimate is compared at their end.
 //!
 //! | file | what |
 //! |---|---|

@@ -24,7 +24,8 @@ pub enum Motion {
     },
     /// 5 s of binary noise, then 195 s of rest.
     StopAndGo,
-    /// Proportional feedback of the measured position to a reference that steps by at most 2 every 20 s.
+    /// Proportional feedback of the measured position to a reference that steps by at most 2 every
+    /// 20 s.
     SmallSteps,
     /// A day in parts of one minute: binary noise, rest, speeds, sines, small steps.
     Day,
@@ -61,7 +62,8 @@ pub struct Commands {
     register: ShiftRegister,
     random: Random,
     bit: f64,
-    /// Whether binary noise has two sizes: a dead zone or friction cannot be told from a gain with one.
+    /// Whether binary noise has two sizes: a dead zone or friction cannot be told from a gain with
+    /// one.
     two_sizes: bool,
     reference: f64,
     anchor: Option<f64>,

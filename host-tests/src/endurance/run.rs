@@ -13,7 +13,8 @@ use crate::endurance::scenario::{Case, DEAD_ZONE, DT, Drive, GAIN};
 use crate::plants::servo::Servo;
 use crate::plants::valve::FrictionDrive;
 
-/// One run over `samples` samples of the scenario; the others beside it over at most `others` samples.
+/// One run over `samples` samples of the scenario; the others beside it over at most `others`
+/// samples.
 pub fn run(case: &Case, seed: u64, samples: u64, others: u64) -> Found {
     let w = case.setup.bandwidth;
     let servo = Servo {

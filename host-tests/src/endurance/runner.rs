@@ -68,7 +68,8 @@ impl<'a, A: Axis> Runner<'a, A> {
         quantised(if noisy { y + noise } else { y }, resolution)
     }
 
-    /// Runs the scenario over `samples` samples; `inputs` makes those of the identifier from command and velocity.
+    /// Runs the scenario over `samples` samples; `inputs` makes those of the identifier from
+    /// command and velocity.
     pub(super) fn go<const M: usize, const N: usize, const I: usize>(
         mut self,
         samples: u64,
@@ -175,7 +176,9 @@ impl<'a, A: Axis> Runner<'a, A> {
     }
 
     fn compare(&mut self, reading: Option<Reading>) {
-        self.found.compare(reading, &self.truth);
+        let digit = f64::from(f32::EPSILON) * self.axis.position().abs();
+        let resolved = digit <= 1e-3 * self.case.setup.noise_um;
+        self.found.compare(reading, &self.truth, resolved);
         if let Some(others) = &mut self.others {
             others.look(&self.truth);
         }

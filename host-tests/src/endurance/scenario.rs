@@ -51,9 +51,11 @@ impl Scenario {
         }
     }
 
-    /// Whether the estimate is expected to be right again ten seconds after data that did not obey the model.
+    /// Whether the estimate is expected to be right again ten seconds after data that did not obey
+    /// the model.
     ///
-    /// An axis that is carried along at any speed is not: its rows outweigh those of any motion after them.
+    /// An axis that is carried along at any speed is not: its rows outweigh those of any motion
+    /// after them.
     pub fn recovers(&self) -> bool {
         self.behaviour != Behaviour::Ramps
     }

@@ -1,11 +1,13 @@
-//! Cramer-Rao bound: the smallest standard deviation any unbiased estimate can have from a given record.
+//! Cramer-Rao bound: the smallest standard deviation any unbiased estimate can have from a given
+//! record.
 //!
 //! For white Gaussian position noise of variance `s^2` and a known initial state the information is
-//! `sum_k (dy(k)/dtheta) (dy(k)/dtheta)' / s^2`. The sensitivities are exact: they obey the plant's own equation driven
-//! by its state, `s' = A s + (dA/dp) x + (dB/dp) u`, and are discretised together with it.
+//! `sum_k (dy(k)/dtheta) (dy(k)/dtheta)' / s^2`. The sensitivities are exact: they obey the plant's
+//! own equation driven by its state, `s' = A s + (dA/dp) x + (dB/dp) u`, and are discretised
+//! together with it.
 //!
-//! Uniform noise of the same variance is treated as Gaussian, as usual; an estimator that knew the uniform law could
-//! do better.
+//! Uniform noise of the same variance is treated as Gaussian, as usual; an estimator that knew the
+//! uniform law could do better.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -27,11 +29,13 @@ pub enum Coefficient {
     },
     /// The constant on the right-hand side.
     Constant,
-    /// `i`-th derivative of the output at the first sample, for zero inputs before it (0: the output itself).
+    /// `i`-th derivative of the output at the first sample, for zero inputs before it (0: the
+    /// output itself).
     Initial(usize),
 }
 
-/// `x' = system x + input v`, y the first state, in observer form; the last input is the constant 1.
+/// `x' = system x + input v`, y the first state, in observer form; the last input is the
+/// constant 1.
 struct StateSpace {
     system: DMatrix<f64>,
     input: DMatrix<f64>,
@@ -118,7 +122,8 @@ fn acting(plant: &LinearPlant, u: &[&[f64]]) -> Vec<DVector<f64>> {
         .collect()
 }
 
-/// Output of a plant and its derivatives by the free coefficients, simulated from rest, exact for held inputs.
+/// Output of a plant and its derivatives by the free coefficients, simulated from rest, exact for
+/// held inputs.
 #[derive(Clone, Debug)]
 pub struct Sensitivity {
     /// Noise-free output, `y(0)..y(n-1)`.
@@ -128,7 +133,8 @@ pub struct Sensitivity {
 }
 
 impl Sensitivity {
-    /// Simulates `plant`'s equation from the derivatives `initial` of the output (zeros: at rest) for held inputs.
+    /// Simulates `plant`'s equation from the derivatives `initial` of the output (zeros: at rest)
+    /// for held inputs.
     ///
     /// `u[j]` is the sequence of input `j`; all have the same length.
     ///
@@ -167,8 +173,8 @@ impl Sensitivity {
         Self { y, jacobian }
     }
 
-    /// Covariance bound of the free coefficients for white noise of standard deviation `sigma`, or nothing when the
-    /// record does not determine them.
+    /// Covariance bound of the free coefficients for white noise of standard deviation `sigma`, or
+    /// nothing when the record does not determine them.
     pub fn covariance(&self, sigma: f64) -> Option<DMatrix<f64>> {
         // Columns differ by orders of magnitude: scale to unit length before inverting.
         let lengths: Vec<f64> = self.jacobian.column_iter().map(|c| c.norm()).collect();
@@ -189,7 +195,8 @@ impl Sensitivity {
     }
 }
 
-/// Bound of each free coefficient of `plant` as a standard deviation, for held inputs from rest and white noise.
+/// Bound of each free coefficient of `plant` as a standard deviation, for held inputs from rest and
+/// white noise.
 ///
 /// Nothing when the record does not determine them all.
 ///
@@ -212,17 +219,19 @@ pub fn coefficient_bound(
 pub enum InitialState {
     /// All of it: at rest in a known position.
     Known,
-    /// At rest in a position that is itself known only from the noisy record: the case of an identifier that
-    /// starts on a drive at rest. It matters for `C` over a short record.
+    /// At rest in a position that is itself known only from the noisy record: the case of an
+    /// identifier that starts on a drive at rest. It matters for `C` over a short record.
     PositionUnknown,
     /// Nothing.
     Unknown,
 }
 
-/// Relative bound of `C`, `w0` and `xi` \[%\] for the command sequence `u` and white position noise of standard
-/// deviation `sigma_mm` \[mm\], from rest; nothing when the record does not determine them.
+/// Relative bound of `C`, `w0` and `xi` \[%\] for the command sequence `u` and white position noise
+/// of standard deviation `sigma_mm` \[mm\], from rest; nothing when the record does not determine
+/// them.
 ///
-/// `C = b0/a1`, `w0 = sqrt(a1)`, `xi = a2/(2 sqrt(a1))`: the covariance of `(a1, a2, b0)` goes through the Jacobian.
+/// `C = b0/a1`, `w0 = sqrt(a1)`, `xi = a2/(2 sqrt(a1))`: the covariance of `(a1, a2, b0)` goes
+/// through the Jacobian.
 pub fn servo_bound_pct(
     servo: &Servo,
     dt: f64,
@@ -245,7 +254,8 @@ pub fn servo_bound_pct(
     Some(servo_deviation_pct(servo, &covariance))
 }
 
-/// Relative standard deviations of `C`, `w0`, `xi` \[%\] from a covariance whose first three rows are `a1, a2, b0`.
+/// Relative standard deviations of `C`, `w0`, `xi` \[%\] from a covariance whose first three rows
+/// are `a1, a2, b0`.
 pub fn servo_deviation_pct(servo: &Servo, covariance: &DMatrix<f64>) -> [f64; 3] {
     let [_, a1, a2] = servo.a();
     let b0 = servo.b0();

@@ -1,8 +1,9 @@
 //! Extended Kalman filter on the joint state of the reference servo, for comparison.
 //!
-//! Six states: position, velocity, acceleration, and the logarithms of `C`, `w0`, `xi`, which keeps them positive. The
-//! noise variance of the position is known to it. Between samples, state and transition matrix are integrated together
-//! by the classical Runge-Kutta rule, with an error far below the noise (`(w0 dt)^5 / 120` of the state).
+//! Six states: position, velocity, acceleration, and the logarithms of `C`, `w0`, `xi`, which keeps
+//! them positive. The noise variance of the position is known to it. Between samples, state and
+//! transition matrix are integrated together by the classical Runge-Kutta rule, with an error far
+//! below the noise (`(w0 dt)^5 / 120` of the state).
 
 use nalgebra::{SMatrix, SVector};
 
@@ -19,20 +20,22 @@ pub struct Prior {
     pub servo: Servo,
     /// Standard deviation of the logarithms of `C`, `w0`, `xi`.
     pub log_sd: [f64; 3],
-    /// Standard deviation of the position at the first sample \[mm\]; the drive is known to be at rest.
+    /// Standard deviation of the position at the first sample \[mm\]; the drive is known to be at
+    /// rest.
     pub position_sd: f64,
-    /// Random walk of the logarithms, standard deviation per square root of a second; 0 for constant parameters.
+    /// Random walk of the logarithms, standard deviation per square root of a second; 0 for
+    /// constant parameters.
     pub log_walk: f64,
 }
 
 impl Prior {
-    /// Prior of the comparison, for position noise of standard deviation `sigma` \[mm\]: every parameter 20 % off,
-    /// log deviation 0.2, walk 0.005.
+    /// Prior of the comparison, for position noise of standard deviation `sigma` \[mm\]: every
+    /// parameter 20 % off, log deviation 0.2, walk 0.005.
     ///
-    /// Deviation, walk and a factor on the noise were chosen by the geometric mean of rms/bound over the rows N/S
-    /// 1.04, 8.35, 16.72 and 41.78 % of RELATIVE, 1 s, seeds 0 to 99; comparisons use other seeds. A start that is
-    /// further off makes the filter worse (40 % off: three to five times in rms), a nearer one amounts to telling it
-    /// the answer.
+    /// Deviation, walk and a factor on the noise were chosen by the geometric mean of rms/bound
+    /// over the rows N/S 1.04, 8.35, 16.72 and 41.78 % of RELATIVE, 1 s, seeds 0 to 99; comparisons
+    /// use other seeds. A start that is further off makes the filter worse (40 % off: three to five
+    /// times in rms), a nearer one amounts to telling it the answer.
     pub const fn tuned(sigma: f64) -> Self {
         Self {
             servo: Servo {
@@ -58,7 +61,8 @@ pub struct ExtendedKalman {
 }
 
 impl ExtendedKalman {
-    /// A filter for position noise of standard deviation `sigma` \[mm\], sampled every `dt` seconds.
+    /// A filter for position noise of standard deviation `sigma` \[mm\], sampled every `dt`
+    /// seconds.
     pub fn new(prior: &Prior, sigma: f64, dt: f64) -> Self {
         let Servo { c, omega0, xi } = prior.servo;
         let sd = [

@@ -1,4 +1,5 @@
-//! Other ways to forget, in f64: plain exponential, directional (Cao & Schwartz), stabilised (Kulhavy & Zarrop).
+//! Other ways to forget, in f64: plain exponential, directional (Cao & Schwartz), stabilised
+//! (Kulhavy & Zarrop).
 //!
 //! | kind | information R = P^-1 after a row phi | rests |
 //! |---|---|---|
@@ -6,8 +7,9 @@
 //! | directional | `R - (1 - lambda) R phi phi' R / (phi' R phi) + phi phi'` | keeps what no row shows |
 //! | stabilised | `lambda R + phi phi' + (1 - lambda) I / w`, with the nominal parameters as a second observation | returns to them |
 //!
-//! Cao & Schwartz, A directional forgetting algorithm based on the decomposition of the information matrix, Automatica 36
-//! (2000); Kulhavy & Zarrop, On a general concept of forgetting, Int. J. Control 58 (1993).
+//! Cao & Schwartz, A directional forgetting algorithm based on the decomposition of the information
+//! matrix, Automatica 36 (2000); Kulhavy & Zarrop, On a general concept of forgetting, Int. J.
+//! Control 58 (1993).
 
 use nalgebra::{SMatrix, SVector};
 
@@ -23,11 +25,12 @@ pub enum Kind {
         /// w.
         variance: f64,
     },
-    /// All of it, before a row when the row before brought 1.5 times the share that goes, otherwise before every eighth;
-    /// then every second sample one parameter in turn is observed at its nominal value, which follows the
-    /// estimate where its variance is small: what the core does, with dense matrices. Until the variance was small once, a nominal
-    /// value is the mean of the prior and weighs as much as keeps the prior variance. Behind a row that brought less nominal values
-    /// stand still.
+    /// All of it, before a row when the row before brought 1.5 times the share that goes, otherwise
+    /// before every eighth; then every second sample one parameter in turn is observed at its
+    /// nominal value, which follows the estimate where its variance is small: what the core does,
+    /// with dense matrices. Until the variance was small once, a nominal value is the mean of the
+    /// prior and weighs as much as keeps the prior variance. Behind a row that brought less nominal
+    /// values stand still.
     InTurn {
         /// That of one observation, once the variance of the parameter was small.
         variance: f64,
@@ -43,7 +46,8 @@ pub struct Forgetting<const N: usize> {
     lambda: f64,
     theta: SVector<f64, N>,
     nominal: SVector<f64, N>,
-    /// Variances that the observations in turn leave without data: those of the prior, until the data showed a parameter.
+    /// Variances that the observations in turn leave without data: those of the prior, until the
+    /// data showed a parameter.
     unsupported: [f64; N],
     information: SMatrix<f64, N, N>,
     covariance: SMatrix<f64, N, N>,
@@ -53,7 +57,8 @@ pub struct Forgetting<const N: usize> {
 }
 
 impl<const N: usize> Forgetting<N> {
-    /// Starts at zero with these variances of the parameters relative to the noise, and the memory in samples.
+    /// Starts at zero with these variances of the parameters relative to the noise, and the memory
+    /// in samples.
     pub fn new(kind: Kind, variances: [f64; N], memory: f64) -> Self {
         Self {
             kind,
@@ -143,8 +148,8 @@ impl<const N: usize> Forgetting<N> {
 
 /// Rows of the default structure for an integrating servo, from samples of command and position.
 ///
-/// Trends through `1/A_f` by trapezoids, each entry scaled to the size of its signal at the bandwidth; the columns are
-/// those of (a1, a2, b0, constant, initial state).
+/// Trends through `1/A_f` by trapezoids, each entry scaled to the size of its signal at the
+/// bandwidth; the columns are those of (a1, a2, b0, constant, initial state).
 #[derive(Clone, Debug)]
 pub struct ServoRows {
     filter: [f64; 3],
@@ -198,7 +203,8 @@ impl ServoRows {
         (phi, top * y[3])
     }
 
-    /// One sample through the integrators: the trends 0 to 3, and what they leave for the next sample.
+    /// One sample through the integrators: the trends 0 to 3, and what they leave for the next
+    /// sample.
     fn chain(&self, memory: [f64; 3], direct: f64, held: f64) -> ([f64; 4], [f64; 3]) {
         let h = self.half;
         let mut known = memory;

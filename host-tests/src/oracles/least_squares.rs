@@ -57,9 +57,11 @@ impl Structure {
     }
 }
 
-/// Rows `phi(k) theta = target(k)`; `theta` holds the `a` ascending, then each input's `b` ascending, then the constant.
+/// Rows `phi(k) theta = target(k)`; `theta` holds the `a` ascending, then each input's `b`
+/// ascending, then the constant.
 ///
-/// The columns of `a` are `-R_i y`, so that `theta` holds `a_i` itself, where (12) of the paper holds `-a_i`, descending.
+/// The columns of `a` are `-R_i y`, so that `theta` holds `a_i` itself, where (12) of the paper
+/// holds `-a_i`, descending.
 #[derive(Clone, Debug)]
 pub struct Regression {
     /// One row per sample.
@@ -69,7 +71,8 @@ pub struct Regression {
 }
 
 impl Regression {
-    /// Raw trends of a record (`f` absent) or trends filtered by `1/R_A` (`f` ascending, monic, length `m + 1`).
+    /// Raw trends of a record (`f` absent) or trends filtered by `1/R_A` (`f` ascending, monic,
+    /// length `m + 1`).
     ///
     /// Rows before [`Structure::first_full`] are left out. The filter starts at rest.
     ///
@@ -124,8 +127,8 @@ pub struct Fit {
     pub condition: f64,
 }
 
-/// `argmin sum_k weights[k] (target[k] - phi[k] theta)^2` by singular values of the column-scaled rows, or nothing when
-/// the rows do not determine `theta` (condition above 1e12).
+/// `argmin sum_k weights[k] (target[k] - phi[k] theta)^2` by singular values of the column-scaled
+/// rows, or nothing when the rows do not determine `theta` (condition above 1e12).
 ///
 /// # Panics
 /// When the numbers of rows, targets and weights differ.
@@ -153,7 +156,8 @@ pub fn least_squares(
     for (mut column, l) in rows.column_iter_mut().zip(&lengths) {
         column /= *l;
     }
-    // Orthogonal triangularisation first: the singular values of the small triangle are those of the tall matrix.
+    // Orthogonal triangularisation first: the singular values of the small triangle are those of
+    // the tall matrix.
     let qr = rows.clone().qr();
     let rotated = qr.q().transpose() * &right;
     let svd = qr.r().svd(true, true);
@@ -181,8 +185,9 @@ pub fn least_squares(
 
 /// What a recursion with forgetting must have reached after all rows, computed at once.
 ///
-/// Minimises `sum_k lambda^(N-1-k) (target[k] - phi[k] theta)^2 + lambda^N sum_i ((theta_i - prior_i)/sd_i)^2 s^2`: the
-/// prior is one more row per parameter, `sd` its standard deviation and `s` (`noise`) that of the target.
+/// Minimises `sum_k lambda^(N-1-k) (target[k] - phi[k] theta)^2`
+/// `+ lambda^N sum_i ((theta_i - prior_i)/sd_i)^2 s^2`: the prior is one more row per parameter,
+/// `sd` its standard deviation and `s` (`noise`) that of the target.
 ///
 /// # Panics
 /// When prior and deviations do not have one value per column.
@@ -210,7 +215,8 @@ pub fn recursive_equivalent(
     least_squares(&rows, &right, Some(&weights))
 }
 
-/// One-step prediction (9)-(10) of the output with the raw trends and fixed parameters, from sample `first_full` on.
+/// One-step prediction (9)-(10) of the output with the raw trends and fixed parameters, from sample
+/// `first_full` on.
 ///
 /// Returns the predictions with their sums of squared and absolute errors, `IQ` and `IV` of (11).
 ///

@@ -1,8 +1,10 @@
-//! Offline output-error fit: the free simulation of a linear plant brought as near to a record as it goes.
+//! Offline output-error fit: the free simulation of a linear plant brought as near to a record as
+//! it goes.
 //!
-//! Levenberg-Marquardt with exact sensitivities. For white noise of the output this is the maximum-likelihood
-//! estimate: on a long record its deviation is the Cramer-Rao bound. It needs the whole record and a start near the
-//! truth, and serves as the comparison an online estimate cannot be expected to beat.
+//! Levenberg-Marquardt with exact sensitivities. For white noise of the output this is the
+//! maximum-likelihood estimate: on a long record its deviation is the Cramer-Rao bound. It needs
+//! the whole record and a start near the truth, and serves as the comparison an online estimate
+//! cannot be expected to beat.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -24,7 +26,8 @@ pub struct OutputErrorFit {
     pub residual: f64,
     /// Accepted and refused iterations.
     pub iterations: usize,
-    /// Whether the last step was below a part in 1e8 of every coefficient's deviation or changed nothing.
+    /// Whether the last step was below a part in 1e8 of every coefficient's deviation or changed
+    /// nothing.
     pub converged: bool,
 }
 
@@ -62,10 +65,12 @@ impl Model {
     }
 }
 
-/// Fits the coefficients `free` of `start` to the output `y` of the held inputs `u`; the rest stays as it is.
+/// Fits the coefficients `free` of `start` to the output `y` of the held inputs `u`; the rest stays
+/// as it is.
 ///
-/// `initial` are output and derivatives at the first sample for zero inputs before it; those named in `free` are fitted.
-/// Nothing when the record does not determine the coefficients or the start cannot be simulated.
+/// `initial` are output and derivatives at the first sample for zero inputs before it; those named
+/// in `free` are fitted. Nothing when the record does not determine the coefficients or the start
+/// cannot be simulated.
 ///
 /// # Panics
 /// When lengths or indices do not fit the plant.
@@ -145,7 +150,8 @@ impl Point {
         })
     }
 
-    /// A step of Levenberg and Marquardt, and whether it is too small to matter; no point where it cannot be simulated.
+    /// A step of Levenberg and Marquardt, and whether it is too small to matter; no point where it
+    /// cannot be simulated.
     ///
     /// Nothing when the record does not determine the coefficients.
     fn step(&self, damping: f64, record: &Records) -> Option<(Option<Self>, bool)> {

@@ -1,8 +1,9 @@
 //! Trends of the paper in f64: raw by polynomial products, filtered in two independent ways.
 //!
-//! Filtered trends put one stable filter on both sides of (5). With `F = 1/R_A`, `R_A = sum f_i R_i`, `A_f = sum f_i s^i`
-//! of order `m`, the filtered trend `F R_i` is exactly `z^i / A_f(z)`, where `z` is the scheme's derivative: a chain of `m`
-//! discrete integrators, see [`chain_output`] and [`chain_held`].
+//! Filtered trends put one stable filter on both sides of (5). With `F = 1/R_A`,
+//! `R_A = sum f_i R_i`, `A_f = sum f_i s^i` of order `m`, the filtered trend `F R_i` is exactly
+//! `z^i / A_f(z)`, where `z` is the scheme's derivative: a chain of `m` discrete integrators, see
+//! [`chain_output`] and [`chain_held`].
 
 use crate::plants::polynomial::{
     delayed, difference_equation, moving_sum, power, product, scaled, sum,
@@ -39,7 +40,8 @@ pub fn output_trend(scheme: Scheme, m: usize, i: usize, dt: f64) -> Vec<f64> {
     }
 }
 
-/// Trend operator of the input, `P_i` of order `m` without delay, in powers of `q^-1`: (4) or (8); `i < m`.
+/// Trend operator of the input, `P_i` of order `m` without delay, in powers of `q^-1`: (4) or (8);
+/// `i < m`.
 ///
 /// For a first-order hold `P_i = R_i` in both schemes.
 pub fn input_trend(scheme: Scheme, hold: Hold, m: usize, i: usize, dt: f64) -> Vec<f64> {
@@ -55,7 +57,8 @@ pub fn input_trend(scheme: Scheme, hold: Hold, m: usize, i: usize, dt: f64) -> V
     }
 }
 
-/// Denominator `R_A = sum f_i R_i` of the filter `F = 1/R_A`; `f` ascending, monic, of length `m + 1`.
+/// Denominator `R_A = sum f_i R_i` of the filter `F = 1/R_A`; `f` ascending, monic, of length
+/// `m + 1`.
 pub fn filter_denominator(scheme: Scheme, f: &[f64], dt: f64) -> Vec<f64> {
     let m = f.len() - 1;
     (0..=m).fold(Vec::new(), |r, i| {
@@ -63,7 +66,8 @@ pub fn filter_denominator(scheme: Scheme, f: &[f64], dt: f64) -> Vec<f64> {
     })
 }
 
-/// Operator applied to a whole record from rest, raw (`f` absent) or filtered by `1/R_A`: "trend, then filter".
+/// Operator applied to a whole record from rest, raw (`f` absent) or filtered by `1/R_A`: "trend,
+/// then filter".
 pub fn applied(
     operator: &[f64],
     scheme: Scheme,
@@ -77,10 +81,11 @@ pub fn applied(
     }
 }
 
-/// Filtered trends `0..=m` of the output by a chain of `m` integrators: row `i` is `z^i / A_f(z) y`.
+/// Filtered trends `0..=m` of the output by a chain of `m` integrators: row `i` is
+/// `z^i / A_f(z) y`.
 ///
-/// Tustin: trapezoids, `x_i(k) = x_i(k-1) + dt/2 (x_{i+1}(k) + x_{i+1}(k-1))`. Goodwin: forward rectangles,
-/// `x_i(k+1) = x_i(k) + dt x_{i+1}(k)`. In both `x_m = y - sum_{i<m} f_i x_i`.
+/// Tustin: trapezoids, `x_i(k) = x_i(k-1) + dt/2 (x_{i+1}(k) + x_{i+1}(k-1))`. Goodwin: forward
+/// rectangles, `x_i(k+1) = x_i(k) + dt x_{i+1}(k)`. In both `x_m = y - sum_{i<m} f_i x_i`.
 pub fn chain_output(scheme: Scheme, f: &[f64], dt: f64, y: &[f64]) -> Vec<Vec<f64>> {
     let m = f.len() - 1;
     let h = 0.5 * dt;
@@ -115,7 +120,8 @@ pub fn chain_output(scheme: Scheme, f: &[f64], dt: f64, y: &[f64]) -> Vec<Vec<f6
     rows
 }
 
-/// Filtered trends `0..m` of a held input: row `i` is `z^i / A_f(z)` times `2 q^-1/(1+q^-1) u` (Tustin) or `u` (Goodwin).
+/// Filtered trends `0..m` of a held input: row `i` is `z^i / A_f(z)` times `2 q^-1/(1+q^-1) u`
+/// (Tustin) or `u` (Goodwin).
 ///
 /// The factor turns the first trapezoid into the exact integral of a held input: `dt u(k-1)`.
 pub fn chain_held(scheme: Scheme, f: &[f64], dt: f64, u: &[f64]) -> Vec<Vec<f64>> {
@@ -130,7 +136,8 @@ pub fn chain_held(scheme: Scheme, f: &[f64], dt: f64, u: &[f64]) -> Vec<Vec<f64>
     let mut last = 0.0;
     let mut rows = vec![Vec::with_capacity(u.len()); m];
     for &u in u {
-        // x_{m-1}(k) = x_{m-1}(k-1) + dt u(k-1) - h sum f_i (x_i(k) + x_i(k-1)); the others are trapezoids of the next.
+        // x_{m-1}(k) = x_{m-1}(k-1) + dt u(k-1) - h sum f_i (x_i(k) + x_i(k-1)); the others are
+        // trapezoids of the next.
         let mut known = vec![0.0; m];
         let mut loop_gain = 1.0 + h * f[m - 1];
         for i in (0..m - 1).rev() {

@@ -7,11 +7,12 @@ use crate::signals::experiment::Record;
 
 /// The servo identified with [`ExactTrends`] in several rounds over a record.
 ///
-/// The first round has the filter for a model, each further one what the round before found. The bandwidth of
-/// `config` chooses the filter, the same in every round.
+/// The first round has the filter for a model, each further one what the round before found. The
+/// bandwidth of `config` chooses the filter, the same in every round.
 ///
 /// # Errors
-/// Those of the core for the configuration, and [`ConfigError::TooFast`] for a model beyond the sampling.
+/// Those of the core for the configuration, and [`ConfigError::TooFast`] for a model beyond the
+/// sampling.
 pub fn own_numerators(
     config: &Config<3, 5, 1>,
     record: &Record,

@@ -1,4 +1,5 @@
-//! What Table 1 is run over: the conditions, the trend filters and the methods, with their names in the file.
+//! What Table 1 is run over: the conditions, the trend filters and the methods, with their names in
+//! the file.
 
 use trendid::trends::Scheme;
 
@@ -8,7 +9,8 @@ use crate::signals::noise::{Condition, Reading};
 /// One condition of the table in one reading, with the paper's figures for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// What the block varies: drift, noise, resolution, sampling, or white (the noise block without drift and rounding).
+    /// What the block varies: drift, noise, resolution, sampling, or white (the noise block without
+    /// drift and rounding).
     pub vary: &'static str,
     /// Widths, interval and reading.
     pub condition: Condition,
@@ -43,7 +45,8 @@ impl Setting {
         printed.chain(white).collect()
     }
 
-    /// Duration at which the reading is judged unless asked otherwise \[s\]: 0.5 in ABSOLUTE, 3 in RELATIVE.
+    /// Duration at which the reading is judged unless asked otherwise \[s\]: 0.5 in ABSOLUTE, 3 in
+    /// RELATIVE.
     pub fn usual_duration(&self) -> f64 {
         match self.condition.reading {
             Reading::Absolute => 0.5,
@@ -68,7 +71,8 @@ impl Setting {
     }
 }
 
-/// Trends in front of the recursion, with the structure that goes with them; the plant's rough bandwidth is 20 rad/s.
+/// Trends in front of the recursion, with the structure that goes with them; the plant's rough
+/// bandwidth is 20 rad/s.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Filter {
     /// The paper's raw trends, theta = (a1, a2, b0).
@@ -76,13 +80,15 @@ pub enum Filter {
     /// The default of the core, [`for_bandwidth`](trendid::trends::FilteredTrends::for_bandwidth):
     /// `(s + 2.2)(s^2 + 30.8 s + 484)`, with a constant and the start.
     Default,
-    /// Drift as a parabola over a short record: `(s + 3.5)(s^2 + 59.5 s + 1225)`, with a constant, the start and the time as a
-    /// second input; the constant and the slope of the drift are known to be small, and never withdrawn.
+    /// Drift as a parabola over a short record: `(s + 3.5)(s^2 + 59.5 s + 1225)`, with a constant,
+    /// the start and the time as a second input; the constant and the slope of the drift are known
+    /// to be small, and never withdrawn.
     Ramp,
     /// Linear integral filter of Sagara and Zhao over 70 ms, theta = (a1, a2, b0).
     Span,
-    /// The default filter with the numerators of the hold, [`ExactTrends`](trendid::trends::ExactTrends), for slow sampling;
-    /// behind modified Tustin only.
+    /// The default filter with the numerators of the hold,
+    /// [`ExactTrends`](trendid::trends::ExactTrends), for slow sampling; behind modified Tustin
+    /// only.
     Exact,
 }
 
@@ -139,15 +145,18 @@ pub enum Method {
         scheme: Scheme,
         /// Trends in front of the recursion.
         filter: Filter,
-        /// Whether the noise bias is taken out at the read-out, as the core does; otherwise bare least squares.
+        /// Whether the noise bias is taken out at the read-out, as the core does; otherwise bare
+        /// least squares.
         compensated: bool,
     },
-    /// The core with instruments beside its recursion, [`Instrumented`](trendid::instruments::Instrumented): modified Tustin
-    /// behind the default filter, read out at the end of the record.
+    /// The core with instruments beside its recursion,
+    /// [`Instrumented`](trendid::instruments::Instrumented): modified Tustin behind the default
+    /// filter, read out at the end of the record.
     Instruments,
     /// [`ExtendedKalman`](crate::oracles::ekf::ExtendedKalman) that knows the noise level.
     Kalman,
-    /// [`output_error`](crate::oracles::output_error::output_error) over the whole record, started 20 % off.
+    /// [`output_error`](crate::oracles::output_error::output_error) over the whole record, started
+    /// 20 % off.
     OutputError,
 }
 
@@ -167,7 +176,8 @@ impl Method {
                 if !filter.goes_with(scheme) {
                     continue;
                 }
-                // The core compensates behind a chain only: elsewhere both read-outs are the same numbers.
+                // The core compensates behind a chain only: elsewhere both read-outs are the same
+                // numbers.
                 let chain = !matches!(filter, Filter::None | Filter::Span);
                 for compensated in [false, true].into_iter().take(1 + usize::from(chain)) {
                     methods.push(Self::Core {

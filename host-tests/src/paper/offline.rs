@@ -8,8 +8,8 @@ use crate::oracles::trends::Scheme;
 use crate::plants::servo::{REFERENCE, Servo};
 use crate::signals::experiment::Record;
 
-/// The output-error fit of a1, a2, b0 and the first position, from the tuned prior on; `None` when the record does not
-/// determine them.
+/// The output-error fit of a1, a2, b0 and the first position, from the tuned prior on; `None` when
+/// the record does not determine them.
 pub fn output_error_fit(record: &Record) -> Option<OutputErrorFit> {
     let free = [
         Coefficient::A(1),
@@ -21,7 +21,8 @@ pub fn output_error_fit(record: &Record) -> Option<OutputErrorFit> {
     output_error(&start, &free, &[0.0; 3], &[&record.u], &record.y)
 }
 
-/// Errors of C, w0, xi \[%\] of batch least squares on raw trends, or on trends filtered by `f` (ascending, monic).
+/// Errors of C, w0, xi \[%\] of batch least squares on raw trends, or on trends filtered by `f`
+/// (ascending, monic).
 ///
 /// # Panics
 /// When the record does not excite the servo.

@@ -131,7 +131,8 @@ pub fn dead_zone(seed: u64) -> Pair {
     ]
 }
 
-/// What 20 s of rest do to the reading under plain exponential forgetting, and under that of the core.
+/// What 20 s of rest do to the reading under plain exponential forgetting, and under that of the
+/// core.
 pub fn bounded(seed: u64) -> Pair {
     let mut config = Config::new(Structure::<3, 5, 1>::SERVO, BANDWIDTH, [0.4], 50.0);
     config.memory = Some(0.2);

@@ -1,5 +1,5 @@
-//! Standard deviations side by side: of least squares from a model of the noise, white and an excess, and from blocks of the
-//! record, and of instruments from blocks.
+//! Standard deviations side by side: of least squares from a model of the noise, white and an
+//! excess, and from blocks of the record, and of instruments from blocks.
 
 use rand::RngExt;
 use trendid::batches::Batched;

@@ -58,11 +58,13 @@ impl Line {
         [p.c_pct, p.omega0_pct, p.xi_pct]
     }
 
-    /// What the rms errors must not exceed \[%\], infinite where nothing is asked; `None` where no figure is set.
+    /// What the rms errors must not exceed \[%\], infinite where nothing is asked; `None` where no
+    /// figure is set.
     ///
-    /// ABSOLUTE: a tenth of the paper's Tustin error or 0.1 %, whichever is larger, and 0.05, 0.08, 0.3 % for white noise
-    /// of 10, 100, 500 um. RELATIVE: three times the bound in the rows of white noise; below the paper's Tustin error,
-    /// where that is above 1 %, in the rows of drift and resolution.
+    /// ABSOLUTE: a tenth of the paper's Tustin error or 0.1 %, whichever is larger, and
+    /// 0.05, 0.08, 0.3 % for white noise of 10, 100, 500 um. RELATIVE: three times the bound in the
+    /// rows of white noise; below the paper's Tustin error, where that is above 1 %, in the rows of
+    /// drift and resolution.
     pub fn limit_pct(&self) -> Option<[f64; 3]> {
         let paper = self.setting.tustin;
         let paper = [paper.c_pct, paper.omega0_pct, paper.xi_pct];

@@ -1,8 +1,8 @@
 //! The 19 conditions of the paper's Table 1 with the figures printed there.
 //!
-//! Source: K. Janiszowski, "Identification of low-order continuous-time models via discrete-time trends of
-//! measurements", Table 1, parts I and II. Table 2 of the same paper suggests that the heads of the columns C and xi
-//! are swapped in print; the printed order is kept here.
+//! Source: K. Janiszowski, "Identification of low-order continuous-time models via discrete-time
+//! trends of measurements", Table 1, parts I and II. Table 2 of the same paper suggests that the
+//! heads of the columns C and xi are swapped in print; the printed order is kept here.
 
 use crate::signals::noise::{Condition, Reading};
 
@@ -100,8 +100,8 @@ const fn printed(p: [f64; 5]) -> Printed {
     }
 }
 
-/// The rows of Table 1 in the order of print: w, eta, eps \[um\], interval \[ms\], N/S \[%\]; then per scheme the errors
-/// of C, omega0, xi \[%\], CONV in thousandths and T_ss \[ms\].
+/// The rows of Table 1 in the order of print: w, eta, eps \[um\], interval \[ms\], N/S \[%\]; then
+/// per scheme the errors of C, omega0, xi \[%\], CONV in thousandths and T_ss \[ms\].
 #[rustfmt::skip]
 pub const TABLE1: [Row; 19] = [
     row(Varied::Drift, [100.0, 1.0, 2.0, 1.0, 0.63], [5.9, 0.42, 0.75, 0.166, 93.0], [0.23, 0.17, 0.49, 0.100, 89.0]),

@@ -6,11 +6,14 @@ use crate::signals::experiment::Record;
 /// What one method made of one record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Run {
-    /// Signed errors of C, omega0, xi at the end \[%\]; infinite where the estimate has no such reading.
+    /// Signed errors of C, omega0, xi at the end \[%\]; infinite where the estimate has no such
+    /// reading.
     pub error_pct: [f64; 3],
-    /// Mean over the last half of `|theta(k) - theta(end)| / |theta(end)|`, averaged over a1, a2, b0.
+    /// Mean over the last half of `|theta(k) - theta(end)| / |theta(end)|`, averaged over a1, a2,
+    /// b0.
     pub conv: Option<f64>,
-    /// First time after which all three errors stay within 5 % \[ms\], infinite when the end is outside.
+    /// First time after which all three errors stay within 5 % \[ms\], infinite when the end is
+    /// outside.
     pub settled_ms: Option<f64>,
     /// Whether instruments were too weak and least squares stands in their place.
     pub weak: bool,

@@ -1,7 +1,7 @@
 //! One record of Table 1 through every method: the core with each trend filter, and the opponents.
 //!
-//! A *trial* is one seed of one setting. All methods see the same record, and the bound is that of this record. What the
-//! trials of many seeds give together is in [`crate::paper::statistics`].
+//! A *trial* is one seed of one setting. All methods see the same record, and the bound is that of
+//! this record. What the trials of many seeds give together is in [`crate::paper::statistics`].
 
 use trendid::instruments::{self, Instrumented, Way};
 use trendid::trends::{
@@ -23,8 +23,8 @@ use crate::signals::noise::{rms, rms_about_mean};
 pub struct Trial {
     /// Noise to signal of this record \[%\]: rms about zero over rms about the mean.
     pub ns_pct: f64,
-    /// Cramer-Rao bound \[%\] for white noise of the rms of this record and an unknown position at the start; infinite
-    /// when the record determines nothing.
+    /// Cramer-Rao bound \[%\] for white noise of the rms of this record and an unknown position at
+    /// the start; infinite when the record determines nothing.
     pub bound_pct: [f64; 3],
     /// In the order of the methods asked for.
     pub runs: Vec<Run>,
@@ -33,7 +33,8 @@ pub struct Trial {
 /// Runs the methods over the record of a seed.
 ///
 /// # Panics
-/// When the core refuses a configuration of this file or a method finds nothing in an excited record.
+/// When the core refuses a configuration of this file or a method finds nothing in an excited
+/// record.
 pub fn trial(setting: &Setting, duration_s: f64, seed: u64, methods: &[Method]) -> Trial {
     let record = Experiment::reference(setting.condition, duration_s).record(seed);
     let sigma = rms(&record.noise());

@@ -1,8 +1,10 @@
-//! Linear plants drawn by a seed, with a record of each: the material for the choice of a structure.
+//! Linear plants drawn by a seed, with a record of each: the material for the choice of a
+//! structure.
 //!
-//! Order 1 to 3, an integrator in every other one, zeros, a delay of 0 to 5 samples, four kinds of inputs, white noise or
-//! noise that is mostly drift. A plant is drawn again until a record can show its structure at all: every pole and zero
-//! is seen by the sampling and by the length of the record, and no zero is near a pole.
+//! Order 1 to 3, an integrator in every other one, zeros, a delay of 0 to 5 samples, four kinds of
+//! inputs, white noise or noise that is mostly drift. A plant is drawn again until a record can
+//! show its structure at all: every pole and zero is seen by the sampling and by the length of the
+//! record, and no zero is near a pole.
 
 use std::f64::consts::{PI, TAU};
 
@@ -68,7 +70,8 @@ impl DrawnRecord {
         };
         let level = log_uniform(&mut rng, 0.01, 0.1);
         let noise = noise(&mut rng, samples, drift, 0.2 / (dt * middle.min(1.0 / dt)));
-        // Behind an integrator the position goes far; noise is measured against its movement without the mean slope.
+        // Behind an integrator the position goes far; noise is measured against its movement
+        // without the mean slope.
         let scale = level * movement(&truth, integrator, dt * middle) / rms(&noise);
         let y = truth
             .iter()
@@ -144,7 +147,8 @@ fn ratio(x: f64, y: f64) -> f64 {
     if x > y { x / y } else { y / x }
 }
 
-/// A numerator of static (or velocity) gain 0.5 to 2, its zeros apart from the poles; every fourth zero is in the right half.
+/// A numerator of static (or velocity) gain 0.5 to 2, its zeros apart from the poles; every fourth
+/// zero is in the right half.
 fn numerator(rng: &mut Random, zeros: usize, rates: &[f64], a: &[f64]) -> Vec<f64> {
     let lowest = a.iter().copied().find(|a| *a != 0.0).unwrap_or(1.0);
     let gain = log_uniform(rng, 0.5, 2.0) * if rng.random_bool(0.2) { -1.0 } else { 1.0 };
@@ -172,7 +176,8 @@ fn numerator(rng: &mut Random, zeros: usize, rates: &[f64], a: &[f64]) -> Vec<f6
     b
 }
 
-/// Steps of random length, binary noise, a multisine or filtered noise, all around the rate of the plant per sample.
+/// Steps of random length, binary noise, a multisine or filtered noise, all around the rate of the
+/// plant per sample.
 fn input(rng: &mut Random, samples: usize, rate: f64) -> Vec<f64> {
     let kind = rng.random_range(0..4_u8);
     let held = ((0.5 / rate).round() as usize).clamp(1, samples / 40);
@@ -216,7 +221,8 @@ fn input(rng: &mut Random, samples: usize, rate: f64) -> Vec<f64> {
     u
 }
 
-/// White noise, or mostly drift: white noise through a lag of so many samples with a tenth of it directly.
+/// White noise, or mostly drift: white noise through a lag of so many samples with a tenth of it
+/// directly.
 fn noise(rng: &mut Random, samples: usize, drift: bool, lag: f64) -> Vec<f64> {
     let decay = (-1.0 / lag).exp();
     let scale = (1.0 - decay * decay).sqrt();
@@ -233,7 +239,8 @@ fn rms(x: &[f64]) -> f64 {
     (x.iter().map(|v| v * v).sum::<f64>() / x.len() as f64).sqrt()
 }
 
-/// Size of the movement: about the mean, or of the velocity times the time of the plant behind an integrator.
+/// Size of the movement: about the mean, or of the velocity times the time of the plant behind an
+/// integrator.
 fn movement(y: &[f64], integrator: bool, rate: f64) -> f64 {
     if integrator {
         let steps: Vec<f64> = y.windows(2).map(|w| w[1] - w[0]).collect();

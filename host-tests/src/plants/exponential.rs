@@ -39,8 +39,9 @@ pub(crate) fn discretise(
 
 /// Matrix exponential by balancing, scaling and squaring of the Taylor series.
 ///
-/// The states of a plant differ by powers of its bandwidth (1, 20, 400, ..), so the powers of two of a diagonal
-/// similarity are taken out first; without it the norm, and with it the number of squarings, is far too large.
+/// The states of a plant differ by powers of its bandwidth (1, 20, 400, ..), so the powers of two
+/// of a diagonal similarity are taken out first; without it the norm, and with it the number of
+/// squarings, is far too large.
 pub fn exponential(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let n = matrix.nrows();
     let mut a = matrix.clone();

@@ -1,7 +1,8 @@
 //! Linear plants in continuous time, simulated without discretisation error for held inputs.
 //!
-//! The form is the paper's (1): `A(s) y = B(s) u exp(-s T)` with `A` monic, coefficients in ascending powers of `s`.
-//! The state space is the observer form, in which several inputs share one state:
+//! The form is the paper's (1): `A(s) y = B(s) u exp(-s T)` with `A` monic, coefficients in
+//! ascending powers of `s`. The state space is the observer form, in which several inputs share one
+//! state:
 //!
 //! ```text
 //! x1' = x2 - a[m-1] x1 + b[m-1] u        y = x1
@@ -72,7 +73,8 @@ impl Input {
 
 /// `A(s) y = sum_j B_j(s) u_j(t - d_j dt) + constant`, exact for held inputs.
 ///
-/// Convention of time: [`output`](Self::output) is `y(k)`; [`step`](Self::step) holds `u(k)` until `k+1`.
+/// Convention of time: [`output`](Self::output) is `y(k)`; [`step`](Self::step) holds `u(k)` until
+/// `k+1`.
 #[derive(Clone, Debug)]
 pub struct LinearPlant {
     a: Vec<f64>,
@@ -92,15 +94,18 @@ pub struct LinearPlant {
 }
 
 impl LinearPlant {
-    /// A plant with one input, `y = B(s)/A(s) u`, at rest in the origin; `a` and `b` ascending, `dt` in s.
+    /// A plant with one input, `y = B(s)/A(s) u`, at rest in the origin; `a` and `b` ascending,
+    /// `dt` in s.
     ///
     /// # Errors
-    /// [`PlantError`] when the order is not 1 to 4, `b` is longer than `a`, or a number is unusable.
+    /// [`PlantError`] when the order is not 1 to 4, `b` is longer than `a`, or a number is
+    /// unusable.
     pub fn new(a: &[f64], b: &[f64], dt: f64) -> Result<Self, PlantError> {
         Self::with_inputs(a, &[Input::new(b)], 0.0, dt)
     }
 
-    /// A plant with several inputs and a constant on the right-hand side of the differential equation.
+    /// A plant with several inputs and a constant on the right-hand side of the differential
+    /// equation.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -175,7 +180,8 @@ impl LinearPlant {
         self.state[0]
     }
 
-    /// `n`-th time derivative of the output just before the present instant, `n < m` (0 is the output).
+    /// `n`-th time derivative of the output just before the present instant, `n < m` (0 is the
+    /// output).
     ///
     /// # Panics
     /// When `n` is not below the order.
@@ -236,7 +242,8 @@ impl LinearPlant {
         self.advance(u, None)
     }
 
-    /// As [`step`](Self::step) with inputs that go in a straight line from `u` to `next` (first-order hold).
+    /// As [`step`](Self::step) with inputs that go in a straight line from `u` to `next`
+    /// (first-order hold).
     ///
     /// # Panics
     /// When `u` and `next` do not have one value per input, or an input is delayed.
@@ -270,7 +277,8 @@ impl LinearPlant {
         self.state[0]
     }
 
-    /// `y(0)..y(n-1)` of a plant with one input for the held input sequence `u`, from the present state.
+    /// `y(0)..y(n-1)` of a plant with one input for the held input sequence `u`, from the present
+    /// state.
     ///
     /// # Panics
     /// When the plant does not have exactly one input.

@@ -1,4 +1,5 @@
-//! Polynomials in the back shift `q^-1`, coefficients in ascending powers, and difference equations.
+//! Polynomials in the back shift `q^-1`, coefficients in ascending powers, and difference
+//! equations.
 
 /// Product of two polynomials.
 pub fn product(p: &[f64], r: &[f64]) -> Vec<f64> {

@@ -1,11 +1,13 @@
-//! A drive of third order with friction that sticks, between end stops, behind a valve: velocity drives, hydraulics.
+//! A drive of third order with friction that sticks, between end stops, behind a valve: velocity
+//! drives, hydraulics.
 //!
 //! ```text
 //! x' = v    v' = p + load - a2 v - friction    p' = b0 q(spool) - a1 v - leak p
 //! ```
 //!
-//! All forces are per mass. The spool follows the command as a lag of second order, q is a [`StaticValve`]. Integrated by
-//! Runge-Kutta of order 4; a reversal or an end stop ends a step at rest, so that events are as fine as the step.
+//! All forces are per mass. The spool follows the command as a lag of second order, q is a
+//! [`StaticValve`]. Integrated by Runge-Kutta of order 4; a reversal or an end stop ends a step at
+//! rest, so that events are as fine as the step.
 
 use crate::plants::pneumatic::Friction;
 use crate::plants::valve::StaticValve;
@@ -73,7 +75,8 @@ impl ThirdOrder {
         self.p.load = load;
     }
 
-    /// Multiplies the moving mass: what is stated per mass, the stiffness and the force in the drive fall by the factor.
+    /// Multiplies the moving mass: what is stated per mass, the stiffness and the force in the
+    /// drive fall by the factor.
     pub fn multiply_mass(&mut self, factor: f64) {
         let p = &mut self.p;
         let root = factor.sqrt();

@@ -2,7 +2,8 @@
 
 /// Static valve in front of a plant.
 ///
-/// With `x = command + offset`: `flow = 0` for `|x| <= dead_zone`, else `gain (x - sgn(x) dead_zone)`, then limited.
+/// With `x = command + offset`: `flow = 0` for `|x| <= dead_zone`, else
+/// `gain (x - sgn(x) dead_zone)`, then limited.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StaticValve {
     /// Half width of the dead zone, in units of the command.
@@ -43,9 +44,11 @@ impl StaticValve {
     }
 }
 
-/// Drive with Coulomb friction, `y'' + a y' = b u + d - c sgn(y')`, that sticks while `|b u + d| <= c` at rest.
+/// Drive with Coulomb friction, `y'' + a y' = b u + d - c sgn(y')`, that sticks while
+/// `|b u + d| <= c` at rest.
 ///
-/// Exact for held inputs: every interval is cut at the zeros of the velocity, each piece is a closed form.
+/// Exact for held inputs: every interval is cut at the zeros of the velocity, each piece is a
+/// closed form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionDrive {
     /// Viscous damping over mass \[1/s\], positive.
@@ -56,6 +59,8 @@ pub struct FrictionDrive {
     pub c: f64,
     /// Constant acceleration.
     pub d: f64,
+    /// Acceleration beyond which it breaks away, at least `c`.
+    pub breakaway: f64,
     y: f64,
     v: f64,
 }
@@ -75,6 +80,7 @@ impl FrictionDrive {
             b,
             c,
             d,
+            breakaway: c,
             y: 0.0,
             v: 0.0,
         }
@@ -98,7 +104,7 @@ impl FrictionDrive {
         for _ in 0..3 {
             let direction = if self.v != 0.0 {
                 self.v.signum()
-            } else if drive.abs() > self.c {
+            } else if drive.abs() > self.breakaway {
                 drive.signum()
             } else {
                 return self.y;

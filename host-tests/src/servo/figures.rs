@@ -23,7 +23,8 @@ pub struct Figures {
     pub tracking_0p5hz_mm: Option<f64>,
     /// The same at 1 Hz over three periods \[mm\].
     pub tracking_1hz_mm: Option<f64>,
-    /// Time from the change until the true error stays within 1.5 times 0.7 mm on the sine of 0.5 Hz \[s\].
+    /// Time from the change until the true error stays within 1.5 times 0.7 mm on the sine of 0.5
+    /// Hz \[s\].
     pub recovered_s: Option<f64>,
     /// Range of the true position over 60 s at rest \[mm\].
     pub rest_range_mm: Option<f64>,
@@ -67,8 +68,8 @@ impl Figures {
         ("1 Hz in mm", 1.2, |f| f.tracking_1hz_mm),
     ];
 
-    /// The figures that are worse than wanted: name, figure, limit. After a change in motion one and
-    /// a half times the limits are granted, and 2 s until the error is as small as that again.
+    /// The figures that are worse than wanted: name, figure, limit. After a change in motion one
+    /// and a half times the limits are granted, and 2 s until the error is as small as that again.
     pub fn outside(&self) -> Vec<(&'static str, f64, f64)> {
         let share = if self.scenario.is_change() { 1.5 } else { 1.0 };
         let mut figures: Vec<_> = Self::WANTED

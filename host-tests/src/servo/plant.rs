@@ -84,7 +84,8 @@ impl Plant {
         Self::behind_dead_zone(plant, position_mm, seed)
     }
 
-    /// A linear plant at rest behind a valve with a dead zone of 3 %, measured with noise of +-10 um.
+    /// A linear plant at rest behind a valve with a dead zone of 3 %, measured with noise of +-10
+    /// um.
     fn behind_dead_zone(mut plant: LinearPlant, position_mm: f64, seed: u64) -> Self {
         plant.reset(position_mm);
         Self::Linear {

@@ -103,7 +103,8 @@ pub const TRAVEL: Travel = Travel {
     max: 400.0,
 };
 
-/// Bandwidth that the user expects of the axis \[rad/s\]; the pneumatic axis has about 31, the linear one 20.
+/// Bandwidth that the user expects of the axis \[rad/s\]; the pneumatic axis has about 31, the
+/// linear one 20.
 pub const ROUGH_BANDWIDTH: f32 = 25.0;
 
 /// Dead volume of a chamber over that of the stroke that the user states: a cylinder.

@@ -91,7 +91,8 @@ impl Run<'_> {
         self.rig.plant.change(scenario, self.figures.seed);
         let verified = self.figures.verified_at_s;
         let _ = self.commission()?;
-        // How the commissioning ended; what the monitors then make of the wrong axis is another matter.
+        // How the commissioning ended; what the monitors then make of the wrong axis is another
+        // matter.
         self.figures.state = self.rig.servo.supervisor().state();
         self.figures.verified_at_s = verified;
         self.pass(0.2)?;

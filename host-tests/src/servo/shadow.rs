@@ -4,7 +4,8 @@ use trendid::servo::Report;
 
 use crate::servo::rig::{Request, Rig};
 
-/// A loop that gets what the loop of the rig gets, sample by sample, and drives the plant in its place.
+/// A loop that gets what the loop of the rig gets, sample by sample, and drives the plant in its
+/// place.
 pub trait Shadow {
     /// What the sensor of both loops says for `code`; `None` is a reading that failed.
     fn reading(&mut self, code: i32) -> Option<i32> {
@@ -14,7 +15,8 @@ pub trait Shadow {
     /// A request to the loop before its next sample.
     fn request(&mut self, request: Request);
 
-    /// Takes the reading after the loop of `rig` took it and gave `report`; the command for the plant, or `None` to end.
+    /// Takes the reading after the loop of `rig` took it and gave `report`; the command for the
+    /// plant, or `None` to end.
     fn update(&mut self, reading: Option<i32>, report: &Report, rig: &Rig) -> Option<f32>;
 }
 

@@ -1,4 +1,5 @@
-//! Excitation: binary noise, steps, squares, multisine, chirp, and a fixed controller for closed loops.
+//! Excitation: binary noise, steps, squares, multisine, chirp, and a fixed controller for closed
+//! loops.
 
 use std::f64::consts::PI;
 
@@ -10,7 +11,8 @@ use crate::signals::shift_register::ShiftRegister;
 /// A command or reference as a function of time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Excitation {
-    /// Pseudo-random binary sequence, `+-amplitude`, each bit held `hold_s`; the seed sets the phase of the register.
+    /// Pseudo-random binary sequence, `+-amplitude`, each bit held `hold_s`; the seed sets the
+    /// phase of the register.
     Prbs {
         /// Amplitude.
         amplitude: f64,
@@ -33,7 +35,8 @@ pub enum Excitation {
         /// Period \[s\].
         period_s: f64,
     },
-    /// Sum of `lines` equal sines at `first_hz`, `2 first_hz`, .. with seeded phases; peak below `amplitude`.
+    /// Sum of `lines` equal sines at `first_hz`, `2 first_hz`, .. with seeded phases; peak below
+    /// `amplitude`.
     Multisine {
         /// Bound of the peak; each line has the amplitude divided by the number of lines.
         amplitude: f64,
@@ -145,7 +148,8 @@ fn held(n: usize, dt: f64, hold_s: f64, levels: impl Iterator<Item = f64>) -> Ve
 
 /// Fixed controller for closed-loop records: `u = sat(kp (r - y) - kv v)`.
 ///
-/// `v` is the difference of `y` through a first-order lag, as a drive without a velocity sensor forms it.
+/// `v` is the difference of `y` through a first-order lag, as a drive without a velocity sensor
+/// forms it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Controller {
     /// Position gain \[command per mm\].

@@ -1,6 +1,7 @@
 //! A simulated experiment: plant, excitation, valve and noise put together into a record.
 //!
-//! Positions are in mm (the widths of [`Condition`] are in um and converted), commands in units, time in s.
+//! Positions are in mm (the widths of [`Condition`] are in um and converted), commands in units,
+//! time in s.
 
 use crate::plants::linear::LinearPlant;
 use crate::plants::servo::REFERENCE;
@@ -67,7 +68,8 @@ impl Record {
     }
 }
 
-/// An experiment on a plant with one input; every field may be replaced before [`record`](Self::record).
+/// An experiment on a plant with one input; every field may be replaced before
+/// [`record`](Self::record).
 #[derive(Clone, Debug)]
 pub struct Experiment {
     /// The plant, in its initial state; its interval must be that of the condition.
@@ -85,7 +87,8 @@ pub struct Experiment {
 }
 
 impl Experiment {
-    /// The reference servo under binary noise, +-0.4 held 50 ms (ABSOLUTE) or +-1 held 40 ms (RELATIVE).
+    /// The reference servo under binary noise, +-0.4 held 50 ms (ABSOLUTE) or +-1 held 40 ms
+    /// (RELATIVE).
     pub fn reference(condition: Condition, duration_s: f64) -> Self {
         Self {
             plant: REFERENCE.plant(condition.dt()),
@@ -100,7 +103,8 @@ impl Experiment {
         }
     }
 
-    /// The reference servo in closed loop with [`Controller::SERVO`], following binary steps of +-60 mm held 300 ms.
+    /// The reference servo in closed loop with [`Controller::SERVO`], following binary steps
+    /// of +-60 mm held 300 ms.
     pub fn closed_loop(condition: Condition, duration_s: f64) -> Self {
         Self {
             excitation: Excitation::Prbs {
@@ -115,7 +119,8 @@ impl Experiment {
 
     /// Runs the experiment; the same seed gives the same record.
     ///
-    /// In closed loop the noise enters sample by sample, so its widths are those printed, also in RELATIVE.
+    /// In closed loop the noise enters sample by sample, so its widths are those printed, also in
+    /// RELATIVE.
     ///
     /// # Panics
     /// When the plant's interval is not that of the condition or the plant has several inputs.

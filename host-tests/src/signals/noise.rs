@@ -1,6 +1,8 @@
-//! Measurement noise of the paper's Table 1: drift `w`, white noise `eta`, resolution `eps`, all seeded.
+//! Measurement noise of the paper's Table 1: drift `w`, white noise `eta`, resolution `eps`, all
+//! seeded.
 //!
-//! The paper gives widths in um but not the definitions; two readings are kept apart, see [`Reading`].
+//! The paper gives widths in um but not the definitions; two readings are kept apart, see
+//! [`Reading`].
 
 use std::f64::consts::PI;
 
@@ -10,14 +12,16 @@ use rand::RngExt;
 /// How the widths printed in Table 1 are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Reading {
-    /// Widths as printed, in um of position; the drift is `(w/2) sin(2 pi 0.5 Hz t + random phase)`.
+    /// Widths as printed, in um of position; the drift is
+    /// `(w/2) sin(2 pi 0.5 Hz t + random phase)`.
     Absolute,
-    /// Widths scaled together so that rms(noise)/rms(signal) is the printed N/S; the drift is uniform white noise of
-    /// full width `w` through a first-order lag of 200 ms.
+    /// Widths scaled together so that rms(noise)/rms(signal) is the printed N/S; the drift is
+    /// uniform white noise of full width `w` through a first-order lag of 200 ms.
     ///
-    /// The signal is the record's noise-free position about its mean (the plant integrates, so the rms about zero
-    /// would measure where the drive happened to go); the noise is measured minus true position about zero, rounding
-    /// included. With this definition the Cramer-Rao bound comes out as in the prototype, see `tests/core/bound.rs`.
+    /// The signal is the record's noise-free position about its mean (the plant integrates, so the
+    /// rms about zero would measure where the drive happened to go); the noise is measured minus
+    /// true position about zero, rounding included. With this definition the Cramer-Rao bound comes
+    /// out as in the prototype, see `tests/core/bound.rs`.
     Relative,
 }
 
@@ -72,7 +76,8 @@ impl Condition {
         1e-3 * self.dt_ms
     }
 
-    /// Measured positions \[mm\] of the true ones \[mm\], and the factor by which the widths were scaled (1 in ABSOLUTE).
+    /// Measured positions \[mm\] of the true ones \[mm\], and the factor by which the widths were
+    /// scaled (1 in ABSOLUTE).
     pub fn measure(&self, truth: &[f64], seed: u64) -> (Vec<f64>, f64) {
         let unit: Vec<f64> = Additive::new(self, seed).take(truth.len()).collect();
         let at = |scale: f64| -> Vec<f64> {
@@ -91,7 +96,8 @@ impl Condition {
         if wanted == 0.0 || width == 0.0 {
             return (truth.to_vec(), 0.0);
         }
-        // The rounding error is a continuous but uneven function of the scale: bisection, to a part in a million.
+        // The rounding error is a continuous but uneven function of the scale: bisection, to a part
+        // in a million.
         let ratio = |scale: f64| {
             let error: f64 = at(scale)
                 .iter()
@@ -226,7 +232,8 @@ pub fn generator(seed: u64, stream: Stream) -> Random {
     numbered(seed, stream as u64)
 }
 
-/// Random generator of a seed and of the stream of this number; [`generator`] has the numbers of [`Stream`].
+/// Random generator of a seed and of the stream of this number; [`generator`] has the numbers of
+/// [`Stream`].
 pub fn numbered(seed: u64, stream: u64) -> Random {
     Random::numbered(seed, stream)
 }

@@ -1,6 +1,7 @@
 //! Maximum-length shift registers: binary noise.
 
-/// Feedback taps of primitive polynomials for registers of 3 to 16 bits (Xilinx application note XAPP052, table 3).
+/// Feedback taps of primitive polynomials for registers of 3 to 16 bits (Xilinx application note
+/// XAPP052, table 3).
 const TAPS: [&[u32]; 14] = [
     &[3, 2],
     &[4, 3],

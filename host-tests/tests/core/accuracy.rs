@@ -82,7 +82,8 @@ fn noise_free_raw_tustin_beats_goodwin_and_the_filter_beats_both() {
     assert!(within(worst[2], [0.02; 3]) && within(worst[3], [0.02; 3]));
 }
 
-/// What the 24 bits of an f32 position leave of raw trends: the core's arithmetic adds nothing to it.
+/// What the 24 bits of an f32 position leave of raw trends: the core's arithmetic adds nothing to
+/// it.
 #[test]
 fn raw_estimate_is_that_of_f64_on_the_same_samples() {
     println!("raw trends of f32 positions: errors of C/omega0/xi [%], core and f64 batch");
@@ -116,8 +117,8 @@ fn raw_estimate_is_that_of_f64_on_the_same_samples() {
 
 /// Largest error of a raw trend of the core, in roundings (2^-24) of its gross size.
 ///
-/// The gross size is the trend of the magnitudes with every difference 1 - q^-1 taken as the sum 1 + q^-1: the
-/// largest number that the nested differences and means can meet on the way.
+/// The gross size is the trend of the magnitudes with every difference 1 - q^-1 taken as the sum
+/// 1 + q^-1: the largest number that the nested differences and means can meet on the way.
 fn roundings(operator: &[f64], nested: &[f64], x: &[f64], got: &[f32]) -> f64 {
     let exact = moving_sum(operator, x);
     let sizes: Vec<f64> = x.iter().map(|v| v.abs()).collect();
@@ -134,7 +135,8 @@ fn roundings(operator: &[f64], nested: &[f64], x: &[f64], got: &[f32]) -> f64 {
     worst
 }
 
-/// All trends of one order against the products of (4) and (8): worst roundings of the output and of the inputs.
+/// All trends of one order against the products of (4) and (8): worst roundings of the output and
+/// of the inputs.
 fn raw_trends<const M: usize>(scheme: Scheme, dt: f32, x: &[f32]) -> f64 {
     let trends = RawTrends::<M>::try_new(core_scheme(scheme), dt).unwrap();
     let wide: Vec<f64> = x.iter().map(|v| f64::from(*v)).collect();
@@ -180,7 +182,8 @@ fn raw_trends<const M: usize>(scheme: Scheme, dt: f32, x: &[f32]) -> f64 {
     worst
 }
 
-/// The operator with every difference taken as a sum; `factors` of (8) are differences or means, `i` of (4).
+/// The operator with every difference taken as a sum; `factors` of (8) are differences or means,
+/// `i` of (4).
 fn all_sums(scheme: Scheme, factors: usize, i: usize, operator: &[f64]) -> Vec<f64> {
     let (first, c) = operator
         .iter()
@@ -197,7 +200,8 @@ fn all_sums(scheme: Scheme, factors: usize, i: usize, operator: &[f64]) -> Vec<f
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(64) })]
 
-    /// A difference costs three roundings (subtraction, factor 1/Delta and its own rounding), an average one.
+    /// A difference costs three roundings (subtraction, factor 1/Delta and its own rounding), an
+    /// average one.
     #[test]
     fn raw_trends_are_the_polynomial_products(
         x in prop::collection::vec(-100.0_f32..100.0, 1..40),

@@ -3,7 +3,9 @@
 use proptest::prelude::*;
 use rand::RngExt;
 use trendid::estimation::{Estimator, StabilisedForgetting};
-use trendid::trends::{ExactTrends, FilteredTrends, RawTrends, Scheme, TrendOperator};
+use trendid::trends::{
+    ExactTrends, FilteredTrends, IntegralTrends, RawTrends, Scheme, TrendOperator,
+};
 use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::signals::noise::{Stream, generator};
 
@@ -29,6 +31,8 @@ struct Setting {
     noise: f32,
     prior: Option<f32>,
     signals: [Signal; 4],
+    /// Whether changes of the drive are followed, and the drive changes half way.
+    follows: bool,
     seed: u64,
 }
 
@@ -52,16 +56,20 @@ fn setting() -> impl Strategy<Value = Setting> {
         logarithmic(1e-6, 1.0),
         prop::option::of(logarithmic(1e-3, 1e3)),
         [signal(), signal(), signal(), signal()],
+        any::<bool>(),
         any::<u64>(),
     )
-        .prop_map(|(samples, angle, noise, prior, signals, seed)| Setting {
-            samples,
-            angle,
-            noise,
-            prior,
-            signals,
-            seed,
-        })
+        .prop_map(
+            |(samples, angle, noise, prior, signals, follows, seed)| Setting {
+                samples,
+                angle,
+                noise,
+                prior,
+                signals,
+                follows,
+                seed,
+            },
+        )
 }
 
 fn attack<T: TrendOperator<M>, const M: usize, const N: usize>(
@@ -73,6 +81,7 @@ fn attack<T: TrendOperator<M>, const M: usize, const N: usize>(
     config.memory = Some(setting.samples * DT);
     config.output_noise = setting.noise;
     config.prior_std = setting.prior.map(|std| [std; N]);
+    config.follow_changes = setting.follows;
     let mut identifier: Identifier<T, M, N> = match Identifier::try_new(&config, trends) {
         Ok(identifier) => identifier,
         Err(_) => return Ok(()),
@@ -83,6 +92,7 @@ fn attack<T: TrendOperator<M>, const M: usize, const N: usize>(
     let growth = forgetting.powi(-2 * N as i32);
     let mut random = generator(setting.seed, Stream::White);
     let (mut y, mut speed) = (0.0_f32, 0.0_f32);
+    let (mut changes, mut opened) = (0, 0);
     for k in 0..4000 {
         let mut number = || 2.0 * random.random::<f32>() - 1.0;
         let sign = if (k / 37) % 2 == 0 { 1.0 } else { -1.0 };
@@ -99,13 +109,21 @@ fn attack<T: TrendOperator<M>, const M: usize, const N: usize>(
             Signal::Blocked => (0.3, false),
         };
         if moves {
-            speed += setting.angle * (u - speed);
+            let gain = match setting.follows && k >= 2000 {
+                true => 0.4,
+                false => 1.0,
+            };
+            speed += setting.angle * (gain * u - speed);
             y += setting.angle * speed;
         }
         let spike = matches!(setting.signals[k / 1000], Signal::Spikes) && k % 83 == 0;
         let measured = y + 0.1 * setting.noise * number() + if spike { 1e3 } else { 0.0 };
         let _ = identifier.update(u, measured);
-        if k % 50 == 49 {
+        if identifier.changes() > changes {
+            (changes, opened) = (identifier.changes(), k);
+        }
+        // Of N samples behind a change each brings one parameter below the bound.
+        if k % 50 == 49 && (opened == 0 || k > opened + N) {
             let limits = prior.map(|prior| bound.max(prior * growth));
             bounded(identifier.estimator(), &limits, k)?;
         }
@@ -153,13 +171,17 @@ fn operators<const M: usize, const N: usize>(
     if let Ok(trends) = ExactTrends::for_bandwidth(DT, bandwidth) {
         attack(setting, structure, trends)?;
     }
+    if let Ok(trends) = IntegralTrends::<M, 8>::try_new(Scheme::Tustin, DT) {
+        attack(setting, structure, trends)?;
+    }
     Ok(())
 }
 
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(96) })]
 
-    /// D > 0, P_ii below its bound and theta finite for whatever a configuration accepts.
+    /// D > 0, P_ii below its bound and theta finite for whatever a configuration accepts; where
+    /// changes are followed, from N samples behind each on.
     #[test]
     fn the_bound_holds_for_every_configuration(setting in setting()) {
         operators(&setting, Structure::<1, 2, 1>::FULL)?;

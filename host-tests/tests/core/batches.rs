@@ -1,4 +1,5 @@
-//! Standard deviations of least squares from blocks: against f64 over long records, their ring, and what they cover.
+//! Standard deviations of least squares from blocks: against f64 over long records, their ring, and
+//! what they cover.
 
 use rand::{RngExt, SeedableRng};
 use trendid::batches::Batched;
@@ -55,7 +56,8 @@ fn the_scores_of_the_recursion_are_those_of_f64_over_a_million_samples() {
         let (theta, std) = (found.estimate.theta(), found.estimate.std());
         for j in 0..3 {
             let (ours, theirs) = (f64::from(std[j]), oracle[j]);
-            // The allowance for trends in place of derivatives: 0.2 (omega Delta)^2 of a parameter at most.
+            // The allowance for trends in place of derivatives: 0.2 (omega Delta)^2 of a parameter
+            // at most.
             let floor = 1.1e-4 * f64::from(theta[j]).abs();
             println!(
                 "{duration_s} s, parameter {j}: f32 {ours:.6e} f64 {theirs:.6e} allowance {floor:.1e}"
@@ -239,7 +241,8 @@ fn what_is_not_excited_keeps_the_deviation_of_its_prior() {
     }
 }
 
-/// Coloured noise of one size on one excitation: the deviations are those about the limit of least squares, not about the truth.
+/// Coloured noise of one size on one excitation: the deviations are those about the limit of least
+/// squares, not about the truth.
 #[test]
 fn under_coloured_noise_the_deviations_are_those_about_the_own_mean() {
     let (seeds, n) = (200_200..200_300, 10_000);

@@ -23,7 +23,8 @@ fn bound(ns_pct: f64, duration_s: f64, initial: InitialState) -> [f64; 3] {
 
 #[test]
 fn relative_bound_agrees_with_the_prototype() {
-    // N/S [%], duration [s], and the prototype's bound of C, w0, xi [%], which is given to one or two digits.
+    // N/S [%], duration [s], and the prototype's bound of C, w0, xi [%], which is given to one or
+    // two digits.
     for (ns_pct, duration_s, expected) in [
         (1.2, 1.0, [0.05, 0.1, 0.2]),
         (8.0, 1.0, [0.34, 0.65, 1.3]),

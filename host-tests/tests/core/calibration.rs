@@ -1,4 +1,5 @@
-//! Whether the reported standard deviations are about right, on few records; `tests/statistics` has the shares.
+//! Whether the reported standard deviations are about right, on few records; `tests/statistics` has
+//! the shares.
 
 use trendid::estimation::NoiseLevel;
 use trendid_host_tests::paper::coverage::{coverage, default};
@@ -21,7 +22,8 @@ fn open_loop() {
     );
 }
 
-/// The level that all of it rests on: the third difference measures white noise and does not see the drive.
+/// The level that all of it rests on: the third difference measures white noise and does not see
+/// the drive.
 #[test]
 fn noise_level_is_unbiased() {
     for ns in [1.04, 8.35, 41.78] {

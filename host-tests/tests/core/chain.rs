@@ -91,7 +91,8 @@ fn coefficients<const M: usize>(trends: &FilteredTrends<M>) -> Vec<f64> {
     f.iter().map(|c| f64::from(*c)).chain([1.0]).collect()
 }
 
-/// Every trend of one order: the core's chain against the f64 chain and against "trend, then filter".
+/// Every trend of one order: the core's chain against the f64 chain and against "trend, then
+/// filter".
 fn chains<const M: usize>(u: &[f64], y: &[f64]) {
     for scheme in [Scheme::Tustin, Scheme::Goodwin] {
         let trends = filter::<M>(scheme, 25.0);

@@ -1,4 +1,5 @@
-//! What the tests of the core against the f64 oracles share: the rows of the oracle and the user's units of the core.
+//! What the tests of the core against the f64 oracles share: the rows of the oracle and the user's
+//! units of the core.
 
 #![allow(dead_code, reason = "every test file uses its own part")]
 
@@ -29,10 +30,11 @@ pub(crate) fn rounded(x: &[f64]) -> Vec<f64> {
 /// Rest before the record, in samples: long against the filters used here.
 const BEFORE: usize = 5000;
 
-/// Rows of the oracle from sample `first` on: [`Structure`]'s columns, then the start if `start` gives its decay.
+/// Rows of the oracle from sample `first` on: [`Structure`]'s columns, then the start if `start`
+/// gives its decay.
 ///
-/// A plant that does not integrate has rested at `y[0]` and the constant has been 1 for ever; one that integrates
-/// begins to be pushed with the record. Inputs are zero before the record.
+/// A plant that does not integrate has rested at `y[0]` and the constant has been 1 for ever; one
+/// that integrates begins to be pushed with the record. Inputs are zero before the record.
 #[allow(clippy::too_many_arguments, reason = "one per quantity of the model")]
 pub(crate) fn rows(
     structure: &Structure,
@@ -86,10 +88,12 @@ pub(crate) fn rows(
     )
 }
 
-/// A_f of the default filter at 20 rad/s, from its constant up: poles at 2.2 rad/s and of damping 0.7 at 22 rad/s.
+/// A_f of the default filter at 20 rad/s, from its constant up: poles at 2.2 rad/s and of
+/// damping 0.7 at 22 rad/s.
 pub(crate) const SERVO_FILTER: [f64; 4] = [1064.8, 551.76, 33.0, 1.0];
 
-/// Rows of the oracle for a record of the servo with the default filter: a1, a2, b0, the constant, the start.
+/// Rows of the oracle for a record of the servo with the default filter: a1, a2, b0, the constant,
+/// the start.
 pub(crate) fn servo_rows(record: &Record) -> (DMatrix<f64>, DVector<f64>) {
     let structure = Structure {
         m: 3,
@@ -116,7 +120,8 @@ pub(crate) fn servo_rows(record: &Record) -> (DMatrix<f64>, DVector<f64>) {
     )
 }
 
-/// The reference servo for so many seconds under a multisine: a drive that integrates stays where f32 has digits.
+/// The reference servo for so many seconds under a multisine: a drive that integrates stays where
+/// f32 has digits.
 pub(crate) fn long_experiment(condition: Condition, duration_s: f64) -> Experiment {
     let mut experiment = Experiment::reference(condition, duration_s);
     experiment.excitation = Excitation::Multisine {
@@ -127,7 +132,8 @@ pub(crate) fn long_experiment(condition: Condition, duration_s: f64) -> Experime
     experiment
 }
 
-/// User's unit of each normalised parameter by design: a signal of the configured size at the configured bandwidth.
+/// User's unit of each normalised parameter by design: a signal of the configured size at the
+/// configured bandwidth.
 pub(crate) fn design_units<const M: usize, const N: usize, const I: usize>(
     config: &Config<M, N, I>,
 ) -> [f64; N] {

@@ -3,7 +3,8 @@
 use trendid::estimation::{Estimator, NoiseLevel};
 use trendid::model::PredictionError;
 
-/// Six times what a count in f32 reaches, and 28 hours at 1 kHz; a billion by the environment variable.
+/// Six times what a count in f32 reaches, and 28 hours at 1 kHz; a billion by the environment
+/// variable.
 fn samples() -> u32 {
     std::env::var("TRENDID_SAMPLES").map_or(100_000_000, |n| n.parse().expect("a number"))
 }

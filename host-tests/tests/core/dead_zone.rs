@@ -9,7 +9,8 @@ use trendid_host_tests::signals::noise::Condition;
 
 const DT: f32 = 0.001;
 
-/// Steps behind a valve with the dead zone `width`, the smallest `margin` above it, the first two far above it.
+/// Steps behind a valve with the dead zone `width`, the smallest `margin` above it, the first two
+/// far above it.
 #[derive(Debug, Clone)]
 struct Steps {
     width: f64,
@@ -83,7 +84,8 @@ fn steps() -> impl Strategy<Value = Steps> {
         )
 }
 
-/// Width with its standard deviation, and errors of C, omega0, xi \[%\] after 4 s, from the width 0.
+/// Width with its standard deviation, and errors of C, omega0, xi \[%\] after 4 s, from the
+/// width 0.
 fn found(steps: &Steps) -> (f64, f64, [f64; 3]) {
     let range = steps.range * steps.levels()[0] as f32;
     let mut servo = ValveServo::new(DT, 20.0, range, 50.0, steps.memory).unwrap();
@@ -100,7 +102,8 @@ fn found(steps: &Steps) -> (f64, f64, [f64; 3]) {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
-    /// The first block shows two levels at the most: whatever width it gives does not stay, not even above a later command.
+    /// The first block shows two levels at the most: whatever width it gives does not stay, not
+    /// even above a later command.
     #[test]
     fn the_width_is_found_from_any_steps(steps in steps()) {
         let (width, std, errors) = found(&steps);

@@ -1,4 +1,5 @@
-//! What defects of valve and delay do to batch least squares of filtered trends, and which inputs cure them.
+//! What defects of valve and delay do to batch least squares of filtered trends, and which inputs
+//! cure them.
 
 use trendid_host_tests::oracles::least_squares::{
     InputTerms, Regression, Structure, least_squares,

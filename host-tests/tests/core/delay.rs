@@ -70,7 +70,8 @@ fn refusals_and_sizes() {
     );
 }
 
-/// A record of the reference servo whose command is `delay` samples late, also between them: the plant at an eighth.
+/// A record of the reference servo whose command is `delay` samples late, also between them: the
+/// plant at an eighth.
 fn late(delay: f64, seed: u64, n: usize) -> (Vec<f32>, Vec<f32>) {
     let eighths = (8.0 * delay).round() as usize;
     let input = Input::delayed(&[1e6], eighths);

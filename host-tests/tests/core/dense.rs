@@ -19,7 +19,8 @@ pub(crate) const DT: f32 = 0.001;
 /// Largest relative gap between the recursion in f32 and the batch in f64, in theta.
 pub(crate) const LIMIT: f64 = 3e-5;
 
-/// A plant with commands of binary noise and steps, noise on the position; all numbers fit into f32.
+/// A plant with commands of binary noise and steps, noise on the position; all numbers fit into
+/// f32.
 pub(crate) fn record(
     a: &[f64],
     inputs: &[Input],
@@ -95,7 +96,8 @@ fn terms<const M: usize, const N: usize, const I: usize>(
     }
 }
 
-/// Theta of the dense stabilised forgetting in f64, in turn as the core's; `scale` makes noise of variance 1.
+/// Theta of the dense stabilised forgetting in f64, in turn as the core's; `scale` makes noise of
+/// variance 1.
 fn forgotten<const N: usize>(
     memory: f32,
     prior: [f64; N],
@@ -118,7 +120,8 @@ fn forgotten<const N: usize>(
     (0..N).map(|j| units[j] * theta[j]).collect()
 }
 
-/// Largest distance between core and batch, relative to the parameter (or to a thousandth of its design size).
+/// Largest distance between core and batch, relative to the parameter (or to a thousandth of its
+/// design size).
 fn gap<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
     config: &Config<M, N, I>,
     trends: T,
@@ -160,13 +163,15 @@ fn gap<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
             found.theta.as_slice().to_vec()
         }
         Some(memory) => {
-            // The prior is ten design sizes, and its variance counts noise in the normalised equation.
+            // The prior is ten design sizes, and its variance counts noise in the normalised
+            // equation.
             let scale = 10.0 / prior[0].sqrt() / noise;
             forgotten(memory, prior, units, scale, (&phi, &target))
         }
     };
     (0..N).fold(0.0, |worst: f64, j| {
-        // The start is some 1e-4 mm beside strokes of 100 mm: judged by its design size, like any small parameter.
+        // The start is some 1e-4 mm beside strokes of 100 mm: judged by its design size, like any
+        // small parameter.
         let size = batch[j].abs().max(1e-3 * units[j]);
         worst.max((core[j] - batch[j]).abs() / size)
     })

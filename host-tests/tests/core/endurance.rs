@@ -62,8 +62,8 @@ fn a_bandwidth_that_drifts_is_followed_by_retuning() {
     assert!(worst_step < 1e-4 && worst_error < 0.03);
 }
 
-/// A million samples of each scenario with each memory, on the drive of the table. `trendid endurance` runs all structures,
-/// bandwidths and noises that long.
+/// A million samples of each scenario with each memory, on the drive of the table.
+/// `trendid endurance` runs all structures, bandwidths and noises that long.
 #[test]
 fn a_million_samples_of_each_scenario_keep_every_limit() {
     const FIRST_SEED: u64 = 260_000;

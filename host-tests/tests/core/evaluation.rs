@@ -95,7 +95,8 @@ fn predictions_and_indices_are_those_of_the_oracle() {
 
 #[test]
 fn raw_innovation_is_the_evaluation_error() {
-    // Two roads to one number: the identifier's equation error over beta, and (10) with the model of the moment before.
+    // Two roads to one number: the identifier's equation error over beta, and (10) with the model
+    // of the moment before.
     let record = Experiment::reference(Condition::white(20.0), 1.0).record(72);
     for scheme in [CoreScheme::Tustin, CoreScheme::Goodwin] {
         let trends = RawTrends::try_new(scheme, DT).unwrap();

@@ -1,4 +1,5 @@
-//! Slow sampling: exact trends against the plain filtered ones, without noise, and their uncertainty under noise.
+//! Slow sampling: exact trends against the plain filtered ones, without noise, and their
+//! uncertainty under noise.
 
 use rand::{RngExt, SeedableRng};
 use trendid::estimation::Terms;
@@ -19,8 +20,8 @@ struct Case {
     rough: f32,
 }
 
-/// 420 rad/s sampled nine times a period; the servo of the paper at 5 ms and, three times as fast, at 5 ms;
-/// a pair with a zero and a lag; a lag alone; two pairs.
+/// 420 rad/s sampled nine times a period; the servo of the paper at 5 ms and, three times as fast,
+/// at 5 ms; a pair with a zero and a lag; a lag alone; two pairs.
 const CASES: [Case; 6] = [
     Case {
         what: "oscillator, 9 samples a period",
@@ -78,7 +79,8 @@ const SEEDS: std::ops::Range<u64> = 41_000..41_100;
 /// Rounds with the numerators of the model found so far; the slowest case gains a digit in each.
 const ROUNDS: usize = 6;
 
-/// (u, y) of 1500 samples: a binary command that may change every so many samples, or white and straight between samples.
+/// (u, y) of 1500 samples: a binary command that may change every so many samples, or white and
+/// straight between samples.
 fn record(case: &Case, hold: Hold, seed: u64) -> Vec<(f32, f32)> {
     let mut rng = Random::seed_from_u64(seed);
     let mut plant = LinearPlant::with_inputs(case.a, &[Input::new(case.b)], 0.0, case.dt).unwrap();
@@ -155,7 +157,8 @@ fn identified<T: TrendOperator<M>, const M: usize, const N: usize>(
     identifier
 }
 
-/// Worst errors in percent over all seeds: plain, exact with the filter for a model, exact with its own model for a model.
+/// Worst errors in percent over all seeds: plain, exact with the filter for a model, exact with its
+/// own model for a model.
 fn compare<const M: usize, const N: usize>(case: &Case, hold: Hold) -> [f64; 3] {
     let mut errors = [0.0_f64; 3];
     let plain =

@@ -97,7 +97,8 @@ fn one_wrong_sample_moves_nothing() {
 
 #[test]
 fn a_lasting_change_is_followed() {
-    // The sensor is shifted by 3 mm for good: a step that no model explains, yet the samples after it are right.
+    // The sensor is shifted by 3 mm for good: a step that no model explains, yet the samples after
+    // it are right.
     let record = record(222_000, 12_000);
     let mut identifier = servo(Some(2.0));
     let mut replaced = 0;

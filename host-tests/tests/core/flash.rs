@@ -7,7 +7,8 @@ use embedded_storage::nor_flash::{
 /// Bytes of a sector: room for three records, and 32 bytes that are left over.
 pub(crate) const SECTOR: usize = 320;
 
-/// What became of an operation in which power failed: NOR flash programs bits to 0 and erases to 1, in any order.
+/// What became of an operation in which power failed: NOR flash programs bits to 0 and erases to 1,
+/// in any order.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Cut {
     /// After so many bytes.

@@ -1,4 +1,5 @@
-//! The bound of stabilised forgetting, attacked on the bare estimator, and its step against dense matrices.
+//! The bound of stabilised forgetting, attacked on the bare estimator, and its step against dense
+//! matrices.
 
 use rand::RngExt;
 use trendid::estimation::{Estimator, StabilisedForgetting};

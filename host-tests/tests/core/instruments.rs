@@ -157,7 +157,8 @@ fn a_memory_follows_a_change() {
     }
 }
 
-/// Largest relative error of a1, a2, b0 a second behind a change, by instruments and by least squares.
+/// Largest relative error of a1, a2, b0 a second behind a change, by instruments and by least
+/// squares.
 fn behind_a_change(seed: u64) -> [f32; 2] {
     let mut servo = servo(|config| (config.memory, config.follow_changes) = (Some(2.0), true));
     let dt = 1e-3;

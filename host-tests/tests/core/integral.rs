@@ -31,7 +31,8 @@ fn combined(x: &[f64], sign: f64) -> Vec<f64> {
         .collect()
 }
 
-/// The trend of order i over spans, by the definition: differences, means, lags as a difference equation, then M moving sums.
+/// The trend of order i over spans, by the definition: differences, means, lags as a difference
+/// equation, then M moving sums.
 fn defined<const M: usize>(x: &[f64], i: usize, means: usize, lags: usize) -> Vec<f64> {
     let mut t = x.to_vec();
     for _ in 0..i {
@@ -49,7 +50,8 @@ fn defined<const M: usize>(x: &[f64], i: usize, means: usize, lags: usize) -> Ve
     t.iter().map(|v| v * DT.powi((M - i) as i32)).collect()
 }
 
-/// `((1-q^-L)/(1-q^-1))^m` applied to the raw trends in f64 is what the operator gives, up to the factor of the raw ones.
+/// `((1-q^-L)/(1-q^-1))^m` applied to the raw trends in f64 is what the operator gives, up to the
+/// factor of the raw ones.
 fn against_the_definition<const M: usize>(scheme: Scheme) {
     let signal: Vec<f64> = (0..120)
         .map(|k| f64::from((k * 37 + k * k * 11) % 101) / 16.0 - 3.0)

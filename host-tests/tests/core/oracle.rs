@@ -48,8 +48,9 @@ fn noise_free_second_of_binary_noise() {
 fn chain_and_trend_then_filter_are_the_same_numbers() {
     let record = Experiment::reference(Condition::white(100.0), 1.0).record(1001);
     for m in 1..=4 {
-        // The difference equation loses (dt * pole)^-m of the digits, the chain does not: four poles at 1 ms would
-        // compare the rounding of the former (1e-9), so order 4 reads the record as one of 5 ms.
+        // The difference equation loses (dt * pole)^-m of the digits, the chain does not: four
+        // poles at 1 ms would compare the rounding of the former (1e-9), so order 4 reads the
+        // record as one of 5 ms.
         let dt = if m == 4 { 5e-3 } else { 1e-3 };
         let f = monic(&[20.0, 25.0, 30.0, 22.0][..m]);
         for scheme in [Scheme::Goodwin, Scheme::Tustin] {
@@ -130,7 +131,8 @@ fn output_evaluation_predicts_from_the_past_only() {
     let (y_hat, iq, iv) = evaluate(&record.y, &theta);
     assert_eq!(y_hat.len(), record.len() - 3);
     println!("true parameters: IQ {iq:.1e} mm^2, IV {iv:.1e} mm");
-    // What is left is the discretisation at the edges of the input, far below the effect of a wrong parameter.
+    // What is left is the discretisation at the edges of the input, far below the effect of a wrong
+    // parameter.
     let (_, wrong, _) = evaluate(&record.y, &[400.0, 20.0, 0.8e6]);
     assert!(iq < 1e-6 && wrong > 20.0 * iq, "IQ {iq}, wrong {wrong}");
     // A changed y(k) must not move the prediction of y(k), only later ones.

@@ -1,4 +1,5 @@
-//! The plane of the exact trends and the s plane: one to one, and each initial estimate in the right one.
+//! The plane of the exact trends and the s plane: one to one, and each initial estimate in the
+//! right one.
 
 use proptest::prelude::*;
 use trendid::estimation::Terms;
@@ -10,7 +11,8 @@ use trendid_host_tests::plants::polynomial::product;
 const DT: f32 = 1.66e-3;
 const ROUGH: f32 = 300.0;
 
-/// An initial estimate given to an identifier with exact trends is its estimate before the first sample.
+/// An initial estimate given to an identifier with exact trends is its estimate before the first
+/// sample.
 #[test]
 fn an_initial_estimate_stands() {
     let exact = ExactTrends::<2>::for_bandwidth(DT, ROUGH).unwrap();
@@ -33,7 +35,8 @@ fn an_initial_estimate_stands() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(512) })]
 
-    /// To gamma and back, with poles anywhere below 1.8/Delta, repeated, complex, at zero, slow or unstable.
+    /// To gamma and back, with poles anywhere below 1.8/Delta, repeated, complex, at zero, slow or
+    /// unstable.
     #[test]
     fn the_planes_are_one_to_one(
         pairs in proptest::array::uniform2((0.001_f64..1.0, -1.0_f64..1.0, any::<bool>())),
@@ -41,7 +44,8 @@ proptest! {
     ) {
         let dt = 2e-3_f32;
         let fastest = 1.8 / f64::from(dt);
-        // Pairs of poles at a distance and an angle, double ones at angle 0; or one lag and an integrator.
+        // Pairs of poles at a distance and an angle, double ones at angle 0; or one lag and an
+        // integrator.
         let pair = |(size, angle, repeated): (f64, f64, bool)| {
             let rate = fastest * size;
             let cosine = if repeated { 1.0 } else { angle };
@@ -55,7 +59,8 @@ proptest! {
         let trends = ExactTrends::<4>::for_bandwidth(dt, 100.0).unwrap();
         let image = trends.design().to_gamma_plane(&a, nu).expect("poles within the sampling");
         let back = trends.design().to_s_plane(&image.a, nu).expect("the way back");
-        // The rates of the poles may differ a thousandfold: each coefficient is held to the size that they make it.
+        // The rates of the poles may differ a thousandfold: each coefficient is held to the size
+        // that they make it.
         let rate = fastest * pairs[0].0.max(pairs[1].0);
         for i in nu..4 {
             let size = f64::from(a[i]).abs().max(1e-2 * rate.powi(4 - i as i32));

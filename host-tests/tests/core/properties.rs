@@ -20,10 +20,11 @@ fn servo(memory: Option<f32>, units: (f32, f32)) -> Servo {
     Identifier::try_new(&config, trends).unwrap()
 }
 
-/// A command of random holds and levels, and a position that a drive makes of it, in steps of 50 us.
+/// A command of random holds and levels, and a position that a drive makes of it, in steps of 50
+/// us.
 ///
-/// A coarser drive contradicts the model where it turns: whether that passes for standstill depends on how much noise
-/// was seen before.
+/// A coarser drive contradicts the model where it turns: whether that passes for standstill depends
+/// on how much noise was seen before.
 pub(crate) fn record() -> impl Strategy<Value = Vec<(f32, f32)>> {
     (
         prop::collection::vec((-1.0_f32..1.0, 20_usize..60), 10..20),
@@ -63,7 +64,8 @@ fn close(a: &[f32], b: &[f32], relative: f32) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Measuring in other units gives the same model in other units. The scales are powers of two, so to the last bit.
+    /// Measuring in other units gives the same model in other units. The scales are powers of two,
+    /// so to the last bit.
     #[test]
     fn scaling_the_units_scales_theta(record in record()) {
         let mut plain = servo(Some(0.5), (1.0, 1.0));
@@ -77,7 +79,8 @@ proptest! {
         prop_assert_eq!(a[2] * 0.125 / 4.0, b[2]);
     }
 
-    /// What happened before the drive moved does not matter: rest in front of the record changes nothing.
+    /// What happened before the drive moved does not matter: rest in front of the record changes
+    /// nothing.
     #[test]
     fn a_shift_in_time_changes_nothing(record in record(), rest in 1_usize..500) {
         let mut plain = servo(None, (1.0, 1.0));

@@ -40,7 +40,8 @@ fn event() -> impl Strategy<Value = Event> {
     ]
 }
 
-/// After any history a reset identifier is the fresh one, in every field, and stays so on the same stream.
+/// After any history a reset identifier is the fresh one, in every field, and stays so on the same
+/// stream.
 fn reset_is_construction<T, const N: usize, const I: usize, const D: usize>(
     fresh: Identifier<T, 3, N, I, D>,
     retuned: impl Fn(f32) -> T,

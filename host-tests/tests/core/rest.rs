@@ -1,4 +1,5 @@
-//! Forgetting that survives 20 s and hours without excitation, at rest and at constant speed, then a drive that has changed.
+//! Forgetting that survives 20 s and hours without excitation, at rest and at constant speed, then
+//! a drive that has changed.
 
 use rand::RngExt;
 use trendid::trends::{FilteredTrends, Scheme};
@@ -85,7 +86,8 @@ fn run(seed: u64, eta_mm: f64, memory: f32, pause: Pause, samples: usize, share:
     }
 }
 
-/// Samples from the first command that shows another load (of w0 a share is left, C and xi stay) until the estimate has followed.
+/// Samples from the first command that shows another load (of w0 a share is left, C and xi stay)
+/// until the estimate has followed.
 fn way_back(
     identifier: &mut Identifier<FilteredTrends<3>, 3, 5>,
     state: &[f64],
@@ -150,7 +152,8 @@ fn rest_neither_moves_nor_blinds_the_estimate() {
     for (eta, on_the_way) in [(0.01, 0.5), (0.03, 0.5), (0.1, 2.0)] {
         for pause in [Pause::Nominal, Pause::Following] {
             let (worst_drift, drift, p95) = summary(219_000..219_100, eta, 0.2, pause);
-            // Before the change; on the way the last movements die away, and 0.2 s of memory hold only so much.
+            // Before the change; on the way the last movements die away, and 0.2 s of memory hold
+            // only so much.
             assert!(
                 drift <= 0.5 && worst_drift <= on_the_way,
                 "{drift} {worst_drift} %"

@@ -38,7 +38,8 @@ fn a_wrong_bandwidth_is_mended_by_retuning() {
                         let omega0 = omega0.clamp(2.0, 200.0);
                         other.retune_to(omega0).unwrap();
                         retuned = true;
-                        // Bumpless: the estimate itself did not move, and does not while it is held.
+                        // Bumpless: the estimate itself did not move, and does not while it is
+                        // held.
                         for (b, a) in before.iter().zip(other.theta()) {
                             assert!(
                                 (b - a).abs() <= 1e-5 * b.abs(),
@@ -92,4 +93,56 @@ fn widening_the_last_parameter_leaves_the_rest_of_the_covariance() {
         }
     }
     assert_eq!(before.theta(), estimator.theta());
+}
+
+/// Between two filters to and fro, at once and with motion or rest in between: nothing steps, and
+/// nothing that is learnt or doubted grows without end.
+#[test]
+fn a_filter_is_exchanged_as_often_as_one_likes() {
+    let trends =
+        |bandwidth| FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, bandwidth).unwrap();
+    let record = Experiment::reference(Condition::white(10.0), 4.0).record(19_300);
+    for memory in [None, Some(0.2), Some(2.0), Some(10.0)] {
+        for between in [0, 1, 300] {
+            let mut config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
+            config.memory = memory;
+            let mut identifier: Identifier<_, 3, 5> =
+                Identifier::try_new(&config, trends(20.0)).unwrap();
+            let prior = *identifier.estimator().diagonal();
+            let all: Vec<_> = record.samples().map(|s| (s.u as f32, s.y as f32)).collect();
+            let mut samples = all.iter().cycle();
+            let (mut worst, mut largest) = (0.0_f32, 0.0_f32);
+            for (u, y) in samples.by_ref().take(3000) {
+                let _ = identifier.update(*u, *y);
+            }
+            for k in 0..400 {
+                let before = identifier.theta();
+                let bandwidth = if k % 2 == 0 { 18.0 } else { 20.0 };
+                identifier.retune(trends(bandwidth), 0.05).unwrap();
+                for (b, a) in before.iter().zip(identifier.theta()).take(3) {
+                    worst = worst.max((a / b - 1.0).abs());
+                }
+                let estimator = identifier.estimator();
+                for (d, prior) in estimator.diagonal().iter().zip(prior) {
+                    assert!(*d > 0.0 && d.is_finite());
+                    largest = largest.max(d / prior);
+                }
+                let (std, known) = (identifier.estimate().std(), estimator.theta());
+                assert!(std.iter().all(|s| *s > 0.0) && known.iter().all(|t| t.is_finite()));
+                // Rest in every second pause.
+                let (mut rest, moves) = (None, k % 4 < 2);
+                for (u, y) in samples.by_ref().take(between) {
+                    let (u, y) = match moves {
+                        true => (*u, *y),
+                        false => (0.0, *rest.get_or_insert(*y)),
+                    };
+                    let _ = identifier.update(u, y);
+                }
+            }
+            println!(
+                "memory {memory:?}, {between} samples between: largest step {worst:.1e}, D at most {largest:.2} of the prior"
+            );
+            assert!(worst < 1e-4 && largest <= 2.01, "{worst} {largest}");
+        }
+    }
 }

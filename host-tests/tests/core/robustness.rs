@@ -90,10 +90,17 @@ fn survive<
                 theta.iter().all(|v| v.is_finite()),
                 "{theta:?} after {act:?}"
             );
-            // Infinite where a spike of 10^6 ranges has taken all knowledge of the noise; never NaN, never negative.
-            prop_assert!(std.iter().all(|v| *v >= 0.0), "{std:?} after {act:?}");
-            prop_assert!(identifier.prediction().is_finite());
+            // Infinite where a spike of 10^6 ranges has taken all knowledge of the noise; never
+            // NaN, never negative, and 0 for what was given as known alone.
             let diagonal = identifier.estimator().diagonal();
+            let says = |(v, d): (&f32, &f32)| *v > 0.0 || (*v == 0.0 && *d == 0.0);
+            prop_assert!(std.iter().zip(diagonal).all(says), "{std:?} after {act:?}");
+            let unknown = diagonal.iter().all(|d| *d > 0.0);
+            prop_assert!(
+                !unknown || deviations.iter().flatten().all(|v| *v > 0.0),
+                "{deviations:?} after {act:?}"
+            );
+            prop_assert!(identifier.prediction().is_finite());
             prop_assert!(diagonal.iter().all(|d| *d >= 0.0 && d.is_finite()));
         }
         let numbers = [reading.gain, reading.omega0, reading.damping];
@@ -167,8 +174,8 @@ proptest! {
     /// Sensible settings, any samples.
     #[test]
     fn any_samples(design in design(), acts in prop::collection::vec(act(), 1..150)) {
-        // A start that claims to know nothing (10^18) makes any quotient of tiny numbers an estimate: that is left to
-        // the test of any settings, which asks for survival only.
+        // A start that claims to know nothing (10^18) makes any quotient of tiny numbers an
+        // estimate: that is left to the test of any settings, which asks for survival only.
         let acts: Vec<Act> = acts
             .into_iter()
             .filter(|act| !matches!(act, Act::WarmStart(_, std) if *std > 1e3))
@@ -238,7 +245,8 @@ proptest! {
 
 #[test]
 fn hours_without_a_movement() {
-    // Two hours of exact silence with a short memory: nothing winds up, nothing becomes subnormal or NaN, and what was learnt is held.
+    // Two hours of exact silence with a short memory: nothing winds up, nothing becomes subnormal
+    // or NaN, and what was learnt is held.
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
     let mut config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
     config.memory = Some(0.2);
@@ -261,7 +269,8 @@ fn hours_without_a_movement() {
     assert!(std[0] > 0.0 && std[2] > 0.0);
     let (estimator, settled) = (identifier.estimator(), settled.unwrap());
     assert_eq!(estimator.theta(), settled.theta());
-    // N r Delta / memory where the data have shown a parameter, otherwise the prior: see the head of forgetting.rs.
+    // N r Delta / memory where the data have shown a parameter, otherwise the prior: see the head
+    // of forgetting.rs.
     let bound = StabilisedForgetting::new([0.0; 5], 1.0 - 0.001 / 0.2).bound();
     // A round has 10 samples.
     let share = 10.0 * 0.001 / 0.2;
@@ -280,5 +289,30 @@ fn a_bank_survives_too() {
     for value in [0.0, 1.0, f32::NAN, f32::MAX, -1e6, f32::INFINITY, 3.0] {
         let _ = bank.update_inputs([value], value);
         let _ = (bank.best(), bank.margin(), bank.errors());
+    }
+}
+
+/// A drive that stands on an exact sensor leaves no residual: no parameter is certain for it.
+#[test]
+fn nothing_seen_is_nothing_known() {
+    fn std<T: TrendOperator<3>>(trends: T, memory: Option<f32>) -> [f32; 5] {
+        let mut config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
+        config.memory = memory;
+        let mut identifier: Identifier<T, 3, 5> = Identifier::try_new(&config, trends).unwrap();
+        for _ in 0..2000 {
+            let _ = identifier.update(0.0, 120.0);
+        }
+        identifier.estimate().std()
+    }
+    for memory in [None, Some(2.0)] {
+        let filtered = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, 20.0).unwrap();
+        let raw = RawTrends::try_new(Scheme::Tustin, 0.001).unwrap();
+        for (name, std) in [
+            ("filtered", std(filtered, memory)),
+            ("raw", std(raw, memory)),
+        ] {
+            println!("{name}, memory {memory:?}: {std:?}");
+            assert!(std.iter().all(|std| *std > 0.0), "{name}: {std:?}");
+        }
     }
 }

@@ -40,7 +40,8 @@ pub(crate) fn transfer<const M: usize>(a: &[f64]) -> TransferFunction<M, 1> {
     }
 }
 
-/// Largest distance of a found pole to its partner, each root used once, relative to the largest root.
+/// Largest distance of a found pole to its partner, each root used once, relative to the largest
+/// root.
 pub(crate) fn distance(found: &[Pole], plane: &[(f64, f64)]) -> f64 {
     assert_eq!(found.len(), plane.len());
     let size = plane

@@ -1,4 +1,5 @@
-//! The stored model on a simulated flash: power that fails in any operation, flipped bits, records of somebody else.
+//! The stored model on a simulated flash: power that fails in any operation, flipped bits, records
+//! of somebody else.
 
 use std::convert::Infallible;
 
@@ -72,7 +73,8 @@ fn cuts(bytes: usize) -> impl Iterator<Item = Cut> {
 #[test]
 fn power_that_fails_in_any_operation_leaves_the_old_record_or_the_new_one_and_the_next_is_kept() {
     let (mut old_ones, mut new_ones) = (0, 0);
-    // Every fill of the two sectors, three times over; a save is one write, or an erase and a write.
+    // Every fill of the two sectors, three times over; a save is one write, or an erase and a
+    // write.
     for count in 1..=10 {
         for operation in 0..2 {
             for cut in cuts(SECTOR) {
@@ -96,7 +98,8 @@ fn power_that_fails_in_any_operation_leaves_the_old_record_or_the_new_one_and_th
                     "a record that is said to be kept is kept"
                 );
                 *(if new { &mut new_ones } else { &mut old_ones }) += 1;
-                // Nothing that a cut leaves is in the way: at the latest the second attempt is kept.
+                // Nothing that a cut leaves is in the way: at the latest the second attempt is
+                // kept.
                 let next = record(count + 1);
                 let kept = again.save(&identity(), &next).is_ok()
                     || again.save(&identity(), &next).is_ok();

@@ -46,7 +46,8 @@ fn poles_of_known_polynomials() {
     check::<4>(&[Pair(-3.0, 12.0), Real(-0.1), Real(-200.0)], 1e-5);
 }
 
-/// A k-fold root moves by the k-th root of the rounding of the coefficients: 2^-24 to the power 1/k, times some units.
+/// A k-fold root moves by the k-th root of the rounding of the coefficients: 2^-24 to the power
+/// 1/k, times some units.
 #[test]
 fn multiple_roots() {
     use Root::{Pair, Real};
@@ -153,7 +154,8 @@ fn any_number() -> impl Strategy<Value = f32> {
     prop_oneof![any::<f32>(), -1e3_f32..1e3, prop::sample::select(edges()),]
 }
 
-/// Hurwitz conditions, poles and the true roots say the same; near the axis they may differ by rounding.
+/// Hurwitz conditions, poles and the true roots say the same; near the axis they may differ by
+/// rounding.
 fn agreement<const M: usize>(roots: &[Root]) -> Result<(), TestCaseError> {
     let (a, plane) = expand(roots);
     let size = plane
@@ -227,7 +229,8 @@ proptest! {
     }
 }
 
-/// Standard deviations of C, omega0, xi against derivatives by differences in f64 through the same covariance.
+/// Standard deviations of C, omega0, xi against derivatives by differences in f64 through the same
+/// covariance.
 #[test]
 fn physical_std_is_the_delta_method() {
     for (seed, eta) in [(81, 20.0), (82, 500.0)] {

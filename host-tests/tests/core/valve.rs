@@ -97,8 +97,9 @@ fn dead_zone_of_three_percent_in_closed_loop() {
             println!(
                 "  eta {eta} um, from {start}: {rms:.3?}, {largest:.3?}; width off by {off:.5}"
             );
-            // With 0.1 mm of noise single runs of the hundred, with few reversals, are worse: up to some 8 %. A start
-            // above the truth hides movements that the valve lets pass; some of that is left after 4 s.
+            // With 0.1 mm of noise single runs of the hundred, with few reversals, are worse: up to
+            // some 8 %. A start above the truth hides movements that the valve lets pass; some of
+            // that is left after 4 s.
             if eta <= 20.0 && start < 0.03 {
                 assert!(worst(largest) <= 1.0 && off <= 0.002);
             } else {
@@ -146,8 +147,9 @@ fn unequal_gains_of_the_two_directions() {
 
 #[test]
 fn coulomb_friction_is_an_input() {
-    // s (s + a) y = b u - c sgn(v) + d with the figures of a ball-screw drive; the velocity is that of the drive, which
-    // is never held by friction here: at rest friction is what balances the drive and no sign gives it.
+    // s (s + a) y = b u - c sgn(v) + d with the figures of a ball-screw drive; the velocity is that
+    // of the drive, which is never held by friction here: at rest friction is what balances the
+    // drive and no sign gives it.
     let (a, b, c, d) = (2.14, 0.37, 0.21, 0.033);
     let structure = Structure::<2, 4, 2>::INTEGRATING_WITH_CONSTANT;
     let config = Config::new(structure, 10.0, [1.0, 1.0], 0.1);

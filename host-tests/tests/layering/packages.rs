@@ -27,7 +27,8 @@ pub(crate) fn sources(folder: &Path) -> Vec<(String, String)> {
     files
 }
 
-/// The folders below `at` that hold a package; none of them is a package of another workspace or of a build.
+/// The folders below `at` that hold a package; none of them is a package of another workspace or of
+/// a build.
 fn package_folders(root: &Path, at: &str, found: &mut Vec<String>) {
     let entries = std::fs::read_dir(root.join(at)).expect("a folder");
     for entry in entries.map(|entry| entry.expect("an entry")) {

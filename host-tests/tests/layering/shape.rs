@@ -3,8 +3,8 @@
 /// Lines of a file of the core.
 pub(crate) const LINES: usize = 300;
 
-/// Columns of a comment; a row of a table has to stay on one line.
-pub(crate) const COLUMNS: usize = 140;
+/// Columns of a comment; a row of a table and what is quoted as text keep their lines.
+pub(crate) const COLUMNS: usize = 100;
 
 /// Whether a file has too many lines.
 pub(crate) fn is_long(text: &str) -> bool {
@@ -13,16 +13,18 @@ pub(crate) fn is_long(text: &str) -> bool {
 
 /// Lines with a comment that is too wide, counted from 1. (rustfmt does not wrap comments.)
 pub(crate) fn wide_comments(text: &str) -> Vec<usize> {
-    let wide = |line: &str| {
-        let comment = line
-            .trim_start()
-            .strip_prefix("//")
-            .map(|comment| comment.trim_start_matches(['/', '!']).trim_start());
-        comment.is_some_and(|comment| !comment.starts_with('|')) && line.chars().count() > COLUMNS
-    };
-    let lines = text.lines().enumerate();
-    lines
-        .filter(|(_, line)| wide(line))
-        .map(|(at, _)| at + 1)
-        .collect()
+    let mut quoted = false;
+    let mut wide = Vec::new();
+    for (at, line) in text.lines().enumerate() {
+        let Some(comment) = line.trim_start().strip_prefix("//") else {
+            quoted = false;
+            continue;
+        };
+        let comment = comment.trim_start_matches(['/', '!']).trim_start();
+        quoted ^= comment.starts_with("```");
+        if !quoted && !comment.starts_with('|') && line.chars().count() > COLUMNS {
+            wide.push(at + 1);
+        }
+    }
+    wide
 }

@@ -1,4 +1,5 @@
-//! Drawn axes whose mass changes in motion: the loop that adapts beside the one with the gains of its commissioning.
+//! Drawn axes whose mass changes in motion: the loop that adapts beside the one with the gains of
+//! its commissioning.
 
 use trendid_host_tests::servo::population::changed::{Changed, mass};
 use trendid_host_tests::servo::population::draw::AxisDraw;
@@ -28,7 +29,8 @@ fn count(runs: &[Changed], holds: impl Fn(&Changed) -> bool) -> usize {
     runs.iter().filter(|run| holds(run)).count()
 }
 
-/// Stopped loops, medians of the error in the sine over that before and of the steady state in mm: adaptive and fixed.
+/// Stopped loops, medians of the error in the sine over that before and of the steady state in mm:
+/// adaptive and fixed.
 fn figures(runs: [&[Changed]; 2]) -> ([usize; 2], [f64; 2], [f64; 2]) {
     (
         runs.map(|runs| count(runs, |run| run.stopped.is_some())),
@@ -65,9 +67,11 @@ fn a_loop_that_adapts_is_no_worse_than_one_that_does_not() {
     }
 }
 
-/// Drives whose models know no friction that holds them: nothing but the identifier tells the loop of their mass.
+/// Drives whose models know no friction that holds them: nothing but the identifier tells the loop
+/// of their mass.
 ///
-/// With each, the largest error in the sine under three times the mass over that before; these seeds show 1.38, 1.82, 1.47.
+/// With each, the largest error in the sine under three times the mass over that before; these
+/// seeds show 1.38, 1.82, 1.47.
 const WITHOUT_STICKING: [(Family, f64); 3] = [
     (Family::Linear, 2.0),
     (Family::BallScrew, 2.5),

@@ -39,7 +39,8 @@ fn every_fault_is_noticed_for_its_reason() {
     assert!(20 * wrong.len() <= runs, "{wrong:#?}");
 }
 
-/// Why both may be called a wrong sign: by the position a supply that is lost is a reversed valve, at first.
+/// Why both may be called a wrong sign: by the position a supply that is lost is a reversed valve,
+/// at first.
 #[test]
 fn a_lost_supply_moves_the_axis_as_a_reversed_valve_does() {
     let (mut alike, mut runs) = (0, 0);

@@ -6,7 +6,8 @@ use trendid_host_tests::plants::valve::StaticValve;
 use trendid_host_tests::servo::population::draw::{AxisDraw, Mechanics};
 use trendid_host_tests::servo::population::family::Family;
 
-/// Natural frequency and damping of a free response, from the instants and heights of its extremes about `rest`.
+/// Natural frequency and damping of a free response, from the instants and heights of its extremes
+/// about `rest`.
 fn oscillation(samples: &[f64], h: f64, rest: f64) -> [f64; 2] {
     let away: Vec<f64> = samples.iter().map(|x| x - rest).collect();
     let crossings: Vec<f64> = away
@@ -38,7 +39,8 @@ fn the_linearisation_is_that_of_the_free_response() {
         let Mechanics::Pneumatic(p) = draw.mechanics else {
             panic!("a pneumatic axis");
         };
-        // A sealed axis that slides, in the middle of its travel; nearly no damping shows no extremes, much shows one.
+        // A sealed axis that slides, in the middle of its travel; nearly no damping shows no
+        // extremes, much shows one.
         let p = AxisParameters {
             friction: Friction {
                 viscous: p.friction.viscous,

@@ -1,5 +1,5 @@
-//! The loop on the nominal axis and after changes, over many draws of noise and excitation: one run says little about
-//! an axis with friction.
+//! The loop on the nominal axis and after changes, over many draws of noise and excitation: one run
+//! says little about an axis with friction.
 
 use trendid_host_tests::servo::figures::Figures;
 use trendid_host_tests::servo::run::{Options, run_with, stating};
@@ -11,7 +11,8 @@ type Phase = (&'static str, fn(&Figures) -> Option<f64>, [f64; 3]);
 /// Seeds of the test: none was used to tune anything.
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=100;
 
-/// A run of a seed, whose user guesses the bandwidth at 0.7 to 1.4 times the usual guess: with it the whole excitation is another one.
+/// A run of a seed, whose user guesses the bandwidth at 0.7 to 1.4 times the usual guess: with it
+/// the whole excitation is another one.
 fn drawn(scenario: Scenario, seed: u64) -> Figures {
     let options = Options::adaptive(seed);
     let ratio = 0.7 + 0.007 * (37 * seed % 100) as f32;
@@ -23,9 +24,10 @@ fn drawn(scenario: Scenario, seed: u64) -> Figures {
     )
 }
 
-/// What 100 draws showed (median, 90 %, worst of all): verified after 1.14, 1.26, 1.33 s; steady state 0.037, 0.068, 0.098 mm (wanted:
-/// 0.05, which the median meets); rise 95, 97, 99 ms; overshoot 0.13, 0.28, 0.58 %; 0.5 Hz 0.53, 0.81, 1.00 mm (wanted: 1.02,
-/// which every run meets); 1 Hz 0.88, 1.03, 1.22 mm (wanted: 0.72, which the median misses).
+/// What 100 draws showed (median, 90 %, worst of all): verified after 1.14, 1.26, 1.33 s; steady
+/// state 0.037, 0.068, 0.098 mm (wanted: 0.05, which the median meets); rise 95, 97, 99 ms;
+/// overshoot 0.13, 0.28, 0.58 %; 0.5 Hz 0.53, 0.81, 1.00 mm (wanted: 1.02, which every run meets);
+/// 1 Hz 0.88, 1.03, 1.22 mm (wanted: 0.72, which the median misses).
 const PHASES: [Phase; 6] = [
     ("verified in s", |f| f.verified_at_s, [1.4, 1.8, 3.0]),
     (
@@ -60,8 +62,8 @@ fn the_axis_commissions_itself_and_follows() {
     assert!(faults.is_empty(), "{faults}");
 }
 
-/// Largest median and worst of the steady state and of the sine of 1 Hz after a change, in mm; 30 draws show 0.05 and 0.15 mm, 1.9 and
-/// 2.4 mm at most, three times the mass among them.
+/// Largest median and worst of the steady state and of the sine of 1 Hz after a change, in mm; 30
+/// draws show 0.05 and 0.15 mm, 1.9 and 2.4 mm at most, three times the mass among them.
 const AFTER: [[f64; 2]; 2] = [[0.1, 0.25], [2.5, 3.0]];
 
 #[test]

@@ -41,8 +41,8 @@ fn step_errors(p: &AxisParameters, amplitude: f64) -> [f64; 3] {
 
 #[test]
 fn halving_the_step_changes_nothing_that_matters() {
-    // Stop, start and stick many times; the full command also strikes both end stops. The bound of 1 um is a tenth of the
-    // sensor's resolution.
+    // Stop, start and stick many times; the full command also strikes both end stops. The bound of
+    // 1 um is a tenth of the sensor's resolution.
     for (name, p, amplitude) in [
         ("small motion", SERVO, 0.1),
         ("tracking", SERVO, 0.3),
@@ -154,7 +154,8 @@ fn sensor_has_the_stated_noise_and_resolution() {
         mean += error / f64::from(n);
         square += error * error / f64::from(n);
     }
-    // On a count exactly, +-10 um of noise give -1, 0, 1 with 1/4, 1/2, 1/4: a variance of half a count squared.
+    // On a count exactly, +-10 um of noise give -1, 0, 1 with 1/4, 1/2, 1/4: a variance of half a
+    // count squared.
     assert!(mean.abs() < 3e-4, "mean {mean} mm");
     assert!((square / 5e-5 - 1.0).abs() < 0.05, "variance {square} mm2");
     let (mut a, mut b, mut c) = (

@@ -19,10 +19,11 @@ fn binary(amplitude: f64, n: usize, seed: u64) -> Vec<f64> {
     .sequence(n, 1e-3, seed)
 }
 
-/// Identified C \[mm/s\], omega0 \[rad/s\], xi, and the mean opening of the valve, from 2 s in closed loop with binary noise.
+/// Identified C \[mm/s\], omega0 \[rad/s\], xi, and the mean opening of the valve, from 2 s in
+/// closed loop with binary noise.
 ///
-/// Least squares of the f64 oracle on filtered trends. The inputs are the command beyond the dead zone, delayed by the
-/// spool, the direction of motion (friction) and a constant.
+/// Least squares of the f64 oracle on filtered trends. The inputs are the command beyond the dead
+/// zone, delayed by the spool, the direction of motion (friction) and a constant.
 fn identified(p: &AxisParameters, amplitude: f64, seed: u64) -> ([f64; 3], f64) {
     let mut axis = PneumaticAxis::new(p, seed);
     let n = 2000;
@@ -76,7 +77,8 @@ fn against_linear(p: &AxisParameters, amplitude: f64, seed: u64) -> [f64; 3] {
 
 #[test]
 fn linear_model_is_exact_for_small_motions() {
-    // Without dry friction, dead zone and noise only the residual delay of the spool (0.2 ms) and the amplitude remain.
+    // Without dry friction, dead zone and noise only the residual delay of the spool (0.2 ms) and
+    // the amplitude remain.
     let smooth = AxisParameters {
         friction: Friction {
             coulomb: 0.0,
@@ -98,8 +100,9 @@ fn linear_model_is_exact_for_small_motions() {
 
 #[test]
 fn linear_model_describes_the_full_axis() {
-    // Large motions with sticking, dead zone and noise: the plant changes along the way and the sliding model leaves out the
-    // Stribeck curve. Stated tolerance of the mean over the seeds: C 10 %, omega0 5 %, xi 0.06.
+    // Large motions with sticking, dead zone and noise: the plant changes along the way and the
+    // sliding model leaves out the Stribeck curve. Stated tolerance of the mean over the seeds: C
+    // 10 %, omega0 5 %, xi 0.06.
     let cases = [
         ("middle", SERVO),
         (

@@ -1,4 +1,5 @@
-//! The population of axes: ranges, statics, reproducibility; one axis of each family from power-up to rest.
+//! The population of axes: ranges, statics, reproducibility; one axis of each family from power-up
+//! to rest.
 
 use trendid_host_tests::plants::pneumatic::Friction;
 use trendid_host_tests::plants::valve::StaticValve;
@@ -65,7 +66,8 @@ fn drawn(draw: &AxisDraw) -> Vec<(&'static str, Range, f64)> {
     values
 }
 
-/// A range widened by the rounding of the few operations that lead from a draw to a property and back.
+/// A range widened by the rounding of the few operations that lead from a draw to a property and
+/// back.
 fn rounded(range: Range) -> Range {
     let slack = 1e-12 * range.low.abs().max(range.high.abs());
     Range {

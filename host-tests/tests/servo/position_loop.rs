@@ -1,4 +1,5 @@
-//! The adaptive loop: limits under fuzzing, changes of gains, refusals, bit-exact return of the old gains.
+//! The adaptive loop: limits under fuzzing, changes of gains, refusals, bit-exact return of the old
+//! gains.
 
 use rand::{RngExt, SeedableRng};
 use trendid::hardware::{Axis, Scale};
@@ -167,8 +168,9 @@ fn a_unit_too_small_for_the_accelerations_is_refused() {
     assert!(matches!(refused, Err(servo::Error::Unit { acceleration }) if acceleration == 2.5e8));
 }
 
-/// Largest error \[mm\] in the second after the first verified model, and the speed \[mm/s\] at which the controller took
-/// over, on an axis up to 15 % off in mass, valve, dead zone and friction; `None` without a model.
+/// Largest error \[mm\] in the second after the first verified model, and the speed \[mm/s\] at
+/// which the controller took over, on an axis up to 15 % off in mass, valve, dead zone and
+/// friction; `None` without a model.
 fn error_after_the_handover(seed: u64) -> Option<[f64; 2]> {
     let axis = Axis {
         scale: Scale::new(RESOLUTION_MM as f32).expect("scale"),
@@ -213,7 +215,8 @@ fn the_first_sample_in_control_is_that_of_the_verified_model() {
     let median = runs[runs.len() / 2][0];
     // 1.09 mm with a model after 1.2 s.
     assert!(median < 1.3, "{median} mm");
-    // What is left is the error of the model, not that of another model: one per cent of the travel.
+    // What is left is the error of the model, not that of another model: one per cent of the
+    // travel.
     let worst = runs[runs.len() - 1][0];
     assert!(worst < 0.01 * f64::from(TRAVEL.length()), "{worst} mm");
 }

@@ -1,4 +1,5 @@
-//! No setting of the position loop is dead: each changes what the loop does, or is refused with its name.
+//! No setting of the position loop is dead: each changes what the loop does, or is refused with its
+//! name.
 
 use std::collections::BTreeSet;
 
@@ -23,8 +24,8 @@ fn stored() -> Model {
     }
 }
 
-/// Commands and states of 13.5 s: a sine on a stored model with five times the mass and back; then commissioning, moves, rest, a
-/// sine, with five times the mass at 8.5 s and back at 10.5 s.
+/// Commands and states of 13.5 s: a sine on a stored model with five times the mass and back; then
+/// commissioning, moves, rest, a sine, with five times the mass at 8.5 s and back at 10.5 s.
 fn trace(config: &Config) -> Result<Vec<(u32, u8)>, Error> {
     let axis = Axis {
         scale: Scale::new(RESOLUTION_MM as f32).expect("scale"),

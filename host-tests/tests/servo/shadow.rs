@@ -1,4 +1,5 @@
-//! A loop beside the one of a scenario: it gets the same samples, drives the plant, may fail the sensor and end the run.
+//! A loop beside the one of a scenario: it gets the same samples, drives the plant, may fail the
+//! sensor and end the run.
 
 use trendid::hardware::{Axis, Scale};
 use trendid::servo::{Reason, Report, ServoLoop, State};

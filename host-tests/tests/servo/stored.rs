@@ -77,7 +77,8 @@ fn control_begins_with_a_stored_model_on_either_wiring() {
     }
 }
 
-/// The load changes, the loop learns another model: what it knows of it is stored with it, and comes back.
+/// The load changes, the loop learns another model: what it knows of it is stored with it, and
+/// comes back.
 #[test]
 fn a_model_that_was_improved_is_stored_with_its_deviations() {
     let (first, mut plant) = found(1.0);

@@ -1,4 +1,5 @@
-//! White noise in the RELATIVE reading, against the Cramer-Rao bound, and the coverage of the reported sigma.
+//! White noise in the RELATIVE reading, against the Cramer-Rao bound, and the coverage of the
+//! reported sigma.
 
 use trendid::trends::{FilteredTrends, Scheme};
 use trendid::{Config, Identifier, Structure};

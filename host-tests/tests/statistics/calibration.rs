@@ -1,10 +1,12 @@
-//! Calibration of the reported standard deviations: how often the true value lies within 1 and 3 of them.
+//! Calibration of the reported standard deviations: how often the true value lies within 1 and 3 of
+//! them.
 
 use trendid_host_tests::paper::coverage::{Scored, coverage, default, exact, own};
 use trendid_host_tests::signals::experiment::Experiment;
 use trendid_host_tests::signals::noise::Condition;
 
-/// Seeds that no constant of the read-out was chosen on (those were 100000 to 100999 and 300000 to 360599).
+/// Seeds that no constant of the read-out was chosen on (those were 100000 to 100999 and 300000
+/// to 360599).
 const SEEDS: std::ops::Range<u64> = 370_000..371_000;
 
 /// Seeds that did not choose the conditions of the exact hold (those were 900000 to 930999).
@@ -43,8 +45,8 @@ fn closed_loop() {
     }
 }
 
-/// Offsets from one that no record shows to one that every record shows; the worst lie in between, where the constant is
-/// withdrawn in some records and is about as large as its own uncertainty.
+/// Offsets from one that no record shows to one that every record shows; the worst lie in between,
+/// where the constant is withdrawn in some records and is about as large as its own uncertainty.
 #[test]
 #[ignore = "long: cargo xtask statistics"]
 fn open_loop_with_an_offset() {
@@ -71,7 +73,8 @@ fn open_loop_with_an_offset() {
     }
 }
 
-/// Where the noise is so small that the discretisation rules, sigma must not promise more than that allows.
+/// Where the noise is so small that the discretisation rules, sigma must not promise more than that
+/// allows.
 #[test]
 #[ignore = "long: cargo xtask statistics"]
 fn little_noise() {
@@ -86,9 +89,11 @@ fn little_noise() {
     }
 }
 
-/// The exact hold leaves nothing of the interpolation in the estimate: sigma is that of the noise at a fifth of it.
+/// The exact hold leaves nothing of the interpolation in the estimate: sigma is that of the noise
+/// at a fifth of it.
 ///
-/// Below stays what f32 may cost, which is an allowance and not a noise: there sigma promises less than is kept.
+/// Below stays what f32 may cost, which is an allowance and not a noise: there sigma promises less
+/// than is kept.
 #[test]
 #[ignore = "long: cargo xtask statistics"]
 fn little_noise_with_the_exact_hold() {

@@ -1,7 +1,8 @@
-//! Online and offline opponents on the white rows of Table 1 in the reading RELATIVE, beside the bound.
+//! Online and offline opponents on the white rows of Table 1 in the reading RELATIVE, beside the
+//! bound.
 //!
-//! `cargo test -p trendid-host-tests --test statistics comparison -- --ignored --nocapture` prints the table. Signal:
-//! position about its mean.
+//! `cargo test -p trendid-host-tests --test statistics comparison -- --ignored --nocapture` prints
+//! the table. Signal: position about its mean.
 
 use trendid_host_tests::oracles::cramer_rao::{InitialState, servo_bound_pct};
 use trendid_host_tests::oracles::ekf::{ExtendedKalman, Prior};

@@ -1,4 +1,5 @@
-//! What any unbiased estimate can reach in the drift rows of RELATIVE, the colour of the drift known.
+//! What any unbiased estimate can reach in the drift rows of RELATIVE, the colour of the drift
+//! known.
 
 use trendid_host_tests::oracles::cramer_rao::{Coefficient, Sensitivity, servo_deviation_pct};
 use trendid_host_tests::paper::trial::Setting;
@@ -6,10 +7,12 @@ use trendid_host_tests::plants::servo::REFERENCE;
 use trendid_host_tests::signals::experiment::Experiment;
 use trendid_host_tests::signals::noise::{Reading, rms};
 
-/// Bound of C, omega0, xi \[%\] over 3 s for Gaussian noise with the spectrum of the drift, rms over 100 records.
+/// Bound of C, omega0, xi \[%\] over 3 s for Gaussian noise with the spectrum of the drift, rms
+/// over 100 records.
 ///
-/// The drift is a first-order lag of white noise: the difference `x(k) - p x(k-1)` is white, and so are the
-/// sensitivities to be differenced. Rounding and white noise on top can only raise the bound.
+/// The drift is a first-order lag of white noise: the difference `x(k) - p x(k-1)` is white, and so
+/// are the sensitivities to be differenced. Rounding and white noise on top can only raise the
+/// bound.
 fn coloured_bound_pct(setting: &Setting) -> [f64; 3] {
     let experiment = Experiment::reference(setting.condition, 3.0);
     let free = [

@@ -4,8 +4,9 @@ use trendid::servo::Reason;
 use trendid_host_tests::servo::faults::normal::{controlled, work};
 use trendid_host_tests::servo::population::family::Family;
 
-/// An alarm of an axis that had left its reference by more than 5 % of the travel before is none of these. Near an end of the
-/// travel a pneumatic axis that overshoots is stopped before it strikes: these are printed and are not yet none.
+/// An alarm of an axis that had left its reference by more than 5 % of the travel before is none of
+/// these. Near an end of the travel a pneumatic axis that overshoots is stopped before it strikes:
+/// these are printed and are not yet none.
 #[test]
 #[ignore = "long: cargo xtask statistics"]
 fn ten_hours_of_normal_work_raise_no_alarm_but_at_the_ends() {

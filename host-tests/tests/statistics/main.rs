@@ -1,4 +1,5 @@
-//! Claims over hundreds of runs: accuracy, calibration of the reported deviations, comparison with other estimators.
+//! Claims over hundreds of runs: accuracy, calibration of the reported deviations, comparison with
+//! other estimators.
 //!
 //! Ignored in `cargo test`, which lists them as such. All of them, with what they print:
 //!

@@ -1,4 +1,5 @@
-//! Sampling every 5 ms instead of every millisecond: what the default loses of the damping, and the exact hold does not.
+//! Sampling every 5 ms instead of every millisecond: what the default loses of the damping, and the
+//! exact hold does not.
 
 use trendid::trends::Scheme;
 use trendid::{Config, Structure};

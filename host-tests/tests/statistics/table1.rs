@@ -1,7 +1,8 @@
-//! Accuracy of the core in the rows of Table 1, against its limits, the bound and the extended Kalman filter.
+//! Accuracy of the core in the rows of Table 1, against its limits, the bound and the extended
+//! Kalman filter.
 //!
-//! `trendid paper table1` prints the whole table; these rows hold the figures it must not lose. Seeds differ from those that
-//! chose the filter (below 60000) and from the table's own (100000).
+//! `trendid paper table1` prints the whole table; these rows hold the figures it must not lose.
+//! Seeds differ from those that chose the filter (below 60000) and from the table's own (100000).
 
 use trendid::trends::Scheme;
 use trendid_host_tests::paper::statistics::{Line, summary};

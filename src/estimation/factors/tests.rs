@@ -75,7 +75,8 @@ fn numbers(mut seed: u32) -> impl FnMut() -> f32 {
     }
 }
 
-/// P behind an observation of the row z with U'z = `f` and the variance `r`, by the textbook's formula.
+/// P behind an observation of the row z with U'z = `f` and the variance `r`, by the textbook's
+/// formula.
 fn observed<const N: usize>(factors: &Factors<N>, f: &[f32; N], r: f32) -> [[f32; N]; N] {
     let pz: [f32; N] = core::array::from_fn(|l| {
         let terms = (0..N).map(|j| factors.upper[j][l] * factors.diagonal[j] * f[j]);
@@ -151,4 +152,30 @@ fn an_observation_of_what_is_known_or_has_no_bound_says_nothing() {
     let numbers = [known.covariance(0, 0), known.covariance(0, 1)];
     assert_eq!(numbers, [0.0, 0.0]);
     assert!(known.covariance(1, 1).is_finite());
+}
+
+#[test]
+fn the_spread_of_a_row_is_its_square_in_the_covariance() {
+    let mut number = numbers(31);
+    for rows in 0..60 {
+        let factors = folded(0.97, rows);
+        let z: [f32; 3] = core::array::from_fn(|_| number());
+        let exact: f32 = (0..3)
+            .flat_map(|i| (0..3).map(move |j| (i, j)))
+            .map(|(i, j)| z[i] * factors.covariance(i, j) * z[j])
+            .sum();
+        let size: f32 = (0..3).map(|i| z[i] * z[i] * factors.covariance(i, i)).sum();
+        assert!((factors.spread(z) - exact).abs() < 1e-4 * size, "{rows}");
+    }
+}
+
+#[test]
+fn a_known_parameter_stays_known_when_the_last_one_is_widened() {
+    let mut factors = Factors::independent(&[0.0, 0.0, 2.0]);
+    factors.inflate_last(5.0);
+    assert_eq!(factors, Factors::independent(&[0.0, 0.0, 3.0]));
+    // Nothing known to nothing known.
+    let mut nothing = Factors::independent(&[0.0; 3]);
+    nothing.inflate_last(0.0);
+    assert_eq!(nothing, Factors::independent(&[0.0; 3]));
 }

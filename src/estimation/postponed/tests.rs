@@ -45,7 +45,9 @@ fn a_rest_is_owed_up_to_a_limit_and_called_in_once() {
     }
     assert!(postponed.is_owed());
     let before = estimator.covariance(0, 0);
+    let samples = estimator.samples();
     postponed.call(&mut estimator, [1e12]);
+    assert!(estimator.samples() <= samples * 3e-9);
     assert!(estimator.is_loosening());
     estimator.loosen();
     assert!(!estimator.is_loosening());
@@ -56,20 +58,25 @@ fn a_rest_is_owed_up_to_a_limit_and_called_in_once() {
 
 #[test]
 fn a_contradiction_is_six_times_what_was_usual() {
-    let mut estimator = Estimator::<2>::new([0.0; 2], [1e-3; 2], 0.995);
-    for k in 0..2000 {
-        let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
-        for size in [1.0_f32, 5.0, 7.0] {
-            let mut other = estimator.clone();
-            let spread = other.fold(&[1e-3, 1e-3], size * sign);
-            let contradicts = |least| Postponed::contradicted(&other, size * sign, spread, least);
-            let contradicted = contradicts(0.0);
-            // Some rows are needed to know what is usual.
-            assert!(k < 20 || contradicted == (size > 6.0), "{k} {size}");
-            assert!(k > 2 || !contradicted);
-            assert!(!contradicts(2.0));
+    // In any unit.
+    for unit in [1.0_f32, 0.1, 8.0] {
+        let mut estimator = Estimator::<2>::new([0.0; 2], [1e-3; 2], 0.995);
+        for k in 0..2000 {
+            let sign = if k % 2 == 0 { unit } else { -unit };
+            for size in [1.0_f32, 5.0, 7.0] {
+                let mut other = estimator.clone();
+                let spread = other.fold(&[1e-3, 1e-3], size * sign);
+                let contradicts = |least: f32| {
+                    Postponed::contradicted(&other, size * sign, spread, least * unit * unit)
+                };
+                let contradicted = contradicts(0.0);
+                // Some rows are needed to know what is usual.
+                assert!(k < 20 || contradicted == (size > 6.0), "{k} {size}");
+                assert!(k > 2 || !contradicted);
+                assert!(!contradicts(2.0));
+            }
+            let _ = estimator.fold(&[1e-3, 1e-3], sign);
         }
-        let _ = estimator.fold(&[1e-3, 1e-3], sign);
     }
 }
 
@@ -114,8 +121,8 @@ fn call<const N: usize>(estimator: &mut Estimator<N>, postponed: &mut Postponed,
     }
 }
 
-/// Rows of any size and direction for random times, rests between them, debts called in whenever there are any; largest
-/// P_ii over its bound.
+/// Rows of any size and direction for random times, rests between them, debts called in whenever
+/// there are any; largest P_ii over its bound.
 fn attack<const N: usize>(memory: f32, seed: u32) -> f32 {
     let forgetting = 1.0 - 1.0 / memory;
     let mut estimator = Estimator::<N>::new([0.0; N], [1e-2; N], forgetting);
@@ -184,4 +191,59 @@ fn the_covariance_stays_below_its_bound_whenever_it_is_forgotten() {
     }
     // The bound is no idle one.
     assert!(worst.iter().all(|share| *share > 0.4), "{worst:?}");
+}
+
+#[test]
+fn after_a_change_every_sample_forgets_for_five_memories() {
+    let forgetting = 1.0 - 1.0 / MEMORY as f32;
+    let mut estimator = estimator();
+    for rows in [false, true] {
+        let mut postponed = Postponed::new(forgetting);
+        postponed.suspect();
+        let forgets = (0..10 * MEMORY).take_while(|_| {
+            if rows {
+                postponed.take(0.0, &mut estimator)
+            } else {
+                postponed.pass()
+            }
+        });
+        let count = forgets.count() as f32;
+        assert!(
+            (count / MEMORY as f32 - 5.0).abs() < 0.02,
+            "{rows}: {count}"
+        );
+        // Nothing was postponed meanwhile; from then on it is again.
+        assert_eq!(postponed.owed, u32::from(!rows));
+    }
+}
+
+#[test]
+fn a_debt_is_called_in_where_half_of_what_was_learnt_should_be_forgotten() {
+    for memory in [50.0_f32, 1e3, 1e5] {
+        let forgetting = 1.0 - 1.0 / memory;
+        let mut postponed = Postponed::new(forgetting);
+        let mut samples = 0;
+        while !postponed.is_owed() {
+            assert!(!postponed.pass());
+            samples += 1;
+        }
+        // The first debt above 0.7 memories: lambda^n just below a half.
+        assert_eq!(samples, postponed.debts[0] + 1);
+        let share = power(forgetting, samples);
+        assert!(share < 0.5 && share > 0.48, "{memory}: {share}");
+    }
+}
+
+#[test]
+fn a_row_that_brings_enough_pays_back_one_and_no_more() {
+    let mut estimator = estimator();
+    let mut postponed = Postponed::new(1.0 - 1.0 / MEMORY as f32);
+    for _ in 0..3 {
+        assert!(!postponed.pass());
+    }
+    for owed in [2, 1, 0, 0] {
+        assert!(postponed.take(1.0, &mut estimator));
+        assert_eq!(postponed.owed, owed);
+        assert!(postponed.forgets());
+    }
 }

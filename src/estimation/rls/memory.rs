@@ -5,15 +5,17 @@ use crate::estimation::loosening::Loosening;
 use crate::estimation::rls::Estimator;
 
 impl<const N: usize> Estimator<N> {
-    /// Whether lambda is applied before the rows from now on; the noise level always is that of the newest rows.
+    /// Whether lambda is applied before the rows from now on; the noise level always is that of the
+    /// newest rows.
     #[inline(always)]
     pub(crate) const fn forget(&mut self, on: bool) {
         let forgetting = if on { self.forgetting } else { 1.0 };
         self.next = [forgetting, 1.0 / forgetting];
     }
 
-    /// Square of the innovation of the newest row with what it was expected to be, relative to that of the noise; and the mean of
-    /// those before it, negative as long as there are no more than parameters.
+    /// Square of the innovation of the newest row with what it was expected to be, relative to that
+    /// of the noise; and the mean of those before it, negative as long as there are no more than
+    /// parameters.
     pub(crate) fn surprise(&self, innovation: f32, spread: f32) -> [f32; 2] {
         let [forgetting, _] = self.next;
         let square = innovation * innovation / (forgetting + spread);
@@ -37,8 +39,9 @@ impl<const N: usize> Estimator<N> {
         self.samples *= self.forgetting;
     }
 
-    /// P is to be multiplied by `growth`, after an observation of each parameter j at its own value that leaves at most `left_j` of P_jj;
-    /// theta stays. [`loosen`](Self::loosen) does it in N parts, and no row comes between.
+    /// P is to be multiplied by `growth`, after an observation of each parameter j at its own value
+    /// that leaves at most `left_j` of P_jj; theta stays. [`loosen`](Self::loosen) does it in N
+    /// parts, and no row comes between.
     ///
     /// Who reads P before the last part finds it as it will be.
     pub(crate) fn begin_loosening(&mut self, growth: f32, left: [f32; N]) {

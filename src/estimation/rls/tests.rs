@@ -1,6 +1,7 @@
 use super::*;
 
-/// Rows that excite three parameters: a deterministic mixture, then fitted without noise by theta = (2, -1, 0.5).
+/// Rows that excite three parameters: a deterministic mixture, then fitted without noise by theta =
+/// (2, -1, 0.5).
 fn row(k: usize) -> ([f32; 3], f32) {
     let wave = |period: usize| (k % period) as f32 / period as f32 - 0.5;
     let phi = [wave(7), wave(11), wave(5)];
@@ -26,7 +27,8 @@ fn rows_without_noise_give_their_parameters() {
 
 #[test]
 fn noise_variance_of_a_known_residual() {
-    // One parameter, psi = 3 phi +- 0.2 with phi = 1: the estimate is 3, the variance 0.04 n/(n - 1).
+    // One parameter, psi = 3 phi +- 0.2 with phi = 1: the estimate is 3, the variance 0.04 n/(n
+    // - 1).
     let mut estimator = Estimator::<1>::new([0.0], [1e3], 1.0);
     assert_eq!(estimator.noise_variance(), None);
     for k in 0..1000 {
@@ -57,4 +59,80 @@ fn a_known_parameter_costs_no_degree_of_freedom() {
 fn memory_is_that_of_the_forgetting() {
     let estimator = moved(0.99, 5000);
     assert!((estimator.samples() - 100.0).abs() < 0.1);
+}
+
+#[test]
+fn an_innovation_is_expected_to_be_as_large_as_noise_and_what_is_not_known_make_it() {
+    let lambda = 0.98;
+    let mut before = Estimator::<3>::new([0.0; 3], [2.0; 3], lambda);
+    for k in 0..300 {
+        let (phi, psi) = row(k);
+        // A row five times as large, now and then: it brings as much as its noise.
+        let size = if k % 3 == 0 { 5.0 } else { 0.3 };
+        let (phi, psi) = (phi.map(|x| size * x), psi + 0.1 * ((k % 13) as f32 - 6.0));
+        let error = psi
+            - phi
+                .iter()
+                .zip(before.theta())
+                .map(|(a, b)| a * b)
+                .sum::<f32>();
+        let expected: f32 = (0..3)
+            .flat_map(|i| (0..3).map(move |j| (i, j)))
+            .map(|(i, j)| phi[i] * before.covariance(i, j) * phi[j])
+            .sum();
+        let mut after = before.clone();
+        let spread = after.fold(&phi, error);
+        assert!(
+            (spread - expected).abs() < 1e-3 * (1e-3 + expected),
+            "{k}: {spread} {expected}"
+        );
+        let [square, mean] = after.surprise(error, spread);
+        let exact = error * error / (lambda + expected);
+        assert!(
+            (square - exact).abs() < 2e-3 * exact + 1e-6,
+            "{k}: {square} {exact}"
+        );
+        // The mean of the rows before, each parameter a degree of freedom less.
+        let freedom = lambda * before.residual.samples() - 3.0;
+        if freedom > 0.01 {
+            let exact = lambda * before.residual.squares() / freedom;
+            assert!((mean / exact - 1.0).abs() < 2e-2, "{k}: {mean} {exact}");
+        } else {
+            assert!(freedom > -0.01 || mean == -1.0, "{k}: {mean}");
+        }
+        before = after;
+    }
+}
+
+#[test]
+fn as_many_rows_as_parameters_say_nothing_of_the_noise() {
+    let mut estimator = Estimator::<2>::new([0.0; 2], [1e2; 2], 1.0);
+    for phi in [[1.0, 0.5], [0.5, -1.0]] {
+        let _ = estimator.update(&phi, 1.0);
+        assert_eq!(estimator.noise_variance(), None);
+    }
+    // The newest row says nothing of those before it.
+    let spread = estimator.fold(&[1.0, 1.0], 2.0);
+    assert_eq!(estimator.surprise(2.0, spread)[1], -1.0);
+    let spread = estimator.fold(&[1.0, 1.0], 1.0);
+    assert!(estimator.surprise(1.0, spread)[1] > 0.0);
+    assert!(
+        estimator
+            .noise_variance()
+            .is_some_and(|variance| variance > 0.0)
+    );
+}
+
+#[test]
+fn a_sample_without_a_row_takes_its_share_of_what_is_known() {
+    let mut estimator = moved(0.99, 1000);
+    let before = estimator.clone();
+    estimator.pass();
+    assert_eq!(estimator.theta(), before.theta());
+    assert_eq!(estimator.samples(), 0.99 * before.samples());
+    assert_eq!(estimator.noise_variance(), before.noise_variance());
+    for i in 0..3 {
+        let growth = estimator.covariance(i, i) / before.covariance(i, i);
+        assert!((growth * 0.99 - 1.0).abs() < 1e-5, "{growth}");
+    }
 }

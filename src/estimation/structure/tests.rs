@@ -63,3 +63,13 @@ fn contradictions_are_named() {
         })
     );
 }
+
+#[test]
+fn an_initial_state_without_a_constant_is_the_last_parameter() {
+    let structure = Structure::<3, 4, 1>::INTEGRATING_WITH_INITIAL_STATE;
+    let [.., b0, last] = structure.parameters();
+    assert_eq!(b0, Parameter::Input { input: 0, power: 0 });
+    assert_eq!(last, Parameter::InitialState);
+    // A power that no set has is in none.
+    assert!(!Terms::up_to(8).contains(8) && Terms::up_to(8).contains(7));
+}

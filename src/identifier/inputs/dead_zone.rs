@@ -36,32 +36,35 @@ pub fn dead_zone(u: f32, delta: f32) -> [f32; 2] {
 
 /// The two inputs of a valve with an unknown dead zone, and the estimate of its width.
 ///
-/// With the inputs of [`dead_zone`] for a width delta near the true one, the numerators give the true one:
+/// With the inputs of [`dead_zone`] for a width delta near the true one, the numerators give the
+/// true one:
 ///
 /// ```text
 /// delta <- -b_sgn / b_u                       once per block
 /// w     <- max(0, delta - 2 sigma_delta)      the width in the inputs
 /// ```
 ///
-/// b_u and b_sgn are the b_0 of the first and the second input of the identifier. Samples with an old width contain its
-/// error and have to be forgotten: give the identifier a memory of about two blocks.
+/// b_u and b_sgn are the b_0 of the first and the second input of the identifier. Samples with an
+/// old width contain its error and have to be forgotten: give the identifier a memory of about two
+/// blocks.
 ///
-/// A width that is too small costs nothing while every command lies outside the dead zone. One above a command that the
-/// valve lets pass switches that command off, and the estimate from such inputs confirms the error. So the inputs are made
-/// with the width less two of its standard deviations. Begin with a width that is too small (0 is good).
+/// A width that is too small costs nothing while every command lies outside the dead zone. One
+/// above a command that the valve lets pass switches that command off, and the estimate from such
+/// inputs confirms the error. So the inputs are made with the width less two of its standard
+/// deviations. Begin with a width that is too small (0 is good).
 ///
 /// # Limits
-/// Two levels of the command do not determine gain, width and constant; three do if each of them lasts long enough, some
-/// 3 / bandwidth. Until then [`DeadZone::std`] is large.
+/// Two levels of the command do not determine gain, width and constant; three do if each of them
+/// lasts long enough, some 3 / bandwidth. Until then [`DeadZone::std`] is large.
 ///
 /// | symbol | argument | unit |
 /// |---|---|---|
 /// | delta | `delta`, start; at most `largest` | of u |
 /// | - | `block` | samples between corrections |
 ///
-/// Measured on the reference servo in closed loop (dead zone 0.03, memory 0.7 s, blocks of 0.3 s, 4 s of steps, 100
-/// seeds): with white noise 0.02 mm wide the width is right within 0.0005 and C, omega0 and xi within 1 %; with 0.1 mm
-/// their rms errors stay below 1 %.
+/// Measured on the reference servo in closed loop (dead zone 0.03, memory 0.7 s, blocks of 0.3 s, 4
+/// s of steps, 100 seeds): with white noise 0.02 mm wide the width is right within 0.0005 and C,
+/// omega0 and xi within 1 %; with 0.1 mm their rms errors stay below 1 %.
 ///
 /// # Examples
 /// See [`ValveServo`](crate::ValveServo) for a whole identification.
@@ -111,7 +114,8 @@ impl DeadZone {
         self.delta
     }
 
-    /// Standard deviation of -b_sgn / b_u at the last correction, in the unit of u; infinite before.
+    /// Standard deviation of -b_sgn / b_u at the last correction, in the unit of u; infinite
+    /// before.
     pub const fn std(&self) -> f32 {
         self.std
     }
@@ -122,7 +126,8 @@ impl DeadZone {
         dead_zone(u, self.cautious)
     }
 
-    /// Takes u(k) and y(k) into an identifier with these two inputs and corrects the width at the end of a block.
+    /// Takes u(k) and y(k) into an identifier with these two inputs and corrects the width at the
+    /// end of a block.
     #[inline]
     pub fn identify<T: TrendOperator<M>, const M: usize, const N: usize, const D: usize>(
         &mut self,
@@ -135,7 +140,8 @@ impl DeadZone {
         outcome
     }
 
-    /// Counts a sample; at the end of a block corrects the width by the numerators of the identifier.
+    /// Counts a sample; at the end of a block corrects the width by the numerators of the
+    /// identifier.
     ///
     /// Returns whether it was corrected.
     #[inline]
@@ -160,9 +166,11 @@ impl DeadZone {
         }
     }
 
-    /// Corrects the width by the numerators `[b_u, b_sgn]`, whose quotient has the standard deviation `std`.
+    /// Corrects the width by the numerators `[b_u, b_sgn]`, whose quotient has the standard
+    /// deviation `std`.
     ///
-    /// Returns whether it was corrected: a quotient outside 0 ..= `largest` changes the width in the inputs alone.
+    /// Returns whether it was corrected: a quotient outside 0 ..= `largest` changes the width in
+    /// the inputs alone.
     pub fn correct(&mut self, [linear, sign]: [f32; 2], std: f32) -> bool {
         let delta = -sign / linear;
         let accepted = delta >= 0.0 && delta <= self.largest;
@@ -175,7 +183,8 @@ impl DeadZone {
     }
 }
 
-/// `[b_u, b_sgn]` of a model with two inputs, and the standard deviation of their quotient to first order.
+/// `[b_u, b_sgn]` of a model with two inputs, and the standard deviation of their quotient to first
+/// order.
 fn numerators<const M: usize, const N: usize, const I: usize>(
     estimate: &Estimate<M, N, I>,
 ) -> Option<([f32; 2], f32)> {
@@ -191,59 +200,4 @@ fn numerators<const M: usize, const N: usize, const I: usize>(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::identifier::servo::ValveServo;
-
-    #[test]
-    fn inputs_at_the_edge() {
-        assert_eq!(dead_zone(0.03, 0.03), [0.0, 0.0]);
-        assert_eq!(dead_zone(f32::NAN, 0.03), [0.0, 0.0]);
-    }
-
-    #[test]
-    fn a_dead_zone_refuses_nonsense() {
-        let fresh = DeadZone::new(0.02, 0.1, 1);
-        for numerators in [
-            [0.0, 0.0],
-            [f32::NAN, -0.1],
-            [1.0, f32::INFINITY],
-            [1.0, 0.05],
-            [1.0, -0.2],
-            [0.0, -0.1],
-        ] {
-            let mut valve = fresh;
-            assert!(!valve.correct(numerators, 0.0));
-            assert_eq!(valve.delta(), 0.02);
-        }
-        assert_eq!(DeadZone::new(f32::NAN, 0.1, 1).delta(), 0.0);
-        assert_eq!(DeadZone::new(0.2, 0.1, 1).delta(), 0.0);
-        assert_eq!(DeadZone::new(0.2, f32::NAN, 1).delta(), 0.0);
-        let mut valve = DeadZone::new(0.02, 0.1, 0);
-        let servo = ValveServo::new(0.001, 20.0, 1.0, 50.0, 0.7).unwrap();
-        for _ in 0..10 {
-            assert!(!valve.update(&servo));
-        }
-        assert_eq!(valve.delta(), 0.02);
-    }
-
-    #[test]
-    fn the_inputs_are_made_with_a_width_that_is_not_too_large() {
-        let mut valve = DeadZone::new(0.02, 0.1, 1);
-        assert_eq!((valve.std(), valve.inputs(0.02)), (f32::INFINITY, [0.0; 2]));
-        assert!(valve.correct([1.0, -0.0625], 0.015625));
-        assert_eq!((valve.delta(), valve.std()), (0.0625, 0.015625));
-        assert_eq!(valve.inputs(0.03125), [0.0; 2]);
-        assert_eq!(valve.inputs(0.032), [0.032, 1.0]);
-        // A quotient that is no width says that the one before was wrong by its deviation, too.
-        assert!(!valve.correct([1.0, 0.0625], 0.05));
-        assert_eq!((valve.delta(), valve.inputs(0.001)), (0.0625, [0.001, 1.0]));
-        for std in [f32::NAN, f32::INFINITY, -1.0] {
-            assert!(valve.correct([1.0, -0.05], std));
-            assert_eq!(
-                (valve.delta(), valve.inputs(-0.001)),
-                (0.05, [-0.001, -1.0])
-            );
-        }
-    }
-}
+mod tests;

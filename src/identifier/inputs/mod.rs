@@ -1,4 +1,5 @@
-//! Inputs made from the command: nonlinearities of valves, cylinders and friction as terms of the regressor.
+//! Inputs made from the command: nonlinearities of valves, cylinders and friction as terms of the
+//! regressor.
 
 mod dead_zone;
 mod friction;

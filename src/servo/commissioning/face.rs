@@ -35,7 +35,8 @@ pub(crate) struct Found {
     pub(crate) sign: f32,
     /// Standard deviation of the position, in units of y.
     pub(crate) noise: f32,
-    /// Dead volume of a chamber over that of the stroke; infinite where the stiffness is the same everywhere.
+    /// Dead volume of a chamber over that of the stroke; infinite where the stiffness is the same
+    /// everywhere.
     pub(crate) dead_volume: f32,
 }
 

@@ -8,12 +8,14 @@ use crate::servo::commissioning::sensitivity::Sensitivity;
 use crate::servo::commissioning::sums::{NO_SUMS, Sums};
 use crate::servo::commissioning::view::{STEP_MAX, View};
 
-/// Gain over the cost that is worth another pass; of points that are added to the sums of a pass, what makes the points
-/// before worth a second look. Less is taken by the step that the sums ask for, which costs no pass.
+/// Gain over the cost that is worth another pass; of points that are added to the sums of a pass,
+/// what makes the points before worth a second look. Less is taken by the step that the sums ask
+/// for, which costs no pass.
 const GAIN: f32 = 0.1;
 const GAIN_ADDED: f32 = 0.2;
-/// Place of the stiffening among the parameters, and what it is taken for: between 0, a drive of the same stiffness everywhere, and 3.2 of
-/// a usual cylinder, nearer to the cylinder, which strikes its end where its model is too soft.
+/// Place of the stiffening among the parameters, and what it is taken for: between 0, a drive of
+/// the same stiffness everywhere, and 3.2 of a usual cylinder, nearer to the cylinder, which
+/// strikes its end where its model is too soft.
 const STIFFENING: usize = 8;
 const STIFFENING_USUAL: f32 = 2.2;
 /// Points after a start in which the direction of the motion is uncertain.
@@ -23,14 +25,15 @@ const STARTING: u32 = 3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Ending {
     Judged,
-    /// The normal of the sums is the Cholesky factor of the normal equations; with the gradient of the next step.
+    /// The normal of the sums is the Cholesky factor of the normal equations; with the gradient of
+    /// the next step.
     Factored([f32; PARAMETERS]),
 }
 
 /// Levenberg-Marquardt on the errors of a prediction that is corrected with a fixed rate.
 ///
-/// The prediction sees about 1/rate ahead: less is blind to friction and delay, more loses the axis where it sticks.
-/// Each pass over the points gives the cost and the next step.
+/// The prediction sees about 1/rate ahead: less is blind to friction and delay, more loses the axis
+/// where it sticks. Each pass over the points gives the cost and the next step.
 ///
 /// Known as: prediction-error method (Ljung 1999), Levenberg-Marquardt (Marquardt 1963).
 #[derive(Debug, Clone, PartialEq)]
@@ -111,10 +114,11 @@ impl Fit {
         self.opening = Some(theta);
     }
 
-    /// Goes on to `end` with the best parameters, to whose sums the points since are added; whether it can.
+    /// Goes on to `end` with the best parameters, to whose sums the points since are added; whether
+    /// it can.
     ///
-    /// The sums are those of the prediction linearised at the best parameters. As long as the step that they ask for is
-    /// small, it is that of all points, and none need be read twice.
+    /// The sums are those of the prediction linearised at the best parameters. As long as the step
+    /// that they ask for is small, it is that of all points, and none need be read twice.
     pub(crate) fn go_on(&mut self, end: usize) -> bool {
         if !self.follows {
             return false;
@@ -177,8 +181,9 @@ impl Fit {
         false
     }
 
-    /// Ends a pass, in three samples: takes its parameters if they are better, factors the normal equations, finds the parameters of the
-    /// next one. Whether that is done. Cost: some 2000 instructions each.
+    /// Ends a pass, in three samples: takes its parameters if they are better, factors the normal
+    /// equations, finds the parameters of the next one. Whether that is done. Cost: some 2000
+    /// instructions each.
     pub(crate) fn next_pass(&mut self) -> bool {
         match self.ending.take() {
             None => self.evaluate(),
@@ -211,7 +216,8 @@ impl Fit {
         self.ending = Some(Ending::Judged);
     }
 
-    /// Factors the normal equations of the best parameters with what is known beforehand, in the place of the sums of this pass.
+    /// Factors the normal equations of the best parameters with what is known beforehand, in the
+    /// place of the sums of this pass.
     fn factor(&mut self) {
         let scale = scales(&self.best);
         let best = self.best.to_array();
@@ -222,7 +228,8 @@ impl Fit {
         for j in 0..PARAMETERS {
             normal[j][j] += prior[j] + self.damping * (normal[j][j] + prior[j]);
             if j > 4 && j != 6 {
-                // Friction and loss of flow are none unless they are seen; of the stiffness the mean of all drives is.
+                // Friction and loss of flow are none unless they are seen; of the stiffness the
+                // mean of all drives is.
                 let usual = match j {
                     STIFFENING if self.knows_stiffening => best[STIFFENING],
                     STIFFENING => STIFFENING_USUAL,
@@ -237,8 +244,8 @@ impl Fit {
         self.ending = Some(Ending::Factored(gradient));
     }
 
-    /// The best parameters, moved to where the factored normal equations lead under a gradient, and what they promise
-    /// to take from the cost.
+    /// The best parameters, moved to where the factored normal equations lead under a gradient, and
+    /// what they promise to take from the cost.
     fn step(&self, gradient: [f32; PARAMETERS]) -> (Theta, f32) {
         if gradient == [0.0; PARAMETERS] {
             return (self.best, 0.0);

@@ -10,6 +10,8 @@
 
 mod face;
 mod fit;
+#[cfg(test)]
+mod oracle;
 mod predictor;
 mod probe;
 mod record;
@@ -41,15 +43,18 @@ use crate::servo::control::place::stiffening;
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
 use crate::servo::supervision::state::Reason;
 
-/// Poles of the filter that gives the velocity: at least in rad/s, over the frequency of the axis, and at most per sample.
+/// Poles of the filter that gives the velocity: at least in rad/s, over the frequency of the axis,
+/// and at most per sample.
 const TRACKING_RATE: f32 = 120.0;
 const TRACKING_RATIO: f32 = 4.0;
 const TRACKING_STEP: f32 = 0.3;
 
-/// Poles in rad/s of the filter that gives the velocity of an axis of this frequency, 0 where it is not known.
+/// Poles in rad/s of the filter that gives the velocity of an axis of this frequency, 0 where it is
+/// not known.
 ///
-/// The velocity lags by `atan(3 w/p) - 3 atan(w/p)`, 5 degrees at a quarter of the poles and 50 at 0.8 of them: with so much lag, reversals
-/// at the ends of a band drive the oscillation of a lightly damped axis.
+/// The velocity lags by `atan(3 w/p) - 3 atan(w/p)`, 5 degrees at a quarter of the poles and 50
+/// at 0.8 of them: with so much lag, reversals at the ends of a band drive the oscillation of a
+/// lightly damped axis.
 const fn tracking_rate(frequency: f32, sample_time: f32) -> f32 {
     let rate = TRACKING_RATE.max(TRACKING_RATIO * frequency);
     rate.min(TRACKING_STEP / sample_time)
@@ -65,8 +70,8 @@ enum Stage {
 
 /// The commissioning. Memory: 4 kB of record, some 3 kB of sums.
 ///
-/// Cost per ms: some 4 points of a fit. The samples in which a fit ends or a model is taken cost more: see the table of
-/// instruction counts.
+/// Cost per ms: some 4 points of a fit. The samples in which a fit ends or a model is taken cost
+/// more: see the table of instruction counts.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Commissioning {
     design: CommissioningDesign,
@@ -83,7 +88,8 @@ pub(crate) struct Commissioning {
     tracking: AlphaBetaGamma,
     record: Record,
     search: Search,
-    /// What the search begins with when the record has its spacing: the spacing in samples, frequency and dead zone.
+    /// What the search begins with when the record has its spacing: the spacing in samples,
+    /// frequency and dead zone.
     first_guess: Option<[f32; 3]>,
     /// The model that was accepted, and whether that was in an earlier sample.
     accepted: Option<Theta>,
@@ -123,7 +129,8 @@ impl Commissioning {
         }
     }
 
-    /// Begins at `position`, with the sign of the valve if it is known; every attempt draws other levels.
+    /// Begins at `position`, with the sign of the valve if it is known; every attempt draws other
+    /// levels.
     pub(crate) fn begin(&mut self, position: f32, sign: Option<f32>) {
         self.known_sign = sign;
         self.stage = Stage::Resting(Rest::default());

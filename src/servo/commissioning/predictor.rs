@@ -1,4 +1,5 @@
-//! The model of the fit: a drive of third order behind a delayed valve, corrected by the record as it goes.
+//! The model of the fit: a drive of third order behind a delayed valve, corrected by the record as
+//! it goes.
 
 use crate::math::sqrt;
 use crate::servo::commissioning::record::Record;
@@ -13,8 +14,9 @@ pub(crate) const PARAMETERS: usize = 9;
 /// v' = p - a2 v - F s        p' = b0 f(u(t - tau)) - a1 v - kappa |f| p        f(u) = q(u + offset)
 /// ```
 ///
-/// s is the direction of the measured motion; kappa is the loss of flow under load of an open valve. a1 and b0 are those of the
-/// middle of the travel: at a place both are k(x) times as large, see [`Place`](crate::servo::control::place::Place).
+/// s is the direction of the measured motion; kappa is the loss of flow under load of an open
+/// valve. a1 and b0 are those of the middle of the travel: at a place both are k(x) times as large,
+/// see [`Place`](crate::servo::control::place::Place).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Theta {
     pub(crate) a1: f32,
@@ -52,15 +54,16 @@ pub(crate) struct Point {
     pub(crate) rests: bool,
 }
 
-/// Drive over friction that nothing holds: a breakaway of 2.5 times the Coulomb friction, of which a fit that has just begun may have found
-/// an eighth.
+/// Drive over friction that nothing holds: a breakaway of 2.5 times the Coulomb friction, of which
+/// a fit that has just begun may have found an eighth.
 const HELD_MOST: f32 = 20.0;
 
 impl Point {
-    /// Point `i` of a record, and the motion of the interval that it begins; [`View::beyond`] more points follow.
+    /// Point `i` of a record, and the motion of the interval that it begins; [`View::beyond`] more
+    /// points follow.
     ///
-    /// Where the velocity turns within the interval, the direction is the mean of the signs: of a velocity that goes
-    /// from v to w in a straight line, `(v + w) / (|v| + |w|)`.
+    /// Where the velocity turns within the interval, the direction is the mean of the signs: of a
+    /// velocity that goes from v to w in a straight line, `(v + w) / (|v| + |w|)`.
     #[inline]
     pub(crate) fn of(record: &Record, i: usize, view: &View) -> Self {
         let reach = view.reach;
@@ -159,8 +162,8 @@ impl Theta {
         }
     }
 
-    /// The commands of the interval that begins at point `i`, the newer and the older one, and the share of the older one: the
-    /// delay in parts of the spacing.
+    /// The commands of the interval that begins at point `i`, the newer and the older one, and the
+    /// share of the older one: the delay in parts of the spacing.
     #[inline]
     pub(crate) fn commands_at(
         &self,
@@ -286,3 +289,6 @@ pub(crate) fn bounded(theta: [f32; PARAMETERS]) -> Theta {
         stiffening: within(free.stiffening, 0.0, STIFFENING_MAX),
     }
 }
+
+#[cfg(test)]
+mod tests;

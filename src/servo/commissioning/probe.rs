@@ -118,3 +118,6 @@ impl Probe {
             .map_or(Probed::Still, Probed::Command)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,8 +5,8 @@ pub(crate) const POINTS: usize = 512;
 
 /// Positions and commands at a spacing that grows until the time scale of the axis is known.
 ///
-/// Point i holds the position at its instant and the mean of the commands from there to the next point. Points have
-/// absolute numbers; the ring keeps the newest 512 of them. Memory: 4 kB.
+/// Point i holds the position at its instant and the mean of the commands from there to the next
+/// point. Points have absolute numbers; the ring keeps the newest 512 of them. Memory: 4 kB.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Record {
     y: [f32; POINTS],
@@ -82,8 +82,8 @@ impl Record {
         self.filled = 0;
     }
 
-    /// Coarser points, as far as doubling leads to at most `stride`, one doubling per call; whether it is done: from then on the
-    /// oldest points are lost.
+    /// Coarser points, as far as doubling leads to at most `stride`, one doubling per call; whether
+    /// it is done: from then on the oldest points are lost.
     pub(crate) fn fix(&mut self, stride: usize) -> bool {
         if 2 * self.stride <= stride {
             self.halve();
@@ -118,3 +118,6 @@ impl Record {
         self.u[(i - back) % POINTS]
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -64,8 +64,8 @@ const NO_SUMS: Normal = Normal {
 /// y''' = - a1 y' - a2 y'' + b0 q(u(t - tau)) - b0 (dz - dz0) sgn(u(t - tau)) - F d/dt sgn(v) + constant
 /// ```
 ///
-/// All signals pass the same filter, so that no derivative is taken of the position. Filtered commands are smooth: a
-/// delay is read between them. The delay with the smallest error wins.
+/// All signals pass the same filter, so that no derivative is taken of the position. Filtered
+/// commands are smooth: a delay is read between them. The delay with the smallest error wins.
 ///
 /// Known as: state-variable filter, least squares (Young 1981).
 #[derive(Debug, Clone, PartialEq)]
@@ -91,7 +91,8 @@ pub(crate) struct Regression {
 }
 
 impl Regression {
-    /// `stated` is the delay that the user knows or guesses; a `stiffening` that is not known is none at first.
+    /// `stated` is the delay that the user knows or guesses; a `stiffening` that is not known is
+    /// none at first.
     #[inline(always)]
     pub(crate) const fn new(stated: f32, stiffening: f32) -> Self {
         let [second, third, fourth] = DELAYS;
@@ -116,7 +117,8 @@ impl Regression {
         }
     }
 
-    /// Begins with filters of this rate and a dead zone that is surely not larger than the true one.
+    /// Begins with filters of this rate and a dead zone that is surely not larger than the true
+    /// one.
     pub(crate) fn begin(&mut self, record: &Record, view: View, rate: f32, dead_zone: f32) {
         self.view = view;
         self.rate = rate.min(0.35 / view.time);
@@ -207,7 +209,8 @@ impl Regression {
         }
     }
 
-    /// Solves the equations of one delay more; whether that was the last one. Cost: some 1300 instructions.
+    /// Solves the equations of one delay more; whether that was the last one. Cost: some 1300
+    /// instructions.
     pub(crate) fn solve_next(&mut self) -> bool {
         if let (Some(normal), Some(delay)) =
             (self.normals.get(self.solved), self.delays.get(self.solved))
@@ -255,3 +258,6 @@ impl Regression {
         Some((self.squares - explained, theta))
     }
 }
+
+#[cfg(test)]
+mod tests;

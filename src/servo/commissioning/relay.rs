@@ -1,4 +1,5 @@
-//! Stage 1b: a relay about the start, which is brake, test of the sign and first time scale at once.
+//! Stage 1b: a relay about the start, which is brake, test of the sign and first time scale at
+//! once.
 
 use crate::servo::commissioning::silence::Heard;
 
@@ -7,25 +8,29 @@ const LEAD: f32 = 0.04;
 /// Switches that end the stage, the one at the first movement included, and its longest time in s.
 const SWITCHES: u32 = 3;
 const TIME_MAX: f32 = 0.8;
-/// Command over that at the first movement, its least value, and its growth per s beyond this time on one side.
+/// Command over that at the first movement, its least value, and its growth per s beyond this time
+/// on one side.
 const RATIO: f32 = 1.5;
 const COMMAND_MIN: f32 = 0.08;
 const GROWTH: f32 = 1.0;
 const GROWTH_AFTER: f32 = 0.05;
-/// Time in s of inward command after which an axis this far out (travels) that gains this speed (travels per s) outward
-/// within the last 30 ms obeys the other sign.
+/// Time in s of inward command after which an axis this far out (travels) that gains this speed
+/// (travels per s) outward within the last 30 ms obeys the other sign.
 const SIGN_TIME: f32 = 0.15;
 const SIGN_DISTANCE: f32 = 0.03;
 const SIGN_SPEED: f32 = 0.1;
 const SIGN_LOOK: f32 = 0.03;
-/// The same for an axis that runs away fast: time in s, and outward speed in travels per s, at least twice the first one.
+/// The same for an axis that runs away fast: time in s, and outward speed in travels per s, at
+/// least twice the first one.
 const FAST_TIME: f32 = 0.06;
 const FAST_SPEED: f32 = 0.25;
-/// The same for a slow one: time in s, and the speed in travels per s gained over three looks, in each of them.
+/// The same for a slow one: time in s, and the speed in travels per s gained over three looks, in
+/// each of them.
 ///
-/// The command grows, so that the flow under the wrong sign does and the axis gains speed for ever; under the right one the drive
-/// that the first movement left is used up by then: at most the flow of an offset of 0.08 for the time scale of the axis, against
-/// an inward command that grows at 1 per s.
+/// The command grows, so that the flow under the wrong sign does and the axis gains speed for ever;
+/// under the right one the drive that the first movement left is used up by then: at most the flow
+/// of an offset of 0.08 for the time scale of the axis, against an inward command that grows at 1
+/// per s.
 const LATE_TIME: f32 = 0.2;
 const LATE_SPEED: f32 = 0.02;
 /// Changes of the sign that are one too many.
@@ -103,7 +108,8 @@ impl Relay {
         }
     }
 
-    /// Takes what the last sample has shown: a direction in which nothing moves makes way for the other one.
+    /// Takes what the last sample has shown: a direction in which nothing moves makes way for the
+    /// other one.
     pub(crate) const fn hear(&mut self, heard: Heard) {
         match heard {
             Heard::Motion => self.turned = 1.0,
@@ -199,3 +205,6 @@ impl Relay {
         if grown < amplitude { grown } else { amplitude }
     }
 }
+
+#[cfg(test)]
+mod tests;

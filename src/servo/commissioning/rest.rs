@@ -20,19 +20,22 @@ pub(crate) struct Still {
     pub(crate) since: f32,
     /// Deviation that counts as movement.
     pub(crate) detection: f32,
-    /// Longest run of equal positions, where the noise changes the code often; 0 where it does not, and where the axis drifted.
+    /// Longest run of equal positions, where the noise changes the code often; 0 where it does not,
+    /// and where the axis drifted.
     pub(crate) run: u32,
 }
 
-/// Standard deviation over resolution from which on the noise changes the code often, wherever between two codes the
-/// axis stands: quantisation alone gives up to a half.
+/// Standard deviation over resolution from which on the noise changes the code often, wherever
+/// between two codes the axis stands: quantisation alone gives up to a half.
 const SPANNING: f32 = 0.75;
-/// How much longer than the longest run at rest a run must be that noise does not explain, and its least time in s.
+/// How much longer than the longest run at rest a run must be that noise does not explain, and its
+/// least time in s.
 const RUN_RATIO: u32 = 8;
 const RUN_TIME_MIN: f32 = 0.01;
 
 impl Still {
-    /// Whether so many samples of one code are a stuck sensor: its noise would have changed it, moving or not.
+    /// Whether so many samples of one code are a stuck sensor: its noise would have changed it,
+    /// moving or not.
     pub(crate) fn is_stuck(&self, same: u32, step: f32) -> bool {
         self.run > 0
             && same > RUN_RATIO.saturating_mul(self.run)
@@ -55,7 +58,8 @@ pub(crate) struct Rest {
 }
 
 impl Rest {
-    /// Takes a position; what was found, at the end. `time` is the sample time, `resolution` that of the sensor.
+    /// Takes a position; what was found, at the end. `time` is the sample time, `resolution` that
+    /// of the sensor.
     pub(crate) fn update(&mut self, y: f32, time: f32, resolution: f32) -> Option<Still> {
         if self.count == 0.0 {
             self.origin = y;
@@ -116,3 +120,6 @@ impl Rest {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,4 +1,5 @@
-//! Stages 3 and 4: fits from several starts, free simulation of later samples, and agreement of two estimates.
+//! Stages 3 and 4: fits from several starts, free simulation of later samples, and agreement of two
+//! estimates.
 
 use crate::math::sqrt;
 use crate::servo::commissioning::fit::Fit;
@@ -21,7 +22,8 @@ const STARTS: [f32; 3] = [80.0, 40.0, 17.0];
 const START_MISFIT: f32 = 0.2 * 0.2;
 /// Most passes of a refinement.
 const REFINE_PASSES: u32 = 8;
-/// Rate of the correction over the natural frequency, and time over 1/rate in which a simulation is corrected before it runs by itself.
+/// Rate of the correction over the natural frequency, and time over 1/rate in which a simulation is
+/// corrected before it runs by itself.
 const CORRECTION: f32 = 2.0;
 const CORRECTED: f32 = 12.0;
 /// Standard deviation of the position in travels below which a movement shows nothing.

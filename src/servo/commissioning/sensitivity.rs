@@ -3,8 +3,8 @@
 use crate::servo::commissioning::predictor::{PARAMETERS, Point, Prediction, Theta};
 use crate::servo::control::place::{off_middle, stiffness};
 
-/// Position, velocity and drive after an interval under a constant unit of acceleration, and of rate of the drive: Taylor series to
-/// the fourth derivative.
+/// Position, velocity and drive after an interval under a constant unit of acceleration, and of
+/// rate of the drive: Taylor series to the fourth derivative.
 #[derive(Debug, Clone, Copy)]
 struct Transition {
     /// Of the unit of acceleration, of the unit of rate.
@@ -47,7 +47,8 @@ impl Transition {
         }
     }
 
-    /// One interval on from a state that is corrected by its position with these gains, without anything that acts on it.
+    /// One interval on from a state that is corrected by its position with these gains, without
+    /// anything that acts on it.
     #[inline]
     fn corrected(&self, [x, v, p]: [f32; 3]) -> Step {
         let ([vx, vv, vp], [px, pv, pp]) = (self.velocity, self.drive);
@@ -115,8 +116,9 @@ struct Acts {
 
 /// A prediction and how it changes with each parameter.
 ///
-/// The sensitivities obey the equation of the prediction, linearised: they share its transition over an interval, and differ by what
-/// acts on them. What follows the state acts with its mean over the interval.
+/// The sensitivities obey the equation of the prediction, linearised: they share its transition
+/// over an interval, and differ by what acts on them. What follows the state acts with its mean
+/// over the interval.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Sensitivity {
     theta: Theta,
@@ -169,8 +171,8 @@ impl Sensitivity {
         (point.y - self.at.x, slope)
     }
 
-    /// Corrects the prediction and moves it one interval on, under these commands: the newer one, the older one and its share. At rest the
-    /// position is known. Cost: about 400 instructions.
+    /// Corrects the prediction and moves it one interval on, under these commands: the newer one,
+    /// the older one and its share. At rest the position is known. Cost: about 400 instructions.
     #[inline]
     pub(crate) fn advance(
         &mut self,
@@ -290,3 +292,6 @@ fn direction_of(flow: f32) -> f32 {
         0.0
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,30 +1,35 @@
-//! A position that stays although the command drives the axis: friction, a stuck sensor, or no motion at all.
+//! A position that stays although the command drives the axis: friction, a stuck sensor, or no
+//! motion at all.
 
 use crate::math::sqrt;
 use crate::servo::commissioning::predictor::Theta;
 use crate::servo::commissioning::probe::RATE;
 
-/// Part of the command at the first movement that is surely not flow: half of it, as for the dead zone of a start.
+/// Part of the command at the first movement that is surely not flow: half of it, as for the dead
+/// zone of a start.
 const CLOSED: f32 = 0.5;
-/// Drive that moves an axis from wherever friction holds it, over the drive that moved it first. At the first movement
-/// friction was overcome from rest, u^2 / (2 rate) of a ramp; from the other side it takes twice that. With half of the
-/// command taken for dead zone, a valve without any needs 2 * 4 / 1.5 of what is counted.
+/// Drive that moves an axis from wherever friction holds it, over the drive that moved it first. At
+/// the first movement friction was overcome from rest, u^2 / (2 rate) of a ramp; from the other
+/// side it takes twice that. With half of the command taken for dead zone, a valve without any
+/// needs 2 * 4 / 1.5 of what is counted.
 const FIRST_DRIVES: f32 = 5.4;
 /// The same from a model: both sides of a breakaway of 2.5 times the Coulomb friction.
 const FRICTIONS: f32 = 5.0;
 /// Displacement in movements that count which it must exceed beside.
 const MOVEMENTS: f32 = 2.0;
-/// Twice the largest offset of a valve, by which the other direction than that of the first movement may open later.
+/// Twice the largest offset of a valve, by which the other direction than that of the first
+/// movement may open later.
 const OTHER_SIDE: f32 = 0.16;
 /// Command of an axis that stays over that of the first movement: it moves the axis.
 const MOVING_COMMAND: f32 = 1.5;
 /// Part of the drive that friction held in good work, over which more is needed.
 const HELD_RATIO: f32 = 1.5;
 
-/// The drive of an axis whose code changes over that of one whose code stays: noise may hide a slow motion.
+/// The drive of an axis whose code changes over that of one whose code stays: noise may hide a slow
+/// motion.
 const NOISY: f32 = 2.0;
-/// Angle of the natural frequency after which a drive without friction has moved by most of what its flow leads to, the same in
-/// half periods, and delay of a valve in s.
+/// Angle of the natural frequency after which a drive without friction has moved by most of what
+/// its flow leads to, the same in half periods, and delay of a valve in s.
 const LAG_RADIANS: f32 = 2.0;
 const LAG_HALVES: f32 = LAG_RADIANS / core::f32::consts::PI;
 const LATENESS: f32 = 0.02;
@@ -52,9 +57,10 @@ fn first_drives(command: f32) -> f32 {
 
 /// The drive since the position last left the band of a movement that counts.
 ///
-/// The drive is the integral of the flow `|u| - dead zone` along the sign, in s: at rest the force on the axis follows it. What
-/// friction can hold is a band of the drive; a wider one, used up in both directions, is no friction. The first movement
-/// had the same gain, so that none is needed. Cost: about 40 instructions.
+/// The drive is the integral of the flow `|u| - dead zone` along the sign, in s: at rest the force
+/// on the axis follows it. What friction can hold is a band of the drive; a wider one, used up in
+/// both directions, is no friction. The first movement had the same gain, so that none is needed.
+/// Cost: about 40 instructions.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Silence {
     anchor: f32,
@@ -62,7 +68,8 @@ pub(crate) struct Silence {
     /// Command at the first movement, and what the valve may need more upward and downward.
     command: f32,
     margin: [f32; 2],
-    /// Drive that friction may hold before there is a model, and the largest that it held in good work.
+    /// Drive that friction may hold before there is a model, and the largest that it held in good
+    /// work.
     first: f32,
     held: f32,
     /// Time in s by which motion comes after its drive.
@@ -79,7 +86,8 @@ pub(crate) struct Silence {
 }
 
 impl Silence {
-    /// After a `command` that grew at the rate of the probe has moved the axis to `place`, in this direction along its sign.
+    /// After a `command` that grew at the rate of the probe has moved the axis to `place`, in this
+    /// direction along its sign.
     pub(crate) fn new(place: f32, detection: f32, command: f32, upward: bool) -> Self {
         let margin = if upward {
             [0.0, OTHER_SIDE]
@@ -97,7 +105,8 @@ impl Silence {
         }
     }
 
-    /// Takes a position, whether it has the code before, and the command along the sign from now on.
+    /// Takes a position, whether it has the code before, and the command along the sign from now
+    /// on.
     pub(crate) fn update(
         &mut self,
         y: f32,
@@ -145,7 +154,8 @@ impl Silence {
         }
     }
 
-    /// The sign is the other one: what moved the axis first is not known, at most the present command.
+    /// The sign is the other one: what moved the axis first is not known, at most the present
+    /// command.
     pub(crate) fn mistook(&mut self, command: f32) {
         self.margin = [OTHER_SIDE; 2];
         if command > self.command {
@@ -197,3 +207,6 @@ impl Silence {
         self.first.max(known).max(HELD_RATIO * self.held) + lag * flow.abs()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -54,7 +54,8 @@ impl Simulation {
         }
     }
 
-    /// Takes `points` more; where there were none left, the mean squared error and the variance of the position.
+    /// Takes `points` more; where there were none left, the mean squared error and the variance of
+    /// the position.
     ///
     /// Cost: some 240 instructions per point.
     pub(crate) fn advance(&mut self, record: &Record, points: usize) -> Option<[f32; 2]> {
@@ -95,3 +96,6 @@ impl Simulation {
         None
     }
 }
+
+#[cfg(test)]
+mod tests;

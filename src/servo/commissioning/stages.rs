@@ -13,7 +13,8 @@ const POINTS_PER_HALF: f32 = 12.0;
 const SPACING_MAX: f32 = 1e-2;
 /// Least dead zone over the command at the first movement, for the levels.
 const DEAD_ZONE_MIN: f32 = 0.4;
-/// Time in s within which an axis beyond the safe travel comes back, and the least speed in travels per s.
+/// Time in s within which an axis beyond the safe travel comes back, and the least speed in travels
+/// per s.
 const RETURN_TIME: f32 = 0.25;
 const RETURN_SPEED: f32 = 0.02;
 /// Time in s from and to which the bounds of a model widen, and by how much.

@@ -4,7 +4,8 @@ use crate::math::matrix::{Matrix, cholesky, forward};
 use crate::math::sqrt;
 use crate::servo::commissioning::predictor::PARAMETERS;
 
-/// Standard deviations, in scales, with which the parameters are known beforehand: weak, so that nothing runs away.
+/// Standard deviations, in scales, with which the parameters are known beforehand: weak, so that
+/// nothing runs away.
 const PRIOR: [f32; PARAMETERS] = [5.0, 3.0, 5.0, 2.0, 2.0, 3.0, 5.0, 0.2, 2.4];
 /// Largest correlation of neighbouring errors that counts.
 const CORRELATION_MAX: f32 = 0.8;
@@ -77,7 +78,8 @@ impl Sums {
         factor * self.cost / (self.count as f32 + 1.0)
     }
 
-    /// What is added to the diagonal of the normal equations for what is known of the parameters beforehand, in these scales.
+    /// What is added to the diagonal of the normal equations for what is known of the parameters
+    /// beforehand, in these scales.
     pub(crate) fn prior(&self, scale: &[f32; PARAMETERS]) -> [f32; PARAMETERS] {
         let variance = self.variance();
         core::array::from_fn(|j| {
@@ -86,11 +88,12 @@ impl Sums {
         })
     }
 
-    /// Standard deviations of a1, a2 and of the gain b0/a1, in the scales of a1, a2 and b0, and of the dead zone in its scale;
-    /// infinite when they are not known.
+    /// Standard deviations of a1, a2 and of the gain b0/a1, in the scales of a1, a2 and b0, and of
+    /// the dead zone in its scale; infinite when they are not known.
     ///
-    /// With the parameters in reverse order these four are the last ones: the last rows of the Cholesky factor are then that of
-    /// the inverse of their own covariance. Cost: some 1300 instructions.
+    /// With the parameters in reverse order these four are the last ones: the last rows of the
+    /// Cholesky factor are then that of the inverse of their own covariance. Cost: some 1300
+    /// instructions.
     pub(crate) fn std(&self, scale: &[f32; PARAMETERS]) -> [f32; 4] {
         let (variance, prior) = (self.variance(), self.prior(scale));
         let last = PARAMETERS - 1;
@@ -121,7 +124,8 @@ impl Sums {
     }
 }
 
-/// Adds the products of the last of the first K slopes with twice all of them: a row of the lower triangle, without a loop.
+/// Adds the products of the last of the first K slopes with twice all of them: a row of the lower
+/// triangle, without a loop.
 #[inline(always)]
 fn add<const K: usize>(
     row: &mut [f32; PARAMETERS],
@@ -133,3 +137,6 @@ fn add<const K: usize>(
         row[j] += slope[K - 1] * twice[j];
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -6,8 +6,8 @@ use crate::servo::commissioning::silence::Heard;
 /// Band about its middle, and the range of the middle, in travels.
 const BAND: f32 = 0.15;
 const MIDDLE: [f32; 2] = [0.28, 0.72];
-/// Oscillation, in travels, that has to fade: from the outermost middle of the band it reaches the end of the travel.
-/// It fades to this part.
+/// Oscillation, in travels, that has to fade: from the outermost middle of the band it reaches the
+/// end of the travel. It fades to this part.
 const SWING: f32 = MIDDLE[0] - BAND;
 const CALM: f32 = 0.5;
 /// Command over the limit that keeps an oscillation from an end.
@@ -16,7 +16,8 @@ const CALMING: f32 = 0.35;
 const SAFE: [f32; 2] = [0.05, 0.95];
 /// Least, first and largest amplitude of the flow.
 const AMPLITUDE: [f32; 3] = [0.07, 0.2, 0.4];
-/// Movement within two holds, in travels, below which the amplitude grows and above which it shrinks.
+/// Movement within two holds, in travels, below which the amplitude grows and above which it
+/// shrinks.
 const MOVEMENT: [f32; 2] = [0.025, 0.1];
 /// Growth and shrinking of the amplitude.
 const GROWTH: f32 = 1.4;
@@ -24,8 +25,9 @@ const SHRINKING: f32 = 0.8;
 
 /// Levels, holds and signs drawn at random; known as APRBS (Isermann and Munchhof 2011).
 ///
-/// Levels and holds are drawn again at every reversal, forced ones too: two levels alone cannot tell a dead zone from a
-/// gain. The place where the axis will be when a reversed command takes effect decides about reversals.
+/// Levels and holds are drawn again at every reversal, forced ones too: two levels alone cannot
+/// tell a dead zone from a gain. The place where the axis will be when a reversed command takes
+/// effect decides about reversals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sweep {
     random: u32,
@@ -88,7 +90,8 @@ impl Sweep {
         y > low && y < high
     }
 
-    /// Takes what the last sample has shown: a direction that is used up makes way for the other one.
+    /// Takes what the last sample has shown: a direction that is used up makes way for the other
+    /// one.
     pub(crate) fn hear(&mut self, heard: Heard, pushes: [f32; 2]) {
         self.pushes = pushes;
         match heard {
@@ -116,7 +119,8 @@ impl Sweep {
         (self.random >> 8) as f32 * (1.0 / 16_777_216.0)
     }
 
-    /// The next command along the sign of the axis at a position, velocity and acceleration. Cost: about 80 instructions.
+    /// The next command along the sign of the axis at a position, velocity and acceleration. Cost:
+    /// about 80 instructions.
     pub(crate) fn update(&mut self, y: f32, v: f32, a: f32, step: f32) -> f32 {
         self.look(y, step);
         self.left -= step;
@@ -150,12 +154,15 @@ impl Sweep {
         self.level
     }
 
-    /// Where the axis swings so far that it has to calm down: the direction in which it is pushed meanwhile.
+    /// Where the axis swings so far that it has to calm down: the direction in which it is pushed
+    /// meanwhile.
     ///
-    /// With the valve closed an axis of natural frequency `w` swings about `y + a / w^2` by at most `sqrt(v^2 + (a / w)^2) / w`.
-    /// Reversals feed the oscillation of a lightly damped axis, at worst by their whole flow each time; none comes while it swings
-    /// further than from the outermost middle of the band to the end of the travel. A flow away from an end never brings the
-    /// oscillation nearer to that end, whatever its phase: it moves the middle by at least as much as it feeds the swing.
+    /// With the valve closed an axis of natural frequency `w` swings about `y + a / w^2` by at most
+    /// `sqrt(v^2 + (a / w)^2) / w`. Reversals feed the oscillation of a lightly damped axis, at
+    /// worst by their whole flow each time; none comes while it swings further than from the
+    /// outermost middle of the band to the end of the travel. A flow away from an end never brings
+    /// the oscillation nearer to that end, whatever its phase: it moves the middle by at least as
+    /// much as it feeds the swing.
     fn swings(&mut self, y: f32, v: f32, a: f32) -> Option<f32> {
         let per_frequency = core::f32::consts::FRAC_1_PI * self.half;
         let middle = y + per_frequency * per_frequency * a;
@@ -216,3 +223,6 @@ impl Sweep {
         (self.low, self.high, self.looked) = (y, y, 0.0);
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -9,9 +9,11 @@ use crate::servo::supervision::state::Reason;
 struct Bounds {
     /// Largest error of a free simulation over the movement, squared.
     misfit: f32,
-    /// Largest relative change of gain and natural frequency, and change of damping, between two estimates.
+    /// Largest relative change of gain and natural frequency, and change of damping, between two
+    /// estimates.
     change: [f32; 3],
-    /// Largest relative standard deviation of gain and frequency, and standard deviation of the damping.
+    /// Largest relative standard deviation of gain and frequency, and standard deviation of the
+    /// damping.
     std: [f32; 3],
 }
 
@@ -31,11 +33,12 @@ fn physical(theta: &Theta) -> [f32; 3] {
     [theta.b0 / theta.a1, w, 0.5 * theta.a2 / w]
 }
 
-/// Whether an estimate is a model: it follows later samples, agrees with the estimate before, and is certain. `std` is that of the
-/// fit, `misfit` that of a free simulation; its error is `silent` within the noise; `slack` widens the bounds.
+/// Whether an estimate is a model: it follows later samples, agrees with the estimate before, and
+/// is certain. `std` is that of the fit, `misfit` that of a free simulation; its error is `silent`
+/// within the noise; `slack` widens the bounds.
 ///
-/// The standard deviations tell good models from bad ones best; a free simulation of an axis that sticks is rough, and finds what
-/// has another structure.
+/// The standard deviations tell good models from bad ones best; a free simulation of an axis that
+/// sticks is rough, and finds what has another structure.
 pub(crate) fn verdict(
     theta: &Theta,
     previous: Option<&Theta>,
@@ -119,6 +122,84 @@ mod tests {
         ] {
             refusals.count(reason);
             assert_eq!(refusals.most, Some(most));
+        }
+    }
+
+    const THETA: Theta = Theta {
+        a1: 400.0,
+        a2: 20.0,
+        b0: 800.0,
+        dead_zone: 0.03,
+        offset: 0.0,
+        friction: 1.0,
+        delay: 0.01,
+        kappa: 0.0,
+        stiffening: 0.0,
+    };
+    const UNCERTAIN: Result<(), Reason> = Err(Reason::Uncertain);
+
+    fn judged(other: Theta, std: [f32; 4], misfit: [f32; 2], slack: f32) -> Result<(), Reason> {
+        verdict(&THETA, Some(&other), std, misfit, slack)
+    }
+
+    #[test]
+    fn a_model_follows_or_its_error_is_within_the_noise() {
+        let poor = Err(Reason::PoorFit);
+        for slack in [1.0_f32, 1.5] {
+            let most = slack * slack * 0.09;
+            assert_eq!(judged(THETA, [0.0; 4], [0.99 * most, 0.0], slack), Ok(()));
+            assert_eq!(judged(THETA, [0.0; 4], [1.01 * most, 0.0], slack), poor);
+            assert_eq!(judged(THETA, [0.0; 4], [9.0, 1.0], slack), Ok(()));
+            assert_eq!(judged(THETA, [0.0; 4], [f32::NAN, 0.0], slack), poor);
+        }
+        // One estimate alone agrees with none.
+        assert_eq!(verdict(&THETA, None, [0.0; 4], [0.0; 2], 1.0), UNCERTAIN);
+    }
+
+    #[test]
+    fn a_model_agrees_with_the_one_before() {
+        // Gain within 15 %, frequency within 8 %, damping within 0.15.
+        for slack in [1.0_f32, 1.5] {
+            for (place, most) in [(0, 0.15), (1, 0.08), (2, 0.15)] {
+                for (share, found) in [(0.99, Ok(())), (1.01, UNCERTAIN)] {
+                    for side in [1.0, -1.0] {
+                        let change = side * share * slack * most;
+                        let mut other = THETA;
+                        match place {
+                            0 => other.b0 /= 1.0 + change,
+                            1 => {
+                                let w = 20.0 / (1.0 + change);
+                                (other.a1, other.a2, other.b0) = (w * w, w, 2.0 * w * w);
+                            }
+                            _ => other.a2 -= 2.0 * change * 20.0,
+                        }
+                        let judged = judged(other, [0.0; 4], [0.0; 2], slack);
+                        assert_eq!(judged, found, "{place} {share}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_model_is_certain() {
+        // Deviations of gain, frequency, damping; of the dead zone, whose bound widens fast.
+        for slack in [1.0_f32, 1.5] {
+            let xi = 0.5 * (1.0 + 0.1);
+            let dead_zone = 0.014 * slack * slack * slack * slack / 0.05;
+            for (place, most) in [
+                (2, 0.12 * slack),
+                (0, 0.07 * slack / 0.5),
+                (1, 0.15 * slack / xi),
+                (3, dead_zone),
+            ] {
+                for (share, found) in [(0.99, Ok(())), (1.01, UNCERTAIN)] {
+                    let mut std = [0.0; 4];
+                    std[place] = share * most;
+                    let judged = judged(THETA, std, [0.0; 2], slack);
+                    assert_eq!(judged, found, "{place} {share}");
+                }
+            }
         }
     }
 }

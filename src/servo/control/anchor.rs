@@ -17,8 +17,8 @@ pub(crate) enum Hold {
 
 /// A place that the measured position does not leave.
 ///
-/// While friction holds, the position carries no information: an observer would wind up on its noise. The place is the mean
-/// of the first samples there, and then stays.
+/// While friction holds, the position carries no information: an observer would wind up on its
+/// noise. The place is the mean of the first samples there, and then stays.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Anchor {
     design: AnchorDesign,
@@ -34,7 +34,8 @@ pub(crate) struct Anchor {
     since: u32,
 }
 
-/// Share of a sample in the mean of the latest, whose deviation is 0.42 of that of one, and its band over that of one.
+/// Share of a sample in the mean of the latest, whose deviation is 0.42 of that of one, and its
+/// band over that of one.
 const LATE_SHARE: f32 = 0.3;
 const LATE_BAND: f32 = 0.5;
 /// Samples of the mean.
@@ -71,7 +72,8 @@ impl Anchor {
         self.since = 0;
     }
 
-    /// Takes a position; `slow`: the observer sees next to no velocity. Cost: about 25 instructions.
+    /// Takes a position; `slow`: the observer sees next to no velocity. Cost: about 25
+    /// instructions.
     #[inline]
     pub(crate) fn update(&mut self, y: f32, slow: bool) -> Hold {
         self.since = self.since.saturating_add(1);

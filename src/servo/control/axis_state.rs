@@ -1,4 +1,5 @@
-//! The state of the axis and how it goes on: a drive of third order with friction and a disturbance.
+//! The state of the axis and how it goes on: a drive of third order with friction and a
+//! disturbance.
 
 use crate::math::within;
 use crate::servo::model::Model;
@@ -9,8 +10,8 @@ use crate::servo::model::Model;
 /// x' = v     v' = p - a2 v - friction sgn v     p' = - a1 v + b0 f(t - T) + d     d' = 0
 /// ```
 ///
-/// The *drive* p is the acceleration that the force of the drive alone would give; at rest it goes on while friction holds
-/// the axis.
+/// The *drive* p is the acceleration that the force of the drive alone would give; at rest it goes
+/// on while friction holds the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct State {
     pub(crate) position: f32,
@@ -33,9 +34,11 @@ pub(crate) struct Step {
 }
 
 impl State {
-    /// One sample on, with friction as a soft threshold on the velocity: no velocity within it is left over.
+    /// One sample on, with friction as a soft threshold on the velocity: no velocity within it is
+    /// left over.
     ///
-    /// Trapezoids: for an undamped drive the step turns the state without growth. Cost: about 25 instructions.
+    /// Trapezoids: for an undamped drive the step turns the state without growth. Cost: about 25
+    /// instructions.
     #[inline]
     pub(crate) fn advance(&mut self, flow: f32, step: &Step) {
         let t = step.time;

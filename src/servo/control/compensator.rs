@@ -1,9 +1,11 @@
-//! The loop in the frequency domain: controller with observer and prediction over the delay, on any drive beside its own.
+//! The loop in the frequency domain: controller with observer and prediction over the delay, on any
+//! drive beside its own.
 
 use crate::math::complex::Complex;
 use crate::servo::control::poles::Poles;
 
-/// A drive `b0 e^(-s T) / (s (s^2 + a2 s + a1))`; in units of its own time 1/w0, a1 and b0 are 1 in the middle.
+/// A drive `b0 e^(-s T) / (s (s^2 + a2 s + a1))`; in units of its own time 1/w0, a1 and b0 are 1 in
+/// the middle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Drive {
     pub(crate) a1: f32,
@@ -48,7 +50,8 @@ fn shifted(a: Complex, x: f32) -> Complex {
     }
 }
 
-/// `e^(-j angle)`, to some 1e-6: quarter turns taken off, then the series of sine and cosine to the 7th power.
+/// `e^(-j angle)`, to some 1e-6: quarter turns taken off, then the series of sine and cosine to the
+/// 7th power.
 pub(crate) fn lag(angle: f32) -> Complex {
     let quarters = (angle * core::f32::consts::FRAC_2_PI + 0.5) as u32;
     let x = angle - quarters as f32 * core::f32::consts::FRAC_PI_2;
@@ -65,7 +68,8 @@ pub(crate) fn lag(angle: f32) -> Complex {
 }
 
 impl Compensator {
-    /// The controller with these poles for a drive of this natural frequency. `drive.delay` is predicted.
+    /// The controller with these poles for a drive of this natural frequency. `drive.delay` is
+    /// predicted.
     pub(crate) fn new(drive: Drive, poles: Poles, frequency: f32) -> Self {
         let [k0, k1, k2] = poles.feedback(drive.a1, drive.a2, frequency).k;
         let k = [k0, k1, k2, 1.0].map(|k| k / drive.b0);
@@ -79,7 +83,8 @@ impl Compensator {
         }
     }
 
-    /// From the measured position to the flow, at `w`: `f = -C y`; `late` is `e^(-j w T)` of the delay.
+    /// From the measured position to the flow, at `w`: `f = -C y`; `late` is `e^(-j w T)` of the
+    /// delay.
     pub(crate) fn at(&self, w: f32, late: Complex) -> Complex {
         let s = Complex { re: 0.0, im: w };
         let Drive { a1, a2, b0, .. } = self.drive;
@@ -184,3 +189,6 @@ fn arrived(drive: &Drive) -> [f32; 3] {
     let [x, v, p, _] = transition(drive, [0.0, 0.0, drive.b0, 0.0]);
     [x, v, p]
 }
+
+#[cfg(test)]
+mod tests;

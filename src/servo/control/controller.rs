@@ -1,4 +1,4 @@
-//! State feedback over the delay on a verified model, with feedforward, friction that sticks and the inverse of the valve.
+//! State feedback over the delay on a verified model: feedforward, friction, inverse of the valve.
 
 use crate::error::positive;
 use crate::math::{sign, sqrt, within};
@@ -23,13 +23,15 @@ use crate::servo::motion::{Motion, Setpoint};
 /// u    = inverse of dead zone and offset (flow) + what is left of the last change of gains
 /// ```
 ///
-/// s is the sign of the next motion of the reference, filtered. The state comes from an observer on the delayed flow and its
-/// prediction; a1 and b0 are those of the place. d is the integral action.
+/// s is the sign of the next motion of the reference, filtered. The state comes from an observer on
+/// the delayed flow and its prediction; a1 and b0 are those of the place. d is the integral action.
 /// The poles are the fastest whose margins hold, see [`Margins`]. A new model changes no command at
 /// the sample of its arrival: the difference is kept and fades, at most 50 full commands per s.
-/// While friction holds the axis, the drive is brought to where it breaks away; at the target the valve rests.
+/// While friction holds the axis, the drive is brought to where it breaks away; at the target the
+/// valve rests.
 ///
-/// Known as: state feedback with disturbance observer and Smith predictor; bumpless transfer (Astrom and Hagglund 2006).
+/// Known as: state feedback with disturbance observer and Smith predictor; bumpless transfer
+/// (Astrom and Hagglund 2006).
 ///
 /// # Examples
 /// ```
@@ -56,7 +58,8 @@ pub struct Controller {
     pub(super) estimator: Estimator,
     pub(super) anchor: Anchor,
     pub(super) rest: RestWindow,
-    /// Poles without derating with the natural frequency that they were found for, and the factor on their bandwidth.
+    /// Poles without derating with the natural frequency that they were found for, and the factor
+    /// on their bandwidth.
     poles: Poles,
     found_for: f32,
     margins: Option<Margins>,
@@ -74,11 +77,11 @@ pub struct Controller {
     pub(super) transfer: Transfer,
 }
 
-/// Friction deflections `friction / a1` over resolution and noise from which friction counts as holding.
+/// Deflections `friction / a1` over resolution and noise from which friction counts as holding.
 const STICKY: f32 = 10.0;
 /// Integral action is frozen at rest within so many windows.
 const FROZEN: f32 = 1.5;
-/// Window over the deflection that friction holds: where the dead zone has room to rest in, and where not.
+/// Window over the deflection that friction holds, with room to rest in the dead zone and without.
 const WINDOW: [f32; 2] = [1.0, 0.2];
 /// Errors of dead zone and offset over their values, for the window without friction.
 const VALVE_ERROR: [f32; 2] = [0.3, 0.2];
@@ -144,7 +147,7 @@ impl Controller {
         let grain = self.design.grain;
         self.sticky = deflection > STICKY * grain;
         if !self.sticky {
-            // From now on no position reaches it: a place that it still held would be held for ever.
+            // From now on no position reaches it: a place still held would be held for ever.
             self.anchor.restart();
         }
         let room = model.dead_zone > 0.3 * model.offset.abs() + 0.002;
@@ -162,12 +165,12 @@ impl Controller {
         });
     }
 
-    /// Multiplies the bandwidth by a factor of 0 to 1 from the next sample on, without a step of the command.
+    /// Multiplies the bandwidth by a factor of 0 to 1 from the next sample on, bumpless.
     pub(crate) const fn derate(&mut self, factor: f32) {
         self.transfer.factor(factor);
     }
 
-    /// Goes over to another verified model at the next sample; ignored unless finite with a positive gain.
+    /// Another verified model from the next sample on; ignored unless finite with a positive gain.
     pub fn retune(&mut self, model: Model) {
         if model.is_finite() && positive(model.b0) && positive(model.a1) {
             self.transfer.model(model);
@@ -251,7 +254,7 @@ impl Controller {
         self.estimator.pushes()
     }
 
-    /// Samples since the axis began to stick, or to slide; one that friction does not hold has always slid.
+    /// Samples since the axis began to stick, or to slide; without friction it has always slid.
     pub(crate) const fn since(&self) -> u32 {
         match self.sticky {
             true => self.anchor.since(),
@@ -287,7 +290,8 @@ impl Controller {
         self.estimator.poles().bandwidth
     }
 
-    /// Margins of the loop in the middle of the travel; `None` when no poles have the wanted ones and the slowest are in use.
+    /// Margins of the loop in the middle of the travel; `None` when no poles have the wanted ones
+    /// and the slowest are in use.
     pub const fn margins(&self) -> Option<Margins> {
         self.margins
     }

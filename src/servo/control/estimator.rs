@@ -14,11 +14,12 @@ const DISTURBANCE_MAX: f32 = 1.0;
 
 /// Observer on the delayed flow, and its prediction over the delay.
 ///
-/// The measured position belongs to the flow of a delay ago. There it corrects the state; the flows that are still on
-/// their way then lead to the state that the next command meets. The stiffness is that of the place.
+/// The measured position belongs to the flow of a delay ago. There it corrects the state; the flows
+/// that are still on their way then lead to the state that the next command meets. The stiffness is
+/// that of the place.
 ///
-/// Known as: Luenberger observer with disturbance (Luenberger 1964; Han 2009), Smith predictor in state space, finite
-/// spectrum assignment (Manitius and Olbrot 1979).
+/// Known as: Luenberger observer with disturbance (Luenberger 1964; Han 2009), Smith predictor in
+/// state space, finite spectrum assignment (Manitius and Olbrot 1979).
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Estimator {
     design: EstimatorDesign,
@@ -35,7 +36,8 @@ pub(crate) struct Estimator {
     held: bool,
 }
 
-/// Largest drive at rest over the friction: the largest breakaway, and a dead zone that is not known so well.
+/// Largest drive at rest over the friction: the largest breakaway, and a dead zone that is not
+/// known so well.
 const DRIVE_MAX_RATIO: f32 = 4.0;
 
 impl Estimator {
@@ -67,7 +69,8 @@ impl Estimator {
         self.schedule();
     }
 
-    /// Begins at a motion, with the flows that were set, newest first; what is missing was as the last.
+    /// Begins at a motion, with the flows that were set, newest first; what is missing was as the
+    /// last.
     pub(crate) fn place(&mut self, motion: Motion, flows: impl Iterator<Item = f32>) {
         let friction = self.model.friction;
         let sliding = friction * sign(motion.velocity);
@@ -112,8 +115,9 @@ impl Estimator {
         self.flows.get(at).copied().unwrap_or(0.0)
     }
 
-    /// One sample with a measured position; `held` while friction holds the axis at `anchor`, `frozen` while the disturbance
-    /// stays. Cost: about 150 instructions and 30 per sample of delay.
+    /// One sample with a measured position; `held` while friction holds the axis at `anchor`,
+    /// `frozen` while the disturbance stays. Cost: about 150 instructions and 30 per sample of
+    /// delay.
     #[inline]
     pub(crate) fn update(&mut self, y: f32, held: Option<f32>, frozen: bool) -> f32 {
         self.place.go(self.now.position);

@@ -20,7 +20,8 @@ use crate::servo::motion::Motion;
 /// | friction | `coulomb` | y/s^2 |
 /// | p | `drive` | y/s^2 |
 ///
-/// Known as: Karnopp model of stick-slip friction (Karnopp 1985), with breakaway above the Coulomb level.
+/// Known as: Karnopp model of stick-slip friction (Karnopp 1985), with breakaway above the Coulomb
+/// level.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct StickSlip {
     sample_time: f32,
@@ -68,7 +69,8 @@ impl StickSlip {
         self.coulomb > 0.0 && self.direction == 0.0
     }
 
-    /// One sample at rest while the drive changes by `rate` per s; the acceleration if it breaks away.
+    /// One sample at rest while the drive changes by `rate` per s; the acceleration if it breaks
+    /// away.
     #[inline]
     pub(crate) fn hold(&mut self, rate: f32) -> Option<f32> {
         self.drive += self.sample_time * rate;

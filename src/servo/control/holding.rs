@@ -4,9 +4,11 @@ use crate::math::within;
 
 /// Largest flow: less than what the monitors take a valve to be wrong by.
 const MOST: f32 = 0.05;
-/// Largest flow that a single slip shows: an axis that stopped near its breakaway slips early, whatever the flow.
+/// Largest flow that a single slip shows: an axis that stopped near its breakaway slips early,
+/// whatever the flow.
 const SHOWN: f32 = 0.002;
-/// Factor on what a slip shows, at first, after another one the same way and after one the other way; and its bounds.
+/// Factor on what a slip shows, at first, after another one the same way and after one the other
+/// way; and its bounds.
 const FIRST: f32 = 0.5;
 const SAME: f32 = 1.5;
 const OTHER: f32 = 0.5;
@@ -14,17 +16,20 @@ const TRUST: [f32; 2] = [0.1, 4.0];
 
 /// Flow of the valve at rest beyond that of its middle.
 ///
-/// A valve in the middle of its dead zone leaks, and where its middle is, is known to some per mil. While friction holds the axis its
-/// drive goes on by `b0 q`, unseen, and the axis slips when the drive has come from the middle of what friction holds to its
-/// edge, after `t = friction / (b0 |q|)`. A slip so tells q: its sign by the direction, its size by t. From then on the valve lets the
-/// opposite flow through. What is left of q makes the axis slip later and the next correction smaller; what a slip shows is halved
-/// when it was the other way than the one before, and grows while they go the same way, through the dead zone of which nobody knows
+/// A valve in the middle of its dead zone leaks, and where its middle is, is known to some per mil.
+/// While friction holds the axis its drive goes on by `b0 q`, unseen, and the axis slips when the
+/// drive has come from the middle of what friction holds to its edge, after
+/// `t = friction / (b0 |q|)`. A slip so tells q: its sign by the direction, its size by t. From
+/// then on the valve lets the opposite flow through. What is left of q makes the axis slip later
+/// and the next correction smaller; what a slip shows is halved when it was the other way than the
+/// one before, and grows while they go the same way, through the dead zone of which nobody knows
 /// the width. The bounds keep an early slip and a shove from counting for more than they show.
 ///
-/// Without it an axis with gravity and a leak slips from its rest again and again, and the loop brings it back: a cycle that
-/// no window ends, because the drive drifts and does not hunt.
+/// Without it an axis with gravity and a leak slips from its rest again and again, and the loop
+/// brings it back: a cycle that no window ends, because the drive drifts and does not hunt.
 ///
-/// Known as: accelerated stochastic approximation (Kesten 1958), with the size of a step from the time between slips.
+/// Known as: accelerated stochastic approximation (Kesten 1958), with the size of a step from the
+/// time between slips.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Holding {
     flow: f32,
@@ -50,7 +55,8 @@ impl Holding {
         self.time = if holds { self.time + sample_time } else { 0.0 };
     }
 
-    /// The axis slips in a direction; `friction`: friction over b0, the time in s in which the full flow brings the drive through it.
+    /// The axis slips in a direction; `friction`: friction over b0, the time in s in which the full
+    /// flow brings the drive through it.
     #[inline]
     pub(crate) fn slip(&mut self, direction: f32, friction: f32) {
         if !(self.time > 0.0) {
@@ -87,7 +93,8 @@ impl Holding {
 mod tests {
     use super::*;
 
-    /// A drive that drifts by `b0 (leak + flow)` between -friction and friction, held from its middle at each slip.
+    /// A drive that drifts by `b0 (leak + flow)` between -friction and friction, held from its
+    /// middle at each slip.
     #[test]
     fn slips_become_rare_whatever_leaks() {
         let friction_over_b0 = 0.004;

@@ -1,4 +1,5 @@
-//! The control law: state feedback while the axis slides, a push while friction holds it, and the stop by friction.
+//! The control law: state feedback while the axis slides, a push while friction holds it, and the
+//! stop by friction.
 
 use crate::math::{sign, within};
 use crate::servo::control::axis_state::State;
@@ -8,14 +9,17 @@ use crate::servo::motion::Setpoint;
 
 /// Largest speed over C at which an error of the position is worked off.
 const CATCH_UP: f32 = 0.3;
-/// Stopping deceleration over friction: below the first it is left to friction, beyond the second it would reverse the drive.
+/// Stopping deceleration over friction: below the first it is left to friction, beyond the second
+/// it would reverse the drive.
 const NEED: [f32; 2] = [0.15, 3.0];
 /// Rate at which the drive of a sticking axis is brought to its goal, per delay and per sample.
 const QUICK: [f32; 2] = [1.0, 0.3];
-/// Rate of the push over friction and bandwidth behind a moving reference and at rest, and its growth per 1/wc.
+/// Rate of the push over friction and bandwidth behind a moving reference and at rest, and its
+/// growth per 1/wc.
 const PUSH: [f32; 2] = [2.0, 0.25];
 const PUSH_GROWTH: [f32; 2] = [0.6, 0.3];
-/// Drive over friction that waits for a reference which comes to the axis: it holds, and little is missing.
+/// Drive over friction that waits for a reference which comes to the axis: it holds, and little is
+/// missing.
 const READY: f32 = 0.8;
 /// Time over 1/wc in which a push moves the axis.
 const LATER: f32 = 1.5;
@@ -25,7 +29,8 @@ const CENTRED: f32 = 0.7;
 const NEAR: f32 = 3.0;
 
 impl Controller {
-    /// The command that brakes to velocity zero, wherever that is; [`Controller::applied`] must follow.
+    /// The command that brakes to velocity zero, wherever that is; [`Controller::applied`] must
+    /// follow.
     pub(crate) fn brake(&mut self, y: f32) -> f32 {
         self.observe(y, y, true);
         let model = self.estimator.model();
@@ -107,8 +112,9 @@ impl Controller {
         )
     }
 
-    /// Whether the drive of an axis that is held comes to the middle of what friction holds, which an axis that slips from its rest needs:
-    /// it stopped at the edge, where a small drift is enough.
+    /// Whether the drive of an axis that is held comes to the middle of what friction holds, which
+    /// an axis that slips from its rest needs: it stopped at the edge, where a small drift is
+    /// enough.
     pub(super) fn centres(&self) -> bool {
         let drive = self.estimator.ahead().drive;
         let most = CENTRED * self.estimator.model().friction;
@@ -128,7 +134,8 @@ impl Controller {
         let model = self.estimator.model();
         let state = self.estimator.ahead();
         let error = r.position - state.position;
-        // Where the reference will be when a push has moved the axis: a hop that overshoots it is none.
+        // Where the reference will be when a push has moved the axis: a hop that overshoots it is
+        // none.
         let later = LATER / self.estimator.poles().bandwidth;
         let coming = error + later * (r.velocity + 0.5 * later * r.acceleration);
         let direction = sign(coming);
@@ -185,7 +192,8 @@ impl Controller {
     }
 }
 
-/// The drive with which friction stops the axis at the target: `friction - v^2/(2 distance)` along the motion.
+/// The drive with which friction stops the axis at the target: `friction - v^2/(2 distance)` along
+/// the motion.
 #[inline]
 fn stopping_drive(error: f32, velocity: f32, friction: f32) -> f32 {
     let direction = sign(velocity);

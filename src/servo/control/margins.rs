@@ -52,3 +52,6 @@ impl Margins {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,4 +1,5 @@
-//! Control on a verified model: poles from margins, estimator over the delay, law, friction that holds, rest, limits.
+//! Control on a verified model: poles from margins, estimator over the delay, law, friction that
+//! holds, rest, limits.
 
 pub(crate) mod anchor;
 pub(crate) mod axis_state;
@@ -13,6 +14,8 @@ pub(crate) mod margins;
 pub(crate) mod null;
 mod observation;
 pub(crate) mod observer;
+#[cfg(test)]
+mod oracle;
 pub(crate) mod place;
 pub(crate) mod poles;
 pub(crate) mod rest;
@@ -20,3 +23,6 @@ mod room;
 pub(crate) mod sweep;
 pub(crate) mod transfer;
 pub(crate) mod tuning;
+
+#[cfg(test)]
+mod tests;

@@ -2,8 +2,9 @@
 
 use crate::math::within;
 
-/// Flows up to which the disturbance shows the offset of the valve, time over 1/wd for which both ways must have been seen,
-/// rate of the correction over wd, and the most that a commissioning may be wrong by.
+/// Flows up to which the disturbance shows the offset of the valve, time over 1/wd for which both
+/// ways must have been seen, rate of the correction over wd, and the most that a commissioning may
+/// be wrong by.
 const FLOW: f32 = 0.5;
 const KNOWN: f32 = 3.0;
 const SHARE: f32 = 0.3;
@@ -11,8 +12,9 @@ const MOST: f32 = 0.08;
 
 /// Offset of the valve beyond that of the model.
 ///
-/// Behind a dead zone that is wrong by e and an offset that is wrong by o the disturbance is `o - e` upwards and `o + e`
-/// downwards: half of their sum is o, whatever e is. It goes from the disturbance to the valve without a step.
+/// Behind a dead zone that is wrong by e and an offset that is wrong by o the disturbance is
+/// `o - e` upwards and `o + e` downwards: half of their sum is o, whatever e is. It goes from the
+/// disturbance to the valve without a step.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct NullOffset {
     value: f32,
@@ -22,8 +24,8 @@ pub(crate) struct NullOffset {
 }
 
 impl NullOffset {
-    /// Takes the flow and the disturbance of a sample in motion; `share`: sample time times wd. Gives the flow that goes from the
-    /// disturbance to the valve. Cost: about 20 instructions.
+    /// Takes the flow and the disturbance of a sample in motion; `share`: sample time times wd.
+    /// Gives the flow that goes from the disturbance to the valve. Cost: about 20 instructions.
     #[inline]
     pub(crate) fn update(&mut self, flow: f32, disturbance: f32, share: f32) -> Option<f32> {
         if within(flow, FLOW) != flow {

@@ -10,8 +10,8 @@ use crate::servo::motion::Motion;
 
 /// Time constants of the observer in which it settles.
 const SETTLING: f32 = 6.0;
-/// Time over that of the observer after a breakaway in which the disturbance stays behind a moving reference: three poles
-/// at the observer's rate are within a quarter of their way by then.
+/// Time over that of the observer after a breakaway in which the disturbance stays behind a moving
+/// reference: three poles at the observer's rate are within a quarter of their way by then.
 const STARTING: f32 = 4.0;
 
 impl Controller {
@@ -28,7 +28,8 @@ impl Controller {
         self.rest.wake();
     }
 
-    /// Begins at a motion with a verified model and the latest commands, newest first, with no trace of earlier gains.
+    /// Begins at a motion with a verified model and the latest commands, newest first, with no
+    /// trace of earlier gains.
     pub(crate) fn begin(
         &mut self,
         model: Model,
@@ -116,9 +117,10 @@ impl Controller {
 
     /// Whether the axis has just broken away.
     ///
-    /// While it was held, the drive was only integrated, and how far beyond friction it broke away nobody measured: of the state it is the
-    /// drive that is unknown. An integrator that took the error for a disturbance would keep it for 1/wd, and the axis would
-    /// leave the reference to the other side.
+    /// While it was held, the drive was only integrated, and how far beyond friction it broke away
+    /// nobody measured: of the state it is the drive that is unknown. An integrator that took the
+    /// error for a disturbance would keep it for 1/wd, and the axis would leave the reference to
+    /// the other side.
     pub(super) fn starts(&self) -> bool {
         let time = self.sample_time() * self.anchor.since() as f32;
         self.sticky && time * self.estimator.poles().observer < STARTING

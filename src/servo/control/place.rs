@@ -38,8 +38,9 @@ pub(crate) fn stiffness(stiffening: f32, share: f32) -> f32 {
 /// k(x) = (1/(d + q) + 1/(d + 1 - q)) (d + 1/2)/2 = 1/(1 - e (q - 1/2)^2),   q = (x - min)/L,   e = 1/(d + 1/2)^2
 /// ```
 ///
-/// Each chamber is a spring as stiff as it is short; d is its dead volume over that of the stroke. The velocity gain C does
-/// not depend on the place, so that a1 and b0 both grow with k. An infinite d, an e of 0, is a drive of the same stiffness everywhere.
+/// Each chamber is a spring as stiff as it is short; d is its dead volume over that of the stroke.
+/// The velocity gain C does not depend on the place, so that a1 and b0 both grow with k. An
+/// infinite d, an e of 0, is a drive of the same stiffness everywhere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Place {
     min: f32,

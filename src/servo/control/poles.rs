@@ -31,10 +31,11 @@ pub(crate) struct Feedback {
 const OBSERVER_RATIO: f32 = 1.6;
 
 impl Poles {
-    /// The poles for a drive whose natural frequency `w0` has changed by a factor since they were found.
+    /// The poles for a drive whose natural frequency `w0` has changed by a factor since they were
+    /// found.
     ///
-    /// A slower drive takes slower poles: in its own time it has the same margins, and more for the delay. A faster one keeps
-    /// the bandwidth; only its observer must follow.
+    /// A slower drive takes slower poles: in its own time it has the same margins, and more for the
+    /// delay. A faster one keeps the bandwidth; only its observer must follow.
     pub(crate) fn on(&self, factor: f32, w0: f32, fastest: f32) -> Self {
         if factor < 1.0 {
             return Self {
@@ -81,7 +82,8 @@ impl Poles {
         }
     }
 
-    /// Gains of the observer's x, v, p and disturbance rate for the innovation. Cost: about 15 instructions.
+    /// Gains of the observer's x, v, p and disturbance rate for the innovation. Cost: about 15
+    /// instructions.
     #[inline]
     pub(crate) fn correction(&self, a1: f32, a2: f32) -> [f32; 4] {
         let (w, d) = (self.observer, self.disturbance);
@@ -91,3 +93,6 @@ impl Poles {
         [l1, l2, l3, w * w * w * d]
     }
 }
+
+#[cfg(test)]
+mod tests;

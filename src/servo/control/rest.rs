@@ -11,17 +11,20 @@ pub(crate) struct RestDesign {
 
 /// A window that hunting widens.
 ///
-/// A hop of stick-slip of length h, with integral action, is a limit cycle exactly when it exceeds the window on both sides.
-/// Each hunt - through the window to the other side, or out of the rest - widens it by 1.25: the cycle ends after
-/// `log(h / 2 W) / log 1.25` hops. A stop at the first attempt narrows it again. It is kept from target to target.
+/// A hop of stick-slip of length h, with integral action, is a limit cycle exactly when it exceeds
+/// the window on both sides. Each hunt - through the window to the other side, or out of the rest -
+/// widens it by 1.25: the cycle ends after `log(h / 2 W) / log 1.25` hops. A stop at the first
+/// attempt narrows it again. It is kept from target to target.
 ///
-/// Known as: hunting of stiction and integral action (Armstrong-Helouvry, Dupont and Canudas de Wit 1994).
+/// Known as: hunting of stiction and integral action (Armstrong-Helouvry, Dupont and Canudas de
+/// Wit 1994).
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct RestWindow {
     design: RestDesign,
     window: f32,
     resting: bool,
-    /// Side of the target where the axis was beyond the window last; 0 since the reference came to rest.
+    /// Side of the target where the axis was beyond the window last; 0 since the reference came to
+    /// rest.
     side: f32,
     hunts: u16,
     stopped: bool,

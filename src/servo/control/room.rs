@@ -3,7 +3,8 @@
 use crate::servo::control::controller::Controller;
 use crate::servo::motion::Setpoint;
 
-/// Speed of a flow over the one that takes the room to an end within 1/w: what swings runs ahead of its flow.
+/// Speed of a flow over the one that takes the room to an end within 1/w: what swings runs ahead of
+/// its flow.
 const APPROACH: f32 = 0.7;
 
 /// A drive on its way to an end, all of it towards that end.
@@ -25,11 +26,12 @@ impl Approach {
     /// room = distance - the larger of v/w + 2 a/w^2 and p/w^2,   C flow <= 0.7 w room
     /// ```
     ///
-    /// Behind a closed valve a drive without damping goes `a/w^2 + sqrt((v/w)^2 + (a/w^2)^2)` further, which is less
-    /// than the first, where v and a that lead away count as 0; one that is damped comes to rest after `p/w^2`. Of an
-    /// axis that is held, a and p are what its drive is beyond friction: so it hops by the first when it is let go.
-    /// With that flow all the time, a drive with a damping of 0.05 or more meets its end with less than a tenth of its
-    /// speed, or not at all.
+    /// Behind a closed valve a drive without damping goes `a/w^2 + sqrt((v/w)^2 + (a/w^2)^2)`
+    /// further, which is less than the first, where v and a that lead away count as 0; one that is
+    /// damped comes to rest after `p/w^2`. Of an axis that is held, a and p are what its drive is
+    /// beyond friction: so it hops by the first when it is let go. With that flow all the time, a
+    /// drive with a damping of 0.05 or more meets its end with less than a tenth of its speed, or
+    /// not at all.
     ///
     /// Known as: control barrier function (Ames et al. 2019).
     #[inline]
@@ -43,8 +45,8 @@ impl Approach {
 }
 
 impl Controller {
-    /// A flow within what leaves room at both ends of the travel, or within what the reference itself takes, which comes to rest by itself.
-    /// Cost: about 45 instructions.
+    /// A flow within what leaves room at both ends of the travel, or within what the reference
+    /// itself takes, which comes to rest by itself. Cost: about 45 instructions.
     #[inline]
     pub(super) fn with_room(&self, flow: f32, r: &Setpoint) -> f32 {
         let (model, step) = (self.estimator.model(), self.estimator.step());
@@ -77,8 +79,8 @@ mod tests {
     use crate::servo::model::Model;
     use crate::servo::motion::Motion;
 
-    /// The largest speed with which a drive passes an end at 100 that is told to go there at full flow, over its
-    /// largest one; and its last place.
+    /// The largest speed with which a drive passes an end at 100 that is told to go there at full
+    /// flow, over its largest one; and its last place.
     fn blow(w: f32, damping: f32, gain: f32) -> (f32, f32) {
         let model = Model::linear(w * w, 2.0 * damping * w, w * w * gain);
         let mut motion = Motion::default();

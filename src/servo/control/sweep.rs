@@ -1,4 +1,5 @@
-//! A controller along the frequencies: sensitivity on the drive as identified and on drives that are off, noise, margins.
+//! A controller along the frequencies: sensitivity on the drive as identified and on drives that
+//! are off, noise, margins.
 
 use crate::math::complex::Complex;
 use crate::math::{pow, sqrt};
@@ -8,7 +9,8 @@ use crate::servo::control::poles::Poles;
 
 /// Largest sensitivity of the drive as identified, and of one that is off, squared.
 const SENSITIVITY: [f32; 2] = [2.2 * 2.2, 4.0 * 4.0];
-/// Errors of a1 and b0 over their values, beside one sample of delay more; a2 is too small by as much.
+/// Errors of a1 and b0 over their values, beside one sample of delay more; a2 is too small by as
+/// much.
 const CORNERS: [[f32; 2]; 4] = [[0.15, 0.15], [-0.15, 0.15], [0.15, -0.15], [-0.15, -0.15]];
 /// Frequencies from this share of w0 to that of the sampling.
 const FREQUENCIES: usize = 40;
@@ -38,7 +40,8 @@ pub(crate) enum Swept {
     Holds,
 }
 
-/// A controller on a drive and its corners, one frequency per call; in units of the drive's own time.
+/// A controller on a drive and its corners, one frequency per call; in units of the drive's own
+/// time.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FrequencySweep {
     drive: Drive,
@@ -60,7 +63,8 @@ pub(crate) fn ratio(step: f32) -> f32 {
 }
 
 impl FrequencySweep {
-    /// The controller of these poles on its own drive. Cost: the gains behind the prediction, some 1500 instructions.
+    /// The controller of these poles on its own drive. Cost: the gains behind the prediction, some
+    /// 1500 instructions.
     pub(crate) fn new(drive: Drive, poles: Poles, [step, ratio]: [f32; 2]) -> Self {
         Self {
             drive,
@@ -153,7 +157,8 @@ fn closed_of(c: &Complex, drive: &Drive, w: f32, late: Complex) -> Complex {
 }
 
 impl Trace {
-    /// Counts the turn of a further value of 1 + L; whether its sensitivity is small enough. Written so that NaN does not hold.
+    /// Counts the turn of a further value of 1 + L; whether its sensitivity is small enough.
+    /// Written so that NaN does not hold.
     fn sees(&mut self, closed: Complex, sensitivity: f32) -> bool {
         if !(closed.size() * sensitivity > 1.0) {
             return false;
@@ -165,3 +170,6 @@ impl Trace {
         true
     }
 }
+
+#[cfg(test)]
+mod tests;

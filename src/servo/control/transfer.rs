@@ -70,8 +70,8 @@ impl Transfer {
         Some(core::mem::take(&mut self.arriving))
     }
 
-    /// Keeps the difference of the commands before and after a change; gives the command. Within the full command on both sides:
-    /// beyond it the valve saturates anyway.
+    /// Keeps the difference of the commands before and after a change; gives the command. Within
+    /// the full command on both sides: beyond it the valve saturates anyway.
     #[inline]
     pub(crate) fn keep(&mut self, before: f32, after: f32) -> f32 {
         self.trace = within(before, 1.0) - after;

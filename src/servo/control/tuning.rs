@@ -13,7 +13,8 @@ use crate::servo::model::Model;
 const COMMAND_NOISE: f32 = 0.03;
 /// Place near an end, over the travel, where the margins must hold too.
 const NEAR_END: f32 = 0.1;
-/// Largest bandwidth over w0, and times the sample time; steps of the search, and the least bandwidth over w0.
+/// Largest bandwidth over w0, and times the sample time; steps of the search, and the least
+/// bandwidth over w0.
 const BANDWIDTH_MAX: f32 = 3.0;
 const BANDWIDTH_STEP: f32 = 0.15;
 const BANDWIDTH_RATIO: f32 = 0.85;
@@ -24,13 +25,15 @@ pub(crate) const OBSERVER_STEP: f32 = 0.3;
 const OBSERVERS: [f32; 4] = [6.0, 4.0, 2.5, 1.6];
 const DAMPINGS: [f32; 2] = [0.8, 1.6];
 const CASES: usize = OBSERVERS.len() * DAMPINGS.len();
-/// Disturbance over bandwidth: faster, its phase meets that of large flows, where a valve gives less than its gain.
+/// Disturbance over bandwidth: faster, its phase meets that of large flows, where a valve gives
+/// less than its gain.
 const DISTURBANCE: f32 = 0.3;
 
 /// The search, in pieces of at most some 2000 instructions: see [`Tuning::step`].
 ///
-/// Eight cases, each from its largest bandwidth down by 0.85 to the first whose margins hold, in the middle and near an end. A
-/// case that cannot have more integral gain than the best one is left at its first piece.
+/// Eight cases, each from its largest bandwidth down by 0.85 to the first whose margins hold, in
+/// the middle and near an end. A case that cannot have more integral gain than the best one is left
+/// at its first piece.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tuning {
     design: TuningDesign,
@@ -82,7 +85,8 @@ impl Tuning {
         tuning
     }
 
-    /// The result: the poles with the largest integral gain whose margins hold, or the slowest ones.
+    /// The result: the poles with the largest integral gain whose margins hold, or the slowest
+    /// ones.
     pub(crate) fn poles(&self) -> (Poles, Option<Margins>) {
         match self.best {
             Some((poles, margins, _)) => (poles, Some(margins)),
@@ -131,7 +135,8 @@ impl Tuning {
         }
     }
 
-    /// A piece of the search: the gains of a controller, or one frequency of it; whether the search is over.
+    /// A piece of the search: the gains of a controller, or one frequency of it; whether the search
+    /// is over.
     pub(crate) fn step(&mut self) -> bool {
         if self.case >= CASES {
             return true;

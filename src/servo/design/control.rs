@@ -6,7 +6,8 @@ use crate::servo::design::constants as c;
 use crate::servo::design::{AnchorDesign, ControllerDesign, EstimatorDesign, TuningDesign};
 use crate::servo::error::Error;
 
-/// Least dead volume over the stroke: at its end a cylinder is then 50 times as stiff as in the middle.
+/// Least dead volume over the stroke: at its end a cylinder is then 50 times as stiff as in the
+/// middle.
 const DEAD_VOLUME_MIN: f32 = 0.005;
 /// That of a usual cylinder.
 const DEAD_VOLUME: f32 = 0.06;

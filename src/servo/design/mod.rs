@@ -1,4 +1,5 @@
-//! Every number that follows from the settings, computed once, in seconds, and turned into samples here.
+//! Every number that follows from the settings, computed once, in seconds, and turned into samples
+//! here.
 
 mod clock;
 pub(crate) mod constants;
@@ -9,12 +10,12 @@ mod supervision;
 
 use crate::servo::motion::{MotionLimits, Travel};
 
-/// The settings after [`Config::resolve`](crate::servo::Config::resolve): checked, in samples, ready to run.
+/// The settings after [`Config::resolve`](crate::servo::Config::resolve): checked, in samples,
+/// ready to run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
     pub(crate) sample_time: f32,
     pub(crate) travel: Travel,
-    pub(crate) adaptive: bool,
     pub(crate) motion: MotionLimits,
     /// Poles in rad/s of a motion that runs out, and of the alpha-beta-gamma filter.
     pub(crate) run_out_rate: f32,
@@ -148,7 +149,8 @@ pub(crate) struct MonitoringDesign {
     /// Expected motion of many codes, and the least run of equal ones.
     pub(crate) many_codes: f32,
     pub(crate) least_run: u32,
-    /// Half wave of an oscillation at rest, longest time between two reversals, time to come to rest, in samples.
+    /// Half wave of an oscillation at rest, longest time between two reversals, time to come to
+    /// rest, in samples.
     pub(crate) cycle: f32,
     pub(crate) cycle_pause: u32,
     pub(crate) cycle_settling: u32,
@@ -170,7 +172,8 @@ pub(crate) struct SupervisionDesign {
     pub(crate) error_deadband: f32,
     /// Share of the largest tracking error that is forgotten per sample.
     pub(crate) peak_error_leak: f32,
-    /// Samples: between two candidates, after a rejected estimate, without motion, without another alarm.
+    /// Samples: between two candidates, after a rejected estimate, without motion, without another
+    /// alarm.
     pub(crate) look: u32,
     pub(crate) rejection: u32,
     pub(crate) still: u32,
@@ -209,3 +212,6 @@ pub(crate) struct ChangeDesign {
     /// Samples after an alarm without another.
     pub(crate) pause: u32,
 }
+
+#[cfg(test)]
+mod tests;

@@ -9,10 +9,12 @@ use crate::servo::error::Error;
 use crate::servo::motion::MotionLimits;
 
 impl Config {
-    /// Checks every setting and computes the design. Cost: some 300 instructions, not for the 1 ms path.
+    /// Checks every setting and computes the design. Cost: some 300 instructions, not for the 1 ms
+    /// path.
     ///
     /// # Errors
-    /// An [`Error`] that names the setting. The settings of the identifier are checked when the loop is built.
+    /// An [`Error`] that names the setting. The settings of the identifier are checked when the
+    /// loop is built.
     pub fn resolve(&self) -> Result<Design, Error> {
         self.check()?;
         let clock = Clock {
@@ -25,7 +27,6 @@ impl Config {
         Ok(Design {
             sample_time: self.sample_time,
             travel: self.travel,
-            adaptive: self.adaptive,
             motion: self.motion_limits()?,
             run_out_rate: c::RUN_OUT_RATIO * w,
             tracking_rate,

@@ -19,14 +19,15 @@ pub(crate) struct Bounds {
     pub(crate) sample_time: f32,
     /// Samples by which commands may take effect sooner or later than the model says.
     pub(crate) late_rate: f32,
-    /// Displacement by which a sound axis falls short, and times in s by which the speed of a motion that it may swing
-    /// after and that of a swing that is seen add to it.
+    /// Displacement by which a sound axis falls short, and times in s by which the speed of a
+    /// motion that it may swing after and that of a swing that is seen add to it.
     pub(crate) short: f32,
     pub(crate) ring: f32,
     pub(crate) swing: f32,
     /// Share of a new sample in the means of the last 1/(4 w).
     pub(crate) recent: f32,
-    /// Share of a sample in a filter of 1/w, what a damping xi lacks of 1, twice, and the share in the sums of both.
+    /// Share of a sample in a filter of 1/w, what a damping xi lacks of 1, twice, and the share in
+    /// the sums of both.
     pub(crate) response: f32,
     pub(crate) lack: f32,
     pub(crate) evidence: f32,
@@ -38,15 +39,17 @@ pub(crate) struct Bounds {
     pub(crate) share: f32,
     /// Displacement that dead zone, offset and friction may add to the expectation or take from it.
     pub(crate) slack: f32,
-    /// Motion that may be expected of an axis that friction holds, noise and resolution included, the drift that the
-    /// flow makes per s, and the time in s by which a stop may be shorter than expected.
+    /// Motion that may be expected of an axis that friction holds, noise and resolution included,
+    /// the drift that the flow makes per s, and the time in s by which a stop may be shorter than
+    /// expected.
     pub(crate) held: f32,
     pub(crate) drift: f32,
     pub(crate) stopping: f32,
     /// Samples without motion, and against the command.
     pub(crate) no_motion: u32,
     pub(crate) opposite: u32,
-    /// Time in which a loop that works makes good a following error, in s, and the error that friction leaves.
+    /// Time in which a loop that works makes good a following error, in s, and the error that
+    /// friction leaves.
     pub(crate) lag: f32,
     pub(crate) rest_error: f32,
     /// Tenths of samples of an error that stays.
@@ -76,7 +79,8 @@ const fn least_of_one(share: f32) -> f32 {
 }
 
 impl Bounds {
-    /// Derives the bounds; a model that passed the screening has a1 and b0 above 0. Not for the 1 ms path: one square root.
+    /// Derives the bounds; a model that passed the screening has a1 and b0 above 0. Not for the 1
+    /// ms path: one square root.
     pub(crate) fn new(design: &MonitoringDesign, model: &Model) -> Self {
         let w = sqrt(model.a1);
         let gain = model.b0 / model.a1;

@@ -1,4 +1,5 @@
-//! Why an axis moves against its commands: the valve closes, which is the safe answer and the test at once.
+//! Why an axis moves against its commands: the valve closes, which is the safe answer and the test
+//! at once.
 
 use crate::math::sign;
 use crate::servo::monitoring::bounds::Bounds;
@@ -7,14 +8,16 @@ use crate::servo::supervision::state::Reason;
 
 /// The motion of an axis whose valve closes.
 ///
-/// With the wrong sign of valve or sensor the axis obeys its valve, only the other way: behind a closed valve it is a
-/// spring, whose speed is gone after a quarter of its period, or a little later when its force still grows, and comes
-/// back with the other sign. A spool that is stuck, or a load that falls without air, goes on as before. The speed
-/// decides, half a period, 3/w, and the delay after the valve was told to close: more than half of the largest one
-/// since then is no stop.
+/// With the wrong sign of valve or sensor the axis obeys its valve, only the other way: behind a
+/// closed valve it is a spring, whose speed is gone after a quarter of its period, or a little
+/// later when its force still grows, and comes back with the other sign. A spool that is stuck, or
+/// a load that falls without air, goes on as before. The speed decides, half a period, 3/w, and the
+/// delay after the valve was told to close: more than half of the largest one since then is no
+/// stop.
 ///
-/// What stops within that time may have met an end of the travel, or friction. Then the [`Response`] decides, by what it has shown when the
-/// valve was still open, and, with half of that weight, until now.
+/// What stops within that time may have met an end of the travel, or friction. Then the
+/// [`Response`] decides, by what it has shown when the valve was still open, and, with half of that
+/// weight, until now.
 ///
 /// Cost: about 8 instructions, 40 in the last sample.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -33,7 +36,8 @@ pub(crate) struct Closing {
 const GOES_ON: f32 = 0.5;
 /// Weight of what is shown behind the closed valve.
 const CLOSED: f32 = 0.5;
-/// Weight of a sample in the sums of the response: these six times 1/(2 w) are a little more than what they knew before.
+/// Weight of a sample in the sums of the response: these six times 1/(2 w) are a little more than
+/// what they knew before.
 const CLOSED_WEIGHT: f32 = 0.25;
 
 impl Closing {
@@ -51,8 +55,8 @@ impl Closing {
         self.met = false;
     }
 
-    /// Weight of a sample in the sums of the response, 1 before the valve closes; what the axis shows after it has met
-    /// an end of the travel is not its drive.
+    /// Weight of a sample in the sums of the response, 1 before the valve closes; what the axis
+    /// shows after it has met an end of the travel is not its drive.
     #[inline]
     pub(crate) fn weight(&mut self, at_end: bool) -> f32 {
         if !self.is_active() {
@@ -92,9 +96,9 @@ mod tests {
     use crate::servo::monitoring::bounds::example;
     use crate::servo::motion::Motion;
 
-    /// What is found of a drive in motion behind a valve that opens by `sign` times its command, or, with a `stuck`
-    /// spool, stays as it was. The command grows the other way, as that of a loop whose axis runs away, for 2/w, and
-    /// ends when the valve closes.
+    /// What is found of a drive in motion behind a valve that opens by `sign` times its command,
+    /// or, with a `stuck` spool, stays as it was. The command grows the other way, as that of a
+    /// loop whose axis runs away, for 2/w, and ends when the valve closes.
     fn found(w: f32, damping: f32, sign: f32, stuck: Option<f32>) -> Option<Reason> {
         let model = Model::linear(w * w, damping * w, w * w * 1000.0);
         let bounds = example::bounds(&model);

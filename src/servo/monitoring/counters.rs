@@ -19,7 +19,8 @@ pub struct FaultCounters {
     pub stops: u32,
     /// Factor on the bandwidth of the controller; 1 unless an oscillation was noticed.
     pub derating: f32,
-    /// Departures from where the axis was while its reference rests: slips, creep and every half wave of a cycle.
+    /// Departures from where the axis was while its reference rests: slips, creep and every half
+    /// wave of a cycle.
     pub moves_at_rest: u32,
 }
 

@@ -5,12 +5,12 @@ use crate::servo::motion::Setpoint;
 
 /// The following error against what the motion of the reference explains.
 ///
-/// A loop of any bandwidth above w / 4 lags behind its reference by less than four time constants 1/w of the drive itself:
-/// more than `lag` times the largest recent speed is no lag. An error that shrinks is being worked off. What stays
-/// for 10/w, more than a period of the drive, and for the time in which a push becomes as large as it usually must, stays. While friction
-/// holds the axis and the push still grows, the error is being worked off, however slowly; the time then counts a tenth, so that it
-/// ends.
-/// Cost: about 20 instructions.
+/// A loop of any bandwidth above w / 4 lags behind its reference by less than four time constants
+/// 1/w of the drive itself: more than `lag` times the largest recent speed is no lag. An error that
+/// shrinks is being worked off. What stays for 10/w, more than a period of the drive, and for the
+/// time in which a push becomes as large as it usually must, stays. While friction holds the axis
+/// and the push still grows, the error is being worked off, however slowly; the time then counts a
+/// tenth, so that it ends. Cost: about 20 instructions.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Following {
     /// Largest recent speed of the reference.
@@ -22,7 +22,8 @@ pub(crate) struct Following {
 }
 
 impl Following {
-    /// One sample; whether the axis does not follow. `pushes`: friction holds it, and the push still grows.
+    /// One sample; whether the axis does not follow. `pushes`: friction holds it, and the push
+    /// still grows.
     #[inline]
     pub(crate) fn update(&mut self, r: &Setpoint, y: f32, pushes: bool, bounds: &Bounds) -> bool {
         let speed = r.velocity.abs();

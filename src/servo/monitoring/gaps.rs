@@ -4,9 +4,9 @@ use crate::servo::design::MonitoringDesign;
 
 /// The share of readings, within some 50 ms, that failed or were replaced.
 ///
-/// A bridged sample takes its position from the model: with more than half of them bridged the loop runs on the model more
-/// than on the sensor, for whatever pattern of failures. A burst that the bridging allows never comes to a half.
-/// Cost: about 6 instructions.
+/// A bridged sample takes its position from the model: with more than half of them bridged the loop
+/// runs on the model more than on the sensor, for whatever pattern of failures. A burst that the
+/// bridging allows never comes to a half. Cost: about 6 instructions.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Gaps {
     share: f32,

@@ -1,9 +1,10 @@
 //! What stops a loop whose sensor, valve or axis has a fault, while a verified model controls.
 //!
-//! Every monitor compares what the model expects of the commands with what the sensor shows. The expectation comes from
-//! the commands alone ([`twin`]), so that no failing sensor enters it. Times and distances follow from the model (natural
-//! frequency w, velocity gain C), from the accuracy of a commissioning and from noise and resolution of the sensor;
-//! [`Bounds`](bounds::Bounds) derives them when a model comes into force.
+//! Every monitor compares what the model expects of the commands with what the sensor shows. The
+//! expectation comes from the commands alone ([`twin`]), so that no failing sensor enters it. Times
+//! and distances follow from the model (natural frequency w, velocity gain C), from the accuracy of
+//! a commissioning and from noise and resolution of the sensor; [`Bounds`](bounds::Bounds) derives
+//! them when a model comes into force.
 //!
 //! | requirement | mechanism | time and distance | test (host-tests/tests/servo/faults.rs) |
 //! |---|---|---|---|
@@ -53,3 +54,6 @@ mod unrest;
 
 pub use counters::FaultCounters;
 pub(crate) use monitors::{Alarm, Monitors, Seen};
+
+#[cfg(test)]
+mod tests;

@@ -67,7 +67,8 @@ pub(crate) struct Monitors {
 }
 
 impl Monitors {
-    /// Monitors of an axis whose `model` is a placeholder until [`Monitors::begin`]; `observer` measures nothing.
+    /// Monitors of an axis whose `model` is a placeholder until [`Monitors::begin`]; `observer`
+    /// measures nothing.
     pub(crate) fn new(design: &MonitoringDesign, observer: &ObserverDesign, model: Model) -> Self {
         Self {
             design: *design,
@@ -126,15 +127,17 @@ impl Monitors {
             .tune(self.bounds.gain * self.bounds.frequency + BREAKAWAY * model.friction);
     }
 
-    /// Goes on with another model in motion: its expectation begins at this motion, not where the model before has led.
+    /// Goes on with another model in motion: its expectation begins at this motion, not where the
+    /// model before has led.
     pub(crate) fn retune(&mut self, model: Model, motion: Motion) {
         self.tune(model);
         self.twin.go_on(motion);
         self.obedience = Obedience::default();
     }
 
-    /// Judges a reading; `missed`: samples in a row without one. While the valve is closed to find out why the axis moves against its
-    /// commands, every reading counts: of such a motion the model expects nothing.
+    /// Judges a reading; `missed`: samples in a row without one. While the valve is closed to find
+    /// out why the axis moves against its commands, every reading counts: of such a motion the
+    /// model expects nothing.
     #[inline]
     pub(crate) fn judge(&mut self, y: f32, earlier: &Motion, missed: u32) -> Verdict {
         if self.obedience.is_closing() {

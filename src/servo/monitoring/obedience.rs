@@ -15,9 +15,8 @@ use crate::servo::supervision::state::Reason;
 /// | the other way | [`Shortfall`], then [`Response`] and [`Closing`] | `WrongSign`, `ValveStuck` or `Blocked` |
 /// | beyond three times the expected and twice the slack, for 1/(2 w) | displacements of the last 4/w | `ValveStuck` |
 ///
-/// The slack is the displacement that a dead zone and an offset as wrong as a commissioning may leave them, friction,
-/// noise and resolution make.
-/// Cost: about 100 instructions.
+/// The slack is the displacement that a dead zone and an offset as wrong as a commissioning may
+/// leave them, friction, noise and resolution make. Cost: about 100 instructions.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Obedience {
     shortfall: Shortfall,
@@ -87,7 +86,8 @@ impl Obedience {
         self.shortfall.swing()
     }
 
-    /// What an axis does that runs to its end: when it is not its speed, it moves against its commands.
+    /// What an axis does that runs to its end: when it is not its speed, it moves against its
+    /// commands.
     pub(crate) fn at_end(&mut self, twin: &Twin, velocity: f32, bounds: &Bounds) -> Found {
         if Shortfall::is_against(twin.velocity(), velocity, bounds) {
             self.against(velocity, bounds)

@@ -5,10 +5,10 @@ use crate::servo::motion::Setpoint;
 
 /// Reversals of the position about a reference at rest.
 ///
-/// Noise of 8 sigma and two resolutions do not count, and neither does an axis that comes to rest: after 4 reversals, each
-/// within the longest pause after the one before, a loop with damping is at rest. Friction that sticks makes slow cycles, so that the
-/// pause is seconds and not periods of the drive.
-/// Cost: about 20 instructions.
+/// Noise of 8 sigma and two resolutions do not count, and neither does an axis that comes to rest:
+/// after 4 reversals, each within the longest pause after the one before, a loop with damping is at
+/// rest. Friction that sticks makes slow cycles, so that the pause is seconds and not periods of
+/// the drive. Cost: about 20 instructions.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Oscillation {
     band: f32,

@@ -4,20 +4,22 @@ use crate::servo::design::MonitoringDesign;
 use crate::servo::motion::Motion;
 use crate::servo::supervision::state::Reason;
 
-/// A gate on every reading: the distance that the axis can have moved since the last good one, and no more.
+/// A gate on every reading: the distance that the axis can have moved since the last good one, and
+/// no more.
 ///
 /// ```text
 /// |y - x| <= 8 sigma + 3 resolutions + 2 |v| Delta + a ((t + 2 Delta)^2 / 2 + 0.27 / rate^2)
 /// ```
 ///
-/// x, v: position and velocity expected from earlier readings alone; t: time since the last good reading. Two missed
-/// slots move the axis by 2 |v| Delta, an obstacle takes at most |v| Delta away; a = C w is what the full force can
-/// change, 2.5 times the friction what a breakaway can; the filter with three poles at `-rate` that x comes from lags
-/// behind a step of the acceleration by 0.27 a / rate^2. sigma is the larger of the stated noise and the rms of the
-/// residual itself, each part of which enters with at most the gate, so that no outlier opens it.
+/// x, v: position and velocity expected from earlier readings alone; t: time since the last good
+/// reading. Two missed slots move the axis by 2 |v| Delta, an obstacle takes at most |v| Delta
+/// away; a = C w is what the full force can change, 2.5 times the friction what a breakaway can;
+/// the filter with three poles at `-rate` that x comes from lags behind a step of the acceleration
+/// by 0.27 a / rate^2. sigma is the larger of the stated noise and the rms of the residual itself,
+/// each part of which enters with at most the gate, so that no outlier opens it.
 ///
-/// Readings that last are a jump, unless they stay at the last good one: no force stops an axis so fast, but an
-/// obstacle does, and so does a sensor that is stuck.
+/// Readings that last are a jump, unless they stay at the last good one: no force stops an axis so
+/// fast, but an obstacle does, and so does a sensor that is stuck.
 ///
 /// Known as: innovation gate (Bar-Shalom, Li and Kirubarajan 2001). Cost: about 30 instructions.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,7 +74,8 @@ impl Plausibility {
         self.acceleration = acceleration;
     }
 
-    /// Judges a reading beside the motion of the earlier ones; `missed`: samples in a row without any.
+    /// Judges a reading beside the motion of the earlier ones; `missed`: samples in a row without
+    /// any.
     #[inline]
     pub(crate) fn judge(&mut self, y: f32, earlier: &Motion, missed: u32) -> Verdict {
         let samples = (self.bridged.saturating_add(missed).saturating_add(1)) as f32;
@@ -124,7 +127,8 @@ mod tests {
     use crate::servo::Config;
     use crate::servo::motion::Travel;
 
-    /// What becomes of readings after an axis at a speed that no force takes away at once, 300 mm/s against 10 mm/s^2.
+    /// What becomes of readings after an axis at a speed that no force takes away at once, 300 mm/s
+    /// against 10 mm/s^2.
     fn lasting(after: impl Fn(u32) -> f32) -> Option<Reason> {
         let travel = Travel {
             min: 0.0,

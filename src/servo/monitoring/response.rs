@@ -9,9 +9,10 @@ use crate::servo::monitoring::bounds::Bounds;
 /// commanded = C q_2        shown = v - 2 (1 - xi) (v_1 - v_2)        _1, _2: through w / (s + w) once, twice
 /// ```
 ///
-/// A drive of the model shows what is commanded, whatever it did more than some 1/w ago: no motion is simulated, so
-/// that no phase of a swing and no side on which friction holds the axis can be wrong. A flow as wrong as `q` leaves
-/// `C q`, friction some `friction / w`. Three faults are three hypotheses about the velocity that is shown:
+/// A drive of the model shows what is commanded, whatever it did more than some 1/w ago: no motion
+/// is simulated, so that no phase of a swing and no side on which friction holds the axis can be
+/// wrong. A flow as wrong as `q` leaves `C q`, friction some `friction / w`. Three faults are three
+/// hypotheses about the velocity that is shown:
 ///
 /// | fault | shown | share of its energy that this explains |
 /// |---|---|---|
@@ -19,10 +20,10 @@ use crate::servo::monitoring::bounds::Bounds;
 /// | a spool that is stuck | any constant | `(sum shown)^2 / (n sum shown^2)` |
 /// | a closed valve, a clamped slide | nothing | |
 ///
-/// Both of the first have one free number, so that the one with the larger share is the more likely one, whatever the
-/// noise: with Gaussian errors of one variance it has the larger likelihood. The shares are between 0 and 1 (Cauchy and
-/// Schwarz). A gain g below 1 is a weak drive: air that goes back into a supply that is lost moves the axis against its
-/// command as well.
+/// Both of the first have one free number, so that the one with the larger share is the more likely
+/// one, whatever the noise: with Gaussian errors of one variance it has the larger likelihood. The
+/// shares are between 0 and 1 (Cauchy and Schwarz). A gain g below 1 is a weak drive: air that goes
+/// back into a supply that is lost moves the axis against its command as well.
 ///
 /// The sums forget within 1/(2 w), and not while the valve is closed to find out.
 /// Cost: about 45 instructions.
@@ -41,7 +42,8 @@ pub(crate) struct Response {
 const FAINT: f32 = 0.04;
 
 impl Response {
-    /// One sample with the flow that takes effect now and the measured velocity; with a `weight` below 1 nothing is forgotten.
+    /// One sample with the flow that takes effect now and the measured velocity; with a `weight`
+    /// below 1 nothing is forgotten.
     #[inline]
     pub(crate) fn update(&mut self, flow: f32, velocity: f32, weight: f32, bounds: &Bounds) {
         let share = bounds.response;
@@ -77,7 +79,8 @@ impl Response {
         !(shown > FAINT * commanded)
     }
 
-    /// How much more of the motion a wrong sign explains than a spool that is stuck: -1 to 1. Not for every sample: it divides.
+    /// How much more of the motion a wrong sign explains than a spool that is stuck: -1 to 1. Not
+    /// for every sample: it divides.
     pub(crate) fn mirrored(&self) -> f32 {
         let [commanded, shown] = self.squares;
         let energy = commanded * shown * self.weight;
@@ -101,8 +104,8 @@ mod tests {
     use crate::servo::monitoring::bounds::example;
     use crate::servo::motion::Motion;
 
-    /// The response of a drive to a flow that grows as that of a loop that runs away: the drive takes it times `sign`,
-    /// or stands open by `stuck`.
+    /// The response of a drive to a flow that grows as that of a loop that runs away: the drive
+    /// takes it times `sign`, or stands open by `stuck`.
     fn response(seed: u32, sign: f32, stuck: f32) -> Response {
         let mut state = seed;
         let mut uniform = move |low: f32, high: f32| {

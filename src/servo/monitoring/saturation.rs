@@ -4,8 +4,9 @@ use crate::servo::monitoring::bounds::Bounds;
 
 /// Samples in a row at the full command, in one direction.
 ///
-/// At a quarter of the velocity that the model gives to the full command, the axis would have crossed all of its travel:
-/// no target on the travel explains a longer saturation. Cost: about 6 instructions.
+/// At a quarter of the velocity that the model gives to the full command, the axis would have
+/// crossed all of its travel: no target on the travel explains a longer saturation. Cost: about 6
+/// instructions.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Saturation {
     samples: u32,

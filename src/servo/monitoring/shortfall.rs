@@ -11,7 +11,7 @@ pub(crate) enum Short {
     Against,
 }
 
-/// The displacement by which the axis falls short of its expectation, in one direction, beyond what a sound axis does.
+/// How far the axis falls short of its expectation, in one direction, beyond what a sound one does.
 ///
 /// ```text
 /// D <- max(0, D + Delta (|v_e| - s v - tolerance))       s: sign of the expected velocity v_e; begins again when s changes
@@ -19,24 +19,25 @@ pub(crate) enum Short {
 /// alarm when D > 2 (friction/a1 + 0.06 C / w + grain) + swing,   and v is below a fifth of v_e or the other way
 /// ```
 ///
-/// Tolerance: dead zone and offset of the flow together; a velocity gain that loads, direction and place change; and a
-/// delay that is wrong by `late`, half of it: the drive is the same at all times, so that its motion comes as much
-/// sooner or later as its commands do, however many there are. D is what is left: a sound axis stays behind by the
-/// deflection with which friction holds it, and by a swing. A drive with little damping swings by `v / w` after a
-/// motion with v, in a phase that nobody knows: `(1 - 2 xi) v / w` for the fastest recent motion that was as expected.
-/// A loop that swings, near an end, where the drive is stiffer, faster than its model, has any phase to its
-/// expectation, and in half a wave D grows to some `2 v / w`, under a load of three times the mass sqrt(3) times that,
-/// and half as much again where the loop is unstable with that load and the next half wave is larger by a half: 5.2 v /
-/// w for the smaller one of the largest recent speeds in both directions. A motion that runs away has only one
-/// direction.
+/// Tolerance: dead zone and offset of the flow together; a velocity gain that loads, direction and
+/// place change; and a delay that is wrong by `late`, half of it: the drive is the same at all
+/// times, so that its motion comes as much sooner or later as its commands do, however many there
+/// are. D is what is left: a sound axis stays behind by the deflection with which friction holds
+/// it, and by a swing. A drive with little damping swings by `v / w` after a motion with v, in a
+/// phase that nobody knows: `(1 - 2 xi) v / w` for the fastest recent motion that was as expected.
+/// A loop that swings, near an end, where the drive is stiffer, faster than its model, has any
+/// phase to its expectation, and in half a wave D grows to some `2 v / w`, under a load of three
+/// times the mass sqrt(3) times that, and half as much again where the loop is unstable with that
+/// load and the next half wave is larger by a half: 5.2 v / w for the smaller one of the largest
+/// recent speeds in both directions. A motion that runs away has only one direction.
 ///
-/// While friction holds the expectation, s is the sign of what is commanded: an axis with less friction than its model
-/// already moves that way.
+/// While friction holds the expectation, s is the sign of what is commanded: an axis with less
+/// friction than its model already moves that way.
 ///
-/// An axis stands when its whole path since then, forth and back, is below a fifth of what is expected.
+/// An axis stands when its path since then, forth and back, is below a fifth of what is expected.
 ///
-/// D begins with the fault, whatever the axis did before, so that the full motion of a sensor that fails at speed
-/// counts at once; a wrong sign counts twice.
+/// D begins with the fault, whatever the axis did before, so that the full motion of a sensor that
+/// fails at speed counts at once; a wrong sign counts twice.
 ///
 /// Known as: cumulative sum test (Page 1954). Cost: about 40 instructions.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -75,7 +76,7 @@ const fn larger(a: f32, b: f32) -> f32 {
 }
 
 impl Shortfall {
-    /// One sample with the expected velocity, the one that the valve lets expect, and the measured one.
+    /// One sample: velocities as expected, as the valve lets expect, and as measured.
     #[inline]
     pub(crate) fn update(
         &mut self,
@@ -133,7 +134,8 @@ impl Shortfall {
         }
     }
 
-    /// The displacement of a swing: of the one that follows the fastest recent motion, or of the one that is seen, whichever is larger.
+    /// The displacement of a swing: of the one that follows the fastest recent motion, or of the
+    /// one that is seen, whichever is larger.
     #[inline]
     fn swing_of(&mut self, expected: f32, measured: f32, bounds: &Bounds) -> f32 {
         let kept = 1.0 - HEAVY * bounds.share;
@@ -185,7 +187,8 @@ mod tests {
         }
     }
 
-    /// What a model is taken to be, and what the drive is: another gain, friction and flow of the valve at rest, another delay.
+    /// What a model is taken to be, and what the drive is: another gain, friction and flow of the
+    /// valve at rest, another delay.
     struct Drive {
         bounds: Bounds,
         believed: Model,
@@ -238,7 +241,8 @@ mod tests {
             }
         }
 
-        /// The alarm, and when, if the measured velocity is so many times the real one from the middle on.
+        /// The alarm, and when, if the measured velocity is so many times the real one from the
+        /// middle on.
         fn run(&self, sign: f32) -> Option<(Short, usize)> {
             let design = ObserverDesign {
                 rate: 1.0,

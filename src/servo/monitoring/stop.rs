@@ -6,20 +6,22 @@ use crate::servo::supervision::state::Reason;
 
 /// What the valve does after a fault.
 ///
-/// While the position is known the controller brakes on its observer to velocity zero, for a bounded time. Otherwise, and
-/// afterwards, the valve is in the middle of its dead zone: a drive whose velocity follows its valve comes to rest by
-/// itself, within `2 xi v / w + a / w^2`.
+/// While the position is known the controller brakes on its observer to velocity zero, for a
+/// bounded time. Otherwise, and afterwards, the valve is in the middle of its dead zone: a drive
+/// whose velocity follows its valve comes to rest by itself, within `2 xi v / w + a / w^2`.
 ///
-/// With a wrong sign nobody knows on which side of zero the middle is: with the offset o of the model it is at -o when
-/// the sensor counts the other way, and at o when the valve opens the other way. The valve goes to zero; where the
-/// offset exceeds the dead zone, the axis then creeps, the measured way along o when it is the valve and against it
-/// when it is the sensor. In both cases the middle is |o| the way of the creep. A swing that is taken for a creep
-/// corrects itself: with the valve at |o| the wrong way the axis creeps the other way.
+/// With a wrong sign nobody knows on which side of zero the middle is: with the offset o of the
+/// model it is at -o when the sensor counts the other way, and at o when the valve opens the other
+/// way. The valve goes to zero; where the offset exceeds the dead zone, the axis then creeps, the
+/// measured way along o when it is the valve and against it when it is the sensor. In both cases
+/// the middle is |o| the way of the creep. A swing that is taken for a creep corrects itself: with
+/// the valve at |o| the wrong way the axis creeps the other way.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Stop {
     /// Samples of braking that are left.
     braking: u32,
-    /// Samples until the axis has stopped; the mean velocity, the share of a sample in it, and the least that counts.
+    /// Samples until the axis has stopped; the mean velocity, the share of a sample in it, and the
+    /// least that counts.
     stopping: u32,
     velocity: f32,
     /// The way of the latest creep, 0 until there is one.
@@ -79,7 +81,8 @@ mod tests {
     use crate::servo::monitoring::bounds::example;
     use crate::servo::motion::Motion;
 
-    /// With an offset beyond the dead zone, whichever of valve and sensor is the wrong way round, the axis comes to rest.
+    /// With an offset beyond the dead zone, whichever of valve and sensor is the wrong way round,
+    /// the axis comes to rest.
     #[test]
     fn the_middle_of_the_valve_is_found_behind_a_wrong_sign() {
         for (valve, sensor) in [(-1.0, 1.0), (1.0, -1.0)] {

@@ -5,12 +5,13 @@ use crate::servo::monitoring::bounds::Bounds;
 
 /// Samples and expected motion since the code last changed.
 ///
-/// Noise that spans more than a code changes it within a few samples, moving or not: the longest run of equal codes
-/// seen in good work tells how few. Beyond eight times that run the code counts as stuck as soon as the model expects
-/// motion of ten codes and sixteen sigma in the run, however slowly. Where the noise is below 0.75 codes, runs at rest
-/// may be long; there the expected motion must exceed what can hold the axis back: friction, a stop that is harder than
-/// expected (1/w of the speed at its begin) or the swing after it, which friction ended, and for all of the run a flow
-/// as wrong as dead zone and offset may be. Cost: about 20 instructions.
+/// Noise that spans more than a code changes it within a few samples, moving or not: the longest
+/// run of equal codes seen in good work tells how few. Beyond eight times that run the code counts
+/// as stuck as soon as the model expects motion of ten codes and sixteen sigma in the run, however
+/// slowly. Where the noise is below 0.75 codes, runs at rest may be long; there the expected motion
+/// must exceed what can hold the axis back: friction, a stop that is harder than expected (1/w of
+/// the speed at its begin) or the swing after it, which friction ended, and for all of the run a
+/// flow as wrong as dead zone and offset may be. Cost: about 20 instructions.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct StuckCode {
     /// Expected motion of many codes.
@@ -32,8 +33,9 @@ pub(crate) struct StuckCode {
 
 /// How much longer than the longest run of good work a run must be.
 const RUN_RATIO: u32 = 8;
-/// Standard deviation over resolution from which on noise changes the code wherever between two codes the axis stands:
-/// quantisation alone gives up to a half, where an axis stands on the edge of two.
+/// Standard deviation over resolution from which on noise changes the code wherever between two
+/// codes the axis stands: quantisation alone gives up to a half, where an axis stands on the edge
+/// of two.
 const SPANNING: f32 = 0.75;
 /// Changes of the code after which its runs are known.
 const KNOWN_CHANGES: u32 = 200;
@@ -59,7 +61,8 @@ impl StuckCode {
         self.motion = 0.0;
     }
 
-    /// One sample with the expected velocity, and the displacement by which a swing may set it apart; whether the code is stuck.
+    /// One sample with the expected velocity, and the displacement by which a swing may set it
+    /// apart; whether the code is stuck.
     #[inline]
     pub(crate) fn update(
         &mut self,

@@ -9,10 +9,11 @@ use crate::servo::motion::{Setpoint, Travel};
 /// s(x, v) = x + v (delay + 0.25/w) + 2 v |v| / (C w)
 /// ```
 ///
-/// This is the stopping distance under the full reverse command, with some to spare. The reference comes to rest within
-/// the travel by itself; an axis close to it does so too. Therefore the place where the axis would stop counts when it
-/// is beyond the travel and beyond that of a reference a third faster, each by more than the speed `end_speed` needs,
-/// which an end may take. A loop that brakes already has the delay and 1/w to show it. Cost: about 25 instructions.
+/// This is the stopping distance under the full reverse command, with some to spare. The reference
+/// comes to rest within the travel by itself; an axis close to it does so too. Therefore the place
+/// where the axis would stop counts when it is beyond the travel and beyond that of a reference a
+/// third faster, each by more than the speed `end_speed` needs, which an end may take. A loop that
+/// brakes already has the delay and 1/w to show it. Cost: about 25 instructions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct TravelMonitor {
     travel: Travel,

@@ -7,19 +7,22 @@ use crate::servo::model::Model;
 use crate::servo::monitoring::bounds::Bounds;
 use crate::servo::motion::Motion;
 
-/// The model in free simulation on the commands, and the displacement that it shows beside the measured one.
+/// The model in free simulation on the commands, and the displacement that it shows beside the
+/// measured one.
 ///
-/// The velocity part of a verified model is stable (a1 and a2 are positive), so its simulation forgets how it began and
-/// needs no measurement: whatever the sensor says, the expectation stays bounded by C |flow|. Only the position drifts;
-/// therefore displacements over a window of a few 1/w are compared, of model and sensor with the same high-pass filter
+/// The velocity part of a verified model is stable (a1 and a2 are positive), so its simulation
+/// forgets how it began and needs no measurement: whatever the sensor says, the expectation stays
+/// bounded by C |flow|. Only the position drifts; therefore displacements over a window of a few
+/// 1/w are compared, of model and sensor with the same high-pass filter
 ///
 /// ```text
 /// h' = v - h / window        measured: y minus its low-pass of the same time constant
 /// ```
 ///
-/// A wrong dead zone or offset of the flow by `q` moves h by at most `C q window`, friction by its deflection
-/// `friction / a1`: this is the slack of the bounds. A command that takes effect half a delay sooner or later than the
-/// model says moves h by `C |change| delay / 2`: the slack grows with the changes of the command within the window.
+/// A wrong dead zone or offset of the flow by `q` moves h by at most `C q window`, friction by its
+/// deflection `friction / a1`: this is the slack of the bounds. A command that takes effect half a
+/// delay sooner or later than the model says moves h by `C |change| delay / 2`: the slack grows
+/// with the changes of the command within the window.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Twin {
     observer: Observer,
@@ -40,7 +43,8 @@ pub(crate) struct Twin {
 /// Least `a2 / w` of the expectation.
 const DAMPING: f32 = 0.3;
 
-/// The model with a damping of at least 0.15: the phase of an oscillation that lasts longer is not known.
+/// The model with a damping of at least 0.15: the phase of an oscillation that lasts longer is not
+/// known.
 const fn damped(model: Model, frequency: f32) -> Model {
     let least = DAMPING * frequency;
     Model {
@@ -104,7 +108,8 @@ impl Twin {
         old
     }
 
-    /// One sample with the measured position and the command in force from now on. Cost: about 80 instructions.
+    /// One sample with the measured position and the command in force from now on. Cost: about 80
+    /// instructions.
     #[inline]
     pub(crate) fn update(&mut self, y: f32, command: f32, bounds: &Bounds) {
         self.activity += (command - self.last).abs() - bounds.share * self.activity;

@@ -8,11 +8,12 @@ const SHARE: f32 = 0.3;
 
 /// Departures of the position from where it was at rest.
 ///
-/// The place is where the axis is when its reference has rested for the settling time; a mean of the latest positions that is further
-/// away than two resolutions and two standard deviations of the noise, 4.8 of its own, is a move, and the next place. Whatever range the
-/// axis covers, it is half of it away from the place at least once: no cycle of more than twice the band goes unnoticed, however
-/// slow or fast, and neither does an axis that slips once or creeps.
-/// Cost: about 12 instructions.
+/// The place is where the axis is when its reference has rested for the settling time; a mean of
+/// the latest positions that is further away than two resolutions and two standard deviations of
+/// the noise, 4.8 of its own, is a move, and the next place. Whatever range the axis covers, it is
+/// half of it away from the place at least once: no cycle of more than twice the band goes
+/// unnoticed, however slow or fast, and neither does an axis that slips once or creeps. Cost: about
+/// 12 instructions.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Unrest {
     band: f32,
@@ -66,7 +67,8 @@ impl Unrest {
 mod tests {
     use super::*;
 
-    /// Moves that are counted in 4 s about a reference at rest, with a resolution of 0.01 and uniform noise of +-0.02.
+    /// Moves that are counted in 4 s about a reference at rest, with a resolution of 0.01 and
+    /// uniform noise of +-0.02.
     fn moves(axis: impl Fn(f32) -> f32) -> u32 {
         let mut unrest = Unrest::of(0.012, 0.01, 500);
         let (mut state, mut count) = (1_u32, 0);

@@ -8,8 +8,9 @@ use crate::servo::motion::Motion;
 /// x' = v   v' = a   a' = 0,   corrected by (y - x) with the gains 3 w T, 3 w^2 T, w^3 T
 /// ```
 ///
-/// Known as: alpha-beta-gamma filter (Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and
-/// Navigation, 2001). Exact for a constant acceleration. Cost: about 15 instructions.
+/// Known as: alpha-beta-gamma filter (Bar-Shalom, Li and Kirubarajan, Estimation with Applications
+/// to Tracking and Navigation, 2001). Exact for a constant acceleration. Cost: about 15
+/// instructions.
 #[derive(Debug, Clone, PartialEq)]
 #[doc(alias = "Tracker")]
 pub(crate) struct AlphaBetaGamma {
@@ -64,3 +65,6 @@ impl AlphaBetaGamma {
         self.motion
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -8,6 +8,9 @@ pub(crate) mod trajectory;
 
 use crate::servo::error::Error;
 
+/// Position over that of the ends of the travel beyond which it is none.
+const FARTHEST: f32 = 1e3;
+
 /// Position and its first two derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -141,8 +144,35 @@ impl Travel {
         position >= self.min && position <= self.max
     }
 
+    /// Whether an axis may have this position, even with its zero lost: what is further away than a
+    /// thousand times the ends, or no number, is an error of the sensor, and what follows from it
+    /// would not be finite.
+    #[inline]
+    pub(crate) fn may_have(&self, position: f32) -> bool {
+        position.abs() <= FARTHEST * (self.min.abs() + self.max.abs())
+    }
+
     pub(crate) fn check(&self) -> Result<(), Error> {
         Error::unless_within("travel.min", self.min, f32::MIN, f32::MAX)?;
         Error::unless_positive("travel.max - travel.min", self.length())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_position_is_one_that_an_axis_may_have() {
+        let travel = Travel {
+            min: -100.0,
+            max: 300.0,
+        };
+        for position in [0.0, -100.0, 3e5, -4e5, 4e5] {
+            assert!(travel.may_have(position), "{position}");
+        }
+        for position in [4.01e5, -4.01e5, f32::INFINITY, f32::NAN] {
+            assert!(!travel.may_have(position), "{position}");
+        }
     }
 }

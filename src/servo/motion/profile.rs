@@ -51,7 +51,8 @@ pub(crate) struct Move {
     /// The present piece, and where it began.
     index: u8,
     start: Motion,
-    /// Time into the piece at its first sample, and samples since: a sum of sample times would lose them after hours.
+    /// Time into the piece at its first sample, and samples since: a sum of sample times would lose
+    /// them after hours.
     offset: f32,
     samples: u32,
     target: f32,
@@ -80,8 +81,9 @@ impl Move {
 
     /// Whether no point of the move is outside of the travel.
     ///
-    /// Only on the way to the cruising velocity, the first three pieces, does the motion reverse at a place of its own; after it
-    /// the motion keeps its direction to the target. Cost: some 100 instructions.
+    /// Only on the way to the cruising velocity, the first three pieces, does the motion reverse at
+    /// a place of its own; after it the motion keeps its direction to the target. Cost: some 100
+    /// instructions.
     pub(crate) fn stays_within(&self, travel: &Travel) -> bool {
         let [a, b, c, ..] = &self.segments;
         let mut start = self.start;
@@ -131,9 +133,11 @@ impl Move {
 /// Samples that planning a move takes; the move begins with the one after them.
 pub(crate) const PLANNING: u8 = 16;
 
-/// The search for the cruising velocity of a move of up to seven pieces from `start` to rest at `target`.
+/// The search for the cruising velocity of a move of up to seven pieces from `start` to rest at
+/// `target`.
 ///
-/// The velocity is the largest from which the axis still stops in time: 15 bits of it, one per sample; cruising makes up for the rest.
+/// The velocity is the largest from which the axis still stops in time: 15 bits of it, one per
+/// sample; cruising makes up for the rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Search {
     start: Motion,
@@ -164,7 +168,8 @@ impl Search {
             target,
             direction,
             low: 0.0,
-            // Twice the largest velocity: the first step of the search then tests the largest itself.
+            // Twice the largest velocity: the first step of the search then tests the largest
+            // itself.
             high: if 2.0 * limits.velocity < reach {
                 2.0 * limits.velocity
             } else {
@@ -246,7 +251,8 @@ fn from_zero(start: &Motion) -> Motion {
     }
 }
 
-/// From velocity `v0` and acceleration `a0` to velocity `v1` and acceleration 0, as fast as the limits allow.
+/// From velocity `v0` and acceleration `a0` to velocity `v1` and acceleration 0, as fast as the
+/// limits allow.
 fn change(v0: f32, a0: f32, v1: f32, limits: &MotionLimits) -> [Segment; 3] {
     let j = limits.jerk;
     let settled = v0 + 0.5 * a0 * a0.abs() / j;

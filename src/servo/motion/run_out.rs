@@ -16,8 +16,9 @@ pub(crate) struct RunOut {
 impl RunOut {
     /// Whether no point of the motion is outside of the travel.
     ///
-    /// It ends at `x + (2 rate v + a) / rate^2`. Its velocity is `(v + w t) e^(-rate t)` with `w = a + rate v`: it reverses once, at
-    /// `t = -v / w`, where that is positive, and has gone by at most `v t` until then.
+    /// It ends at `x + (2 rate v + a) / rate^2`. Its velocity is `(v + w t) e^(-rate t)` with
+    /// `w = a + rate v`: it reverses once, at `t = -v / w`, where that is positive, and has gone by
+    /// at most `v t` until then.
     pub(crate) fn stays_within(&self, from: &Motion, travel: &Travel) -> bool {
         let (v, a) = (from.velocity, from.acceleration);
         let end = from.position + (2.0 * self.rate * v + a) / (self.rate * self.rate);
@@ -30,8 +31,8 @@ impl RunOut {
         travel.contains(end) && travel.contains(turn)
     }
 
-    /// Whether acceleration and jerk of this motion stay within the limits: both are largest at its begin, but for an
-    /// acceleration of at most `rate v / e` on the way.
+    /// Whether acceleration and jerk of this motion stay within the limits: both are largest at its
+    /// begin, but for an acceleration of at most `rate v / e` on the way.
     pub(crate) fn keeps(&self, from: &Motion, limits: &MotionLimits) -> bool {
         let (speed, acceleration) = (self.rate * from.velocity.abs(), from.acceleration.abs());
         acceleration <= limits.acceleration
@@ -39,7 +40,8 @@ impl RunOut {
             && self.rate * (2.0 * acceleration + speed) <= limits.jerk
     }
 
-    /// One sample of `step` seconds on from `s`; whether the motion has ended. Cost: about 25 instructions.
+    /// One sample of `step` seconds on from `s`; whether the motion has ended. Cost: about 25
+    /// instructions.
     #[inline]
     pub(crate) fn next(&self, s: &Setpoint, step: f32, limits: &MotionLimits) -> (Setpoint, bool) {
         let mut s = *s;
@@ -52,3 +54,6 @@ impl RunOut {
         (if ended { Setpoint::at(s.position) } else { s }, ended)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,7 +3,8 @@
 use crate::math::sin;
 use crate::servo::motion::{MotionLimits, Setpoint};
 
-/// `centre + amplitude blend(t) sin(omega t)`; the blend rises from 0 to 1 over one period, over more where the limits ask for it.
+/// `centre + amplitude blend(t) sin(omega t)`; the blend rises from 0 to 1 over one period, over
+/// more where the limits ask for it.
 ///
 /// The phase is a phasor that is turned by one sample at a time: + - x only.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +22,8 @@ pub(crate) struct Sine {
     growth: f32,
 }
 
-/// Periods of growth, with the largest acceleration and jerk over `A omega^2` and `A omega^3` meanwhile.
+/// Periods of growth, with the largest acceleration and jerk over `A omega^2` and `A omega^3`
+/// meanwhile.
 const GROWTHS: [[f32; 3]; 3] = [[1.0, 1.16, 1.56], [2.0, 1.02, 1.10], [4.0, 1.002, 1.013]];
 
 /// The largest amplitude that the limits allow at `frequency` (Hz) with this growth.
@@ -41,7 +43,8 @@ impl Sine {
         amplitude(frequency, limits, slowest)
     }
 
-    /// A sine of `frequency` in Hz that grows as fast as the limits allow. Not for the 1 ms path: one sine and cosine.
+    /// A sine of `frequency` in Hz that grows as fast as the limits allow. Not for the 1 ms path:
+    /// one sine and cosine.
     pub(crate) fn new(
         centre: f32,
         wanted: f32,
@@ -112,3 +115,6 @@ impl Sine {
         ]
     }
 }
+
+#[cfg(test)]
+mod tests;

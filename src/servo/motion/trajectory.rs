@@ -28,8 +28,8 @@ enum Plan {
 /// instructions; they are spread over the 16 samples after [`Trajectory::move_to`], in
 /// which the reference goes on as before.
 ///
-/// Known as: S-curve profile, double S velocity profile (Biagiotti and Melchiorri, Trajectory Planning for Automatic
-/// Machines and Robots, 2008).
+/// Known as: S-curve profile, double S velocity profile (Biagiotti and Melchiorri, Trajectory
+/// Planning for Automatic Machines and Robots, 2008).
 #[derive(Debug, Clone, PartialEq)]
 #[doc(alias = "Reference")]
 pub(crate) struct Trajectory {
@@ -76,8 +76,8 @@ impl Trajectory {
 
     /// Takes a motion over and lets it run out with a double pole at `-rate` (rad/s).
     ///
-    /// Where that would leave the limits or the travel, the axis brakes: at the limits, and harder only where the travel
-    /// ends sooner.
+    /// Where that would leave the limits or the travel, the axis brakes: at the limits, and harder
+    /// only where the travel ends sooner.
     pub(crate) fn run_out(&mut self, from: Motion, rate: f32) {
         self.setpoint = Setpoint::of(&from, 0.0);
         let run_out = RunOut { rate };
@@ -103,13 +103,15 @@ impl Trajectory {
         stop
     }
 
-    /// Moves to rest at `target`, limited to the travel, as fast as the limits allow, beginning 17 samples from now.
+    /// Moves to rest at `target`, limited to the travel, as fast as the limits allow, beginning 17
+    /// samples from now.
     ///
     /// NaN and infinity are refused.
     ///
-    /// Targets may come in any sample: while a move is being planned the last of them is the next one. Where the present motion
-    /// brakes harder than the limits, because the travel ends, the move begins when it has come to rest.
-    /// Cost: 16 times [`Trajectory::update`] in motion, to know where the move begins.
+    /// Targets may come in any sample: while a move is being planned the last of them is the next
+    /// one. Where the present motion brakes harder than the limits, because the travel ends, the
+    /// move begins when it has come to rest. Cost: 16 times [`Trajectory::update`] in motion, to
+    /// know where the move begins.
     pub(crate) fn move_to(&mut self, target: f32) -> Result<(), Error> {
         Error::unless_within("target", target, f32::MIN, f32::MAX)?;
         let target = self.travel.nearest(target);
@@ -155,7 +157,8 @@ impl Trajectory {
             }
             return;
         }
-        // A motion that was taken over may need a harder brake than the limits: it comes to rest first.
+        // A motion that was taken over may need a harder brake than the limits: it comes to rest
+        // first.
         let target = next.unwrap_or(planned.target());
         if matches!(self.plan, Plan::Sine(_)) {
             self.begin(Plan::Move(self.brake(self.setpoint.motion())));
@@ -164,11 +167,12 @@ impl Trajectory {
         self.next = Some(target);
     }
 
-    /// Oscillates with `frequency` in Hz about the present position, in motion about the place where the reference comes to
-    /// rest; the amplitude grows over one period, over two or four where the limits of motion ask for it.
+    /// Oscillates with `frequency` in Hz about the present position, in motion about the place
+    /// where the reference comes to rest; the amplitude grows over one period, over two or four
+    /// where the limits of motion ask for it.
     ///
-    /// Refused, with the largest amplitude, unless the limits of motion and the travel have room for it.
-    /// Not for the 1 ms path: one sine and cosine.
+    /// Refused, with the largest amplitude, unless the limits of motion and the travel have room
+    /// for it. Not for the 1 ms path: one sine and cosine.
     pub(crate) fn oscillate(&mut self, amplitude: f32, frequency: f32) -> Result<(), Error> {
         let fastest = FREQUENCY_STEP_MAX / self.sample_time;
         Error::unless_positive("frequency", frequency)?;
@@ -205,14 +209,16 @@ impl Trajectory {
         self.setpoint
     }
 
-    /// The next setpoint, one sample on. Cost: about 60 instructions, and 400 more while a move is being planned.
+    /// The next setpoint, one sample on. Cost: about 60 instructions, and 400 more while a move is
+    /// being planned.
     pub(crate) fn update(&mut self) -> Setpoint {
         let setpoint = self.advance();
         self.plan();
         setpoint
     }
 
-    /// The last resort: a measured motion at an end of the travel may lead beyond it, a sine by a rounding.
+    /// The last resort: a measured motion at an end of the travel may lead beyond it, a sine by a
+    /// rounding.
     fn stop_at_end(&mut self) {
         let position = self.travel.nearest(self.setpoint.position);
         if matches!(self.plan, Plan::Sine(_)) {

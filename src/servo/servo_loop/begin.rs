@@ -6,7 +6,6 @@ use crate::servo::config::Config;
 use crate::servo::control::controller::Controller;
 use crate::servo::control::limiter::CommandLimiter;
 use crate::servo::design::Design;
-use crate::servo::design::constants::DELAY_MAX;
 use crate::servo::error::Error;
 use crate::servo::identification::{expect_noise, identifier, replan, trends};
 use crate::servo::model::Model;
@@ -14,11 +13,15 @@ use crate::servo::monitoring::{Monitors, stop::Stop};
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
 use crate::servo::motion::trajectory::Trajectory;
 use crate::servo::servo_loop::ServoLoop;
+use crate::servo::servo_loop::commands::Commands;
+use crate::servo::servo_loop::drive::Drive;
+use crate::servo::servo_loop::sensed::Sensed;
+use crate::servo::servo_loop::takeover::{Fallback, Takeover};
 use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
 use crate::servo::supervision::supervisor::Supervisor;
 
-/// Both ways to begin from one list: what follows from settings, axis and design, of every field but sensor, valve and
-/// identifier. A field that is missing here does not compile.
+/// Both ways to begin from one list: what follows from settings, axis and design, of every field
+/// but sensor, valve and identifier. A field that is missing here does not compile.
 macro_rules! fields {
     (of $config:ident, $axis:ident, $design:ident: $($field:ident: $value:expr,)*) => {
         impl<S, V> ServoLoop<S, V> {
@@ -32,11 +35,11 @@ macro_rules! fields {
                 Ok(Self { sensor, valve, identifier, $($field: $value,)* })
             }
 
-            /// Begins anew with other settings, with the same sensor and valve: as [`ServoLoop::try_new`], in the place of this
-            /// loop.
+            /// Begins anew with other settings, with the same sensor and valve: as
+            /// [`ServoLoop::try_new`], in the place of this loop.
             ///
-            /// Each part is made and put into its place before the next: the stack never holds a second loop, which has
-            /// 11 kB. Not for the 1 ms path.
+            /// Each part is made and put into its place before the next: the stack never holds a
+            /// second loop, which has 11 kB. Not for the 1 ms path.
             ///
             /// # Errors
             /// An [`Error`] that names the setting; the loop goes on as before.
@@ -55,25 +58,25 @@ macro_rules! fields {
 
 fields! { of config, axis, design:
     axis: axis,
-    adaptive: design.adaptive,
-    sample_time: design.sample_time,
-    run_out_rate: design.run_out_rate,
-    sensor_errors: design.sensor_errors,
-    settled: design.identification.settled,
+    config: config.clone(),
     supervisor: Supervisor::new(&design.supervision),
     controller: Controller::provisional(
         &design.controller.with_resolution(axis.scale.units(1).abs()),
         placeholder(config),
     ),
     commissioning: Commissioning::new(commissioning(config, &axis)),
-    config: config.clone(),
-    sign: if config.reversed == Some(true) { -1.0 } else { 1.0 },
-    delay: config.delay,
-    dead_volume: design.controller.estimator.dead_volume,
-    noise: config.noise.unwrap_or(0.0),
     progress: Progress::Command(0.0),
+    drive: Drive {
+        sign: if config.reversed == Some(true) { -1.0 } else { 1.0 },
+        delay: config.delay,
+        dead_volume: design.controller.estimator.dead_volume,
+        noise: config.noise.unwrap_or(0.0),
+    },
     trajectory: Trajectory::new(design.motion, design.travel, design.sample_time),
+    run_out_rate: design.run_out_rate,
     limiter: CommandLimiter::new(&design.limiter),
+    commands: Commands::new(),
+    sensed: Sensed::new(design.sensor_errors),
     tracking: AlphaBetaGamma::new(design.tracking_rate, design.sample_time),
     monitor: ExcitationMonitor::new(&design.monitor),
     monitors: Monitors::new(
@@ -81,22 +84,12 @@ fields! { of config, axis, design:
         &design.supervision.validation.observer,
         placeholder(config),
     ),
+    alarm: None,
     stop: Stop::default(),
-    derating: 1.0,
-    known_good: None,
-    reconsiders: false,
-    building: None,
-    tuning: None,
-    watching: 0,
-    commands: [0.0; DELAY_MAX + 1],
-    newest: 0,
-    code: 0,
-    position: 0.0,
-    begun: false,
-    errors: 0,
+    settled: design.identification.settled,
+    takeover: Takeover::default(),
+    fallback: Fallback::new(None),
     start_requested: false,
-    ends: false,
-    closes: false,
 }
 
 /// What the commissioning needs to know of the settings.

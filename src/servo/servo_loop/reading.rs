@@ -8,10 +8,10 @@ use crate::servo::servo_loop::ServoLoop;
 use crate::servo::supervision::state::Reason;
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
-    /// The position of a sample: measured, or expected where the reading failed or cannot be true; `None` without either.
-    /// `missed`: failed readings in a row before this one.
+    /// The position of a sample: measured, or expected where the reading failed or cannot be true;
+    /// `None` without either. `missed`: failed readings in a row before this one.
     pub(super) fn reading(&mut self, code: Option<i32>, missed: u32) -> Option<f32> {
-        let bridges = self.begun && self.errors < self.sensor_errors;
+        let bridges = self.sensed.begun && !self.sensed.is_lost();
         let Some(code) = code else {
             let missing = self.monitors.count_reading(true, true);
             if missing && self.is_active() {
@@ -20,8 +20,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             return bridges.then(|| self.expected());
         };
         let y = self.axis.position(code);
-        self.code = code;
-        if !(self.begun && self.is_active()) {
+        if !(self.sensed.begun && self.is_active()) {
             return Some(y);
         }
         let verdict = self.monitors.judge(y, &self.tracking.motion(), missed);
@@ -46,8 +45,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
 
     /// The first sample, and the first one of a commissioning.
     pub(super) fn begin(&mut self, y: f32) {
-        if !self.begun {
-            self.begun = true;
+        if !self.sensed.begun {
+            self.sensed.begun = true;
             self.tracking.place(y);
             self.trajectory.hold(y);
             self.controller.place(Motion::at(y));
@@ -56,15 +55,17 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         if self.start_requested {
             self.start_requested = false;
             self.supervisor.begin();
-            self.watching = 0;
+            self.takeover.watching = 0;
             self.stop_building();
             let known =
                 self.config.reversed.is_some() || self.supervisor.verified_model().is_some();
-            self.commissioning.begin(y, known.then_some(self.sign));
+            self.commissioning
+                .begin(y, known.then_some(self.drive.sign));
         }
     }
 
-    /// The motion as far as it is known: by the observer in control, else by the measured positions alone.
+    /// The motion as far as it is known: by the observer in control, else by the measured positions
+    /// alone.
     pub(crate) fn motion(&self) -> Motion {
         if self.supervisor.state().is_controlling() {
             self.controller.motion()
@@ -75,13 +76,13 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
 
     /// Predicted position, which replaces a failed reading.
     pub(super) fn expected(&self) -> f32 {
-        let (m, t) = (self.motion(), self.sample_time);
+        let (m, t) = (self.motion(), self.config.sample_time);
         m.position + t * (m.velocity + 0.5 * t * m.acceleration)
     }
 
     /// A sample without a measured or predicted position: the valve goes to zero.
     pub(super) fn blind(&mut self) -> Report {
-        if self.errors >= self.sensor_errors {
+        if self.sensed.is_lost() {
             self.fail(Reason::SensorFault);
         }
         self.stop.end();
@@ -94,6 +95,6 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             }
         };
         self.identifier.restart_trends();
-        self.report(Setpoint::at(self.position), command, None, false)
+        self.report(Setpoint::at(self.sensed.position), command, None, false)
     }
 }

@@ -9,19 +9,19 @@ use crate::servo::motion::Motion;
 use crate::servo::servo_loop::ServoLoop;
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
-    /// Takes a model that is known to be good: control begins with the next sample, at the actual position. Searches the
-    /// poles at once, some million instructions: not for the 1 ms path.
+    /// Takes a model that is known to be good: control begins with the next sample, at the actual
+    /// position. Searches the poles at once, some million instructions: not for the 1 ms path.
     ///
     /// # Errors
-    /// [`Error::Model`] with the reason, when it does not pass what every candidate must: finite, of the right sign, stable,
-    /// in range of the settings.
+    /// [`Error::Model`] with the reason, when it does not pass what every candidate must: finite,
+    /// of the right sign, stable, in range of the settings.
     pub fn install(&mut self, model: Model) -> Result<(), Error> {
         self.supervisor.install(model).map_err(Error::Model)?;
         self.stop_building();
         reopen(&mut self.identifier, &model, REOPENED_STD);
         self.start_requested = false;
         self.controller.search(&model);
-        self.take_over(model, Motion::at(self.position));
+        self.take_over(model, Motion::at(self.sensed.position));
         Ok(())
     }
 
@@ -30,13 +30,15 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.start_requested = true;
     }
 
-    /// Stops commissioning or control: the command goes to zero at its rate limit, the verified model is kept.
+    /// Stops commissioning or control: the command goes to zero at its rate limit, the verified
+    /// model is kept.
     pub fn abort(&mut self) {
         self.start_requested = false;
         self.supervisor.abort();
     }
 
-    /// Moves to `target`, limited to the travel, as fast as the limits of motion allow; may be called in any sample.
+    /// Moves to `target`, limited to the travel, as fast as the limits of motion allow; may be
+    /// called in any sample.
     ///
     /// # Errors
     /// [`Error::Setting`] for NaN and infinity; the reference goes on as before.
@@ -44,12 +46,13 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.trajectory.move_to(target)
     }
 
-    /// Oscillates with `frequency` in Hz about the present reference, in motion about the place where it comes to rest; the
-    /// amplitude grows over one period, over two or four where the limits of motion ask for it.
+    /// Oscillates with `frequency` in Hz about the present reference, in motion about the place
+    /// where it comes to rest; the amplitude grows over one period, over two or four where the
+    /// limits of motion ask for it.
     ///
     /// # Errors
-    /// [`Error::Setting`], with the largest amplitude or frequency for which travel and limits of motion have room;
-    /// the reference goes on as before.
+    /// [`Error::Setting`], with the largest amplitude or frequency for which travel and limits of
+    /// motion have room; the reference goes on as before.
     pub fn oscillate(&mut self, amplitude: f32, frequency: f32) -> Result<(), Error> {
         self.trajectory.oscillate(amplitude, frequency)
     }

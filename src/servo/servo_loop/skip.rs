@@ -6,43 +6,44 @@ use crate::servo::servo_loop::ServoLoop;
 use crate::servo::supervision::state::Reason;
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
-    /// Lets `samples` sample times pass in which nothing was read and the valve kept its command, as after an overrun.
+    /// Lets `samples` sample times pass in which nothing was read and the valve kept its command,
+    /// as after an overrun.
     ///
-    /// The time passes for the reference, the observer, the commissioning and the identifier, on the position that the model
-    /// expects, as it does while readings fail; as many as may fail in a row may be missing, more end in
-    /// [`Reason::SensorFault`].
+    /// The time passes for the reference, the observer, the commissioning and the identifier, on
+    /// the position that the model expects, as it does while readings fail; as many as may fail in
+    /// a row may be missing, more end in [`Reason::SensorFault`].
     ///
     /// Cost: that of so many [updates](Self::update); no more than three or so count.
     pub fn skip(&mut self, samples: u32) {
-        for _ in 0..samples.min(self.sensor_errors) {
+        for _ in 0..samples.min(self.sensed.errors_max) {
             self.pass();
         }
     }
 
     /// One sample time.
     fn pass(&mut self) {
-        if !self.begun {
+        if !self.sensed.begun {
             return;
         }
-        self.errors = self.errors.saturating_add(1);
+        let _ = self.sensed.count(None);
         let missing = self.monitors.count_reading(true, true);
-        if self.is_active() && (missing || self.errors >= self.sensor_errors) {
+        if self.is_active() && (missing || self.sensed.is_lost()) {
             self.fail(Reason::SensorFault);
         }
         let y = self.expected();
-        self.position = y;
+        self.sensed.position = y;
         self.tracking.update(y);
         // What the loop would have commanded has reached no valve.
         let (setpoint, _) = self.requested(y, true);
         let command = self.limiter.last();
         if self.supervisor.state().is_commissioning() {
             self.commissioning.applied(y, command);
-            self.remember(command);
+            self.commands.push(command);
             let _ = self.commission_on(command);
             return;
         }
-        let along = self.sign * command;
-        self.remember(command);
+        let along = self.drive.sign * command;
+        self.commands.push(command);
         self.controller.applied(along);
         self.monitor.update(along);
         self.identifier.skip(1);

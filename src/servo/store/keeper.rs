@@ -2,14 +2,17 @@
 
 use crate::servo::model::Model;
 
-/// A parameter that moved by this share of itself has changed; models closer than their usual standard deviation are one model.
+/// A parameter that moved by this share of itself has changed; models closer than their usual
+/// standard deviation are one model.
 const SHARE: f32 = 0.02;
 
-/// Share of the full command below which dead zone and offset do not count as moved: that of [`SHARE`] of a command of 0.1.
+/// Share of the full command below which dead zone and offset do not count as moved: that of
+/// [`SHARE`] of a command of 0.1.
 const COMMAND: f32 = 0.002;
 
-/// Seconds between two records. A sector of 16 KiB holds 170 records and endures 10 000 erasures, two sectors 3.4 million
-/// records: six years of one a minute without a pause, where a drive that keeps its model writes none.
+/// Seconds between two records. A sector of 16 KiB holds 170 records and endures 10 000 erasures,
+/// two sectors 3.4 million records: six years of one a minute without a pause, where a drive that
+/// keeps its model writes none.
 const PAUSE: u32 = 60;
 
 /// Decides when to save: a change of more than 2 %, and not within a minute of the last record.

@@ -1,31 +1,34 @@
 //! A verified model that survives the loss of power: records in two sectors of NOR flash.
 //!
 //! # What holds
-//! *At every instant, also when power fails within an operation, the flash holds the model before or the model after, and a
-//! reader can tell which bytes are a model.* The reason, for any flash that keeps the promise of [`NorFlash`] (an operation
-//! touches only its own range):
+//! *At every instant, also when power fails within an operation, the flash holds the model before
+//! or the model after, and a reader can tell which bytes are a model.* The reason, for any flash
+//! that keeps the promise of [`NorFlash`] (an operation touches only its own range):
 //!
-//! 1. Records are only ever written to bytes that are erased, behind the newest record in its sector or at the begin of the
-//!    other one: no operation touches a record that counts. Only the *other* sector is ever erased, in which no record is the
-//!    newest.
-//! 2. A record that was cut off does not end in its own CRC-32, which is programmed with it. [`Record`] finds every error of
-//!    up to three bits and every burst of up to 32 bits; what else passes is one in 2^32. It is stepped over, not repaired.
-//! 3. The newest record is the one of the largest sequence number. One record a minute reaches 2^32 after 8000 years.
+//! 1. Records are only ever written to bytes that are erased, behind the newest record in its
+//!    sector or at the begin of the other one: no operation touches a record that counts. Only
+//!    the *other* sector is ever erased, in which no record is the newest.
+//! 2. A record that was cut off does not end in its own CRC-32, which is programmed with it.
+//!    [`Record`] finds every error of up to three bits and every burst of up to 32 bits; what else
+//!    passes is one in 2^32. It is stepped over, not repaired.
+//! 3. The newest record is the one of the largest sequence number. One record a minute reaches 2^32
+//!    after 8000 years.
 //!
-//! A record of another version, machine or configuration is refused with the reason ([`Refused`]). What is read is
-//! not yet trusted: [`ServoLoop::install`](crate::servo::ServoLoop::install) holds it against every limit that a candidate
-//! of the identifier must keep.
+//! A record of another version, machine or configuration is refused with the reason ([`Refused`]).
+//! What is read is not yet trusted: [`ServoLoop::install`](crate::servo::ServoLoop::install) holds
+//! it against every limit that a candidate of the identifier must keep.
 //!
 //! # Where the time goes
-//! Never call [`ModelStore::save`] in the path of a sample. On an STM32F405 programming one record stalls reads of the
-//! same bank for about 0.4 ms, erasing a sector of 16 KiB for 0.25 s and of 128 KiB for 1 s (typical figures of the data sheet,
-//! tables of flash programming), in which no code runs from flash and no watchdog is fed. [`ModelStore::must_erase`] tells
-//! beforehand; [`ModelStore::make_room`] does it where the time is, at the start before anything moves. [`Keeper`] says
-//! when a model is worth a record.
+//! Never call [`ModelStore::save`] in the path of a sample. On an STM32F405 programming one record
+//! stalls reads of the same bank for about 0.4 ms, erasing a sector of 16 KiB for 0.25 s and of 128
+//! KiB for 1 s (typical figures of the data sheet, tables of flash programming), in which no code
+//! runs from flash and no watchdog is fed. [`ModelStore::must_erase`] tells beforehand;
+//! [`ModelStore::make_room`] does it where the time is, at the start before anything moves.
+//! [`Keeper`] says when a model is worth a record.
 //!
-//! Not a general file system: one kind of record, two sectors. A log-structured map as in `sequential-storage` does more,
-//! behind async traits and with an erase inside a call that the caller cannot foresee, and this store must tell the
-//! caller before it stalls the chip.
+//! Not a general file system: one kind of record, two sectors. A log-structured map as in
+//! `sequential-storage` does more, behind async traits and with an erase inside a call that the
+//! caller cannot foresee, and this store must tell the caller before it stalls the chip.
 
 mod keeper;
 mod record;
@@ -47,7 +50,8 @@ pub enum StoreError<E> {
     Flash(E),
     /// The two sectors do not begin at an erase block, hold no record, or lie beyond the capacity.
     Place,
-    /// The flash writes in units that do not divide a record, or erases in units that do not divide a sector.
+    /// The flash writes in units that do not divide a record, or erases in units that do not divide
+    /// a sector.
     Unit,
     /// The written record does not read back; the record before it still counts.
     NotKept,
@@ -141,7 +145,8 @@ impl<F: NorFlash> ModelStore<F> {
         Ok(())
     }
 
-    /// Writes a record behind the newest one, and reads it back; erases a sector first when there is no room.
+    /// Writes a record behind the newest one, and reads it back; erases a sector first when there
+    /// is no room.
     ///
     /// # Errors
     /// An error of the flash, or [`StoreError::NotKept`]; the record before still counts then.
@@ -180,7 +185,8 @@ impl<F: NorFlash> ModelStore<F> {
         Ok(place)
     }
 
-    /// Where the next record goes: behind the newest one in its sector, else at the begin of the other when that is blank.
+    /// Where the next record goes: behind the newest one in its sector, else at the begin of the
+    /// other when that is blank.
     fn room(&mut self, newest: Option<Place>) -> Result<Option<Place>, StoreError<F::Error>> {
         let (sector, after) = newest.map_or((0, 0), |place| (place.sector, place.number + 1));
         if let Some(place) = self.blank(sector, after)? {

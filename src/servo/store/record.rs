@@ -33,14 +33,16 @@ const NUMBERS: usize = 16;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Identity {
-    /// The machine, for instance its serial number: a controller board that is moved to another axis finds no model.
+    /// The machine, for instance its serial number: a controller board that is moved to another
+    /// axis finds no model.
     pub plant: u32,
     /// The settings that a model depends on, see [`Identity::new`].
     pub settings: u32,
 }
 
 impl Identity {
-    /// The identity of a `plant` under these settings: sample time, delay and travel, which fixes unit and origin of y.
+    /// The identity of a `plant` under these settings: sample time, delay and travel, which fixes
+    /// unit and origin of y.
     pub fn new(plant: u32, config: &Config) -> Self {
         let travel = config.travel;
         let mut digest = CRC.digest();

@@ -43,3 +43,6 @@ impl Supervisor {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -31,8 +31,8 @@ impl ChangeDetector {
         self.usual = 0.0;
     }
 
-    /// Takes an innovation; whether the drive has changed. `settled` is false right after a change of state.
-    /// Cost: about 20 instructions.
+    /// Takes an innovation; whether the drive has changed. `settled` is false right after a change
+    /// of state. Cost: about 20 instructions.
     #[inline]
     pub(crate) fn update(&mut self, innovation: f32, settled: bool) -> bool {
         let square = innovation * innovation;
@@ -50,3 +50,6 @@ impl ChangeDetector {
         false
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -95,7 +95,8 @@ impl SupervisionDesign {
             && other - report.sse > self.min_improvement * report.sst
     }
 
-    /// Whether the candidate replaces the model in use; `false` when the axis moved too little to compare them.
+    /// Whether the candidate replaces the model in use; `false` when the axis moved too little to
+    /// compare them.
     pub(crate) fn compare(&self, report: &FitReport) -> Result<bool, Reason> {
         let enough = VALIDATION_TRAVEL_RATIO * self.min_travel;
         if !(report.sst > enough * enough * report.samples as f32) {
@@ -112,3 +113,6 @@ impl SupervisionDesign {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -12,8 +12,9 @@ use core::fmt;
 pub enum Reason {
     /// A parameter is not finite.
     NotFinite,
-    /// The drive moves against the command: the sign of sensor or valve is wrong, or a supply that is lost lets the air
-    /// of the drive out through the inlet that the command opens. The position does not tell which.
+    /// The drive moves against the command: the sign of sensor or valve is wrong, or a supply that
+    /// is lost lets the air of the drive out through the inlet that the command opens. The position
+    /// does not tell which.
     WrongSign,
     /// Gain, natural frequency or damping is out of the range of the drive's data.
     OutOfRange,
@@ -25,7 +26,8 @@ pub enum Reason {
     PoorFit,
     /// The model in use follows better.
     NotBetter,
-    /// The axis does not move although the valve is commanded: it is blocked, or the valve stays closed.
+    /// The axis does not move although the valve is commanded: it is blocked, or the valve stays
+    /// closed.
     Blocked,
     /// The axis moves, but not with the command: the valve is stuck open.
     ValveStuck,
@@ -56,7 +58,8 @@ impl Reason {
         )
     }
 
-    /// Whether the machine has a fault: with a wrong sign the verified model would drive the axis to its end.
+    /// Whether the machine has a fault: with a wrong sign the verified model would drive the axis
+    /// to its end.
     pub(crate) const fn is_fault(self) -> bool {
         matches!(
             self,
@@ -128,7 +131,8 @@ pub enum State {
     Frozen,
     /// A model was rejected, the last verified model is in force.
     Rejected(Reason),
-    /// There is no usable model, or the machine has a fault: the axis stops, then the valve is in its middle.
+    /// There is no usable model, or the machine has a fault: the axis stops, then the valve is in
+    /// its middle.
     Failed(Reason),
 }
 
@@ -180,6 +184,73 @@ impl fmt::Display for State {
             Self::Frozen => f.write_str("frozen"),
             Self::Rejected(reason) => write!(f, "rejected: {reason}"),
             Self::Failed(reason) => write!(f, "failed: {reason}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::collections::BTreeSet;
+    use std::string::ToString;
+
+    use super::*;
+
+    #[test]
+    fn every_reason_has_a_sentence_of_its_own() {
+        use Reason as R;
+        let all = [
+            (R::NotFinite, true, false),
+            (R::WrongSign, true, true),
+            (R::OutOfRange, true, false),
+            (R::Unstable, true, false),
+            (R::Uncertain, false, false),
+            (R::PoorFit, false, false),
+            (R::NotBetter, false, false),
+            (R::Blocked, false, true),
+            (R::ValveStuck, false, true),
+            (R::SensorStuck, false, true),
+            (R::SensorFault, false, false),
+            (R::ValveFault, false, false),
+            (R::TravelEnd, false, true),
+            (R::Aborted, false, false),
+            (R::Implausible, false, false),
+            (R::FollowingError, false, false),
+            (R::Saturated, false, false),
+        ];
+        let texts: BTreeSet<_> = all.iter().map(|(reason, ..)| reason.to_string()).collect();
+        assert_eq!(texts.len(), all.len());
+        assert!(texts.iter().all(|text| text.len() > 10));
+        for (number, (reason, estimate, fault)) in all.into_iter().enumerate() {
+            // The order is that of the wire.
+            assert_eq!(reason as usize, number);
+            assert_eq!(reason.rejects_estimate(), estimate, "{reason:?}");
+            assert_eq!(reason.is_fault(), fault, "{reason:?}");
+        }
+    }
+
+    #[test]
+    fn every_state_has_its_code_its_text_and_its_part_in_the_loop() {
+        let reason = Reason::PoorFit;
+        let all = [
+            (State::Idle, "idle", false, false),
+            (State::Exciting, "exciting", true, false),
+            (State::Identifying, "identifying", true, false),
+            (State::Verified, "verified", false, true),
+            (State::Adapting, "adapting", false, true),
+            (State::Frozen, "frozen", false, true),
+            (State::Rejected(reason), "rejected: ", false, true),
+            (State::Failed(reason), "failed: ", false, false),
+        ];
+        for (number, (state, text, commissions, controls)) in all.into_iter().enumerate() {
+            assert_eq!(usize::from(state.code()), number);
+            assert!(state.to_string().starts_with(text), "{state}");
+            assert_eq!(state.is_commissioning(), commissions, "{state}");
+            assert_eq!(state.is_controlling(), controls, "{state}");
+            let known = number >= 6;
+            assert_eq!(state.reason(), known.then_some(reason), "{state}");
+            assert_eq!(state.to_string().contains(&reason.to_string()), known);
         }
     }
 }

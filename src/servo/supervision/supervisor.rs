@@ -10,9 +10,9 @@ use crate::servo::supervision::validation::{FitReport, Validation};
 
 /// Decides from samples and candidates of the identifier which model the controller may use.
 ///
-/// A candidate must be finite, of the right sign, in range, stable, certain, and must explain
-/// a window of later samples in free simulation, better than the model in use and its simpler changes. The last
-/// verified model is kept bit for bit until another one replaces it.
+/// A candidate must be finite, of the right sign, in range, stable, certain, and must explain a
+/// window of later samples in free simulation, better than the model in use and its simpler
+/// changes. The last verified model is kept bit for bit until another one replaces it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Supervisor {
     pub(crate) design: SupervisionDesign,
@@ -288,4 +288,4 @@ impl Supervisor {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

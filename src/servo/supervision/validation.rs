@@ -1,4 +1,5 @@
-//! Validation of a model on samples that it was not made from: free simulation beside the model in use.
+//! Validation of a model on samples that it was not made from: free simulation beside the model in
+//! use.
 
 use crate::servo::control::observer::Observer;
 use crate::servo::design::ValidationDesign;
@@ -22,7 +23,8 @@ pub struct FitReport {
 }
 
 impl FitReport {
-    /// R^2 = `1 - SSE/SST`: the share of the movement that the candidate explains; negative when it is worse than a constant.
+    /// R^2 = `1 - SSE/SST`: the share of the movement that the candidate explains; negative when it
+    /// is worse than a constant.
     #[doc(alias = "explained")]
     pub fn r_squared(&self) -> f32 {
         if self.sst > 0.0 {
@@ -62,8 +64,9 @@ impl Runner {
     }
 }
 
-/// What became of a drive by one number alone: the model in use with the velocity gain of the candidate, as after a change of the valve
-/// or its supply, and with its natural frequency, all that acts on the mass scaled alike, as after a change of the load.
+/// What became of a drive by one number alone: the model in use with the velocity gain of the
+/// candidate, as after a change of the valve or its supply, and with its natural frequency, all
+/// that acts on the mass scaled alike, as after a change of the load.
 fn simpler(candidate: &Model, incumbent: &Model) -> [Model; 2] {
     // Both were screened: their a1 is above 0.
     let stiffer = candidate.a1 / incumbent.a1;
@@ -81,10 +84,12 @@ fn simpler(candidate: &Model, incumbent: &Model) -> [Model; 2] {
     [gain, load]
 }
 
-/// Runs candidate, model in use and its simpler changes side by side: first observed to find their state, then by themselves.
+/// Runs candidate, model in use and its simpler changes side by side: first observed to find their
+/// state, then by themselves.
 ///
-/// A sine shows two numbers, a slow motion one: more parameters than a motion shows fit it by chance, and are wrong in the next one. So of
-/// two models of the axis the simpler one is right until the other is clearly better.
+/// A sine shows two numbers, a slow motion one: more parameters than a motion shows fit it by
+/// chance, and are wrong in the next one. So of two models of the axis the simpler one is right
+/// until the other is clearly better.
 ///
 /// All get the same samples, all of them newer than the candidate. In the first phase an
 /// observer finds position, velocity and acceleration; in the second
@@ -163,7 +168,8 @@ impl Validation {
         true
     }
 
-    /// The report at the end: that of the best simpler change, which becomes the candidate, unless the candidate is `better` than that too.
+    /// The report at the end: that of the best simpler change, which becomes the candidate, unless
+    /// the candidate is `better` than that too.
     pub(crate) fn simplify(&mut self, better: impl Fn(&FitReport, f32) -> bool) -> FitReport {
         if let Some([gain, load]) = self.simpler.take() {
             let (run, sse) = if load.1 < gain.1 { load } else { gain };
@@ -190,7 +196,8 @@ mod tests {
 
     const USED: Model = Model::linear(900.0, 15.0, 9e5);
 
-    /// What a validation of `candidate` leaves of it, on a drive under a flow that changes sign so often per second.
+    /// What a validation of `candidate` leaves of it, on a drive under a flow that changes sign so
+    /// often per second.
     fn left(candidate: Model, drive: Model, per_second: f32) -> Result<Model, Error> {
         let travel = Travel {
             min: 0.0,
@@ -222,7 +229,8 @@ mod tests {
 
     #[test]
     fn what_a_change_of_one_number_explains_is_that_change() -> Result<(), Error> {
-        // Gain down to 0.4; the candidate also has another frequency, which slow motion does not show.
+        // Gain down to 0.4; the candidate also has another frequency, which slow motion does not
+        // show.
         let drive = Model {
             b0: 0.4 * USED.b0,
             ..USED

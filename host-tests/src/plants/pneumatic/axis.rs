@@ -26,8 +26,8 @@ pub enum Fault {
 
 /// A pneumatic servo axis, advanced sample by sample.
 ///
-/// One sample of a loop is `y = measure()` at t, then `step(u)`, which holds u from t to t + 1 ms. A change at run time or
-/// a fault takes effect with the next step.
+/// One sample of a loop is `y = measure()` at t, then `step(u)`, which holds u from t to t + 1 ms.
+/// A change at run time or a fault takes effect with the next step.
 #[derive(Clone, Debug)]
 pub struct PneumaticAxis {
     nominal: AxisParameters,
@@ -42,7 +42,8 @@ pub struct PneumaticAxis {
 }
 
 impl PneumaticAxis {
-    /// An axis at rest at its starting position, chambers at the pressure that the leaking valve settles at.
+    /// An axis at rest at its starting position, chambers at the pressure that the leaking valve
+    /// settles at.
     ///
     /// # Panics
     /// When a parameter makes no physical sense; the message names it.
@@ -87,8 +88,8 @@ impl PneumaticAxis {
         self.time += 1;
     }
 
-    /// Holds the command `u` (limited to -1..1) for `h` seconds, one step of the integrator; [`PneumaticAxis::time`] counts
-    /// whole samples only.
+    /// Holds the command `u` (limited to -1..1) for `h` seconds, one step of the integrator;
+    /// [`PneumaticAxis::time`] counts whole samples only.
     ///
     /// # Panics
     /// When `u` is not finite.
@@ -172,7 +173,8 @@ impl PneumaticAxis {
         &self.parameters
     }
 
-    /// C, omega0 and xi at a position \[mm\] for small motions at a mean opening of the valve, see [`Linearised`].
+    /// C, omega0 and xi at a position \[mm\] for small motions at a mean opening of the valve, see
+    /// [`Linearised`].
     pub fn linearised(&self, position_mm: f64, mean_opening: f64) -> Linearised {
         Linearised::new(&self.parameters, position_mm, mean_opening)
     }

@@ -1,7 +1,8 @@
 //! The differential equations and their integrator.
 //!
-//! Between events (stop, start, end stop) the right-hand side is smooth in pieces and classical Runge-Kutta of order 4
-//! with a fixed step follows it. An event inside a step is located by linear interpolation and the step is cut there.
+//! Between events (stop, start, end stop) the right-hand side is smooth in pieces and classical
+//! Runge-Kutta of order 4 with a fixed step follows it. An event inside a step is located by linear
+//! interpolation and the step is cut there.
 
 use super::flow::{AIR, mass_flow};
 use super::parameters::{AMBIENT, AxisParameters};
@@ -122,7 +123,8 @@ impl Dynamics {
         if outward { 0.0 } else { direction }
     }
 
-    /// Fraction of the step from `s` to `end` after which the axis turns or meets the stop ahead, and that stop.
+    /// Fraction of the step from `s` to `end` after which the axis turns or meets the stop ahead,
+    /// and that stop.
     fn event(&self, s: &State, end: &State, direction: f64) -> Option<(f64, Option<f64>)> {
         let turns = end.v * direction <= 0.0;
         let outside = end.x < 0.0 || end.x > self.p.stroke;
@@ -149,7 +151,8 @@ impl Dynamics {
     /// Advances by `h` with a held command. `blocked` clamps the axis where it is.
     pub(super) fn advance(&self, s: &mut State, command: f64, h: f64, blocked: bool) {
         let mut left = h;
-        // A step meets a few events at most; should it meet more, the axis is held for the rest of the step.
+        // A step meets a few events at most; should it meet more, the axis is held for the rest of
+        // the step.
         for _ in 0..4 {
             let direction = if blocked {
                 0.0

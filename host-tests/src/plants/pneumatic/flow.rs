@@ -4,9 +4,10 @@ use super::parameters::{AMBIENT, AxisParameters, DENSITY, TEMPERATURE};
 
 /// Mass flow from `p1` to `p2` \[kg/s\], negative when `p2 > p1`.
 ///
-/// `q = C rho0 p1 w(p2/p1)` for air at the reference temperature, with `w = 1` up to the critical ratio `b` (sonic),
-/// `w = sqrt(1 - ((r - b)/(1 - b))^2)` up to `linear` (subsonic), and from there a straight line to `w(1) = 0`, because
-/// the root has an infinite slope at `r = 1`. Conductance in m3/(s Pa), absolute pressures in Pa.
+/// `q = C rho0 p1 w(p2/p1)` for air at the reference temperature, with `w = 1` up to the critical
+/// ratio `b` (sonic), `w = sqrt(1 - ((r - b)/(1 - b))^2)` up to `linear` (subsonic), and from there
+/// a straight line to `w(1) = 0`, because the root has an infinite slope at `r = 1`. Conductance in
+/// m3/(s Pa), absolute pressures in Pa.
 pub fn mass_flow(conductance: f64, b: f64, linear: f64, p1: f64, p2: f64) -> f64 {
     let (high, low, sign) = if p1 >= p2 {
         (p1, p2, 1.0)
@@ -33,7 +34,8 @@ pub(super) fn flow_function(b: f64, linear: f64, ratio: f64) -> f64 {
 
 /// Pressure at which air flows in from `supply` and out to `ambient` through equal restrictions.
 ///
-/// Both chambers of the resting axis settle there, and there the valve gain of both directions is equal.
+/// Both chambers of the resting axis settle there, and there the valve gain of both directions is
+/// equal.
 pub(super) fn balance(b: f64, linear: f64, supply: f64, ambient: f64) -> f64 {
     let (mut low, mut high) = (ambient, supply);
     // Inflow falls and outflow rises with the pressure: bisection to the last bit.
@@ -48,8 +50,8 @@ pub(super) fn balance(b: f64, linear: f64, supply: f64, ambient: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Absolute pressures of the chambers A and B of an axis that rests under its load \[Pa\]: about the pressure that a leaking
-/// valve settles at.
+/// Absolute pressures of the chambers A and B of an axis that rests under its load \[Pa\]: about
+/// the pressure that a leaking valve settles at.
 pub(super) fn resting_pressures(p: &AxisParameters) -> [f64; 2] {
     let level = balance(p.critical_ratio, p.linear_ratio, p.supply(), AMBIENT);
     // With a rod the areas differ and so do the pressures of a resting axis.

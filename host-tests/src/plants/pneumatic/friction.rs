@@ -1,9 +1,10 @@
 //! Stribeck friction that can stick.
 
-/// Friction of seals and guide: `F = s (Fc + (Fb - Fc) exp(-(v/vs)^2)) + Fv v`, s the direction of motion.
+/// Friction of seals and guide: `F = s (Fc + (Fb - Fc) exp(-(v/vs)^2)) + Fv v`, s the direction of
+/// motion.
 ///
-/// At rest any force up to the breakaway force is held. The direction is a discrete state of the axis, not sgn(v), so
-/// that the axis truly rests and the force is smooth while it moves.
+/// At rest any force up to the breakaway force is held. The direction is a discrete state of the
+/// axis, not sgn(v), so that the axis truly rests and the force is smooth while it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     /// Coulomb friction Fc \[N\].

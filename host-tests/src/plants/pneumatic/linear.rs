@@ -3,11 +3,13 @@
 use super::flow::{AIR, mass_flow, resting_pressures};
 use super::parameters::{AMBIENT, AxisParameters};
 
-/// Small motions around a position, `x(s)/u(s) = C w0^2 / (s (s^2 + 2 xi w0 s + w0^2)) = b0 / (s (s^2 + a2 s + a1))`.
+/// Small motions around a position,
+/// `x(s)/u(s) = C w0^2 / (s (s^2 + 2 xi w0 s + w0^2)) = b0 / (s (s^2 + a2 s + a1))`.
 ///
-/// The axis slides (Coulomb friction constant, viscous friction linear), the spool follows at once, nothing leaks, u counts
-/// beyond the dead zone, and both chambers are at the pressures at which the axis rests. With the stiffness of each chamber
-/// `k_i = n A_i^2 p_i / V_i`, its flow gain `g_i` and flow slope per pressure `l_i` (both from the ISO 6358 curve):
+/// The axis slides (Coulomb friction constant, viscous friction linear), the spool follows at once,
+/// nothing leaks, u counts beyond the dead zone, and both chambers are at the pressures at which
+/// the axis rests. With the stiffness of each chamber `k_i = n A_i^2 p_i / V_i`, its flow gain
+/// `g_i` and flow slope per pressure `l_i` (both from the ISO 6358 curve):
 ///
 /// ```text
 /// m v' = F - Fv v        F' = -(k_A + k_B) v + K u - lambda F
@@ -15,9 +17,10 @@ use super::parameters::{AMBIENT, AxisParameters};
 /// a2 = Fv/m + lambda     a1 = (k_A + k_B + lambda Fv)/m     b0 = K/m
 /// ```
 ///
-/// `g_i` is the mean of the edges that feed and vent a chamber, times the valve gain. `lambda` vanishes with the closed
-/// valve and grows with the mean opening; one lambda for both chambers is exact in the middle of an axis with equal areas
-/// only. The spool adds a delay of about `2 zeta / w` (2.2 ms with the parameters of `SERVO`).
+/// `g_i` is the mean of the edges that feed and vent a chamber, times the valve gain. `lambda`
+/// vanishes with the closed valve and grows with the mean opening; one lambda for both chambers is
+/// exact in the middle of an axis with equal areas only. The spool adds a delay of about
+/// `2 zeta / w` (2.2 ms with the parameters of `SERVO`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linearised {
     /// Velocity gain C \[mm/s per unit command\].
@@ -31,7 +34,8 @@ pub struct Linearised {
 }
 
 impl Linearised {
-    /// Linearises at a position \[mm\] and at a mean magnitude of `PneumaticAxis::opening` (0 for the closed valve).
+    /// Linearises at a position \[mm\] and at a mean magnitude of `PneumaticAxis::opening` (0 for
+    /// the closed valve).
     pub fn new(p: &AxisParameters, position_mm: f64, mean_opening: f64) -> Self {
         let supply = p.supply();
         let [pa, pb] = resting_pressures(p);

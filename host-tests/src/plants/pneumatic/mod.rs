@@ -1,9 +1,9 @@
 //! Nonlinear pneumatic servo axis: a plant worth controlling.
 //!
-//! A double-acting cylinder moves a mass; a 5/3 proportional valve feeds and vents its two chambers. Compressible air,
-//! sonic and subsonic flow, spool lag and dead zone, Stribeck friction that sticks, end stops, leakage, and a position
-//! sensor with noise and resolution. Everything is f64 and seeded. `docs/pneumatic-axis.md` has the equations and the
-//! source of every parameter.
+//! A double-acting cylinder moves a mass; a 5/3 proportional valve feeds and vents its two
+//! chambers. Compressible air, sonic and subsonic flow, spool lag and dead zone, Stribeck friction
+//! that sticks, end stops, leakage, and a position sensor with noise and resolution. Everything is
+//! f64 and seeded. `docs/pneumatic-axis.md` has the equations and the source of every parameter.
 //!
 //! | file | what |
 //! |---|---|

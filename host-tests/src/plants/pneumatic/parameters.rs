@@ -36,7 +36,8 @@ pub struct AxisParameters {
     pub conductance: f64,
     /// Critical pressure ratio of the valve, below 1.
     pub critical_ratio: f64,
-    /// Pressure ratio above which the flow is linear in the pressure drop, above the critical ratio and below 1.
+    /// Pressure ratio above which the flow is linear in the pressure drop, above the critical ratio
+    /// and below 1.
     pub linear_ratio: f64,
     /// Leakage of each edge of the closed valve, as a part of its conductance.
     pub valve_leakage: f64,
@@ -63,7 +64,8 @@ pub struct AxisParameters {
 }
 
 impl AxisParameters {
-    /// The servo axis of the project's figures: rodless, 32 mm bore, 400 mm stroke, 5 kg, 6 bar, dead zone 3 %.
+    /// The servo axis of the project's figures: rodless, 32 mm bore, 400 mm stroke, 5 kg, 6 bar,
+    /// dead zone 3 %.
     pub const SERVO: Self = Self {
         bore: 0.032,
         rod: 0.0,

@@ -74,7 +74,8 @@ impl Fault {
         }
     }
 
-    /// Whether the loop must bear it without a stop; a stop for one of [`Fault::reasons`] is right as well.
+    /// Whether the loop must bear it without a stop; a stop for one of [`Fault::reasons`] is right
+    /// as well.
     pub const fn is_borne(self) -> bool {
         matches!(self, Self::Spikes | Self::ShortlyStuck)
     }
@@ -84,12 +85,14 @@ impl Fault {
         matches!(self, Self::SensorSign | Self::ReversedValve)
     }
 
-    /// The reasons that are right. Where position and commands are the same for two faults, both are: a valve that
-    /// stays closed, a clamped slide, a position that stays under its noise; a spool stuck where friction or an end of
-    /// the travel holds the axis is as good as closed. A supply that is lost lets the air out through the inlet that a
-    /// command opens, so that the axis moves against it as behind a reversed valve.
+    /// The reasons that are right. Where position and commands are the same for two faults, both
+    /// are: a valve that stays closed, a clamped slide, a position that stays under its noise; a
+    /// spool stuck where friction or an end of the travel holds the axis is as good as closed. A
+    /// supply that is lost lets the air out through the inlet that a command opens, so that the
+    /// axis moves against it as behind a reversed valve.
     ///
-    /// `silent`: the noise of the sensor does not reach from code to code, so that an axis at rest has one code.
+    /// `silent`: the noise of the sensor does not reach from code to code, so that an axis at rest
+    /// has one code.
     pub const fn reasons(self, silent: bool) -> &'static [Reason] {
         match self {
             Self::LostReadings | Self::GappyReadings => &[Reason::SensorFault],

@@ -44,7 +44,8 @@ pub struct Machine {
     seed: u64,
 }
 
-/// A model as a commissioning finds it: gain within 10 %, natural frequency within 5 %, dead zone 0.01, offset 0.005.
+/// A model as a commissioning finds it: gain within 10 %, natural frequency within 5 %, dead
+/// zone 0.01, offset 0.005.
 fn model(axis: &AxisDraw) -> Model {
     let mut random = stream(axis.seed, Purpose::Knowledge);
     let mut about = |part: f64| 1.0 + part * (2.0 * random.random::<f64>() - 1.0);
@@ -68,7 +69,8 @@ fn model(axis: &AxisDraw) -> Model {
 }
 
 impl Machine {
-    /// An axis at rest under a loop that waits; `None` where the loop refuses its settings or its model.
+    /// An axis at rest under a loop that waits; `None` where the loop refuses its settings or its
+    /// model.
     pub fn new(axis: &AxisDraw, adaptive: bool, installed: bool) -> Option<Self> {
         let limits = axis.limits();
         let [_, omega0, _] = axis.truth(0.5 * axis.stroke_mm());
@@ -212,8 +214,8 @@ impl Machine {
         }
     }
 
-    /// Hardest blow within 2 s when the valve closes now: what physics makes of the present motion. Infinite for a valve that
-    /// is stuck: it does not close.
+    /// Hardest blow within 2 s when the valve closes now: what physics makes of the present motion.
+    /// Infinite for a valve that is stuck: it does not close.
     pub fn closing(&self) -> f64 {
         if self.fault == Some(Fault::StuckValve) {
             return f64::INFINITY;

@@ -1,4 +1,5 @@
-//! Faults of sensor, valve and axis while the loop works, on axes of the population; and normal work, in which no fault is.
+//! Faults of sensor, valve and axis while the loop works, on axes of the population; and normal
+//! work, in which no fault is.
 //!
 //! | file | what |
 //! |---|---|

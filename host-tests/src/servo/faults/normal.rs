@@ -30,9 +30,9 @@ pub struct NormalRun {
     pub oscillations: u32,
 }
 
-/// The first axes of a family, from a seed on, that the loop controls with a model near the truth: in two moves and a sine it
-/// stays within 5 % of the travel of its reference and comes within 1 % of it at rest. Only the errors decide, not whether
-/// the loop stops.
+/// The first axes of a family, from a seed on, that the loop controls with a model near the truth:
+/// in two moves and a sine it stays within 5 % of the travel of its reference and comes within 1 %
+/// of it at rest. Only the errors decide, not whether the loop stops.
 pub fn controlled(family: Family, usual: bool, first: u64, axes: usize) -> Vec<AxisDraw> {
     (first..)
         .map(|seed| AxisDraw::new(family, usual, seed))
@@ -91,7 +91,8 @@ fn range(machine: &mut Machine, seconds: f64) -> f64 {
     high - low
 }
 
-/// Works for a time: moves to places on 10 to 90 % of the travel, sines of 0.1 to 5 Hz, small steps, rests.
+/// Works for a time: moves to places on 10 to 90 % of the travel, sines of 0.1 to 5 Hz, small
+/// steps, rests.
 pub fn work(axis: &AxisDraw, seconds: f64) -> Option<NormalRun> {
     let mut machine = Machine::new(axis, true, true)?;
     let mut random = stream(axis.seed, Purpose::Sequence);

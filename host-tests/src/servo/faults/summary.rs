@@ -17,7 +17,8 @@ pub struct FaultFigures {
     pub right_reason_pct: f64,
     /// Hardest blow to an end stop \[mm/s\].
     pub end_stop_max_mm_s: f64,
-    /// The same of those runs in which a valve that closes at the moment of the fault prevents it \[mm/s\].
+    /// The same of those runs in which a valve that closes at the moment of the fault prevents it
+    /// \[mm/s\].
     pub avoidable_max_mm_s: f64,
     /// Blows beyond 50 mm/s that a valve that closes at the moment of the fault prevents \[%\].
     pub avoidable_pct: f64,

@@ -65,8 +65,8 @@ pub struct FaultRun {
     pub situation: Situation,
     /// Why the loop stopped, and the time from the fault to that \[s\].
     pub stopped: Option<(Reason, f64)>,
-    /// Whether the loop goes on, and may: it bears the fault, or took a sign that changed before it was known for what
-    /// it is now, that of other wiring.
+    /// Whether the loop goes on, and may: it bears the fault, or took a sign that changed before it
+    /// was known for what it is now, that of other wiring.
     pub borne: bool,
     /// Whether the reason is one of the right ones, or the fault was rightly borne.
     pub right: bool,

@@ -1,8 +1,8 @@
 //! The loop of the core on the bench: commissioning from power-up, then a positioner.
 //!
-//! Its user states sample time, travel, sensor, and limits of motion that the drive can carry out; nothing else is known: no
-//! bandwidth, no delay, no noise, no wiring. After a refusal he commissions again from where the axis stands, until
-//! [`PATIENCE`] is over.
+//! Its user states sample time, travel, sensor, and limits of motion that the drive can carry out;
+//! nothing else is known: no bandwidth, no delay, no noise, no wiring. After a refusal he
+//! commissions again from where the axis stands, until [`PATIENCE`] is over.
 
 use trendid::hardware::{Axis, Scale};
 use trendid::servo::{
@@ -20,7 +20,8 @@ pub const PATIENCE: f64 = 6.0;
 /// Pause between a refusal and the next commissioning \[s\].
 const PAUSE: f64 = 0.2;
 
-/// Unit in which positions are stated \[mm\]: accelerations of any axis are then within what the loop takes.
+/// Unit in which positions are stated \[mm\]: accelerations of any axis are then within what the
+/// loop takes.
 const UNIT_MM: f64 = 100.0;
 
 /// The loop with the unit of its positions.
@@ -56,7 +57,8 @@ pub struct Commissioned {
     pub refusals: Vec<(Reason, bool)>,
     /// Time from power-up to control \[s\].
     pub verified_s: Option<f64>,
-    /// Velocity gain \[mm/s\] and natural frequency \[rad/s\] of the accepted model, over those of the axis in the middle.
+    /// Velocity gain \[mm/s\] and natural frequency \[rad/s\] of the accepted model, over those of
+    /// the axis in the middle.
     pub ratios: Option<[f64; 2]>,
     /// Errors of the dead zone and of the offset of the valve, and of its delay \[s\].
     pub valve_errors: Option<[f64; 3]>,
@@ -90,7 +92,8 @@ impl LoopPositioner {
         Self::knowing(axis, adaptive, None)
     }
 
-    /// The same, of a user who states how stiff the axis is near its ends: the dead volume of a chamber over that of the stroke.
+    /// The same, of a user who states how stiff the axis is near its ends: the dead volume of a
+    /// chamber over that of the stroke.
     ///
     /// # Errors
     /// What the loop says to its settings.
@@ -207,7 +210,8 @@ impl LoopPositioner {
         ]
     }
 
-    /// Velocity gain and natural frequency of a model over those of the axis, both in the middle of the travel.
+    /// Velocity gain and natural frequency of a model over those of the axis, both in the middle of
+    /// the travel.
     fn ratios(&self, model: &Model, axis: &AxisDraw) -> [f64; 2] {
         let [gain, omega0, _] = axis.truth(0.5 * axis.stroke_mm());
         let a1 = f64::from(model.a1);
@@ -219,7 +223,8 @@ impl LoopPositioner {
 impl Positioner for LoopPositioner {
     fn move_to(&mut self, target_mm: f64) {
         self.target_mm = target_mm;
-        // A refusal leaves the reference where it is; the sequence then finds that it does not arrive.
+        // A refusal leaves the reference where it is; the sequence then finds that it does not
+        // arrive.
         let _ = self.servo.move_to((target_mm / self.unit_mm) as f32);
     }
 

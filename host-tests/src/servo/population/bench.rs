@@ -123,7 +123,8 @@ impl Bench {
         f64::from(self.code()) * self.axis.resolution_mm
     }
 
-    /// Holds a command until the next sample: a sample time with jitter, two when the slot is missed.
+    /// Holds a command until the next sample: a sample time with jitter, two when the slot is
+    /// missed.
     pub fn hold(&mut self, command: f64) {
         let signed = if self.reversed { -command } else { command };
         self.pending

@@ -1,4 +1,5 @@
-//! An axis whose moving mass changes in motion, under the loop that adapts and under the gains of its commissioning.
+//! An axis whose moving mass changes in motion, under the loop that adapts and under the gains of
+//! its commissioning.
 
 use rand::RngExt;
 use trendid::servo::Reason;
@@ -24,7 +25,8 @@ const STEPS: [f64; 3] = [0.35, 0.65, 0.5];
 pub struct Changed {
     /// The seed of the axis.
     pub seed: u64,
-    /// Largest error in the sine before the change, and in two periods after the time to learn \[mm\].
+    /// Largest error in the sine before the change, and in two periods after the time to learn
+    /// \[mm\].
     pub sine_mm: [f64; 2],
     /// Largest error at the end of the steps after the change \[mm\].
     pub steady_state_mm: f64,
@@ -34,7 +36,8 @@ pub struct Changed {
     pub blow_mm_s: f64,
     /// Why the loop stopped.
     pub stopped: Option<Reason>,
-    /// Oscillations that were noticed, least factor on the bandwidth, and models that reached the controller.
+    /// Oscillations that were noticed, least factor on the bandwidth, and models that reached the
+    /// controller.
     pub oscillations: u32,
     /// Factor on the bandwidth at the end.
     pub derating: f32,
@@ -42,8 +45,8 @@ pub struct Changed {
     pub models: u32,
 }
 
-/// Multiplies the moving mass in a sine; the constant load stays, and the user states how stiff the axis is near its ends. `None` of an
-/// axis that is not accepted.
+/// Multiplies the moving mass in a sine; the constant load stays, and the user states how stiff the
+/// axis is near its ends. `None` of an axis that is not accepted.
 pub fn mass(axis: &AxisDraw, factor: f64, adaptive: bool) -> Option<Changed> {
     let dead_volume = match axis.mechanics {
         Mechanics::Pneumatic(_) => DEAD_VOLUME,

@@ -105,7 +105,8 @@ impl AxisDraw {
         }
     }
 
-    /// Velocity gain \[mm/s\], natural frequency \[rad/s\] and damping of small motions about a position.
+    /// Velocity gain \[mm/s\], natural frequency \[rad/s\] and damping of small motions about a
+    /// position.
     pub fn truth(&self, position_mm: f64) -> [f64; 3] {
         match &self.mechanics {
             Mechanics::Pneumatic(p) => {
@@ -158,12 +159,14 @@ impl AxisDraw {
     }
 }
 
-/// Velocity gain that an axis needs \[mm/s\]: for a full stroke in some 16/w0, and never more than 2 m/s.
+/// Velocity gain that an axis needs \[mm/s\]: for a full stroke in some 16/w0, and never more than
+/// 2 m/s.
 fn needed_gain(omega0: f64, stroke_mm: f64) -> f64 {
     (0.125 * omega0 * stroke_mm).min(2000.0)
 }
 
-/// Draws a pneumatic axis; `None` when it is out of the range of frequencies or too weak for its load.
+/// Draws a pneumatic axis; `None` when it is out of the range of frequencies or too weak for its
+/// load.
 fn pneumatic(usual: bool, random: &mut Random) -> Option<Mechanics> {
     let mut draw = |range: Range| range.draw(usual, random);
     let kind = Family::Pneumatic;
@@ -186,7 +189,8 @@ fn pneumatic(usual: bool, random: &mut Random) -> Option<Mechanics> {
             stribeck_velocity: Friction::SEALS.stribeck_velocity,
         },
         supply_bar: draw(family::SUPPLY),
-        // The root of ISO 6358 meets its straight line at a gentler slope, so that longer steps of the integrator suffice.
+        // The root of ISO 6358 meets its straight line at a gentler slope, so that longer steps of
+        // the integrator suffice.
         linear_ratio: 0.98,
         valve_leakage: draw(family::LEAK),
         piston_leakage: draw(family::LEAK),

@@ -84,7 +84,8 @@ impl Family {
         }
     }
 
-    /// Coulomb friction over stiffness, as a part of the travel; of a pneumatic axis over that of ordinary seals.
+    /// Coulomb friction over stiffness, as a part of the travel; of a pneumatic axis over that of
+    /// ordinary seals.
     pub const fn friction(self) -> Range {
         match self {
             Self::Pneumatic => Range::even(0.0, 1.0, 3.0),

@@ -1,4 +1,5 @@
-//! The fixed controller of a practitioner: position, velocity and acceleration feedback, feedforward, inverse of the dead zone.
+//! The fixed controller of a practitioner: position, velocity and acceleration feedback,
+//! feedforward, inverse of the dead zone.
 
 use crate::servo::population::draw::{AxisDraw, Limits};
 use crate::servo::population::sequence::{Positioner, Sample};
@@ -34,7 +35,8 @@ struct Reference {
     phase: f64,
 }
 
-/// The polynomial from 0 to 1 with no velocity and acceleration at its ends, and its first three derivatives.
+/// The polynomial from 0 to 1 with no velocity and acceleration at its ends, and its first three
+/// derivatives.
 fn blend(at: f64, duration: f64) -> [f64; 4] {
     if at >= duration {
         return [1.0, 0.0, 0.0, 0.0];
@@ -117,8 +119,8 @@ pub struct Practitioner {
 }
 
 impl Practitioner {
-    /// A controller that knows the axis in the middle of its travel, its dead zone and offset; it starts at rest at
-    /// a measured place \[mm\].
+    /// A controller that knows the axis in the middle of its travel, its dead zone and offset; it
+    /// starts at rest at a measured place \[mm\].
     pub fn new(axis: &AxisDraw, gains: &Gains, place_mm: f64) -> Self {
         let [c, w, xi] = axis.truth(0.5 * axis.stroke_mm());
         let [dead_zone, offset] = axis.valve_null();
@@ -175,7 +177,8 @@ impl Positioner for Practitioner {
         }
         let from = r.value()[0];
         let distance = (target_mm - from).abs();
-        // Largest derivatives of the polynomial: 15/8, 10/sqrt(3) and 60 times distance over powers of the duration.
+        // Largest derivatives of the polynomial: 15/8, 10/sqrt(3) and 60 times distance over powers
+        // of the duration.
         let duration = (1.875 * distance / self.limits.velocity)
             .max((5.7735 * distance / self.limits.acceleration).sqrt())
             .max((60.0 * distance / self.limits.jerk).cbrt());

@@ -5,7 +5,8 @@ use rand::RngExt;
 
 use crate::signals::noise::numbered;
 
-/// What random numbers are for; each purpose has a stream of its own, so that more draws for one leave the others alone.
+/// What random numbers are for; each purpose has a stream of its own, so that more draws for one
+/// leave the others alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Purpose {

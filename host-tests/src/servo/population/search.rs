@@ -1,7 +1,8 @@
 //! Gains of the practitioner, searched on the axis itself.
 //!
-//! A coordinate search: four starts, then three rounds in which each of six numbers is tried larger and, where that is no
-//! better, smaller, by factors 2, 1.5 and 1.2: at most [`TRIALS_MAX`] trials of some 6 s on the axis, all with the same noise.
+//! A coordinate search: four starts, then three rounds in which each of six numbers is tried larger
+//! and, where that is no better, smaller, by factors 2, 1.5 and 1.2: at most [`TRIALS_MAX`] trials
+//! of some 6 s on the axis, all with the same noise.
 
 use crate::servo::population::bench::Bench;
 use crate::servo::population::draw::AxisDraw;
@@ -66,9 +67,11 @@ fn keep_better(axis: &AxisDraw, tried: [f64; 6], best: &mut [f64; 6], least: &mu
     better
 }
 
-/// What a practitioner minds: sines not followed, steps that end beside their target, cycles at rest, blows to the ends.
+/// What a practitioner minds: sines not followed, steps that end beside their target, cycles at
+/// rest, blows to the ends.
 fn cost(axis: &AxisDraw, gains: [f64; 6]) -> f64 {
-    // More of the dead zone than there is, or a filter faster than the samples, is no gain that anyone sets.
+    // More of the dead zone than there is, or a filter faster than the samples, is no gain that
+    // anyone sets.
     let [_, omega0, _] = axis.truth(0.5 * axis.stroke_mm());
     if gains[4] > 1.1 || gains[3] * omega0 * axis.sample_time > 1.5 {
         return f64::INFINITY;

@@ -42,7 +42,8 @@ const LARGE_STEPS: [f64; 5] = [0.6, 0.2, 0.05, 0.95, 0.5];
 /// Small steps \[mm\].
 const SMALL_STEPS: [f64; 3] = [0.05, 0.2, 1.0];
 
-/// Time for which a move is given after its reference has come to rest, and the part of it at the end that is judged \[s\].
+/// Time for which a move is given after its reference has come to rest, and the part of it at the
+/// end that is judged \[s\].
 const SETTLE: f64 = 2.0;
 const JUDGED: f64 = 0.5;
 

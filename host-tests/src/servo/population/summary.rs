@@ -190,7 +190,8 @@ pub fn cycles(trial: &Trial, motion: &Motion) -> bool {
         .is_some_and(|range| range > trial.axis.cycle_mm())
 }
 
-/// Share of sines that are followed no worse than by the practitioner; a sine that was not run is worse.
+/// Share of sines that are followed no worse than by the practitioner; a sine that was not run is
+/// worse.
 fn no_worse(pairs: &[(&Trial, &Motion)], sines: impl Fn(&Motion) -> [Option<f64>; 3]) -> f64 {
     let compared: Vec<bool> = pairs
         .iter()

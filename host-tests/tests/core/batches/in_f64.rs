@@ -5,7 +5,8 @@ use trendid_host_tests::signals::experiment::Record;
 
 use crate::common::servo_rows;
 
-/// Standard deviations of a1, a2, b0 in f64: rows of the oracle, blocks of equal length, scores at the estimate in f64.
+/// Standard deviations of a1, a2, b0 in f64: rows of the oracle, blocks of equal length, scores at
+/// the estimate in f64.
 pub(crate) fn in_f64(record: &Record) -> ([f64; 3], f64) {
     let (phi, psi) = servo_rows(record);
     let scale = DVector::from_fn(5, |j, _| phi.column(j).norm());

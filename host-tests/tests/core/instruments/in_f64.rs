@@ -10,7 +10,8 @@ use crate::common::{SERVO_FILTER, rounded, servo_rows};
 /// Rows with the same instruments at 20 rad/s and 1 kHz.
 const GROUP: usize = 4;
 
-/// Theta in f64 by the equations of the module, with the auxiliary denominator of the default filter.
+/// Theta in f64 by the equations of the module, with the auxiliary denominator of the default
+/// filter.
 pub(crate) fn in_f64(record: &Record) -> [f64; 5] {
     let dt = record.dt;
     let (phi, psi) = servo_rows(record);

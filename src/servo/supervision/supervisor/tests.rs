@@ -1,24 +1,30 @@
-//! The supervisor over months.
+//! The states of the supervisor, and what moves it from one to the next.
 
 use super::*;
 use crate::servo::config::Config;
 use crate::servo::error::Error;
 use crate::servo::motion::{Motion, Travel};
 
-#[test]
-fn after_months_in_one_state_the_estimate_is_looked_at_as_often_as_before() -> Result<(), Error> {
+pub(crate) const MODEL: Model = Model::linear(625.0, 25.0, 1e6);
+pub(crate) const OTHER: Model = Model::linear(500.0, 30.0, 9e5);
+
+/// A supervisor with a model, before the first motion.
+pub(crate) fn installed() -> Result<Supervisor, Error> {
     let travel = Travel {
         min: 0.0,
         max: 400.0,
     };
     let design = Config::new(1e-3, 25.0, travel).resolve()?;
     let mut supervisor = Supervisor::new(&design.supervision);
-    assert_eq!(supervisor.install(Model::linear(625.0, 25.0, 1e6)), Ok(()));
-    supervisor.enter(State::Adapting);
-    supervisor.ticks = u32::MAX - 100;
-    let seen = Observation {
+    assert_eq!(supervisor.install(MODEL), Ok(()));
+    Ok(supervisor)
+}
+
+/// A sample of an axis with this velocity, behind its reference.
+pub(crate) fn at(velocity: f32) -> Observation {
+    Observation {
         motion: Motion {
-            velocity: 100.0,
+            velocity,
             ..Motion::default()
         },
         y: 0.0,
@@ -27,12 +33,241 @@ fn after_months_in_one_state_the_estimate_is_looked_at_as_often_as_before() -> R
         sticks: false,
         error: 10.0,
         innovation: None,
-    };
+    }
+}
+
+pub(crate) fn certain(model: Model) -> Candidate {
+    Candidate {
+        variances: [4.0, 9.0, 16.0],
+        ..Candidate::known(model)
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn after_months_in_one_state_the_estimate_is_looked_at_as_often_as_before() -> Result<(), Error> {
+    let mut supervisor = installed()?;
+    supervisor.enter(State::Adapting);
+    supervisor.ticks = u32::MAX - 100;
+    let seen = at(100.0);
     let mut looks = 0;
     for _ in 0..1600 {
         assert_eq!(supervisor.update(&seen), Event::None);
         looks += u32::from(supervisor.wants_candidate());
     }
     assert_eq!(looks, 100);
+    Ok(())
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn motion_in_either_direction_thaws_and_standstill_freezes() -> Result<(), Error> {
+    let mut supervisor = installed()?;
+    let least = supervisor.design.min_speed;
+    for speed in [least, -least, 0.0] {
+        assert_eq!(supervisor.update(&at(speed)), Event::None);
+        assert_eq!(supervisor.state(), State::Frozen, "{speed}");
+    }
+    for direction in [1.0, -1.0] {
+        let _ = supervisor.update(&at(1.001 * direction * least));
+        assert_eq!(supervisor.state(), State::Adapting);
+        assert_eq!(supervisor.still_for, 0);
+        // It freezes when it has not moved for `still` samples, and one with motion begins anew.
+        for _ in 0..supervisor.design.still {
+            let _ = supervisor.update(&at(0.0));
+            assert_eq!(supervisor.state(), State::Adapting);
+        }
+        let _ = supervisor.update(&at(2.0 * direction * least));
+        for _ in 0..supervisor.design.still {
+            let _ = supervisor.update(&at(0.0));
+            assert_eq!(supervisor.state(), State::Adapting);
+        }
+        let _ = supervisor.update(&at(0.0));
+        assert_eq!(supervisor.state(), State::Frozen);
+    }
+    Ok(())
+}
+
+/// Samples until a state is left, with the axis at rest.
+fn lasts(supervisor: &mut Supervisor, state: State) -> u32 {
+    supervisor.enter(state);
+    let mut samples = 0;
+    while supervisor.state() == state && samples < 1_000_000 {
+        assert_eq!(supervisor.update(&at(0.0)), Event::None);
+        samples += 1;
+    }
+    samples
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn states_that_pass_last_as_long_as_designed() -> Result<(), Error> {
+    let mut supervisor = installed()?;
+    let design = supervisor.design.clone();
+    assert_eq!(lasts(&mut supervisor, State::Verified), design.look + 1);
+    assert_eq!(supervisor.state(), State::Adapting);
+    // An estimate that was wrong itself begins again soon; where a commissioning found nothing, the
+    // axis waits as long as it was excited.
+    assert_ne!(design.rejection, design.excite);
+    for (reason, samples) in [
+        (Reason::Unstable, design.rejection),
+        (Reason::NotFinite, design.rejection),
+        (Reason::PoorFit, design.excite),
+        (Reason::Uncertain, design.excite),
+    ] {
+        let rejected = State::Rejected(reason);
+        assert_eq!(lasts(&mut supervisor, rejected), samples + 1, "{reason:?}");
+        assert_eq!(supervisor.state(), State::Frozen);
+    }
+    for state in [State::Idle, State::Failed(Reason::Blocked), State::Exciting] {
+        assert_eq!(lasts(&mut supervisor, state), 1_000_000);
+    }
+    Ok(())
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn the_estimate_is_looked_at_where_a_better_one_would_help() -> Result<(), Error> {
+    let mut supervisor = installed()?;
+    let design = supervisor.design.clone();
+    supervisor.enter(State::Adapting);
+    let looks = |supervisor: &mut Supervisor, seen: &Observation, samples: u32| {
+        (0..samples)
+            .filter(|_| {
+                let _ = supervisor.update(seen);
+                supervisor.wants_candidate()
+            })
+            .count()
+    };
+    // Not in the first moments, then once in `look` samples, at their end.
+    let first = looks(&mut supervisor, &at(100.0), design.rejection);
+    assert_eq!(first, 0);
+    assert_eq!(looks(&mut supervisor, &at(100.0), 10 * design.look), 10);
+    // A reference that is followed within the dead band asks for nothing.
+    let followed = Observation {
+        error: 0.0,
+        ..at(100.0)
+    };
+    while supervisor.peak_error > design.error_deadband {
+        let _ = supervisor.update(&followed);
+    }
+    assert_eq!(looks(&mut supervisor, &followed, 10 * design.look), 0);
+    let behind = Observation {
+        error: -2.0 * design.error_deadband,
+        ..at(100.0)
+    };
+    assert_eq!(looks(&mut supervisor, &behind, 10 * design.look), 10);
+    // At rest, and in the other states, there is nothing to see.
+    assert_eq!(looks(&mut supervisor, &at(0.0), 2 * design.look), 0);
+    supervisor.enter(State::Identifying);
+    assert_eq!(looks(&mut supervisor, &at(0.0), 10 * design.look), 10);
+    for state in [State::Idle, State::Exciting, State::Failed(Reason::Blocked)] {
+        supervisor.enter(state);
+        assert_eq!(looks(&mut supervisor, &at(100.0), 2 * design.look), 0);
+    }
+    // Nor while a candidate is validated.
+    supervisor.enter(State::Identifying);
+    assert_eq!(supervisor.submit(&certain(OTHER), &at(0.0)), Event::None);
+    assert_eq!(looks(&mut supervisor, &at(0.0), 10 * design.look), 0);
+    Ok(())
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn a_candidate_that_is_refused_leaves_the_model_and_is_counted() -> Result<(), Error> {
+    let mut supervisor = installed()?;
+    supervisor.enter(State::Adapting);
+    let vague = Candidate {
+        gain_variance: 1e3,
+        ..certain(OTHER)
+    };
+    assert_eq!(supervisor.submit(&vague, &at(1.0)), Event::None);
+    assert_eq!(supervisor.state(), State::Adapting);
+    assert_eq!(supervisor.refusal(), Some(Reason::Uncertain));
+    assert_eq!(supervisor.counts(), (0, 1));
+    // An estimate that is wrong itself begins again from the model in use.
+    for (a1, reason) in [(f32::NAN, Reason::NotFinite), (-1.0, Reason::Unstable)] {
+        supervisor.enter(State::Adapting);
+        let wrong = certain(Model { a1, ..OTHER });
+        assert_eq!(supervisor.submit(&wrong, &at(1.0)), Event::Restored(MODEL));
+        assert_eq!(supervisor.state(), State::Rejected(reason));
+        assert_eq!(supervisor.refusal(), Some(reason));
+    }
+    assert_eq!(supervisor.counts(), (0, 3));
+    assert_eq!(supervisor.verified_model(), Some(MODEL));
+    // Outside of control there is nothing to go back to.
+    supervisor.enter(State::Identifying);
+    assert_eq!(supervisor.refuse(Reason::Unstable), Event::None);
+    assert_eq!(supervisor.state(), State::Identifying);
+    Ok(())
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn a_commissioning_ends_with_a_model_or_with_the_one_before() -> Result<(), Error> {
+    let mut supervisor = installed()?;
+    supervisor.begin();
+    assert_eq!(
+        (supervisor.state(), supervisor.refusal()),
+        (State::Exciting, None)
+    );
+    supervisor.commission(false);
+    assert_eq!((supervisor.state(), supervisor.ticks), (State::Exciting, 1));
+    supervisor.commission(true);
+    assert_eq!(
+        (supervisor.state(), supervisor.ticks),
+        (State::Identifying, 2)
+    );
+    supervisor.variances = [1.0; 3];
+    assert_eq!(supervisor.commissioned(OTHER), Event::Accepted(OTHER));
+    assert_eq!(supervisor.state(), State::Verified);
+    assert_eq!(supervisor.verified_model(), Some(OTHER));
+    assert_eq!(supervisor.verified_std(), [f32::INFINITY; 3]);
+    assert_eq!(supervisor.counts(), (1, 0));
+    // A model that may not control, or none: the one before comes back into force.
+    supervisor.begin();
+    let wild = Model { a2: -1.0, ..OTHER };
+    assert_eq!(supervisor.commissioned(wild), Event::Restored(OTHER));
+    assert_eq!(supervisor.state(), State::Rejected(Reason::Unstable));
+    assert_eq!(supervisor.give_up(Reason::PoorFit), Event::Restored(OTHER));
+    assert_eq!(supervisor.refusal(), Some(Reason::PoorFit));
+    // With a fault of the machine, or without a model, the axis stops.
+    assert_eq!(supervisor.give_up(Reason::SensorStuck), Event::Stopped);
+    assert_eq!(supervisor.state(), State::Failed(Reason::SensorStuck));
+    let mut fresh = Supervisor::new(&supervisor.design);
+    assert_eq!(fresh.give_up(Reason::PoorFit), Event::Stopped);
+    assert_eq!(fresh.state(), State::Failed(Reason::PoorFit));
+    Ok(())
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn a_stop_keeps_the_model_and_says_why() -> Result<(), Error> {
+    let mut supervisor = installed()?;
+    supervisor.enter(State::Adapting);
+    assert_eq!(supervisor.submit(&certain(OTHER), &at(1.0)), Event::None);
+    supervisor.fail(Reason::Implausible);
+    assert_eq!(supervisor.state(), State::Failed(Reason::Implausible));
+    assert_eq!(supervisor.refusal(), Some(Reason::Implausible));
+    assert_eq!(supervisor.validation, None);
+    supervisor.abort();
+    assert_eq!(supervisor.state(), State::Idle);
+    assert_eq!(supervisor.refusal(), Some(Reason::Aborted));
+    assert_eq!(supervisor.verified_model(), Some(MODEL));
+    // Nothing was validated, so there is nothing to accept.
+    assert_eq!(supervisor.accept(), Event::None);
+    assert_eq!(supervisor.counts(), (0, 0));
+    Ok(())
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn a_loop_that_is_designed_anew_looks_as_often_as_the_new_design_says() -> Result<(), Error> {
+    let mut supervisor = installed()?;
+    let mut design = supervisor.design.clone();
+    design.look *= 2;
+    supervisor.redesign(&design);
+    assert_eq!(supervisor.design, design);
+    assert_eq!(lasts(&mut supervisor, State::Verified), design.look + 1);
     Ok(())
 }

@@ -1,0 +1,97 @@
+//! A change among innovations, and what is none.
+
+use super::*;
+
+/// Ten times 20/omega: what is new does not pass for usual.
+const LAMBDA: f32 = 0.9999;
+
+fn shares(least: f32) -> Shares {
+    Shares::new(0.02, least)
+}
+
+/// Feeds rows of a motion of one until a change is found; `size` is that of the innovation.
+fn until(
+    detector: &mut ChangeDetector,
+    size: f32,
+    samples: u32,
+    least: f32,
+    spread: f32,
+) -> Option<u32> {
+    (0..samples).find(|k| {
+        let sign = if (k / 60) % 2 == 0 { 1.0 } else { -1.0 };
+        detector.found([sign * size, sign], shares(least), || spread)
+    })
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn a_detector_is_blind_for_as_long_as_it_was_told() {
+    for blind in [0, 1, 700] {
+        let mut detector = ChangeDetector::new(LAMBDA, blind);
+        // What is new from the first sample on is usual, and no change.
+        assert_eq!(until(&mut detector, 0.01, 20_000, 0.0, 0.0), None);
+        let mut other = ChangeDetector::new(LAMBDA, 0);
+        assert_eq!(until(&mut other, 0.01, 20_000, 0.0, 0.0), None);
+        other.blind = blind;
+        let found = until(&mut other, 0.5, 4000, 0.0, 0.0).expect("a change");
+        let at_once = until(&mut detector, 0.5, 4000, 0.0, 0.0).expect("a change");
+        assert_eq!(found, blind.max(at_once), "{blind}");
+        other.answer(LAMBDA, 33, blind);
+        assert_eq!(other.settling, 33);
+        assert_eq!(other.blind, blind);
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn a_change_is_unusual_it_matters_and_it_is_more_than_noise_and_ignorance() {
+    let usual = || {
+        let mut detector = ChangeDetector::new(LAMBDA, 0);
+        assert_eq!(until(&mut detector, 0.02, 20_000, 0.0, 0.0), None);
+        detector
+    };
+    // Twelve times the usual mean square, after the lag: the same motion at another size.
+    assert_eq!(
+        until(&mut usual(), 0.06, 3000, 0.0, 0.0),
+        None,
+        "nine times"
+    );
+    assert!(
+        until(&mut usual(), 0.11, 3000, 0.0, 0.0).is_some(),
+        "thirty times"
+    );
+    // Less than a tenth of the motion does not matter.
+    assert_eq!(until(&mut usual(), 0.09, 3000, 0.0, 0.0), None);
+    // A model that is not known makes innovations of 1 + phi' P phi.
+    assert_eq!(until(&mut usual(), 0.15, 3000, 0.0, 5.0), None);
+    assert!(until(&mut usual(), 0.15, 3000, 0.0, 0.5).is_some());
+    // Nor is it a change within twelve times what is always allowed for.
+    let whole = 0.11 * 0.11;
+    assert_eq!(until(&mut usual(), 0.11, 3000, whole / 12.0, 0.0), None);
+    assert!(until(&mut usual(), 0.11, 3000, 0.2 * whole / 12.0, 0.0).is_some());
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn shares_are_those_of_their_time_constants() {
+    let shares = Shares::new(0.02, 3.0);
+    // 1/(2 omega) and 4/omega, in samples of 0.02/omega.
+    for (share, samples) in [(shares.lag, 25.0), (shares.power, 200.0)] {
+        assert!((share - 1.0 / (1.0 + samples)).abs() < 1e-6);
+    }
+    assert_eq!(shares.least, 3.0);
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn what_has_decayed_becomes_zero() {
+    let mut detector = ChangeDetector::new(LAMBDA, 0);
+    detector.lagged = [1e-16, -1e-14];
+    detector.power = [1e-31, 1e-29];
+    detector.flush_lagged();
+    detector.flush_power();
+    assert_eq!(
+        (detector.lagged, detector.power),
+        ([0.0, -1e-14], [0.0, 1e-29])
+    );
+}

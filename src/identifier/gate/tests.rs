@@ -1,0 +1,84 @@
+//! Spikes, steps and wrong models in front of the gate.
+
+use super::*;
+
+/// Variance of y, and a third difference far beyond it.
+const NOISE: f32 = 0.25;
+const FAR: f32 = 1e3;
+
+fn gate() -> Gate<u8> {
+    Gate::new(0)
+}
+
+#[test]
+fn what_is_implausible_is_so_in_its_innovation_and_in_its_third_difference() {
+    // Four deviations of 0.5, and 1.2 sqrt(20) of them.
+    let third = 1.2 * libm::sqrtf(20.0) * 0.5;
+    for sign in [1.0, -1.0] {
+        for (innovation, difference, implausible) in [
+            (2.01, FAR, true),
+            (1.99, FAR, false),
+            (FAR, 1.001 * third, true),
+            (FAR, 0.999 * third, false),
+            (2.01, 1.001 * third, true),
+        ] {
+            let found = gate().classify(sign * innovation, -sign * difference, NOISE, 9);
+            let expected = match implausible {
+                true => Verdict::Implausible,
+                false => Verdict::Plausible,
+            };
+            assert_eq!(found, expected, "{innovation} {difference}");
+        }
+    }
+}
+
+#[test]
+fn an_innovation_is_measured_from_its_mean() {
+    let mut gate = gate();
+    let mut mean = 0.0;
+    for _ in 0..200 {
+        assert_eq!(gate.classify(5.0, 0.0, NOISE, 9), Verdict::Plausible);
+        mean += 0.125 * (5.0 - mean);
+        assert!((gate.mean - mean).abs() < 1e-5);
+    }
+    // A model that is wrong by 5 all the time: 3 is as far from it as 7.
+    for (innovation, found) in [
+        (3.1, Verdict::Plausible),
+        (6.9, Verdict::Plausible),
+        (2.9, Verdict::Implausible),
+        (7.1, Verdict::Implausible),
+    ] {
+        let mut other = gate.clone();
+        assert_eq!(
+            other.classify(innovation, FAR, NOISE, 9),
+            found,
+            "{innovation}"
+        );
+    }
+    // What is no number is not remembered.
+    gate.open = 1;
+    let _ = gate.classify(f32::INFINITY, FAR, NOISE, 9);
+    assert_eq!(gate.mean, 0.0);
+}
+
+#[test]
+fn a_second_implausible_sample_is_a_lasting_change_and_opens_the_gate() {
+    let mut gate = gate();
+    assert_eq!(gate.classify(FAR, FAR, NOISE, 3), Verdict::Implausible);
+    gate.replaced = Some((1.0, 7));
+    assert_eq!(gate.classify(FAR, FAR, NOISE, 3), Verdict::Lasting);
+    gate.replaced = None;
+    for _ in 0..3 {
+        assert_eq!(gate.classify(FAR, FAR, NOISE, 3), Verdict::Plausible);
+        gate.mean = 0.0;
+    }
+    assert_eq!(gate.classify(FAR, FAR, NOISE, 3), Verdict::Implausible);
+    // One spike alone: the next sample closes the case.
+    gate.replaced = Some((1.0, 7));
+    assert_eq!(gate.classify(0.0, FAR, NOISE, 3), Verdict::Plausible);
+    assert_eq!(gate.replaced, None);
+    // Open for the longer of two times.
+    gate.keep_open(5);
+    gate.keep_open(2);
+    assert_eq!(gate.open, 5);
+}

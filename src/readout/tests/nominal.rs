@@ -1,0 +1,133 @@
+//! What is added to a covariance, and what goes with a constant.
+
+use super::*;
+
+#[test]
+fn what_a_prior_says_is_added_where_it_counted_for_more_than_the_noise_that_was_found() {
+    let mut parts = Parts::new(filtered(), [1e2; 4], 0.999, 400);
+    let none = parts.read().estimate();
+    let std = [3e3, 0.0, 50.0, 0.0];
+    parts.forgetting.set_nominal_std(&std);
+    let p = parts.estimator.covariances();
+    let units = *parts.regressor.units();
+    let missing = parts.prior_noise * parts.prior_noise - parts.read().residual();
+    assert!(missing > 0.0);
+    let found = parts.read().estimate();
+    let bound = parts.forgetting.bound();
+    // A nominal value counts with what its observations alone leave, at most its own variance.
+    let expected = |i: usize, j: usize| -> f32 {
+        let of = |k: usize| {
+            let own = std[k] * std[k];
+            p[i][k] * p[j][k] * own * missing / (own.max(bound) * own.max(bound))
+        };
+        (of(0) + of(2)) * units[i] * units[j]
+    };
+    for i in 0..4 {
+        for j in 0..4 {
+            let added = found.covariance[i][j] - none.covariance[i][j];
+            let size = (none.covariance[i][i] * none.covariance[j][j]).sqrt();
+            assert!(
+                (added - expected(i, j)).abs() < 1e-4 * size,
+                "{i} {j}: {added}"
+            );
+        }
+    }
+    // Large enough to be seen at all.
+    parts.prior_noise = 1e3;
+    let found = parts.read().estimate().covariance[0][0];
+    let exact = expected(0, 0) * (1e6 - parts.read().residual()) / missing;
+    assert!(
+        close(found - none.covariance[0][0], exact, 0.05),
+        "{found} {exact}"
+    );
+    // A residual beyond the expected one: P says enough.
+    parts.prior_noise = 1e-5;
+    assert_eq!(parts.read().estimate().covariance, none.covariance);
+}
+
+#[test]
+fn scores_know_nothing_of_nominal_values_which_are_added() {
+    let mut parts = Parts::new(filtered(), [1e2; 4], 0.999, 400);
+    parts.forgetting.set_nominal_std(&[3e4, 0.0, 0.0, 0.0]);
+    let (p, units) = (parts.estimator.covariances(), *parts.regressor.units());
+    let scores = [[0.0; 4]; 4];
+    let found = parts.read().under(|theta, gain| {
+        // Nothing was corrected: the estimate itself, and P.
+        for j in 0..4 {
+            assert!(close(theta[j], parts.estimator.theta()[j], 1e-5));
+            assert!(close(gain[j][j], p[j][j], 1e-5));
+        }
+        Some(scores)
+    });
+    let found = found.expect("an estimate");
+    let seen = parts.read().residual();
+    let floor = parts.read().floor(20.0, &[0.0, 400.0, 20.0]);
+    let variances = parts.forgetting.nominal_variances();
+    for i in 0..4 {
+        let mut exact = if i < 3 {
+            1.01 * floor * floor * THETA[i] * THETA[i]
+        } else {
+            0.0
+        };
+        for (k, (whole, own)) in variances.into_iter().enumerate() {
+            let noise = if own > 0.0 { own * 1e-4 } else { whole * seen };
+            let weight = p[i][k] / whole * units[i];
+            exact += weight * weight * noise;
+        }
+        assert!(
+            close(found.covariance[i][i], exact, 0.01),
+            "{i}: {} {exact}",
+            found.covariance[i][i]
+        );
+    }
+    assert!(parts.read().under(|_, _| None).is_none());
+    let normalised = parts.read().normalised_theta();
+    assert!((0..4).all(|j| close(normalised[j], parts.estimator.theta()[j], 1e-5)));
+    assert_eq!(parts.read().known(), [false; 4]);
+}
+
+#[test]
+fn a_constant_that_is_withdrawn_takes_its_share_of_everything_along() {
+    let mut parts = Parts::new(filtered(), [1e2; 4], 1.0, 400);
+    // All of it goes: a limit far beyond.
+    parts.significance = 1e6;
+    let read = parts.read();
+    let found = read.estimate();
+    assert!(found.theta[3].abs() < 1e-3 * THETA[3]);
+    let (p, units) = (parts.estimator.covariances(), parts.regressor.units());
+    for i in 0..3 {
+        let moved = found.theta[i] - units[i] * parts.estimator.theta()[i];
+        let exact = -units[i] * p[i][3] / p[3][3] * parts.estimator.theta()[3];
+        assert!(
+            (moved - exact).abs() < 1e-3 * exact.abs() + 1e-5 * THETA[i],
+            "{i}: {moved} {exact}"
+        );
+    }
+    let mut known = [[0.0; 4]; 4];
+    for i in 0..4 {
+        for j in 0..4 {
+            known[i][j] = p[i][j] * NOISE;
+        }
+    }
+    // An estimate that comes with its covariance: the same withdrawal.
+    let direction = known.map(|row| row[3]);
+    let other = read.with_covariance(parts.estimator.theta(), &known, Some(direction), 0.0);
+    for i in 0..3 {
+        assert!(close(other.theta[i], found.theta[i], 1e-3), "{i}");
+    }
+    assert!(other.theta[3].abs() < 1e-3 * THETA[3]);
+    parts.significance = 0.0;
+    let kept = parts
+        .read()
+        .with_covariance(parts.estimator.theta(), &known, Some(direction), 0.0);
+    assert!(close(
+        kept.theta[3],
+        units[3] * parts.estimator.theta()[3],
+        1e-6
+    ));
+    assert!(close(
+        kept.covariance[3][3],
+        known[3][3] * units[3] * units[3],
+        1e-4
+    ));
+}

@@ -1,0 +1,158 @@
+//! The triangles, and an axis that moves in one of them.
+
+extern crate std;
+
+use super::*;
+
+const STEP: f32 = 1e-3;
+
+fn still() -> Still {
+    Still {
+        place: 0.5,
+        detection: 1e-3,
+        ..Still::default()
+    }
+}
+
+/// The commands of all triangles on an axis that does not move; the codes change.
+fn commands(asked_again: u8, scale: f32) -> std::vec::Vec<f32> {
+    let mut probe = Probe::new(asked_again);
+    let mut found = std::vec::Vec::new();
+    loop {
+        match probe.update(0.5, false, &still(), STEP, scale) {
+            Probed::Command(command) => found.push(command),
+            other => {
+                assert_eq!(other, Probed::Still);
+                return found;
+            }
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn triangles_go_to_both_sides_and_their_peaks_grow() {
+    for (asked_again, first) in [(0, 0.25), (1, 0.35), (2, 0.45), (9, 0.45)] {
+        for scale in [1.0, 0.6] {
+            let commands = commands(asked_again, scale);
+            let mut peaks = std::vec::Vec::new();
+            for pair in commands.windows(3) {
+                let [a, b, c] = [pair[0].abs(), pair[1].abs(), pair[2].abs()];
+                if b > a && b >= c {
+                    peaks.push(pair[1]);
+                }
+            }
+            let expected = [first, -first, 0.45, -0.45, 0.45, -0.45].map(|peak| scale * peak);
+            assert_eq!(peaks.len(), 6, "{peaks:?}");
+            for (peak, expected) in peaks.iter().zip(expected) {
+                assert!((peak - expected).abs() < 8e-3, "{peaks:?}");
+            }
+            // Slow where nothing was tried before: 1.5 per s; quicker, 6 per s, where it was.
+            let steps = commands
+                .windows(2)
+                .map(|pair| (pair[1] - pair[0]).abs() / STEP);
+            for step in steps {
+                assert!(step < 6.01, "{step}");
+            }
+            let time = commands.len() as f32 * STEP;
+            let slow = |peak: f32| 4.0 * scale * peak / 1.5;
+            let later = |tried: f32| 4.0 * scale * (tried / 6.0 + (0.45 - tried) / 1.5);
+            let expected = slow(first) + 2.0 * later(first);
+            assert!(
+                (time - expected).abs() < 0.02,
+                "{asked_again}: {time} {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn an_axis_that_moves_has_a_sign_and_the_command_that_did_it() {
+    for (side, below) in [(1.0_f32, false), (-1.0, false), (1.0, true), (-1.0, true)] {
+        let mut probe = Probe::new(0);
+        // It moves 20 ms behind a command of 0.15 on the upper or the lower side.
+        let (mut y, mut wanted, mut found) = (0.5, None, None);
+        let mut time = 0.0;
+        for _ in 0..2000 {
+            if wanted.is_some_and(|at| time >= at) {
+                y = 0.5 + side * 0.01;
+            }
+            match probe.update(y, false, &still(), STEP, 1.0) {
+                Probed::Command(command) => {
+                    let along = if below { -command } else { command };
+                    if wanted.is_none() && along > 0.15 {
+                        wanted = Some(time + LATENESS);
+                    }
+                }
+                other => {
+                    found = Some(other);
+                    break;
+                }
+            }
+            time += STEP;
+        }
+        let Some(Probed::Moved { sign, command }) = found else {
+            panic!("{found:?}");
+        };
+        assert_eq!(sign, if below { -side } else { side });
+        assert!((command - 0.15).abs() < 0.01, "{command}");
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn a_drift_is_no_movement_and_the_mean_of_three_decides() {
+    let drifts = Still {
+        drift: 0.01,
+        since: 0.02,
+        ..still()
+    };
+    let mut probe = Probe::new(0);
+    for k in 0..600 {
+        let y = 0.5 + 0.01 * (0.02 + STEP * k as f32);
+        assert!(
+            matches!(
+                probe.update(y, false, &drifts, STEP, 1.0),
+                Probed::Command(_)
+            ),
+            "{k}"
+        );
+    }
+    // One sample away is none, where three are.
+    let mut probe = Probe::new(0);
+    for _ in 0..100 {
+        let _ = probe.update(0.5, false, &still(), STEP, 1.0);
+    }
+    let mut other = probe;
+    assert!(matches!(
+        other.update(0.5028, false, &still(), STEP, 1.0),
+        Probed::Command(_)
+    ));
+    assert!(matches!(
+        other.update(0.5028, false, &still(), STEP, 1.0),
+        Probed::Moved { .. }
+    ));
+    assert!(matches!(
+        probe.update(0.4968, false, &still(), STEP, 1.0),
+        Probed::Moved { .. }
+    ));
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn no_code_for_as_long_as_the_first_triangles_take_is_a_sensor_that_is_stuck() {
+    for (asked_again, first) in [(0, 0.25), (1, 0.35)] {
+        let mut probe = Probe::new(asked_again);
+        let count =
+            (0..5000).find(|_| probe.update(0.5, true, &still(), STEP, 1.0) == Probed::SameCode);
+        let time = STEP * count.unwrap_or(0) as f32;
+        assert!((time - 4.0 * first / 1.5).abs() < 5e-3, "{time}");
+        // A code that changes now and then is not.
+        let mut probe = Probe::new(asked_again);
+        for k in 0..1500 {
+            let found = probe.update(0.5, k % 300 != 0, &still(), STEP, 1.0);
+            assert_ne!(found, Probed::SameCode, "{k}");
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! Drives that friction explains, and those that it does not.
+
+use super::*;
+
+const STEP: f32 = 1e-3;
+
+/// Calls until a constant command is more than friction explains.
+fn until(silence: &mut Silence, command: f32, model: Option<&Theta>) -> Option<(u32, Heard)> {
+    (1..60_000).find_map(|k| {
+        let heard = silence.update(0.5, true, command, STEP, model);
+        (heard != Heard::Silence).then_some((k, heard))
+    })
+}
+
+/// The drive that moved the axis first: half of the command at 1.5 per s.
+fn first(command: f32) -> f32 {
+    let flow = 0.5 * command;
+    5.4 * flow * flow / 3.0
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn what_moved_the_axis_first_moves_it_from_wherever_friction_holds_it() {
+    for command in [0.1_f32, 0.3] {
+        for upward in [true, false] {
+            let side = if upward { 1.0 } else { -1.0 };
+            let fresh = Silence::new(0.5, 1e-3, command, upward);
+            // In the direction of the first movement the valve opens at half of its command.
+            let flow = 0.4 - 0.5 * command;
+            let needed = first(command) + 0.08 * flow;
+            let (calls, heard) = until(&mut fresh.clone(), side * 0.4, None).expect("exhausted");
+            assert_eq!(heard, Heard::Exhausted);
+            let drive = STEP * calls as f32 * flow;
+            assert!(
+                (drive / needed - 1.0).abs() < 0.01,
+                "{command} {upward}: {drive} {needed}"
+            );
+            // The other direction may open later by twice an offset of 0.08.
+            let flow = flow - 0.16;
+            let needed = first(command) + 0.08 * flow;
+            let mut other = fresh;
+            let (calls, _) = until(&mut other, -side * 0.4, None).expect("exhausted");
+            let drive = STEP * calls as f32 * flow;
+            assert!(
+                (drive / needed - 1.0).abs() < 0.01,
+                "{command} {upward}: {drive} {needed}"
+            );
+            // Both directions: nothing moves what must move.
+            let (_, heard) = (0..60_000)
+                .map(|k| (k, other.update(0.5, true, side * 0.4, STEP, None)))
+                .find(|(_, heard)| *heard == Heard::Nothing)
+                .expect("both are used up");
+            assert_eq!(heard, Heard::Nothing);
+            // A command that the valve may not pass is none.
+            for closed in [0.49 * side * command, -side * (0.5 * command + 0.15)] {
+                assert_eq!(until(&mut fresh.clone(), closed, None), None);
+            }
+            let [own, opposite] = [fresh.push(upward), fresh.push(!upward)];
+            assert!((own - 1.5 * command).abs() < 1e-6);
+            assert!((opposite - own - 0.16).abs() < 1e-6);
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn a_movement_begins_anew_and_what_friction_held_is_remembered() {
+    let mut silence = Silence::new(0.5, 1e-3, 0.1, true);
+    for _ in 0..400 {
+        let _ = silence.update(0.5, true, 0.15, STEP, None);
+    }
+    let held = 0.4 * 0.1;
+    for y in [0.5005, 0.4995] {
+        assert_eq!(silence.update(y, true, 0.0, STEP, None), Heard::Silence);
+    }
+    assert_eq!(silence.update(0.5011, true, 0.0, STEP, None), Heard::Motion);
+    assert_eq!((silence.anchor, silence.drive), (0.5011, 0.0));
+    // Half as much again as friction held in good work.
+    let silent = |silence: &mut Silence, drive: f32| {
+        let calls = (drive / (STEP * 0.1)) as u32;
+        (0..calls).all(|_| silence.update(0.5011, true, 0.15, STEP, None) == Heard::Silence)
+    };
+    assert!(first(0.1) < held);
+    let needed = 1.5 * held + 0.08 * 0.1;
+    assert!(silent(&mut silence.clone(), 0.98 * needed));
+    assert!(!silent(&mut silence.clone(), 1.03 * needed));
+    assert_eq!(
+        silence.update(0.5, true, 0.0, STEP, None),
+        Heard::Motion,
+        "downward too"
+    );
+    // Noise may hide a slow motion: twice as much.
+    let mut noisy = Silence::new(0.5, 1e-3, 0.3, true);
+    let mut quiet = noisy;
+    let _ = noisy.update(0.5, false, 0.0, STEP, None);
+    let [a, b] = [&mut noisy, &mut quiet].map(|s| until(s, 0.4, None).map_or(0, |(k, _)| k));
+    assert!((a as f32 / b as f32 - 2.0).abs() < 0.02, "{a} {b}");
+    assert!(noisy.code_changes() && !quiet.code_changes());
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn a_model_says_what_friction_holds_and_when_motion_comes() {
+    let model = Theta {
+        a1: 400.0,
+        a2: 20.0,
+        b0: 800.0,
+        dead_zone: 0.05,
+        offset: 0.01,
+        friction: 3.0,
+        delay: 0.01,
+        kappa: 0.0,
+        stiffening: 0.0,
+    };
+    let fresh = Silence::new(0.5, 1e-3, 0.1, true);
+    for (command, flow) in [(0.3, 0.26), (-0.3, -0.24)] {
+        // Five Coulomb frictions and two movements of the axis, then 2 rad of its frequency.
+        let held: f32 = (5.0 * 3.0 + 2.0 * 1e-3 * 400.0) / 800.0;
+        let needed = held.max(first(0.1)) + (0.01 + 2.0 / 20.0) * f32::abs(flow);
+        let (calls, _) = until(&mut fresh.clone(), command, Some(&model)).expect("exhausted");
+        let drive = STEP * calls as f32 * f32::abs(flow);
+        assert!(
+            (drive / needed - 1.0).abs() < 0.01,
+            "{command}: {drive} {needed}"
+        );
+    }
+    for closed in [0.039, -0.059] {
+        assert_eq!(until(&mut fresh.clone(), closed, Some(&model)), None);
+    }
+    // Half a period says the same before there is a model.
+    let mut informed = fresh;
+    informed.inform(core::f32::consts::PI / 20.0);
+    assert!((informed.lag - (2.0 / 20.0 + 0.02)).abs() < 1e-5);
+    // A sign that was mistaken: the larger command counts, and either side may open later.
+    let mut mistaken = fresh;
+    mistaken.mistook(0.2);
+    assert!((mistaken.push(true) - (0.3 + 0.16)).abs() < 1e-6);
+    assert_eq!(mistaken.push(true), mistaken.push(false));
+    assert!((mistaken.first - first(0.2)).abs() < 1e-6);
+    mistaken.mistook(0.05);
+    assert!((mistaken.push(true) - (0.3 + 0.16)).abs() < 1e-6);
+}

@@ -1,0 +1,28 @@
+//! The drive around the model.
+
+use crate::servo::commissioning::Found;
+
+/// What the commissioning finds beside the model.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Drive {
+    /// Sign of the valve.
+    pub(crate) sign: f32,
+    /// Delay of the valve in s.
+    pub(crate) delay: f32,
+    /// Dead volume over the volume of the travel.
+    pub(crate) dead_volume: f32,
+    /// Standard deviation of the position, in units of y.
+    pub(crate) noise: f32,
+}
+
+impl Drive {
+    /// What was found.
+    pub(crate) const fn of(found: &Found) -> Self {
+        Self {
+            sign: found.sign,
+            delay: found.delay,
+            dead_volume: found.dead_volume,
+            noise: found.noise,
+        }
+    }
+}

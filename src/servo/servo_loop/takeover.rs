@@ -1,0 +1,38 @@
+//! The way to a controller that takes over, and the way back.
+
+use crate::servo::building::Building;
+use crate::servo::control::tuning::Tuned;
+use crate::servo::model::Model;
+
+/// From what the commissioning found to a controller that takes over.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Takeover {
+    /// The loop for what was found, while it is being built.
+    pub(crate) building: Option<Building>,
+    /// The search of poles for the model that is being validated.
+    pub(crate) tuning: Option<Tuned>,
+    /// Samples in which the observer of the controller settles before it takes over.
+    pub(crate) watching: u32,
+}
+
+/// What the loop goes back to when it oscillates.
+#[derive(Debug, Clone)]
+pub(crate) struct Fallback {
+    /// Factor on the bandwidth, 1 unless an oscillation was noticed.
+    pub(crate) derating: f32,
+    /// The model of the commissioning.
+    pub(crate) known_good: Option<Model>,
+    /// Whether that one is the next candidate.
+    pub(crate) reconsiders: bool,
+}
+
+impl Fallback {
+    /// The whole bandwidth on the model that control begins with.
+    pub(crate) const fn new(known_good: Option<Model>) -> Self {
+        Self {
+            derating: 1.0,
+            known_good,
+            reconsiders: false,
+        }
+    }
+}

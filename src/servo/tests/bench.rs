@@ -1,0 +1,105 @@
+//! A drive that is its own model, and the loop on it.
+
+use crate::hardware::{Axis, PositionSensor, Scale, Valve};
+use crate::servo::motion::Motion;
+use crate::servo::{Config, Model, Report, ServoLoop, Travel};
+
+/// Units per count.
+pub(super) const SCALE: f32 = 1e-4;
+
+/// The code of the axis.
+#[derive(Clone, Debug)]
+pub(super) struct Code(pub(super) i32);
+
+impl PositionSensor for Code {
+    type Error = ();
+
+    fn counts(&mut self) -> Result<i32, ()> {
+        Ok(self.0)
+    }
+}
+
+/// A valve that takes every command.
+#[derive(Clone, Debug)]
+pub(super) struct Spool(pub(super) f32);
+
+impl Valve for Spool {
+    type Error = ();
+
+    fn drive(&mut self, command: f32) -> Result<f32, ()> {
+        self.0 = command;
+        Ok(command)
+    }
+}
+
+pub(super) type Loop = ServoLoop<Code, Spool>;
+
+pub(super) const MODEL: Model = Model::linear(625.0, 20.0, 1e6);
+pub(super) const DELAY: usize = 3;
+
+/// A drive that is the model, behind a delay, and the loop on it.
+pub(super) struct Bench {
+    pub(super) servo: Loop,
+    pub(super) model: Model,
+    pub(super) motion: Motion,
+    commands: [f32; DELAY + 1],
+    state: u32,
+}
+
+impl Bench {
+    /// Stands at 200 of 400 on a verified model.
+    pub(super) fn new(model: Model) -> Self {
+        let travel = Travel {
+            min: 0.0,
+            max: 400.0,
+        };
+        let mut config = Config::new(1e-3, 25.0, travel);
+        config.delay = 1e-3 * DELAY as f32;
+        config.adaptive = false;
+        config.noise = Some(2e-4);
+        config.controller.dead_volume = Some(f32::INFINITY);
+        let scale = Scale::new(SCALE).expect("a scale");
+        let axis = Axis {
+            scale,
+            reference: 0,
+        };
+        let code = (200.0 / SCALE) as i32;
+        let servo = Loop::try_new(&config, axis, Code(code), Spool(0.0));
+        let mut servo = servo.expect("settings");
+        let _ = servo.update();
+        servo.install(model).expect("a model that may control");
+        Self {
+            servo,
+            model,
+            motion: Motion::at(200.0),
+            commands: [0.0; DELAY + 1],
+            state: 1,
+        }
+    }
+
+    /// One sample; the report and the true position.
+    pub(super) fn step(&mut self) -> (Report, f32) {
+        self.state = self
+            .state
+            .wrapping_mul(1_664_525)
+            .wrapping_add(1_013_904_223);
+        let noise = (self.state >> 30) as i32 - 1;
+        self.servo.sensor_mut().0 = libm::roundf(self.motion.position / SCALE) as i32 + noise;
+        let report = self.servo.update();
+        self.commands.rotate_right(1);
+        self.commands[0] = self.servo.valve_mut().0;
+        let flow = self.model.valve_flow(self.commands[DELAY]);
+        let before = self.motion.position;
+        self.model.advance(&mut self.motion, flow, 1e-3);
+        (report, before)
+    }
+
+    /// The largest error of the position in so many samples.
+    pub(super) fn worst(&mut self, samples: u32) -> f32 {
+        (0..samples).fold(0.0_f32, |worst, _| {
+            let (report, y) = self.step();
+            assert!(report.state.is_controlling(), "{:?}", report.state);
+            worst.max((report.setpoint.position - y).abs())
+        })
+    }
+}
