@@ -1,8 +1,9 @@
-//! Nothing but one update of the reference structure: what the core needs in flash, and the proof that it cannot panic.
+//! Nothing but one update of the reference structure: what the core needs in flash, and the proof
+//! that it cannot panic.
 //!
-//! `cargo xtask size` reads the image: it must not contain any function of the panic machinery. The identifier is a
-//! place in memory that is not initialised, because its construction belongs to the start and not to the 1 ms path; the
-//! image is not meant to be run.
+//! `cargo xtask size` reads the image: it must not contain any function of the panic machinery. The
+//! identifier is a place in memory that is not initialised, because its construction belongs to the
+//! start and not to the 1 ms path; the image is not meant to be run.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

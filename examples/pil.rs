@@ -1,14 +1,16 @@
-//! Processor in the loop: the adaptive position loop on the target, the axis simulated on the host, one frame each way per
-//! sample.
+//! Processor in the loop: the adaptive position loop on the target, the axis simulated on the host,
+//! one frame each way per sample.
 //!
-//! USART1 (PA9 transmit, PA10 receive), 115 200 baud, 8N1; frames, lockstep and loop are in `link`. The other end
-//! is `trendid pil` in the emulator and `trendid pil --port PORT` with a board, which was not tried on hardware.
+//! USART1 (PA9 transmit, PA10 receive), 115 200 baud, 8N1; frames, lockstep and loop are in `link`.
+//! The other end is `trendid pil` in the emulator and `trendid pil --port PORT` with a board, which
+//! was not tried on hardware.
 //!
-//! What is asked of the loop (to commission, to move) comes with a frame and is carried out before the update, while time
-//! stands still on both sides: a move is planned outside of the 1 ms path.
+//! What is asked of the loop (to commission, to move) comes with a frame and is carried out before
+//! the update, while time stands still on both sides: a move is planned outside of the 1 ms path.
 //!
-//! The processor waits for each byte. The data register of the USART is read in a loop of a few instructions, so at
-//! 87 us per byte none is lost while it waits; what comes in during an update is at most one byte, which the USART holds.
+//! The processor waits for each byte. The data register of the USART is read in a loop of a few
+//! instructions, so at 87 us per byte none is lost while it waits; what comes in during an update
+//! is at most one byte, which the USART holds.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -57,7 +59,8 @@ mod target {
         let (mut transmit, mut receive) = serial.split();
         let mut controller = Controller::new();
         let mut responder = Responder::new();
-        // An empty frame says that the line is heard from now on. Cannot fail: an empty register takes a byte.
+        // An empty frame says that the line is heard from now on. Cannot fail: an empty register
+        // takes a byte.
         let _ = nb::block!(transmit.write(0));
         loop {
             // A receive error (noise, framing, overrun) is a wrong byte to the check sum.

@@ -1,9 +1,11 @@
-//! The same numbers everywhere: a record of 5 000 samples through several structures, and a hash of every innovation and
-//! every parameter after every sample, and of every standard deviation after every tenth.
+//! The same numbers everywhere: a record of 5 000 samples through several structures, and a hash of
+//! every innovation and every parameter after every sample, and of every standard deviation after
+//! every tenth.
 //!
-//! Each line is `structure hash`; the run succeeds when the lines are those of `examples/data/selftest.txt`. Host and
-//! target, debug and release must agree to the last bit. After the arithmetic of the core was changed on purpose,
-//! `cargo xtask docs --write selftest.txt` writes the file.
+//! Each line is `structure hash`; the run succeeds when the lines are those of
+//! `examples/data/selftest.txt`. Host and target, debug and release must agree to the last bit.
+//! After the arithmetic of the core was changed on purpose, `cargo xtask docs --write selftest.txt`
+//! writes the file.
 //!
 //! ```text
 //! cargo run --example selftest                                                   host
@@ -25,7 +27,8 @@ const EXPECTED: &str = include_str!("data/selftest.txt");
 /// Here a NaN is put in: it must be refused and leave no trace.
 const BAD: usize = 2500;
 
-/// Standard deviations are read this often: they cost more than an update, above all without floating-point unit.
+/// Standard deviations are read this often: they cost more than an update, above all without
+/// floating-point unit.
 const EVERY: usize = 10;
 
 /// Runs the record through one identifier.
@@ -69,7 +72,8 @@ fn run<
     hash
 }
 
-/// One structure, in a frame of its own: the smallest memory has no room for all of them on the stack.
+/// One structure, in a frame of its own: the smallest memory has no room for all of them on the
+/// stack.
 #[inline(never)]
 fn part<
     T: TrendOperator<M> + PartialEq,

@@ -16,9 +16,10 @@ use crate::settings::Settings;
 pub const DELAY_CANDIDATES: usize = DELAY_MAX + 1;
 
 /// Words of 8 bytes of a `trendid_delay_bank`.
-pub const DELAY_BANK_WORDS: usize = 1256;
+pub const DELAY_BANK_WORDS: usize = 1320;
 
-/// Identifiers of the kind `trendid_servo3` with the delays 0 to 7 side by side; the one that predicts best has the delay.
+/// Identifiers of the kind `trendid_servo3` with the delays 0 to 7 side by side; the one that
+/// predicts best has the delay.
 ///
 /// For commissioning: eight times an identifier in time and memory.
 #[repr(C)]
@@ -38,7 +39,8 @@ const fn at(bank: *const DelayBank) -> *const Object<Bank> {
     bank.cast()
 }
 
-/// Makes a bank; `delay` of the settings is not used. `detail`, if not NULL, says which setting was refused.
+/// Makes a bank; `delay` of the settings is not used. `detail`, if not NULL, says which setting was
+/// refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_delay_bank_init(
     memory: *mut DelayBank,
@@ -52,7 +54,8 @@ pub unsafe extern "C" fn trendid_delay_bank_init(
         // As `Bank::try_new`, each candidate where it is to stand.
         for delay in 0..DELAY_CANDIDATES {
             config.delays = [delay];
-            // SAFETY: memory for a bank, by the contract of `make`, which is laid out as the array of its candidates.
+            // SAFETY: memory for a bank, by the contract of `make`, which is laid out as the array
+            // of its candidates.
             let candidate = unsafe { blank(bank.cast::<Servo>().add(delay)) };
             candidate.reconfigure(&config, settings.trends()?)?;
         }
@@ -62,7 +65,8 @@ pub unsafe extern "C" fn trendid_delay_bank_init(
     unsafe { make(memory, fill, detail) }
 }
 
-/// Takes command and position, as `trendid_identifier_update`; `outcome` is that of the candidate without delay, or NULL.
+/// Takes command and position, as `trendid_identifier_update`; `outcome` is that of the candidate
+/// without delay, or NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_delay_bank_update(
     bank: *mut DelayBank,
@@ -82,8 +86,9 @@ pub unsafe extern "C" fn trendid_delay_bank_update(
     }
 }
 
-/// The delay with the smallest prediction error, in samples, and how clear the choice is: the error of the second best over that
-/// of the best, at least 1. Either may be NULL. `TRENDID_ERROR_NOT_YET` until all can be compared.
+/// The delay with the smallest prediction error, in samples, and how clear the choice is: the error
+/// of the second best over that of the best, at least 1. Either may be NULL.
+/// `TRENDID_ERROR_NOT_YET` until all can be compared.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_delay_bank_best(
     bank: *const DelayBank,
@@ -110,7 +115,8 @@ pub unsafe extern "C" fn trendid_delay_bank_best(
     }
 }
 
-/// The prediction error of each delay in the unit of y, infinite while unknown; `count` is `TRENDID_DELAY_CANDIDATES`.
+/// The prediction error of each delay in the unit of y, infinite while unknown; `count` is
+/// `TRENDID_DELAY_CANDIDATES`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_delay_bank_errors(
     bank: *const DelayBank,

@@ -1,6 +1,8 @@
-//! The core as it is compiled into this library, for programs of Rust that compare: `cargo xtask capi --edge`.
+//! The core as it is compiled into this library, for programs of Rust that compare:
+//! `cargo xtask capi --edge`.
 //!
-//! What a generic function becomes is decided anew in every crate that uses it; which loops are unrolled differs.
+//! What a generic function becomes is decided anew in every crate that uses it; which loops are
+//! unrolled differs.
 
 use trendid::Servo;
 

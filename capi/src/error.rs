@@ -2,7 +2,8 @@
 
 use core::ffi::{CStr, c_char};
 
-/// What a function answers; 0 is success. Otherwise nothing was done, and an `_init` leaves no object.
+/// What a function answers; 0 is success. Otherwise nothing was done, and an `_init` leaves no
+/// object.
 #[must_use]
 #[repr(i32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,6 +1,8 @@
-//! trendid from C: opaque objects in memory of the caller, no heap, no global state, errors as codes.
+//! trendid from C: opaque objects in memory of the caller, no heap, no global state, errors as
+//! codes.
 //!
-//! The names of this crate are those of `include/trendid.h`, which cbindgen makes from it; docs/c.md shows how to use it.
+//! The names of this crate are those of `include/trendid.h`, which cbindgen makes from it;
+//! docs/c.md shows how to use it.
 //!
 //! | module | what it does |
 //! |---|---|
@@ -13,8 +15,9 @@
 //! | sizes | bytes of the objects |
 //! | compiled | the core as this library has it, for comparisons in Rust |
 //!
-//! An identifier is a handle on memory of some kind; what the handle can do stands in a table that the initialisation of this
-//! kind leaves in the object. So a program links the code of the kinds that it initialises and of no other.
+//! An identifier is a handle on memory of some kind; what the handle can do stands in a table that
+//! the initialisation of this kind leaves in the object. So a program links the code of the kinds
+//! that it initialises and of no other.
 
 #![no_std]
 // The contract of every pointer is one and the same, and stands at the head of the header.
@@ -46,7 +49,8 @@ use core::ffi::c_char;
 /// Version of this interface: another number, another layout of the types.
 pub const ABI_VERSION: u32 = 1;
 
-/// The version of the interface that the library was built with, to be compared with `TRENDID_ABI_VERSION`.
+/// The version of the interface that the library was built with, to be compared with
+/// `TRENDID_ABI_VERSION`.
 #[unsafe(no_mangle)]
 pub extern "C" fn trendid_abi_version() -> u32 {
     ABI_VERSION
@@ -68,7 +72,8 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     }
 }
 
-/// Named by the tables of the precompiled core library on hosts; without unwinding nothing calls it.
+/// Named by the tables of the precompiled core library on hosts; without unwinding nothing calls
+/// it.
 #[cfg(all(
     feature = "archive",
     panic = "abort",

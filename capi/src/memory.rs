@@ -1,7 +1,8 @@
 //! The edge of what is safe: pointers of the caller become references here, after their checks.
 //!
-//! A pointer is NULL or points to memory of its type, as the header asks of the caller. What can be checked beyond that is:
-//! NULL, the alignment, and of an object the word that `_init` has left in it.
+//! A pointer is NULL or points to memory of its type, as the header asks of the caller. What can be
+//! checked beyond that is: NULL, the alignment, and of an object the word that `_init` has left in
+//! it.
 
 use core::mem::MaybeUninit;
 
@@ -24,7 +25,8 @@ pub(crate) trait Inside {
     const MAGIC: u32;
 }
 
-/// The error, out of the way of a sample: a branch that is not taken in the place of instructions that are skipped.
+/// The error, out of the way of a sample: a branch that is not taken in the place of instructions
+/// that are skipped.
 #[cold]
 #[inline(never)]
 fn refused(error: Error) -> Error {
@@ -95,7 +97,8 @@ pub(crate) unsafe fn list<'a, T>(pointer: *const T, length: usize) -> Result<&'a
 /// A list of the caller to write to.
 ///
 /// # Safety
-/// The pointer is NULL, or points to `length` initialised elements that nobody else uses during `'a`.
+/// The pointer is NULL, or points to `length` initialised elements that nobody else uses during
+/// `'a`.
 #[inline(always)]
 pub(crate) unsafe fn list_mut<'a, T>(pointer: *mut T, length: usize) -> Result<&'a mut [T], Error> {
     check(pointer)?;
@@ -109,11 +112,13 @@ pub(crate) unsafe fn list_mut<'a, T>(pointer: *mut T, length: usize) -> Result<&
 /// What is kept in the object behind a pointer.
 ///
 /// # Safety
-/// The pointer is NULL, or points to the memory of an object of this type that nobody writes during `'a`.
+/// The pointer is NULL, or points to the memory of an object of this type that nobody writes during
+/// `'a`.
 #[inline(always)]
 pub(crate) unsafe fn object<'a, T: Inside>(pointer: *const Object<T>) -> Result<&'a T, Error> {
     check(pointer)?;
-    // SAFETY: not NULL, aligned; the word lies in the caller's memory and every value of it is a u32.
+    // SAFETY: not NULL, aligned; the word lies in the caller's memory and every value of it is a
+    // u32.
     if unsafe { (&raw const (*pointer).magic).read() } != T::MAGIC {
         return Err(refused(Error::NotInitialised));
     }
@@ -124,13 +129,15 @@ pub(crate) unsafe fn object<'a, T: Inside>(pointer: *const Object<T>) -> Result<
 /// As [`object`], to be changed.
 ///
 /// # Safety
-/// The pointer is NULL, or points to the memory of an object of this type that nobody else uses during `'a`.
+/// The pointer is NULL, or points to the memory of an object of this type that nobody else uses
+/// during `'a`.
 #[inline(always)]
 pub(crate) unsafe fn object_mut<'a, T: Inside>(
     pointer: *mut Object<T>,
 ) -> Result<&'a mut T, Error> {
     check(pointer)?;
-    // SAFETY: not NULL, aligned; the word lies in the caller's memory and every value of it is a u32.
+    // SAFETY: not NULL, aligned; the word lies in the caller's memory and every value of it is a
+    // u32.
     if unsafe { (&raw const (*pointer).magic).read() } != T::MAGIC {
         return Err(refused(Error::NotInitialised));
     }
@@ -138,8 +145,9 @@ pub(crate) unsafe fn object_mut<'a, T: Inside>(
     Ok(unsafe { &mut (*pointer).inside })
 }
 
-/// What a `T` is before it is configured: bytes that are all zero, a value without meaning. The compiler checks that they are
-/// a value: a constant that is none does not compile, be it by a reference, an enumeration without 0 or what contains one.
+/// What a `T` is before it is configured: bytes that are all zero, a value without meaning. The
+/// compiler checks that they are a value: a constant that is none does not compile, be it by a
+/// reference, an enumeration without 0 or what contains one.
 trait Blank: Sized {
     // SAFETY: the value of a constant is validated, to its last field.
     const BLANK: Self = unsafe { MaybeUninit::zeroed().assume_init() };
@@ -147,7 +155,8 @@ trait Blank: Sized {
 
 impl<T> Blank for T {}
 
-/// Memory of the caller as a `T` to be configured in place: a copy on the stack of a microcontroller would be a large one.
+/// Memory of the caller as a `T` to be configured in place: a copy on the stack of a
+/// microcontroller would be a large one.
 ///
 /// # Safety
 /// The pointer is aligned and points to memory for a `T` that nobody else uses during `'a`.
@@ -163,12 +172,13 @@ pub(crate) unsafe fn blank<'a, T>(place: *mut T) -> &'a mut T {
 
 /// Makes an object in memory of the caller that holds at least a `T`; the answer of `_init`.
 ///
-/// `fill` makes all of the `T` or fails, where the object is to stand. The word that says that it is one comes last; what was
-/// there before is none from the begin.
+/// `fill` makes all of the `T` or fails, where the object is to stand. The word that says that it
+/// is one comes last; what was there before is none from the begin.
 ///
 /// # Safety
-/// `memory` is NULL or points to a `W` that nobody else uses; `detail` is NULL or points to a [`Detail`]. Where `fill` succeeds,
-/// its pointer, which is aligned and may be written, points to an initialised `T`.
+/// `memory` is NULL or points to a `W` that nobody else uses; `detail` is NULL or points to a
+/// [`Detail`]. Where `fill` succeeds, its pointer, which is aligned and may be written, points to
+/// an initialised `T`.
 #[inline(always)]
 pub(crate) unsafe fn make<W, T: Inside>(
     memory: *mut W,
@@ -184,7 +194,8 @@ pub(crate) unsafe fn make<W, T: Inside>(
     }
     let done = check(memory).map_err(Detail::from).and_then(|()| {
         let object = memory.cast::<Object<T>>();
-        // SAFETY: not NULL, aligned for `W` and so for the object, and by the assertion above large enough.
+        // SAFETY: not NULL, aligned for `W` and so for the object, and by the assertion above large
+        // enough.
         let inside = unsafe {
             (&raw mut (*object).magic).write(0);
             &raw mut (*object).inside

@@ -21,24 +21,29 @@ pub struct Settings {
     pub input_range: [f32; INPUTS_MAX],
     /// Typical movement of the output, in its unit.
     pub output_range: f32,
-    /// Expected standard deviation of the noise of the output, in its unit; 0: a thousandth of `output_range`.
+    /// Expected standard deviation of the noise of the output, in its unit; 0: a thousandth of
+    /// `output_range`.
     pub output_noise: f32,
     /// Memory in s; 0: nothing is forgotten. With a dead zone about two blocks of it.
     pub memory: f32,
     /// Time without estimation after the first sample, in s; default 0.
     pub settling: f32,
-    /// Standard deviations below which the constant is insignificant and withdrawn; default 2, 0 always keeps it.
+    /// Standard deviations below which the constant is insignificant and withdrawn; default 2, 0
+    /// always keeps it.
     pub offset_significance: f32,
-    /// Delay of each input in samples, at most `TRENDID_DELAY_MAX` (`TRENDID_ANY_DELAY_MAX` for a `trendid_any`).
+    /// Delay of each input in samples, at most `TRENDID_DELAY_MAX` (`TRENDID_ANY_DELAY_MAX` for a
+    /// `trendid_any`).
     pub delay: [u32; INPUTS_MAX],
-    /// Largest half width of the dead zone, in the unit of the first input; only for kinds with a dead zone.
+    /// Largest half width of the dead zone, in the unit of the first input; only for kinds with a
+    /// dead zone.
     pub dead_zone_max: f32,
     /// Samples between corrections of the dead zone; default 300.
     pub dead_zone_block: u32,
 }
 
-/// The defaults for a drive sampled every `sample_time` (s), of rough `bandwidth` (rad/s), with the typical sizes of command
-/// and position. The values are checked where an identifier is made of them.
+/// The defaults for a drive sampled every `sample_time` (s), of rough `bandwidth` (rad/s), with the
+/// typical sizes of command and position. The values are checked where an identifier is made of
+/// them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_settings_init(
     settings: *mut Settings,
@@ -70,7 +75,8 @@ impl Settings {
         FilteredTrends::for_bandwidth(Scheme::Tustin, self.sample_time, self.bandwidth)
     }
 
-    /// The settings of the core; `own` says which input of the caller an input of the model is, `None` for a sign.
+    /// The settings of the core; `own` says which input of the caller an input of the model is,
+    /// `None` for a sign.
     pub(crate) fn config<const M: usize, const N: usize, const I: usize>(
         &self,
         structure: CoreStructure<M, N, I>,
@@ -91,9 +97,11 @@ impl Settings {
     }
 }
 
-/// Any structure `(b_{m-1} s^{m-1} + .. + b0) / (s^m + a_{m-1} s^{m-1} + .. + a0)` for a `trendid_any`.
+/// Any structure `(b_{m-1} s^{m-1} + .. + b0) / (s^m + a_{m-1} s^{m-1} + .. + a0)` for a
+/// `trendid_any`.
 ///
-/// The parameters stand in this order: a_i with i ascending, b_i of each input, the constant, the initial state.
+/// The parameters stand in this order: a_i with i ascending, b_i of each input, the constant, the
+/// initial state.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Structure {

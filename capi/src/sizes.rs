@@ -63,13 +63,15 @@ fn sizes(kind: i32) -> [usize; 2] {
     found.map_or([0; 2], |(sizes, _)| *sizes)
 }
 
-/// Bytes of a type of memory, a `trendid_object_kind`, as the library was built: `sizeof` must say the same. 0 of another number.
+/// Bytes of a type of memory, a `trendid_object_kind`, as the library was built: `sizeof` must say
+/// the same. 0 of another number.
 #[unsafe(no_mangle)]
 pub extern "C" fn trendid_object_size(kind: i32) -> usize {
     sizes(kind)[0]
 }
 
-/// Bytes of a type of memory that this build of the library uses; the rest is room for later versions.
+/// Bytes of a type of memory that this build of the library uses; the rest is room for later
+/// versions.
 #[unsafe(no_mangle)]
 pub extern "C" fn trendid_object_used(kind: i32) -> usize {
     sizes(kind)[1]

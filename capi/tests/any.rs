@@ -1,4 +1,5 @@
-//! An identifier of any structure gives what the core gives, for structures drawn at random; what is no structure is refused.
+//! An identifier of any structure gives what the core gives, for structures drawn at random; what
+//! is no structure is refused.
 
 #![cfg(feature = "any")]
 

@@ -1,9 +1,12 @@
-//! Instructions per `update` on an emulated Cortex-M, cycles on a board; wall time per update on the host.
+//! Instructions per `update` on an emulated Cortex-M, cycles on a board; wall time per update on
+//! the host.
 //!
-//! `cargo xtask icount` runs it in the emulator and prints the table with code size, memory and stack. The image writes
-//! one line `row;function;n;mean;worst;systick;stack;ram` per row, behind comment lines that begin with `#`.
+//! `cargo xtask icount` runs it in the emulator and prints the table with code size, memory and
+//! stack. The image writes one line `row;function;n;mean;worst;systick;stack;ram` per row, behind
+//! comment lines that begin with `#`.
 //!
-//! What is counted is the function of the row from its first instruction to its return, as a user calls it.
+//! What is counted is the function of the row from its first instruction to its return, as a user
+//! calls it.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 mod functions;
@@ -39,7 +42,8 @@ fn samples() -> impl Iterator<Item = (f32, f32)> {
         .flat_map(move |round| record::samples().map(move |(u, y)| (u, y + end * round as f32)))
 }
 
-/// Regressors of independent numbers in -1..1 and what the parameters 1, 2, .. make of them, with noise.
+/// Regressors of independent numbers in -1..1 and what the parameters 1, 2, .. make of them, with
+/// noise.
 fn rows_of_numbers<const N: usize>() -> impl Iterator<Item = ([f32; N], f32)> {
     let mut seed = 1u32;
     (0..ROUNDS * record::SAMPLES).map(move |_| {
@@ -56,7 +60,8 @@ fn rows_of_numbers<const N: usize>() -> impl Iterator<Item = ([f32; N], f32)> {
     })
 }
 
-/// The rows of a table: name, n, function, state, samples. `*` for a function that takes its input by value.
+/// The rows of a table: name, n, function, state, samples. `*` for a function that takes its input
+/// by value.
 macro_rules! rows {
     ($meter:ident; $($name:literal, $n:literal, $by:tt $function:ident, $state:expr, $samples:expr;)*) => {$(
         $meter.row($name, stringify!($function), $n, $state, $samples, rows!($by $function));
@@ -67,14 +72,15 @@ macro_rules! rows {
 
 fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     structures(meter)?;
-    // A Cortex-M0 (no atomic exchange) has no room for several copies of a long window, and its emulation of two loops
-    // takes minutes.
+    // A Cortex-M0 (no atomic exchange) has no room for several copies of a long window, and its
+    // emulation of two loops takes minutes.
     if cfg!(target_has_atomic = "32") {
         span(meter)?;
         position_loop(meter);
     }
     options(meter)?;
-    // As for the span: eight identifiers are too many for the smallest memory, and its emulation takes minutes as it is.
+    // As for the span: eight identifiers are too many for the smallest memory, and its emulation
+    // takes minutes as it is.
     if cfg!(target_has_atomic = "32") {
         exact_and_bank(meter)?;
         debt(meter)?;
@@ -201,7 +207,8 @@ fn batches(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     Ok(())
 }
 
-/// The samples in which a debt of forgetting is called in: a motion behind a long rest, of a drive that has changed meanwhile.
+/// The samples in which a debt of forgetting is called in: a motion behind a long rest, of a drive
+/// that has changed meanwhile.
 #[inline(never)]
 fn debt(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     /// Ends of a motion, of the rest behind it, and of the next motion, in samples.
@@ -209,7 +216,8 @@ fn debt(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     /// The one that contradicts, one for each parameter, and the next.
     const CALLED: usize = 7;
     let mut identifier = rows::following()?;
-    // The reference drive in steps of Euler, with a noise of 0.1 um; behind the rest with ten times the gain.
+    // The reference drive in steps of Euler, with a noise of 0.1 um; behind the rest with ten times
+    // the gain.
     let ([mut x, mut velocity, mut acceleration], mut seed) = ([0.0_f32; 3], 1_u32);
     // Before the last two samples, these, and then those that follow.
     let (mut before, mut calls, mut seen) = ([None, None], [(0.0, 0.0); CALLED], 0);
@@ -249,13 +257,15 @@ fn debt(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     Ok(())
 }
 
-/// What is asked for now and then, not in every sample: each call counted, after the record has been seen once.
+/// What is asked for now and then, not in every sample: each call counted, after the record has
+/// been seen once.
 #[inline(never)]
 fn now_and_then(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     let calls = || record::samples().take(CALLS);
     let (mut default, mut exact) = (rows::default()?, rows::exact()?);
     for (u, y) in record::samples() {
-        // The counted functions themselves: a second copy of an update would change how both are compiled.
+        // The counted functions themselves: a second copy of an update would change how both are
+        // compiled.
         let _ = row_default(&mut default, u, y);
         let _ = row_exact(&mut exact, u, y);
     }

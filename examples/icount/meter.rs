@@ -1,4 +1,5 @@
-//! What takes the rows of the counts: a counter of instructions on the target, a stopwatch on the host.
+//! What takes the rows of the counts: a counter of instructions on the target, a stopwatch on the
+//! host.
 
 use core::hint::black_box;
 
@@ -44,7 +45,8 @@ impl Counter {
         }
     }
 
-    /// Writes the line of a row, or takes the row of nothing. Once for all rows: the smallest machine has no room for more.
+    /// Writes the line of a row, or takes the row of nothing. Once for all rows: the smallest
+    /// machine has no room for more.
     #[inline(never)]
     fn finish(&mut self, [name, function]: [&str; 2], [n, ram]: [usize; 2], counted: &Counted) {
         let [fine, systick] = self.clocks;
@@ -78,7 +80,8 @@ impl Counter {
     }
 }
 
-/// What was counted of a row: ticks of both clocks and the most by the finer one, bytes of stack, steps.
+/// What was counted of a row: ticks of both clocks and the most by the finer one, bytes of stack,
+/// steps.
 #[cfg(target_os = "none")]
 struct Counted {
     sums: [f64; 2],
@@ -109,7 +112,8 @@ impl Meter for Counter {
             copy.clone_from(&subject);
             let coarse = systick.ticks(|| step(black_box(&mut copy), &u, y));
             sums[1] += f64::from(coarse);
-            // Painting takes longer than a step: now and then, and where the step takes longer than any before.
+            // Painting takes longer than a step: now and then, and where the step takes longer than
+            // any before.
             if k % 100 == 1 || coarse > longest {
                 longest = longest.max(coarse);
                 copy.clone_from(&subject);

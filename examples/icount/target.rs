@@ -17,7 +17,8 @@ fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     exit(false)
 }
 
-// SAFETY: it does not return. A fault ends the run at once: without a handler the image stands still until the task gives up.
+// SAFETY: it does not return. A fault ends the run at once: without a handler the image stands
+// still until the task gives up.
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     line(format_args!("hard fault at {:#x}", frame.pc()));

@@ -1,4 +1,5 @@
-//! The telemetry as rows of the counts: what a slot tells, up to the last byte that it gives to the line.
+//! The telemetry as rows of the counts: what a slot tells, up to the last byte that it gives to the
+//! line.
 
 use core::hint::black_box;
 

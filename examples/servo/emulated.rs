@@ -1,8 +1,10 @@
-//! The run in the emulator: requests in the place of a person, provoked faults, restarts in the place of the watchdog.
+//! The run in the emulator: requests in the place of a person, provoked faults, restarts in the
+//! place of the watchdog.
 //!
-//! QEMU models neither the watchdog nor the reset flags, and its timers keep no period, so that the count of slots stands in for
-//! the counter that runs on. Each run goes over several starts of the same image, and is chosen by
-//! the name that QEMU hands over (`arg=`); nothing here has an effect on a board, where nobody asks for it.
+//! QEMU models neither the watchdog nor the reset flags, and its timers keep no period, so that the
+//! count of slots stands in for the counter that runs on. Each run goes over several starts of the
+//! same image, and is chosen by the name that QEMU hands over (`arg=`); nothing here has an effect
+//! on a board, where nobody asks for it.
 //!
 //! | run | first start | then |
 //! |---|---|---|
@@ -26,7 +28,8 @@ use trendid_example_support::survivor::Fault;
 use crate::snapshot::{EVERY, Snapshot};
 use crate::{survival, wire::Over};
 
-/// The slot of 2.5 ms comes before this sample of the first start, after what is compared by its hash; then three overruns.
+/// The slot of 2.5 ms comes before this sample of the first start, after what is compared by its
+/// hash; then three overruns.
 const GAP: u64 = TRACED + EVERY;
 const END: u64 = TRACED + 2 * EVERY;
 
@@ -216,7 +219,8 @@ impl Script {
         }
     }
 
-    /// The first start: nothing moves before the request, then control, a slot that is missing, and three overruns.
+    /// The first start: nothing moves before the request, then control, a slot that is missing, and
+    /// three overruns.
     fn control(&mut self, now: &Snapshot) {
         self.controlled |= now.state.is_controlling() && now.overruns == 0 && now.record.is_some();
         if now.tick == EVERY {

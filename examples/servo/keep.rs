@@ -1,7 +1,9 @@
-//! The verified model in the last two sectors of the flash: loaded after a reset, saved by the idle loop.
+//! The verified model in the last two sectors of the flash: loaded after a reset, saved by the idle
+//! loop.
 //!
-//! The emulator has no flash controller, so there nothing is loaded or saved. What the store does is tested on a
-//! simulated flash on the host (`host-tests/tests/core/store.rs`); its flash here is the HAL's. Not tried on a board.
+//! The emulator has no flash controller, so there nothing is loaded or saved. What the store does
+//! is tested on a simulated flash on the host (`host-tests/tests/core/store.rs`); its flash here is
+//! the HAL's. Not tried on a board.
 
 use stm32f4xx_hal::flash::{FlashExt, LockedFlash};
 use stm32f4xx_hal::pac;
@@ -56,9 +58,11 @@ impl Keep {
         (keep, record)
     }
 
-    /// Saves a verified model that is worth it, a byte at a time, which delays a slot by 16 us at most.
+    /// Saves a verified model that is worth it, a byte at a time, which delays a slot by 16 us at
+    /// most.
     ///
-    /// A sector that is full is erased at the next start: here it would stop the chip for longer than the watchdog waits.
+    /// A sector that is full is erased at the next start: here it would stop the chip for longer
+    /// than the watchdog waits.
     pub(crate) fn consider(&mut self, record: &Record, seconds: u32) {
         if self.keeper.is_due(&record.model, seconds) {
             self.store(record, seconds);

@@ -1,8 +1,10 @@
-//! The run in the emulator that somebody watches: slots in real time, and what can be done to the simulated drive.
+//! The run in the emulator that somebody watches: slots in real time, and what can be done to the
+//! simulated drive.
 //!
-//! The timers of QEMU keep no period, SysTick does. Its interrupt asks for that of the slot, and the slot timer stands still, so
-//! that no slot is late: how much time the emulator has is a property of the computer. For the same reason only so
-//! many slots are made up for before the idle loop has sent what they told; on a board it has most of every slot for that.
+//! The timers of QEMU keep no period, SysTick does. Its interrupt asks for that of the slot, and
+//! the slot timer stands still, so that no slot is late: how much time the emulator has is a
+//! property of the computer. For the same reason only so many slots are made up for before the idle
+//! loop has sent what they told; on a board it has most of every slot for that.
 
 use core::sync::atomic::{AtomicI32, AtomicU8, Ordering};
 

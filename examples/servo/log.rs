@@ -9,10 +9,11 @@ use trendid_link::telemetry;
 
 use crate::logger::FRAMES;
 
-/// Shows a model as its parameters, and as frequency and damping of the drive behind the integrator.
+/// Shows a model as its parameters, and as frequency and damping of the drive behind the
+/// integrator.
 ///
-/// The square root is a display value: micromath's approximation (a few per cent) in one instruction pair instead of
-/// the exact one of the library.
+/// The square root is a display value: micromath's approximation (a few per cent) in one
+/// instruction pair instead of the exact one of the library.
 pub(crate) fn model(model: &servo::Model) {
     let frequency = model.a1.sqrt();
     let damping = model.a2 / (2.0 * frequency);
@@ -27,7 +28,8 @@ pub(crate) fn model(model: &servo::Model) {
     );
 }
 
-/// Shows what the start found: where it runs, why the chip restarted, how often, and what ended the run before.
+/// Shows what the start found: where it runs, why the chip restarted, how often, and what ended the
+/// run before.
 pub(crate) fn start(survivor: &Survivor, causes: Causes, brown_out: Option<Setting>) {
     match brown_out {
         None => defmt::info!(

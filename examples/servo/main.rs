@@ -1,4 +1,5 @@
-//! The servo controller: encoder, valve, identification and position control in a 1 kHz interrupt of an STM32F405/407.
+//! The servo controller: encoder, valve, identification and position control in a 1 kHz interrupt
+//! of an STM32F405/407.
 //!
 //! | part | place |
 //! |---|---|
@@ -12,23 +13,26 @@
 //! | telemetry and requests (`wire.rs`), 921 600 baud | USART1: transmit PA9, receive PA10 |
 //! | the same through the debugger (`TELEMETRY` in `wiring.rs`) | channel 1 of RTT in both directions |
 //!
-//! Nothing moves by itself: after every reset the loop is idle until the button is pressed, which commissions the axis;
-//! the next press stops it; or until the wire asks. A verified model is kept in flash; `RESUME` lets control begin with
-//! it after a reset, at the position where the axis then is. The interrupt reads, identifies, controls and drives; it
-//! hands a snapshot to the idle loop, which alone logs, without waiting for a reader. An update that is not done when
-//! the next slot begins is an overrun: it is counted, the loop is told of every slot that is missing, and three in a
-//! row stop the machine, as a fault of sensor, valve or axis does.
+//! Nothing moves by itself: after every reset the loop is idle until the button is pressed, which
+//! commissions the axis; the next press stops it; or until the wire asks. A verified model is kept
+//! in flash; `RESUME` lets control begin with it after a reset, at the position where the axis then
+//! is. The interrupt reads, identifies, controls and drives; it hands a snapshot to the idle loop,
+//! which alone logs, without waiting for a reader. An update that is not done when the next slot
+//! begins is an overrun: it is counted, the loop is told of every slot that is missing, and three
+//! in a row stop the machine, as a fault of sensor, valve or axis does.
 //!
-//! A machine that is stopped has the safe output until the button was held for two seconds. The fault is kept in memory
-//! that survives a reset, with a panic, a hard fault and a bite of the watchdog, so that a restart does not forget it. The
-//! watchdog is the first thing that runs, and is fed only by a slot that ended in time and either had a fresh reading or
-//! wrote the safe output of a stop; whatever prevents that, the chip restarts with the valve at rest.
+//! A machine that is stopped has the safe output until the button was held for two seconds. The
+//! fault is kept in memory that survives a reset, with a panic, a hard fault and a bite of the
+//! watchdog, so that a restart does not forget it. The watchdog is the first thing that runs, and
+//! is fed only by a slot that ended in time and either had a fresh reading or wrote the safe output
+//! of a stop; whatever prevents that, the chip restarts with the valve at rest.
 //!
-//! In the emulator there is no machine. The image sees that (the clock control reads zero there) and puts a simulated
-//! drive in the place of encoder and valve and a script in the place of the button; everything between them is the same.
-//! The script provokes overruns and a panic and holds the reports of the starts after them against what it did
-//! (`emulated.rs`); started with the word `wire` or `rtt` it leaves that to the wire, in real time (`live.rs`). On the host the
-//! same loop runs on the same drive.
+//! In the emulator there is no machine. The image sees that (the clock control reads zero there)
+//! and puts a simulated drive in the place of encoder and valve and a script in the place of the
+//! button; everything between them is the same. The script provokes overruns and a panic and holds
+//! the reports of the starts after them against what it did (`emulated.rs`); started with the word
+//! `wire` or `rtt` it leaves that to the wire, in real time (`live.rs`). On the host the same loop
+//! runs on the same drive.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -56,7 +60,8 @@ mod wire;
 #[cfg(target_os = "none")]
 mod wiring;
 
-/// Whether control begins after a reset with the model in flash, without a request. A latched fault prevents it.
+/// Whether control begins after a reset with the model in flash, without a request. A latched fault
+/// prevents it.
 #[cfg(target_os = "none")]
 const RESUME: bool = false;
 

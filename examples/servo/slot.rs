@@ -132,7 +132,8 @@ impl Slot {
         }
     }
 
-    /// A slot after a fault: the safe output again and again, since a valve that missed it once must not stay open.
+    /// A slot after a fault: the safe output again and again, since a valve that missed it once
+    /// must not stay open.
     fn rest(&mut self) {
         let safe = self.servo.valve_mut().safe().is_ok();
         self.now.command = 0.0;
@@ -243,8 +244,8 @@ impl Slot {
     }
 }
 
-/// The reasons that are a fault of the machine: all but those for which a model was refused, after which a new request may
-/// commission, and the person who stopped it.
+/// The reasons that are a fault of the machine: all but those for which a model was refused, after
+/// which a new request may commission, and the person who stopped it.
 const fn fault(reason: Reason) -> Option<&'static str> {
     Some(match reason {
         Reason::NotFinite

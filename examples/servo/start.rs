@@ -1,4 +1,5 @@
-//! From the reset to the idle loop: the cause of the reset, the watchdog, then clocks and ports; the idle loop alone logs.
+//! From the reset to the idle loop: the cause of the reset, the watchdog, then clocks and ports;
+//! the idle loop alone logs.
 
 use cortex_m_rt::entry;
 use heapless::spsc::{Consumer, Queue};
@@ -36,8 +37,8 @@ const KEEP_MS: u32 = 4000;
 /// Priority of the slot: below that of the line, whose interrupt takes one byte.
 const SLOT_PRIORITY: u8 = 0x10;
 
-/// Level of the brown-out reset: below 2.7 V or so the chip is held in reset, and neither runs nor writes its flash. For a
-/// supply of 3.3 V.
+/// Level of the brown-out reset: below 2.7 V or so the chip is held in reset, and neither runs nor
+/// writes its flash. For a supply of 3.3 V.
 const BROWN_OUT: u8 = 3;
 
 #[entry]
@@ -54,7 +55,8 @@ type Idle = (
     Option<Pump>,
 );
 
-/// Begins the slots. Not part of `main`, on whose stack the loops that are built here would stay for ever.
+/// Begins the slots. Not part of `main`, on whose stack the loops that are built here would stay
+/// for ever.
 #[inline(never)]
 fn begin() -> Idle {
     let chip = pac::Peripherals::take().unwrap();
@@ -66,7 +68,8 @@ fn begin() -> Idle {
     chip.RCC.csr().modify(|_, word| word.rmvf().set_bit());
     let survivor = survival::update(|survivor| survivor.start(causes));
 
-    // The internal oscillator runs after reset on every chip; a clock control that does not know it is QEMU's.
+    // The internal oscillator runs after reset on every chip; a clock control that does not know it
+    // is QEMU's.
     let emulated = chip.RCC.cr().read().hsirdy().bit_is_clear();
     if emulated {
         logger::FRAMES.go_over_semihosting();
@@ -86,7 +89,8 @@ fn begin() -> Idle {
     } else {
         wiring::wired(ports, &mut rcc)
     };
-    // A converter keeps its last code over a restart of the chip. A failure is written again in every slot.
+    // A converter keeps its last code over a restart of the chip. A failure is written again in
+    // every slot.
     let _ = valve.safe();
     let mut servo = servo_loop(sensor, valve).unwrap();
 
@@ -151,7 +155,8 @@ fn kept(flash: pac::FLASH, servo: &mut ServoLoop<Sensor, Output>, resume: bool) 
 
 /// Lets the slots interrupt.
 fn release(interrupts: &mut NVIC) {
-    // SAFETY: everything the interrupt needs was handed over, and it may wait for one of a higher priority.
+    // SAFETY: everything the interrupt needs was handed over, and it may wait for one of a higher
+    // priority.
     unsafe {
         interrupts.set_priority(pac::Interrupt::TIM2, SLOT_PRIORITY);
         NVIC::unmask(pac::Interrupt::TIM2);
@@ -161,7 +166,8 @@ fn release(interrupts: &mut NVIC) {
 /// Starts the timer of the slots.
 fn slot_timer(timer: TIM2, emulated: bool, rcc: &mut rcc::Rcc) -> timer::CounterHz<TIM2> {
     let mut slots = timer.counter_hz(rcc);
-    // QEMU counts with its own frequency, so there the rate is that of a clock which is so much slower.
+    // QEMU counts with its own frequency, so there the rate is that of a clock which is so much
+    // slower.
     let clock = rcc.clocks.timclk1().raw();
     let rate = if emulated {
         1000 * (clock / 1000) / (EMULATED_HZ / 1000)
@@ -174,7 +180,8 @@ fn slot_timer(timer: TIM2, emulated: bool, rcc: &mut rcc::Rcc) -> timer::Counter
 
 /// Starts a counter that runs on, at the rate of the slot timer; gives the counts in a slot.
 fn run_on(counter: TIM5) -> u32 {
-    // SAFETY: the clocks of the ports and timers are set up; nobody else changes this register at this time.
+    // SAFETY: the clocks of the ports and timers are set up; nobody else changes this register at
+    // this time.
     unsafe {
         (*RCC::ptr())
             .apb1enr()

@@ -1,4 +1,5 @@
-//! Where the pure code of the record meets the chip: memory that the start does not clear, and the handlers of the last resort.
+//! Where the pure code of the record meets the chip: memory that the start does not clear, and the
+//! handlers of the last resort.
 
 use core::arch::global_asm;
 use core::cell::UnsafeCell;
@@ -18,14 +19,16 @@ struct Memory(UnsafeCell<MaybeUninit<[u32; WORDS]>>);
 // SAFETY: accessed with interrupts off only, or by handlers that do not return.
 unsafe impl Sync for Memory {}
 
-// SAFETY: cortex-m-rt neither clears nor fills this section, and nothing else is placed by its name.
+// SAFETY: cortex-m-rt neither clears nor fills this section, and nothing else is placed by its
+// name.
 #[unsafe(link_section = ".uninit.survivor")]
 static MEMORY: Memory = Memory(UnsafeCell::new(MaybeUninit::uninit()));
 
 /// The record; an empty one where the memory holds none.
 pub(crate) fn load() -> Survivor {
     let words = free(|_| {
-        // SAFETY: interrupts are off; memory that came up by chance is a number too, and the check tells it from a record.
+        // SAFETY: interrupts are off; memory that came up by chance is a number too, and the check
+        // tells it from a record.
         unsafe { MEMORY.0.get().cast::<[u32; WORDS]>().read_volatile() }
     });
     Survivor::from_words(&words).unwrap_or_default()
@@ -68,8 +71,9 @@ fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     })
 }
 
-// The entry of the hard fault. The stack may be what failed, so it begins anew before anything is pushed; what it held
-// is needed no more, but for the two addresses that the processor has pushed, if it could.
+// The entry of the hard fault. The stack may be what failed, so it begins anew before anything is
+// pushed; what it held is needed no more, but for the two addresses that the processor has pushed,
+// if it could.
 global_asm!(
     ".section .HardFault.user,\"ax\",%progbits",
     ".global HardFault",
@@ -91,7 +95,8 @@ global_asm!(
     handler = sym hard_fault,
 );
 
-/// Ends the run; `sp` is where the stack pointer was, the addresses are zero where it had left the stack.
+/// Ends the run; `sp` is where the stack pointer was, the addresses are zero where it had left the
+/// stack.
 unsafe extern "C" fn hard_fault(pc: u32, lr: u32, sp: u32) -> ! {
     unsafe extern "C" {
         static _stack_end: u8;

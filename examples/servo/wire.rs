@@ -4,8 +4,9 @@
 //! line --> slot: Station --> line            a line: wire/usart.rs, wire/rtt.rs
 //! ```
 //!
-//! The slot empties one end of the line and fills the other, and never waits: what finds no room stays in the outbox of the
-//! station, which drops samples and counts them, and keeps events and answers.
+//! The slot empties one end of the line and fills the other, and never waits: what finds no room
+//! stays in the outbox of the station, which drops samples and counts them, and keeps events and
+//! answers.
 
 mod line;
 mod rtt;
@@ -66,7 +67,8 @@ pub(crate) struct Wire {
     last: Sample,
 }
 
-/// Sets the line up, and what the idle loop has to do for it; no wire when the clock has no such rate.
+/// Sets the line up, and what the idle loop has to do for it; no wire when the clock has no such
+/// rate.
 pub(crate) fn begin(
     over: Over,
     usart: USART1,

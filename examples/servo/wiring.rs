@@ -1,11 +1,11 @@
-//! What is wired to the chip: encoder, valve and button on their pins, or the simulated drive and its script.
+//! What is wired to the chip: encoder, valve and button on their pins, or the simulated drive and
+//! its script.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use stm32f4xx_hal::gpio::{Input, Output as PinOutput, PA0, PA9, PA10, PA15, PB7, PushPull};
-use stm32f4xx_hal::hal::digital::OutputPin;
 use stm32f4xx_hal::hal::pwm::SetDutyCycle;
-use stm32f4xx_hal::hal::spi::{self, Operation, SpiBus, SpiDevice};
+use stm32f4xx_hal::hal::spi;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::spi::Spi;
 use stm32f4xx_hal::timer::PwmChannel;
@@ -14,6 +14,7 @@ use trendid::hardware::{
     DacValve, PositionSensor, PwmValve, SsiCode, SsiEncoder, SsiFormat, Valve,
 };
 
+use trendid_example_support::bus::Device;
 use trendid_example_support::button::{Button, Request};
 use trendid_example_support::drive::{Drive, SimulatedValve};
 use trendid_example_support::machine::ORIGIN;
@@ -44,41 +45,12 @@ enum Wiring {
 
 const OUTPUT: Wiring = Wiring::Pwm;
 
-/// Where telemetry goes and requests come from: `Over::Usart` with the pins of the table, or `Over::Rtt` through the debugger.
+/// Where telemetry goes and requests come from: `Over::Usart` with the pins of the table, or
+/// `Over::Rtt` through the debugger.
 pub(crate) const TELEMETRY: Over = Over::Usart;
 
 /// Set when a reading succeeded since the last look.
 pub(crate) static FRESH: AtomicBool = AtomicBool::new(false);
-
-/// A bus whose device needs no select line, or has it in `select`.
-pub(crate) struct Device<B, P> {
-    bus: B,
-    select: Option<P>,
-}
-
-impl<B: SpiBus, P> spi::ErrorType for Device<B, P> {
-    type Error = B::Error;
-}
-
-impl<B: SpiBus, P: OutputPin> SpiDevice for Device<B, P> {
-    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Self::Error> {
-        // A pin of this chip cannot fail.
-        let _ = self.select.as_mut().map(OutputPin::set_low);
-        let result = operations
-            .iter_mut()
-            .try_for_each(|operation| match operation {
-                Operation::Read(words) => self.bus.read(words),
-                Operation::Write(words) => self.bus.write(words),
-                Operation::Transfer(read, write) => self.bus.transfer(read, write),
-                Operation::TransferInPlace(words) => self.bus.transfer_in_place(words),
-                // No caller here needs a pause.
-                Operation::DelayNs(_) => Ok(()),
-            });
-        let flushed = self.bus.flush();
-        let _ = self.select.as_mut().map(OutputPin::set_high);
-        result.and(flushed)
-    }
-}
 
 type NoPin = PB7<PinOutput<PushPull>>;
 type EncoderBus = Device<Spi<pac::SPI2>, NoPin>;
@@ -145,7 +117,8 @@ impl Panel {
     }
 }
 
-/// Centres the valve by its registers, whatever state the drivers are in: for handlers that do not return, and restarts.
+/// Centres the valve by its registers, whatever state the drivers are in: for handlers that do not
+/// return, and restarts.
 pub(crate) fn centre() {
     // The simulated valve cannot fail.
     let _ = SimulatedValve.drive(0.0);
@@ -160,7 +133,8 @@ pub(crate) struct Chip;
 
 impl Registers for Chip {
     fn read(&mut self, address: u32) -> u32 {
-        // SAFETY: the callers name registers of the STM32F405/407, which are aligned; those that are read may be.
+        // SAFETY: the callers name registers of the STM32F405/407, which are aligned; those that
+        // are read may be.
         unsafe { (address as *const u32).read_volatile() }
     }
 

@@ -57,7 +57,8 @@ impl Controller {
         Self { servo: None }
     }
 
-    /// Carries out the requests of a sample, then lets the loop process it; number and counters are the link's.
+    /// Carries out the requests of a sample, then lets the loop process it; number and counters are
+    /// the link's.
     pub fn update(&mut self, sample: &Sample) -> Reply {
         for request in &sample.requests {
             self.ask(request);

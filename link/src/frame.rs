@@ -8,7 +8,8 @@ use heapless::Vec;
 
 use crate::Message;
 
-/// Second byte of every body: a receiver refuses frames of another version. It changes with the layout of any message.
+/// Second byte of every body: a receiver refuses frames of another version. It changes with the
+/// layout of any message.
 pub const VERSION: u8 = 3;
 
 /// Longest body (tag, version, payload and check sum) in bytes.
@@ -35,7 +36,8 @@ pub struct Frame {
 impl Frame {
     /// Encodes `message`.
     ///
-    /// Every message of this crate fits ([`MAX_BODY`]); a longer message of another crate gives a frame without bytes.
+    /// Every message of this crate fits ([`MAX_BODY`]); a longer message of another crate gives a
+    /// frame without bytes.
     #[must_use]
     pub fn encode<M: Message>(message: &M) -> Self {
         let mut body = [0; MAX_BODY];
@@ -118,8 +120,8 @@ impl<M: Message> Receiver<M> {
         }
     }
 
-    /// The body without stuffing. Byte by byte, because the decoder of slices has indices that are checked: a panic
-    /// would be reachable.
+    /// The body without stuffing. Byte by byte, because the decoder of slices has indices that are
+    /// checked: a panic would be reachable.
     fn body(&self) -> Option<Vec<u8, MAX_BODY>> {
         let mut body = Vec::new();
         let mut decoder = DecoderState::Idle;

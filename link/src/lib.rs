@@ -1,22 +1,25 @@
-//! The wire between a computer and the controller on a microcontroller: telemetry and requests, and processor in the loop.
+//! The wire between a computer and the controller on a microcontroller: telemetry and requests, and
+//! processor in the loop.
 //!
 //! # Telemetry
 //!
-//! The controller runs in its own time; [`telemetry::Station`] sends what it does and takes requests, a
-//! [`telemetry::Client`] on the computer receives and asks.
+//! The controller runs in its own time; [`telemetry::Station`] sends what it does and takes
+//! requests, a [`telemetry::Client`] on the computer receives and asks.
 //!
 //! # Lockstep
 //!
-//! For the processor in the loop time stands still between samples.
-//! Every sample the host sends one [`Sample`] (the position code, and what is asked of the loop) and waits for the [`Reply`]
-//! with the same sequence number (the next valve command and everything the loop knows). Time stands still on both sides until the reply is
-//! there, so a lost or corrupt frame costs real time and changes no number: the host sends the same sample again after a timeout,
-//! and the target answers a repeated sequence number from its cache without processing the sample twice.
+//! For the processor in the loop time stands still between samples. Every sample the host sends one
+//! [`Sample`] (the position code, and what is asked of the loop) and waits for the [`Reply`] with
+//! the same sequence number (the next valve command and everything the loop knows). Time stands
+//! still on both sides until the reply is there, so a lost or corrupt frame costs real time and
+//! changes no number: the host sends the same sample again after a timeout, and the target answers
+//! a repeated sequence number from its cache without processing the sample twice.
 //!
 //! # The loop
 //!
-//! [`Controller`] runs [`trendid::servo::ServoLoop`] on the target behind a [`Responder`]; the same loop runs on the host beside an
-//! [`Exchange`], and [`Reply::of`] reports the same of both: every number must be the same to the last bit.
+//! [`Controller`] runs [`trendid::servo::ServoLoop`] on the target behind a [`Responder`]; the same
+//! loop runs on the host beside an [`Exchange`], and [`Reply::of`] reports the same of both: every
+//! number must be the same to the last bit.
 //!
 //! # Byte layout
 //!
@@ -36,8 +39,9 @@
 //! crc     4 bytes, little endian: CRC-32 (IEEE 802.3, reflected 0xEDB88320) of tag, version and payload
 //! ```
 //!
-//! Consistent overhead byte stuffing removes every zero from the body, so a zero is always a delimiter. The leading zero
-//! ends whatever debris an earlier fault left in the receiver; empty frames are ignored.
+//! Consistent overhead byte stuffing removes every zero from the body, so a zero is always a
+//! delimiter. The leading zero ends whatever debris an earlier fault left in the receiver; empty
+//! frames are ignored.
 //!
 //! ```
 //! use trendid_link::{Frame, Receiver, Sample};

@@ -129,8 +129,8 @@ pub struct Exchange {
 impl Exchange {
     /// Starts at sequence number `seq`; each sample is sent `attempts` times at most.
     ///
-    /// Two runs on the same target need different first numbers, or the first sample of the second run is taken for a
-    /// repetition.
+    /// Two runs on the same target need different first numbers, or the first sample of the second
+    /// run is taken for a repetition.
     #[must_use]
     pub fn new(seq: u32, attempts: u32) -> Self {
         Self {
@@ -141,7 +141,8 @@ impl Exchange {
         }
     }
 
-    /// Faults seen by the host: corrupt replies, timeouts (`lost`), replies to earlier samples (`repeated`).
+    /// Faults seen by the host: corrupt replies, timeouts (`lost`), replies to earlier samples
+    /// (`repeated`).
     #[must_use]
     pub fn counters(&self) -> Counters {
         Counters {
@@ -153,7 +154,8 @@ impl Exchange {
     /// Sends `sample` and gives the reply to it; its number is filled in here.
     ///
     /// # Errors
-    /// [`ExchangeError::Line`] when the line fails, [`ExchangeError::NoReply`] after the last attempt.
+    /// [`ExchangeError::Line`] when the line fails, [`ExchangeError::NoReply`] after the last
+    /// attempt.
     pub fn exchange<L: Bytes>(
         &mut self,
         line: &mut L,

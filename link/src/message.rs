@@ -10,12 +10,14 @@ pub const FIELDS: usize = 26;
 
 /// Values of [`Reply::state`] and [`Reply::reason`] that are no state of the loop.
 pub mod code {
-    /// State: there is no loop, because there was no [`Request::Reset`](crate::Request::Reset) or its set-up was refused.
+    /// State: there is no loop, because there was no [`Request::Reset`](crate::Request::Reset) or
+    /// its set-up was refused.
     pub const NO_LOOP: u8 = 255;
     /// Reason: the state has none.
     pub const NO_REASON: u8 = 255;
 
-    /// The number of a reason on the wire, counted from 0 in the order of [`Reason`](trendid::servo::Reason).
+    /// The number of a reason on the wire, counted from 0 in the order of
+    /// [`Reason`](trendid::servo::Reason).
     #[must_use]
     pub const fn of(reason: Option<trendid::servo::Reason>) -> u8 {
         match reason {
@@ -31,7 +33,8 @@ pub trait Message: Serialize + DeserializeOwned {
     const TAG: u8;
 }
 
-/// The machine as its user describes it; everything else has the defaults of [`trendid::servo::Config::new`].
+/// The machine as its user describes it; everything else has the defaults of
+/// [`trendid::servo::Config::new`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Setup {
     /// Rough bandwidth of the drive in rad/s.
@@ -40,7 +43,8 @@ pub struct Setup {
     pub travel: [f32; 2],
     /// Position of one count of the sensor in mm; code 0 is position 0.
     pub mm_per_count: f32,
-    /// Dead volume of a chamber over that of the stroke, infinite for a drive of the same stiffness everywhere; `None` to find it.
+    /// Dead volume of a chamber over that of the stroke, infinite for a drive of the same stiffness
+    /// everywhere; `None` to find it.
     pub dead_volume: Option<f32>,
     /// Whether the model follows the drive after the commissioning.
     pub adaptive: bool,
@@ -95,9 +99,11 @@ impl Message for Sample {
 pub struct Reply {
     /// Sequence number of the sample.
     pub seq: u32,
-    /// State of the supervisor, counted from 0 in the order of [`trendid::servo::State`], or [`code::NO_LOOP`].
+    /// State of the supervisor, counted from 0 in the order of [`trendid::servo::State`], or
+    /// [`code::NO_LOOP`].
     pub state: u8,
-    /// Reason of the state, counted from 0 in the order of [`trendid::servo::Reason`], or [`code::NO_REASON`].
+    /// Reason of the state, counted from 0 in the order of [`trendid::servo::Reason`], or
+    /// [`code::NO_REASON`].
     pub reason: u8,
     /// Whether a model reached the controller in this sample.
     pub retuned: bool,

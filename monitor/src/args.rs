@@ -28,7 +28,8 @@ pub(crate) struct Args {
     /// A target behind a TCP socket, e.g. an emulator that runs already
     #[arg(long, value_name = "HOST:PORT", group = "source")]
     pub tcp: Option<String>,
-    /// A debugger's stub, e.g. of QEMU, and RTT in the memory of its target, which is stopped for every look: not for a machine
+    /// A debugger's stub, e.g. of QEMU, and RTT in the memory of its target, which is stopped for
+    /// every look: not for a machine
     #[arg(long, value_name = "HOST:PORT", group = "source")]
     pub gdb: Option<String>,
     /// A record that this monitor has written, in its own time

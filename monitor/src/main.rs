@@ -1,4 +1,5 @@
-//! A live page of a servo loop: telemetry over the wire of `trendid-link`, a button for every request, records.
+//! A live page of a servo loop: telemetry over the wire of `trendid-link`, a button for every
+//! request, records.
 //!
 //! ```text
 //! source (thread) -- bytes of the wire --> hub -- JSON --> pages

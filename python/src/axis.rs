@@ -80,7 +80,8 @@ fn within(name: &str, value: f64, [low, high]: [f64; 2]) -> PyResult<()> {
     }
 }
 
-/// The axis alone under the commands `u`, one per millisecond: measured positions, true positions \[mm\].
+/// The axis alone under the commands `u`, one per millisecond: measured positions, true positions
+/// \[mm\].
 #[pyfunction]
 #[allow(clippy::type_complexity, reason = "two arrays")]
 pub(crate) fn simulate_axis<'py>(

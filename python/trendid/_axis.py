@@ -67,9 +67,10 @@ class Log:
 
     def plot(self, axes: Any = None) -> Any:
         """Position, setpoint and command; needs matplotlib. Returns the figure."""
-        from ._plot import log
+        from ._plot import curves
 
-        return log(self, axes)
+        above = [(self.t, self.setpoint, "setpoint"), (self.t, self.position, "position")]
+        return curves(axes, above, "mm", [(self.t, self.command, "C2")], "command")
 
 
 @dataclass(frozen=True)

@@ -159,9 +159,16 @@ class Identification:
 
     def plot(self, axes: Any = None) -> Any:
         """Record and free simulation of the second half, and their difference; needs matplotlib. Returns the figure."""
-        from ._plot import identification
+        from ._plot import curves
 
-        return identification(self, axes)
+        t = self.start + self.dt * np.arange(len(self.y))
+        above = [(t, self.y, "record")]
+        below = []
+        if self.simulated is not None:
+            half = len(self.y) - len(self.simulated)
+            above.append((t[half:], self.simulated, f"free simulation, fit {self.fit:.2f} %"))
+            below.append((t[half:], self.y[half:] - self.simulated, "C3"))
+        return curves(axes, above, "y", below, "difference")
 
     def __str__(self) -> str:
         lines = [f"{name} = {self[name]}" for name in self.parameters]

@@ -46,8 +46,8 @@ impl AxisPlay {
         })
     }
 
-    /// Asks: 0 commission, 1 stop, 2 move to a, 3 oscillate with amplitude a and frequency b, 4 factor a on the mass, 5 freeze
-    /// the sensor, 6 close the supply to a bar, 7 heal.
+    /// Asks: 0 commission, 1 stop, 2 move to a, 3 oscillate with amplitude a and frequency b, 4
+    /// factor a on the mass, 5 freeze the sensor, 6 close the supply to a bar, 7 heal.
     pub(crate) fn ask(&mut self, what: u32, a: f32, b: f32) -> Result<(), String> {
         let state = self.servo.supervisor().state();
         match what {
@@ -77,7 +77,8 @@ impl AxisPlay {
         Ok(())
     }
 
-    /// One sample: t, r, y, u, innovation, state, reason (255: none), whether a model reached the controller.
+    /// One sample: t, r, y, u, innovation, state, reason (255: none), whether a model reached the
+    /// controller.
     pub(crate) fn step(&mut self) -> [f32; 8] {
         self.servo.sensor_mut().code = Some(self.axis.measure_counts());
         let report = self.servo.update();
@@ -108,7 +109,8 @@ impl AxisPlay {
         self.words.clone()
     }
 
-    /// a1, a2, b0, their standard deviations, the model in the controller, models accepted and refused.
+    /// a1, a2, b0, their standard deviations, the model in the controller, models accepted and
+    /// refused.
     pub(crate) fn read(&self) -> [f32; 14] {
         let found = self.servo.identifier().recursion();
         let (theta, std) = (found.theta(), found.std());

@@ -1,7 +1,7 @@
 //! The playground: what a static page calls.
 //!
-//! The exports take and give numbers; rows of f32 and texts lie in two buffers whose addresses [`buffer`] and [`text`] give. A page
-//! is one thread, so the state lies in thread locals.
+//! The exports take and give numbers; rows of f32 and texts lie in two buffers whose addresses
+//! [`buffer`] and [`text`] give. A page is one thread, so the state lies in thread locals.
 //!
 //! | export | what |
 //! |---|---|
@@ -68,8 +68,9 @@ pub extern "C" fn text() -> *const u8 {
     with(|play| play.text.as_ptr())
 }
 
-/// Begins with the servo of the paper: widths of the noise, the drift and the resolution \[um\], bandwidth of the filter \[rad/s\],
-/// memory \[s\] (0: nothing is forgotten); 1 when the settings work.
+/// Begins with the servo of the paper: widths of the noise, the drift and the resolution \[um\],
+/// bandwidth of the filter \[rad/s\], memory \[s\] (0: nothing is forgotten); 1 when the settings
+/// work.
 #[unsafe(no_mangle)]
 pub extern "C" fn servo_start(
     eta: f32,
@@ -99,7 +100,8 @@ pub extern "C" fn servo_run(samples: u32) -> u32 {
     })
 }
 
-/// What is known of the servo: six numbers (a1, a2, b0, C, omega0, xi), their standard deviations, those of the bound.
+/// What is known of the servo: six numbers (a1, a2, b0, C, omega0, xi), their standard deviations,
+/// those of the bound.
 #[unsafe(no_mangle)]
 pub extern "C" fn servo_read() -> u32 {
     with(|play| {
@@ -109,7 +111,8 @@ pub extern "C" fn servo_read() -> u32 {
     })
 }
 
-/// Begins with the pneumatic axis: noise and resolution of its sensor \[um\], memory \[s\]; 1 when the settings work.
+/// Begins with the pneumatic axis: noise and resolution of its sensor \[um\], memory \[s\]; 1 when
+/// the settings work.
 #[unsafe(no_mangle)]
 pub extern "C" fn loop_start(noise: f32, resolution: f32, memory: f32, seed: u32) -> u32 {
     with(|play| {
@@ -118,7 +121,8 @@ pub extern "C" fn loop_start(noise: f32, resolution: f32, memory: f32, seed: u32
     })
 }
 
-/// Asks the loop, in the numbers of `AxisPlay::ask`; the length of the refusal in the text, 0 when it was done.
+/// Asks the loop, in the numbers of `AxisPlay::ask`; the length of the refusal in the text, 0 when
+/// it was done.
 #[unsafe(no_mangle)]
 pub extern "C" fn loop_ask(what: u32, a: f32, b: f32) -> u32 {
     with(|play| {
@@ -140,7 +144,8 @@ pub extern "C" fn loop_run(samples: u32) -> u32 {
     })
 }
 
-/// What the loop knows: a1, a2, b0 with standard deviations, the model in use (6), accepted, refused; 0 before the first model.
+/// What the loop knows: a1, a2, b0 with standard deviations, the model in use (6), accepted,
+/// refused; 0 before the first model.
 #[unsafe(no_mangle)]
 pub extern "C" fn loop_read() -> u32 {
     with(|play| {

@@ -88,10 +88,11 @@ impl ServoPlay {
     }
 }
 
-/// The drive with the sensitivities of its position, and the Cramer-Rao bound of a1, a2, b0 that follows from them for white
-/// noise and a known start.
+/// The drive with the sensitivities of its position, and the Cramer-Rao bound of a1, a2, b0 that
+/// follows from them for white noise and a known start.
 ///
-/// x''' = - a1 x' - a2 x'' + b0 u; the derivative of x by a parameter obeys the same equation, driven by - x', - x'' and u.
+/// x''' = - a1 x' - a2 x'' + b0 u; the derivative of x by a parameter obeys the same equation,
+/// driven by - x', - x'' and u.
 struct Drive {
     /// x and its derivatives by a1, a2, b0, each with two derivatives by time.
     state: [[f64; 3]; 4],
@@ -113,7 +114,8 @@ impl Drive {
         self.state[0][0]
     }
 
-    /// Holds a command for a sample: Runge and Kutta of order four in two steps, exact to nine digits of the motion.
+    /// Holds a command for a sample: Runge and Kutta of order four in two steps, exact to nine
+    /// digits of the motion.
     fn step(&mut self, u: f64) {
         const H: f64 = 0.5 * DT;
         let psi = [1, 2, 3].map(|i: usize| self.state[i][0]);
@@ -137,7 +139,8 @@ impl Drive {
         }
     }
 
-    /// Standard deviations of a1, a2, b0, C, omega0, xi; `None` without noise or before the record says anything.
+    /// Standard deviations of a1, a2, b0, C, omega0, xi; `None` without noise or before the record
+    /// says anything.
     fn bound(&self) -> Option<[f64; 6]> {
         let p = inverse(&self.information)?;
         let [_, a1, a2] = REFERENCE.a();

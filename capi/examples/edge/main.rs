@@ -1,8 +1,10 @@
-//! What the C edge costs: instructions of a call in Rust and through the C interface, in one image, on one record.
+//! What the C edge costs: instructions of a call in Rust and through the C interface, in one image,
+//! on one record.
 //!
-//! `cargo xtask capi --edge` runs it in the emulator. The image writes one line `name;rust;worst;c;worst` per call. What is
-//! counted is the function from its first instruction to its return, as a caller has it. Both programs read theta and the whole
-//! estimate, so that both have the code of the read-out once. Behind them lines `name;bytes`, the stack of a call of C.
+//! `cargo xtask capi --edge` runs it in the emulator. The image writes one line
+//! `name;rust;worst;c;worst` per call. What is counted is the function from its first instruction
+//! to its return, as a caller has it. Both programs read theta and the whole estimate, so that both
+//! have the code of the read-out once. Behind them lines `name;bytes`, the stack of a call of C.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

@@ -1,4 +1,5 @@
-//! The identifier of any structure: the kind whose sizes are those of the structure, in one memory for all.
+//! The identifier of any structure: the kind whose sizes are those of the structure, in one memory
+//! for all.
 
 use core::array::from_fn;
 

@@ -51,7 +51,8 @@ pub(crate) unsafe fn methods(identifier: *const Identifier) -> Result<&'static M
     unsafe { object(identifier.cast::<Object<Head>>()) }.map(|head| head.methods)
 }
 
-/// Makes an identifier in memory of the caller; `configure` gets a kind without meaning and makes all of it, or fails.
+/// Makes an identifier in memory of the caller; `configure` gets a kind without meaning and makes
+/// all of it, or fails.
 ///
 /// # Safety
 /// As [`make`]; `handle` is NULL or points to a handle.

@@ -8,9 +8,11 @@ use crate::identifier::outputs::{Estimate, Outcome, Parameter, Status};
 use crate::identifier::recursion::Change;
 use crate::memory::{list, list_mut};
 
-/// Takes the command u, in force from now until the next sample, and the position y, for a kind with one input.
+/// Takes the command u, in force from now until the next sample, and the position y, for a kind
+/// with one input.
 ///
-/// For the interrupt of the sample. `outcome` may be NULL. A number that is not finite is refused by `outcome`, not by the code.
+/// For the interrupt of the sample. `outcome` may be NULL. A number that is not finite is refused
+/// by `outcome`, not by the code.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_identifier_update(
     identifier: *mut Identifier,
@@ -20,7 +22,8 @@ pub unsafe extern "C" fn trendid_identifier_update(
 ) -> Error {
     // SAFETY: by the contract of the header.
     match unsafe { methods(identifier) } {
-        // SAFETY: the table belongs to the kind of the handle; the rest by the contract of the header.
+        // SAFETY: the table belongs to the kind of the handle; the rest by the contract of the
+        // header.
         Ok(methods) => unsafe { (methods.update)(identifier, u, y, outcome) },
         Err(error) => error,
     }
@@ -41,7 +44,8 @@ pub unsafe extern "C" fn trendid_identifier_update_inputs(
         Ok((methods, unsafe { list(u, count) }?))
     });
     match found {
-        // SAFETY: the table belongs to the kind of the handle; the rest by the contract of the header.
+        // SAFETY: the table belongs to the kind of the handle; the rest by the contract of the
+        // header.
         Ok((methods, u)) => unsafe { (methods.update_inputs)(identifier, u, y, outcome) },
         Err(error) => error,
     }
@@ -56,16 +60,19 @@ unsafe fn change(identifier: *mut Identifier, change: Change<'_>, detail: *mut D
     let done = unsafe { methods(identifier) }
         .map_err(Detail::from)
         .and_then(|methods| {
-            // SAFETY: the table belongs to the kind of the handle; the rest by the contract of the header.
+            // SAFETY: the table belongs to the kind of the handle; the rest by the contract of the
+            // header.
             unsafe { (methods.change)(identifier, change) }
         });
     // SAFETY: by the contract of the header.
     unsafe { crate::memory::tell(done, detail) }
 }
 
-/// Lets `samples` sample times pass without a measurement; a short gap is bridged by what the model predicts.
+/// Lets `samples` sample times pass without a measurement; a short gap is bridged by what the model
+/// predicts.
 ///
-/// For the interrupt; its time grows with `samples` up to the longest gap that is bridged, 5 / bandwidth.
+/// For the interrupt; its time grows with `samples` up to the longest gap that is bridged, 5 /
+/// bandwidth.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_identifier_skip(
     identifier: *mut Identifier,
@@ -89,7 +96,8 @@ pub unsafe extern "C" fn trendid_identifier_restart_trends(identifier: *mut Iden
     unsafe { change(identifier, Change::RestartTrends, core::ptr::null_mut()) }
 }
 
-/// Makes the current estimate the one to which it returns where nothing excites it; only with a memory.
+/// Makes the current estimate the one to which it returns where nothing excites it; only with a
+/// memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_identifier_set_nominal(identifier: *mut Identifier) -> Error {
     // SAFETY: by the contract of the header.
@@ -103,7 +111,8 @@ pub unsafe extern "C" fn trendid_identifier_adapt(identifier: *mut Identifier, o
     unsafe { change(identifier, Change::Adapt(on), core::ptr::null_mut()) }
 }
 
-/// Goes on with the default filter for a drive of the bandwidth `omega0` (rad/s); the estimate stays.
+/// Goes on with the default filter for a drive of the bandwidth `omega0` (rad/s); the estimate
+/// stays.
 ///
 /// About 9000 instructions for order 3.
 #[unsafe(no_mangle)]
@@ -116,8 +125,8 @@ pub unsafe extern "C" fn trendid_identifier_retune(
     unsafe { change(identifier, Change::Retune(omega0), detail) }
 }
 
-/// Begins again from an estimate with its standard deviations, 0 for a known parameter; both lists have `count` numbers, one per
-/// parameter, in the units of `trendid_estimate`.
+/// Begins again from an estimate with its standard deviations, 0 for a known parameter; both lists
+/// have `count` numbers, one per parameter, in the units of `trendid_estimate`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_identifier_warm_start(
     identifier: *mut Identifier,
@@ -152,7 +161,8 @@ unsafe fn ask(
     code(unsafe { methods(identifier) }.and_then(question))
 }
 
-/// The parameters alone, at about a tenth of the cost of `trendid_identifier_estimate`; `count` is their number.
+/// The parameters alone, at about a tenth of the cost of `trendid_identifier_estimate`; `count` is
+/// their number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_identifier_theta(
     identifier: *const Identifier,

@@ -23,7 +23,8 @@ pub(crate) trait Kind {
     fn follow(&mut self, change: &Change<'_>);
 }
 
-/// Inputs as they come; of `I` inputs of the model the caller gives the first `G`, the others are not used.
+/// Inputs as they come; of `I` inputs of the model the caller gives the first `G`, the others are
+/// not used.
 pub(crate) struct Plain<const M: usize, const N: usize, const I: usize, const D: usize> {
     pub(crate) identifier: Filtered<M, N, I, D>,
     /// Number of inputs of the caller.
@@ -91,7 +92,8 @@ pub(crate) struct Valve<const M: usize, const N: usize, const I: usize, const D:
 }
 
 impl<const M: usize, const N: usize, const I: usize, const D: usize> Valve<M, N, I, D> {
-    /// Makes all of it; `own` says which input of the caller an input of the model is, `None` for the sign of the command.
+    /// Makes all of it; `own` says which input of the caller an input of the model is, `None` for
+    /// the sign of the command.
     pub(crate) fn configure(
         &mut self,
         settings: &Settings,

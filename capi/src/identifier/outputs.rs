@@ -20,11 +20,13 @@ pub enum SampleKind {
     WarmingUp = 0,
     /// An input was not finite or far beyond its range: the sample was refused, its time passed.
     InputRefused = 1,
-    /// The position was not finite or far beyond its range: the sample was refused, its time passed.
+    /// The position was not finite or far beyond its range: the sample was refused, its time
+    /// passed.
     OutputRefused = 2,
     /// The position was implausible (a spike) and replaced by its prediction.
     Replaced = 3,
-    /// The sample was predicted; the estimate is held, by the caller or because the drive does not move.
+    /// The sample was predicted; the estimate is held, by the caller or because the drive does not
+    /// move.
     Held = 4,
     /// The sample was predicted and the estimate updated.
     Estimated = 5,
@@ -161,7 +163,8 @@ pub struct Estimate {
     pub b: [[f32; ORDER_MAX]; MODEL_INPUTS_MAX],
     /// The contribution of the constant input, in units of y per s^m.
     pub constant: f32,
-    /// Static gain, or velocity gain C behind an integrator, of the first input: y or y/s per unit of u.
+    /// Static gain, or velocity gain C behind an integrator, of the first input: y or y/s per unit
+    /// of u.
     pub gain: f32,
     /// Natural frequency in rad/s.
     pub omega0: f32,
@@ -241,7 +244,8 @@ pub struct Status {
     pub replaced: u32,
     /// Half width of the dead zone, in the unit of u; 0 for a kind without one.
     pub dead_zone: f32,
-    /// Standard deviation of `dead_zone`, infinite before the first correction; 0 for a kind without one.
+    /// Standard deviation of `dead_zone`, infinite before the first correction; 0 for a kind
+    /// without one.
     pub dead_zone_std: f32,
     /// Whether there are more samples than parameters.
     pub has_noise_std: bool,

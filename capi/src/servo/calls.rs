@@ -68,7 +68,8 @@ pub unsafe extern "C" fn trendid_loop_init(
 
 /// One sample: takes the code of the sensor, gives the command for the valve in `report`.
 ///
-/// For the interrupt of the sample. The loop counts on the command being in force until the next sample.
+/// For the interrupt of the sample. The loop counts on the command being in force until the next
+/// sample.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_loop_update(
     servo: *mut Loop,
@@ -79,7 +80,8 @@ pub unsafe extern "C" fn trendid_loop_update(
     unsafe { sample(servo, Some(code), report) }
 }
 
-/// One sample without a reading: the sensor reported an error. Short gaps are bridged, longer ones stop the axis.
+/// One sample without a reading: the sensor reported an error. Short gaps are bridged, longer ones
+/// stop the axis.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_loop_update_blind(servo: *mut Loop, report: *mut Report) -> Error {
     // SAFETY: by the contract of the header.
@@ -125,7 +127,8 @@ pub unsafe extern "C" fn trendid_loop_commission(servo: *mut Loop) -> Error {
     code(unsafe { body(servo) }.map(|body| body.servo.commission()))
 }
 
-/// Stops commissioning or control: the command goes to zero at its rate limit, the verified model is kept.
+/// Stops commissioning or control: the command goes to zero at its rate limit, the verified model
+/// is kept.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_loop_abort(servo: *mut Loop) -> Error {
     // SAFETY: by the contract of the header.
@@ -149,7 +152,8 @@ unsafe fn attempt(
     unsafe { tell(done, detail) }
 }
 
-/// Moves to `target`, in the unit of y, limited to the travel, as fast as the limits of motion allow; in any sample.
+/// Moves to `target`, in the unit of y, limited to the travel, as fast as the limits of motion
+/// allow; in any sample.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_loop_move_to(
     servo: *mut Loop,
@@ -176,7 +180,8 @@ pub unsafe extern "C" fn trendid_loop_oscillate(
     }
 }
 
-/// Takes a model that is known to be good: control begins with the next sample, at the actual position.
+/// Takes a model that is known to be good: control begins with the next sample, at the actual
+/// position.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_loop_install(
     servo: *mut Loop,
@@ -207,9 +212,11 @@ pub unsafe extern "C" fn trendid_loop_model(servo: *const Loop, model: *mut Mode
     code(found.and_then(|found| unsafe { write(model, found.into()) }))
 }
 
-/// The verified model as bytes that end in their CRC-32, to be stored; `count` is `TRENDID_RECORD_BYTES`.
+/// The verified model as bytes that end in their CRC-32, to be stored; `count` is
+/// `TRENDID_RECORD_BYTES`.
 ///
-/// `plant` is the machine, for instance its serial number; `sequence` counts the records, so that the newest can be told.
+/// `plant` is the machine, for instance its serial number; `sequence` counts the records, so that
+/// the newest can be told.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_loop_store(
     servo: *const Loop,
@@ -237,9 +244,11 @@ pub unsafe extern "C" fn trendid_loop_store(
     }))
 }
 
-/// Control from the next sample on with a stored model, at the actual position, as the record of this machine and these settings.
+/// Control from the next sample on with a stored model, at the actual position, as the record of
+/// this machine and these settings.
 ///
-/// `sequence`, if not NULL, gets the number of the record; `detail`, if not NULL, says what was refused.
+/// `sequence`, if not NULL, gets the number of the record; `detail`, if not NULL, says what was
+/// refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_loop_load(
     servo: *mut Loop,

@@ -1,4 +1,5 @@
-//! Sensor and valve of a loop without callbacks: a code that is put in, a command that is taken out.
+//! Sensor and valve of a loop without callbacks: a code that is put in, a command that is taken
+//! out.
 
 use trendid::hardware::{PositionSensor, Valve};
 use trendid::servo::ServoLoop;

@@ -22,7 +22,8 @@ pub enum LoopState {
     Frozen = 5,
     /// A model was rejected, the last verified model is in force.
     Rejected = 6,
-    /// There is no usable model, or the machine has a fault: the axis stops, then the valve is in its middle.
+    /// There is no usable model, or the machine has a fault: the axis stops, then the valve is in
+    /// its middle.
     Failed = 7,
 }
 
@@ -154,7 +155,8 @@ pub struct Report {
     pub stops: u32,
     /// Factor on the bandwidth of the controller; 1 unless an oscillation was noticed.
     pub derating: f32,
-    /// Departures from where the axis was while its reference rests: slips, creep and every half wave of a cycle.
+    /// Departures from where the axis was while its reference rests: slips, creep and every half
+    /// wave of a cycle.
     pub moves_at_rest: u32,
 }
 

@@ -7,7 +7,8 @@ use crate::detail::Detail;
 use crate::error::{Error, code};
 use crate::memory::write;
 
-/// Settings of a position loop, made by `trendid_loop_settings_init`; a setting of 0 follows from the others unless said.
+/// Settings of a position loop, made by `trendid_loop_settings_init`; a setting of 0 follows from
+/// the others unless said.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopSettings {
@@ -23,7 +24,8 @@ pub struct LoopSettings {
     pub reference_code: i32,
     /// Rough bandwidth of the drive in rad/s, if it is known.
     pub bandwidth: f32,
-    /// 1 or -1: a positive command moves towards larger or smaller positions; 0: not known, the commissioning finds it.
+    /// 1 or -1: a positive command moves towards larger or smaller positions; 0: not known, the
+    /// commissioning finds it.
     pub direction: i32,
     /// Standard deviation of the position noise, in the unit of y.
     pub noise: f32,
@@ -31,7 +33,8 @@ pub struct LoopSettings {
     pub range: f32,
     /// Largest rate of the command per s; default 400.
     pub rate: f32,
-    /// Steps of the output between zero and full command, e.g. 2047 of a DAC with 12 bits; 0: the output has no steps.
+    /// Steps of the output between zero and full command, e.g. 2047 of a DAC with 12 bits; 0: the
+    /// output has no steps.
     pub command_steps: u32,
     /// Delay of the valve in s; default 0.002. What the commissioning finds replaces it.
     pub delay: f32,
@@ -39,7 +42,8 @@ pub struct LoopSettings {
     pub memory: f32,
     /// Whether the model follows the drive after the commissioning: 1 (default) or 0.
     pub adaptive: i32,
-    /// Largest velocity of a move, in units of y per s; 0 with the next two for the defaults of all three.
+    /// Largest velocity of a move, in units of y per s; 0 with the next two for the defaults of all
+    /// three.
     pub velocity: f32,
     /// Largest acceleration of a move, in units of y per s^2.
     pub acceleration: f32,
@@ -53,7 +57,8 @@ pub struct LoopSettings {
     pub time_limit: f32,
 }
 
-/// The defaults for an axis of which sample time (s), travel, scale and reference of the sensor are known.
+/// The defaults for an axis of which sample time (s), travel, scale and reference of the sensor are
+/// known.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_loop_settings_init(
     settings: *mut LoopSettings,

@@ -13,7 +13,8 @@ use crate::outcome::{take_all, take_outcome};
 const EVERY: usize = 10;
 const MEMORY: f32 = 0.7;
 
-/// The record through an identifier; `update` gives the outcome, `inputs` of the caller and the dead zone after it.
+/// The record through an identifier; `update` gives the outcome, `inputs` of the caller and the
+/// dead zone after it.
 fn run<const M: usize, const N: usize, const I: usize, const D: usize>(
     name: &str,
     mut identifier: Identifier<FilteredTrends<M>, M, N, I, D>,

@@ -1,8 +1,8 @@
-//! The runs of `examples/c` in Rust, without the C interface: the lines that C must print; with `octave` or `fmu` those of these
-//! edges.
+//! The runs of `examples/c` in Rust, without the C interface: the lines that C must print; with
+//! `octave` or `fmu` those of these edges.
 //!
 //! ```text
-//! cargo run --release --example c-reference
+//! cargo run --release -p trendid-capi --example c-reference
 //! ```
 #![cfg(not(target_os = "none"))]
 

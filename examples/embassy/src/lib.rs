@@ -1,4 +1,5 @@
-//! The servo loop in Embassy: control in an executor of its own interrupt, a serial line that is served asynchronously below it.
+//! The servo loop in Embassy: control in an executor of its own interrupt, a serial line that is
+//! served asynchronously below it.
 //!
 //! | task | executor | does |
 //! |---|---|---|
@@ -6,8 +7,9 @@
 //! | [`listen`] | low priority | takes lines of text as requests |
 //! | [`tell`] | low priority | writes what happened as lines of text |
 //!
-//! Two images share this library: `emulated`, with a clock of its own for QEMU, and `board`, on embassy-stm32. The line is 115 200 baud,
-//! 8N1; a request is `run`, `stop` or `move MM`, with the number of the sample in which it is due in front of it or not:
+//! Two images share this library: `emulated`, with a clock of its own for QEMU, and `board`, on
+//! embassy-stm32. The line is 115 200 baud, 8N1; a request is `run`, `stop` or `move MM`, with the
+//! number of the sample in which it is due in front of it or not:
 //!
 //! ```text
 //! 501 run
@@ -15,10 +17,11 @@
 //! stop
 //! ```
 //!
-//! Requests stand in a queue that any task may write to; a request names the sample in which it is due, so that it does not matter
-//! when it is heard before that. What control tells stands in another one; when the line is too slow, messages are dropped and counted,
-//! and control goes on. The drive is the simulated one, on a board too: for a machine, `Sensor` and `Output` become drivers of
-//! `trendid::hardware`.
+//! Requests stand in a queue that any task may write to; a request names the sample in which it is
+//! due, so that it does not matter when it is heard before that. What control tells stands in
+//! another one; when the line is too slow, messages are dropped and counted, and control goes on.
+//! The drive is the simulated one, on a board too: for a machine, `Sensor` and `Output` become
+//! drivers of `trendid::hardware`.
 #![no_std]
 
 use core::fmt::Write as _;

@@ -6,13 +6,15 @@
 //! | `operator` | software, every 500 samples | 2 | asks for what is due in the next 500 samples |
 //! | `log` | software, when there is something to show | 1 | formats and sends |
 //!
-//! Requests stand in a queue that `slot` and `operator` share; RTIC's lock keeps `slot` out for the few instructions of a
-//! push, and costs `slot` itself nothing, because nobody stands above it. A request names the sample in which it is due,
-//! so that it does not matter when it is heard before that. What `slot` shows goes through a queue of one writer and one
-//! reader, without a lock; when `log` is late, messages are dropped and counted, and control goes on.
+//! Requests stand in a queue that `slot` and `operator` share; RTIC's lock keeps `slot` out for the
+//! few instructions of a push, and costs `slot` itself nothing, because nobody stands above it. A
+//! request names the sample in which it is due, so that it does not matter when it is heard before
+//! that. What `slot` shows goes through a queue of one writer and one reader, without a lock; when
+//! `log` is late, messages are dropped and counted, and control goes on.
 //!
-//! The drive is the simulated one, on a board too. For a machine, [`Sensor`] and [`Output`] become the drivers of
-//! `trendid::hardware` as in `examples/servo/wiring.rs`, and a fault is latched as in `examples/servo/slot.rs`.
+//! The drive is the simulated one, on a board too. For a machine, [`Sensor`] and [`Output`] become
+//! the drivers of `trendid::hardware` as in `examples/servo/wiring.rs`, and a fault is latched as
+//! in `examples/servo/slot.rs`.
 #![no_std]
 #![no_main]
 
@@ -87,7 +89,8 @@ mod app {
     #[init(local = [queue: Queue<Snapshot, 32> = Queue::new()])]
     fn init(context: init::Context) -> (Shared, Local) {
         let chip = context.device;
-        // The internal oscillator runs after reset on every chip; a clock control that does not know it is QEMU's.
+        // The internal oscillator runs after reset on every chip; a clock control that does not
+        // know it is QEMU's.
         let emulated = chip.RCC.cr().read().hsirdy().bit_is_clear();
         let clock = if emulated {
             logger::FRAMES.go_over_semihosting();
@@ -101,7 +104,8 @@ mod app {
         // The settings are constants, and valid.
         let machine = Machine::try_new(Drive::new(ORIGIN), SimulatedValve).unwrap();
         let mut timer = chip.TIM2.counter_hz(&mut rcc);
-        // QEMU counts with its own frequency, so there the rate is that of a clock which is so much slower.
+        // QEMU counts with its own frequency, so there the rate is that of a clock which is so much
+        // slower.
         let rate = if emulated {
             1000 * (rcc.clocks.timclk1().raw() / 1000) / (EMULATED_HZ / 1000)
         } else {
@@ -173,7 +177,8 @@ mod app {
         }
     }
 
-    /// In the place of a person and of the control above: asks for what is due from sample `from` on.
+    /// In the place of a person and of the control above: asks for what is due from sample `from`
+    /// on.
     #[task(priority = 2, shared = [requests])]
     async fn operator(mut context: operator::Context, from: u64) {
         for request in (from..from + EVERY).filter_map(plan) {

@@ -10,7 +10,8 @@ use crate::logger::FRAMES;
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     cortex_m::interrupt::disable();
-    // On a machine: by the registers of the output, whose driver is in the hands of the task that panicked.
+    // On a machine: by the registers of the output, whose driver is in the hands of the task that
+    // panicked.
     let _ = SimulatedValve.safe();
     defmt::error!("{}", defmt::Display2Format(&info.message()));
     if FRAMES.are_over_semihosting() {

@@ -1,8 +1,9 @@
 //! What a person asks for with the button, and what is asked over the wire.
 //!
-//! Over the wire every request is answered: done, or refused and why. A machine that is stopped does nothing but to be
-//! acknowledged. Settings and models are taken while the loop does not control: a loop is built, or poles are searched, which
-//! takes many slots; they are not counted, since nothing moves meanwhile, and the watchdog waits longer.
+//! Over the wire every request is answered: done, or refused and why. A machine that is stopped
+//! does nothing but to be acknowledged. Settings and models are taken while the loop does not
+//! control: a loop is built, or poles are searched, which takes many slots; they are not counted,
+//! since nothing moves meanwhile, and the watchdog waits longer.
 
 use core::sync::atomic::{AtomicU8, Ordering};
 
@@ -37,7 +38,8 @@ impl Slot {
     pub(super) fn answer(&mut self, request: Request) {
         let state = self.now.state;
         match request {
-            // A restart is the state that is known best: nothing moves, and the next request is heard.
+            // A restart is the state that is known best: nothing moves, and the next request is
+            // heard.
             Request::Acknowledge if self.now.stopped => restart(),
             Request::Acknowledge => {}
             Request::Run if self.now.stopped => {

@@ -1,7 +1,8 @@
-//! The wire over USART1: two queues, an interrupt above that of the slot that takes a byte, and the idle loop that sends.
+//! The wire over USART1: two queues, an interrupt above that of the slot that takes a byte, and the
+//! idle loop that sends.
 //!
-//! A byte that is lost, e.g. while the log writes with interrupts off, spoils its frame: the check sum tells, and the order
-//! comes again.
+//! A byte that is lost, e.g. while the log writes with interrupts off, spoils its frame: the check
+//! sum tells, and the order comes again.
 
 use core::cell::RefCell;
 

@@ -1,5 +1,5 @@
-//! The brown-out reset of the STM32F405/407: its level stands in the option bytes, which keep it without power (RM0090,
-//! 3.6 and 3.8).
+//! The brown-out reset of the STM32F405/407: its level stands in the option bytes, which keep it
+//! without power (RM0090, 3.6 and 3.8).
 
 use crate::registers::Registers;
 
@@ -77,8 +77,8 @@ fn idle(registers: &mut impl Registers) -> bool {
 mod tests {
     use super::*;
 
-    /// The option bytes behind their lock: writes count after both keys only, a write without the start bit is a wish, and a
-    /// wrong key locks until the next reset.
+    /// The option bytes behind their lock: writes count after both keys only, a write without the
+    /// start bit is a wish, and a wrong key locks until the next reset.
     #[derive(Clone, Debug)]
     struct Flash {
         /// What is kept without power.

@@ -1,4 +1,5 @@
-//! A push button in a slot of 1 ms: debounced, a short press and a long one, and nothing from a button that was never released.
+//! A push button in a slot of 1 ms: debounced, a short press and a long one, and nothing from a
+//! button that was never released.
 
 /// What a person asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,15 +23,16 @@ pub struct Button {
     level: Option<bool>,
     /// Samples in a row that had the other level.
     other: u32,
-    /// Samples for which the button is held; none when it was held from the start or the press was used.
+    /// Samples for which the button is held; none when it was held from the start or the press was
+    /// used.
     held: Option<u32>,
 }
 
 impl Button {
     /// One sample.
     ///
-    /// A short press counts when it ends, a long one while it lasts. A button that is held at the start counts after it
-    /// was released.
+    /// A short press counts when it ends, a long one while it lasts. A button that is held at the
+    /// start counts after it was released.
     pub fn update(&mut self, pressed: bool) -> Option<Request> {
         if self.level == Some(pressed) {
             self.other = 0;
@@ -65,7 +67,8 @@ impl Button {
 mod tests {
     use super::*;
 
-    /// What a sequence of levels and their lengths asks for: the first request and the number of requests.
+    /// What a sequence of levels and their lengths asks for: the first request and the number of
+    /// requests.
     fn requests(levels: &[(bool, u32)]) -> (Option<Request>, usize) {
         let mut button = Button::default();
         let samples = levels

@@ -1,7 +1,8 @@
 //! Instructions (in the emulator) or cycles (on a board) between two points.
 //!
-//! QEMU with `-icount shift=0` executes one instruction per nanosecond of its clock, and models no pipeline, no flash
-//! wait states and no cycle counter. A counter of the emulated chip therefore counts instructions:
+//! QEMU with `-icount shift=0` executes one instruction per nanosecond of its clock, and models no
+//! pipeline, no flash wait states and no cycle counter. A counter of the emulated chip therefore
+//! counts instructions:
 //!
 //! | counter | ticks per instruction | resolution |
 //! |---|---|---|
@@ -80,7 +81,8 @@ impl Clock {
         };
         let short = clock.ticks(|| passes(PASSES));
         let long = clock.ticks(|| passes(2 * PASSES));
-        // Two instructions a pass; the ends of both measurements cancel. A board counts its cycles as they are.
+        // Two instructions a pass; the ends of both measurements cancel. A board counts its cycles
+        // as they are.
         if unit == Unit::Instructions {
             clock.scale = 2.0 * PASSES as f32 / (long - short) as f32;
         }
@@ -169,7 +171,8 @@ mod timer {
     const ARR: usize = 11;
 
     pub(crate) fn start() {
-        // SAFETY: addresses of registers of the STM32F405/407 that nothing else uses in these images.
+        // SAFETY: addresses of registers of the STM32F405/407 that nothing else uses in these
+        // images.
         unsafe {
             RCC_APB1ENR.write_volatile(RCC_APB1ENR.read_volatile() | 1);
             TIM2.add(ARR).write_volatile(u32::MAX);

@@ -1,4 +1,5 @@
-//! A simulated drive behind the traits of the real one: for the emulator and the host, where there is no machine.
+//! A simulated drive behind the traits of the real one: for the emulator and the host, where there
+//! is no machine.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -17,7 +18,8 @@ const DEAD_ZONE: f32 = 0.03;
 /// Command in force, as bits of an f32: written by the valve, read by the sensor one sample later.
 static COMMAND: AtomicU32 = AtomicU32::new(0);
 
-/// The position transducer of the reference drive x''' + 20 x'' + 400 x' = 10^6 u, in mm, with noise of two counts.
+/// The position transducer of the reference drive x''' + 20 x'' + 400 x' = 10^6 u, in mm, with
+/// noise of two counts.
 ///
 /// Reading it moves the drive on by one millisecond.
 #[derive(Debug)]

@@ -1,4 +1,5 @@
-//! Where the frames of defmt go: over RTT on a board, over semihosting in the emulator, from the same image.
+//! Where the frames of defmt go: over RTT on a board, over semihosting in the emulator, from the
+//! same image.
 
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -11,8 +12,9 @@ use crate::rtt::Channel;
 
 /// The frames of a log; what the `global_logger` of an image calls.
 ///
-/// A frame goes out with interrupts off, which on a board takes the time of a copy; in the emulator no time passes
-/// meanwhile. Nobody waits for the reader: a frame that finds no room is dropped whole, whatever mode the debugger asks for.
+/// A frame goes out with interrupts off, which on a board takes the time of a copy; in the emulator
+/// no time passes meanwhile. Nobody waits for the reader: a frame that finds no room is dropped
+/// whole, whatever mode the debugger asks for.
 pub struct Frames<const N: usize> {
     ring: &'static Ring<N>,
     channel: &'static Channel,
@@ -23,7 +25,8 @@ pub struct Frames<const N: usize> {
     place: UnsafeCell<Frame>,
 }
 
-// SAFETY: the cells are used between acquire and release only, with interrupts off, on a single core.
+// SAFETY: the cells are used between acquire and release only, with interrupts off, on a single
+// core.
 unsafe impl<const N: usize> Sync for Frames<N> {}
 
 impl<const N: usize> core::fmt::Debug for Frames<N> {
@@ -80,7 +83,8 @@ impl<const N: usize> Frames<N> {
     /// # Safety
     /// [`acquire`](Self::acquire) was called before, and this once behind it.
     pub unsafe fn release(&self) {
-        // SAFETY: interrupts are off since acquire; they were on before unless `masked` says otherwise.
+        // SAFETY: interrupts are off since acquire; they were on before unless `masked` says
+        // otherwise.
         unsafe {
             (*self.encoder.get()).end_frame(|bytes| self.put(bytes));
             self.ring.end(*self.place.get(), &self.channel.written);

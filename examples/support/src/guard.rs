@@ -1,4 +1,5 @@
-//! What a slot may do for the watchdog, and when the machine stops: the decisions of `servo`, apart from the chip.
+//! What a slot may do for the watchdog, and when the machine stops: the decisions of `servo`, apart
+//! from the chip.
 //!
 //! | slot | fed | else |
 //! |---|---|---|

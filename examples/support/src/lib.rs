@@ -2,6 +2,7 @@
 #![no_std]
 
 pub mod brown_out;
+pub mod bus;
 pub mod button;
 pub mod drive;
 pub mod guard;

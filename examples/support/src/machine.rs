@@ -1,7 +1,9 @@
-//! The machine of the servo examples: its settings, what it is asked to do, and a hash of what it did.
+//! The machine of the servo examples: its settings, what it is asked to do, and a hash of what it
+//! did.
 //!
-//! The loop runs in a bare interrupt (`examples/servo`), in RTIC, in Embassy and on the host. With the simulated drive the
-//! four make the same requests in the same samples, so that their hashes must agree to the last bit.
+//! The loop runs in a bare interrupt (`examples/servo`), in RTIC, in Embassy and on the host. With
+//! the simulated drive the four make the same requests in the same samples, so that their hashes
+//! must agree to the last bit.
 
 use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
 use trendid::servo::{Config, Error, Report, ServoLoop, Travel};
@@ -25,12 +27,12 @@ const SAMPLE_TIME: f32 = 1e-3;
 
 const BANDWIDTH: f32 = 20.0;
 
-/// Time in s from the command to the flow: none in the simulated drive, 2 ms with a spool valve of 100 Hz. Two ms that are not
-/// there cost 5 % in a1, 15 % in a2 and the dead zone.
+/// Time in s from the command to the flow: none in the simulated drive, 2 ms with a spool valve of
+/// 100 Hz. Two ms that are not there cost 5 % in a1, 15 % in a2 and the dead zone.
 const DELAY: f32 = 0.0;
 
-/// Time in s of excitation before a model is tried. After the default of 0.26 s the loop controls, with b0 10 % too large and a
-/// dead zone of 0.073 instead of 0.030; after 0.5 s both are found.
+/// Time in s of excitation before a model is tried. After the default of 0.26 s the loop controls,
+/// with b0 10 % too large and a dead zone of 0.073 instead of 0.030; after 0.5 s both are found.
 const EXCITE_TIME: f32 = 0.5;
 
 /// Targets of the moves in mm, and the samples between them.
@@ -115,7 +117,8 @@ impl Trace {
     }
 }
 
-/// The machine at work: the loop, the number of its sample, and the hash of the first [`TRACED`] samples.
+/// The machine at work: the loop, the number of its sample, and the hash of the first [`TRACED`]
+/// samples.
 #[derive(Debug)]
 pub struct Machine<S, V> {
     /// The loop.

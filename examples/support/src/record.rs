@@ -1,4 +1,5 @@
-//! The record of 5 000 samples that host and target both run; `cargo xtask docs` holds it against its generator, byte for byte.
+//! The record of 5 000 samples that host and target both run; `cargo xtask docs` holds it against
+//! its generator, byte for byte.
 
 /// Sample time in s.
 pub const SAMPLE_TIME: f32 = 0.001;
@@ -9,7 +10,8 @@ pub const SAMPLES: usize = 5000;
 /// Counts of the position sensor at the start of the drive.
 pub const REFERENCE: i32 = 1_234_567;
 
-/// Six bytes a sample, little endian: command as i16 (32 768 is full), position as i32 in micrometres.
+/// Six bytes a sample, little endian: command as i16 (32 768 is full), position as i32 in
+/// micrometres.
 static BYTES: &[u8; SAMPLES * 6] = include_bytes!("../../data/servo.bin");
 
 /// The samples: command -1..1 and position in mm from the reference.

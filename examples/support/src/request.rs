@@ -13,7 +13,8 @@ pub enum Action {
     Abort,
 }
 
-/// An action and the sample in which it is due, so that it does not matter when the request is heard before that.
+/// An action and the sample in which it is due, so that it does not matter when the request is
+/// heard before that.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Request {
     /// The sample, counted from 1; what is due in the past is done at once.
@@ -23,7 +24,8 @@ pub struct Request {
 }
 
 impl Request {
-    /// The request of a line: `[SAMPLE] run`, `[SAMPLE] stop` or `[SAMPLE] move MM`; without a sample it is due at once.
+    /// The request of a line: `[SAMPLE] run`, `[SAMPLE] stop` or `[SAMPLE] move MM`; without a
+    /// sample it is due at once.
     #[must_use]
     pub fn parse(line: &str) -> Option<Self> {
         let mut words = line.split_ascii_whitespace();

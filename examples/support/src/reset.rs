@@ -95,8 +95,8 @@ impl Causes {
 
     /// The cause behind the flags.
     ///
-    /// Every reset pulls the pin and sets its flag, and a power-on sets that of the brown-out, so these two count only
-    /// where nothing else is set.
+    /// Every reset pulls the pin and sets its flag, and a power-on sets that of the brown-out, so
+    /// these two count only where nothing else is set.
     #[must_use]
     pub fn main(self) -> Cause {
         [

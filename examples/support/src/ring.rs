@@ -1,11 +1,13 @@
-//! Bytes between the program and a debugger that may be slow or absent, in either direction: nobody waits.
+//! Bytes between the program and a debugger that may be slow or absent, in either direction: nobody
+//! waits.
 
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 
-/// A ring of `N` bytes with one writer and one reader, one of which moves its place behind the back of the other.
+/// A ring of `N` bytes with one writer and one reader, one of which moves its place behind the back
+/// of the other.
 ///
-/// What a frame has written is shown to the reader when it ends. A frame that has no room is dropped whole and counted; who may
-/// not lose any asks for the [`room`](Self::room) first.
+/// What a frame has written is shown to the reader when it ends. A frame that has no room is
+/// dropped whole and counted; who may not lose any asks for the [`room`](Self::room) first.
 #[derive(Debug)]
 pub struct Ring<const N: usize> {
     bytes: [AtomicU8; N],

@@ -1,9 +1,9 @@
-//! The control block of SEGGER's real-time transfer: a debugger finds it in memory by its first bytes, and reads and writes
-//! its rings behind the back of the processor.
+//! The control block of SEGGER's real-time transfer: a debugger finds it in memory by its first
+//! bytes, and reads and writes its rings behind the back of the processor.
 //!
-//! The layout is that of SEGGER's `SEGGER_RTT_CB` (J-Link manual UM08001, chapter RTT). The crate rtt-target has it too, but
-//! waits for the reader in the mode that a debugger writes into the block, and probe-rs writes that one; here the mode is left
-//! as it is, and nobody waits.
+//! The layout is that of SEGGER's `SEGGER_RTT_CB` (J-Link manual UM08001, chapter RTT). The crate
+//! rtt-target has it too, but waits for the reader in the mode that a debugger writes into the
+//! block, and probe-rs writes that one; here the mode is left as it is, and nobody waits.
 
 use core::ffi::CStr;
 use core::ptr::null;
@@ -11,7 +11,8 @@ use core::sync::atomic::AtomicU32;
 
 use crate::ring::Ring;
 
-/// A control block with `UP` channels to the debugger and `DOWN` from it; a `static` of the name `_SEGGER_RTT`.
+/// A control block with `UP` channels to the debugger and `DOWN` from it; a `static` of the name
+/// `_SEGGER_RTT`.
 ///
 /// It must be `#[used]`: what only a debugger writes is a constant to the compiler otherwise.
 #[repr(C)]

@@ -1,7 +1,8 @@
-//! The valve to its middle by registers alone, whatever state the drivers are in (STM32F405/407, RM0090).
+//! The valve to its middle by registers alone, whatever state the drivers are in (STM32F405/407,
+//! RM0090).
 //!
-//! For handlers that do not return, and before a restart. Before the ports are set up it has no effect, and the valve is at
-//! rest by its hardware.
+//! For handlers that do not return, and before a restart. Before the ports are set up it has no
+//! effect, and the valve is at rest by its hardware.
 
 use crate::registers::Registers;
 
@@ -57,8 +58,9 @@ fn wait(registers: &mut impl Registers, ready: impl Fn(u32) -> bool) {
 mod tests {
     use super::*;
 
-    /// Timer with a buffered compare value; bus with a buffer and a shift register of which a byte takes some looks at
-    /// the status; converter that takes the last 24 bits between two edges of its select line.
+    /// Timer with a buffered compare value; bus with a buffer and a shift register of which a byte
+    /// takes some looks at the status; converter that takes the last 24 bits between two edges of
+    /// its select line.
     #[derive(Clone, Debug, Default)]
     struct Double {
         compare: u32,

@@ -1,13 +1,15 @@
-//! Slots of the control loop that passed without a call, by a counter that runs on and wraps around.
+//! Slots of the control loop that passed without a call, by a counter that runs on and wraps
+//! around.
 
 /// Share of a slot by which the first call may be late; every later one has the rest of a slot.
 const MARGIN: u32 = 32;
 
 /// The slots of a periodic interrupt.
 ///
-/// An interrupt that is late for more than a slot is called once for all that passed: the counter tells how many.
-/// The begin of a slot is carried on in whole periods, so that nothing adds up; a call that is late by almost a slot may count
-/// as one too many, which is set off against the next that is missing.
+/// An interrupt that is late for more than a slot is called once for all that passed: the counter
+/// tells how many. The begin of a slot is carried on in whole periods, so that nothing adds up; a
+/// call that is late by almost a slot may count as one too many, which is set off against the next
+/// that is missing.
 #[derive(Clone, Copy, Debug)]
 pub struct Slots {
     /// Counts in a slot, above zero.

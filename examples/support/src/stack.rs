@@ -1,6 +1,7 @@
 //! Peak stack of a call: the free stack is painted before and looked at after.
 
-/// Bytes that are painted, where the stack has as many left; a call that needs more is reported with this number.
+/// Bytes that are painted, where the stack has as many left; a call that needs more is reported
+/// with this number.
 pub const PAINTED: usize = 16 * 1024;
 
 const PAINT: u32 = 0xA5C3_96E1;
@@ -25,7 +26,8 @@ pub fn peak_within<R>(painted: usize, work: impl FnOnce() -> R) -> usize {
     let left = (top as usize).saturating_sub(&raw const _stack_end as usize);
     let words = painted.min(left) / 4;
     for depth in 1..=words {
-        // SAFETY: memory between the end of the stack and its pointer is free, and the loop calls nothing.
+        // SAFETY: memory between the end of the stack and its pointer is free, and the loop calls
+        // nothing.
         unsafe { top.sub(depth).write_volatile(PAINT) };
     }
     let _ = core::hint::black_box(outlined(work));

@@ -1,4 +1,5 @@
-//! What survives a reset in memory that the start does not clear: counted resets, and a fault until it is acknowledged.
+//! What survives a reset in memory that the start does not clear: counted resets, and a fault until
+//! it is acknowledged.
 
 use crate::hash::Hash;
 use crate::reset::{Cause, Causes};

@@ -26,7 +26,8 @@ pub struct Losses {
     pub unanswered: u32,
 }
 
-/// The host's end: numbers orders, sends one at a time until it is answered, acknowledges events, counts losses.
+/// The host's end: numbers orders, sends one at a time until it is answered, acknowledges events,
+/// counts losses.
 #[derive(Clone, Debug)]
 pub struct Client {
     receiver: Receiver<Notice>,
@@ -83,7 +84,8 @@ impl Client {
         let Notice { seq, content } = self.receiver.push(byte)?;
         if let Some(expected) = self.seq {
             let gap = seq.wrapping_sub(expected);
-            // Another start of the target, which says so first or steps back, is not a loss of so many numbers.
+            // Another start of the target, which says so first or steps back, is not a loss of so
+            // many numbers.
             if gap < u16::MAX / 2 && !self.is_start(&content) {
                 self.losses.lost = self.losses.lost.saturating_add(u32::from(gap));
             }
@@ -126,7 +128,8 @@ impl Client {
         }
     }
 
-    /// Whether an event is the next one. One after a gap is not, while those before it can still come.
+    /// Whether an event is the next one. One after a gap is not, while those before it can still
+    /// come.
     fn is_new(&mut self, event: &NumberedEvent) -> bool {
         if let Some((start, _)) = self.event
             && start != event.start

@@ -16,12 +16,16 @@
 //!
 //! - A frame that is damaged, of another version, or cut short changes nothing but a counter.
 //! - An order that comes again is answered again and carried out once.
-//! - An order carries the tick of the newest sample that its sender saw. What moves the axis is refused when that is older than
-//!   [`STALE_MS`]: bytes that were kept somewhere and arrive later move nothing.
-//! - A watchdog can be asked for: without an intact order for that long the station asks the machine to stop, once.
-//! - The slot never waits: what does not fit into the outbox of [`OUTBOX`] bytes is dropped (samples) or waits (the rest).
+//! - An order carries the tick of the newest sample that its sender saw. What moves the axis is
+//!   refused when that is older than [`STALE_MS`]: bytes that were kept somewhere and arrive later
+//!   move nothing.
+//! - A watchdog can be asked for: without an intact order for that long the station asks the
+//!   machine to stop, once.
+//! - The slot never waits: what does not fit into the outbox of [`OUTBOX`] bytes is dropped
+//!   (samples) or waits (the rest).
 //!
-//! [`operate`] carries requests out on a [`ServoLoop`](trendid::servo::ServoLoop); [`settings`] is the table of what may be set.
+//! [`operate`] carries requests out on a [`ServoLoop`](trendid::servo::ServoLoop); [`settings`] is
+//! the table of what may be set.
 
 mod client;
 mod notice;

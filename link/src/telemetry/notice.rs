@@ -1,6 +1,7 @@
 //! What the target tells: who it is, numbers, events, answers.
 //!
-//! The order of variants and fields is part of the protocol; a change is another [`VERSION`](crate::VERSION).
+//! The order of variants and fields is part of the protocol; a change is another
+//! [`VERSION`](crate::VERSION).
 
 use serde::{Deserialize, Serialize};
 

@@ -26,7 +26,8 @@ impl From<Result<(), Refusal>> for Outcome {
     }
 }
 
-/// Carries out what the loop itself can; everything else is [`Refusal::Unsupported`], for the machine around it.
+/// Carries out what the loop itself can; everything else is [`Refusal::Unsupported`], for the
+/// machine around it.
 ///
 /// # Errors
 /// Why not; the loop is as before.

@@ -1,6 +1,7 @@
 //! What a loop tells in numbers: a sample, what it has learned, its counters.
 //!
-//! The order of the fields is part of the protocol; a change is another [`VERSION`](crate::VERSION).
+//! The order of the fields is part of the protocol; a change is another
+//! [`VERSION`](crate::VERSION).
 
 use serde::{Deserialize, Serialize};
 use trendid::hardware::{PositionSensor, Valve};
@@ -79,12 +80,14 @@ pub struct Learned {
     pub delay: f32,
     /// Factor on the bandwidth.
     pub derating: f32,
-    /// Gain margin, phase margin in degrees, delay margin in s, largest sensitivity; `None` where they were not computed.
+    /// Gain margin, phase margin in degrees, delay margin in s, largest sensitivity; `None` where
+    /// they were not computed.
     pub margins: Option<[f32; 4]>,
 }
 
 impl Learned {
-    /// What `servo` knows after the sample of `report`. Cost: a reading of the covariance, some thousand instructions.
+    /// What `servo` knows after the sample of `report`. Cost: a reading of the covariance, some
+    /// thousand instructions.
     #[must_use]
     pub fn of<S: PositionSensor, V: Valve>(
         tick: u32,
@@ -141,7 +144,8 @@ pub struct Health {
     pub longest_us: u32,
     /// Samples that did not fit on the line.
     pub dropped: u32,
-    /// Events that were lost because nobody acknowledged and [`EVENTS`](super::EVENTS) waited already.
+    /// Events that were lost because nobody acknowledged and [`EVENTS`](super::EVENTS) waited
+    /// already.
     pub events_lost: u32,
     /// Damaged frames that the target received.
     pub corrupt: u32,

@@ -1,6 +1,7 @@
 //! What may be asked, and what came of it.
 //!
-//! The order of variants and fields is part of the protocol; a change is another [`VERSION`](crate::VERSION).
+//! The order of variants and fields is part of the protocol; a change is another
+//! [`VERSION`](crate::VERSION).
 
 use core::fmt;
 
@@ -60,7 +61,8 @@ pub enum Request {
         /// Largest jerk.
         jerk: f32,
     },
-    /// Set a value of [`settings::SETTINGS`](super::settings::SETTINGS); `None` lets it follow from the others.
+    /// Set a value of [`settings::SETTINGS`](super::settings::SETTINGS); `None` lets it follow from
+    /// the others.
     Set {
         /// Its place in the table.
         setting: u8,

@@ -25,8 +25,9 @@ pub struct Wanted {
 
 /// The target's end: takes orders, sends notices, never waits.
 ///
-/// Per sample: [`push`](Self::push) what the line received, carry out the request that comes of it and
-/// [`answer`](Self::answer); [`sample`](Self::sample) after the loop; give the line what [`next_byte`](Self::next_byte) has.
+/// Per sample: [`push`](Self::push) what the line received, carry out the request that comes of it
+/// and [`answer`](Self::answer); [`sample`](Self::sample) after the loop; give the line what
+/// [`next_byte`](Self::next_byte) has.
 ///
 /// ```
 /// use trendid_link::telemetry::{Client, Content, Identity, Outcome, Request, Sample, Station};
@@ -71,7 +72,8 @@ pub struct Station {
 impl Station {
     /// A station that sends a sample every `every` samples; 0 for none before it is asked for.
     ///
-    /// `start` should differ from start to start, e.g. their number: it tells events of this start from those of another.
+    /// `start` should differ from start to start, e.g. their number: it tells events of this start
+    /// from those of another.
     #[must_use]
     pub fn new(identity: Identity, start: u16, every: u16) -> Self {
         let per_ms = 1e-3 / identity.sample_time;
@@ -89,7 +91,8 @@ impl Station {
         }
     }
 
-    /// Takes a byte of the line; gives a new request that the machine must carry out, and then [`answer`](Self::answer).
+    /// Takes a byte of the line; gives a new request that the machine must carry out, and then
+    /// [`answer`](Self::answer).
     pub fn push(&mut self, byte: u8) -> Option<Request> {
         let Order { id, seen, request } = self.receiver.push(byte)?;
         self.silent = 0;

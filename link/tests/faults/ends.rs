@@ -6,7 +6,8 @@ use trendid_link::*;
 
 use crate::dice::Dice;
 
-/// The target as the firmware has it: a state that shows every sample that was processed, and how often.
+/// The target as the firmware has it: a state that shows every sample that was processed, and how
+/// often.
 #[derive(Default)]
 pub(crate) struct Target {
     pub(crate) responder: Responder,

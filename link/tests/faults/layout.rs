@@ -10,7 +10,8 @@ fn the_layout_on_the_wire_is_as_documented() {
     let mut sample = plain(300, -25);
     sample.requests.push(Request::MoveTo(1.0)).expect("room");
     let frame = Frame::encode(&sample);
-    // 'S', the version, 300 in 7-bit groups, a code, -25 in zigzag, one request: the fourth, 1.0f32 little endian, check sum.
+    // 'S', the version, 300 in 7-bit groups, a code, -25 in zigzag, one request: the fourth, 1.0f32
+    // little endian, check sum.
     let mut body = vec![
         0x53, VERSION, 0xAC, 0x02, 1, 49, 1, 3, 0x00, 0x00, 0x80, 0x3F,
     ];
@@ -118,7 +119,8 @@ proptest! {
         prop_assume!(wire != frame.bytes());
         let mut receiver = Receiver::<Sample>::new();
         let got: Vec<_> = wire.iter().chain(&[0]).filter_map(|&byte| receiver.push(byte)).collect();
-        // Damage of the outer delimiters alone may leave the body whole; then it must be the body that was sent.
+        // Damage of the outer delimiters alone may leave the body whole; then it must be the body
+        // that was sent.
         for sample in got {
             prop_assert_eq!(&sample, &sent);
         }

@@ -34,7 +34,8 @@ fn every_sample_is_processed_once_on_a_bad_line() {
             "seed {seed}: {:?}",
             line.injected
         );
-        // Every kind of fault is seen by somebody: damage by a check sum, loss by a timeout, doubles by the number.
+        // Every kind of fault is seen by somebody: damage by a check sum, loss by a timeout,
+        // doubles by the number.
         assert!(
             target.corrupt > 20 && host.corrupt > 20,
             "seed {seed}: {target:?} {host:?}"

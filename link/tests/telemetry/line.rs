@@ -48,7 +48,8 @@ fn events_arrive_once_and_in_order_over_a_bad_line() {
     }
 }
 
-/// A line that carries a third of what is sampled: the rest is counted, events and answers pass, the slot never waits.
+/// A line that carries a third of what is sampled: the rest is counted, events and answers pass,
+/// the slot never waits.
 #[test]
 fn what_a_slow_line_cannot_carry_is_dropped_and_counted() {
     let (mut station, mut client) = (station(), Client::new(5));
@@ -175,7 +176,8 @@ fn a_client_gives_an_order_up_and_sends_nothing_after_a_disconnection() {
     assert_eq!(frames, 6);
 }
 
-/// A target that begins again, at any number of its frames, is no loss; what is lost before and after it is.
+/// A target that begins again, at any number of its frames, is no loss; what is lost before and
+/// after it is.
 #[test]
 fn another_start_of_the_target_is_no_loss() {
     for frames in [1, 100, 30_000, 40_000, 65_535] {

@@ -128,7 +128,8 @@ mod tests {
         let at = |ms| begin + Duration::from_millis(ms);
         let mut course = Course::new(begin);
         assert!(!course.turn(at(999), 10, true));
-        // The line came within the first second; then a second of 1000, one of 950, and one in which the line was lost.
+        // The line came within the first second; then a second of 1000, one of 950, and one in
+        // which the line was lost.
         assert!(course.turn(at(1000), 500, true));
         assert_eq!((course.rate, course.rates), (500, None));
         assert!(course.turn(at(2000), 1500, true));

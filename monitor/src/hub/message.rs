@@ -13,7 +13,8 @@ use trendid_link::telemetry::{
 use crate::hub::reading::reading;
 use crate::hub::said::Tally;
 
-/// Rows of samples: tick, position, setpoint, velocity, velocity of the setpoint, command, innovation, state, reason.
+/// Rows of samples: tick, position, setpoint, velocity, velocity of the setpoint, command,
+/// innovation, state, reason.
 pub(super) fn rows<'a>(samples: impl Iterator<Item = &'a Sample>) -> String {
     let mut text = String::from("{\"t\":\"rows\",\"v\":[");
     let mut first = true;

@@ -1,7 +1,8 @@
-//! The middle: what the target says goes to the pages, what the page in control asks goes to the target.
+//! The middle: what the target says goes to the pages, what the page in control asks goes to the
+//! target.
 //!
-//! Everything here has a bound: samples, estimates and events that a new page gets, messages that wait for a slow page,
-//! orders that wait for the target.
+//! Everything here has a bound: samples, estimates and events that a new page gets, messages that
+//! wait for a slow page, orders that wait for the target.
 
 mod course;
 mod message;
@@ -39,8 +40,8 @@ const SAMPLES: usize = 30_000;
 const ESTIMATES: usize = 3000;
 const EVENTS: usize = 500;
 
-/// Between two messages of samples: a page redraws after each, at most at every second picture of a display of 60 Hz or three
-/// of four, so that more than thirty a second are seen.
+/// Between two messages of samples: a page redraws after each, at most at every second picture of a
+/// display of 60 Hz or three of four, so that more than thirty a second are seen.
 const REDRAW: Duration = Duration::from_millis(25);
 
 /// How often the target hears that somebody is there.

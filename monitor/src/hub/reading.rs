@@ -2,7 +2,8 @@
 
 use trendid_link::telemetry::Learned;
 
-/// The reading of an estimate: value and two standard deviations of C, omega0 and xi, by the covariance of a1, a2, b0.
+/// The reading of an estimate: value and two standard deviations of C, omega0 and xi, by the
+/// covariance of a1, a2, b0.
 ///
 /// C = b0/a1, omega0 = sqrt(a1), xi = a2/(2 omega0); to first order.
 pub(super) fn reading(learned: &Learned) -> Option<[[f64; 2]; 3]> {
@@ -30,11 +31,13 @@ pub(super) fn reading(learned: &Learned) -> Option<[[f64; 2]; 3]> {
 mod tests {
     use super::*;
 
-    /// The propagation of the covariance, against differences of the reading itself over the square root of the covariance.
+    /// The propagation of the covariance, against differences of the reading itself over the square
+    /// root of the covariance.
     #[test]
     fn the_bands_of_the_reading_are_those_of_the_covariance() {
         let theta = [410.0_f32, 18.0, 9.0e5];
-        // P = L L', so that it is a covariance; unscented points give the variance of a function that is nearly linear.
+        // P = L L', so that it is a covariance; unscented points give the variance of a function
+        // that is nearly linear.
         let l = [
             [2.0_f64, 0.0, 0.0],
             [0.03, 0.1, 0.0],

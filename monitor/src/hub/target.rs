@@ -11,7 +11,8 @@ impl Hub {
         let now = self.now();
         let bytes: Vec<u8> = std::iter::from_fn(|| self.client.next_byte(now)).collect();
         if !bytes.is_empty() {
-            // A source that takes nothing is a line that is lost: the order is sent again, or given up.
+            // A source that takes nothing is a line that is lost: the order is sent again, or given
+            // up.
             let _ = self.source.asked.try_send(bytes);
         }
         if let Some(id) = self.client.given_up() {

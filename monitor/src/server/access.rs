@@ -38,7 +38,8 @@ impl Server {
         self.is_ours(host)
     }
 
-    /// Whether `host` is an address of this server: on loopback a number or `localhost`, never another name.
+    /// Whether `host` is an address of this server: on loopback a number or `localhost`, never
+    /// another name.
     pub(super) fn is_ours(&self, host: &str) -> bool {
         let Some((name, port)) = host.rsplit_once(':') else {
             return false;

@@ -6,7 +6,8 @@
 //! | page, report, record | the token |
 //! | socket | the token, and an Origin that is this server |
 //!
-//! A Host that is not this server is refused everywhere, so that a name which another page points at this computer gains nothing.
+//! A Host that is not this server is refused everywhere, so that a name which another page points
+//! at this computer gains nothing.
 
 mod access;
 

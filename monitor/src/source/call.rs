@@ -1,5 +1,5 @@
-//! Where the emulator calls: a socket of the file system, where a byte costs it much less than over TCP, which its end that is a
-//! debugger's stub needs, and so does a system without such sockets.
+//! Where the emulator calls: a socket of the file system, where a byte costs it much less than over
+//! TCP, which its end that is a debugger's stub needs, and so does a system without such sockets.
 
 use std::io;
 use std::net::{TcpListener, TcpStream};

@@ -1,9 +1,10 @@
-//! A debugger's stub that speaks the remote protocol of GDB (its manual, appendix E), e.g. that of QEMU: telemetry over the
-//! rings of RTT in the memory of its target.
+//! A debugger's stub that speaks the remote protocol of GDB (its manual, appendix E), e.g. that of
+//! QEMU: telemetry over the rings of RTT in the memory of its target.
 //!
-//! A stub answers while its target stands still, so the target is stopped for each look and goes on after it. To an
-//! emulator that is time that does not pass; a machine must not be looked at in this way. The servers of debuggers that read
-//! the memory of a board while it runs (OpenOCD, J-Link) offer the channels as sockets, for `--tcp`.
+//! A stub answers while its target stands still, so the target is stopped for each look and goes on
+//! after it. To an emulator that is time that does not pass; a machine must not be looked at in
+//! this way. The servers of debuggers that read the memory of a board while it runs (OpenOCD,
+//! J-Link) offer the channels as sockets, for `--tcp`.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
@@ -97,8 +98,8 @@ impl Gdb {
             stream,
             received: Vec::new(),
         };
-        // Some stubs stop the target when somebody calls, some do not, and some say so: after this it stands still, and what
-        // was said of it is heard.
+        // Some stubs stop the target when somebody calls, some do not, and some say so: after this
+        // it stands still, and what was said of it is heard.
         gdb.send(b"\x03")?;
         gdb.send(&packet("?"))?;
         gdb.answer(is_stop)?;
@@ -217,7 +218,8 @@ fn silent() -> String {
     format!("the debugger does not answer within {} s", ANSWER.as_secs())
 }
 
-/// Whether it says that the target has stopped. An answer that is data begins with a digit, an error with `E`.
+/// Whether it says that the target has stopped. An answer that is data begins with a digit, an
+/// error with `E`.
 fn is_stop(said: &[u8]) -> bool {
     matches!(said.first(), Some(b'T' | b'S'))
 }

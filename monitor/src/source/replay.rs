@@ -1,4 +1,5 @@
-//! A record that the monitor has written, in its own time: the same wire, and no request is carried out.
+//! A record that the monitor has written, in its own time: the same wire, and no request is carried
+//! out.
 
 use std::path::Path;
 use std::thread;
@@ -36,7 +37,8 @@ pub(super) fn run(file: &Path, mut line: Line) {
             }
         }
         let due = (begin.elapsed().as_secs_f64() / rows.sample_time) as u32;
-        // Each row leaves the station before the next one comes: however late this thread is, none is lost.
+        // Each row leaves the station before the next one comes: however late this thread is, none
+        // is lost.
         while done < due
             && line.has_room()
             && let Some(row) = rows_left.next()

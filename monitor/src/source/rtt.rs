@@ -1,9 +1,10 @@
-//! The debugger's end of SEGGER's real-time transfer: a control block is found in the memory of the target, and the rings
-//! that it names are read and written while the program there runs.
+//! The debugger's end of SEGGER's real-time transfer: a control block is found in the memory of the
+//! target, and the rings that it names are read and written while the program there runs.
 //!
-//! The layout is that of `SEGGER_RTT_CB` (J-Link manual UM08001, chapter RTT): 16 bytes `SEGGER RTT`, the numbers of channels up
-//! and down, and of each channel name, ring, size, place of writing, place of reading and mode, as words of 32 bits, the least
-//! byte first. What the memory says is checked: a program that ran wild gives an error and no endless reading.
+//! The layout is that of `SEGGER_RTT_CB` (J-Link manual UM08001, chapter RTT): 16 bytes
+//! `SEGGER RTT`, the numbers of channels up and down, and of each channel name, ring, size, place
+//! of writing, place of reading and mode, as words of 32 bits, the least byte first. What the
+//! memory says is checked: a program that ran wild gives an error and no endless reading.
 
 /// The memory of a target.
 pub(super) trait Memory {
@@ -43,8 +44,8 @@ struct Channel {
 }
 
 impl Rtt {
-    /// The channels `name` of the first control block from `begin` on that has both; `None` where there is none before the memory
-    /// or `length` ends, e.g. because the program has not begun.
+    /// The channels `name` of the first control block from `begin` on that has both; `None` where
+    /// there is none before the memory or `length` ends, e.g. because the program has not begun.
     pub(super) fn find(
         memory: &mut impl Memory,
         begin: u32,

@@ -38,7 +38,8 @@ struct Plant {
     told: Vec<SettingValue>,
 }
 
-/// Units in which the positions are stated, in mm: in the second one accelerations of any axis are within what the loop takes.
+/// Units in which the positions are stated, in mm: in the second one accelerations of any axis are
+/// within what the loop takes.
 const UNITS: [(f64, &str); 2] = [(1.0, "mm"), (100.0, "dm")];
 
 impl Simulated {

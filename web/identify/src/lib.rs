@@ -37,7 +37,8 @@ pub extern "C" fn answer() -> *const u8 {
     RECORD.with_borrow(|(_, answer)| answer.as_ptr())
 }
 
-/// Identifies a structure; gives the length of the answer. Flags: 1 integrator, 2 constant, 4 the delay is searched.
+/// Identifies a structure; gives the length of the answer. Flags: 1 integrator, 2 constant, 4 the
+/// delay is searched.
 #[unsafe(no_mangle)]
 pub extern "C" fn identify_record(dt: f64, order: usize, zeros: usize, flags: u32) -> usize {
     respond(|u, y| {

@@ -24,7 +24,8 @@ pub const ANY_DELAY_MAX: usize = 64;
 /// Most parameters of a `trendid_any`.
 pub const ANY_PARAMETERS_MAX: usize = 6;
 
-/// Order 3 with Coulomb friction as the last input: it acts on the acceleration, one integration behind the valve.
+/// Order 3 with Coulomb friction as the last input: it acts on the acceleration, one integration
+/// behind the valve.
 const fn with_friction<const N: usize, const I: usize>() -> CoreStructure<3, N, I> {
     let mut inputs = [Terms::of(&[0]); I];
     inputs[I - 1] = Terms::of(&[1]);
@@ -46,11 +47,11 @@ pub(super) unsafe fn of<'a>(settings: *const Settings) -> Result<&'a Settings, D
 /// Words of 8 bytes of a `trendid_any`.
 pub const ANY_WORDS: usize = 264;
 
-/// Memory of an identifier of any structure: order 1 to 4, one or two inputs, up to `TRENDID_ANY_PARAMETERS_MAX`
-/// parameters.
+/// Memory of an identifier of any structure: order 1 to 4, one or two inputs, up to
+/// `TRENDID_ANY_PARAMETERS_MAX` parameters.
 ///
-/// For hosts: a program that initialises one links the code of every structure. Archives for microcontrollers are built without
-/// `trendid_any_init`.
+/// For hosts: a program that initialises one links the code of every structure. Archives for
+/// microcontrollers are built without `trendid_any_init`.
 #[repr(C)]
 pub struct Any {
     words: [u64; ANY_WORDS],

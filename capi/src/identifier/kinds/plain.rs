@@ -1,6 +1,7 @@
 //! Inputs as they come: integrating drives of order 2 and 3, with Coulomb friction or without.
 //!
-//! One after another because cbindgen reads types and functions as they stand and does not see through a macro.
+//! One after another because cbindgen reads types and functions as they stand and does not see
+//! through a macro.
 
 use trendid::Structure as CoreStructure;
 
@@ -14,7 +15,7 @@ use crate::settings::Settings;
 const COULOMB3: CoreStructure<3, 6, 2> = with_friction();
 
 /// Words of 8 bytes of a `trendid_servo2`.
-pub const SERVO2_WORDS: usize = 136;
+pub const SERVO2_WORDS: usize = 144;
 
 /// Memory of an identifier of `b0 / (s (s + a1))`.
 ///
@@ -24,7 +25,8 @@ pub struct Servo2 {
     words: [u64; SERVO2_WORDS],
 }
 
-/// Makes an identifier of the kind `trendid_servo2`; `detail`, if not NULL, says which setting was refused.
+/// Makes an identifier of the kind `trendid_servo2`; `detail`, if not NULL, says which setting was
+/// refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_servo2_init(
     memory: *mut Servo2,
@@ -42,7 +44,7 @@ pub unsafe extern "C" fn trendid_servo2_init(
 }
 
 /// Words of 8 bytes of a `trendid_servo3`.
-pub const SERVO3_WORDS: usize = 160;
+pub const SERVO3_WORDS: usize = 168;
 
 /// Memory of an identifier of `b0 / (s (s^2 + a2 s + a1))`.
 ///
@@ -52,7 +54,8 @@ pub struct Servo3 {
     words: [u64; SERVO3_WORDS],
 }
 
-/// Makes an identifier of the kind `trendid_servo3`; `detail`, if not NULL, says which setting was refused.
+/// Makes an identifier of the kind `trendid_servo3`; `detail`, if not NULL, says which setting was
+/// refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_servo3_init(
     memory: *mut Servo3,
@@ -70,7 +73,7 @@ pub unsafe extern "C" fn trendid_servo3_init(
 }
 
 /// Words of 8 bytes of a `trendid_coulomb2`.
-pub const COULOMB2_WORDS: usize = 160;
+pub const COULOMB2_WORDS: usize = 168;
 
 /// Memory of an identifier of `b0 / (s (s + a1)) with Coulomb friction`.
 ///
@@ -80,7 +83,8 @@ pub struct Coulomb2 {
     words: [u64; COULOMB2_WORDS],
 }
 
-/// Makes an identifier of the kind `trendid_coulomb2`; `detail`, if not NULL, says which setting was refused.
+/// Makes an identifier of the kind `trendid_coulomb2`; `detail`, if not NULL, says which setting
+/// was refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_coulomb2_init(
     memory: *mut Coulomb2,
@@ -103,7 +107,7 @@ pub unsafe extern "C" fn trendid_coulomb2_init(
 }
 
 /// Words of 8 bytes of a `trendid_coulomb3`.
-pub const COULOMB3_WORDS: usize = 184;
+pub const COULOMB3_WORDS: usize = 192;
 
 /// Memory of an identifier of `b0 / (s (s^2 + a2 s + a1)) with Coulomb friction`.
 ///
@@ -113,7 +117,8 @@ pub struct Coulomb3 {
     words: [u64; COULOMB3_WORDS],
 }
 
-/// Makes an identifier of the kind `trendid_coulomb3`; `detail`, if not NULL, says which setting was refused.
+/// Makes an identifier of the kind `trendid_coulomb3`; `detail`, if not NULL, says which setting
+/// was refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_coulomb3_init(
     memory: *mut Coulomb3,

@@ -1,4 +1,5 @@
-//! A first input through a valve whose dead zone is found: drives of order 2 and 3, with Coulomb friction or without.
+//! A first input through a valve whose dead zone is found: drives of order 2 and 3, with Coulomb
+//! friction or without.
 //!
 //! One after another, as those of `plain`.
 
@@ -16,7 +17,7 @@ use crate::settings::Settings;
 const VALVE_COULOMB3: CoreStructure<3, 7, 3> = with_friction();
 
 /// Words of 8 bytes of a `trendid_valve2`.
-pub const VALVE2_WORDS: usize = 164;
+pub const VALVE2_WORDS: usize = 172;
 
 /// Memory of an identifier of `b0 / (s (s + a1)) behind a valve with a dead zone`.
 ///
@@ -26,7 +27,8 @@ pub struct Valve2 {
     words: [u64; VALVE2_WORDS],
 }
 
-/// Makes an identifier of the kind `trendid_valve2`; `detail`, if not NULL, says which setting was refused.
+/// Makes an identifier of the kind `trendid_valve2`; `detail`, if not NULL, says which setting was
+/// refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_valve2_init(
     memory: *mut Valve2,
@@ -44,7 +46,7 @@ pub unsafe extern "C" fn trendid_valve2_init(
 }
 
 /// Words of 8 bytes of a `trendid_valve3`.
-pub const VALVE3_WORDS: usize = 192;
+pub const VALVE3_WORDS: usize = 200;
 
 /// Memory of an identifier of `b0 / (s (s^2 + a2 s + a1)) behind a valve with a dead zone`.
 ///
@@ -54,7 +56,8 @@ pub struct Valve3 {
     words: [u64; VALVE3_WORDS],
 }
 
-/// Makes an identifier of the kind `trendid_valve3`; `detail`, if not NULL, says which setting was refused.
+/// Makes an identifier of the kind `trendid_valve3`; `detail`, if not NULL, says which setting was
+/// refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_valve3_init(
     memory: *mut Valve3,
@@ -72,17 +75,20 @@ pub unsafe extern "C" fn trendid_valve3_init(
 }
 
 /// Words of 8 bytes of a `trendid_valve_coulomb2`.
-pub const VALVE_COULOMB2_WORDS: usize = 188;
+pub const VALVE_COULOMB2_WORDS: usize = 196;
 
-/// Memory of an identifier of `b0 / (s (s + a1)) with Coulomb friction, behind a valve with a dead zone`.
+/// Memory of an identifier of
+/// `b0 / (s (s + a1)) with Coulomb friction, behind a valve with a dead zone`.
 ///
-/// theta = (a1, b0, b0 of the sign of u, b0 of the sign of v, constant, initial state); inputs: u, sign of v.
+/// theta = (a1, b0, b0 of the sign of u, b0 of the sign of v, constant, initial state); inputs: u,
+/// sign of v.
 #[repr(C)]
 pub struct ValveCoulomb2 {
     words: [u64; VALVE_COULOMB2_WORDS],
 }
 
-/// Makes an identifier of the kind `trendid_valve_coulomb2`; `detail`, if not NULL, says which setting was refused.
+/// Makes an identifier of the kind `trendid_valve_coulomb2`; `detail`, if not NULL, says which
+/// setting was refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_valve_coulomb2_init(
     memory: *mut ValveCoulomb2,
@@ -104,17 +110,20 @@ pub unsafe extern "C" fn trendid_valve_coulomb2_init(
 }
 
 /// Words of 8 bytes of a `trendid_valve_coulomb3`.
-pub const VALVE_COULOMB3_WORDS: usize = 216;
+pub const VALVE_COULOMB3_WORDS: usize = 224;
 
-/// Memory of an identifier of `b0 / (s (s^2 + a2 s + a1)) with Coulomb friction, behind a valve with a dead zone`.
+/// Memory of an identifier of
+/// `b0 / (s (s^2 + a2 s + a1)) with Coulomb friction, behind a valve with a dead zone`.
 ///
-/// theta = (a1, a2, b0, b0 of the sign of u, b1 of the sign of v, constant, initial state); inputs: u, sign of v.
+/// theta = (a1, a2, b0, b0 of the sign of u, b1 of the sign of v, constant, initial state); inputs:
+/// u, sign of v.
 #[repr(C)]
 pub struct ValveCoulomb3 {
     words: [u64; VALVE_COULOMB3_WORDS],
 }
 
-/// Makes an identifier of the kind `trendid_valve_coulomb3`; `detail`, if not NULL, says which setting was refused.
+/// Makes an identifier of the kind `trendid_valve_coulomb3`; `detail`, if not NULL, says which
+/// setting was refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_valve_coulomb3_init(
     memory: *mut ValveCoulomb3,

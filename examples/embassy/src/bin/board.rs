@@ -1,4 +1,5 @@
-//! The image of a board with an STM32F405/407 and a crystal of 8 MHz, on embassy-stm32; line on PA9 (out) and PA10 (in).
+//! The image of a board with an STM32F405/407 and a crystal of 8 MHz, on embassy-stm32; line on PA9
+//! (out) and PA10 (in).
 //!
 //! Compiled with every change, not tried on a board.
 #![no_std]
@@ -120,7 +121,8 @@ fn main() -> ! {
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     cortex_m::interrupt::disable();
-    // On a machine: by the registers of the output, whose driver is in the hands of the task that panicked.
+    // On a machine: by the registers of the output, whose driver is in the hands of the task that
+    // panicked.
     let _ = SimulatedValve.safe();
     loop {
         cortex_m::asm::nop();

@@ -6,9 +6,9 @@ use std::sync::Mutex;
 use super::*;
 use crate::source::rtt::tests::{RAM, Ram};
 
-/// A stub over `ram`, for one caller, as QEMU's: it stops the target when somebody calls and says so, a byte while the target runs
-/// stops it and is heard as that only, and an answer that nobody has acknowledged is said by a question only. Gives how
-/// often it was stopped.
+/// A stub over `ram`, for one caller, as QEMU's: it stops the target when somebody calls and says
+/// so, a byte while the target runs stops it and is heard as that only, and an answer that nobody
+/// has acknowledged is said by a question only. Gives how often it was stopped.
 pub(in crate::source) fn serve(listener: &TcpListener, ram: &Mutex<Ram>) -> usize {
     let (mut stream, _) = listener.accept().unwrap();
     let (mut runs, mut stops, mut unheard) = (false, 1, true);

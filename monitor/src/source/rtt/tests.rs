@@ -5,7 +5,8 @@ use super::*;
 /// Begin of the memory of the tests.
 pub(in crate::source) const RAM: u32 = 0x2000_0000;
 
-/// Memory with a control block at `RAM + 0x3F8`, over the edge of two chunks: log and telemetry up, telemetry down.
+/// Memory with a control block at `RAM + 0x3F8`, over the edge of two chunks: log and telemetry up,
+/// telemetry down.
 #[derive(Clone)]
 pub(in crate::source) struct Ram(pub(in crate::source) Vec<u8>);
 

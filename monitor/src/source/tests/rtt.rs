@@ -46,8 +46,9 @@ fn requests_and_answers_go_through_memory_and_a_lost_reader_blocks_nothing() {
     assert!(complete(&host, 0));
     assert_eq!(host.health.unwrap().dropped, 0);
 
-    // Nobody says anything, so that the watchdog of the line, of 5000 samples, stops the axis; and nobody takes what the source
-    // says, which looks no more when its queue is full. The slots in the image go on.
+    // Nobody says anything, so that the watchdog of the line, of 5000 samples, stops the axis; and
+    // nobody takes what the source says, which looks no more when its queue is full. The slots in
+    // the image go on.
     let before = host.samples.len();
     let begin = Instant::now();
     while host.source.said.len() < host.source.said.max_capacity() {

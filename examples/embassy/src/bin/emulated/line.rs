@@ -1,4 +1,5 @@
-//! USART1 of the emulated chip behind the traits of the real one: bytes come by interrupt, and go when there is room.
+//! USART1 of the emulated chip behind the traits of the real one: bytes come by interrupt, and go
+//! when there is room.
 
 use core::convert::Infallible;
 

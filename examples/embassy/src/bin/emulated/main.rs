@@ -1,8 +1,10 @@
-//! The image of the emulator: a clock by SysTick, where embassy-stm32 waits for a clock control that QEMU does not have.
+//! The image of the emulator: a clock by SysTick, where embassy-stm32 waits for a clock control
+//! that QEMU does not have.
 //!
-//! Both executors run in interrupts and the rest sleeps: the executor of the thread waits by an instruction that QEMU does not count as
-//! sleep. The samples begin when all requests for those that are compared were heard, since the line is not bound to the clock of the
-//! emulator; the last line of these samples ends it.
+//! Both executors run in interrupts and the rest sleeps: the executor of the thread waits by an
+//! instruction that QEMU does not count as sleep. The samples begin when all requests for those
+//! that are compared were heard, since the line is not bound to the clock of the emulator; the last
+//! line of these samples ends it.
 #![no_std]
 #![no_main]
 
