@@ -150,7 +150,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     ) {
         self.signals.rest(plan, y);
         witness.begin();
-        let others = self.signals.again(plan, others);
+        let others = self.signals.again(plan, others.acting);
         witness.inputs(&others.inputs);
     }
 

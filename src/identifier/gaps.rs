@@ -59,7 +59,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             self.restart_signals(plan, plan.warm_up);
             return;
         }
-        let others = self.signals.other_trends(plan, u);
+        let others = self.signals.other_trends_of_a_gap(plan, u);
         witness.inputs(&others.inputs);
         let before = self.signals.output.clone();
         self.signals.gate.replaced = None;

@@ -10,7 +10,7 @@ pub(crate) struct Others<const M: usize, const I: usize> {
     pub(crate) inputs: [[f32; M]; I],
     pub(crate) extra: [f32; 2],
     /// The inputs as they act: behind their delays.
-    acting: [f32; I],
+    pub(super) acting: [f32; I],
 }
 
 /// Memory of the signals; begins anew after a gap in the samples.
@@ -131,24 +131,41 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         plan: &Plan<T, M, N, I>,
         u: [f32; I],
     ) -> Others<M, I> {
+        let acting = self.acting(plan, u);
+        self.trends_under(plan, acting)
+    }
+
+    /// The same where code counts for more than time.
+    #[inline(never)]
+    pub(crate) fn other_trends_of_a_gap<const N: usize>(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        u: [f32; I],
+    ) -> Others<M, I> {
+        let acting = self.acting(plan, u);
+        self.again(plan, acting)
+    }
+
+    /// The trends under inputs that are in their delay lines, behind trends that begin again.
+    #[inline(never)]
+    pub(crate) fn again<const N: usize>(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        acting: [f32; I],
+    ) -> Others<M, I> {
+        self.trends_under(plan, acting)
+    }
+
+    /// Takes inputs; gives those that act.
+    #[inline(always)]
+    fn acting<const N: usize>(&mut self, plan: &Plan<T, M, N, I>, u: [f32; I]) -> [f32; I] {
         self.last_inputs = u;
         let acting = self.delayed(plan, u);
         // Only beside an input of friction.
         if I > 1 {
             self.acting = acting;
         }
-        self.trends_under(plan, acting)
-    }
-
-    /// The same once more in a sample whose inputs are in their delay lines, behind trends that
-    /// begin again.
-    #[inline(never)]
-    pub(crate) fn again<const N: usize>(
-        &mut self,
-        plan: &Plan<T, M, N, I>,
-        others: &Others<M, I>,
-    ) -> Others<M, I> {
-        self.trends_under(plan, others.acting)
+        acting
     }
 
     #[inline(always)]
