@@ -1,7 +1,7 @@
 //! Any sensor, any request, any setting of the position loop.
 //!
 //! The first byte chooses where a run begins: with settings from the bytes, or in one of the
-//! situations of a usual axis that take seconds to come to ([`START`]). Those are simulated once
+//! situations of a usual axis that take seconds to come to (`START`). Those are simulated once
 //! and copied, so that most bytes are spent on what happens there.
 
 use std::sync::LazyLock;
