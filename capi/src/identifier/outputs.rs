@@ -2,6 +2,7 @@
 
 use trendid::Estimate as CoreEstimate;
 use trendid::estimation::Parameter as CoreParameter;
+use trendid::model::Physical;
 
 /// Most parameters of a model.
 pub const PARAMETERS_MAX: usize = 8;
@@ -195,7 +196,7 @@ impl<const M: usize, const N: usize, const I: usize> From<&CoreEstimate<M, N, I>
     #[inline(always)]
     fn from(found: &CoreEstimate<M, N, I>) -> Self {
         let transfer = found.transfer_function();
-        let physical = found.physical();
+        let physical = Physical::of(&transfer, 0);
         let std = found.physical_std();
         let [gain_std, omega0_std, damping_std] = std.unwrap_or([0.0; 3]);
         let mut b = [[0.0; ORDER_MAX]; MODEL_INPUTS_MAX];
