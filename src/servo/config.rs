@@ -123,9 +123,9 @@ pub struct SupervisionSettings {
     /// Least time of excitation before a model is considered, in s; default 0.3.
     #[doc(alias = "excite")]
     pub excite_time: f32,
-    /// Time of free simulation in a validation, in s; default 0.12.
+    /// Time of a window of free simulation, in s; default half a period of the plant.
     #[doc(alias = "window")]
-    pub validation_time: f32,
+    pub validation_time: Option<f32>,
     /// Longest commissioning, in s; default 6.
     pub time_limit: f32,
     /// Velocity below which the axis does not count as moving, units of y per s; default 0.05
@@ -194,7 +194,7 @@ impl Config {
                 replace_ratio: 0.7,
                 min_improvement: 0.1,
                 excite_time: 0.3,
-                validation_time: 0.12,
+                validation_time: None,
                 time_limit: 6.0,
                 min_speed: None,
                 min_travel: None,

@@ -5,7 +5,7 @@ use crate::estimation::terms::Terms;
 use crate::identifier::{Config, Identifier};
 use crate::servo::control::controller::Controller;
 use crate::servo::design::IdentificationDesign;
-use crate::servo::design::constants::FRICTION_SIGMA_SQUARED;
+use crate::servo::design::constants::TIED_STD;
 use crate::servo::error::Error;
 use crate::servo::model::Model;
 use crate::servo::supervision::screening::Candidate;
@@ -78,66 +78,132 @@ pub(crate) fn inputs_of_known(controller: &Controller) -> [f32; 3] {
     [controller.flow_in_force(), 0.0, controller.friction_force()]
 }
 
-/// Identifies on from `model` with `share` of a1, a2 and b0 as standard deviation.
+/// Identifies on from `model` with `share` of a1, a2, b0 and friction as standard deviation.
 ///
-/// Dead zone, offset and friction stay as they are: they enter by the inputs. In closed loop, on
-/// slow motion, six parameters cannot be told apart; three can.
+/// Dead zone and offset stay as they are: they enter by the inputs. In closed loop, on slow motion,
+/// six parameters cannot be told apart.
 pub(crate) fn reopen(identifier: &mut LoopIdentifier, model: &Model, share: f32) {
     let Model { a1, a2, b0, .. } = *model;
     let theta = [a1, a2, b0, 0.0, -1.0, 0.0];
-    let std = [share * a1, share * a2, share * b0, 0.0, 0.0, 0.0];
+    let std = [share * a1, share * a2, share * b0, 0.0, share, 0.0];
     // The model was verified, so every number is finite and this cannot be refused.
     let _ = identifier.warm_start(theta, std);
 }
 
-/// The present estimate with its relative variances, to first order and as the recursion has them.
+/// Places of a1, a2, b0 and friction in theta.
+const PLACES: [usize; 4] = [0, 1, 2, 4];
+
+/// The present estimate with its relative variances, to first order and as the recursion has them;
+/// valve and delay are those of the model in use.
 ///
-/// Without the correction for noise bias of [`Identifier::theta`], which costs more than a sample
-/// has; the validation compares the model with the axis in any case.
+/// ```text
+/// x = a1, a2, b0, friction over those of the model in use,   x2 - x1 ~ N(0, (0.5 x1)^2),   x4 - x1 ~ N(0, (0.35 x1)^2)
+/// ```
 ///
-/// In control the valve is that of `controller`, and so is the deflection `friction / a1` at which
-/// friction holds the axis against its stiffness: with a1 = stiffness/mass and friction =
-/// force/mass the mass cancels. What changes a1 in motion is mostly the mass; a friction that
-/// stayed as an acceleration would be three times too large under three times the mass, and a loop
-/// that stops by friction would hunt. Where the stiffness changes instead, as with the supply,
-/// friction is wrong by as much as the stiffness.
-pub(crate) fn candidate(identifier: &LoopIdentifier, controller: Option<&Controller>) -> Candidate {
+/// What changes a drive in motion is its load, its valve, its supply. A load divides everything by
+/// the mass: damping over stiffness, a2/a1, and the deflection at which friction holds the axis,
+/// friction/a1, stay. That both are known to a part is two more observations of the estimate. A
+/// sine shows two numbers; with them it shows the load and the gain. Where the samples know better
+/// they count for next to nothing. Without the correction for noise bias of [`Identifier::theta`],
+/// which costs more than a sample has; windows of free simulation compare the model with the axis
+/// in any case.
+///
+/// The friction itself follows a1: a friction that stayed as an acceleration would be three times
+/// too large under three times the mass, and a loop that stops by friction would hunt. What the
+/// samples say of it, between two reversals, is too little for that.
+pub(crate) fn candidate(identifier: &LoopIdentifier, used: &Model) -> Candidate {
     let found = identifier.recursion();
-    let mut theta = found.theta();
-    let covariance = found.covariance();
+    let (theta, covariance) = (found.theta(), found.covariance());
     // Nothing is certain before the noise is known.
     let known = match identifier.noise_std() {
         Some(_) => 1.0,
         None => f32::INFINITY,
     };
-    let p = |i: usize, j: usize| known * covariance[i][j];
-    let [a1, a2, b0, _, friction, _] = theta;
-    if friction * friction < FRICTION_SIGMA_SQUARED * p(4, 4) {
-        // A wrong friction would make the observer stick without cause.
-        theta[4] = 0.0;
+    // The model in use was verified: its numbers are above 0.
+    let scales = [used.a1, used.a2, used.b0, -1.0];
+    let mut x: [f32; 4] = core::array::from_fn(|i| theta[PLACES[i]] / scales[i]);
+    let mut p: [[f32; 4]; 4] = core::array::from_fn(|i| {
+        core::array::from_fn(|j| known * covariance[PLACES[i]][PLACES[j]] / (scales[i] * scales[j]))
+    });
+    for (k, std) in [1, 3].into_iter().zip(TIED_STD) {
+        let std = std * x[0];
+        tie(&mut x, &mut p, k, std);
     }
-    let mut model = Model::from_parameters(&theta);
-    if let Some(controller) = controller {
-        let used = controller.model();
-        model = Model {
-            dead_zone: used.dead_zone,
-            offset: used.offset,
-            // The model in use was verified: its a1 is above 0.
-            friction: used.friction * model.a1 / used.a1,
-            ..model
-        };
-    }
-    let variances = [p(0, 0), p(1, 1), p(2, 2)];
-    let r11 = variances[0] / (a1 * a1);
-    let r22 = variances[1] / (a2 * a2);
-    let r12 = p(0, 1) / (a1 * a2);
-    let rbb = variances[2] / (b0 * b0);
-    let rb1 = p(0, 2) / (a1 * b0);
+    let [a1, a2, b0, _] = x;
+    let model = Model {
+        a1: a1 * used.a1,
+        a2: a2 * used.a2,
+        b0: b0 * used.b0,
+        friction: a1 * used.friction,
+        ..*used
+    };
+    let r11 = p[0][0] / (a1 * a1);
+    let r22 = p[1][1] / (a2 * a2);
+    let r12 = p[0][1] / (a1 * a2);
+    let rbb = p[2][2] / (b0 * b0);
+    let rb1 = p[0][2] / (a1 * b0);
+    let squares = [used.a1 * used.a1, used.a2 * used.a2, used.b0 * used.b0];
     Candidate {
         model,
         gain_variance: rbb + r11 - 2.0 * rb1,
         frequency_variance: 0.25 * r11,
         damping_variance: r22 + 0.25 * r11 - r12,
-        variances,
+        variances: core::array::from_fn(|i| p[i][i] * squares[i]),
+    }
+}
+
+/// The observation x_k = x_0 with a standard deviation.
+fn tie(x: &mut [f32; 4], p: &mut [[f32; 4]; 4], k: usize, std: f32) {
+    let gain: [f32; 4] = core::array::from_fn(|i| p[i][k] - p[i][0]);
+    let variance = gain[k] - gain[0] + std * std;
+    if !(variance > 0.0 && variance < f32::INFINITY) {
+        return;
+    }
+    let error = (x[0] - x[k]) / variance;
+    for (i, row) in p.iter_mut().enumerate() {
+        x[i] += gain[i] * error;
+        for (j, value) in row.iter_mut().enumerate() {
+            *value -= gain[i] * gain[j] / variance;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tie_is_an_observation_of_a_difference() {
+        // By hand: variances 4 and 1, difference 3 observed as 0 with 2: gain (-4, 0.. 1) / 9.
+        let (mut x, mut p) = ([2.0, 5.0, 1.0, 7.0], [[0.0; 4]; 4]);
+        (p[0][0], p[1][1], p[2][2]) = (4.0, 1.0, 9.0);
+        tie(&mut x, &mut p, 1, 2.0);
+        let off = |is: f32, should: f32| (is - should).abs() < 1e-6;
+        assert!(
+            off(x[0], 2.0 + 4.0 / 3.0) && off(x[1], 5.0 - 1.0 / 3.0),
+            "{x:?}"
+        );
+        assert_eq!((x[2], x[3]), (1.0, 7.0));
+        assert!(off(p[0][0], 4.0 - 16.0 / 9.0) && off(p[1][1], 1.0 - 1.0 / 9.0));
+        assert!(off(p[0][1], 4.0 / 9.0) && off(p[1][0], 4.0 / 9.0));
+        assert_eq!((p[2][2], p[2][0]), (9.0, 0.0));
+    }
+
+    #[test]
+    fn what_is_certain_or_not_known_at_all_is_not_changed_by_a_tie() {
+        let certain = [2.0, 5.0, 1.0, 7.0];
+        for (variance, std) in [
+            (0.0, 1.0),
+            (0.0, 0.0),
+            (f32::INFINITY, 1.0),
+            (1.0, f32::NAN),
+        ] {
+            let mut p = [[0.0; 4]; 4];
+            (p[0][0], p[1][1]) = (variance, variance);
+            let mut x = certain;
+            let before = p;
+            tie(&mut x, &mut p, 1, std);
+            assert_eq!((x, p), (certain, before), "{variance} {std}");
+        }
     }
 }

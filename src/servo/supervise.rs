@@ -12,7 +12,6 @@ use crate::servo::motion::{Motion, Setpoint};
 use crate::servo::servo_loop::ServoLoop;
 use crate::servo::servo_loop::takeover::Fallback;
 use crate::servo::supervision::event::{Event, Observation};
-use crate::servo::supervision::screening::Candidate;
 use crate::servo::supervision::state::{Reason, State};
 use crate::servo::supervision::supervisor::Supervisor;
 use crate::servo::tune::PIECES_PER_SAMPLE;
@@ -40,7 +39,12 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         };
         let mut event = self.supervisor.update(&seen);
         if self.config.adaptive && event == Event::None && self.supervisor.wants_candidate() {
-            let candidate = self.reconsidered().unwrap_or_else(|| self.candidate());
+            if core::mem::take(&mut self.fallback.reconsiders)
+                && let Some(model) = self.fallback.known_good
+            {
+                self.supervisor.evidence.reconsider(model);
+            }
+            let candidate = candidate(&self.identifier, self.controller.model());
             event = self.supervisor.submit(&candidate, &seen);
         }
         self.identifier.adapt(self.learns());
@@ -172,18 +176,6 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             self.takeover.watching = self.controller.settling();
         }
         Ok(())
-    }
-
-    /// The present estimate; in control with the valve and the friction of the controller.
-    fn candidate(&self) -> Candidate {
-        let controlling = self.supervisor.state().is_controlling();
-        candidate(&self.identifier, controlling.then_some(&self.controller))
-    }
-
-    /// The model of the commissioning, once after an oscillation on another one; it was verified.
-    fn reconsidered(&mut self) -> Option<Candidate> {
-        let model = self.fallback.known_good?;
-        core::mem::take(&mut self.fallback.reconsiders).then(|| Candidate::known(model))
     }
 
     /// The supervisor, for its state, its reasons and the fit of models.

@@ -5,11 +5,13 @@ use trendid_host_tests::servo::population::changed::{Changed, mass};
 use trendid_host_tests::servo::population::draw::AxisDraw;
 use trendid_host_tests::servo::population::family::Family;
 
-/// Seeds of usual axes: none was used to tune anything.
-const SEEDS: std::ops::RangeInclusive<u64> = 200_001..=200_040;
+/// The first seed of the usual axes: none was used to tune anything.
+const FIRST: u64 = 200_001;
 
 fn changed(family: Family, factor: f64, adaptive: bool) -> Vec<Changed> {
-    SEEDS
+    // Friction spreads the figures: medians of 40 axes that it holds differ by a fifth from set to set.
+    let axes = if family == Family::Pneumatic { 120 } else { 40 };
+    (FIRST..FIRST + axes)
         .filter_map(|seed| mass(&AxisDraw::new(family, true, seed), factor, adaptive))
         .collect()
 }
@@ -55,7 +57,7 @@ fn a_loop_that_adapts_is_no_worse_than_one_that_does_not() {
              stopped {stopped:?}, oscillating {calmed:?}",
             adapts.len()
         );
-        assert!(adapts.len() >= 36, "accepted: {}", adapts.len());
+        assert!(adapts.len() >= 108, "accepted: {}", adapts.len());
         assert!(adapts.iter().all(|run| run.blow_mm_s < 50.0), "an end stop");
         assert!(stopped[0] <= stopped_max, "{stopped:?}");
         assert!(

@@ -116,7 +116,7 @@ const CHANGES: &[(&str, Change)] = &[
         c.supervision.excite_time = 0.4
     }),
     ("supervision.validation_time", |c| {
-        c.supervision.validation_time = 0.2;
+        c.supervision.validation_time = Some(0.2);
     }),
     ("supervision.time_limit", |c| c.supervision.time_limit = 0.3),
     ("supervision.min_speed", |c| {

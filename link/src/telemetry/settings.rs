@@ -113,7 +113,7 @@ pub static SETTINGS: [Setting; 18] = [
         60.0,
         supervision.excite_time
     ),
-    always!(
+    follows!(
         "supervision.validation_time",
         "s",
         0.01,

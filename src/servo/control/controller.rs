@@ -228,6 +228,7 @@ impl Controller {
         if arriving.model.is_some() {
             // What the model before could not explain.
             self.estimator.forget_disturbance();
+            self.rest.forget();
         }
         let changed = self.law(&r, rests, changes);
         self.transfer.keep(command, changed)

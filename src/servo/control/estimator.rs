@@ -38,7 +38,7 @@ pub(crate) struct Estimator {
 
 /// Largest drive at rest over the friction: the largest breakaway, and a dead zone that is not
 /// known so well.
-const DRIVE_MAX_RATIO: f32 = 4.0;
+pub(super) const DRIVE_MAX_RATIO: f32 = 4.0;
 
 impl Estimator {
     pub(crate) fn new(design: &EstimatorDesign, model: Model, poles: Poles) -> Self {

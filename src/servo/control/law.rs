@@ -4,6 +4,7 @@
 use crate::math::{sign, within};
 use crate::servo::control::axis_state::State;
 use crate::servo::control::controller::Controller;
+use crate::servo::control::estimator::DRIVE_MAX_RATIO;
 use crate::servo::control::poles::Feedback;
 use crate::servo::motion::Setpoint;
 
@@ -21,10 +22,15 @@ const PUSH_GROWTH: [f32; 2] = [0.6, 0.3];
 /// Drive over friction that waits for a reference which comes to the axis: it holds, and little is
 /// missing.
 const READY: f32 = 0.8;
-/// Time over 1/wc in which a push moves the axis.
+/// Time over 1/wc in which a push moves the axis, and the part of it by which it may be sooner or
+/// later.
 const LATER: f32 = 1.5;
+const LATER_ERROR: f32 = 0.25;
+/// Largest drive over friction with which an axis that sticks can still be one that its friction
+/// holds.
+const HELD_MOST: f32 = 0.99 * DRIVE_MAX_RATIO;
 /// Drive over friction that counts as the middle of what friction holds.
-const CENTRED: f32 = 0.7;
+const CENTRED: f32 = 0.6;
 /// Distance over friction deflection within which a slow axis stops by its friction.
 const NEAR: f32 = 3.0;
 
@@ -35,7 +41,7 @@ impl Controller {
         self.observe(y, y, true);
         let model = self.estimator.model();
         if self.sticks() {
-            return -model.offset - self.null.value();
+            return self.middle();
         }
         let feedback = self.feedback();
         let [_, k1, k2] = feedback.k;
@@ -93,14 +99,12 @@ impl Controller {
     pub(super) fn law(&self, r: &Setpoint, at_rest: bool, heading_rate: f32) -> f32 {
         let model = self.estimator.model();
         if self.rest.rests() && !self.centres() {
-            // About the middle of the dead zone.
-            let flow = self.holding.flow();
-            return model.valve_command(flow, self.design.blend) - self.null.value();
+            return self.holding.command().unwrap_or(self.middle());
         }
         let rate = if self.rest.rests() {
             -self.quick() * self.estimator.ahead().drive
         } else if self.sticks() {
-            self.break_away(r, at_rest)
+            self.break_away(r, at_rest, heading_rate)
         } else {
             self.slide(r, at_rest, heading_rate)
         };
@@ -129,8 +133,16 @@ impl Controller {
     }
 
     /// Rate of the drive that moves a sticking axis.
+    ///
+    /// It is pushed to where the reference will be when the push has moved it, and that time is
+    /// known to a quarter: what is missing then has a sign only beyond a quarter of the way that
+    /// the reference goes meanwhile. A push the wrong way would cost the whole hop.
+    ///
+    /// The drive of an axis that sticks is only integrated, up to a limit. Beyond it, a load is in
+    /// the way or the drive is less than it seems: then the error counts, as for an axis that
+    /// slides.
     #[inline]
-    fn break_away(&self, r: &Setpoint, at_rest: bool) -> f32 {
+    fn break_away(&self, r: &Setpoint, at_rest: bool, heading_rate: f32) -> f32 {
         let model = self.estimator.model();
         let state = self.estimator.ahead();
         let error = r.position - state.position;
@@ -139,10 +151,13 @@ impl Controller {
         let later = LATER / self.estimator.poles().bandwidth;
         let coming = error + later * (r.velocity + 0.5 * later * r.acceleration);
         let direction = sign(coming);
-        if within(coming, self.rest.window()) == coming {
+        let goes = later * (r.velocity.abs() + 0.5 * later * r.acceleration.abs());
+        let (unknown, window) = (LATER_ERROR * goes, self.rest.window());
+        let band = if unknown > window { unknown } else { window };
+        if within(coming, band) == coming {
             return 0.0;
         }
-        if direction * error < -self.rest.window() {
+        if direction * error < -band {
             // The reference comes to the axis, which is held until then.
             let missing = READY * model.friction - direction * state.drive;
             let rate = self.quick() * missing;
@@ -156,7 +171,12 @@ impl Controller {
         );
         let least = share * model.friction * wc * (1.0 + growth * wc * stuck);
         let quick = self.quick() * (model.friction - direction * state.drive);
-        direction * if quick > least { quick } else { least }
+        let push = if quick > least { quick } else { least };
+        if direction * self.estimator.now().drive < HELD_MOST * model.friction {
+            return direction * push;
+        }
+        let slide = direction * self.slide(r, at_rest, heading_rate);
+        direction * if slide > push { slide } else { push }
     }
 
     /// Rate of the drive while the axis slides.

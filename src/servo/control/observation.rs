@@ -3,7 +3,7 @@
 use crate::math::{sign, within};
 use crate::servo::control::anchor::Hold;
 use crate::servo::control::controller::Controller;
-use crate::servo::control::holding::Holding;
+use crate::servo::control::holding::{Holding, Slip};
 use crate::servo::control::null::NullOffset;
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
@@ -13,6 +13,9 @@ const SETTLING: f32 = 6.0;
 /// Time over that of the observer after a breakaway in which the disturbance stays behind a moving
 /// reference: three poles at the observer's rate are within a quarter of their way by then.
 const STARTING: f32 = 4.0;
+/// The same behind a stop in which what came before acts on the drive: errors of the observer are
+/// within e^-30 of nothing, and a model that is wrong by half leaves e^-15.
+const SETTLED: f32 = 30.0;
 
 impl Controller {
     /// Begins at a motion, without an offset of earlier gains.
@@ -92,8 +95,8 @@ impl Controller {
         };
         if let Hold::Left(direction) = hold {
             let friction = self.estimator.model().friction;
-            self.holding
-                .slip(direction, friction / self.estimator.step().b0);
+            let slip = self.slip(direction);
+            self.holding.slip(&slip);
             self.estimator.release(direction, y, friction);
             self.left = [reference - y, reference];
         }
@@ -113,6 +116,24 @@ impl Controller {
         if held.is_none() && !frozen {
             self.learn_null();
         }
+    }
+
+    /// A slip in a direction, as the model sees it.
+    fn slip(&self, direction: f32) -> Slip {
+        let (model, b0) = (self.estimator.model(), self.estimator.step().b0);
+        Slip {
+            direction,
+            friction: model.friction / b0,
+            drive: self.estimator.now().drive / b0,
+            settled: self.design.delay + SETTLED / self.estimator.poles().observer,
+            middle: self.middle(),
+            dead_zone: model.dead_zone,
+        }
+    }
+
+    /// The command in the middle of the dead zone.
+    pub(super) fn middle(&self) -> f32 {
+        -self.estimator.model().offset - self.null.value()
     }
 
     /// Whether the axis has just broken away.

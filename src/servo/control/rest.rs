@@ -32,6 +32,8 @@ pub(crate) struct RestWindow {
 
 const WIDER: f32 = 1.25;
 const NARROWER: f32 = 0.8;
+/// Part of the window that stays with another model.
+const KEPT: f32 = 0.5;
 /// Window that wakes the valve over the one at which it rests: noise does not wake it.
 const WAKE: f32 = 1.3;
 
@@ -50,6 +52,13 @@ impl RestWindow {
     /// Goes on with other limits.
     pub(crate) fn redesign(&mut self, design: &RestDesign) {
         self.design = *design;
+        self.bound();
+    }
+
+    /// The loop is another one: half of what hunting has widened is forgotten. All of it would have
+    /// to be learnt again, by hunting; none of it would keep what a wrong model made.
+    pub(crate) fn forget(&mut self) {
+        self.window *= KEPT;
         self.bound();
     }
 

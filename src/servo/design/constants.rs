@@ -46,12 +46,17 @@ pub(crate) const OUTPUT_RANGE_RATIO: f32 = 0.1;
 pub(crate) const TRACKING_RATIO: f32 = 12.0;
 /// Rate of the observers of a validation over w: they settle before the free simulation begins.
 pub(crate) const VALIDATION_OBSERVER_RATIO: f32 = 6.0;
-/// Time over 1/w for which these observe.
-pub(crate) const VALIDATION_OBSERVE_RATIO: f32 = 1.4;
+/// Largest rate of these per sample: an explicit correction is unstable from a half on.
+pub(crate) const VALIDATION_STEP_MAX: f32 = 0.3;
+/// Time over that of these observers for which they observe.
+pub(crate) const VALIDATION_OBSERVE_RATIO: f32 = 8.4;
+/// Time over 1/w of a window of free simulation: half a period.
+pub(crate) const VALIDATION_TIME_RATIO: f32 = 3.1;
 /// Pole over w of a motion that is taken over and runs out.
 pub(crate) const RUN_OUT_RATIO: f32 = 1.0;
-/// Time over 1/w after a breakaway in which the filtered signals still contain friction.
-pub(crate) const SETTLED_RATIO: f32 = 0.75;
+/// Time over that of the filter of the trends after a breakaway in which the filtered signals still
+/// contain friction: of what three poles held, a tenth is left then.
+pub(crate) const SETTLED_RATIO: f32 = 5.3;
 /// Time constant in s of the excitation monitor: shorter than a move, longer than a level.
 pub(crate) const MONITOR_TIME: f32 = 0.05;
 /// Largest w^2 L: friction, as an acceleration, is an input of the identifier and must stay within
@@ -99,9 +104,6 @@ pub(crate) const REJECTION_TIME: f32 = 0.064;
 pub(crate) const STILL_TIME: f32 = 0.2;
 /// Standard deviations, squared, at which the sign of b0 counts as known.
 pub(crate) const SIGN_SIGMA_SQUARED: f32 = 9.0;
-/// Standard deviations, squared, below which a friction counts as none: it would let the observer
-/// stick without cause.
-pub(crate) const FRICTION_SIGMA_SQUARED: f32 = 4.0;
 /// Variance of the damping over that of gain and frequency, at most: four times the standard
 /// deviation.
 pub(crate) const DAMPING_VARIANCE_RATIO: f32 = 16.0;
@@ -116,10 +118,13 @@ pub(crate) const INNOVATION_FAST_TIME: f32 = 0.03;
 pub(crate) const INNOVATION_SLOW_TIME: f32 = 2.0;
 /// Time constant in s in which the largest tracking error is forgotten.
 pub(crate) const PEAK_ERROR_TIME: f32 = 1.0;
-/// Relative standard deviation of a1, a2 and b0 after a verified model, and after a change of the
-/// drive.
+/// Relative standard deviation of a1, a2, b0 and friction after a verified model, and after a change
+/// of the drive.
 pub(crate) const REOPENED_STD: f32 = 0.1;
 pub(crate) const CHANGED_STD: f32 = 0.5;
+/// Relative standard deviation of a change of a2/a1 and of friction/a1: of damping and friction over
+/// stiffness, in which the mass cancels.
+pub(crate) const TIED_STD: [f32; 2] = [0.5, 0.35];
 
 // Monitoring: times over 1/w, with w and the velocity gain C of the model in force.
 // Held by: every_fault_is_noticed_for_its_reason, normal_work_raises_no_alarm.

@@ -38,7 +38,7 @@ impl Config {
                 output_range: c::OUTPUT_RANGE_RATIO * length,
                 output_noise: self.noise.unwrap_or(c::NOISE_RATIO * length),
                 memory: self.memory,
-                settled: (c::SETTLED_RATIO / (self.rough_bandwidth() * self.sample_time)) as u32,
+                settled: (c::SETTLED_RATIO / (c::TRENDS_RATIO * w * self.sample_time)) as u32,
             },
             limiter: LimiterDesign {
                 range: self.range,

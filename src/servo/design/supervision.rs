@@ -15,6 +15,9 @@ impl Config {
         let deadband = settings
             .error_deadband
             .unwrap_or(c::ERROR_DEADBAND_RATIO * length);
+        let window = settings
+            .validation_time
+            .unwrap_or(c::VALIDATION_TIME_RATIO / self.rough_bandwidth());
         for (name, value) in [
             (
                 "supervision.min_r_squared_adapting",
@@ -40,8 +43,8 @@ impl Config {
             screening: self.screening()?,
             validation: ValidationDesign {
                 observer: self.validation_observer(),
-                observe: clock.whole(c::VALIDATION_OBSERVE_RATIO / self.rough_bandwidth()),
-                window: count("supervision.validation_time", settings.validation_time)?,
+                observe: clock.whole(c::VALIDATION_OBSERVE_RATIO / self.validation_observer().rate),
+                window: count("supervision.validation_time", window)?,
             },
             change: ChangeDesign {
                 fast_share: self.sample_time / c::INNOVATION_FAST_TIME,
@@ -84,6 +87,7 @@ impl Config {
     /// An observer of the motion alone: what remains is the error of the model.
     fn validation_observer(&self) -> ObserverDesign {
         let rate = c::VALIDATION_OBSERVER_RATIO * self.rough_bandwidth();
+        let rate = rate.min(c::VALIDATION_STEP_MAX / self.sample_time);
         ObserverDesign {
             rate,
             sample_time: self.sample_time,

@@ -1,6 +1,7 @@
 //! The state `Adapting`: changes of the drive are found, and better models replace the one in use.
 
 use crate::servo::supervision::event::{Event, Observation};
+use crate::servo::supervision::evidence::Evidence;
 use crate::servo::supervision::state::State;
 use crate::servo::supervision::supervisor::Supervisor;
 
@@ -20,27 +21,16 @@ impl Supervisor {
         if let Some(innovation) = seen.innovation
             && self.change.update(innovation, settled)
         {
-            self.validation = None;
+            self.window = None;
+            self.evidence = Evidence::NONE;
             return Event::Changed;
         }
         if seen.sticks {
-            self.validation = None;
+            // What was learnt before stays.
+            self.window = None;
             return Event::None;
         }
-        let Some(report) = self.validate(seen) else {
-            return Event::None;
-        };
-        match self.design.compare(&report) {
-            Ok(true) => self.accept(),
-            Ok(false) => {
-                self.validation = None;
-                Event::None
-            }
-            Err(reason) => {
-                self.validation = None;
-                self.refuse(reason)
-            }
-        }
+        self.compare(seen)
     }
 }
 

@@ -1,13 +1,11 @@
-//! The tests of a candidate: those that need no samples, and the comparison with the model in use.
+//! The tests of a candidate that need no samples, and what is better.
 
 use crate::servo::design::constants::{
-    ACCELERATION_MAX, DAMPING_MAX, DAMPING_VARIANCE_RATIO, SIGN_SIGMA_SQUARED,
-    VALIDATION_TRAVEL_RATIO, VALVE_MAX,
+    ACCELERATION_MAX, DAMPING_MAX, DAMPING_VARIANCE_RATIO, SIGN_SIGMA_SQUARED, VALVE_MAX,
 };
 use crate::servo::design::{ScreeningDesign, SupervisionDesign};
 use crate::servo::model::Model;
 use crate::servo::supervision::state::Reason;
-use crate::servo::supervision::validation::FitReport;
 
 /// No variance is known.
 pub(crate) const UNKNOWN: [f32; 3] = [f32::INFINITY; 3];
@@ -89,28 +87,10 @@ impl ScreeningDesign {
 }
 
 impl SupervisionDesign {
-    /// Whether the candidate is clearly better than a model with this sum of squared errors.
-    pub(crate) fn is_better(&self, report: &FitReport, other: f32) -> bool {
-        report.sse < self.replace_ratio * other
-            && other - report.sse > self.min_improvement * report.sst
-    }
-
-    /// Whether the candidate replaces the model in use; `false` when the axis moved too little to
-    /// compare them.
-    pub(crate) fn compare(&self, report: &FitReport) -> Result<bool, Reason> {
-        let enough = VALIDATION_TRAVEL_RATIO * self.min_travel;
-        if !(report.sst > enough * enough * report.samples as f32) {
-            return Ok(false);
-        }
-        if report.r_squared() < self.min_r_squared_adapting {
-            return Err(Reason::PoorFit);
-        }
-        let used = report.incumbent_sse;
-        if used.is_none_or(|other| self.is_better(report, other)) {
-            Ok(true)
-        } else {
-            Err(Reason::NotBetter)
-        }
+    /// Whether a sum of squared errors is clearly smaller than another one, of a motion with this
+    /// sum of squares.
+    pub(crate) fn is_better(&self, sse: f32, other: f32, moved: f32) -> bool {
+        sse < self.replace_ratio * other && other - sse > self.min_improvement * moved
     }
 }
 

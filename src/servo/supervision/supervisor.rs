@@ -1,33 +1,36 @@
 //! The supervisor: which model may reach the controller, and when.
 
 use crate::servo::design::SupervisionDesign;
+use crate::servo::design::constants::VALIDATION_TRAVEL_RATIO;
 use crate::servo::model::Model;
 use crate::servo::supervision::change::ChangeDetector;
 use crate::servo::supervision::event::{Event, Observation};
+use crate::servo::supervision::evidence::{Challenger, Evidence};
 use crate::servo::supervision::screening::{Candidate, UNKNOWN};
 use crate::servo::supervision::state::{Reason, State};
-use crate::servo::supervision::validation::{FitReport, Validation};
+use crate::servo::supervision::validation::{FitReport, Window};
 
 /// Decides from samples and candidates of the identifier which model the controller may use.
 ///
-/// A candidate must be finite, of the right sign, in range, stable, certain, and must explain a
-/// window of later samples in free simulation, better than the model in use and its simpler
-/// changes. The last verified model is kept bit for bit until another one replaces it.
+/// An estimate must be finite, of the right sign, in range, stable and certain. It, and changes of
+/// one number of the model in use, must explain windows of later samples in free simulation, clearly
+/// better than that model. The last verified model is kept bit for bit until another one replaces
+/// it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Supervisor {
     pub(crate) design: SupervisionDesign,
     state: State,
     verified_model: Option<Model>,
-    /// Variances of a1, a2 and b0: of the verified model, and of the candidate that is validated.
+    /// Variances of its a1, a2 and b0.
     pub(crate) variances: [f32; 3],
-    submitted: [f32; 3],
     /// Samples in the present state.
     pub(crate) ticks: u32,
     /// Samples since the last look at the estimate.
     since_look: u32,
     pub(crate) change: ChangeDetector,
-    pub(crate) validation: Option<Validation>,
-    report: FitReport,
+    pub(crate) window: Option<Window>,
+    pub(crate) evidence: Evidence,
+    pub(crate) report: FitReport,
     refusal: Option<Reason>,
     accepted: u32,
     refused: u32,
@@ -45,11 +48,11 @@ impl Supervisor {
             state: State::Idle,
             verified_model: None,
             variances: UNKNOWN,
-            submitted: UNKNOWN,
             ticks: 0,
             since_look: 0,
             change: ChangeDetector::new(&design.change),
-            validation: None,
+            window: None,
+            evidence: Evidence::NONE,
             report: FitReport::default(),
             refusal: None,
             accepted: 0,
@@ -91,6 +94,7 @@ impl Supervisor {
         self.design.screening.admits(&model)?;
         self.verified_model = Some(model);
         self.variances = UNKNOWN;
+        self.evidence = Evidence::NONE;
         self.enter(State::Frozen);
         Ok(())
     }
@@ -117,41 +121,37 @@ impl Supervisor {
         self.state = state;
         self.ticks = 0;
         self.since_look = 0;
-        self.validation = None;
+        self.window = None;
         self.still_for = 0;
     }
 
-    /// Whether the supervisor looks at the estimate in this sample.
+    /// Whether the supervisor looks at the estimate in this sample, and a window begins.
     #[inline]
     pub(crate) fn wants_candidate(&self) -> bool {
-        self.validation.is_none()
+        self.window.is_none()
             && self.since_look + 1 == self.design.look
-            && match self.state {
-                State::Identifying => true,
-                State::Adapting => {
-                    self.still_for == 0
-                        && self.ticks > self.design.rejection
-                        && self.peak_error > self.design.error_deadband
-                }
-                _ => false,
-            }
+            && self.state == State::Adapting
+            && self.still_for == 0
+            && self.ticks > self.design.rejection
+            && self.peak_error > self.design.error_deadband
     }
 
-    /// Takes a candidate: refuses it, or validates it from this sample on.
+    /// Takes an estimate, refuses it or not, and begins a window with this sample.
     pub(crate) fn submit(&mut self, candidate: &Candidate, seen: &Observation) -> Event {
-        if let Err(reason) = self.screen(candidate) {
-            return self.refuse(reason);
-        }
-        let incumbent = if self.state.is_commissioning() {
-            None
-        } else {
-            self.verified_model
+        let Some(used) = self.verified_model else {
+            return Event::None;
         };
-        self.submitted = candidate.variances;
-        self.validation = Some(Validation::new(
+        match self.screen(candidate) {
+            Ok(()) => self.evidence.propose(candidate),
+            Err(reason) if reason.rejects_estimate() => return self.refuse(reason),
+            Err(reason) => {
+                let _ = self.refuse(reason);
+            }
+        }
+        self.window = Some(Window::new(
             &self.design.validation,
-            candidate.model,
-            incumbent,
+            &used,
+            self.evidence.challenger(),
             seen.motion,
             seen.flow,
         ));
@@ -230,6 +230,7 @@ impl Supervisor {
         self.accepted = self.accepted.saturating_add(1);
         self.verified_model = Some(model);
         self.variances = UNKNOWN;
+        self.evidence = Evidence::NONE;
         self.refusal = None;
         self.enter(State::Verified);
         self.change.restart();
@@ -257,33 +258,40 @@ impl Supervisor {
         }
     }
 
-    pub(crate) fn validate(&mut self, seen: &Observation) -> Option<FitReport> {
-        let validation = self.validation.as_mut()?;
-        if !validation.update(seen.flow, seen.y) {
-            return None;
-        }
-        self.report = validation.simplify(|report, other| self.design.is_better(report, other));
-        Some(self.report)
-    }
-
-    pub(crate) fn accept(&mut self) -> Event {
-        let Some(validation) = self.validation.take() else {
+    /// Takes the sample of a window; at its end, what came of it.
+    pub(crate) fn compare(&mut self, seen: &Observation) -> Event {
+        let (Some(window), Some(used)) = (&mut self.window, self.verified_model) else {
             return Event::None;
         };
-        let model = *validation.candidate();
-        // A simpler change of what was screened was not.
-        if let Err(reason) = self.design.screening.admits(&model) {
+        if !window.update(seen.flow, seen.y) {
+            return Event::None;
+        }
+        let least = VALIDATION_TRAVEL_RATIO * self.design.min_travel;
+        let sums = window.sums(least);
+        if let Some(sums) = &sums {
+            self.report = window.report(sums);
+            self.evidence.add(sums);
+        }
+        self.window = None;
+        match sums.map(|_| self.evidence.verdict(&self.design, &used)) {
+            None | Some(Ok(None)) => Event::None,
+            Some(Ok(Some(winner))) => self.replace(&winner),
+            Some(Err(reason)) => self.refuse(reason),
+        }
+    }
+
+    /// Another model becomes the verified one, unless it may not control.
+    fn replace(&mut self, winner: &Challenger) -> Event {
+        // What was screened was the estimate, not the simpler change in its place.
+        if let Err(reason) = self.design.screening.admits(&winner.model) {
             return self.refuse(reason);
         }
         self.accepted = self.accepted.saturating_add(1);
-        self.verified_model = Some(model);
-        self.variances = self.submitted;
+        self.verified_model = Some(winner.model);
+        self.variances = winner.variances;
+        self.evidence = Evidence::NONE;
         self.refusal = None;
-        if self.state.is_commissioning() {
-            self.enter(State::Verified);
-            self.change.restart();
-        }
-        Event::Accepted(model)
+        Event::Accepted(winner.model)
     }
 }
 

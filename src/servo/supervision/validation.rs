@@ -1,10 +1,10 @@
-//! Validation of a model on samples that it was not made from: free simulation beside the model in
-//! use.
+//! A window of free simulation: how far models follow later samples on the commands alone.
 
 use crate::servo::control::observer::Observer;
 use crate::servo::design::ValidationDesign;
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
+use crate::servo::supervision::bank;
 
 /// How well a model followed the drive in free simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -12,7 +12,8 @@ use crate::servo::motion::Motion;
 #[non_exhaustive]
 #[doc(alias = "Verdict")]
 pub struct FitReport {
-    /// Sum of squared errors of the candidate, in units of y squared.
+    /// Sum of squared errors of the candidate, in units of y squared; of the model in use where
+    /// there is no candidate.
     pub sse: f32,
     /// Sum of squared errors of the model in use, if there is one.
     pub incumbent_sse: Option<f32>,
@@ -39,96 +40,80 @@ impl FitReport {
 #[derive(Debug, Clone, PartialEq)]
 struct Runner {
     observer: Observer,
-    /// The flow in force until the next sample.
-    flow: f32,
+    sse: f32,
 }
 
 impl Runner {
-    fn new(design: &ValidationDesign, model: Model, motion: Motion, flow: f32) -> Self {
+    fn new(design: &ValidationDesign, model: Model, motion: Motion) -> Self {
         let mut observer = Observer::new(&design.observer, model);
         observer.place(motion);
-        Self { observer, flow }
+        Self { observer, sse: 0.0 }
     }
 
-    /// One sample; the error of the position.
+    /// One sample under the flow that was in force, with the position at its end.
     #[inline]
-    fn update(&mut self, flow: f32, y: f32, observing: bool) -> f32 {
-        self.observer.predict(self.flow);
-        let error = if observing {
-            self.observer.correct(y)
+    fn update(&mut self, flow: f32, y: f32, observing: bool) {
+        self.observer.predict(flow);
+        if observing {
+            self.observer.correct(y);
         } else {
-            y - self.observer.motion().position
-        };
-        self.flow = flow;
-        error
+            let error = y - self.observer.motion().position;
+            self.sse += error * error;
+        }
     }
 }
 
-/// What became of a drive by one number alone: the model in use with the velocity gain of the
-/// candidate, as after a change of the valve or its supply, and with its natural frequency, all
-/// that acts on the mass scaled alike, as after a change of the load.
-fn simpler(candidate: &Model, incumbent: &Model) -> [Model; 2] {
-    // Both were screened: their a1 is above 0.
-    let stiffer = candidate.a1 / incumbent.a1;
-    let gain = Model {
-        b0: candidate.b0 / stiffer,
-        ..*incumbent
-    };
-    let load = Model {
-        a1: stiffer * incumbent.a1,
-        a2: stiffer * incumbent.a2,
-        b0: stiffer * incumbent.b0,
-        friction: stiffer * incumbent.friction,
-        ..*incumbent
-    };
-    [gain, load]
-}
-
-/// Runs candidate, model in use and its simpler changes side by side: first observed to find their
+/// Runs the bank about the model in use and a challenger side by side: first observed to find their
 /// state, then by themselves.
 ///
-/// A sine shows two numbers, a slow motion one: more parameters than a motion shows fit it by
-/// chance, and are wrong in the next one. So of two models of the axis the simpler one is right
-/// until the other is clearly better.
+/// All get the same samples, newer than any of them. In the first phase an observer finds position,
+/// velocity and acceleration; in the second the models run on the commands alone and the squared
+/// errors of the position are summed.
 ///
-/// All get the same samples, all of them newer than the candidate. In the first phase an
-/// observer finds position, velocity and acceleration; in the second
-/// the models run on the commands alone and the squared errors of the position are summed.
-///
-/// Known as: hold-out validation, cross-validation by simulation (Ljung 1999, chapter 16).
+/// Known as: hold-out validation, cross-validation by simulation (Ljung 1999, chapter 16), of a
+/// bank of models (multiple-model estimation, Li and Bar-Shalom 1996).
 #[derive(Debug, Clone, PartialEq)]
-#[doc(alias = "Trial")]
-pub(crate) struct Validation {
-    candidate: Runner,
-    incumbent: Option<Runner>,
-    /// The simpler changes of the model in use with their sums of squared errors.
-    simpler: Option<[(Runner, f32); 2]>,
-    /// Samples of observation that are left, and of free simulation in all.
+pub(crate) struct Window {
+    bank: [Runner; bank::SIZE],
+    challenger: Option<Runner>,
+    /// The flow in force until the next sample.
+    flow: f32,
+    /// Samples of observation that are left, and of free simulation in all and so far.
     observe: u32,
     window: u32,
-    report: FitReport,
+    samples: u32,
     origin: f32,
     sum: f32,
     squares: f32,
 }
 
-impl Validation {
-    /// A validation that begins at `motion`, with `flow` in force.
+/// Sums of squares of a window.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Sums {
+    /// Errors of the bank and of the challenger.
+    pub(crate) bank: [f32; bank::SIZE],
+    pub(crate) challenger: Option<f32>,
+    /// The position about its mean.
+    pub(crate) moved: f32,
+}
+
+impl Window {
+    /// A window that begins at `motion`, with `flow` in force.
     pub(crate) fn new(
         design: &ValidationDesign,
-        candidate: Model,
-        incumbent: Option<Model>,
+        used: &Model,
+        challenger: Option<Model>,
         motion: Motion,
         flow: f32,
     ) -> Self {
-        let run = |model: Model| Runner::new(design, model, motion, flow);
+        let run = |model| Runner::new(design, model, motion);
         Self {
-            candidate: run(candidate),
-            incumbent: incumbent.map(run),
-            simpler: incumbent.map(|used| simpler(&candidate, &used).map(|m| (run(m), 0.0))),
+            bank: bank::about(used).map(run),
+            challenger: challenger.map(run),
+            flow,
             observe: design.observe,
             window: design.window,
-            report: FitReport::default(),
+            samples: 0,
             origin: motion.position,
             sum: 0.0,
             squares: 0.0,
@@ -137,16 +122,13 @@ impl Validation {
 
     /// Takes the position y(k) and the flow in force from now on; whether that was the last sample.
     ///
-    /// Cost: about 250 instructions.
+    /// Cost: about 60 instructions per model.
     pub(crate) fn update(&mut self, flow: f32, y: f32) -> bool {
         let observing = self.observe > 0;
-        let error = self.candidate.update(flow, y, observing);
-        let incumbent = &mut self.incumbent;
-        let beside = incumbent.as_mut().map(|run| run.update(flow, y, observing));
-        for (run, sse) in self.simpler.iter_mut().flatten() {
-            let error = run.update(flow, y, observing);
-            *sse = if observing { 0.0 } else { *sse + error * error };
+        for run in self.bank.iter_mut().chain(&mut self.challenger) {
+            run.update(self.flow, y, observing);
         }
+        self.flow = flow;
         if observing {
             self.observe -= 1;
             return false;
@@ -154,36 +136,30 @@ impl Validation {
         let moved = y - self.origin;
         self.sum += moved;
         self.squares += moved * moved;
-        self.report.sse += error * error;
-        if let Some(error) = beside {
-            let sum = self.report.incumbent_sse.unwrap_or(0.0);
-            self.report.incumbent_sse = Some(sum + error * error);
-        }
-        self.report.samples += 1;
-        if self.report.samples < self.window {
-            return false;
-        }
-        let count = self.report.samples as f32;
-        self.report.sst = self.squares - self.sum * self.sum / count;
-        true
+        self.samples += 1;
+        self.samples >= self.window
     }
 
-    /// The report at the end: that of the best simpler change, which becomes the candidate, unless
-    /// the candidate is `better` than that too.
-    pub(crate) fn simplify(&mut self, better: impl Fn(&FitReport, f32) -> bool) -> FitReport {
-        if let Some([gain, load]) = self.simpler.take() {
-            let (run, sse) = if load.1 < gain.1 { load } else { gain };
-            if !better(&self.report, sse) {
-                self.candidate = run;
-                self.report.sse = sse;
-            }
-        }
-        self.report
+    /// What it showed; `None` when the axis moved by less than `least` about its mean.
+    pub(crate) fn sums(&self, least: f32) -> Option<Sums> {
+        let count = self.samples as f32;
+        let moved = self.squares - self.sum * self.sum / count;
+        (moved > least * least * count).then(|| Sums {
+            bank: self.bank.each_ref().map(|run| run.sse),
+            challenger: self.challenger.as_ref().map(|run| run.sse),
+            moved,
+        })
     }
 
-    /// The candidate.
-    pub(crate) const fn candidate(&self) -> &Model {
-        self.candidate.observer.model()
+    /// How well the challenger has followed, or the model in use where there is none.
+    pub(crate) fn report(&self, sums: &Sums) -> FitReport {
+        let used = sums.bank[bank::USED];
+        FitReport {
+            sse: sums.challenger.unwrap_or(used),
+            incumbent_sse: Some(used),
+            sst: sums.moved,
+            samples: self.samples,
+        }
     }
 }
 
@@ -196,9 +172,8 @@ mod tests {
 
     const USED: Model = Model::linear(900.0, 15.0, 9e5);
 
-    /// What a validation of `candidate` leaves of it, on a drive under a flow that changes sign so
-    /// often per second.
-    fn left(candidate: Model, drive: Model, per_second: f32) -> Result<Model, Error> {
+    /// A window on a drive under a flow that changes its sign so often per second.
+    fn seen(drive: &Model, challenger: Option<Model>, per_second: f32) -> Result<Window, Error> {
         let travel = Travel {
             min: 0.0,
             max: 400.0,
@@ -208,52 +183,79 @@ mod tests {
             position: 200.0,
             ..Motion::default()
         };
-        let mut validation =
-            Validation::new(&design.validation, candidate, Some(USED), motion, 0.0);
-        for k in 0.. {
-            let flow = if libm::sinf(per_second * core::f32::consts::PI * 1e-3 * k as f32) < 0.0 {
-                -0.3
-            } else {
-                0.3
-            };
-            let ends = validation.update(flow, motion.position);
+        let mut window = Window::new(&design.validation, &USED, challenger, motion, 0.0);
+        let (mut ends, mut samples) = (false, 0);
+        while !ends {
+            let turned = libm::sinf(per_second * core::f32::consts::PI * 1e-3 * samples as f32);
+            let flow = if turned < 0.0 { -0.3 } else { 0.3 };
+            ends = window.update(flow, motion.position);
             drive.advance(&mut motion, flow, 1e-3);
-            if ends {
-                break;
+            samples += 1;
+        }
+        assert_eq!(
+            samples,
+            design.validation.observe + design.validation.window
+        );
+        Ok(window)
+    }
+
+    #[test]
+    fn the_model_of_the_drive_leaves_least_whatever_it_is() -> Result<(), Error> {
+        for (k, drive) in bank::about(&USED).into_iter().enumerate() {
+            let window = seen(&drive, None, 4.0)?;
+            let sums = window.sums(0.0).unwrap_or(Sums {
+                bank: [f32::NAN; bank::SIZE],
+                challenger: None,
+                moved: 0.0,
+            });
+            for (j, sum) in sums.bank.iter().enumerate() {
+                let right = *sum < 1e-3 * sums.moved;
+                assert_eq!(right, j == k, "{k}: {sums:?}");
             }
         }
-        let report = validation.simplify(|report, other| design.is_better(report, other));
-        assert_eq!(design.compare(&report), Ok(true), "{report:?}");
-        Ok(*validation.candidate())
-    }
-
-    #[test]
-    fn what_a_change_of_one_number_explains_is_that_change() -> Result<(), Error> {
-        // Gain down to 0.4; the candidate also has another frequency, which slow motion does not
-        // show.
-        let drive = Model {
-            b0: 0.4 * USED.b0,
-            ..USED
-        };
-        let candidate = Model::linear(1.3 * USED.a1, 1.3 * USED.a2, 0.4 * 1.3 * USED.b0);
-        let found = left(candidate, drive, 1.0)?;
-        assert!((found.a1 / USED.a1 - 1.0).abs() < 1e-6);
-        assert!((found.b0 / drive.b0 - 1.0).abs() < 1e-5);
-        // Three times the load.
-        let drive = Model::linear(USED.a1 / 3.0, USED.a2 / 3.0, USED.b0 / 3.0);
-        let candidate = Model {
-            b0: 1.03 * drive.b0,
-            ..drive
-        };
-        let found = left(candidate, drive, 2.0)?;
-        assert!((found.b0 / found.a1 / (USED.b0 / USED.a1) - 1.0).abs() < 1e-5);
         Ok(())
     }
 
     #[test]
-    fn what_no_change_of_one_number_explains_stays_as_it_was_found() -> Result<(), Error> {
-        let drive = Model::linear(4.0 * USED.a1, 2.0 * USED.a2, 0.5 * 4.0 * USED.b0);
-        assert_eq!(left(drive, drive, 2.0)?, drive);
+    fn a_challenger_runs_beside_them_and_is_reported() -> Result<(), Error> {
+        let drive = Model::linear(400.0, 30.0, 6e5);
+        let window = seen(&drive, Some(drive), 3.0)?;
+        let Some(sums) = window.sums(1.0) else {
+            panic!("the axis moved");
+        };
+        assert!(sums.challenger.is_some_and(|sse| sse < 1e-3 * sums.moved));
+        let report = window.report(&sums);
+        assert!(report.r_squared() > 0.999, "{report:?}");
+        assert_eq!(report.incumbent_sse, Some(sums.bank[bank::USED]));
+        assert_eq!((report.sst, report.samples), (sums.moved, window.window));
+        // Without one the report is that of the model in use.
+        let window = seen(&drive, None, 3.0)?;
+        let report = window.report(&Sums {
+            challenger: None,
+            ..sums
+        });
+        assert_eq!(Some(report.sse), report.incumbent_sse);
         Ok(())
+    }
+
+    #[test]
+    fn a_window_without_motion_shows_nothing() -> Result<(), Error> {
+        let window = seen(&USED, None, 4.0)?;
+        let moved = window.sums(0.0).map_or(0.0, |sums| sums.moved);
+        let rms = crate::math::sqrt(moved / window.samples as f32);
+        assert!(window.sums(0.99 * rms).is_some() && window.sums(1.01 * rms).is_none());
+        Ok(())
+    }
+
+    #[test]
+    fn a_share_that_is_explained_is_one_of_the_movement() {
+        let report = |sse, sst| FitReport {
+            sse,
+            sst,
+            ..FitReport::default()
+        };
+        assert_eq!(report(1.0, 4.0).r_squared(), 0.75);
+        assert_eq!(report(8.0, 4.0).r_squared(), -1.0);
+        assert_eq!(report(1.0, 0.0).r_squared(), f32::NEG_INFINITY);
     }
 }

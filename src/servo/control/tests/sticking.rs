@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::servo::control::anchor::{Anchor, Hold};
-use crate::servo::control::holding::Holding;
+use crate::servo::control::holding::{Holding, Slip};
 use crate::servo::control::place::{Place, dead_volume as volume_of, stiffening};
 use crate::servo::design::AnchorDesign;
 use crate::servo::motion::Travel;
@@ -94,65 +94,85 @@ fn a_place_is_the_mean_of_its_first_forty_samples() {
     }
 }
 
+/// A slip of an axis whose drive has come from the middle to the edge of what friction holds, for
+/// which the full flow takes 0.004 s; the valve has its middle at 0.01 and a dead zone of 0.05.
+fn slip(direction: f32) -> Slip {
+    Slip {
+        direction,
+        friction: 0.004,
+        drive: 0.0,
+        settled: 0.05,
+        middle: 0.01,
+        dead_zone: 0.05,
+    }
+}
+
+/// The command after a slip that ends so many seconds of rest.
+fn after(holding: &mut Holding, seconds: f32, slip: &Slip) -> f32 {
+    for _ in 0..(seconds / STEP) as u32 {
+        holding.pass(STEP, true);
+    }
+    holding.slip(slip);
+    holding.command().unwrap_or(slip.middle)
+}
+
 #[test]
 #[cfg_attr(miri, ignore = "many samples")]
-fn a_slip_tells_a_flow_by_its_time_and_its_direction() {
+fn a_slip_deep_in_the_dead_zone_sends_the_search_to_its_edge() {
     let mut holding = Holding::NONE;
-    holding.slip(1.0, 0.01);
-    assert!(
-        !holding.has_slipped() && holding.flow() == 0.0,
-        "it was not held"
-    );
-    let held = |holding: &mut Holding, seconds: f32| {
-        for _ in 0..(seconds / STEP) as u32 {
-            holding.pass(STEP, true);
-        }
-    };
-    // 0.004/s over 10 s of it: 4e-4, half as much again as the first trust of a half.
-    held(&mut holding, 10.0);
-    holding.slip(1.0, 0.004);
-    assert!((holding.flow() + 0.75 * 4e-4).abs() < 2e-6, "{holding:?}");
-    // Again the same way: half as much again; the other way: half.
-    held(&mut holding, 10.0);
-    holding.slip(1.0, 0.004);
-    assert!((holding.flow() + (0.75 + 1.125) * 4e-4).abs() < 4e-6);
-    held(&mut holding, 10.0);
-    holding.slip(-1.0, 0.004);
-    let left = (0.75 + 1.125 - 0.5625) * 4e-4;
-    assert!((holding.flow() + left).abs() < 6e-6);
-    // A wake in between begins its time anew; an early slip shows 0.002 at most.
-    held(&mut holding, 10.0);
-    holding.pass(STEP, false);
-    held(&mut holding, 0.1);
-    holding.slip(-1.0, 0.004);
-    assert!(
-        (holding.flow() + left - 0.5625 * 1.5 * 0.002).abs() < 1e-5,
-        "{holding:?}"
-    );
-    // No trust beyond four, none below a tenth, no flow beyond 0.05.
-    for _ in 0..100 {
-        held(&mut holding, 0.1);
-        holding.slip(-1.0, 0.004);
+    holding.slip(&slip(1.0));
+    assert_eq!(holding, Holding::NONE, "it was not held");
+    // 0.02 within the edge of the dead zone, the other way.
+    let command = after(&mut holding, 10.0, &slip(1.0));
+    assert!((command - (0.01 - 0.03)).abs() < 1e-6, "{command}");
+    // Near the edge by the flow that the rest shows: 0.004/s over 1 s, half as much again the same
+    // way.
+    let next = after(&mut holding, 1.0, &slip(1.0));
+    assert!((command - next - 1.5 * 0.004).abs() < 1e-5, "{next}");
+    let third = after(&mut holding, 1.0, &slip(1.0));
+    assert!((next - third - 2.25 * 0.004).abs() < 1e-5, "{third}");
+    // Never farther than 0.05 beyond the dead zone, and by no more than 0.02 times 4 at once.
+    let mut last = third;
+    for _ in 0..20 {
+        let next = after(&mut holding, 0.1, &slip(1.0));
+        assert!(last - next <= 0.0801 && next >= 0.01 - 0.1 - 1e-6);
+        last = next;
     }
-    assert_eq!(holding.flow(), 0.05);
-    let before = holding.flow();
-    held(&mut holding, 0.1);
-    holding.slip(1.0, 0.004);
-    assert!(
-        (before - holding.flow() - 2.0 * 0.002).abs() < 1e-6,
-        "half of four"
-    );
-    for k in 0..20 {
-        held(&mut holding, 0.1);
-        holding.slip(if k % 2 == 0 { -1.0 } else { 1.0 }, 0.004);
+    assert!((last - (0.01 - 0.1)).abs() < 1e-6);
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn commands_that_slipped_both_ways_are_bisected() {
+    let mut holding = Holding::NONE;
+    let low = after(&mut holding, 10.0, &slip(1.0));
+    let half = after(&mut holding, 10.0, &slip(-1.0));
+    assert!((half - 0.5 * (low + 0.01)).abs() < 1e-6, "{half}");
+    let quarter = after(&mut holding, 10.0, &slip(1.0));
+    assert!((quarter - 0.5 * (low + half)).abs() < 1e-6, "{quarter}");
+    // A bracket that is narrower than 0.004 is none: what should hold has changed.
+    let eighth = after(&mut holding, 10.0, &slip(-1.0));
+    let last = after(&mut holding, 10.0, &slip(-1.0));
+    assert!((eighth - 0.5 * (quarter + half)).abs() < 1e-6);
+    assert!(last > eighth, "{last}");
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn rests_count_once_they_outlast_what_came_before_them() {
+    // Slips after 20 ms of rest each, where 50 ms still act on the drive.
+    let mut holding = Holding::NONE;
+    for k in 1..=3 {
+        let command = after(&mut holding, 0.0205, &slip(1.0));
+        assert_eq!(command == 0.01, k < 3, "{k}");
     }
-    let before = holding.flow();
-    held(&mut holding, 0.1);
-    holding.slip(-1.0, 0.004);
-    assert!(
-        (holding.flow() - before - 0.1 * 0.002).abs() < 1e-6,
-        "a tenth"
-    );
+    // One the other way begins anew.
+    let mut holding = Holding::NONE;
+    for k in 0..10 {
+        let direction = if k % 4 < 2 { 1.0 } else { -1.0 };
+        assert_eq!(after(&mut holding, 0.0205, &slip(direction)), 0.01);
+    }
+    assert!(holding.has_slipped());
 }
 
 #[test]

@@ -159,16 +159,21 @@ fn the_estimate_is_looked_at_where_a_better_one_would_help() -> Result<(), Error
     assert_eq!(looks(&mut supervisor, &behind, 10 * design.look), 10);
     // At rest, and in the other states, there is nothing to see.
     assert_eq!(looks(&mut supervisor, &at(0.0), 2 * design.look), 0);
-    supervisor.enter(State::Identifying);
-    assert_eq!(looks(&mut supervisor, &at(0.0), 10 * design.look), 10);
-    for state in [State::Idle, State::Exciting, State::Failed(Reason::Blocked)] {
+    for state in [
+        State::Idle,
+        State::Exciting,
+        State::Identifying,
+        State::Failed(Reason::Blocked),
+    ] {
         supervisor.enter(state);
         assert_eq!(looks(&mut supervisor, &at(100.0), 2 * design.look), 0);
     }
-    // Nor while a candidate is validated.
-    supervisor.enter(State::Identifying);
-    assert_eq!(supervisor.submit(&certain(OTHER), &at(0.0)), Event::None);
-    assert_eq!(looks(&mut supervisor, &at(0.0), 10 * design.look), 0);
+    // Nor while a window lasts.
+    supervisor.enter(State::Adapting);
+    let moving = at(100.0);
+    assert_eq!(supervisor.submit(&certain(OTHER), &moving), Event::None);
+    let lasts = design.validation.observe + design.validation.window;
+    assert_eq!(looks(&mut supervisor, &moving, lasts - 1), 0);
     Ok(())
 }
 
@@ -249,13 +254,13 @@ fn a_stop_keeps_the_model_and_says_why() -> Result<(), Error> {
     supervisor.fail(Reason::Implausible);
     assert_eq!(supervisor.state(), State::Failed(Reason::Implausible));
     assert_eq!(supervisor.refusal(), Some(Reason::Implausible));
-    assert_eq!(supervisor.validation, None);
+    assert_eq!(supervisor.window, None);
     supervisor.abort();
     assert_eq!(supervisor.state(), State::Idle);
     assert_eq!(supervisor.refusal(), Some(Reason::Aborted));
     assert_eq!(supervisor.verified_model(), Some(MODEL));
-    // Nothing was validated, so there is nothing to accept.
-    assert_eq!(supervisor.accept(), Event::None);
+    // Without a window there is nothing to compare.
+    assert_eq!(supervisor.compare(&at(1.0)), Event::None);
     assert_eq!(supervisor.counts(), (0, 0));
     Ok(())
 }

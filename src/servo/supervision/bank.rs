@@ -1,0 +1,176 @@
+//! What a drive may have become by one number alone: another load, or another velocity gain.
+
+use crate::servo::model::Model;
+
+/// Factors on all that acts on the mass, as after a change of the load, and on the velocity gain,
+/// as after a change of the valve or its supply.
+const LOADS: [f32; 5] = [1.0 / 3.0, 0.577, 1.0, 1.732, 3.0];
+const GAINS: [f32; 5] = [0.5, 0.707, 1.0, 1.414, 2.0];
+
+/// Relative standard deviation of what lies within half of a step of the loads either way.
+const STEP_STD: f32 = 0.18;
+
+/// Models of a bank: five loads, the middle one that of the model in use, then four gains.
+pub(crate) const SIZE: usize = 9;
+/// Place of the model in use.
+pub(crate) const USED: usize = 2;
+
+/// A model under another load: stiffness, damping, valve and friction act on another mass.
+fn loaded(model: &Model, factor: f32) -> Model {
+    Model {
+        a1: factor * model.a1,
+        a2: factor * model.a2,
+        b0: factor * model.b0,
+        friction: factor * model.friction,
+        ..*model
+    }
+}
+
+/// A model with another velocity gain.
+fn geared(model: &Model, factor: f32) -> Model {
+    Model {
+        b0: factor * model.b0,
+        ..*model
+    }
+}
+
+/// The bank about a model.
+pub(crate) fn about(used: &Model) -> [Model; SIZE] {
+    core::array::from_fn(|k| match k.checked_sub(LOADS.len()) {
+        None => loaded(used, LOADS[k]),
+        Some(k) => geared(used, GAINS[if k < USED { k } else { k + 1 }]),
+    })
+}
+
+/// The change of one number that should leave the least of these sums of squared errors of a bank,
+/// and what the nearest model of the bank leaves.
+///
+/// Between the models by the parabola through the least sum and its neighbours: near its least
+/// value a sum of squares is one of the logarithm of the factor.
+pub(crate) fn best(used: &Model, sums: &[f32; SIZE]) -> (Model, f32) {
+    let [a, b, own, c, d, e, f, g, h] = *sums;
+    let load = least(&LOADS, [a, b, own, c, d]);
+    let gain = least(&GAINS, [e, f, own, g, h]);
+    if load.expected < gain.expected {
+        (loaded(used, load.factor), load.nearest)
+    } else {
+        (geared(used, gain.factor), gain.nearest)
+    }
+}
+
+/// Variances of a1, a2 and b0 of a model that a bank has found.
+pub(crate) fn variances(model: &Model) -> [f32; 3] {
+    [model.a1, model.a2, model.b0].map(|value| STEP_STD * STEP_STD * value * value)
+}
+
+/// Where sums are least: the factor, the sum expected there, and that of the nearest model.
+struct Least {
+    factor: f32,
+    expected: f32,
+    nearest: f32,
+}
+
+fn least(factors: &[f32; 5], sums: [f32; 5]) -> Least {
+    let mut at = USED;
+    for (k, sum) in sums.iter().enumerate() {
+        if *sum < sums[at] {
+            at = k;
+        }
+    }
+    let nearest = Least {
+        factor: factors[at],
+        expected: sums[at],
+        nearest: sums[at],
+    };
+    let around = at.checked_sub(1).and_then(|k| Some((k, sums.get(at + 1)?)));
+    let Some((below, above)) = around else {
+        return nearest;
+    };
+    let (difference, curve) = (sums[below] - above, sums[below] - 2.0 * sums[at] + above);
+    if !(curve > 0.0 && curve < f32::INFINITY) {
+        return nearest;
+    }
+    // Within half of a step either way.
+    let place = 0.5 * difference / curve;
+    let next = if place > 0.0 {
+        factors[at + 1] - factors[at]
+    } else {
+        factors[at] - factors[below]
+    };
+    Least {
+        factor: factors[at] + place * next,
+        expected: sums[at] - 0.25 * difference * place,
+        ..nearest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MODEL: Model = Model {
+        friction: 40.0,
+        dead_zone: 0.05,
+        offset: 0.01,
+        ..Model::linear(900.0, 15.0, 9e5)
+    };
+
+    #[test]
+    fn a_bank_has_the_model_in_use_and_changes_of_one_number() {
+        let bank = about(&MODEL);
+        assert_eq!(bank[USED], MODEL);
+        for (model, load) in bank.iter().zip(LOADS) {
+            for (is, was) in model.parameters().iter().zip(MODEL.parameters()).take(3) {
+                assert!((is / was / load - 1.0).abs() < 1e-6);
+            }
+            assert!((model.friction / MODEL.friction / load - 1.0).abs() < 1e-6);
+            assert_eq!((model.dead_zone, model.offset), (0.05, 0.01));
+        }
+        for (model, gain) in bank[5..].iter().zip([0.5, 0.707, 1.414, 2.0]) {
+            let b0 = gain * MODEL.b0;
+            assert_eq!(*model, Model { b0, ..MODEL });
+        }
+    }
+
+    /// Sums of a drive whose load and gain are so many steps off: squares of the distance.
+    fn sums(load: f32, gain: f32) -> [f32; SIZE] {
+        core::array::from_fn(|k| {
+            let k = k as f32;
+            let (l, g) = if k < 5.0 {
+                (k - 2.0, 0.0)
+            } else if k < 7.0 {
+                (0.0, k - 7.0)
+            } else {
+                (0.0, k - 6.0)
+            };
+            (load - l) * (load - l) + (gain - g) * (gain - g)
+        })
+    }
+
+    #[test]
+    fn the_best_change_is_found_between_the_models() {
+        for steps in [-2.0_f32, -1.3, -0.4, 0.3, 1.0, 1.4, 2.0] {
+            let root = 1.732_f32;
+            let (model, left) = best(&MODEL, &sums(steps, 0.0));
+            let load = libm::powf(root, steps);
+            assert!((model.a1 / MODEL.a1 / load - 1.0).abs() < 0.05, "{steps}");
+            assert!((model.b0 / model.a1 / (MODEL.b0 / MODEL.a1) - 1.0).abs() < 1e-6);
+            let off = steps - libm::roundf(steps);
+            assert!((left - off * off).abs() < 1e-6);
+            let (model, _) = best(&MODEL, &sums(0.0, steps));
+            let gain = libm::powf(1.414, steps);
+            assert!((model.b0 / MODEL.b0 / gain - 1.0).abs() < 0.03, "{steps}");
+            assert_eq!((model.a1, model.friction), (MODEL.a1, MODEL.friction));
+        }
+    }
+
+    #[test]
+    fn what_no_change_explains_better_stays() {
+        assert_eq!(best(&MODEL, &sums(0.0, 0.0)), (MODEL, 0.0));
+        // Nothing is known where all fail alike, or none has a number.
+        for sum in [1.0, f32::INFINITY, f32::NAN] {
+            let (model, _) = best(&MODEL, &[sum; SIZE]);
+            assert_eq!(model, MODEL);
+        }
+    }
+}
