@@ -45,7 +45,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 self.supervisor.evidence.reconsider(model);
             }
             let candidate = candidate(&self.identifier, self.controller.model());
-            event = self.supervisor.submit(&candidate, &seen);
+            event = self.supervisor.submit(&candidate);
         }
         self.identifier.adapt(self.learns());
         self.follow(event, state)

@@ -1,7 +1,6 @@
 //! The state `Adapting`: changes of the drive are found, and better models replace the one in use.
 
 use crate::servo::supervision::event::{Event, Observation};
-use crate::servo::supervision::evidence::Evidence;
 use crate::servo::supervision::state::State;
 use crate::servo::supervision::supervisor::Supervisor;
 
@@ -22,12 +21,14 @@ impl Supervisor {
             && self.change.update(innovation, settled)
         {
             self.window = None;
-            self.evidence = Evidence::NONE;
+            self.window_due = false;
+            self.evidence.forget();
             return Event::Changed;
         }
         if seen.sticks {
             // What was learnt before stays.
             self.window = None;
+            self.window_due = false;
             return Event::None;
         }
         self.compare(seen)

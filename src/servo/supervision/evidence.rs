@@ -87,6 +87,14 @@ impl Evidence {
         challenger: None,
     };
 
+    /// Begins anew, with another model in use.
+    pub(crate) fn forget(&mut self) {
+        self.sums = [0.0; bank::SIZE];
+        self.moved = 0.0;
+        self.windows = 0.0;
+        self.challenger = None;
+    }
+
     /// The model that runs beside the bank.
     pub(crate) fn challenger(&self) -> Option<Model> {
         self.challenger.map(|challenger| challenger.model)

@@ -25,7 +25,8 @@ pub(crate) struct Candidate {
 }
 
 impl Candidate {
-    /// A model that was verified before.
+    /// A model without doubt.
+    #[cfg(test)]
     pub(crate) const fn known(model: Model) -> Self {
         Self {
             model,

@@ -29,6 +29,8 @@ pub struct Supervisor {
     since_look: u32,
     pub(crate) change: ChangeDetector,
     pub(crate) window: Option<Window>,
+    /// Whether a window begins with the next sample.
+    pub(crate) window_due: bool,
     pub(crate) evidence: Evidence,
     pub(crate) report: FitReport,
     refusal: Option<Reason>,
@@ -52,6 +54,7 @@ impl Supervisor {
             since_look: 0,
             change: ChangeDetector::new(&design.change),
             window: None,
+            window_due: false,
             evidence: Evidence::NONE,
             report: FitReport::default(),
             refusal: None,
@@ -94,13 +97,14 @@ impl Supervisor {
         self.design.screening.admits(&model)?;
         self.verified_model = Some(model);
         self.variances = UNKNOWN;
-        self.evidence = Evidence::NONE;
+        self.evidence.forget();
         self.enter(State::Frozen);
         Ok(())
     }
 
     /// Begins the commissioning.
     pub(crate) fn begin(&mut self) {
+        self.evidence.forget();
         self.enter(State::Exciting);
         self.refusal = None;
     }
@@ -122,6 +126,7 @@ impl Supervisor {
         self.ticks = 0;
         self.since_look = 0;
         self.window = None;
+        self.window_due = false;
         self.still_for = 0;
     }
 
@@ -136,11 +141,8 @@ impl Supervisor {
             && self.peak_error > self.design.error_deadband
     }
 
-    /// Takes an estimate, refuses it or not, and begins a window with this sample.
-    pub(crate) fn submit(&mut self, candidate: &Candidate, seen: &Observation) -> Event {
-        let Some(used) = self.verified_model else {
-            return Event::None;
-        };
+    /// Takes an estimate, refuses it or not; a window begins with the next sample.
+    pub(crate) fn submit(&mut self, candidate: &Candidate) -> Event {
         match self.screen(candidate) {
             Ok(()) => self.evidence.propose(candidate),
             Err(reason) if reason.rejects_estimate() => return self.refuse(reason),
@@ -148,13 +150,7 @@ impl Supervisor {
                 let _ = self.refuse(reason);
             }
         }
-        self.window = Some(Window::new(
-            &self.design.validation,
-            &used,
-            self.evidence.challenger(),
-            seen.motion,
-            seen.flow,
-        ));
+        self.window_due = true;
         Event::None
     }
 
@@ -230,7 +226,6 @@ impl Supervisor {
         self.accepted = self.accepted.saturating_add(1);
         self.verified_model = Some(model);
         self.variances = UNKNOWN;
-        self.evidence = Evidence::NONE;
         self.refusal = None;
         self.enter(State::Verified);
         self.change.restart();
@@ -258,9 +253,22 @@ impl Supervisor {
         }
     }
 
-    /// Takes the sample of a window; at its end, what came of it.
+    /// Takes the sample of a window, or begins one that is due; at its end, what came of it.
     pub(crate) fn compare(&mut self, seen: &Observation) -> Event {
-        let (Some(window), Some(used)) = (&mut self.window, self.verified_model) else {
+        let Some(used) = self.verified_model else {
+            return Event::None;
+        };
+        if core::mem::take(&mut self.window_due) {
+            self.window = Some(Window::new(
+                &self.design.validation,
+                &used,
+                self.evidence.challenger(),
+                seen.motion,
+                seen.flow,
+            ));
+            return Event::None;
+        }
+        let Some(window) = &mut self.window else {
             return Event::None;
         };
         if !window.update(seen.flow, seen.y) {
@@ -289,7 +297,7 @@ impl Supervisor {
         self.accepted = self.accepted.saturating_add(1);
         self.verified_model = Some(winner.model);
         self.variances = winner.variances;
-        self.evidence = Evidence::NONE;
+        self.evidence.forget();
         self.refusal = None;
         Event::Accepted(winner.model)
     }

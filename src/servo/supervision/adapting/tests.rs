@@ -4,6 +4,7 @@ use super::*;
 use crate::servo::error::Error;
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
+use crate::servo::supervision::evidence::Evidence;
 use crate::servo::supervision::screening::Candidate;
 use crate::servo::supervision::state::Reason;
 use crate::servo::supervision::supervisor::tests::{MODEL, OTHER, at, certain, installed};
@@ -43,7 +44,7 @@ fn judged(supervisor: &mut Supervisor, drive: Model, candidate: Model) -> (Event
         }
         // At its start the axis is slower than later.
         if k > 2000 && supervisor.window.is_none() {
-            assert_eq!(supervisor.submit(&certain(candidate), &seen), Event::None);
+            assert_eq!(supervisor.submit(&certain(candidate)), Event::None);
         }
     }
     (Event::None, samples)
@@ -120,7 +121,7 @@ fn another_load_is_found_without_an_estimate() -> Result<(), Error> {
         let seen = step(&mut motion, &heavy, k);
         event = supervisor.update(&seen);
         if supervisor.window.is_none() && event == Event::None {
-            event = supervisor.submit(&vague, &seen);
+            event = supervisor.submit(&vague);
         }
         k += 1;
     }
@@ -158,7 +159,7 @@ fn a_winner_that_may_not_control_is_refused() -> Result<(), Error> {
             break;
         }
         if supervisor.window.is_none() && k > 500 {
-            let _ = supervisor.submit(&certain(OTHER), &seen);
+            let _ = supervisor.submit(&certain(OTHER));
         }
     }
     assert_eq!(event, Event::Restored(MODEL));
@@ -180,7 +181,7 @@ fn a_change_of_the_drive_ends_a_window_and_what_came_before_and_a_stick_the_wind
     for _ in 0..=supervisor.design.look {
         assert_eq!(supervisor.update(&quiet), Event::None);
     }
-    assert_eq!(supervisor.submit(&certain(OTHER), &quiet), Event::None);
+    assert_eq!(supervisor.submit(&certain(OTHER)), Event::None);
     assert_eq!(supervisor.update(&quiet), Event::None);
     assert!(supervisor.window.is_some());
     let sticks = Observation {
@@ -190,7 +191,7 @@ fn a_change_of_the_drive_ends_a_window_and_what_came_before_and_a_stick_the_wind
     assert_eq!(supervisor.update(&sticks), Event::None);
     assert_eq!(supervisor.window, None);
     assert_eq!(supervisor.evidence.challenger(), Some(OTHER));
-    assert_eq!(supervisor.submit(&certain(OTHER), &quiet), Event::None);
+    assert_eq!(supervisor.submit(&certain(OTHER)), Event::None);
     let changed = Observation {
         innovation: Some(1.0),
         ..quiet

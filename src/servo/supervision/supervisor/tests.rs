@@ -171,7 +171,7 @@ fn the_estimate_is_looked_at_where_a_better_one_would_help() -> Result<(), Error
     // Nor while a window lasts.
     supervisor.enter(State::Adapting);
     let moving = at(100.0);
-    assert_eq!(supervisor.submit(&certain(OTHER), &moving), Event::None);
+    assert_eq!(supervisor.submit(&certain(OTHER)), Event::None);
     let lasts = design.validation.observe + design.validation.window;
     assert_eq!(looks(&mut supervisor, &moving, lasts - 1), 0);
     Ok(())
@@ -186,7 +186,7 @@ fn a_candidate_that_is_refused_leaves_the_model_and_is_counted() -> Result<(), E
         gain_variance: 1e3,
         ..certain(OTHER)
     };
-    assert_eq!(supervisor.submit(&vague, &at(1.0)), Event::None);
+    assert_eq!(supervisor.submit(&vague), Event::None);
     assert_eq!(supervisor.state(), State::Adapting);
     assert_eq!(supervisor.refusal(), Some(Reason::Uncertain));
     assert_eq!(supervisor.counts(), (0, 1));
@@ -194,7 +194,7 @@ fn a_candidate_that_is_refused_leaves_the_model_and_is_counted() -> Result<(), E
     for (a1, reason) in [(f32::NAN, Reason::NotFinite), (-1.0, Reason::Unstable)] {
         supervisor.enter(State::Adapting);
         let wrong = certain(Model { a1, ..OTHER });
-        assert_eq!(supervisor.submit(&wrong, &at(1.0)), Event::Restored(MODEL));
+        assert_eq!(supervisor.submit(&wrong), Event::Restored(MODEL));
         assert_eq!(supervisor.state(), State::Rejected(reason));
         assert_eq!(supervisor.refusal(), Some(reason));
     }
@@ -250,7 +250,7 @@ fn a_commissioning_ends_with_a_model_or_with_the_one_before() -> Result<(), Erro
 fn a_stop_keeps_the_model_and_says_why() -> Result<(), Error> {
     let mut supervisor = installed()?;
     supervisor.enter(State::Adapting);
-    assert_eq!(supervisor.submit(&certain(OTHER), &at(1.0)), Event::None);
+    assert_eq!(supervisor.submit(&certain(OTHER)), Event::None);
     supervisor.fail(Reason::Implausible);
     assert_eq!(supervisor.state(), State::Failed(Reason::Implausible));
     assert_eq!(supervisor.refusal(), Some(Reason::Implausible));
