@@ -5,6 +5,7 @@ use crate::math::{sign, sqrt, within};
 use crate::servo::control::anchor::Anchor;
 use crate::servo::control::estimator::Estimator;
 use crate::servo::control::holding::Holding;
+use crate::servo::control::hop::Hop;
 use crate::servo::control::margins::Margins;
 use crate::servo::control::null::NullOffset;
 use crate::servo::control::poles::Poles;
@@ -72,6 +73,7 @@ pub struct Controller {
     pub(super) heading: f32,
     pub(super) null: NullOffset,
     pub(super) holding: Holding,
+    pub(super) hop: Hop,
     /// Error and reference at the last breakaway.
     pub(super) left: [f32; 2],
     pub(super) transfer: Transfer,
@@ -127,6 +129,7 @@ impl Controller {
             heading: 0.0,
             null: NullOffset::default(),
             holding: Holding::NONE,
+            hop: Hop::default(),
             left: [0.0; 2],
             transfer: Transfer::default(),
         };
@@ -206,6 +209,7 @@ impl Controller {
         self.observe(y, setpoint.position, frozen);
         let r = self.ahead(setpoint);
         let changes = self.head(&r);
+        self.hop.follow(setpoint.position, setpoint.velocity);
         if rests {
             let still = self.is_still();
             let error = setpoint.position - self.estimator.now().position;

@@ -154,7 +154,13 @@ impl Controller {
         let goes = later * (r.velocity.abs() + 0.5 * later * r.acceleration.abs());
         let (unknown, window) = (LATER_ERROR * goes, self.rest.window());
         let band = if unknown > window { unknown } else { window };
-        if within(coming, band) == coming {
+        let worth = if at_rest {
+            0.0
+        } else {
+            self.hop.worth(direction, r.position)
+        };
+        let least = if band > worth { band } else { worth };
+        if within(coming, least) == coming {
             return 0.0;
         }
         if direction * error < -band {
@@ -164,11 +170,9 @@ impl Controller {
             return if rate > 0.0 { direction * rate } else { 0.0 };
         }
         let wc = self.estimator.poles().bandwidth;
+        let slow = at_rest || self.hop.is_long(direction, r.position);
         let stuck = self.design.estimator.sample_time * self.anchor.since() as f32;
-        let (share, growth) = (
-            PUSH[usize::from(at_rest)],
-            PUSH_GROWTH[usize::from(at_rest)],
-        );
+        let (share, growth) = (PUSH[usize::from(slow)], PUSH_GROWTH[usize::from(slow)]);
         let least = share * model.friction * wc * (1.0 + growth * wc * stuck);
         let quick = self.quick() * (model.friction - direction * state.drive);
         let push = if quick > least { quick } else { least };

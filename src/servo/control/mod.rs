@@ -8,6 +8,7 @@ pub(crate) mod controller;
 pub(crate) mod estimator;
 pub(crate) mod friction;
 pub(crate) mod holding;
+mod hop;
 mod law;
 pub(crate) mod limiter;
 pub(crate) mod margins;

@@ -4,6 +4,7 @@ use crate::math::{sign, within};
 use crate::servo::control::anchor::Hold;
 use crate::servo::control::controller::Controller;
 use crate::servo::control::holding::{Holding, Slip};
+use crate::servo::control::hop::Hop;
 use crate::servo::control::null::NullOffset;
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
@@ -41,6 +42,7 @@ impl Controller {
     ) {
         self.transfer.forget_model();
         self.holding = Holding::NONE;
+        self.hop = Hop::default();
         // The model contains all of its valve's offset.
         self.null = NullOffset::default();
         self.tune(model);
@@ -107,6 +109,7 @@ impl Controller {
             if error * before < 0.0 && still {
                 self.rest.overshot(error);
             }
+            self.hop.ended(sign(-hop), [before, error], still);
             self.left[0] = 0.0;
         }
         let rests = self.rest.rests() && self.sticks();
