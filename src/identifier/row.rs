@@ -102,7 +102,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         // Beyond all noise: the trends carry this step of the position or of the velocity for a
         // while.
         let third = self.noise.third_difference(y) * STEP;
-        if third * third > Noise::of(&self.noise, plan.least_noise).allowed {
+        if third * third > Noise::of(&self.noise, plan.noise.least).allowed {
             self.standstill.pause(plan.times.after_step);
         }
         let row = self.row(plan, y, others);

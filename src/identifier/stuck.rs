@@ -37,7 +37,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             return;
         }
         let signals = &mut self.signals;
-        for (c, hold) in plan.holds.iter().enumerate() {
+        for (c, hold) in plan.inputs.holds.iter().enumerate() {
             if let (Hold::Zero, Some(memory), Some(u)) =
                 (hold, signals.inputs.get_mut(c), signals.acting.get(c))
             {

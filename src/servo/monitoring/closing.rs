@@ -48,7 +48,7 @@ impl Closing {
 
     /// The valve closes while the axis moves so fast.
     pub(crate) fn begin(&mut self, velocity: f32, response: &Response, bounds: &Bounds) {
-        self.left = bounds.closing;
+        self.left = bounds.stop.closing;
         self.way = sign(velocity);
         self.peak = velocity.abs();
         self.mirrored = response.mirrored();

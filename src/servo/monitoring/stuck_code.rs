@@ -88,8 +88,8 @@ impl StuckCode {
         let known = self.spans && self.changes > KNOWN_CHANGES;
         let long = known && self.run > self.least_run && self.run > rare;
         let drift = self.sample_time * self.run as f32 * bounds.drift;
-        let stops = self.speed * bounds.stopping;
-        let held = bounds.held + drift + if swing > stops { swing } else { stops };
+        let stops = self.speed * bounds.stuck.stopping;
+        let held = bounds.stuck.held + drift + if swing > stops { swing } else { stops };
         (long && motion > self.many) || motion > self.many + held
     }
 

@@ -57,16 +57,16 @@ fn bounds_follow_from_the_model_in_its_own_time() {
     let delay = design.delay;
     let twice = |a: f32, b: f32| assert!((b / a - 2.0).abs() < 3e-2, "{a} {b}");
     for (a, b) in [
-        (slow.swing, other.swing),
-        (slow.lag, other.lag),
-        (slow.stopping, other.stopping),
+        (slow.short.swing, other.short.swing),
+        (slow.following.lag, other.following.lag),
+        (slow.stuck.stopping, other.stuck.stopping),
         (1.0 / slow.share, 1.0 / other.share),
-        (1.0 / slow.recent, 1.0 / other.recent),
-        (1.0 / slow.response, 1.0 / other.response),
-        (1.0 / slow.evidence, 1.0 / other.evidence),
-        (1.0 / slow.creep, 1.0 / other.creep),
-        (slow.half_inverse_brake, other.half_inverse_brake),
-        (slow.reaction - delay, other.reaction - delay),
+        (1.0 / slow.short.share, 1.0 / other.short.share),
+        (1.0 / slow.response.share, 1.0 / other.response.share),
+        (1.0 / slow.response.evidence, 1.0 / other.response.evidence),
+        (1.0 / slow.stop.creep, 1.0 / other.stop.creep),
+        (slow.end.half_inverse_brake, other.end.half_inverse_brake),
+        (slow.end.reaction - delay, other.end.reaction - delay),
     ] {
         twice(a, b);
     }
@@ -74,18 +74,21 @@ fn bounds_follow_from_the_model_in_its_own_time() {
     for (a, b) in [
         (slow.no_motion, other.no_motion),
         (slow.opposite, other.opposite),
-        (slow.following, other.following),
-        (slow.stop, other.stop),
+        (slow.following.tenths, other.following.tenths),
+        (slow.stop.braking, other.stop.braking),
     ] {
         twice(a as f32, b as f32);
     }
-    for (a, b) in [(slow.closing, other.closing), (slow.braking, other.braking)] {
+    for (a, b) in [
+        (slow.stop.closing, other.stop.closing),
+        (slow.end.braking, other.end.braking),
+    ] {
         twice(a as f32 - samples, b as f32 - samples);
     }
     // A velocity of the same gain drifts and lacks as much; what it takes is in proportion.
     assert_eq!(
-        (slow.drift, slow.lack, slow.end_speed),
-        (other.drift, other.lack, other.end_speed)
+        (slow.drift, slow.response.lack, slow.end_speed),
+        (other.drift, other.response.lack, other.end_speed)
     );
 }
 
@@ -97,8 +100,8 @@ fn bounds_are_those_of_their_time_constants_and_of_what_friction_holds() {
     let samples = design.delay / 0.001;
     // The filters of an interval: 1/(4 w), 1/w, 4/w; 8/w of the sums; 16/w of those that are
     // recent.
-    assert!((slow.response - 0.02).abs() < 1e-3 && (slow.share - 0.005).abs() < 1e-4);
-    assert!((slow.evidence - 0.04).abs() < 1e-3 && (slow.recent - 0.08).abs() < 2e-3);
+    assert!((slow.response.share - 0.02).abs() < 1e-3 && (slow.share - 0.005).abs() < 1e-4);
+    assert!((slow.response.evidence - 0.04).abs() < 1e-3 && (slow.short.share - 0.08).abs() < 2e-3);
     // At a quarter of its speed all of the travel has passed.
     let saturated = 0.001 * slow.saturated as f32;
     assert!(
@@ -115,15 +118,15 @@ fn bounds_are_those_of_their_time_constants_and_of_what_friction_holds() {
     );
     let deflection = 2.0;
     assert!((slow.slack - bare.slack - 2.0 * deflection).abs() < 1e-3);
-    assert!((slow.rest_error - bare.rest_error - 2.0 * deflection).abs() < 1e-3);
-    assert!((slow.short - bare.short - 2.0 * deflection).abs() < 1e-3);
-    assert!((bare.held - design.grain).abs() < 1e-6 && slow.held > bare.held);
+    assert!((slow.following.error - bare.following.error - 2.0 * deflection).abs() < 1e-3);
+    assert!((slow.short.level - bare.short.level - 2.0 * deflection).abs() < 1e-3);
+    assert!((bare.stuck.held - design.grain).abs() < 1e-6 && slow.stuck.held > bare.stuck.held);
     let damped = Bounds::new(&design, &Model { a2: 21.0, ..MODEL });
-    assert_eq!((slow.ring, damped.ring), (0.0, 0.0));
+    assert_eq!((slow.short.ring, damped.short.ring), (0.0, 0.0));
     let light = Bounds::new(&design, &Model { a2: 4.0, ..MODEL });
-    assert!((light.ring - 0.04).abs() < 1e-6 && (light.lack - 1.8).abs() < 1e-6);
+    assert!((light.short.ring - 0.04).abs() < 1e-6 && (light.response.lack - 1.8).abs() < 1e-6);
     // Late by half of the delay and a sample.
-    assert!((slow.late_rate - (0.5 * samples + 1.0)).abs() < 1e-4);
+    assert!((slow.short.late_rate - (0.5 * samples + 1.0)).abs() < 1e-4);
 }
 
 #[test]
@@ -138,7 +141,7 @@ fn an_axis_that_can_no_longer_stop_within_its_travel_brakes() {
         let v = 1000.0;
         // Its stopping distance: delay and force, then the full brake; the same for what an end
         // takes.
-        let distance = |v: f32| v * bounds.reaction + v * v * bounds.half_inverse_brake;
+        let distance = |v: f32| v * bounds.end.reaction + v * v * bounds.end.half_inverse_brake;
         let needed = distance(v) - distance(bounds.end_speed);
         let at = |away: f32| end_at - side * (needed + away);
         assert_eq!(end(at(0.5), side * v, side, &rest), End::Free);
@@ -166,10 +169,13 @@ fn an_axis_that_can_no_longer_stop_within_its_travel_brakes() {
         for (loses, lost) in [(0.0, true), (0.3, false)] {
             let mut monitor = TravelMonitor::new(TRAVEL);
             let mut found = End::Free;
-            for k in 0..=bounds.braking {
-                let speed = v * (1.0 - loses * k as f32 / bounds.braking as f32);
+            for k in 0..=bounds.end.braking {
+                let speed = v * (1.0 - loses * k as f32 / bounds.end.braking as f32);
                 found = monitor.update(end_at, side * speed, -side, &rest, &bounds);
-                assert!(k == bounds.braking || found == End::Free, "{k}: {found:?}");
+                assert!(
+                    k == bounds.end.braking || found == End::Free,
+                    "{k}: {found:?}"
+                );
             }
             assert_eq!(found == End::Lost, lost, "{loses}");
         }

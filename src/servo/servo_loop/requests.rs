@@ -43,7 +43,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// # Errors
     /// [`Error::Setting`] for NaN and infinity; the reference goes on as before.
     pub fn move_to(&mut self, target: f32) -> Result<(), Error> {
-        self.trajectory.move_to(target)
+        self.moves.trajectory.move_to(target)
     }
 
     /// Oscillates with `frequency` in Hz about the present reference, in motion about the place
@@ -54,6 +54,6 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// [`Error::Setting`], with the largest amplitude or frequency for which travel and limits of
     /// motion have room; the reference goes on as before.
     pub fn oscillate(&mut self, amplitude: f32, frequency: f32) -> Result<(), Error> {
-        self.trajectory.oscillate(amplitude, frequency)
+        self.moves.trajectory.oscillate(amplitude, frequency)
     }
 }
