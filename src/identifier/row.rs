@@ -20,7 +20,7 @@ pub(super) struct Row<const N: usize> {
 }
 
 impl<const N: usize> Row<N> {
-    /// Makes the row count for what it tells at the position `y`: beyond `coarse` f32 resolves y
+    /// Weighs the row by how well it is resolved at the position `y`: beyond `coarse` f32 resolves y
     /// worse than the noise that is expected, and the row is divided by how much worse. Its digits
     /// would outweigh nominal values that nothing supports.
     #[inline(always)]

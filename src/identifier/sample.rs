@@ -36,7 +36,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.signals.gap = 0;
         self.signals.turn = self.signals.turn.wrapping_add(1);
         let turn = self.signals.turn;
-        // With a memory forgetting says when there is time.
+        // With a memory the forgetting has samples with time for it.
         if turn.is_multiple_of(16) && !(plan.forgets && self.learns) {
             self.flush(turn / 16);
         }

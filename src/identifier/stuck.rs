@@ -8,9 +8,9 @@
 //! axis; with sgn y' = 0 alone it has `b u + d`, which the trends carry for the memory of their
 //! filter. So the command of an interval is given back once it is over.
 //!
-//! A measured velocity is 0 now and then while the drive turns. Then the command did act, and
-//! whether it did the command tells: an axis breaks away at the friction of rest, which is seldom
-//! more than twice that of motion. Friction that is not known (three standard deviations) holds
+//! A measured velocity is 0 now and then while the drive turns, and then the command did act. The
+//! size of the command decides which it was: an axis breaks away at the friction of rest, which is
+//! seldom more than twice that of motion. Friction that is not known (three standard deviations) holds
 //! nothing. Only the decision depends on the estimate: what enters the equation does not.
 //!
 //! This is a matter of forces, one integration before the velocity: of models of order 1 and 2,

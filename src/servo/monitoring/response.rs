@@ -2,7 +2,7 @@
 
 use crate::servo::monitoring::bounds::Bounds;
 
-/// Both sides of the equation of the drive, as velocities, and what the one says about the other.
+/// Both sides of the equation of the drive, as velocities, and what they show of each other.
 ///
 /// ```text
 /// v'' + a2 v' + a1 v = b0 q - (friction sgn v)' ..,   through w^2 / (s + w)^2, over a1 = w^2:

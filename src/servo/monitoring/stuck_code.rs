@@ -6,7 +6,7 @@ use crate::servo::monitoring::bounds::Bounds;
 /// Samples and expected motion since the code last changed.
 ///
 /// Noise that spans more than a code changes it within a few samples, moving or not: the longest
-/// run of equal codes seen in good work tells how few. Beyond eight times that run the code counts
+/// run of equal codes in good work is the measure. Beyond eight times that run the code counts
 /// as stuck as soon as the model expects motion of ten codes and sixteen sigma in the run, however
 /// slowly. Where the noise is below 0.75 codes, runs at rest may be long; there the expected motion
 /// must exceed what can hold the axis back: friction, a stop that is harder than expected (1/w of

@@ -22,7 +22,7 @@ pub(crate) struct TravelMonitor {
     speed: f32,
 }
 
-/// What the end of the travel asks for.
+/// What the axis must do at an end of the travel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum End {
     /// Nothing.

@@ -26,7 +26,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let verdict = self
             .guard
             .monitors
-            .judge(y, &self.moves.tracking.motion(), missed);
+            .classify(y, &self.moves.tracking.motion(), missed);
         if self
             .guard
             .monitors

@@ -1,4 +1,4 @@
-//! What the user asks of the loop.
+//! The requests of the user.
 
 use crate::hardware::{PositionSensor, Valve};
 use crate::servo::design::constants::REOPENED_STD;
@@ -48,7 +48,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
 
     /// Oscillates with `frequency` in Hz about the present reference, in motion about the place
     /// where it comes to rest; the amplitude grows over one period, over two or four where the
-    /// limits of motion ask for it.
+    /// limits of motion require it.
     ///
     /// # Errors
     /// [`Error::Setting`], with the largest amplitude or frequency for which travel and limits of

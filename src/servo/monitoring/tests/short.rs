@@ -3,7 +3,7 @@
 use super::*;
 use crate::servo::monitoring::shortfall::{Short, Shortfall};
 
-/// A time of an axis that is told to go with `expected` and goes with `measured`: the alarm, and
+/// A time of an axis that should go with `expected` and goes with `measured`: the alarm, and
 /// when.
 fn alarm(
     bounds: &Bounds,
