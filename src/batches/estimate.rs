@@ -51,8 +51,8 @@ impl<const N: usize> Spread<'_, N> {
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
     Batched<T, M, N, I, D>
 {
-    /// The model with standard deviations from the blocks, or those of the identifier, as the result
-    /// states.
+    /// The model with standard deviations from the blocks, or those of the identifier, as the
+    /// result states.
     ///
     /// Cost: see the table of instruction counts.
     pub fn estimate(&self) -> Batches<M, N, I> {

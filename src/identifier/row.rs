@@ -20,9 +20,9 @@ pub(super) struct Row<const N: usize> {
 }
 
 impl<const N: usize> Row<N> {
-    /// Weighs the row by how well it is resolved at the position `y`: beyond `coarse` f32 resolves y
-    /// worse than the noise that is expected, and the row is divided by how much worse. Its digits
-    /// would outweigh nominal values that nothing supports.
+    /// Weighs the row by how well it is resolved at the position `y`: beyond `coarse` f32 resolves
+    /// y worse than the noise that is expected, and the row is divided by how much worse. Its
+    /// digits would outweigh nominal values that nothing supports.
     #[inline(always)]
     pub(super) fn weigh(&mut self, y: f32, coarse: f32) {
         let far = y.abs();

@@ -10,8 +10,8 @@
 //!
 //! A measured velocity is 0 now and then while the drive turns, and then the command did act. The
 //! size of the command decides which it was: an axis breaks away at the friction of rest, which is
-//! seldom more than twice that of motion. Friction that is not known (three standard deviations) holds
-//! nothing. Only the decision depends on the estimate: what enters the equation does not.
+//! seldom more than twice that of motion. Friction that is not known (three standard deviations)
+//! holds nothing. Only the decision depends on the estimate: what enters the equation does not.
 //!
 //! This is a matter of forces, one integration before the velocity: of models of order 1 and 2,
 //! whose inputs have a b_0 and no more. Others leave the rows out and give nothing back.

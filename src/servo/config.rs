@@ -61,8 +61,8 @@ pub struct Config {
     pub supervision: SupervisionSettings,
 }
 
-/// Requested dynamics of the closed loop. Its bandwidth follows from the verified model, delay, noise
-/// and sample time.
+/// Requested dynamics of the closed loop. Its bandwidth follows from the verified model, delay,
+/// noise and sample time.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]

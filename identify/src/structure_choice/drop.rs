@@ -1,5 +1,5 @@
-//! Why a structure is dropped: it rests on a parameter that is not told from zero, or a zero
-//! cancels a pole.
+//! Why a structure is dropped: it rests on a parameter that is not significant, or a zero cancels a
+//! pole.
 
 use crate::error::Error;
 use crate::folds::Folds;
@@ -7,8 +7,8 @@ use crate::instruments::Found;
 use crate::polynomials::Polynomials;
 use crate::problem::Problem;
 
-/// A highest b, or a_0 without an integrator, below so many jackknife deviations is not told from
-/// zero.
+/// A highest b, or a_0 without an integrator, below so many jackknife deviations is not
+/// significant.
 const TOLD: f64 = 3.0;
 
 /// A zero nearer than this share to a pole cancels it.
@@ -44,7 +44,7 @@ impl std::fmt::Display for Drop {
             Self::NotTold { name, ratio } => {
                 write!(
                     f,
-                    "{name} is not told from zero ({ratio:.1} standard deviations)"
+                    "{name} is not significant ({ratio:.1} standard deviations)"
                 )
             }
             Self::Cancels { zero: (re, im) } => {
@@ -55,7 +55,7 @@ impl std::fmt::Display for Drop {
     }
 }
 
-/// Whether the parameters that the structure rests on are told from zero: the highest b of every
+/// Whether the parameters that the structure rests on are significant: the highest b of every
 /// delayed input and, without an integrator, a_0.
 pub(super) fn rests_on(problem: &Problem, found: &Found, folds: &Folds) -> Result<(), Drop> {
     let names = problem.parameter_names();

@@ -146,7 +146,12 @@ impl Commissioning {
     }
 
     /// What the position of an axis that stays means under its command.
-    pub(crate) fn watch_standstill(&mut self, y: f32, same_code: bool, progress: &Progress) -> Standing {
+    pub(crate) fn watch_standstill(
+        &mut self,
+        y: f32,
+        same_code: bool,
+        progress: &Progress,
+    ) -> Standing {
         let command = match progress {
             Progress::Command(command) | Progress::Found(_, command) => self.sign * command,
             Progress::Failed(_) => 0.0,
@@ -157,9 +162,15 @@ impl Commissioning {
     }
 
     /// The progress, unless an axis stays that must move.
-    pub(crate) const fn unless_unresponsive(&self, standing: Standing, progress: Progress) -> Progress {
+    pub(crate) const fn unless_unresponsive(
+        &self,
+        standing: Standing,
+        progress: Progress,
+    ) -> Progress {
         match standing {
-            Standing::Unresponsive if self.standstill.code_changes() => Progress::Failed(Reason::Blocked),
+            Standing::Unresponsive if self.standstill.code_changes() => {
+                Progress::Failed(Reason::Blocked)
+            }
             Standing::Unresponsive => Progress::Failed(Reason::SensorStuck),
             _ => progress,
         }

@@ -26,8 +26,8 @@ const SHRINKING: f32 = 0.8;
 /// Levels, holds and signs drawn at random; known as APRBS (Isermann and Munchhof 2011).
 ///
 /// Levels and holds are drawn again at every reversal, forced ones too: two levels alone cannot
-/// distinguish a dead zone from a gain. The place where the axis will be when a reversed command takes
-/// effect decides about reversals.
+/// distinguish a dead zone from a gain. The place where the axis will be when a reversed command
+/// takes effect decides about reversals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sweep {
     random: u32,

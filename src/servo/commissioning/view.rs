@@ -3,8 +3,8 @@
 /// Largest rate of a correction times the spacing of the points.
 pub(crate) const STEP_MAX: f32 = 0.3;
 
-/// Least velocity, in travels per s, that is distinguished from rest; the standard deviations of the noise
-/// that it is above; the most points on each side over which it is the mean.
+/// Least velocity, in travels per s, that is distinguished from rest; the standard deviations of
+/// the noise that it is above; the most points on each side over which it is the mean.
 const REST_VELOCITY: f32 = 0.02;
 const REST_SIGMAS: f32 = 6.0;
 const REACH_MAX: f32 = 3.0;

@@ -135,8 +135,8 @@ impl Monitors {
         self.obedience = Obedience::default();
     }
 
-    /// Classifies a reading; `missed`: samples in a row without one. While the valve is closed to find
-    /// out why the axis moves against its commands, every reading counts: of such a motion the
+    /// Classifies a reading; `missed`: samples in a row without one. While the valve is closed to
+    /// find out why the axis moves against its commands, every reading counts: of such a motion the
     /// model expects nothing.
     #[inline]
     pub(crate) fn classify(&mut self, y: f32, earlier: &Motion, missed: u32) -> Verdict {

@@ -74,8 +74,8 @@ impl Plausibility {
         self.acceleration = acceleration;
     }
 
-    /// Classifies a reading beside the motion of the earlier ones; `missed`: samples in a row without
-    /// any.
+    /// Classifies a reading beside the motion of the earlier ones; `missed`: samples in a row
+    /// without any.
     #[inline]
     pub(crate) fn classify(&mut self, y: f32, earlier: &Motion, missed: u32) -> Verdict {
         let samples = (self.bridged.saturating_add(missed).saturating_add(1)) as f32;

@@ -5,7 +5,11 @@ use super::*;
 const STEP: f32 = 1e-3;
 
 /// Calls until a constant command is more than friction explains.
-fn until(standstill: &mut Standstill, command: f32, model: Option<&Theta>) -> Option<(u32, Standing)> {
+fn until(
+    standstill: &mut Standstill,
+    command: f32,
+    model: Option<&Theta>,
+) -> Option<(u32, Standing)> {
     (1..60_000).find_map(|k| {
         let standing = standstill.update(0.5, true, command, STEP, model);
         (standing != Standing::HeldByFriction).then_some((k, standing))
@@ -71,14 +75,21 @@ fn a_movement_begins_anew_and_what_friction_held_is_remembered() {
     }
     let held = 0.4 * 0.1;
     for y in [0.5005, 0.4995] {
-        assert_eq!(standstill.update(y, true, 0.0, STEP, None), Standing::HeldByFriction);
+        assert_eq!(
+            standstill.update(y, true, 0.0, STEP, None),
+            Standing::HeldByFriction
+        );
     }
-    assert_eq!(standstill.update(0.5011, true, 0.0, STEP, None), Standing::Moved);
+    assert_eq!(
+        standstill.update(0.5011, true, 0.0, STEP, None),
+        Standing::Moved
+    );
     assert_eq!((standstill.anchor, standstill.drive), (0.5011, 0.0));
     // Half as much again as friction held in good work.
     let silent = |standstill: &mut Standstill, drive: f32| {
         let calls = (drive / (STEP * 0.1)) as u32;
-        (0..calls).all(|_| standstill.update(0.5011, true, 0.15, STEP, None) == Standing::HeldByFriction)
+        (0..calls)
+            .all(|_| standstill.update(0.5011, true, 0.15, STEP, None) == Standing::HeldByFriction)
     };
     assert!(first(0.1) < held);
     let needed = 1.5 * held + 0.08 * 0.1;
