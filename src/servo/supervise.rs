@@ -1,7 +1,7 @@
 //! The decisions of the supervisor carried out, and access to the parts of the loop.
 
-use crate::Outcome;
 use crate::hardware::{PositionSensor, Valve};
+use crate::identifier::Outcome;
 use crate::servo::commissioning::{Found, Progress};
 use crate::servo::control::controller::Controller;
 use crate::servo::control::margins::Margins;

@@ -13,11 +13,10 @@ use crate::process::{Done, M0, M3, M4F, Machine, root};
 pub(crate) const BASELINE: &str = "docs/icount.json";
 
 /// Rows of the short table, with their number of parameters.
-const BRIEF: [(&str, u32); 7] = [
+const BRIEF: [(&str, u32); 6] = [
     ("filtered Tustin", 3),
     ("default", 5),
     ("default with memory", 5),
-    ("default, debt called in", 5),
     ("whole position loop", 6),
     ("bare estimator", 5),
     ("bare, bounded at rest", 5),

@@ -23,7 +23,7 @@ pub enum Drop {
     /// Its model is unstable, whole or without a fold.
     Unstable,
     /// A parameter that the structure rests on is within three deviations of zero.
-    NotTold {
+    Insignificant {
         /// Its name.
         name: String,
         /// Value over standard deviation.
@@ -41,7 +41,7 @@ impl std::fmt::Display for Drop {
         match self {
             Self::Failed(error) => error.fmt(f),
             Self::Unstable => write!(f, "unstable, or unstable without one of the folds"),
-            Self::NotTold { name, ratio } => {
+            Self::Insignificant { name, ratio } => {
                 write!(
                     f,
                     "{name} is not significant ({ratio:.1} standard deviations)"
@@ -74,7 +74,7 @@ pub(super) fn rests_on(problem: &Problem, found: &Found, folds: &Folds) -> Resul
     for place in places {
         let ratio = (found.estimate.theta[place] / folds.sigma[place]).abs();
         if !(ratio >= TOLD) {
-            return Err(Drop::NotTold {
+            return Err(Drop::Insignificant {
                 name: names[place].clone(),
                 ratio,
             });

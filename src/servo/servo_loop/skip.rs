@@ -1,7 +1,7 @@
 //! Slots in which the loop was not called.
 
-use crate::Outcome;
 use crate::hardware::{PositionSensor, Valve};
+use crate::identifier::Outcome;
 use crate::servo::servo_loop::ServoLoop;
 use crate::servo::supervision::state::Reason;
 
