@@ -3,7 +3,7 @@
 
 use crate::math::sqrt;
 use crate::servo::commissioning::predictor::Theta;
-use crate::servo::commissioning::probe::RATE;
+use crate::servo::commissioning::probe::{LATENESS, RATE};
 
 /// Part of the command at the first movement that is surely not flow: half of it, as for the dead
 /// zone of a start.
@@ -29,10 +29,9 @@ const HELD_RATIO: f32 = 1.5;
 /// motion.
 const NOISY: f32 = 2.0;
 /// Angle of the natural frequency after which a drive without friction has moved by most of what
-/// its flow leads to, the same in half periods, and delay of a valve in s.
+/// its flow leads to, and the same in half periods.
 const LAG_RADIANS: f32 = 2.0;
 const LAG_HALVES: f32 = LAG_RADIANS / core::f32::consts::PI;
-const LATENESS: f32 = 0.02;
 /// The same in s before anything is known of the time scale.
 const LAG_FIRST: f32 = 0.08;
 

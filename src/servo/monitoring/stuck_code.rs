@@ -1,6 +1,7 @@
 //! A code that stays while the axis moves.
 
 use crate::servo::design::MonitoringDesign;
+use crate::servo::design::constants::{CODE_CHANGING_NOISE, STUCK_RUN_RATIO};
 use crate::servo::monitoring::bounds::Bounds;
 
 /// Samples and expected motion since the code last changed.
@@ -31,12 +32,6 @@ pub(crate) struct StuckCode {
     changes: u32,
 }
 
-/// How much longer than the longest run of good work a run must be.
-const RUN_RATIO: u32 = 8;
-/// Standard deviation over resolution from which on noise changes the code wherever between two
-/// codes the axis stands: quantisation alone gives up to a half, where an axis stands on the edge
-/// of two.
-const SPANNING: f32 = 0.75;
 /// Changes of the code after which its runs are known.
 const KNOWN_CHANGES: u32 = 200;
 
@@ -46,7 +41,7 @@ impl StuckCode {
             many: design.many_codes,
             sample_time: design.sample_time,
             least_run: design.least_run,
-            spans: design.noise >= SPANNING * design.resolution,
+            spans: design.noise >= CODE_CHANGING_NOISE * design.resolution,
             run: 0,
             longest: 0,
             motion: 0.0,
@@ -84,7 +79,7 @@ impl StuckCode {
         self.run = self.run.saturating_add(1);
         self.motion += self.sample_time * velocity;
         let motion = self.motion.abs();
-        let rare = RUN_RATIO.saturating_mul(self.longest);
+        let rare = STUCK_RUN_RATIO.saturating_mul(self.longest);
         let known = self.spans && self.changes > KNOWN_CHANGES;
         let long = known && self.run > self.least_run && self.run > rare;
         let drift = self.sample_time * self.run as f32 * bounds.drift;
