@@ -18,6 +18,7 @@ pub mod drivers;
 pub mod identifier;
 pub mod link;
 pub mod record;
+mod servo_bench;
 pub mod servo_loop;
 mod servo_settings;
 pub mod store;

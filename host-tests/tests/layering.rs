@@ -1,5 +1,5 @@
 //! The arrows run one way: a room uses only the rooms left of it, and no two files import each
-//! other. Files of the core are short, comments narrow.
+//! other. Files are short, comments narrow, and no struct has many fields.
 //!
 //! Read from the sources: the `use` lines and the full paths in the code, without tests. A name
 //! that a module passes on (`pub use`) counts for the file that defines it.
@@ -9,7 +9,7 @@ use std::path::Path;
 
 use layering::arrows::{arrows, module};
 use layering::packages::{packages, sources};
-use layering::shape::{COLUMNS, LINES, is_long, wide_comments};
+use layering::shape::{COLUMNS, FIELDS, LINES, crowded, is_long, wide_comments};
 use layering::source::{Names, Source};
 
 /// In the folder beside this file.
@@ -118,23 +118,42 @@ fn the_core_has_its_modules_in_rooms() {
     assert!(top.len() <= 3, "{top:?}");
 }
 
+/// Structs that are a data sheet: a number per field, none of which belongs to another.
+const SHEETS: [&str; 1] = ["AxisParameters"];
+
 #[test]
-fn files_of_the_core_are_short_and_comments_narrow() {
-    let packages = packages();
-    let long = packages
-        .iter()
-        .filter(|(package, _)| package == "src")
-        .flat_map(|(package, files)| files.iter().map(move |file| (package, file)))
-        .filter(|(_, (_, text))| is_long(text))
-        .map(|(package, (file, _))| format!("{package}/{file} has more than {LINES} lines"));
-    let wide = packages.iter().flat_map(|(package, files)| {
-        files.iter().flat_map(move |(file, text)| {
-            let lines = wide_comments(text).into_iter();
-            lines.map(move |line| format!("{package}/{file}:{line} is wider than {COLUMNS}"))
-        })
-    });
-    let wrong: Vec<String> = long.chain(wide).collect();
+fn files_are_short_and_comments_narrow_and_structs_have_few_fields() {
+    let mut wrong = Vec::new();
+    for (package, files) in packages() {
+        for (file, text) in files {
+            let place = format!("{package}/{file}");
+            if is_long(&text) {
+                wrong.push(format!("{place} has more than {LINES} lines"));
+            }
+            for line in wide_comments(&text) {
+                wrong.push(format!("{place}:{line} is wider than {COLUMNS}"));
+            }
+            let many = crowded(&text).into_iter();
+            for (line, name) in many.filter(|(_, name)| !SHEETS.contains(&name.as_str())) {
+                wrong.push(format!(
+                    "{place}:{line} {name} has more than {FIELDS} fields"
+                ));
+            }
+        }
+    }
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn a_crowded_struct_is_seen() {
+    let fields = |count: usize| -> String {
+        let field =
+            |k| format!("    /// Not: a field.\n    #[a(b)]\n    pub(crate) x{k}: [f32; 2],\n");
+        (0..count).map(field).collect()
+    };
+    let of = |count| format!("struct A;\npub struct Many<T> {{\n{}}}\n", fields(count));
+    assert!(crowded(&of(FIELDS)).is_empty());
+    assert_eq!(crowded(&of(FIELDS + 1)), [(2, "Many".to_owned())]);
 }
 
 #[test]

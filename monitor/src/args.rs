@@ -71,6 +71,16 @@ pub(crate) struct Args {
     #[arg(long, default_value = "out")]
     pub out: PathBuf,
 
+    #[command(flatten)]
+    pub outputs: OutputArgs,
+    /// Ends after so many seconds and prints what was received and lost
+    #[arg(long, value_name = "SECONDS")]
+    pub seconds: Option<f64>,
+}
+
+/// Where the samples go beside the page.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct OutputArgs {
     /// Records to this file from the first sample on
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
@@ -84,9 +94,6 @@ pub(crate) struct Args {
     /// Sends every sample as JSON over UDP, for PlotJuggler
     #[arg(long, value_name = "HOST:PORT")]
     pub plotjuggler: Option<SocketAddr>,
-    /// Ends after so many seconds and prints what was received and lost
-    #[arg(long, value_name = "SECONDS")]
-    pub seconds: Option<f64>,
 }
 
 impl Args {

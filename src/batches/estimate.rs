@@ -6,7 +6,7 @@ use crate::math::matrix::Matrix;
 use crate::readout::estimate::Estimate;
 use crate::trends::TrendOperator;
 
-/// Blocks below which their spread says too little.
+/// Blocks below which their spread is too uncertain.
 const FEWEST: f32 = 8.0;
 
 /// An estimate by least squares and what its standard deviations rest on.
@@ -23,7 +23,7 @@ pub struct Batches<const M: usize, const N: usize, const I: usize> {
     pub blocks: f32,
 }
 
-/// What the blocks say of the estimate.
+/// Spread of the estimate over the blocks.
 struct Spread<'a, const N: usize> {
     gain: &'a Matrix<N>,
     covariance: Matrix<N>,
@@ -51,8 +51,8 @@ impl<const N: usize> Spread<'_, N> {
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
     Batched<T, M, N, I, D>
 {
-    /// The model with standard deviations from the blocks, or those of the identifier where it says
-    /// so.
+    /// The model with standard deviations from the blocks, or those of the identifier, as the
+    /// result states.
     ///
     /// Cost: see the table of instruction counts.
     pub fn estimate(&self) -> Batches<M, N, I> {

@@ -126,7 +126,7 @@ impl<const N: usize> Factors<N> {
     }
 
     /// Folds the unit row e_i, i = `index`, of the noise variance `variance` in; one that is 0 or
-    /// infinite, of a parameter that is known or has no bound, says nothing.
+    /// infinite, of a parameter that is known or has no bound, changes nothing.
     #[inline(never)]
     pub(crate) fn observe(&mut self, index: usize, variance: f32) {
         if !(f32::MIN_POSITIVE..=f32::MAX).contains(&variance) {

@@ -3,7 +3,7 @@
 //! Forgetting takes the share eps = 1 - lambda of all information before a row, in every direction.
 //! A row brings phi' P phi, in one direction. Where one direction alone is shown the two balance at
 //! phi' P phi = eps; below, P grows with every row: a small step of the reference, seconds behind
-//! the one before, costs more than it tells. So
+//! the one before, costs more than it brings. So
 //!
 //! ```text
 //! phi' P phi > 1.5 eps    forgetting before the next row
@@ -43,8 +43,8 @@
 //! The result is `(lambda^n P^-1 + diag(1 / (N r_i eps)))^-1`: what forgetting on time would have
 //! left beside what the nominal values leave without data, right after a turn. So
 //! `P_ii <= N r_i eps`, and the bound goes on to hold in every sample. n stops at 20/eps:
-//! 1/lambda^n = 5e8 leaves nothing of what rows have told. Before the noise is known (no more rows
-//! than parameters) nothing contradicts.
+//! 1/lambda^n = 5e8 leaves nothing of what rows have brought. Before the noise is known (no more
+//! rows than parameters) nothing contradicts.
 //!
 //! No sample has to do it all: each of the next N observes one parameter, and the last of them
 //! multiplies. They take no row, as those of the onset of a motion are noise above all, and nothing

@@ -196,7 +196,7 @@ impl<const N: usize> Estimator<N> {
 
     /// The last column of an observation that was begun, and its step of theta.
     ///
-    /// To be called before the innovation of the next row is asked for.
+    /// To be called before the innovation of the next row is computed.
     #[inline(always)]
     pub(crate) fn finish_observation(&mut self) {
         if self.observation.index < N {

@@ -18,9 +18,9 @@
 //!
 //! Then everything learnt counts as much as one sample of the memory: `P <- n P`, no D beyond the
 //! prior. The rows are left out while the filter carries both drives, for three time constants of
-//! its pair; what its slow pole carries on is an initial state, which becomes uncertain again. What
-//! the rows behind that tell is weighed against so little that the memory plays no part: it is as
-//! long as the time since, until that is as long as the memory.
+//! its pair; what its slow pole carries on is an initial state, which becomes uncertain again. The
+//! rows behind that are weighed against so little that the memory plays no part: it is as long as
+//! the time since, until that is as long as the memory.
 //!
 //! # The bound
 //! `n P` may exceed the bound of [`forgetting`](crate::estimation::forgetting). In the first N

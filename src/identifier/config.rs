@@ -59,10 +59,10 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     /// Which input is the sign of the velocity ([`inputs::coulomb`](crate::inputs::coulomb)), if
     /// one is; default `None`.
     ///
-    /// While it is 0 the axis may stick, and no model says how large the friction is: the estimate
-    /// is held, and behind an integrator the trends begin anew at rest when the axis breaks away.
-    /// Before that, in models of order 1 and 2, a command up to twice the friction found counts as
-    /// one that did not act.
+    /// While it is 0 the axis may stick, and no model contains how large the friction is: the
+    /// estimate is held, and behind an integrator the trends begin anew at rest when the axis
+    /// breaks away. Before that, in models of order 1 and 2, a command up to twice the friction
+    /// found counts as one that did not act.
     pub friction_input: Option<usize>,
     /// Estimate at the start, in the order of theta and the user's units; default 0.
     pub initial: [f32; N],

@@ -105,7 +105,7 @@ pub(super) fn refused<T: TrendOperator<M>, const M: usize, const N: usize, const
     if !acceptable(y, plan.output_limit) {
         return Some(Refusal::Output);
     }
-    for (input, (u, limit)) in u.iter().zip(&plan.input_limit).enumerate() {
+    for (input, (u, limit)) in u.iter().zip(&plan.inputs.limit).enumerate() {
         if !acceptable(*u, *limit) {
             return Some(Refusal::Input(input));
         }

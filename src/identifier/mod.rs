@@ -189,7 +189,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// Without this call the nominal values follow the estimate while it is well known.
     #[doc(alias = "trust")]
     pub fn set_nominal(&mut self) {
-        let noise = self.plan.prior_noise;
+        let noise = self.plan.noise.prior;
         self.state.set_nominal(noise * noise);
     }
 
@@ -225,7 +225,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             trends,
             regressor,
             bandwidth,
-            prior_noise,
+            noise,
             offset_significance,
             ..
         } = &self.plan;
@@ -234,7 +234,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             design: trends.design(),
             regressor,
             bandwidth: *bandwidth,
-            prior_noise: *prior_noise,
+            prior_noise: noise.prior,
             significance: *offset_significance,
             estimator: &self.state.estimator,
             forgetting: &self.state.forgetting,

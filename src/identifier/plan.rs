@@ -29,6 +29,35 @@ pub(crate) struct Prior<const N: usize> {
     pub(crate) std: [f32; N],
 }
 
+/// How each input comes in.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct InputPlan<const I: usize> {
+    pub(crate) holds: [Hold; I],
+    /// Whole samples, and the part of one beside them.
+    pub(crate) delays: [usize; I],
+    pub(crate) delay_parts: [f32; I],
+    /// Its value in equilibrium before the first sample.
+    pub(crate) initial: [f32; I],
+    /// Beyond it a sample is refused.
+    pub(crate) limit: [f32; I],
+}
+
+/// What is compared with the noise of y.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct NoisePlan<const N: usize> {
+    /// Standard deviation of psi from the noise expected on the output.
+    pub(crate) prior: f32,
+    /// A variance of y that is always allowed for: that of a fiftieth of the expected noise.
+    pub(crate) least: f32,
+    /// Where half a digit of y in f32 is as large as the expected noise.
+    pub(crate) coarse: f32,
+    /// 1 / 25 times the variance of each entry of phi under white noise of variance 1 on y; 0 where
+    /// there is none.
+    weights: [f32; N],
+    /// Whether there is none in any.
+    always_moves: bool,
+}
+
 /// Everything that a sample uses and does not change.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> {
@@ -43,28 +72,14 @@ pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, cons
     pub(crate) prior: Prior<N>,
     /// lambda.
     pub(crate) forgetting: f32,
-    pub(crate) holds: [Hold; I],
-    pub(crate) delays: [usize; I],
-    pub(crate) delay_parts: [f32; I],
-    pub(crate) initial_inputs: [f32; I],
-    pub(crate) input_limit: [f32; I],
+    pub(crate) inputs: InputPlan<I>,
     pub(crate) output_limit: f32,
-    /// Standard deviation of psi from the noise expected on the output.
-    pub(crate) prior_noise: f32,
+    pub(crate) noise: NoisePlan<N>,
     pub(crate) bandwidth: f32,
     pub(crate) forgets: bool,
-    /// 1 / 25 times the variance of each entry of phi under white noise of variance 1 on y; 0 where
-    /// there is none.
-    noise_weights: [f32; N],
-    /// Whether there is none in any.
-    always_moves: bool,
     pub(crate) offset_significance: f32,
     /// Whether implausible samples of y are replaced.
     pub(crate) has_gate: bool,
-    /// A variance of y that is always allowed for: that of a fiftieth of the expected noise.
-    pub(crate) least_noise: f32,
-    /// Where half a digit of y in f32 is as large as the expected noise.
-    pub(crate) coarse: f32,
     /// Whether standstill can contradict the model: behind an integrator every input moves the
     /// drive.
     pub(crate) can_stand: bool,
@@ -112,8 +127,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             configured: None,
             structure: config.structure,
             regressor,
-            noise_weights: [0.0; N],
-            always_moves: true,
             output_form: output_form(&config.structure),
             prior: Prior {
                 theta: [0.0; N],
@@ -122,13 +135,21 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             forgetting: config
                 .memory
                 .map_or(1.0, |memory| 1.0 - sample_time / memory),
-            holds: config.holds,
-            delays: config.delays,
-            delay_parts: config.delay_parts,
-            initial_inputs: config.initial_input,
-            input_limit: config.input_range.map(|range| REACH * range),
+            inputs: InputPlan {
+                holds: config.holds,
+                delays: config.delays,
+                delay_parts: config.delay_parts,
+                initial: config.initial_input,
+                limit: config.input_range.map(|range| REACH * range),
+            },
             output_limit: REACH * config.output_range,
-            prior_noise: 0.0,
+            noise: NoisePlan {
+                prior: 0.0,
+                least: LEAST_NOISE * config.output_noise * config.output_noise,
+                coarse: config.output_noise * (2.0 / f32::EPSILON),
+                weights: [0.0; N],
+                always_moves: true,
+            },
             bandwidth: config.bandwidth,
             forgets: config.memory.is_some(),
             offset_significance: config.offset_significance,
@@ -136,8 +157,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
                 && angle <= FINE
                 && design.filter.is_some()
                 && smooth(&config.structure),
-            least_noise: LEAST_NOISE * config.output_noise * config.output_noise,
-            coarse: config.output_noise * (2.0 / f32::EPSILON),
             can_stand: config.structure.integrators() > 0,
             times: Times::new(&config.structure, design, config.bandwidth),
             warm_up: design.warm_up.max((config.settling / sample_time) as u32),
@@ -154,8 +173,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
     /// # Errors
     /// [`ConfigError::OutOfRange`], naming `initial` or `prior_std`.
     pub(crate) fn expect_noise(&mut self, config: &Config<M, N, I>) -> Result<(), ConfigError> {
-        self.prior_noise = self.regressor.noise(config.output_noise);
-        self.change_shares.least = LEAST_NOISE * self.prior_noise * self.prior_noise;
+        self.noise.prior = self.regressor.noise(config.output_noise);
+        self.change_shares.least = LEAST_NOISE * self.noise.prior * self.noise.prior;
         self.weigh_noise();
         self.prior = self.first_prior(config)?;
         Ok(())
@@ -174,10 +193,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
     pub(crate) fn moves(&self, phi: &[f32; N], noise: f32) -> bool {
         // Those of y are the first parameters, at most M.
         let mut power = 0.0;
-        for (x, weight) in phi.iter().zip(&self.noise_weights).take(M) {
+        for (x, weight) in phi.iter().zip(&self.noise.weights).take(M) {
             power += x * x * weight;
         }
-        power > noise || self.always_moves
+        power > noise || self.noise.always_moves
     }
 
     /// Whether friction may hold the axis: its input is 0.
@@ -228,11 +247,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
     /// By what the trends of y are compared with its noise.
     fn weigh_noise(&mut self) {
         let (moments, ..) = (self.regressor).noise_moments(&self.trends.design().noise_gain);
-        self.noise_weights = core::array::from_fn(|j| {
+        self.noise.weights = core::array::from_fn(|j| {
             let variance = MOVES * MOVES * moments[j][j];
             if variance > 0.0 { 1.0 / variance } else { 0.0 }
         });
-        self.always_moves = self.noise_weights.iter().all(|weight| *weight == 0.0);
+        self.noise.always_moves = self.noise.weights.iter().all(|weight| *weight == 0.0);
     }
 }
 

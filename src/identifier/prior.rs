@@ -48,7 +48,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
         check_std(std)?;
         let theta = self.normalised(theta)?;
         let units = self.regressor.units();
-        let std = core::array::from_fn(|j| bounded(std[j] / (units[j] * self.prior_noise)));
+        let std = core::array::from_fn(|j| bounded(std[j] / (units[j] * self.noise.prior)));
         Ok(Prior { theta, std })
     }
 
@@ -79,7 +79,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
                 Parameter::Constant if integrates => OFFSET,
                 _ => PRIOR,
             };
-            bounded(std / self.prior_noise)
+            bounded(std / self.noise.prior)
         })
     }
 }

@@ -20,9 +20,9 @@ pub(super) struct Row<const N: usize> {
 }
 
 impl<const N: usize> Row<N> {
-    /// Makes the row count for what it tells at the position `y`: beyond `coarse` f32 resolves y
-    /// worse than the noise that is expected, and the row is divided by how much worse. Its digits
-    /// would outweigh nominal values that nothing supports.
+    /// Weighs the row by how well it is resolved at the position `y`: beyond `coarse` f32 resolves
+    /// y worse than the noise that is expected, and the row is divided by how much worse. Its
+    /// digits would outweigh nominal values that nothing supports.
     #[inline(always)]
     pub(super) fn weigh(&mut self, y: f32, coarse: f32) {
         let far = y.abs();
@@ -102,7 +102,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         // Beyond all noise: the trends carry this step of the position or of the velocity for a
         // while.
         let third = self.noise.third_difference(y) * STEP;
-        if third * third > Noise::of(&self.noise, plan.least_noise).allowed {
+        if third * third > Noise::of(&self.noise, plan.noise.least).allowed {
             self.standstill.pause(plan.times.after_step);
         }
         let row = self.row(plan, y, others);

@@ -36,7 +36,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.signals.gap = 0;
         self.signals.turn = self.signals.turn.wrapping_add(1);
         let turn = self.signals.turn;
-        // With a memory forgetting says when there is time.
+        // With a memory the forgetting has samples with time for it.
         if turn.is_multiple_of(16) && !(plan.forgets && self.learns) {
             self.flush(turn / 16);
         }
@@ -57,7 +57,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
                 remaining: self.signals.remaining,
             };
         }
-        let noise = Noise::of(&self.noise, plan.least_noise);
+        let noise = Noise::of(&self.noise, plan.noise.least);
         let (mut row, third) = match self.screened(plan, y, &others, noise) {
             Ok(found) => found,
             Err(innovation) => return Outcome::Replaced { innovation },
@@ -134,10 +134,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
                 }
                 return Outcome::Held { innovation };
             }
-            row.weigh(y + self.signals.reference, plan.coarse);
+            row.weigh(y + self.signals.reference, plan.noise.coarse);
             self.remember(plan, row, y, witness);
         } else if obeys {
-            row.weigh(y + self.signals.reference, plan.coarse);
+            row.weigh(y + self.signals.reference, plan.noise.coarse);
             let _ = self.estimator.fold(&row.phi, row.error);
             witness.row(&row.phi, row.psi, &self.estimator, true);
         } else {
@@ -183,7 +183,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     fn tidy(&mut self, plan: &Plan<T, M, N, I>, part: u32) {
         if part.is_multiple_of(8) {
             let far = self.position().abs();
-            let resolved = far <= plan.coarse || far <= 2.0 * self.signals.reference.abs();
+            let resolved = far <= plan.noise.coarse || far <= 2.0 * self.signals.reference.abs();
             self.forgetting.heed(resolved);
         }
         self.flush(part);

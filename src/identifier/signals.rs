@@ -46,6 +46,7 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         Self {
             output: Memory::output_at_rest(design, plan.output_form, 0.0),
             inputs: plan
+                .inputs
                 .holds
                 .map(|hold| Memory::input_at_rest(design, hold, 0.0)),
             constant: Memory::input_at_rest(design, Hold::Zero, 0.0),
@@ -56,8 +57,8 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
             begun: false,
             gate: Gate::new(plan.times.gate_open),
             last: 0.0,
-            last_inputs: plan.initial_inputs,
-            acting: plan.initial_inputs,
+            last_inputs: plan.inputs.initial,
+            acting: plan.inputs.initial,
             gap: 0,
             turn: 0,
         }
@@ -73,7 +74,7 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         let y = y - self.reference;
         self.output = Memory::output_at_rest(design, plan.output_form, y);
         for c in 0..I {
-            let (hold, value) = (plan.holds[c], plan.initial_inputs[c]);
+            let (hold, value) = (plan.inputs.holds[c], plan.inputs.initial[c]);
             self.inputs[c] = Memory::input_at_rest(design, hold, value);
         }
         let constant = if integrates { 0.0 } else { 1.0 };
@@ -175,7 +176,7 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         }
         let mut acting = u;
         for (c, u) in acting.iter_mut().enumerate() {
-            let (delay, part) = (plan.delays[c], plan.delay_parts[c]);
+            let (delay, part) = (plan.inputs.delays[c], plan.inputs.delay_parts[c]);
             *u = if part > 0.0 {
                 self.lines[c].update_between(*u, delay, part)
             } else {
@@ -195,7 +196,7 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         for c in 0..I {
             inputs[c] = plan
                 .trends
-                .input(&mut self.inputs[c], acting[c], plan.holds[c]);
+                .input(&mut self.inputs[c], acting[c], plan.inputs.holds[c]);
         }
         Others {
             inputs,

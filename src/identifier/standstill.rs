@@ -20,9 +20,9 @@
 //! held goes on being contradicted, by more than its own uncertainty; and before the noise is known
 //! nothing contradicts.
 //!
-//! Where an input says that the velocity is 0, friction is whatever holds the axis, and no size of
-//! the innovation tells: the row is left out, the command is given back (`stuck`), and from half of
-//! 1/bandwidth on the trends begin at rest at the mean of y.
+//! Where an input states that the velocity is 0, friction is whatever holds the axis, and no size
+//! of the innovation shows it: the row is left out, the command is given back (`stuck`), and from
+//! half of 1/bandwidth on the trends begin at rest at the mean of y.
 //!
 //! A model that is merely wrong is not held up: while the drive moves, it crosses the band in few
 //! samples, and the pause is in proportion to them.
@@ -175,7 +175,7 @@ impl Standstill {
             entered: [y, 0.0],
             stuck,
             mean,
-            // Until the trends begin at rest they carry a friction that was not told.
+            // Until the trends begin at rest they carry a friction that no input stated.
             pause: match stuck >= least {
                 true => 0,
                 false => self.pause.max(PAUSE.saturating_mul(stuck)),

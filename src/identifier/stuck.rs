@@ -8,10 +8,10 @@
 //! axis; with sgn y' = 0 alone it has `b u + d`, which the trends carry for the memory of their
 //! filter. So the command of an interval is given back once it is over.
 //!
-//! A measured velocity is 0 now and then while the drive turns. Then the command did act, and
-//! whether it did the command tells: an axis breaks away at the friction of rest, which is seldom
-//! more than twice that of motion. Friction that is not known (three standard deviations) holds
-//! nothing. Only the decision depends on the estimate: what enters the equation does not.
+//! A measured velocity is 0 now and then while the drive turns, and then the command did act. The
+//! size of the command decides which it was: an axis breaks away at the friction of rest, which is
+//! seldom more than twice that of motion. Friction that is not known (three standard deviations)
+//! holds nothing. Only the decision depends on the estimate: what enters the equation does not.
 //!
 //! This is a matter of forces, one integration before the velocity: of models of order 1 and 2,
 //! whose inputs have a b_0 and no more. Others leave the rows out and give nothing back.
@@ -37,7 +37,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             return;
         }
         let signals = &mut self.signals;
-        for (c, hold) in plan.holds.iter().enumerate() {
+        for (c, hold) in plan.inputs.holds.iter().enumerate() {
             if let (Hold::Zero, Some(memory), Some(u)) =
                 (hold, signals.inputs.get_mut(c), signals.acting.get(c))
             {

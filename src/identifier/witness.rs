@@ -15,7 +15,7 @@ pub(crate) trait Witness<const M: usize, const N: usize, const I: usize> {
     /// The covariance of the estimator was changed by something that is no row.
     #[inline(always)]
     fn widened(&mut self) {}
-    /// The drive is another one from now on: rows up to now say nothing of it.
+    /// The drive is another one from now on: rows up to now hold no information on it.
     #[inline(always)]
     fn changed(&mut self) {
         self.widened();

@@ -15,10 +15,10 @@
 //! per row        G += z [phi' psi]                             no auxiliary model runs: nothing can diverge     `sums`
 //! at read-out    row of a_i := - sum_c sum_j b_cj (row of x_c,i-integrators+j)           `layout`
 //!                theta = (Z'Phi)^-1 Z'psi                      b by least squares first, then repeated      `solve`
-//!                V = M^-1 (sum_b s_b s_b') M^-T,  s_b = g_b - G_b theta,  M = sum G_b, and what few blocks ask for       `spread`
+//!                V = M^-1 (sum_b s_b s_b') M^-T,  s_b = g_b - G_b theta,  M = sum G_b, corrected for few blocks       `spread`
 //! ```
 //!
-//! The sums stand in a ring of up to 16 blocks of time (`blocks`), so that the scores s_b tell how
+//! The sums stand in a ring of up to 16 blocks of time (`blocks`), so that the scores s_b show how
 //! much the estimate would vary, whatever the spectrum of the noise. The equations are linear in
 //! the rows of the sums, so a better b counts for all past samples.
 //!
@@ -192,7 +192,7 @@ impl<
         &self.identifier
     }
 
-    /// The model by instruments, or by the recursion where it says so.
+    /// The model by instruments, or by the recursion, as [`Found::way`] states.
     ///
     /// Cost: see the table of instruction counts; [`Reading`] spreads it over samples.
     pub fn estimate(&self) -> Found<M, N, I> {

@@ -13,7 +13,7 @@
 //! - theta follows each block: of its noise `(1 - H_b)^(1/2)` is left. j_b is the inverse to second
 //!   order, which no block makes large: for `H_b = 1` the series gives 1.9.
 //! - Blocks shorter than the noise remembers are not independent. Their correlation is compared
-//!   with that of white noise, of which theta takes a part that the H_b tell:
+//!   with that of white noise, of which theta takes a part that follows from the H_b:
 //!   ```text
 //!   v   = sum s_b' i_b / (p - sum tr H_b^2)
 //!   r   = (sum s_b' i_b+1 + v sum tr H_b H_b+1) / (p v)
@@ -123,7 +123,7 @@ impl<const N: usize> Spread<N> {
         }
     }
 
-    /// sum j_b j_b', without what few and dependent blocks ask for.
+    /// sum j_b j_b', without the corrections for few and dependent blocks.
     pub(super) const fn scores(&self) -> &Matrix<N> {
         &self.covariance
     }

@@ -6,7 +6,7 @@ use crate::math::polynomial::largest_rate;
 use crate::math::{deviation, raised};
 
 /// A standard deviation beyond this share of what it belongs to shows weak instruments: ratios of
-/// sums as uncertain as that have no variance that a first order could tell.
+/// sums as uncertain as that have no variance to first order.
 const WEAK: f32 = 1.0 / 3.0;
 
 /// Whether an a_i of a model of order `M` is not known to a third of its power of the largest rate,

@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn a_variance_that_cancels_is_not_zero() {
-        // b0 and a1 err together: the gain is known much better than f32 can say, not perfectly.
+        // b0 and a1 err together: the gain is known much better than f32 resolves, not perfectly.
         let (b0, a1, share) = (1e6_f32, 400.0_f32, 0.01_f32);
         let sigma = [share * b0, share * a1, 0.2];
         let mut covariance = [[0.0; 3]; 3];

@@ -54,7 +54,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// ```
     ///
     /// A prior alone leaves itself, observations of the value the bound or, as motion that shows
-    /// little is forgotten for at every eighth row only, an eighth of it: as much as P_kk says
+    /// little is forgotten for at every eighth row only, an eighth of it: as much as P_kk is
     /// between the least of these and the bound. So a value is taken for all that is known down to
     /// there, and by the share of P_kk below. Without a memory what the data have shown is left
     /// out: no entry i would grow by more than a thousandth.

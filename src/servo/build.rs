@@ -64,7 +64,7 @@ impl<S, V> ServoLoop<S, V> {
                 self.supervise_on();
             }
             Part::Monitors => {
-                self.monitors.redesign(
+                self.guard.monitors.redesign(
                     &design.monitoring.with_resolution(resolution(&self.axis)),
                     &design.supervision.validation.observer,
                     found.model,
@@ -99,14 +99,14 @@ impl<S, V> ServoLoop<S, V> {
             return;
         };
         let motion = self.commissioning.motion();
-        self.run_out_rate = design.run_out_rate;
+        self.moves.run_out_rate = design.run_out_rate;
         self.settled = design.identification.settled;
-        self.trajectory = Trajectory::new(design.motion, design.travel, design.sample_time);
-        self.trajectory.hold(motion.position);
+        self.moves.trajectory = Trajectory::new(design.motion, design.travel, design.sample_time);
+        self.moves.trajectory.hold(motion.position);
         self.monitor = ExcitationMonitor::new(&design.monitor);
         self.supervisor.redesign(&design.supervision);
-        self.tracking = AlphaBetaGamma::new(design.tracking_rate, design.sample_time);
-        self.tracking.begin(motion);
+        self.moves.tracking = AlphaBetaGamma::new(design.tracking_rate, design.sample_time);
+        self.moves.tracking.begin(motion);
     }
 
     /// Gives up what is being built. An identifier whose plan is the new one and whose state is the

@@ -53,7 +53,7 @@ pub struct Config {
     pub adaptive: bool,
     /// Limits of moves; default 2 travels per s, and what the bandwidth allows.
     pub motion: Option<MotionLimits>,
-    /// Wanted dynamics.
+    /// Requested dynamics.
     pub controller: ControllerSettings,
     /// The commissioning.
     pub excitation: ExcitationSettings,
@@ -61,8 +61,8 @@ pub struct Config {
     pub supervision: SupervisionSettings,
 }
 
-/// What is asked of the closed loop. Its bandwidth follows from the verified model, delay, noise
-/// and sample time.
+/// Requested dynamics of the closed loop. Its bandwidth follows from the verified model, delay,
+/// noise and sample time.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]

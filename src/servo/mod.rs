@@ -10,13 +10,16 @@
 //! | folder | task |
 //! |---|---|
 //! | config, design | settings of the user; every number that follows from them |
+//! | model | what a commissioning finds and a controller controls on |
 //! | motion | reference: moves, sine, run-out; the motion before there is a model |
+//! | commissioning | the first model: rest, probe, relay, random levels, search |
 //! | control | poles from margins, estimator over the delay, law, friction that holds, rest, limits of the command |
 //! | supervision | excitation, screening and validation of models, states and reasons |
 //! | monitoring | faults of sensor, valve and axis in control, and how they stop it |
 //! | identification | the identifier of the loop and its candidates |
 //! | servo_loop, supervise, protect | all of it behind one call per sample |
 //! | tune, build, building | from a model to poles and to a loop that controls on it, in pieces of a sample |
+//! | report, error | what a sample gives, and what settings and requests are refused for |
 //! | store | a verified model in flash |
 
 mod build;

@@ -151,7 +151,7 @@ impl Model {
         }
     }
 
-    /// The command for a wanted flow; the jump of 2 delta at zero is a steep line of half width
+    /// The command for a requested flow; the jump of 2 delta at zero is a steep line of half width
     /// `blend`.
     ///
     /// `blend` is a flow and positive; beyond it the inverse is exact.
@@ -167,7 +167,7 @@ impl Model {
         }
     }
 
-    /// The command for a wanted flow through a valve whose spool is off by the offset; within
+    /// The command for a requested flow through a valve whose spool is off by the offset; within
     /// `blend` of none the jump of the dead zone is a steep line.
     #[inline]
     pub(crate) fn valve_command(&self, flow: f32, blend: f32) -> f32 {

@@ -1,4 +1,4 @@
-//! What the fault monitors want carried out: the axis stops, or becomes slower first.
+//! The answers to an alarm: the axis stops, or the loop becomes slower first.
 
 use crate::hardware::{PositionSensor, Valve};
 use crate::servo::design::constants::{DERATING, DERATING_MIN};
@@ -23,23 +23,23 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let seen = Seen {
             setpoint,
             y,
-            velocity: self.tracking.motion().velocity,
+            velocity: self.moves.tracking.motion().velocity,
             command,
             same_code,
             pushes: self.controller.pushes(),
         };
-        match self.monitors.update(&seen) {
+        match self.guard.monitors.update(&seen) {
             None => false,
             Some(Alarm::Oscillates) => {
                 self.calm();
                 false
             }
             closes @ Some(Alarm::Close) => {
-                self.alarm = closes;
+                self.guard.alarm = closes;
                 true
             }
             brakes @ Some(Alarm::Brake) => {
-                self.alarm = brakes;
+                self.guard.alarm = brakes;
                 false
             }
             Some(Alarm::Stop(reason)) => {
@@ -55,18 +55,18 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             return;
         }
         if self.supervisor.state().is_controlling() {
-            self.stop.begin(reason, self.monitors.bounds());
+            self.guard.stop.begin(reason, self.guard.monitors.bounds());
         }
-        self.monitors.stopped();
+        self.guard.monitors.stopped();
         self.supervisor.fail(reason);
     }
 
     /// The answer to an oscillation: less bandwidth at once, and the model of the commissioning is
     /// a candidate again.
     ///
-    /// An oscillation does not tell whether the model in use is wrong or the one before was: after
-    /// a heavier load the model of the commissioning is. Less bandwidth calms either. Which model
-    /// describes the axis is decided as between any two models, by what they make of later samples.
+    /// Either the model in use is wrong, or, after a heavier load, that of the commissioning: an
+    /// oscillation does not distinguish them, and less bandwidth calms both. Which model describes
+    /// the axis is decided as between any two models, by how well they follow later samples.
     pub(crate) fn calm(&mut self) {
         let fallback = &mut self.fallback;
         fallback.reconsiders = fallback.known_good != self.supervisor.verified_model();
@@ -83,7 +83,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         if factor != self.fallback.derating {
             self.fallback.derating = factor;
             self.controller.derate(factor);
-            self.monitors.derated(factor);
+            self.guard.monitors.derated(factor);
         }
     }
 
@@ -95,14 +95,14 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
         self.controller.retune(model);
         self.search_again(model);
-        self.monitors.retune(model, self.controller.motion());
+        self.guard.monitors.retune(model, self.controller.motion());
     }
 
     /// The command outside of commissioning and control: a brake for a while after a fault, then
     /// the middle of the valve.
     pub(crate) fn stopping(&mut self, y: f32) -> f32 {
-        self.stop.look(self.tracking.motion().velocity);
-        if self.stop.brakes() {
+        self.guard.stop.look(self.moves.tracking.motion().velocity);
+        if self.guard.stop.brakes() {
             self.drive.sign * self.controller.brake(y)
         } else {
             self.centre()
@@ -119,7 +119,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             (State::Failed(Reason::WrongSign), Some(model))
                 if model.offset.abs() > model.dead_zone =>
             {
-                self.drive.sign * self.stop.creeps() * model.offset.abs()
+                self.drive.sign * self.guard.stop.creeps() * model.offset.abs()
             }
             (State::Failed(Reason::WrongSign), _) => 0.0,
             (State::Failed(_), Some(model)) => -self.drive.sign * model.offset,

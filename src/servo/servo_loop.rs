@@ -3,6 +3,8 @@
 mod begin;
 pub(crate) mod commands;
 pub(crate) mod drive;
+mod guard;
+mod moves;
 mod reading;
 mod requests;
 pub(crate) mod sensed;
@@ -15,13 +17,13 @@ use crate::servo::config::Config;
 use crate::servo::control::controller::Controller;
 use crate::servo::control::limiter::CommandLimiter;
 use crate::servo::identification::{LoopIdentifier, inputs_of_known};
-use crate::servo::monitoring::{Alarm, Monitors, stop::Stop};
+use crate::servo::monitoring::Alarm;
 use crate::servo::motion::Setpoint;
-use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
-use crate::servo::motion::trajectory::Trajectory;
 use crate::servo::report::Report;
 use crate::servo::servo_loop::commands::Commands;
 use crate::servo::servo_loop::drive::Drive;
+use crate::servo::servo_loop::guard::Guard;
+use crate::servo::servo_loop::moves::Moves;
 use crate::servo::servo_loop::sensed::Sensed;
 use crate::servo::servo_loop::takeover::{Fallback, Takeover};
 use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
@@ -70,17 +72,12 @@ pub struct ServoLoop<S, V> {
     pub(crate) progress: Progress,
     /// What belongs to the model: the drive around it.
     pub(crate) drive: Drive,
-    pub(crate) trajectory: Trajectory,
-    pub(crate) run_out_rate: f32,
+    pub(crate) moves: Moves,
     pub(crate) limiter: CommandLimiter,
     pub(crate) commands: Commands,
     pub(crate) sensed: Sensed,
-    pub(crate) tracking: AlphaBetaGamma,
     pub(crate) monitor: ExcitationMonitor,
-    pub(crate) monitors: Monitors,
-    /// What the monitors want of the next command.
-    pub(crate) alarm: Option<Alarm>,
-    pub(crate) stop: Stop,
+    pub(crate) guard: Guard,
     /// Samples after a breakaway in which the filtered signals still contain friction.
     pub(crate) settled: u32,
     pub(crate) takeover: Takeover,
@@ -103,7 +100,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         };
         self.sensed.position = y;
         self.begin(y);
-        self.tracking.update(y);
+        self.moves.tracking.update(y);
         let (setpoint, requested) = self.requested(y, same_code);
         let limited = self.limiter.update(requested);
         self.commands.push(limited);
@@ -141,14 +138,14 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             };
             (Setpoint::at(y), command)
         } else if state.is_controlling() {
-            let setpoint = self.trajectory.update();
+            let setpoint = self.moves.trajectory.update();
             let command = self.controller.update(&setpoint, y);
-            let against = if self.tracking.motion().velocity > 0.0 {
+            let against = if self.moves.tracking.motion().velocity > 0.0 {
                 -1.0
             } else {
                 1.0
             };
-            let command = match self.alarm.take() {
+            let command = match self.guard.alarm.take() {
                 Some(Alarm::Close) => 0.0,
                 Some(Alarm::Brake) => against,
                 _ => command,
@@ -173,7 +170,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             command,
             innovation,
             retuned,
-            faults: self.monitors.counters(),
+            faults: self.guard.monitors.counters(),
         }
     }
 }

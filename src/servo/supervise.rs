@@ -1,7 +1,7 @@
 //! The decisions of the supervisor carried out, and access to the parts of the loop.
 
-use crate::Outcome;
 use crate::hardware::{PositionSensor, Valve};
+use crate::identifier::Outcome;
 use crate::servo::commissioning::{Found, Progress};
 use crate::servo::control::controller::Controller;
 use crate::servo::control::margins::Margins;
@@ -118,10 +118,12 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// Control begins at a motion of the controller, and lets it run out.
     fn engage(&mut self, model: Model, motion: Motion) {
         let along = self.drive.sign * self.limiter.last();
-        self.monitors.begin(model, motion, along);
+        self.guard.monitors.begin(model, motion, along);
         self.derate(1.0);
         self.fallback = Fallback::new(Some(model));
-        self.trajectory.run_out(motion, self.run_out_rate);
+        self.moves
+            .trajectory
+            .run_out(motion, self.moves.run_out_rate);
     }
 
     /// What the newest sample of the commissioning leads to; whether a model reached the

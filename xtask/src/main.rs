@@ -29,6 +29,7 @@ mod record;
 mod rtt;
 mod setup;
 mod soak;
+mod table;
 mod tool;
 mod watch;
 mod web;

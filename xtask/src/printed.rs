@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::{capi, firmware, frameworks, icount, web};
+use crate::{capi, firmware, frameworks, icount, table, web};
 
 /// A task that gives text.
 #[derive(Subcommand)]
@@ -23,6 +23,8 @@ pub(crate) enum Task {
     /// The servo loop in Embassy, in the emulator, with requests over its serial line; the same
     /// hash as on the host.
     Embassy,
+    /// The table that a test of the simulated axes prints.
+    Table(table::Options),
     /// The playground as static files, in `target/web-page`; prints their sizes.
     Web,
 }
@@ -38,6 +40,7 @@ impl Task {
             Self::Rtic => frameworks::rtic(),
             Self::Capi(options) => capi::task(options),
             Self::Embassy => frameworks::embassy(),
+            Self::Table(options) => table::run(options),
             Self::Web => web::run(),
         }
     }

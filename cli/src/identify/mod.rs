@@ -2,6 +2,7 @@
 
 pub(crate) mod command;
 mod figures;
+pub(crate) mod names;
 pub(crate) mod parse;
 mod report;
 mod report_json;

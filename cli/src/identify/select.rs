@@ -21,7 +21,7 @@ state and constant refitted (x0+c). Recommended is the structure with the fewest
 parameters among those that simulate about as well as the best: an error of at most
 1.03 times the best one, or one within three standard errors over the eighths and at
 most 1.5 times as large. Dropped are models that are unstable, that rest on a
-parameter which is not told from zero, or whose zero cancels a pole.";
+parameter which is not significant, or whose zero cancels a pole.";
 
 /// Compare orders, zeros and delays on a record
 #[derive(Debug, Args)]

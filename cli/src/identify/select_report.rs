@@ -94,7 +94,7 @@ impl SelectReport<'_> {
         let mut rows = Vec::new();
         for ((name, value), sigma) in c.names.iter().zip(&e.theta).zip(&e.sigma) {
             let remark = if value.abs() < 2.0 * sigma {
-                "not told from zero"
+                "not significant"
             } else {
                 ""
             };

@@ -6,8 +6,9 @@ use clap::Args;
 use trendid_identify::dead_zone::DeadZone;
 use trendid_identify::derived::{COULOMB, sign_of};
 use trendid_identify::dynamic::INPUTS;
-use trendid_identify::{Choice, Error, Hold, Input, Scheme, Signals, coulomb_input, standstill};
+use trendid_identify::{Choice, Error, Hold, Input, Signals, coulomb_input, standstill};
 
+use crate::identify::names::{HoldName, SchemeName, TimeUnit};
 use crate::identify::parse::{interval, power, width};
 use crate::output::Refusal;
 use crate::record::{Clock, Record};
@@ -57,60 +58,6 @@ pub(crate) struct SignalArgs {
     /// Trends of Goodwin (4) or modified Tustin (8)
     #[arg(long, value_enum, default_value = "tustin")]
     pub scheme: SchemeName,
-}
-
-/// Unit of time stamps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum TimeUnit {
-    S,
-    Ms,
-    Us,
-    Ns,
-}
-
-impl TimeUnit {
-    const fn seconds(self) -> f64 {
-        match self {
-            Self::S => 1.0,
-            Self::Ms => 1e-3,
-            Self::Us => 1e-6,
-            Self::Ns => 1e-9,
-        }
-    }
-}
-
-/// How an input behaves between its samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum HoldName {
-    /// Zero-order hold: constant until the next sample.
-    Zoh,
-    /// First-order hold: straight to the next sample.
-    Foh,
-}
-
-impl From<HoldName> for Hold {
-    fn from(name: HoldName) -> Self {
-        match name {
-            HoldName::Zoh => Self::Zero,
-            HoldName::Foh => Self::First,
-        }
-    }
-}
-
-/// The two schemes of the paper.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum SchemeName {
-    Goodwin,
-    Tustin,
-}
-
-impl From<SchemeName> for Scheme {
-    fn from(name: SchemeName) -> Self {
-        match name {
-            SchemeName::Goodwin => Self::Goodwin,
-            SchemeName::Tustin => Self::Tustin,
-        }
-    }
 }
 
 /// The signals of a record in the roles of a model.

@@ -27,9 +27,9 @@ impl Report<'_> {
             "fair"
         };
         let mut verdict = worth.to_owned();
-        let untold = self.untold();
-        if !untold.is_empty() {
-            verdict += &format!("; not told from zero: {}", untold.join(", "));
+        let insignificant = self.insignificant();
+        if !insignificant.is_empty() {
+            verdict += &format!("; not significant: {}", insignificant.join(", "));
         }
         let still = self.standstill_s();
         if still > 0.0 {
@@ -39,13 +39,13 @@ impl Report<'_> {
     }
 
     /// Parameters within two standard deviations of zero.
-    fn untold(&self) -> Vec<String> {
+    fn insignificant(&self) -> Vec<String> {
         let e = &self.found.estimate;
         let names = self.problem.parameter_names().into_iter();
-        let untold = |(j, _): &(usize, String)| e.theta[*j].abs() < 2.0 * e.sigma[*j];
+        let insignificant = |(j, _): &(usize, String)| e.theta[*j].abs() < 2.0 * e.sigma[*j];
         names
             .enumerate()
-            .filter(untold)
+            .filter(insignificant)
             .map(|(_, name)| name)
             .collect()
     }

@@ -9,7 +9,7 @@ use trendid::{Config, ConfigError, Identifier, Structure};
 use trendid_host_tests::signals::experiment::{Experiment, Record};
 use trendid_host_tests::signals::noise::{Condition, Reading};
 
-use crate::identify::signals::SchemeName;
+use crate::identify::names::SchemeName;
 use crate::output::{self, Refusal};
 use crate::plot::{COLOURS, Curve, Figure, GREY, Panel};
 

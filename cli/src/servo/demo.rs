@@ -8,8 +8,8 @@ use clap::builder::PossibleValuesParser;
 use trendid_host_tests::servo::population::family::Family;
 use trendid_host_tests::servo::scenario::Scenario;
 
+use crate::identify::names::SchemeName;
 use crate::identify::parse::filter;
-use crate::identify::signals::SchemeName;
 use crate::output::Refusal;
 use crate::servo::demo_axis;
 use crate::servo::demo_loop;

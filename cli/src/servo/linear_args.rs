@@ -9,7 +9,7 @@ use trendid_host_tests::signals::noise::{Condition, Reading};
 use trendid_identify::Choice;
 
 use crate::format::transfer_function;
-use crate::identify::signals::SchemeName;
+use crate::identify::names::SchemeName;
 use crate::output::Refusal;
 
 /// Measurement of the simulated position.

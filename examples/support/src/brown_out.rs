@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     /// The option bytes behind their lock: writes count after both keys only, a write without the
-    /// start bit is a wish, and a wrong key locks until the next reset.
+    /// start bit does nothing, and a wrong key locks until the next reset.
     #[derive(Clone, Debug)]
     struct Flash {
         /// What is kept without power.

@@ -62,8 +62,8 @@ pub struct Commands {
     register: ShiftRegister,
     random: Random,
     bit: f64,
-    /// Whether binary noise has two sizes: a dead zone or friction cannot be told from a gain with
-    /// one.
+    /// Whether binary noise has two sizes: a dead zone or friction cannot be distinguished from a
+    /// gain with one.
     two_sizes: bool,
     reference: f64,
     anchor: Option<f64>,

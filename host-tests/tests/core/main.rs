@@ -30,6 +30,7 @@ mod instruments;
 mod integral;
 mod memory;
 mod nominal;
+mod nothing_seen;
 mod oracle;
 mod planes;
 mod properties;

@@ -43,12 +43,13 @@ fn step_errors(p: &AxisParameters, amplitude: f64) -> [f64; 3] {
 fn halving_the_step_changes_nothing_that_matters() {
     // Stop, start and stick many times; the full command also strikes both end stops. The bound of
     // 1 um is a tenth of the sensor's resolution.
+    println!("| binary noise | 10 steps | 20 steps | 40 steps |\n|---|---|---|---|");
     for (name, p, amplitude) in [
-        ("small motion", SERVO, 0.1),
-        ("tracking", SERVO, 0.3),
-        ("full command", SERVO, 1.0),
+        ("+-0.1", SERVO, 0.1),
+        ("+-0.3", SERVO, 0.3),
+        ("+-1, both end stops struck", SERVO, 1.0),
         (
-            "full command, rod",
+            "+-1, with a rod",
             AxisParameters {
                 rod: 0.012,
                 ..SERVO
@@ -57,7 +58,8 @@ fn halving_the_step_changes_nothing_that_matters() {
         ),
     ] {
         let [e10, e20, e40] = step_errors(&p, amplitude);
-        println!("{name}: {e10:.1e} {e20:.1e} {e40:.1e} mm with 10, 20, 40 steps per sample");
+        let [um10, um20, um40] = [e10, e20, e40].map(|error| 1e3 * error);
+        println!("| {name} | {um10:.3} um | {um20:.3} um | {um40:.3} um |");
         assert_eq!(p.substeps, 20);
         assert!(e20 < 1e-3, "{name}: {e20} mm");
         assert!(e40 < e20 && e20 < e10, "{name}: does not converge");

@@ -135,7 +135,9 @@ fn linear_model_describes_the_full_axis() {
         ),
     ];
     let seeds = 1..=100_u64;
-    println!("seeds {seeds:?}");
+    println!(
+        "| case | C | omega0 | xi | rms C | rms omega0 | rms xi |\n|---|---|---|---|---|---|---|"
+    );
     for (name, p) in cases {
         let (mut mean, mut square) = ([0.0; 3], [0.0; 3]);
         for seed in seeds.clone() {
@@ -146,7 +148,15 @@ fn linear_model_describes_the_full_axis() {
             }
         }
         let rms = square.map(f64::sqrt);
-        println!("{name}: mean errors {mean:.3?}, rms {rms:.3?}");
+        println!(
+            "| {name} | {:+.1} % | {:+.1} % | {:+.3} | {:.1} % | {:.1} % | {:.3} |",
+            100.0 * mean[0],
+            100.0 * mean[1],
+            mean[2],
+            100.0 * rms[0],
+            100.0 * rms[1],
+            rms[2]
+        );
         assert!(
             mean[0].abs() < 0.10 && mean[1].abs() < 0.05 && mean[2].abs() < 0.06,
             "{name}: mean errors {mean:?} of C, omega0, xi"
@@ -157,12 +167,15 @@ fn linear_model_describes_the_full_axis() {
 #[test]
 fn linear_model_is_a_realistic_servo() {
     let axis = PneumaticAxis::new(&SERVO, 1);
-    println!("position, C, omega0, xi with the valve closed; with a mean opening of 0.3");
+    println!(
+        "| position [mm] | C [mm/s] | omega0 [rad/s] | xi | with mean opening 0.3: C | omega0 | xi |"
+    );
+    println!("|---|---|---|---|---|---|---|");
     for k in 0..=8 {
         let x = 50.0 * f64::from(k);
         let (closed, open) = (axis.linearised(x, 0.0), axis.linearised(x, 0.3));
         println!(
-            "{x:5} mm: {:.0} mm/s {:.1} rad/s {:.3}; {:.0} {:.1} {:.3}",
+            "| {x} | {:.0} | {:.1} | {:.3} | {:.0} | {:.1} | {:.3} |",
             closed.gain, closed.omega0, closed.xi, open.gain, open.omega0, open.xi
         );
         assert!((1500.0..2500.0).contains(&closed.gain));

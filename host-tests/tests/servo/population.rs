@@ -29,7 +29,11 @@ fn drawn(draw: &AxisDraw) -> Vec<(&'static str, Range, f64)> {
         ("noise", family::NOISE, draw.noise_mm),
         ("jitter", family::JITTER, draw.jitter),
         ("missed", family::MISSED, draw.missed),
-        ("told", family::TOLD_BANDWIDTH, draw.told_bandwidth / omega0),
+        (
+            "stated",
+            family::STATED_BANDWIDTH,
+            draw.stated_bandwidth / omega0,
+        ),
     ];
     match &draw.mechanics {
         Mechanics::Pneumatic(p) => values.extend([
@@ -90,7 +94,7 @@ fn every_axis_is_within_the_ranges_and_holds_its_load() {
                         "{} {seed}: {name} {value}",
                         family.name()
                     );
-                    if usual && name != "told" && name != "xi" {
+                    if usual && name != "stated" && name != "xi" {
                         let half = rounded(range.usual());
                         assert!(half.contains(value), "usual {seed}: {name} {value}");
                     }

@@ -1,5 +1,5 @@
-//! Why a structure is dropped: it rests on a parameter that is not told from zero, or a zero
-//! cancels a pole.
+//! Why a structure is dropped: it rests on a parameter that is not significant, or a zero cancels a
+//! pole.
 
 use crate::error::Error;
 use crate::folds::Folds;
@@ -7,8 +7,8 @@ use crate::instruments::Found;
 use crate::polynomials::Polynomials;
 use crate::problem::Problem;
 
-/// A highest b, or a_0 without an integrator, below so many jackknife deviations is not told from
-/// zero.
+/// A highest b, or a_0 without an integrator, below so many jackknife deviations is not
+/// significant.
 const TOLD: f64 = 3.0;
 
 /// A zero nearer than this share to a pole cancels it.
@@ -23,7 +23,7 @@ pub enum Drop {
     /// Its model is unstable, whole or without a fold.
     Unstable,
     /// A parameter that the structure rests on is within three deviations of zero.
-    NotTold {
+    Insignificant {
         /// Its name.
         name: String,
         /// Value over standard deviation.
@@ -41,10 +41,10 @@ impl std::fmt::Display for Drop {
         match self {
             Self::Failed(error) => error.fmt(f),
             Self::Unstable => write!(f, "unstable, or unstable without one of the folds"),
-            Self::NotTold { name, ratio } => {
+            Self::Insignificant { name, ratio } => {
                 write!(
                     f,
-                    "{name} is not told from zero ({ratio:.1} standard deviations)"
+                    "{name} is not significant ({ratio:.1} standard deviations)"
                 )
             }
             Self::Cancels { zero: (re, im) } => {
@@ -55,7 +55,7 @@ impl std::fmt::Display for Drop {
     }
 }
 
-/// Whether the parameters that the structure rests on are told from zero: the highest b of every
+/// Whether the parameters that the structure rests on are significant: the highest b of every
 /// delayed input and, without an integrator, a_0.
 pub(super) fn rests_on(problem: &Problem, found: &Found, folds: &Folds) -> Result<(), Drop> {
     let names = problem.parameter_names();
@@ -74,7 +74,7 @@ pub(super) fn rests_on(problem: &Problem, found: &Found, folds: &Folds) -> Resul
     for place in places {
         let ratio = (found.estimate.theta[place] / folds.sigma[place]).abs();
         if !(ratio >= TOLD) {
-            return Err(Drop::NotTold {
+            return Err(Drop::Insignificant {
                 name: names[place].clone(),
                 ratio,
             });

@@ -3,9 +3,9 @@
 //!
 //! Every structure is estimated by instruments at its own filter and its own delay; each fold is
 //! simulated by the model without it, initial state and constant refitted. What is unstable, has a
-//! parameter that is not told from zero where the structure rests on it, or a zero that cancels a
-//! pole, is dropped and says why. Among those that simulate about as well as the best, the one with
-//! the fewest parameters is recommended.
+//! parameter that is not significant where the structure rests on it, or a zero that cancels a
+//! pole, is dropped with the reason. Among those that simulate about as well as the best, the one
+//! with the fewest parameters is recommended.
 
 mod drop;
 
@@ -209,7 +209,7 @@ fn candidate(
     };
     match around(best) {
         Ok(judged) => passed(&problem, judged).or_else(|reason| {
-            // A long delay takes the place of a lag, which then is not told from none.
+            // A long delay takes the place of a lag, which then is not significant.
             let short = around(shortest).ok().filter(|_| shortest < best);
             short.map_or(Err(reason.clone()), |short| {
                 passed(&problem, short).map_err(|_| reason)

@@ -5,8 +5,10 @@
 //! wait for a slow page, orders that wait for the target.
 
 mod course;
+mod kept;
 mod message;
 mod page;
+mod page_request;
 mod pages;
 mod reading;
 mod report;
@@ -14,7 +16,6 @@ mod said;
 mod target;
 #[cfg(test)]
 mod tests;
-mod wish;
 
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
@@ -22,7 +23,7 @@ use std::time::{Duration, Instant};
 
 use tokio::sync::mpsc::Receiver;
 use trendid_link::telemetry::settings::SETTINGS;
-use trendid_link::telemetry::{Client, Health, Identity, Learned, NumberedEvent, Request, Sample};
+use trendid_link::telemetry::{Client, Identity, Request, Sample};
 
 use crate::args::Args;
 #[cfg(feature = "mcap")]
@@ -32,13 +33,9 @@ use crate::record::Recorder;
 use crate::source::Source;
 use course::Course;
 pub(crate) use course::Summary;
+use kept::Kept;
 use page::Page;
 pub(crate) use said::{FromPage, Tally};
-
-/// Samples, estimates and events that are kept for a page that comes.
-const SAMPLES: usize = 30_000;
-const ESTIMATES: usize = 3000;
-const EVENTS: usize = 500;
 
 /// Between two messages of samples: a page redraws after each, at most at every second picture of a
 /// display of 60 Hz or three of four, so that more than thirty a second are seen.
@@ -47,6 +44,17 @@ const REDRAW: Duration = Duration::from_millis(25);
 /// How often the target hears that somebody is there.
 const ALIVE: Duration = Duration::from_millis(200);
 
+/// What is known of the target.
+struct Known {
+    /// What the line leads to, while it is there; why it is not.
+    up: Option<String>,
+    why: String,
+    /// The start of the target that speaks.
+    started: Option<u16>,
+    identity: Option<Identity>,
+    values: [Option<f32>; SETTINGS.len()],
+}
+
 /// The middle.
 pub(crate) struct Hub {
     source: Source,
@@ -54,19 +62,9 @@ pub(crate) struct Hub {
     begin: Instant,
     watchdog: u16,
     out: PathBuf,
-    up: Option<String>,
-    /// The start of the target that speaks.
-    started: Option<u16>,
-    why: String,
-    identity: Option<Identity>,
+    known: Known,
     pub(crate) tally: Tally,
-    samples: VecDeque<Sample>,
-    /// Of them, those that the pages do not have yet.
-    fresh: usize,
-    learned: VecDeque<Learned>,
-    events: VecDeque<NumberedEvent>,
-    health: Health,
-    values: [Option<f32>; SETTINGS.len()],
+    kept: Kept,
     pages: BTreeMap<u64, Page>,
     in_control: Option<u64>,
     /// Orders whose answer a page waits for, with its words.
@@ -83,10 +81,10 @@ impl Hub {
     /// A hub with its source.
     pub(crate) fn new(args: &Args) -> Result<Self, String> {
         let mut outputs = Vec::new();
-        if let Some(to) = args.teleplot {
+        if let Some(to) = args.outputs.teleplot {
             outputs.push(Output::new(to, Format::Teleplot)?);
         }
-        if let Some(to) = args.plotjuggler {
+        if let Some(to) = args.outputs.plotjuggler {
             outputs.push(Output::new(to, Format::Json)?);
         }
         let mut first = [0; 4];
@@ -98,25 +96,23 @@ impl Hub {
             begin: now,
             watchdog: args.watchdog,
             out: args.out.clone(),
-            up: None,
-            started: None,
-            why: "waits for the source".into(),
-            identity: None,
+            known: Known {
+                up: None,
+                started: None,
+                why: "waits for the source".into(),
+                identity: None,
+                values: [None; SETTINGS.len()],
+            },
             tally: Tally::default(),
-            samples: VecDeque::with_capacity(SAMPLES),
-            fresh: 0,
-            learned: VecDeque::with_capacity(ESTIMATES),
-            events: VecDeque::with_capacity(EVENTS),
-            health: Health::default(),
-            values: [None; SETTINGS.len()],
+            kept: Kept::new(),
             pages: BTreeMap::new(),
             in_control: None,
             orders: VecDeque::new(),
             recorder: None,
-            wanted: args.csv.clone(),
+            wanted: args.outputs.csv.clone(),
             outputs,
             #[cfg(feature = "mcap")]
-            mcap: args.mcap.as_deref().map(Mcap::create).transpose()?,
+            mcap: args.outputs.mcap.as_deref().map(Mcap::create).transpose()?,
             course: Course::new(now),
         })
     }
@@ -151,7 +147,7 @@ impl Hub {
                     None => break,
                 },
                 _ = redraw.tick() => self.redraw(),
-                _ = alive.tick() => if self.up.is_some() {
+                _ = alive.tick() => if self.known.up.is_some() {
                     let _ = self.client.ask(Request::Alive);
                 },
                 () = &mut over => break,
@@ -173,23 +169,23 @@ impl Hub {
     }
 
     fn redraw(&mut self) {
-        if self.fresh > 0 {
-            let begin = self.samples.len() - self.fresh.min(self.samples.len());
-            let rows = message::rows(self.samples.range(begin..));
+        if self.kept.fresh > 0 {
+            let begin = self.kept.samples.len() - self.kept.fresh.min(self.kept.samples.len());
+            let rows = message::rows(self.kept.samples.range(begin..));
             self.tell(&rows);
-            self.fresh = 0;
+            self.kept.fresh = 0;
         }
         for output in &mut self.outputs {
             output.flush();
         }
-        let up = self.up.is_some();
+        let up = self.known.up.is_some();
         if self.course.turn(Instant::now(), self.tally.samples, up) {
             self.tell(&self.line());
         }
     }
 
     fn begin_record(&mut self, path: PathBuf) {
-        let Some(identity) = &self.identity else {
+        let Some(identity) = &self.known.identity else {
             return;
         };
         match Recorder::create(path, identity) {
@@ -214,14 +210,14 @@ impl Hub {
     }
 
     fn hello(&self) -> String {
-        message::hello(self.identity.as_ref(), &self.values)
+        message::hello(self.known.identity.as_ref(), &self.known.values)
     }
 
     fn line(&self) -> String {
-        let words = self.up.as_deref().unwrap_or(&self.why);
+        let words = self.known.up.as_deref().unwrap_or(&self.known.why);
         let recorded = self.recorder.as_ref().map(|recorder| recorder.rows);
         message::line(
-            self.up.is_some(),
+            self.known.up.is_some(),
             words,
             self.course.rate,
             &self.tally,
@@ -243,14 +239,14 @@ impl Hub {
     }
 
     fn report(&self) -> String {
-        let samples: Vec<&Sample> = self.samples.iter().collect();
+        let samples: Vec<&Sample> = self.kept.samples.iter().collect();
         report::page(
-            self.identity.as_ref(),
-            self.up.as_deref(),
+            self.known.identity.as_ref(),
+            self.known.up.as_deref(),
             &samples,
-            self.learned.back(),
-            &self.health,
-            &self.events,
+            self.kept.learned.back(),
+            &self.kept.health,
+            &self.kept.events,
         )
     }
 }
@@ -269,11 +265,4 @@ async fn asked_to_end() {
         }
     }
     let _ = tokio::signal::ctrl_c().await;
-}
-
-fn keep<T>(queue: &mut VecDeque<T>, item: T, most: usize) {
-    if queue.len() >= most {
-        queue.pop_front();
-    }
-    queue.push_back(item);
 }

@@ -5,7 +5,7 @@ use std::time::SystemTime;
 use trendid_link::telemetry::{Refusal, Request, Sample};
 
 use crate::hub::page::Page;
-use crate::hub::wish::{self, Wish};
+use crate::hub::page_request::{self, PageRequest};
 use crate::hub::{FromPage, Hub, message};
 
 /// Samples in one message.
@@ -29,8 +29,8 @@ impl Hub {
                 }
                 self.tell_control();
             }
-            FromPage::Message(id, text) => match wish::read(&text) {
-                Ok(wish) => self.grant(id, wish, &text),
+            FromPage::Message(id, text) => match page_request::read(&text) {
+                Ok(request) => self.grant(id, request, &text),
                 Err(why) => self.tell_one(id, &message::answer(&text, Err(&why))),
             },
             FromPage::Report(to) => {
@@ -43,30 +43,30 @@ impl Hub {
     /// Everything that a page needs to begin.
     pub(super) fn welcome(&mut self, id: u64) {
         let mut messages = vec![self.hello(), self.line()];
-        let samples: Vec<&Sample> = self.samples.iter().collect();
+        let samples: Vec<&Sample> = self.kept.samples.iter().collect();
         messages.extend(
             samples
                 .chunks(CHUNK)
                 .map(|part| message::rows(part.iter().copied())),
         );
-        messages.extend(self.learned.iter().map(message::learned));
-        messages.extend(self.events.iter().map(message::event));
-        messages.push(message::health(&self.health));
+        messages.extend(self.kept.learned.iter().map(message::learned));
+        messages.extend(self.kept.events.iter().map(message::event));
+        messages.push(message::health(&self.kept.health));
         // In one portion, so that the page does not draw in between.
         self.tell_one(id, &format!("[{}]", messages.join(",")));
-        self.fresh = 0;
+        self.kept.fresh = 0;
     }
 
-    pub(super) fn grant(&mut self, id: u64, wish: Wish, text: &str) {
+    pub(super) fn grant(&mut self, id: u64, request: PageRequest, text: &str) {
         let controls = self.in_control == Some(id);
-        match wish {
-            Wish::Control => {
+        match request {
+            PageRequest::Control => {
                 self.in_control = Some(id);
                 self.tell_control();
             }
             // Anybody may stop.
-            Wish::Ask(request) if controls || request == Request::Stop => {
-                if self.up.is_none() {
+            PageRequest::Target(request) if controls || request == Request::Stop => {
+                if self.known.up.is_none() {
                     let why = "the line is lost";
                     return self.tell_one(id, &message::answer(text, Err(why)));
                 }
@@ -85,17 +85,17 @@ impl Hub {
                     let _ = self.client.ask(Request::Get(setting));
                 }
             }
-            Wish::Record(true) if controls && self.recorder.is_none() => {
+            PageRequest::Record(true) if controls && self.recorder.is_none() => {
                 let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
                 let seconds = now.map_or(0, |since| since.as_millis());
                 self.begin_record(self.out.join(format!("record-{seconds}.csv")));
                 self.tell_one(id, &message::answer(text, Ok(())));
             }
-            Wish::Record(false) if controls => {
+            PageRequest::Record(false) if controls => {
                 self.end_record("");
                 self.tell_one(id, &message::answer(text, Ok(())));
             }
-            Wish::Record(true) if controls => {
+            PageRequest::Record(true) if controls => {
                 self.tell_one(id, &message::answer(text, Err("a record is being written")));
             }
             _ => {

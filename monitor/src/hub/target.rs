@@ -1,9 +1,9 @@
 //! The side of the target: what it is asked, and what it says.
 
 use trendid_link::telemetry::settings::SETTINGS;
-use trendid_link::telemetry::{Content, Event, Health, Outcome, Request, Sample};
+use trendid_link::telemetry::{Content, Event, Outcome, Request, Sample};
 
-use crate::hub::{ESTIMATES, EVENTS, Hub, SAMPLES, keep, message};
+use crate::hub::{Hub, message};
 use crate::source::Said;
 
 impl Hub {
@@ -24,16 +24,16 @@ impl Hub {
         match said {
             Said::Up(what) => {
                 self.client.disconnect();
-                self.up = Some(what);
+                self.known.up = Some(what);
                 self.tally.starts += 1;
-                self.started = None;
+                self.known.started = None;
                 self.set_up();
                 self.tell(&self.line());
             }
             Said::Down(why) => {
                 self.client.disconnect();
-                self.up = None;
-                self.why = why;
+                self.known.up = None;
+                self.known.why = why;
                 for (id, ..) in std::mem::take(&mut self.orders) {
                     self.answered(id, Err("the line is lost".into()));
                 }
@@ -63,7 +63,7 @@ impl Hub {
     pub(super) fn take(&mut self, content: Content) {
         match content {
             Content::Identity(identity) => {
-                self.identity = Some(identity);
+                self.known.identity = Some(identity);
                 let hello = self.hello();
                 self.tell(&hello);
                 if let Some(path) = self.wanted.take() {
@@ -72,18 +72,19 @@ impl Hub {
             }
             Content::Sample(sample) => self.sample(sample),
             Content::Learned(learned) => {
-                keep(&mut self.learned, learned, ESTIMATES);
+                self.kept.learn(learned);
                 self.tell(&message::learned(&learned));
             }
             Content::Health(health) => {
-                let before = self.health.dropped;
+                let before = self.kept.health.dropped;
                 self.tally.dropped += health.dropped.saturating_sub(before);
-                self.health = health;
+                self.kept.health = health;
                 self.tell(&message::health(&health));
             }
             Content::Event(event) => {
                 self.tally.events += 1;
                 if self
+                    .known
                     .started
                     .replace(event.start)
                     .is_some_and(|start| start != event.start)
@@ -92,14 +93,10 @@ impl Hub {
                     self.set_up();
                 }
                 if let Event::Start { .. } = event.event {
-                    // Ticks begin again.
-                    self.samples.clear();
-                    self.learned.clear();
-                    self.fresh = 0;
-                    self.health = Health::default();
+                    self.kept.restart();
                 }
                 self.tell(&message::event(&event));
-                keep(&mut self.events, event, EVENTS);
+                self.kept.event(event);
             }
             Content::Answer(answer) => {
                 let outcome = match answer.outcome {
@@ -109,7 +106,7 @@ impl Hub {
                 self.answered(answer.id, outcome);
             }
             Content::Setting(value) => {
-                if let Some(place) = self.values.get_mut(usize::from(value.setting)) {
+                if let Some(place) = self.known.values.get_mut(usize::from(value.setting)) {
                     *place = value.value;
                     self.tell(&message::setting(&value));
                 }
@@ -119,7 +116,7 @@ impl Hub {
 
     pub(super) fn sample(&mut self, sample: Sample) {
         self.tally.samples += 1;
-        if let Some(last) = self.samples.back() {
+        if let Some(last) = self.kept.samples.back() {
             let gap = sample.tick.wrapping_sub(last.tick);
             if gap > 1 && gap < u32::MAX / 2 {
                 self.tally.missing += u64::from(gap - 1);
@@ -130,7 +127,7 @@ impl Hub {
         {
             self.end_record(&why);
         }
-        let sample_time = self.identity.as_ref().map_or(1e-3, |i| i.sample_time);
+        let sample_time = self.known.identity.as_ref().map_or(1e-3, |i| i.sample_time);
         for output in &mut self.outputs {
             output.take(&sample, sample_time);
         }
@@ -143,8 +140,7 @@ impl Hub {
             eprintln!("error: {why}");
             self.mcap = None;
         }
-        keep(&mut self.samples, sample, SAMPLES);
-        self.fresh = (self.fresh + 1).min(SAMPLES);
+        self.kept.sample(sample);
     }
 
     pub(super) fn answered(&mut self, order: u32, outcome: Result<(), String>) {

@@ -20,7 +20,7 @@ const ID: &[u8; 16] = b"SEGGER RTT\0\0\0\0\0\0";
 /// Bytes that are searched at once.
 const CHUNK: usize = 1024;
 
-/// Channels in a direction, and bytes of a ring, that are believed at most.
+/// Channels in a direction, and bytes of a ring, that are taken at most.
 const CHANNELS: u32 = 16;
 const SIZE: u32 = 1 << 20;
 
@@ -85,7 +85,7 @@ impl Rtt {
         let [ups, downs] = head;
         if ups > CHANNELS || downs > CHANNELS {
             return Err(format!(
-                "the RTT block at {at:#x} has {ups} channels up and {downs} down, at most {CHANNELS} are believed"
+                "the RTT block at {at:#x} has {ups} channels up and {downs} down, at most {CHANNELS} are taken"
             ));
         }
         let mut names = Vec::new();

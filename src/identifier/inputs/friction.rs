@@ -25,8 +25,8 @@ const STEADY: f32 = 0.2;
 /// The input of Coulomb friction on a drive that turns between two samples: the mean sign of the
 /// velocity since the sample before, for an input with [`Hold::Mean`](crate::trends::Hold::Mean).
 ///
-/// Where between the samples a drive turned, its velocities before tell: until then it slowed down
-/// as before,
+/// Where between the samples a drive turned follows from its velocities before: until then it
+/// slowed down as before,
 ///
 /// ```text
 /// d_1  = v(k-2) - v(k-1),   g = d_1 - (v(k-3) - v(k-2))       g is left out where it exceeds a fifth of d_1

@@ -21,9 +21,9 @@ mod rest;
 mod result;
 mod search;
 mod sensitivity;
-mod silence;
 mod simulation;
 mod stages;
+mod standstill;
 mod sums;
 mod sweep;
 mod verdict;
@@ -37,7 +37,7 @@ use crate::servo::commissioning::record::Record;
 use crate::servo::commissioning::relay::{Relay, at_end};
 use crate::servo::commissioning::rest::{Rest, Still};
 use crate::servo::commissioning::search::Search;
-use crate::servo::commissioning::silence::Silence;
+use crate::servo::commissioning::standstill::Standstill;
 use crate::servo::commissioning::sweep::Sweep;
 use crate::servo::control::place::stiffening;
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
@@ -97,7 +97,7 @@ pub(crate) struct Commissioning {
     /// Samples since the code changed.
     same: u32,
     /// The drive since the axis moved last.
-    silence: Silence,
+    standstill: Standstill,
 }
 
 impl Commissioning {
@@ -124,7 +124,7 @@ impl Commissioning {
             accepted: None,
             has_rested: false,
             same: 0,
-            silence: Silence::default(),
+            standstill: Standstill::default(),
             design,
         }
     }
@@ -183,13 +183,13 @@ impl Commissioning {
             Stage::Probing(probe) => self.probe(probe, y, same_code),
             Stage::Relaying(relay) => {
                 let progress = self.relay(relay, y, v);
-                let heard = self.listen(y, same_code, &progress);
+                let standing = self.watch_standstill(y, same_code, &progress);
                 let mut away = false;
                 if let Stage::Relaying(relay) = &mut self.stage {
-                    relay.hear(heard);
+                    relay.take(standing);
                     away = relay.is_away(y);
                 }
-                match self.heard(heard, progress) {
+                match self.unless_unresponsive(standing, progress) {
                     Progress::Failed(Reason::Blocked) if away && at_end(y) => {
                         Progress::Failed(Reason::ValveStuck)
                     }
@@ -198,11 +198,11 @@ impl Commissioning {
             }
             Stage::Sweeping(sweep) => {
                 let progress = self.sweep(sweep, y, v);
-                let heard = self.listen(y, same_code, &progress);
+                let standing = self.watch_standstill(y, same_code, &progress);
                 if let Stage::Sweeping(sweep) = &mut self.stage {
-                    sweep.hear(heard, [true, false].map(|up| self.silence.push(up)));
+                    sweep.take(standing, [true, false].map(|up| self.standstill.push(up)));
                 }
-                self.heard(heard, progress)
+                self.unless_unresponsive(standing, progress)
             }
         }
     }

@@ -10,7 +10,7 @@ const PEAKS: [f32; 3] = [0.25, 0.45, 0.45];
 /// Growth of the first peak per attempt after one that changed no code, up to the others.
 const PEAK_STEP: f32 = 0.1;
 /// Time in s by which the motion comes after the command that caused it.
-const LATENESS: f32 = 0.02;
+pub(crate) const LATENESS: f32 = 0.02;
 
 /// What the triangles have led to.
 #[derive(Debug, Clone, Copy, PartialEq)]

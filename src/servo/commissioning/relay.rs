@@ -1,7 +1,7 @@
 //! Stage 1b: a relay about the start, which is brake, test of the sign and first time scale at
 //! once.
 
-use crate::servo::commissioning::silence::Heard;
+use crate::servo::commissioning::standstill::Standing;
 
 /// Time in s by which the velocity leads the position.
 const LEAD: f32 = 0.04;
@@ -110,14 +110,14 @@ impl Relay {
 
     /// Takes what the last sample has shown: a direction in which nothing moves makes way for the
     /// other one.
-    pub(crate) const fn hear(&mut self, heard: Heard) {
-        match heard {
-            Heard::Motion => self.turned = 1.0,
-            Heard::Exhausted => {
+    pub(crate) const fn take(&mut self, standing: Standing) {
+        match standing {
+            Standing::Moved => self.turned = 1.0,
+            Standing::Exhausted => {
                 self.turned = -self.turned;
                 self.since = 0.0;
             }
-            Heard::Silence | Heard::Nothing => {}
+            Standing::HeldByFriction | Standing::Unresponsive => {}
         }
     }
 

@@ -1,5 +1,7 @@
 //! Stage 0: the axis at rest with the valve centred, which shows noise and drift.
 
+use crate::servo::design::constants::{CODE_CHANGING_NOISE, LEAST_RUN_TIME, STUCK_RUN_RATIO};
+
 /// Time in s and samples of rest.
 const TIME: f32 = 0.05;
 const SAMPLES: u32 = 40;
@@ -25,21 +27,13 @@ pub(crate) struct Still {
     pub(crate) run: u32,
 }
 
-/// Standard deviation over resolution from which on the noise changes the code often, wherever
-/// between two codes the axis stands: quantisation alone gives up to a half.
-const SPANNING: f32 = 0.75;
-/// How much longer than the longest run at rest a run must be that noise does not explain, and its
-/// least time in s.
-const RUN_RATIO: u32 = 8;
-const RUN_TIME_MIN: f32 = 0.01;
-
 impl Still {
     /// Whether so many samples of one code are a stuck sensor: its noise would have changed it,
     /// moving or not.
     pub(crate) fn is_stuck(&self, same: u32, step: f32) -> bool {
         self.run > 0
-            && same > RUN_RATIO.saturating_mul(self.run)
-            && same as f32 * step > RUN_TIME_MIN
+            && same > STUCK_RUN_RATIO.saturating_mul(self.run)
+            && same as f32 * step > LEAST_RUN_TIME
     }
 }
 
@@ -112,7 +106,7 @@ impl Rest {
             since: 0.5 * (n - 1.0) * time,
             detection,
             // In motion every sample has another code, whatever the noise.
-            run: if sigma > SPANNING * resolution && !certain {
+            run: if sigma > CODE_CHANGING_NOISE * resolution && !certain {
                 self.longest
             } else {
                 0

@@ -1,4 +1,4 @@
-//! What the commissioning says while it runs.
+//! Results of the commissioning, while it runs.
 
 use crate::servo::commissioning::predictor::Theta;
 use crate::servo::commissioning::{Commissioning, Found, Stage};

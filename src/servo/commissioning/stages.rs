@@ -2,7 +2,7 @@
 
 use crate::servo::commissioning::probe::{Probe, Probed};
 use crate::servo::commissioning::relay::{Relay, Relayed, at_end};
-use crate::servo::commissioning::silence::{Heard, Silence};
+use crate::servo::commissioning::standstill::{Standing, Standstill};
 use crate::servo::commissioning::sweep::Sweep;
 use crate::servo::commissioning::view::View;
 use crate::servo::commissioning::{Commissioning, Progress, Stage, tracking_rate};
@@ -37,7 +37,7 @@ impl Commissioning {
                 let v = self.tracking.motion().velocity;
                 let first = relay.update(y, v, self.design.sample_time, self.design.amplitude);
                 self.stage = Stage::Relaying(relay);
-                self.silence = Silence::new(y, detection, command, side > 0.0);
+                self.standstill = Standstill::new(y, detection, command, side > 0.0);
                 self.still.since = command;
                 match first {
                     Relayed::Command { command, .. } => Progress::Command(command),
@@ -56,7 +56,7 @@ impl Commissioning {
         match relay.update(y, v, self.design.sample_time, self.design.amplitude) {
             Relayed::Command { command, sign } => {
                 if sign != self.sign {
-                    self.silence.mistook(command.abs());
+                    self.standstill.mistook(command.abs());
                 }
                 self.sign = sign;
                 self.stage = Stage::Relaying(relay);
@@ -87,7 +87,7 @@ impl Commissioning {
         let spacing = SPACING_MAX.min(half / POINTS_PER_HALF);
         let dead_zone = (0.5 * self.still.since).min(0.1);
         self.first_guess = Some([spacing / step, frequency, dead_zone]);
-        self.silence.inform(half);
+        self.standstill.inform(half);
         self.tracking.retune(tracking_rate(frequency, step));
         let hold = half.min(0.25);
         let sweep = Sweep::new(y, hold, dead_zone, self.design.amplitude, self.attempt);
@@ -145,22 +145,33 @@ impl Commissioning {
         }
     }
 
-    /// What position and command say about an axis that stays.
-    pub(crate) fn listen(&mut self, y: f32, same_code: bool, progress: &Progress) -> Heard {
+    /// What the position of an axis that stays means under its command.
+    pub(crate) fn watch_standstill(
+        &mut self,
+        y: f32,
+        same_code: bool,
+        progress: &Progress,
+    ) -> Standing {
         let command = match progress {
             Progress::Command(command) | Progress::Found(_, command) => self.sign * command,
             Progress::Failed(_) => 0.0,
         };
         let step = self.design.sample_time;
-        self.silence
+        self.standstill
             .update(y, same_code, command, step, self.search.latest())
     }
 
     /// The progress, unless an axis stays that must move.
-    pub(crate) const fn heard(&self, heard: Heard, progress: Progress) -> Progress {
-        match heard {
-            Heard::Nothing if self.silence.code_changes() => Progress::Failed(Reason::Blocked),
-            Heard::Nothing => Progress::Failed(Reason::SensorStuck),
+    pub(crate) const fn unless_unresponsive(
+        &self,
+        standing: Standing,
+        progress: Progress,
+    ) -> Progress {
+        match standing {
+            Standing::Unresponsive if self.standstill.code_changes() => {
+                Progress::Failed(Reason::Blocked)
+            }
+            Standing::Unresponsive => Progress::Failed(Reason::SensorStuck),
             _ => progress,
         }
     }

@@ -1,7 +1,7 @@
 //! Stage 2: random levels of the command for random times, within a band of the travel.
 
 use crate::math::sqrt;
-use crate::servo::commissioning::silence::Heard;
+use crate::servo::commissioning::standstill::Standing;
 
 /// Band about its middle, and the range of the middle, in travels.
 const BAND: f32 = 0.15;
@@ -26,8 +26,8 @@ const SHRINKING: f32 = 0.8;
 /// Levels, holds and signs drawn at random; known as APRBS (Isermann and Munchhof 2011).
 ///
 /// Levels and holds are drawn again at every reversal, forced ones too: two levels alone cannot
-/// tell a dead zone from a gain. The place where the axis will be when a reversed command takes
-/// effect decides about reversals.
+/// distinguish a dead zone from a gain. The place where the axis will be when a reversed command
+/// takes effect decides about reversals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sweep {
     random: u32,
@@ -92,19 +92,19 @@ impl Sweep {
 
     /// Takes what the last sample has shown: a direction that is used up makes way for the other
     /// one.
-    pub(crate) fn hear(&mut self, heard: Heard, pushes: [f32; 2]) {
+    pub(crate) fn take(&mut self, standing: Standing, pushes: [f32; 2]) {
         self.pushes = pushes;
-        match heard {
-            Heard::Motion => (self.stays, self.tests) = (false, false),
-            Heard::Exhausted => {
+        match standing {
+            Standing::Moved => (self.stays, self.tests) = (false, false),
+            Standing::Exhausted => {
                 self.tests = true;
                 self.push(self.level <= 0.0);
             }
-            Heard::Silence | Heard::Nothing => {}
+            Standing::HeldByFriction | Standing::Unresponsive => {}
         }
     }
 
-    /// What a model of the axis says about its time scale and its valve.
+    /// Time scale and valve of the axis, from a model.
     pub(crate) const fn inform(&mut self, half: f32, dead_zone: f32, offset: f32) {
         self.half = half;
         self.dead_zone = dead_zone;

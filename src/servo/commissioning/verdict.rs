@@ -37,8 +37,8 @@ fn physical(theta: &Theta) -> [f32; 3] {
 /// is certain. `std` is that of the fit, `misfit` that of a free simulation; its error is `silent`
 /// within the noise; `slack` widens the bounds.
 ///
-/// The standard deviations tell good models from bad ones best; a free simulation of an axis that
-/// sticks is rough, and finds what has another structure.
+/// The standard deviations separate good models from bad ones best; a free simulation of an axis
+/// that sticks is rough, and finds what has another structure.
 pub(crate) fn verdict(
     theta: &Theta,
     previous: Option<&Theta>,

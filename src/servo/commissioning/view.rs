@@ -3,8 +3,8 @@
 /// Largest rate of a correction times the spacing of the points.
 pub(crate) const STEP_MAX: f32 = 0.3;
 
-/// Least velocity, in travels per s, that is told from rest; the standard deviations of the noise
-/// that it is above; the most points on each side over which it is the mean.
+/// Least velocity, in travels per s, that is distinguished from rest; the standard deviations of
+/// the noise that it is above; the most points on each side over which it is the mean.
 const REST_VELOCITY: f32 = 0.02;
 const REST_SIGMAS: f32 = 6.0;
 const REACH_MAX: f32 = 3.0;
@@ -31,7 +31,7 @@ impl View {
     /// Nothing of a record with this spacing yet, under noise of the standard deviation `sigma`,
     /// with the sign of the valve.
     ///
-    /// The velocity is the mean over no more points than the noise asks for: a mean sees a stop and
+    /// The velocity is the mean over no more points than the noise requires: a mean sees a stop and
     /// a start late by as much as it reaches.
     pub(crate) fn of(time: f32, sigma: f32, sign: f32) -> Self {
         let noise = REST_SIGMAS * sigma;

@@ -167,7 +167,12 @@ pub(crate) const JUMP_TIME: f32 = 0.01;
 /// Time constant in s of the mean residual of readings, and of the share of missing ones.
 pub(crate) const RESIDUAL_TIME: f32 = 1.0;
 pub(crate) const GAP_TIME: f32 = 0.05;
-/// Least time in s of equal codes that are noticed.
+/// Standard deviation over resolution from which on noise changes the code often, wherever between
+/// two codes the axis stands: quantisation alone gives up to a half, on the edge of two.
+pub(crate) const CODE_CHANGING_NOISE: f32 = 0.75;
+/// How much longer than the longest run of equal codes seen so far a run must be that such noise
+/// does not explain, and its least time in s.
+pub(crate) const STUCK_RUN_RATIO: u32 = 8;
 pub(crate) const LEAST_RUN_TIME: f32 = 0.01;
 /// Longest time in s between two reversals of an oscillation, and time in s in which an axis comes
 /// to rest.

@@ -101,7 +101,7 @@ pub(crate) struct TuningDesign {
     pub(crate) dead_volume: f32,
     /// Standard deviation of the position, resolution included.
     pub(crate) noise: f32,
-    /// What the user asks for at most, in rad/s.
+    /// Largest bandwidth that the user allows, in rad/s.
     pub(crate) bandwidth_max: f32,
 }
 

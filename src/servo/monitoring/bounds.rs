@@ -10,60 +10,97 @@ use crate::servo::design::constants::{
 use crate::servo::model::Model;
 
 /// What the monitors compare with; lengths in units of y, times in samples.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Bounds {
     /// Velocity gain C.
     pub(crate) gain: f32,
     /// Natural frequency in rad/s.
     pub(crate) frequency: f32,
     pub(crate) sample_time: f32,
-    /// Samples by which commands may take effect sooner or later than the model says.
-    pub(crate) late_rate: f32,
-    /// Displacement by which a sound axis falls short, and times in s by which the speed of a
-    /// motion that it may swing after and that of a swing that is seen add to it.
-    pub(crate) short: f32,
-    pub(crate) ring: f32,
-    pub(crate) swing: f32,
-    /// Share of a new sample in the means of the last 1/(4 w).
-    pub(crate) recent: f32,
-    /// Share of a sample in a filter of 1/w, what a damping xi lacks of 1, twice, and the share in
-    /// the sums of both.
-    pub(crate) response: f32,
-    pub(crate) lack: f32,
-    pub(crate) evidence: f32,
-    /// The same in the mean velocity of an axis that creeps.
-    pub(crate) creep: f32,
-    /// Samples in which an axis behind a closed valve has lost its speed.
-    pub(crate) closing: u32,
     /// Share of a new sample in the expected and the measured displacement.
     pub(crate) share: f32,
     /// Displacement that dead zone, offset and friction may add to the expectation or take from it.
     pub(crate) slack: f32,
-    /// Motion that may be expected of an axis that friction holds, noise and resolution included,
-    /// the drift that the flow makes per s, and the time in s by which a stop may be shorter than
-    /// expected.
-    pub(crate) held: f32,
+    /// Drift per s that the flow makes of the motion of an axis that friction holds.
     pub(crate) drift: f32,
-    pub(crate) stopping: f32,
     /// Samples without motion, and against the command.
     pub(crate) no_motion: u32,
     pub(crate) opposite: u32,
-    /// Time in which a loop that works makes good a following error, in s, and the error that
-    /// friction leaves.
-    pub(crate) lag: f32,
-    pub(crate) rest_error: f32,
-    /// Tenths of samples of an error that stays.
-    pub(crate) following: u32,
-    /// Stopping distance per speed and per square of it, and harmless speed at an end.
-    pub(crate) reaction: f32,
-    /// Samples in which a brake must show.
-    pub(crate) braking: u32,
-    pub(crate) half_inverse_brake: f32,
+    /// Harmless speed at an end.
     pub(crate) end_speed: f32,
     /// Samples at the full command.
     pub(crate) saturated: u32,
+    pub(crate) short: ShortBounds,
+    pub(crate) stuck: StuckBounds,
+    pub(crate) response: ResponseBounds,
+    pub(crate) following: FollowingBounds,
+    pub(crate) end: EndBounds,
+    pub(crate) stop: StopBounds,
+}
+
+/// Of an axis that falls short.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ShortBounds {
+    /// Displacement by which a sound axis falls short, and times in s by which the speed of a
+    /// motion that it may swing after and that of a swing that is seen add to it.
+    pub(crate) level: f32,
+    pub(crate) ring: f32,
+    pub(crate) swing: f32,
+    /// Share of a new sample in the means of the last 1/(4 w).
+    pub(crate) share: f32,
+    /// Samples by which commands may take effect sooner or later than in the model.
+    pub(crate) late_rate: f32,
+}
+
+/// Of a code that stays.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct StuckBounds {
+    /// Motion that may be expected of an axis that friction holds, noise and resolution included,
+    /// and the time in s by which a stop may be shorter than expected.
+    pub(crate) held: f32,
+    pub(crate) stopping: f32,
+}
+
+/// Of both sides of the equation of the drive.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ResponseBounds {
+    /// Share of a sample in a filter of 1/w, what a damping xi lacks of 1, twice, and the share in
+    /// the sums of both.
+    pub(crate) share: f32,
+    pub(crate) lack: f32,
+    pub(crate) evidence: f32,
+}
+
+/// Of a following error.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct FollowingBounds {
+    /// The error that friction leaves, and the time in s in which a loop that works makes good any
+    /// other.
+    pub(crate) error: f32,
+    pub(crate) lag: f32,
+    /// Tenths of samples of an error that stays.
+    pub(crate) tenths: u32,
+}
+
+/// Of the ends of the travel.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct EndBounds {
+    /// Stopping distance per speed and per square of it.
+    pub(crate) reaction: f32,
+    pub(crate) half_inverse_brake: f32,
+    /// Samples in which a brake must show.
+    pub(crate) braking: u32,
+}
+
+/// Of a stop.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct StopBounds {
     /// Samples of a controlled stop.
-    pub(crate) stop: u32,
+    pub(crate) braking: u32,
+    /// Samples in which an axis behind a closed valve has lost its speed.
+    pub(crate) closing: u32,
+    /// Share of a sample in the mean velocity of an axis that creeps.
+    pub(crate) creep: f32,
 }
 
 /// Rate of the recent means over that of the displacements, whose window is 4/w.
@@ -98,32 +135,44 @@ impl Bounds {
             gain,
             frequency: w,
             sample_time: design.sample_time,
-            late_rate: 0.5 * design.delay / design.sample_time + 1.0,
-            short: 2.0 * (deflection + design.grain + flow / w),
-            ring: if ring > 0.0 { ring } else { 0.0 },
-            swing: SWING_TIME_RATIO / w,
-            recent: least_of_one(RECENT_RATE * share),
-            creep: least_of_one(CREEP_RATE * share),
-            response: least_of_one(RESPONSE_RATE * share),
-            lack: 2.0 - model.a2 / w,
-            evidence: least_of_one(EVIDENCE_RATE * share),
-            closing: samples(design.delay + CLOSING_TIME_RATIO / w),
             share: least_of_one(share),
             slack: flow * window + 2.0 * deflection + design.grain,
-            held: HELD_DEFLECTIONS * deflection + design.grain,
             drift: flow,
-            stopping: 1.0 / w,
             no_motion: samples(NO_MOTION_TIME_RATIO / w),
             opposite: samples(OPPOSITE_TIME_RATIO / w),
-            lag: LAG_TIME_RATIO / w,
-            rest_error: 2.0 * flow / w + 2.0 * deflection + design.error,
-            following: samples(10.0 * (FOLLOWING_TIME_RATIO + PUSH_TIME_RATIO) / w),
-            reaction: design.delay + FORCE_TIME_RATIO / w,
-            braking: samples(design.delay + 1.0 / w),
-            half_inverse_brake: BRAKE_RATIO / (gain * w),
             end_speed: 0.5 * flow,
             saturated: samples(SATURATED_CROSSINGS * design.travel.length() / gain + 10.0 / w),
-            stop: samples(STOP_TIME_RATIO / w),
+            short: ShortBounds {
+                level: 2.0 * (deflection + design.grain + flow / w),
+                ring: if ring > 0.0 { ring } else { 0.0 },
+                swing: SWING_TIME_RATIO / w,
+                share: least_of_one(RECENT_RATE * share),
+                late_rate: 0.5 * design.delay / design.sample_time + 1.0,
+            },
+            stuck: StuckBounds {
+                held: HELD_DEFLECTIONS * deflection + design.grain,
+                stopping: 1.0 / w,
+            },
+            response: ResponseBounds {
+                share: least_of_one(RESPONSE_RATE * share),
+                lack: 2.0 - model.a2 / w,
+                evidence: least_of_one(EVIDENCE_RATE * share),
+            },
+            following: FollowingBounds {
+                error: 2.0 * flow / w + 2.0 * deflection + design.error,
+                lag: LAG_TIME_RATIO / w,
+                tenths: samples(10.0 * (FOLLOWING_TIME_RATIO + PUSH_TIME_RATIO) / w),
+            },
+            end: EndBounds {
+                reaction: design.delay + FORCE_TIME_RATIO / w,
+                half_inverse_brake: BRAKE_RATIO / (gain * w),
+                braking: samples(design.delay + 1.0 / w),
+            },
+            stop: StopBounds {
+                braking: samples(STOP_TIME_RATIO / w),
+                closing: samples(design.delay + CLOSING_TIME_RATIO / w),
+                creep: least_of_one(CREEP_RATE * share),
+            },
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::servo::supervision::state::Reason;
 /// closed valve it is a spring, whose speed is gone after a quarter of its period, or a little
 /// later when its force still grows, and comes back with the other sign. A spool that is stuck, or
 /// a load that falls without air, goes on as before. The speed decides, half a period, 3/w, and the
-/// delay after the valve was told to close: more than half of the largest one since then is no
+/// delay after the command to close the valve: more than half of the largest one since then is no
 /// stop.
 ///
 /// What stops within that time may have met an end of the travel, or friction. Then the
@@ -26,7 +26,7 @@ pub(crate) struct Closing {
     left: u32,
     way: f32,
     peak: f32,
-    /// What the response said at the begin.
+    /// [`Response::mirrored`] at the begin.
     mirrored: f32,
     /// Whether the axis has met an end of the travel since then.
     met: bool,
@@ -48,7 +48,7 @@ impl Closing {
 
     /// The valve closes while the axis moves so fast.
     pub(crate) fn begin(&mut self, velocity: f32, response: &Response, bounds: &Bounds) {
-        self.left = bounds.closing;
+        self.left = bounds.stop.closing;
         self.way = sign(velocity);
         self.peak = velocity.abs();
         self.mirrored = response.mirrored();

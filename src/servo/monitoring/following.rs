@@ -33,7 +33,7 @@ impl Following {
             self.speed = speed;
         }
         let error = (r.position - y).abs();
-        if error <= bounds.rest_error + bounds.lag * self.speed {
+        if error <= bounds.following.error + bounds.following.lag * self.speed {
             self.tenths = 0;
             self.least = error;
             return false;
@@ -47,6 +47,6 @@ impl Following {
             self.least = error;
         }
         self.tenths = self.tenths.saturating_add(if pushes { 1 } else { 10 });
-        self.tenths > bounds.following
+        self.tenths > bounds.following.tenths
     }
 }

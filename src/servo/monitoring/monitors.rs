@@ -35,7 +35,7 @@ pub(crate) struct Seen<'a> {
     pub(crate) pushes: bool,
 }
 
-/// What the monitors want of the loop.
+/// What the loop must do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Alarm {
     /// The axis must stop.
@@ -135,15 +135,15 @@ impl Monitors {
         self.obedience = Obedience::default();
     }
 
-    /// Judges a reading; `missed`: samples in a row without one. While the valve is closed to find
-    /// out why the axis moves against its commands, every reading counts: of such a motion the
+    /// Classifies a reading; `missed`: samples in a row without one. While the valve is closed to
+    /// find out why the axis moves against its commands, every reading counts: of such a motion the
     /// model expects nothing.
     #[inline]
-    pub(crate) fn judge(&mut self, y: f32, earlier: &Motion, missed: u32) -> Verdict {
+    pub(crate) fn classify(&mut self, y: f32, earlier: &Motion, missed: u32) -> Verdict {
         if self.obedience.is_closing() {
             return Verdict::Good;
         }
-        let verdict = self.readings.judge(y, earlier, missed);
+        let verdict = self.readings.classify(y, earlier, missed);
         if verdict != Verdict::Good {
             self.counters.implausible_readings =
                 self.counters.implausible_readings.saturating_add(1);

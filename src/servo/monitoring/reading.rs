@@ -74,10 +74,10 @@ impl Plausibility {
         self.acceleration = acceleration;
     }
 
-    /// Judges a reading beside the motion of the earlier ones; `missed`: samples in a row without
-    /// any.
+    /// Classifies a reading beside the motion of the earlier ones; `missed`: samples in a row
+    /// without any.
     #[inline]
-    pub(crate) fn judge(&mut self, y: f32, earlier: &Motion, missed: u32) -> Verdict {
+    pub(crate) fn classify(&mut self, y: f32, earlier: &Motion, missed: u32) -> Verdict {
         let samples = (self.bridged.saturating_add(missed).saturating_add(1)) as f32;
         let t = samples * self.sample_time;
         let speed = earlier.velocity.abs();
@@ -146,7 +146,7 @@ mod tests {
                 ..Motion::default()
             };
             let y = if k < 100 { 0.3 * k as f32 } else { after(k) };
-            match readings.judge(y, &motion, 0) {
+            match readings.classify(y, &motion, 0) {
                 Verdict::Good => assert!(k < 104, "sample {k}"),
                 Verdict::Bridge => assert!(k >= 100, "sample {k}"),
                 Verdict::Lasting(reason) => return Some(reason),

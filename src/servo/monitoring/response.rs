@@ -2,7 +2,7 @@
 
 use crate::servo::monitoring::bounds::Bounds;
 
-/// Both sides of the equation of the drive, as velocities, and what the one says about the other.
+/// Both sides of the equation of the drive, as velocities, and what they show of each other.
 ///
 /// ```text
 /// v'' + a2 v' + a1 v = b0 q - (friction sgn v)' ..,   through w^2 / (s + w)^2, over a1 = w^2:
@@ -46,7 +46,7 @@ impl Response {
     /// below 1 nothing is forgotten.
     #[inline]
     pub(crate) fn update(&mut self, flow: f32, velocity: f32, weight: f32, bounds: &Bounds) {
-        let share = bounds.response;
+        let share = bounds.response.share;
         for (state, input) in [
             (&mut self.commanded, bounds.gain * flow),
             (&mut self.filtered, velocity),
@@ -55,8 +55,8 @@ impl Response {
             state[1] += share * (state[0] - state[1]);
         }
         let commanded = self.commanded[1];
-        let shown = velocity - bounds.lack * (self.filtered[0] - self.filtered[1]);
-        let share = weight * bounds.evidence;
+        let shown = velocity - bounds.response.lack * (self.filtered[0] - self.filtered[1]);
+        let share = weight * bounds.response.evidence;
         let kept = if weight < 1.0 { 1.0 } else { 1.0 - share };
         let [commanded2, shown2] = self.squares;
         self.weight = kept * self.weight + share;

@@ -96,7 +96,7 @@ impl Shortfall {
             self.way = way;
         }
         let along = if self.way > 0.0 { measured } else { -measured };
-        let tolerance = bounds.drift + GAIN_SHARE * speed + bounds.late_rate * change;
+        let tolerance = bounds.drift + GAIN_SHARE * speed + bounds.short.late_rate * change;
         let short = self.short + step * (speed - along - tolerance);
         if turned || !(short > 0.0) {
             self.short = 0.0;
@@ -109,14 +109,14 @@ impl Shortfall {
             return None;
         }
         self.short = short;
-        let share = bounds.recent;
+        let share = bounds.short.share;
         self.speed += share * (speed - self.speed);
         self.along += share * (along - self.along);
         self.expected += step * speed;
         self.measured += step * along;
         self.path += step * along.abs();
         let lacks = self.measured < STANDING_SHARE * self.expected;
-        let alarm = lacks && short > bounds.short + self.swing;
+        let alarm = lacks && short > bounds.short.level + self.swing;
         let little = STANDING_SHARE * self.speed;
         let moved = self.path > STANDING_SHARE * self.expected;
         let stands = alarm && !moved && self.along.abs() <= little;
@@ -151,7 +151,7 @@ impl Shortfall {
             // A motion that runs away is no excuse for itself.
             self.fastest = larger(self.fastest, larger(expected.abs(), measured.abs()));
         }
-        larger(bounds.swing * swing, bounds.ring * self.fastest)
+        larger(bounds.short.swing * swing, bounds.short.ring * self.fastest)
     }
 
     /// The displacement of a swing, by which the axis and its expectation may be apart.

@@ -39,10 +39,10 @@ impl Stop {
         );
         *self = Self::default();
         if known {
-            self.braking = bounds.stop;
+            self.braking = bounds.stop.braking;
         } else if reason == Reason::WrongSign {
-            self.stopping = bounds.closing;
-            self.share = bounds.creep;
+            self.stopping = bounds.stop.closing;
+            self.share = bounds.stop.creep;
             self.least = bounds.end_speed;
         }
     }

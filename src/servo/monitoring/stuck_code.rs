@@ -1,12 +1,13 @@
 //! A code that stays while the axis moves.
 
 use crate::servo::design::MonitoringDesign;
+use crate::servo::design::constants::{CODE_CHANGING_NOISE, STUCK_RUN_RATIO};
 use crate::servo::monitoring::bounds::Bounds;
 
 /// Samples and expected motion since the code last changed.
 ///
 /// Noise that spans more than a code changes it within a few samples, moving or not: the longest
-/// run of equal codes seen in good work tells how few. Beyond eight times that run the code counts
+/// run of equal codes in good work is the measure. Beyond eight times that run the code counts
 /// as stuck as soon as the model expects motion of ten codes and sixteen sigma in the run, however
 /// slowly. Where the noise is below 0.75 codes, runs at rest may be long; there the expected motion
 /// must exceed what can hold the axis back: friction, a stop that is harder than expected (1/w of
@@ -31,12 +32,6 @@ pub(crate) struct StuckCode {
     changes: u32,
 }
 
-/// How much longer than the longest run of good work a run must be.
-const RUN_RATIO: u32 = 8;
-/// Standard deviation over resolution from which on noise changes the code wherever between two
-/// codes the axis stands: quantisation alone gives up to a half, where an axis stands on the edge
-/// of two.
-const SPANNING: f32 = 0.75;
 /// Changes of the code after which its runs are known.
 const KNOWN_CHANGES: u32 = 200;
 
@@ -46,7 +41,7 @@ impl StuckCode {
             many: design.many_codes,
             sample_time: design.sample_time,
             least_run: design.least_run,
-            spans: design.noise >= SPANNING * design.resolution,
+            spans: design.noise >= CODE_CHANGING_NOISE * design.resolution,
             run: 0,
             longest: 0,
             motion: 0.0,
@@ -84,12 +79,12 @@ impl StuckCode {
         self.run = self.run.saturating_add(1);
         self.motion += self.sample_time * velocity;
         let motion = self.motion.abs();
-        let rare = RUN_RATIO.saturating_mul(self.longest);
+        let rare = STUCK_RUN_RATIO.saturating_mul(self.longest);
         let known = self.spans && self.changes > KNOWN_CHANGES;
         let long = known && self.run > self.least_run && self.run > rare;
         let drift = self.sample_time * self.run as f32 * bounds.drift;
-        let stops = self.speed * bounds.stopping;
-        let held = bounds.held + drift + if swing > stops { swing } else { stops };
+        let stops = self.speed * bounds.stuck.stopping;
+        let held = bounds.stuck.held + drift + if swing > stops { swing } else { stops };
         (long && motion > self.many) || motion > self.many + held
     }
 

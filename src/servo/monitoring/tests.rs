@@ -57,16 +57,16 @@ fn bounds_follow_from_the_model_in_its_own_time() {
     let delay = design.delay;
     let twice = |a: f32, b: f32| assert!((b / a - 2.0).abs() < 3e-2, "{a} {b}");
     for (a, b) in [
-        (slow.swing, other.swing),
-        (slow.lag, other.lag),
-        (slow.stopping, other.stopping),
+        (slow.short.swing, other.short.swing),
+        (slow.following.lag, other.following.lag),
+        (slow.stuck.stopping, other.stuck.stopping),
         (1.0 / slow.share, 1.0 / other.share),
-        (1.0 / slow.recent, 1.0 / other.recent),
-        (1.0 / slow.response, 1.0 / other.response),
-        (1.0 / slow.evidence, 1.0 / other.evidence),
-        (1.0 / slow.creep, 1.0 / other.creep),
-        (slow.half_inverse_brake, other.half_inverse_brake),
-        (slow.reaction - delay, other.reaction - delay),
+        (1.0 / slow.short.share, 1.0 / other.short.share),
+        (1.0 / slow.response.share, 1.0 / other.response.share),
+        (1.0 / slow.response.evidence, 1.0 / other.response.evidence),
+        (1.0 / slow.stop.creep, 1.0 / other.stop.creep),
+        (slow.end.half_inverse_brake, other.end.half_inverse_brake),
+        (slow.end.reaction - delay, other.end.reaction - delay),
     ] {
         twice(a, b);
     }
@@ -74,18 +74,21 @@ fn bounds_follow_from_the_model_in_its_own_time() {
     for (a, b) in [
         (slow.no_motion, other.no_motion),
         (slow.opposite, other.opposite),
-        (slow.following, other.following),
-        (slow.stop, other.stop),
+        (slow.following.tenths, other.following.tenths),
+        (slow.stop.braking, other.stop.braking),
     ] {
         twice(a as f32, b as f32);
     }
-    for (a, b) in [(slow.closing, other.closing), (slow.braking, other.braking)] {
+    for (a, b) in [
+        (slow.stop.closing, other.stop.closing),
+        (slow.end.braking, other.end.braking),
+    ] {
         twice(a as f32 - samples, b as f32 - samples);
     }
     // A velocity of the same gain drifts and lacks as much; what it takes is in proportion.
     assert_eq!(
-        (slow.drift, slow.lack, slow.end_speed),
-        (other.drift, other.lack, other.end_speed)
+        (slow.drift, slow.response.lack, slow.end_speed),
+        (other.drift, other.response.lack, other.end_speed)
     );
 }
 
@@ -97,8 +100,8 @@ fn bounds_are_those_of_their_time_constants_and_of_what_friction_holds() {
     let samples = design.delay / 0.001;
     // The filters of an interval: 1/(4 w), 1/w, 4/w; 8/w of the sums; 16/w of those that are
     // recent.
-    assert!((slow.response - 0.02).abs() < 1e-3 && (slow.share - 0.005).abs() < 1e-4);
-    assert!((slow.evidence - 0.04).abs() < 1e-3 && (slow.recent - 0.08).abs() < 2e-3);
+    assert!((slow.response.share - 0.02).abs() < 1e-3 && (slow.share - 0.005).abs() < 1e-4);
+    assert!((slow.response.evidence - 0.04).abs() < 1e-3 && (slow.short.share - 0.08).abs() < 2e-3);
     // At a quarter of its speed all of the travel has passed.
     let saturated = 0.001 * slow.saturated as f32;
     assert!(
@@ -115,15 +118,15 @@ fn bounds_are_those_of_their_time_constants_and_of_what_friction_holds() {
     );
     let deflection = 2.0;
     assert!((slow.slack - bare.slack - 2.0 * deflection).abs() < 1e-3);
-    assert!((slow.rest_error - bare.rest_error - 2.0 * deflection).abs() < 1e-3);
-    assert!((slow.short - bare.short - 2.0 * deflection).abs() < 1e-3);
-    assert!((bare.held - design.grain).abs() < 1e-6 && slow.held > bare.held);
+    assert!((slow.following.error - bare.following.error - 2.0 * deflection).abs() < 1e-3);
+    assert!((slow.short.level - bare.short.level - 2.0 * deflection).abs() < 1e-3);
+    assert!((bare.stuck.held - design.grain).abs() < 1e-6 && slow.stuck.held > bare.stuck.held);
     let damped = Bounds::new(&design, &Model { a2: 21.0, ..MODEL });
-    assert_eq!((slow.ring, damped.ring), (0.0, 0.0));
+    assert_eq!((slow.short.ring, damped.short.ring), (0.0, 0.0));
     let light = Bounds::new(&design, &Model { a2: 4.0, ..MODEL });
-    assert!((light.ring - 0.04).abs() < 1e-6 && (light.lack - 1.8).abs() < 1e-6);
+    assert!((light.short.ring - 0.04).abs() < 1e-6 && (light.response.lack - 1.8).abs() < 1e-6);
     // Late by half of the delay and a sample.
-    assert!((slow.late_rate - (0.5 * samples + 1.0)).abs() < 1e-4);
+    assert!((slow.short.late_rate - (0.5 * samples + 1.0)).abs() < 1e-4);
 }
 
 #[test]
@@ -138,7 +141,7 @@ fn an_axis_that_can_no_longer_stop_within_its_travel_brakes() {
         let v = 1000.0;
         // Its stopping distance: delay and force, then the full brake; the same for what an end
         // takes.
-        let distance = |v: f32| v * bounds.reaction + v * v * bounds.half_inverse_brake;
+        let distance = |v: f32| v * bounds.end.reaction + v * v * bounds.end.half_inverse_brake;
         let needed = distance(v) - distance(bounds.end_speed);
         let at = |away: f32| end_at - side * (needed + away);
         assert_eq!(end(at(0.5), side * v, side, &rest), End::Free);
@@ -166,10 +169,13 @@ fn an_axis_that_can_no_longer_stop_within_its_travel_brakes() {
         for (loses, lost) in [(0.0, true), (0.3, false)] {
             let mut monitor = TravelMonitor::new(TRAVEL);
             let mut found = End::Free;
-            for k in 0..=bounds.braking {
-                let speed = v * (1.0 - loses * k as f32 / bounds.braking as f32);
+            for k in 0..=bounds.end.braking {
+                let speed = v * (1.0 - loses * k as f32 / bounds.end.braking as f32);
                 found = monitor.update(end_at, side * speed, -side, &rest, &bounds);
-                assert!(k == bounds.braking || found == End::Free, "{k}: {found:?}");
+                assert!(
+                    k == bounds.end.braking || found == End::Free,
+                    "{k}: {found:?}"
+                );
             }
             assert_eq!(found == End::Lost, lost, "{loses}");
         }
@@ -248,12 +254,12 @@ fn a_reading_is_as_far_as_the_axis_can_have_moved() {
             + acceleration * (0.5 * late * late + design.tracking_lag);
         let next = 100.0 - 0.2;
         for side in [1.0, -1.0] {
-            let judge = |share: f32| {
+            let classify = |share: f32| {
                 let y = next + side * share * gate;
-                readings.clone().judge(y, &motion, missed)
+                readings.clone().classify(y, &motion, missed)
             };
-            assert_eq!(judge(0.99), Verdict::Good, "{acceleration} {missed}");
-            assert_eq!(judge(1.01), Verdict::Bridge, "{acceleration} {missed}");
+            assert_eq!(classify(0.99), Verdict::Good, "{acceleration} {missed}");
+            assert_eq!(classify(1.01), Verdict::Bridge, "{acceleration} {missed}");
         }
     }
     // What is usual opens the gate by its own size: 1.25 of the mean residual is a deviation.
@@ -263,17 +269,17 @@ fn a_reading_is_as_far_as_the_axis_can_have_moved() {
     let usual = 4.0 * design.noise;
     for k in 0..20_000 {
         let y = 100.0 + if k % 2 == 0 { usual } else { -usual };
-        assert_eq!(readings.judge(y, &still, 0), Verdict::Good, "{k}");
+        assert_eq!(readings.classify(y, &still, 0), Verdict::Good, "{k}");
     }
     let gate = 8.0 * 1.25 * usual + 0.03;
     for (share, found) in [(0.98, Verdict::Good), (1.02, Verdict::Bridge)] {
         let mut other = readings.clone();
-        assert_eq!(other.judge(100.0 + share * gate, &still, 0), found);
+        assert_eq!(other.classify(100.0 + share * gate, &still, 0), found);
     }
     // Those that last are a jump after as many as the design says.
     let mut found = Verdict::Good;
     for k in 1..=design.jump {
-        found = readings.judge(300.0 + k as f32, &still, 0);
+        found = readings.classify(300.0 + k as f32, &still, 0);
         assert_eq!(found == Verdict::Bridge, k < design.jump, "{k}");
     }
     assert_eq!(found, Verdict::Lasting(Reason::Implausible));

@@ -22,7 +22,7 @@ pub(crate) struct TravelMonitor {
     speed: f32,
 }
 
-/// What the end of the travel asks for.
+/// What the axis must do at an end of the travel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum End {
     /// Nothing.
@@ -61,10 +61,11 @@ impl TravelMonitor {
         r: &Setpoint,
         bounds: &Bounds,
     ) -> End {
-        let stop =
-            |x: f32, v: f32| x + v * bounds.reaction + v * v.abs() * bounds.half_inverse_brake;
+        let stop = |x: f32, v: f32| {
+            x + v * bounds.end.reaction + v * v.abs() * bounds.end.half_inverse_brake
+        };
         let slow = bounds.end_speed;
-        let spare = slow * bounds.reaction + slow * slow * bounds.half_inverse_brake;
+        let spare = slow * bounds.end.reaction + slow * slow * bounds.end.half_inverse_brake;
         let (axis, reference) = (stop(y, velocity), stop(r.position, 1.3 * r.velocity));
         let beyond = |at: f32, end: f32| {
             let upper = if at > end { at } else { end };
@@ -85,7 +86,7 @@ impl TravelMonitor {
             self.speed = speed;
         }
         self.beyond = self.beyond.saturating_add(1);
-        if self.beyond > bounds.braking {
+        if self.beyond > bounds.end.braking {
             if !(speed < BRAKED * self.speed) {
                 return End::Lost;
             }

@@ -11,7 +11,7 @@ use crate::servo::motion::Motion;
 /// measured one.
 ///
 /// The velocity part of a verified model is stable (a1 and a2 are positive), so its simulation
-/// forgets how it began and needs no measurement: whatever the sensor says, the expectation stays
+/// forgets how it began and needs no measurement: whatever the sensor shows, the expectation stays
 /// bounded by C |flow|. Only the position drifts; therefore displacements over a window of a few
 /// 1/w are compared, of model and sensor with the same high-pass filter
 ///
@@ -21,7 +21,7 @@ use crate::servo::motion::Motion;
 ///
 /// A wrong dead zone or offset of the flow by `q` moves h by at most `C q window`, friction by its
 /// deflection `friction / a1`: this is the slack of the bounds. A command that takes effect half a
-/// delay sooner or later than the model says moves h by `C |change| delay / 2`: the slack grows
+/// delay sooner or later than in the model moves h by `C |change| delay / 2`: the slack grows
 /// with the changes of the command within the window.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Twin {

@@ -1,4 +1,4 @@
-//! The wanted motion: setpoints, profiles, and the filter that follows a measured motion.
+//! The requested motion: setpoints, profiles, and the filter that follows a measured motion.
 
 pub(crate) mod alpha_beta_gamma;
 pub(crate) mod profile;

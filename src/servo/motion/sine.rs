@@ -4,7 +4,7 @@ use crate::math::sin;
 use crate::servo::motion::{MotionLimits, Setpoint};
 
 /// `centre + amplitude blend(t) sin(omega t)`; the blend rises from 0 to 1 over one period, over
-/// more where the limits ask for it.
+/// more where the limits require it.
 ///
 /// The phase is a phasor that is turned by one sample at a time: + - x only.
 #[derive(Debug, Clone, PartialEq)]

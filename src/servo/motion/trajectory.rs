@@ -169,7 +169,7 @@ impl Trajectory {
 
     /// Oscillates with `frequency` in Hz about the present position, in motion about the place
     /// where the reference comes to rest; the amplitude grows over one period, over two or four
-    /// where the limits of motion ask for it.
+    /// where the limits of motion require it.
     ///
     /// Refused, with the largest amplitude, unless the limits of motion and the travel have room
     /// for it. Not for the 1 ms path: one sine and cosine.

@@ -15,6 +15,8 @@ use crate::servo::motion::trajectory::Trajectory;
 use crate::servo::servo_loop::ServoLoop;
 use crate::servo::servo_loop::commands::Commands;
 use crate::servo::servo_loop::drive::Drive;
+use crate::servo::servo_loop::guard::Guard;
+use crate::servo::servo_loop::moves::Moves;
 use crate::servo::servo_loop::sensed::Sensed;
 use crate::servo::servo_loop::takeover::{Fallback, Takeover};
 use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
@@ -72,20 +74,24 @@ fields! { of config, axis, design:
         dead_volume: design.controller.estimator.dead_volume,
         noise: config.noise.unwrap_or(0.0),
     },
-    trajectory: Trajectory::new(design.motion, design.travel, design.sample_time),
-    run_out_rate: design.run_out_rate,
+    moves: Moves {
+        trajectory: Trajectory::new(design.motion, design.travel, design.sample_time),
+        run_out_rate: design.run_out_rate,
+        tracking: AlphaBetaGamma::new(design.tracking_rate, design.sample_time),
+    },
     limiter: CommandLimiter::new(&design.limiter),
     commands: Commands::new(),
     sensed: Sensed::new(design.sensor_errors),
-    tracking: AlphaBetaGamma::new(design.tracking_rate, design.sample_time),
     monitor: ExcitationMonitor::new(&design.monitor),
-    monitors: Monitors::new(
-        &design.monitoring.with_resolution(axis.scale.units(1).abs()),
-        &design.supervision.validation.observer,
-        placeholder(config),
-    ),
-    alarm: None,
-    stop: Stop::default(),
+    guard: Guard {
+        monitors: Monitors::new(
+            &design.monitoring.with_resolution(axis.scale.units(1).abs()),
+            &design.supervision.validation.observer,
+            placeholder(config),
+        ),
+        alarm: None,
+        stop: Stop::default(),
+    },
     settled: design.identification.settled,
     takeover: Takeover::default(),
     fallback: Fallback::new(None),

@@ -13,7 +13,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     pub(super) fn reading(&mut self, code: Option<i32>, missed: u32) -> Option<f32> {
         let bridges = self.sensed.begun && !self.sensed.is_lost();
         let Some(code) = code else {
-            let missing = self.monitors.count_reading(true, true);
+            let missing = self.guard.monitors.count_reading(true, true);
             if missing && self.is_active() {
                 self.fail(Reason::SensorFault);
             }
@@ -23,8 +23,15 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         if !(self.sensed.begun && self.is_active()) {
             return Some(y);
         }
-        let verdict = self.monitors.judge(y, &self.tracking.motion(), missed);
-        if self.monitors.count_reading(false, verdict != Verdict::Good) {
+        let verdict = self
+            .guard
+            .monitors
+            .classify(y, &self.moves.tracking.motion(), missed);
+        if self
+            .guard
+            .monitors
+            .count_reading(false, verdict != Verdict::Good)
+        {
             self.fail(Reason::SensorFault);
         }
         match verdict {
@@ -47,10 +54,12 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     pub(super) fn begin(&mut self, y: f32) {
         if !self.sensed.begun {
             self.sensed.begun = true;
-            self.tracking.place(y);
-            self.trajectory.hold(y);
+            self.moves.tracking.place(y);
+            self.moves.trajectory.hold(y);
             self.controller.place(Motion::at(y));
-            self.monitors.place(Motion::at(y), self.limiter.last());
+            self.guard
+                .monitors
+                .place(Motion::at(y), self.limiter.last());
         }
         if self.start_requested {
             self.start_requested = false;
@@ -70,7 +79,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         if self.supervisor.state().is_controlling() {
             self.controller.motion()
         } else {
-            self.tracking.motion()
+            self.moves.tracking.motion()
         }
     }
 
@@ -85,7 +94,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         if self.sensed.is_lost() {
             self.fail(Reason::SensorFault);
         }
-        self.stop.end();
+        self.guard.stop.end();
         let requested = self.limiter.update(self.centre());
         let command = match self.valve.drive(requested) {
             Ok(command) => command,

@@ -1,4 +1,4 @@
-//! What the user asks of the loop.
+//! The requests of the user.
 
 use crate::hardware::{PositionSensor, Valve};
 use crate::servo::design::constants::REOPENED_STD;
@@ -43,17 +43,17 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// # Errors
     /// [`Error::Setting`] for NaN and infinity; the reference goes on as before.
     pub fn move_to(&mut self, target: f32) -> Result<(), Error> {
-        self.trajectory.move_to(target)
+        self.moves.trajectory.move_to(target)
     }
 
     /// Oscillates with `frequency` in Hz about the present reference, in motion about the place
     /// where it comes to rest; the amplitude grows over one period, over two or four where the
-    /// limits of motion ask for it.
+    /// limits of motion require it.
     ///
     /// # Errors
     /// [`Error::Setting`], with the largest amplitude or frequency for which travel and limits of
     /// motion have room; the reference goes on as before.
     pub fn oscillate(&mut self, amplitude: f32, frequency: f32) -> Result<(), Error> {
-        self.trajectory.oscillate(amplitude, frequency)
+        self.moves.trajectory.oscillate(amplitude, frequency)
     }
 }

@@ -1,7 +1,7 @@
 //! Slots in which the loop was not called.
 
-use crate::Outcome;
 use crate::hardware::{PositionSensor, Valve};
+use crate::identifier::Outcome;
 use crate::servo::servo_loop::ServoLoop;
 use crate::servo::supervision::state::Reason;
 
@@ -26,13 +26,13 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             return;
         }
         let _ = self.sensed.count(None);
-        let missing = self.monitors.count_reading(true, true);
+        let missing = self.guard.monitors.count_reading(true, true);
         if self.is_active() && (missing || self.sensed.is_lost()) {
             self.fail(Reason::SensorFault);
         }
         let y = self.expected();
         self.sensed.position = y;
-        self.tracking.update(y);
+        self.moves.tracking.update(y);
         // What the loop would have commanded has reached no valve.
         let (setpoint, _) = self.requested(y, true);
         let command = self.limiter.last();

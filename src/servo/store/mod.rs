@@ -15,20 +15,20 @@
 //!    after 8000 years.
 //!
 //! A record of another version, machine or configuration is refused with the reason ([`Refused`]).
-//! What is read is not yet trusted: [`ServoLoop::install`](crate::servo::ServoLoop::install) holds
+//! What is read is not valid yet: [`ServoLoop::install`](crate::servo::ServoLoop::install) holds
 //! it against every limit that a candidate of the identifier must keep.
 //!
 //! # Where the time goes
 //! Never call [`ModelStore::save`] in the path of a sample. On an STM32F405 programming one record
 //! stalls reads of the same bank for about 0.4 ms, erasing a sector of 16 KiB for 0.25 s and of 128
 //! KiB for 1 s (typical figures of the data sheet, tables of flash programming), in which no code
-//! runs from flash and no watchdog is fed. [`ModelStore::must_erase`] tells beforehand;
+//! runs from flash and no watchdog is fed. [`ModelStore::must_erase`] is true beforehand;
 //! [`ModelStore::make_room`] does it where the time is, at the start before anything moves.
-//! [`Keeper`] says when a model is worth a record.
+//! [`Keeper`] decides when a model is worth a record.
 //!
 //! Not a general file system: one kind of record, two sectors. A log-structured map as in
 //! `sequential-storage` does more, behind async traits and with an erase inside a call that the
-//! caller cannot foresee, and this store must tell the caller before it stalls the chip.
+//! caller cannot foresee, and this store must warn the caller before it stalls the chip.
 
 mod keeper;
 mod record;

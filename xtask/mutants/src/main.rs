@@ -4,6 +4,7 @@
 //! every test says which of them it reaches, and those are run with the mutant, the quickest first,
 //! until one fails.
 
+mod blame;
 mod list;
 mod report;
 mod switch;

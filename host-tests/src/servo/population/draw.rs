@@ -56,7 +56,7 @@ pub struct AxisDraw {
     /// Share of slots in which the loop does not run.
     pub missed: f64,
     /// Rough bandwidth that the user states \[rad/s\].
-    pub told_bandwidth: f64,
+    pub stated_bandwidth: f64,
 }
 
 impl AxisDraw {
@@ -89,11 +89,11 @@ impl AxisDraw {
             reversed: random.random(),
             jitter: family::JITTER.draw(usual, &mut random),
             missed: family::MISSED.draw(usual, &mut random),
-            told_bandwidth: 0.0,
+            stated_bandwidth: 0.0,
         };
         let [_, omega0, _] = draw.truth(0.5 * draw.stroke_mm());
         let mut known = stream(seed, Purpose::Knowledge);
-        draw.told_bandwidth = omega0 * family::TOLD_BANDWIDTH.draw(false, &mut known);
+        draw.stated_bandwidth = omega0 * family::STATED_BANDWIDTH.draw(false, &mut known);
         draw
     }
 

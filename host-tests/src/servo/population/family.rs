@@ -131,6 +131,6 @@ pub const MISSED: Range = Range::even(0.0, 0.0, 0.01);
 /// Sample times \[s\]; that of a usual machine is in the middle.
 pub const SAMPLE_TIMES: [f64; 3] = [5e-4, 1e-3, 2e-3];
 /// Rough bandwidth that the user states over the natural frequency: the documented range.
-pub const TOLD_BANDWIDTH: Range = Range::ratio(0.8, 1.0, 1.4);
+pub const STATED_BANDWIDTH: Range = Range::ratio(0.8, 1.0, 1.4);
 /// Load and breakaway over supply times area, at most; other axes are drawn again.
 pub const LOAD_MAX: f64 = 0.4;

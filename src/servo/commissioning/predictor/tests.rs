@@ -200,7 +200,7 @@ fn a_point_has_the_velocity_and_the_direction_of_its_interval() {
         (point.direction - 1.0 / 3.0).abs() < 0.35 / reach as f32,
         "{point:?}"
     );
-    // Slower than what is told from rest, and at a stop.
+    // Slower than what is distinguished from rest, and at a stop.
     let (_, point) = of(|t| 0.5 + 0.01 * t, 20);
     assert!(point.rests && point.direction == 0.0, "{point:?}");
     let (_, point) = of(|t| if t < 0.2 { t } else { 0.2 }, 19);

@@ -99,11 +99,11 @@ fn the_command_grows_where_the_axis_stays_on_one_side() {
         assert!((found + grown.min(AMPLITUDE)).abs() < 2e-3, "{k}: {found}");
     }
     // A direction in which nothing moves makes way for the other one, from the first command on.
-    held.hear(Heard::Exhausted);
+    held.take(Standing::Exhausted);
     assert!((command(&mut held, 0.501) - 0.15).abs() < 2e-3);
-    held.hear(Heard::Silence);
+    held.take(Standing::HeldByFriction);
     assert!(command(&mut held, 0.501) > 0.0);
-    held.hear(Heard::Motion);
+    held.take(Standing::Moved);
     assert!(command(&mut held, 0.501) < 0.0);
     // It switches where the axis, 40 ms ahead, is half a movement on the other side.
     for (y, v, switches) in [

@@ -37,7 +37,7 @@ fn swept(sweep: &mut Sweep, drive: &mut Drive) -> ([f32; 2], u32) {
         last = command;
         drive.step(command);
         range = [range[0].min(x), range[1].max(x)];
-        sweep.hear(Heard::Motion, [0.1; 2]);
+        sweep.take(Standing::Moved, [0.1; 2]);
     }
     (range, reversals)
 }
@@ -130,16 +130,16 @@ fn a_level_is_a_flow_beyond_the_dead_zone_for_some_of_half_a_period() {
         assert_eq!(sweep.level, level);
     }
     // An axis that stays is pushed by what moves it, where a direction is used up by the other one.
-    sweep.hear(Heard::Exhausted, [0.5, 0.4]);
+    sweep.take(Standing::Exhausted, [0.5, 0.4]);
     assert!(
         sweep.level > 0.0 && (sweep.level - 0.48).abs() < 1e-6,
         "{}",
         sweep.level
     );
     assert!(sweep.tests && sweep.stays);
-    sweep.hear(Heard::Exhausted, [0.5, 0.4]);
+    sweep.take(Standing::Exhausted, [0.5, 0.4]);
     assert!((sweep.level + 0.42).abs() < 1e-6, "{}", sweep.level);
-    sweep.hear(Heard::Motion, [0.5, 0.4]);
+    sweep.take(Standing::Moved, [0.5, 0.4]);
     assert!(!sweep.tests && !sweep.stays);
 }
 

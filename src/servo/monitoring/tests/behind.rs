@@ -21,8 +21,8 @@ fn a_code_that_stays_while_motion_is_expected_is_stuck() {
         assert!(!monitor.update(false, velocity, 0.0, &bounds));
         let found = until(&mut monitor, velocity, swing).expect("stuck");
         let needed = |t: f32| {
-            let stops = velocity.abs() * bounds.stopping;
-            design.many_codes + bounds.held + t * bounds.drift + stops.max(swing)
+            let stops = velocity.abs() * bounds.stuck.stopping;
+            design.many_codes + bounds.stuck.held + t * bounds.drift + stops.max(swing)
         };
         let t = 0.001 * found as f32;
         assert!(
@@ -68,21 +68,21 @@ fn an_error_that_no_lag_explains_and_that_stays_is_noticed() {
     };
     let rest = Setpoint::at(0.0);
     // What friction and a wrong flow leave at rest.
-    let edge = bounds.rest_error;
+    let edge = bounds.following.error;
     assert!((1.0..100.0).contains(&edge), "{edge}");
     assert_eq!(until(Setpoint::at(0.99 * edge), |_| 0.0, false), None);
     let found = until(Setpoint::at(1.01 * edge), |_| 0.0, false);
-    assert_eq!(found, Some(bounds.following / 10 + 1));
+    assert_eq!(found, Some(bounds.following.tenths / 10 + 1));
     assert_eq!(until(Setpoint::at(-1.01 * edge), |_| 0.0, false), found);
     // While a push grows a sample counts a tenth.
     let pushed = until(Setpoint::at(1.01 * edge), |_| 0.0, true);
-    assert_eq!(pushed, Some(bounds.following + 1));
+    assert_eq!(pushed, Some(bounds.following.tenths + 1));
     // In a motion the lag of the loop is none.
     let fast = Setpoint {
         velocity: -300.0,
         ..rest
     };
-    let lag = edge + 300.0 * bounds.lag;
+    let lag = edge + 300.0 * bounds.following.lag;
     let behind = |error: f32| {
         let r = Setpoint {
             position: error,
@@ -98,14 +98,16 @@ fn an_error_that_no_lag_explains_and_that_stays_is_noticed() {
         until(far, |k| 1000.0 - 900.0 * 0.9995_f32.powi(k as i32), false),
         None
     );
-    assert!(until(far, |k| 0.01 * k as f32, false).is_some_and(|k| k > bounds.following / 10));
+    assert!(
+        until(far, |k| 0.01 * k as f32, false).is_some_and(|k| k > bounds.following.tenths / 10)
+    );
     // The memory of a speed lasts for four windows.
     let mut following = Following::default();
     let _ = following.update(&fast, 0.0, false, &bounds);
     for _ in 0..4 * 200 {
         let _ = following.update(&rest, 0.0, false, &bounds);
     }
-    let at = |share: f32| Setpoint::at(edge + share * 300.0 * bounds.lag);
+    let at = |share: f32| Setpoint::at(edge + share * 300.0 * bounds.following.lag);
     let left = libm::expf(-1.0);
     assert!(
         !following

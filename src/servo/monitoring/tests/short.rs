@@ -3,7 +3,7 @@
 use super::*;
 use crate::servo::monitoring::shortfall::{Short, Shortfall};
 
-/// A time of an axis that is told to go with `expected` and goes with `measured`: the alarm, and
+/// A time of an axis that should go with `expected` and goes with `measured`: the alarm, and
 /// when.
 fn alarm(
     bounds: &Bounds,
@@ -39,7 +39,7 @@ fn an_axis_may_lack_what_valve_gain_and_delay_explain() {
         }
     }
     // A command that comes later by half of its delay and a sample.
-    let delay = 1e-3 * bounds.late_rate;
+    let delay = 1e-3 * bounds.short.late_rate;
     let wave = |t: f32| 800.0 * libm::sinf(20.0 * t);
     assert_eq!(alarm(&bounds, wave, move |t| wave(t - delay)), None);
     assert_eq!(alarm(&bounds, wave, move |t| wave(t + delay)), None);
@@ -58,8 +58,8 @@ fn an_axis_that_goes_the_other_way_is_noticed_by_its_distance() {
                 // The distance that it is short of, beyond what a sound axis lacks; the first
                 // sample is a change of all of the velocity.
                 let rate = speed * (1.0 + share) - bounds.drift - 0.3 * speed;
-                let first = 1e-3 * (rate - bounds.late_rate * speed);
-                let needed = bounds.short + bounds.ring * speed;
+                let first = 1e-3 * (rate - bounds.short.late_rate * speed);
+                let needed = bounds.short.level + bounds.short.ring * speed;
                 let expected = needed / rate - (first / rate).min(0.0);
                 assert!(
                     (t - expected).abs() < 5e-3,
@@ -89,8 +89,8 @@ fn an_axis_that_stands_is_noticed_after_its_distance_and_a_while() {
     let (t, short) = alarm(&bounds, |_| speed, |_| still).expect("an alarm");
     assert_eq!(short, Short::Standing);
     let rate = 0.7 * speed - bounds.drift;
-    let late = bounds.late_rate * speed * 1e-3;
-    let least = (bounds.short + late.min(rate * 1e-3)) / rate;
+    let late = bounds.short.late_rate * speed * 1e-3;
+    let least = (bounds.short.level + late.min(rate * 1e-3)) / rate;
     let whole = least + 1e-3 * bounds.opposite as f32;
     assert!((t - whole).abs() < 0.02, "{t} {whole}");
     // One that swings about a place stands as well, but not where its path is a fifth of the
@@ -120,12 +120,15 @@ fn a_swing_is_five_times_the_smaller_speed_of_both_directions() {
     let _ = shortfall.update(300.0, 0.0, 300.0, &bounds);
     let alone = shortfall.swing();
     assert!(
-        (alone - bounds.ring * 300.0).abs() < 1e-3,
+        (alone - bounds.short.ring * 300.0).abs() < 1e-3,
         "one direction is no swing"
     );
     let _ = shortfall.update(-200.0, 0.0, -200.0, &bounds);
     let both = shortfall.swing();
-    assert!((both - bounds.swing * 200.0).abs() < 0.02 * both, "{both}");
+    assert!(
+        (both - bounds.short.swing * 200.0).abs() < 0.02 * both,
+        "{both}"
+    );
     // Either of expectation and measurement alone.
     let mut expected = Shortfall::default();
     let _ = expected.update(300.0, 0.0, 0.0, &bounds);
@@ -153,12 +156,12 @@ fn a_light_drive_rings_after_its_fastest_motion() {
         ..MODEL
     };
     let bounds = example::bounds(&light);
-    assert!(bounds.ring > 0.0);
+    assert!(bounds.short.ring > 0.0);
     let mut shortfall = Shortfall::default();
     for _ in 0..10 {
         let _ = shortfall.update(500.0, 0.0, 500.0, &bounds);
     }
-    let ring = bounds.ring * 500.0;
+    let ring = bounds.short.ring * 500.0;
     assert!((shortfall.swing() - ring).abs() < 1e-2 * ring);
     // With a memory of four windows.
     for _ in 0..(4.0 / bounds.share) as u32 {

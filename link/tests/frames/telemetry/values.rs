@@ -5,7 +5,7 @@ use trendid_link::telemetry::settings::{self, SETTINGS};
 use trendid_link::telemetry::*;
 use trendid_link::{Frame, code};
 
-use crate::ends::sample;
+use super::ends::sample;
 
 #[test]
 fn every_setting_is_read_as_it_was_set_and_refuses_what_is_out_of_bounds() {

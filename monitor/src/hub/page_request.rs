@@ -6,27 +6,27 @@ use trendid_link::telemetry::{Request, Trick};
 
 /// What a page asks for.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Wish {
+pub(super) enum PageRequest {
     /// To be in control.
     Control,
     /// A request to the target.
-    Ask(Request),
+    Target(Request),
     /// A record, begun or ended.
     Record(bool),
 }
 
 /// Reads a message of a page; what it does not understand is refused in one sentence.
-pub(super) fn read(text: &str) -> Result<Wish, String> {
+pub(super) fn read(text: &str) -> Result<PageRequest, String> {
     let value: Value = serde_json::from_str(text).map_err(|error| format!("no JSON: {error}"))?;
     let message = Message(&value);
     match message.word("do") {
-        "control" => Ok(Wish::Control),
+        "control" => Ok(PageRequest::Control),
         "record" => {
             let on = value.get("on").and_then(Value::as_bool);
-            on.map(Wish::Record)
+            on.map(PageRequest::Record)
                 .ok_or_else(|| "`on` is not true or false".into())
         }
-        done => message.request(done).map(Wish::Ask),
+        done => message.request(done).map(PageRequest::Target),
     }
 }
 
@@ -123,12 +123,15 @@ mod tests {
         let ask = |text: &str| read(text).unwrap();
         assert_eq!(
             ask(r#"{"do":"move","target":120}"#),
-            Wish::Ask(Request::Move(120.0))
+            PageRequest::Target(Request::Move(120.0))
         );
-        assert_eq!(ask(r#"{"do":"record","on":true}"#), Wish::Record(true));
+        assert_eq!(
+            ask(r#"{"do":"record","on":true}"#),
+            PageRequest::Record(true)
+        );
         assert_eq!(
             ask(r#"{"do":"play","trick":"freeze"}"#),
-            Wish::Ask(Request::Play(Trick::FreezeSensor))
+            PageRequest::Target(Request::Play(Trick::FreezeSensor))
         );
         let memory = SETTINGS.iter().position(|s| s.name == "memory");
         let set = Request::Set {
@@ -137,7 +140,7 @@ mod tests {
         };
         assert_eq!(
             ask(r#"{"do":"set","name":"memory","value":2}"#),
-            Wish::Ask(set)
+            PageRequest::Target(set)
         );
         for word in ["control", "commission", "stop", "store", "acknowledge"] {
             ask(&format!(r#"{{"do":"{word}"}}"#));
@@ -168,7 +171,7 @@ mod tests {
         #[test]
         fn whatever_is_asked_is_finite(name in "[a-z]{0,12}", x in any::<f64>(), key in "[a-z]{0,9}") {
             let text = serde_json::json!({"do": name, key: x, "target": x, "amplitude": x, "frequency": x}).to_string();
-            if let Ok(Wish::Ask(Request::Move(x) | Request::Oscillate { amplitude: x, .. })) = read(&text) {
+            if let Ok(PageRequest::Target(Request::Move(x) | Request::Oscillate { amplitude: x, .. })) = read(&text) {
                 prop_assert!(x.is_finite());
             }
         }

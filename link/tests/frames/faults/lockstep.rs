@@ -2,7 +2,7 @@
 
 use trendid_link::*;
 
-use crate::ends::{Line, Target, mix, plain, reply, reset};
+use super::ends::{Line, Target, mix, plain, reply, reset};
 
 #[test]
 fn every_sample_is_processed_once_on_a_bad_line() {

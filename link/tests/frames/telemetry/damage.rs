@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use trendid_link::VERSION;
 use trendid_link::telemetry::*;
 
-use crate::ends::{any_request, future, heard, order, push, sample, sent, station};
+use super::ends::{any_request, future, heard, order, push, sample, sent, station};
 
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(256) })]

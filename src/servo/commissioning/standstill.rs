@@ -3,7 +3,7 @@
 
 use crate::math::sqrt;
 use crate::servo::commissioning::predictor::Theta;
-use crate::servo::commissioning::probe::RATE;
+use crate::servo::commissioning::probe::{LATENESS, RATE};
 
 /// Part of the command at the first movement that is surely not flow: half of it, as for the dead
 /// zone of a start.
@@ -29,24 +29,23 @@ const HELD_RATIO: f32 = 1.5;
 /// motion.
 const NOISY: f32 = 2.0;
 /// Angle of the natural frequency after which a drive without friction has moved by most of what
-/// its flow leads to, the same in half periods, and delay of a valve in s.
+/// its flow leads to, and the same in half periods.
 const LAG_RADIANS: f32 = 2.0;
 const LAG_HALVES: f32 = LAG_RADIANS / core::f32::consts::PI;
-const LATENESS: f32 = 0.02;
 /// The same in s before anything is known of the time scale.
 const LAG_FIRST: f32 = 0.08;
 
-/// What the silence means.
+/// What a position that stays means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Heard {
+pub(crate) enum Standing {
     /// The axis has moved on.
-    Motion,
+    Moved,
     /// It stays, and friction explains that.
-    Silence,
+    HeldByFriction,
     /// It stays, and the present direction should have moved it.
     Exhausted,
     /// Neither direction moved what must move.
-    Nothing,
+    Unresponsive,
 }
 
 /// Drive that friction may hold after a command that grew to this size has moved the axis.
@@ -62,7 +61,7 @@ fn first_drives(command: f32) -> f32 {
 /// both directions, is no friction. The first movement had the same gain, so that none is needed.
 /// Cost: about 40 instructions.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Silence {
+pub(crate) struct Standstill {
     anchor: f32,
     detection: f32,
     /// Command at the first movement, and what the valve may need more upward and downward.
@@ -85,7 +84,7 @@ pub(crate) struct Silence {
     changed: bool,
 }
 
-impl Silence {
+impl Standstill {
     /// After a `command` that grew at the rate of the probe has moved the axis to `place`, in this
     /// direction along its sign.
     pub(crate) fn new(place: f32, detection: f32, command: f32, upward: bool) -> Self {
@@ -114,7 +113,7 @@ impl Silence {
         command: f32,
         step: f32,
         model: Option<&Theta>,
-    ) -> Heard {
+    ) -> Standing {
         self.changes |= !same_code;
         let away = y - self.anchor;
         if away > self.detection || away < -self.detection {
@@ -128,7 +127,7 @@ impl Silence {
                 changes: false,
                 ..*self
             };
-            return Heard::Motion;
+            return Standing::Moved;
         }
         let flow = self.flow(command, model);
         self.drive += step * flow;
@@ -146,11 +145,11 @@ impl Silence {
         }
         self.used = used;
         if self.used == [true; 2] {
-            Heard::Nothing
+            Standing::Unresponsive
         } else if (up && flow > 0.0) || (down && flow < 0.0) {
-            Heard::Exhausted
+            Standing::Exhausted
         } else {
-            Heard::Silence
+            Standing::HeldByFriction
         }
     }
 

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use trendid_link::*;
 
-use crate::ends::{plain, reply, reset};
+use super::ends::{plain, reply, reset};
 
 #[test]
 fn the_layout_on_the_wire_is_as_documented() {

@@ -2,8 +2,8 @@
 
 use trendid_link::telemetry::*;
 
+use super::ends::{heard, order, push, sample, sent, station};
 use crate::dice::Dice;
-use crate::ends::{heard, order, push, sample, sent, station};
 
 /// Events arrive once and in order over a line that loses every second frame in both directions.
 #[test]

@@ -5,10 +5,14 @@ use super::*;
 const STEP: f32 = 1e-3;
 
 /// Calls until a constant command is more than friction explains.
-fn until(silence: &mut Silence, command: f32, model: Option<&Theta>) -> Option<(u32, Heard)> {
+fn until(
+    standstill: &mut Standstill,
+    command: f32,
+    model: Option<&Theta>,
+) -> Option<(u32, Standing)> {
     (1..60_000).find_map(|k| {
-        let heard = silence.update(0.5, true, command, STEP, model);
-        (heard != Heard::Silence).then_some((k, heard))
+        let standing = standstill.update(0.5, true, command, STEP, model);
+        (standing != Standing::HeldByFriction).then_some((k, standing))
     })
 }
 
@@ -24,12 +28,12 @@ fn what_moved_the_axis_first_moves_it_from_wherever_friction_holds_it() {
     for command in [0.1_f32, 0.3] {
         for upward in [true, false] {
             let side = if upward { 1.0 } else { -1.0 };
-            let fresh = Silence::new(0.5, 1e-3, command, upward);
+            let fresh = Standstill::new(0.5, 1e-3, command, upward);
             // In the direction of the first movement the valve opens at half of its command.
             let flow = 0.4 - 0.5 * command;
             let needed = first(command) + 0.08 * flow;
-            let (calls, heard) = until(&mut fresh.clone(), side * 0.4, None).expect("exhausted");
-            assert_eq!(heard, Heard::Exhausted);
+            let (calls, standing) = until(&mut fresh.clone(), side * 0.4, None).expect("exhausted");
+            assert_eq!(standing, Standing::Exhausted);
             let drive = STEP * calls as f32 * flow;
             assert!(
                 (drive / needed - 1.0).abs() < 0.01,
@@ -46,11 +50,11 @@ fn what_moved_the_axis_first_moves_it_from_wherever_friction_holds_it() {
                 "{command} {upward}: {drive} {needed}"
             );
             // Both directions: nothing moves what must move.
-            let (_, heard) = (0..60_000)
+            let (_, standing) = (0..60_000)
                 .map(|k| (k, other.update(0.5, true, side * 0.4, STEP, None)))
-                .find(|(_, heard)| *heard == Heard::Nothing)
+                .find(|(_, standing)| *standing == Standing::Unresponsive)
                 .expect("both are used up");
-            assert_eq!(heard, Heard::Nothing);
+            assert_eq!(standing, Standing::Unresponsive);
             // A command that the valve may not pass is none.
             for closed in [0.49 * side * command, -side * (0.5 * command + 0.15)] {
                 assert_eq!(until(&mut fresh.clone(), closed, None), None);
@@ -65,32 +69,39 @@ fn what_moved_the_axis_first_moves_it_from_wherever_friction_holds_it() {
 #[test]
 #[cfg_attr(miri, ignore = "many samples")]
 fn a_movement_begins_anew_and_what_friction_held_is_remembered() {
-    let mut silence = Silence::new(0.5, 1e-3, 0.1, true);
+    let mut standstill = Standstill::new(0.5, 1e-3, 0.1, true);
     for _ in 0..400 {
-        let _ = silence.update(0.5, true, 0.15, STEP, None);
+        let _ = standstill.update(0.5, true, 0.15, STEP, None);
     }
     let held = 0.4 * 0.1;
     for y in [0.5005, 0.4995] {
-        assert_eq!(silence.update(y, true, 0.0, STEP, None), Heard::Silence);
+        assert_eq!(
+            standstill.update(y, true, 0.0, STEP, None),
+            Standing::HeldByFriction
+        );
     }
-    assert_eq!(silence.update(0.5011, true, 0.0, STEP, None), Heard::Motion);
-    assert_eq!((silence.anchor, silence.drive), (0.5011, 0.0));
+    assert_eq!(
+        standstill.update(0.5011, true, 0.0, STEP, None),
+        Standing::Moved
+    );
+    assert_eq!((standstill.anchor, standstill.drive), (0.5011, 0.0));
     // Half as much again as friction held in good work.
-    let silent = |silence: &mut Silence, drive: f32| {
+    let silent = |standstill: &mut Standstill, drive: f32| {
         let calls = (drive / (STEP * 0.1)) as u32;
-        (0..calls).all(|_| silence.update(0.5011, true, 0.15, STEP, None) == Heard::Silence)
+        (0..calls)
+            .all(|_| standstill.update(0.5011, true, 0.15, STEP, None) == Standing::HeldByFriction)
     };
     assert!(first(0.1) < held);
     let needed = 1.5 * held + 0.08 * 0.1;
-    assert!(silent(&mut silence.clone(), 0.98 * needed));
-    assert!(!silent(&mut silence.clone(), 1.03 * needed));
+    assert!(silent(&mut standstill.clone(), 0.98 * needed));
+    assert!(!silent(&mut standstill.clone(), 1.03 * needed));
     assert_eq!(
-        silence.update(0.5, true, 0.0, STEP, None),
-        Heard::Motion,
+        standstill.update(0.5, true, 0.0, STEP, None),
+        Standing::Moved,
         "downward too"
     );
     // Noise may hide a slow motion: twice as much.
-    let mut noisy = Silence::new(0.5, 1e-3, 0.3, true);
+    let mut noisy = Standstill::new(0.5, 1e-3, 0.3, true);
     let mut quiet = noisy;
     let _ = noisy.update(0.5, false, 0.0, STEP, None);
     let [a, b] = [&mut noisy, &mut quiet].map(|s| until(s, 0.4, None).map_or(0, |(k, _)| k));
@@ -112,7 +123,7 @@ fn a_model_says_what_friction_holds_and_when_motion_comes() {
         kappa: 0.0,
         stiffening: 0.0,
     };
-    let fresh = Silence::new(0.5, 1e-3, 0.1, true);
+    let fresh = Standstill::new(0.5, 1e-3, 0.1, true);
     for (command, flow) in [(0.3, 0.26), (-0.3, -0.24)] {
         // Five Coulomb frictions and two movements of the axis, then 2 rad of its frequency.
         let held: f32 = (5.0 * 3.0 + 2.0 * 1e-3 * 400.0) / 800.0;
