@@ -9,7 +9,8 @@ use trendid_host_tests::servo::population::family::Family;
 const FIRST: u64 = 200_001;
 
 fn changed(family: Family, factor: f64, adaptive: bool) -> Vec<Changed> {
-    // Friction spreads the figures: medians of 40 axes that it holds differ by a fifth from set to set.
+    // Friction spreads the figures: medians of 40 axes that it holds differ by a fifth from set to
+    // set.
     let axes = if family == Family::Pneumatic { 120 } else { 40 };
     (FIRST..FIRST + axes)
         .filter_map(|seed| mass(&AxisDraw::new(family, true, seed), factor, adaptive))

@@ -267,14 +267,6 @@ impl Controller {
         }
     }
 
-    /// Acceleration lost to friction, with the sign of the motion: at rest, all of the drive.
-    pub(crate) fn friction_force(&self) -> f32 {
-        if self.sticks() {
-            return self.estimator.now().drive;
-        }
-        self.estimator.model().friction * sign(self.estimator.now().velocity)
-    }
-
     /// The observed motion.
     pub fn motion(&self) -> Motion {
         self.estimator.motion()

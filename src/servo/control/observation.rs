@@ -121,6 +121,14 @@ impl Controller {
         }
     }
 
+    /// Acceleration lost to friction, with the sign of the motion: at rest, all of the drive.
+    pub(crate) fn friction_force(&self) -> f32 {
+        if self.sticks() {
+            return self.estimator.now().drive;
+        }
+        self.estimator.model().friction * sign(self.estimator.now().velocity)
+    }
+
     /// A slip in a direction, as the model sees it.
     fn slip(&self, direction: f32) -> Slip {
         let (model, b0) = (self.estimator.model(), self.estimator.step().b0);

@@ -118,12 +118,12 @@ pub(crate) const INNOVATION_FAST_TIME: f32 = 0.03;
 pub(crate) const INNOVATION_SLOW_TIME: f32 = 2.0;
 /// Time constant in s in which the largest tracking error is forgotten.
 pub(crate) const PEAK_ERROR_TIME: f32 = 1.0;
-/// Relative standard deviation of a1, a2, b0 and friction after a verified model, and after a change
-/// of the drive.
+/// Relative standard deviation of a1, a2, b0 and friction after a verified model, and after a
+/// change of the drive.
 pub(crate) const REOPENED_STD: f32 = 0.1;
 pub(crate) const CHANGED_STD: f32 = 0.5;
-/// Relative standard deviation of a change of a2/a1 and of friction/a1: of damping and friction over
-/// stiffness, in which the mass cancels.
+/// Relative standard deviation of a change of a2/a1 and of friction/a1: of damping and friction
+/// over stiffness, in which the mass cancels.
 pub(crate) const TIED_STD: [f32; 2] = [0.5, 0.35];
 
 // Monitoring: times over 1/w, with w and the velocity gain C of the model in force.

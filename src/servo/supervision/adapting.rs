@@ -1,8 +1,11 @@
 //! The state `Adapting`: changes of the drive are found, and better models replace the one in use.
 
+use crate::servo::design::constants::VALIDATION_TRAVEL_RATIO;
 use crate::servo::supervision::event::{Event, Observation};
+use crate::servo::supervision::evidence::Challenger;
 use crate::servo::supervision::state::State;
 use crate::servo::supervision::supervisor::Supervisor;
+use crate::servo::supervision::validation::Window;
 
 impl Supervisor {
     /// One sample of [`State::Adapting`].
@@ -32,6 +35,55 @@ impl Supervisor {
             return Event::None;
         }
         self.compare(seen)
+    }
+
+    /// Takes the sample of a window, or begins one that is due; at its end, what came of it.
+    pub(crate) fn compare(&mut self, seen: &Observation) -> Event {
+        let Some(used) = self.verified_model else {
+            return Event::None;
+        };
+        if core::mem::take(&mut self.window_due) {
+            self.window = Some(Window::new(
+                &self.design.validation,
+                &used,
+                self.evidence.challenger(),
+                seen.motion,
+                seen.flow,
+            ));
+            return Event::None;
+        }
+        let Some(window) = &mut self.window else {
+            return Event::None;
+        };
+        if !window.update(seen.flow, seen.y) {
+            return Event::None;
+        }
+        let least = VALIDATION_TRAVEL_RATIO * self.design.min_travel;
+        let sums = window.sums(least);
+        if let Some(sums) = &sums {
+            self.report = window.report(sums);
+            self.evidence.add(sums);
+        }
+        self.window = None;
+        match sums.map(|_| self.evidence.verdict(&self.design, &used)) {
+            None | Some(Ok(None)) => Event::None,
+            Some(Ok(Some(winner))) => self.replace(&winner),
+            Some(Err(reason)) => self.refuse(reason),
+        }
+    }
+
+    /// Another model becomes the verified one, unless it may not control.
+    fn replace(&mut self, winner: &Challenger) -> Event {
+        // What was screened was the estimate, not the simpler change in its place.
+        if let Err(reason) = self.design.screening.admits(&winner.model) {
+            return self.refuse(reason);
+        }
+        self.accepted = self.accepted.saturating_add(1);
+        self.verified_model = Some(winner.model);
+        self.variances = winner.variances;
+        self.evidence.forget();
+        self.refusal = None;
+        Event::Accepted(winner.model)
     }
 }
 

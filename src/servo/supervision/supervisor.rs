@@ -1,11 +1,10 @@
 //! The supervisor: which model may reach the controller, and when.
 
 use crate::servo::design::SupervisionDesign;
-use crate::servo::design::constants::VALIDATION_TRAVEL_RATIO;
 use crate::servo::model::Model;
 use crate::servo::supervision::change::ChangeDetector;
 use crate::servo::supervision::event::{Event, Observation};
-use crate::servo::supervision::evidence::{Challenger, Evidence};
+use crate::servo::supervision::evidence::Evidence;
 use crate::servo::supervision::screening::{Candidate, UNKNOWN};
 use crate::servo::supervision::state::{Reason, State};
 use crate::servo::supervision::validation::{FitReport, Window};
@@ -13,14 +12,14 @@ use crate::servo::supervision::validation::{FitReport, Window};
 /// Decides from samples and candidates of the identifier which model the controller may use.
 ///
 /// An estimate must be finite, of the right sign, in range, stable and certain. It, and changes of
-/// one number of the model in use, must explain windows of later samples in free simulation, clearly
-/// better than that model. The last verified model is kept bit for bit until another one replaces
-/// it.
+/// one number of the model in use, must explain windows of later samples in free simulation,
+/// clearly better than that model. The last verified model is kept bit for bit until another one
+/// replaces it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Supervisor {
     pub(crate) design: SupervisionDesign,
     state: State,
-    verified_model: Option<Model>,
+    pub(super) verified_model: Option<Model>,
     /// Variances of its a1, a2 and b0.
     pub(crate) variances: [f32; 3],
     /// Samples in the present state.
@@ -32,9 +31,9 @@ pub struct Supervisor {
     /// Whether a window begins with the next sample.
     pub(crate) window_due: bool,
     pub(crate) evidence: Evidence,
-    pub(crate) report: FitReport,
-    refusal: Option<Reason>,
-    accepted: u32,
+    pub(super) report: FitReport,
+    pub(super) refusal: Option<Reason>,
+    pub(super) accepted: u32,
     refused: u32,
     /// Samples without motion.
     pub(crate) still_for: u32,
@@ -251,55 +250,6 @@ impl Supervisor {
                 Event::Stopped
             }
         }
-    }
-
-    /// Takes the sample of a window, or begins one that is due; at its end, what came of it.
-    pub(crate) fn compare(&mut self, seen: &Observation) -> Event {
-        let Some(used) = self.verified_model else {
-            return Event::None;
-        };
-        if core::mem::take(&mut self.window_due) {
-            self.window = Some(Window::new(
-                &self.design.validation,
-                &used,
-                self.evidence.challenger(),
-                seen.motion,
-                seen.flow,
-            ));
-            return Event::None;
-        }
-        let Some(window) = &mut self.window else {
-            return Event::None;
-        };
-        if !window.update(seen.flow, seen.y) {
-            return Event::None;
-        }
-        let least = VALIDATION_TRAVEL_RATIO * self.design.min_travel;
-        let sums = window.sums(least);
-        if let Some(sums) = &sums {
-            self.report = window.report(sums);
-            self.evidence.add(sums);
-        }
-        self.window = None;
-        match sums.map(|_| self.evidence.verdict(&self.design, &used)) {
-            None | Some(Ok(None)) => Event::None,
-            Some(Ok(Some(winner))) => self.replace(&winner),
-            Some(Err(reason)) => self.refuse(reason),
-        }
-    }
-
-    /// Another model becomes the verified one, unless it may not control.
-    fn replace(&mut self, winner: &Challenger) -> Event {
-        // What was screened was the estimate, not the simpler change in its place.
-        if let Err(reason) = self.design.screening.admits(&winner.model) {
-            return self.refuse(reason);
-        }
-        self.accepted = self.accepted.saturating_add(1);
-        self.verified_model = Some(winner.model);
-        self.variances = winner.variances;
-        self.evidence.forget();
-        self.refusal = None;
-        Event::Accepted(winner.model)
     }
 }
 
