@@ -104,7 +104,7 @@ const CHANGES: &[(&str, Change)] = &[
         c.supervision.max_relative_std_adapting = 1e-4;
     }),
     ("supervision.min_r_squared_adapting", |c| {
-        c.supervision.min_r_squared_adapting = 0.9999;
+        c.supervision.min_r_squared_adapting = 0.3;
     }),
     ("supervision.replace_ratio", |c| {
         c.supervision.replace_ratio = 1e-6

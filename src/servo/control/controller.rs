@@ -1,7 +1,7 @@
 //! State feedback over the delay on a verified model: feedforward, friction, inverse of the valve.
 
 use crate::error::positive;
-use crate::math::{sign, sqrt, within};
+use crate::math::{sqrt, within};
 use crate::servo::control::anchor::Anchor;
 use crate::servo::control::estimator::Estimator;
 use crate::servo::control::holding::Holding;
