@@ -50,7 +50,7 @@ pub(crate) fn settings(bytes: &mut Bytes<'_>) -> (Config, Axis) {
             6 => &mut config.supervision.min_r_squared_adapting,
             7 => &mut config.supervision.replace_ratio,
             8 => &mut config.supervision.excite_time,
-            9 => &mut config.supervision.validation_time,
+            9 => config.supervision.validation_time.insert(any),
             10 => &mut config.supervision.time_limit,
             _ => &mut config.min_excitation,
         };
