@@ -90,8 +90,10 @@ pub(crate) fn reopen(identifier: &mut LoopIdentifier, model: &Model, share: f32)
     let _ = identifier.warm_start(theta, std);
 }
 
-/// Places of a1, a2, b0 and friction in theta.
-const PLACES: [usize; 4] = [0, 1, 2, 4];
+/// a1, a2, b0 and friction of what belongs to theta.
+fn four<T>([a1, a2, b0, _, friction, _]: [T; 6]) -> [T; 4] {
+    [a1, a2, b0, friction]
+}
 
 /// The present estimate with its relative variances, to first order and as the recursion has them;
 /// valve and delay are those of the model in use.
@@ -121,14 +123,16 @@ pub(crate) fn candidate(identifier: &LoopIdentifier, used: &Model) -> Candidate 
     };
     // The model in use was verified: its numbers are above 0.
     let scales = [used.a1, used.a2, used.b0, -1.0];
-    let mut x: [f32; 4] = core::array::from_fn(|i| theta[PLACES[i]] / scales[i]);
-    let mut p: [[f32; 4]; 4] = core::array::from_fn(|i| {
-        core::array::from_fn(|j| known * covariance[PLACES[i]][PLACES[j]] / (scales[i] * scales[j]))
-    });
-    for (k, std) in [1, 3].into_iter().zip(TIED_STD) {
-        let std = std * x[0];
-        tie(&mut x, &mut p, k, std);
+    let (mut x, mut p) = (four(theta), four(covariance).map(four));
+    for ((x, row), scale) in x.iter_mut().zip(&mut p).zip(scales) {
+        *x /= scale;
+        for (value, other) in row.iter_mut().zip(scales) {
+            *value *= known / (scale * other);
+        }
     }
+    let [damping, friction] = TIED_STD;
+    tie::<1>(&mut x, &mut p, damping);
+    tie::<3>(&mut x, &mut p, friction);
     let [a1, a2, b0, _] = x;
     let model = Model {
         a1: a1 * used.a1,
@@ -142,28 +146,32 @@ pub(crate) fn candidate(identifier: &LoopIdentifier, used: &Model) -> Candidate 
     let r12 = p[0][1] / (a1 * a2);
     let rbb = p[2][2] / (b0 * b0);
     let rb1 = p[0][2] / (a1 * b0);
-    let squares = [used.a1 * used.a1, used.a2 * used.a2, used.b0 * used.b0];
     Candidate {
         model,
         gain_variance: rbb + r11 - 2.0 * rb1,
         frequency_variance: 0.25 * r11,
         damping_variance: r22 + 0.25 * r11 - r12,
-        variances: core::array::from_fn(|i| p[i][i] * squares[i]),
+        variances: [
+            p[0][0] * used.a1 * used.a1,
+            p[1][1] * used.a2 * used.a2,
+            p[2][2] * used.b0 * used.b0,
+        ],
     }
 }
 
-/// The observation x_k = x_0 with a standard deviation.
-fn tie(x: &mut [f32; 4], p: &mut [[f32; 4]; 4], k: usize, std: f32) {
-    let gain: [f32; 4] = core::array::from_fn(|i| p[i][k] - p[i][0]);
-    let variance = gain[k] - gain[0] + std * std;
+/// The observation x_K = x_0, with a standard deviation relative to x_0.
+fn tie<const K: usize>(x: &mut [f32; 4], p: &mut [[f32; 4]; 4], relative_std: f32) {
+    let std = relative_std * x[0];
+    let gain = p.map(|row| row[K] - row[0]);
+    let variance = gain[K] - gain[0] + std * std;
     if !(variance > 0.0 && variance < f32::INFINITY) {
         return;
     }
-    let error = (x[0] - x[k]) / variance;
-    for (i, row) in p.iter_mut().enumerate() {
-        x[i] += gain[i] * error;
-        for (j, value) in row.iter_mut().enumerate() {
-            *value -= gain[i] * gain[j] / variance;
+    let error = (x[0] - x[K]) / variance;
+    for ((x, row), own) in x.iter_mut().zip(p).zip(gain) {
+        *x += own * error;
+        for (value, other) in row.iter_mut().zip(gain) {
+            *value -= own * other / variance;
         }
     }
 }
@@ -177,7 +185,7 @@ mod tests {
         // By hand: variances 4 and 1, difference 3 observed as 0 with 2: gain (-4, 0.. 1) / 9.
         let (mut x, mut p) = ([2.0, 5.0, 1.0, 7.0], [[0.0; 4]; 4]);
         (p[0][0], p[1][1], p[2][2]) = (4.0, 1.0, 9.0);
-        tie(&mut x, &mut p, 1, 2.0);
+        tie::<1>(&mut x, &mut p, 1.0);
         let off = |is: f32, should: f32| (is - should).abs() < 1e-6;
         assert!(
             off(x[0], 2.0 + 4.0 / 3.0) && off(x[1], 5.0 - 1.0 / 3.0),
@@ -202,7 +210,7 @@ mod tests {
             (p[0][0], p[1][1]) = (variance, variance);
             let mut x = certain;
             let before = p;
-            tie(&mut x, &mut p, 1, std);
+            tie::<1>(&mut x, &mut p, std);
             assert_eq!((x, p), (certain, before), "{variance} {std}");
         }
     }

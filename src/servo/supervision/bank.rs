@@ -36,10 +36,9 @@ fn geared(model: &Model, factor: f32) -> Model {
 
 /// The bank about a model.
 pub(crate) fn about(used: &Model) -> [Model; SIZE] {
-    core::array::from_fn(|k| match k.checked_sub(LOADS.len()) {
-        None => loaded(used, LOADS[k]),
-        Some(k) => geared(used, GAINS[if k < USED { k } else { k + 1 }]),
-    })
+    let [a, b, own, c, d] = LOADS.map(|load| loaded(used, load));
+    let [e, f, _, g, h] = GAINS.map(|gain| geared(used, gain));
+    [a, b, own, c, d, e, f, g, h]
 }
 
 /// The change of one number that should leave the least of these sums of squared errors of a bank,
@@ -70,37 +69,50 @@ struct Least {
     nearest: f32,
 }
 
+/// A factor of a list with its neighbours, and their sums; none beyond the ends.
+#[derive(Clone, Copy)]
+struct Place {
+    factors: [f32; 3],
+    sums: [f32; 3],
+}
+
 fn least(factors: &[f32; 5], sums: [f32; 5]) -> Least {
-    let mut at = USED;
-    for (k, sum) in sums.iter().enumerate() {
-        if *sum < sums[at] {
-            at = k;
+    const NONE: f32 = f32::INFINITY;
+    let ([p, q, r, s, t], [a, b, c, d, e]) = (*factors, sums);
+    let place = |factors, sums| Place { factors, sums };
+    let middle = place([q, r, s], [b, c, d]);
+    let others = [
+        place([p, p, q], [NONE, a, b]),
+        place([p, q, r], [a, b, c]),
+        place([r, s, t], [c, d, e]),
+        place([s, t, t], [d, e, NONE]),
+    ];
+    let mut best = middle;
+    for other in others {
+        if other.sums[1] < best.sums[1] {
+            best = other;
         }
     }
-    let nearest = Least {
-        factor: factors[at],
-        expected: sums[at],
-        nearest: sums[at],
-    };
-    let around = at.checked_sub(1).and_then(|k| Some((k, sums.get(at + 1)?)));
-    let Some((below, above)) = around else {
-        return nearest;
-    };
-    let (difference, curve) = (sums[below] - above, sums[below] - 2.0 * sums[at] + above);
+    let ([below, factor, above], [left, sum, right]) = (best.factors, best.sums);
+    let (difference, curve) = (left - right, left - 2.0 * sum + right);
     if !(curve > 0.0 && curve < f32::INFINITY) {
-        return nearest;
+        return Least {
+            factor,
+            expected: sum,
+            nearest: sum,
+        };
     }
     // Within half of a step either way.
-    let place = 0.5 * difference / curve;
-    let next = if place > 0.0 {
-        factors[at + 1] - factors[at]
+    let to = 0.5 * difference / curve;
+    let step = if to > 0.0 {
+        above - factor
     } else {
-        factors[at] - factors[below]
+        factor - below
     };
     Least {
-        factor: factors[at] + place * next,
-        expected: sums[at] - 0.25 * difference * place,
-        ..nearest
+        factor: factor + to * step,
+        expected: sum - 0.25 * difference * to,
+        nearest: sum,
     }
 }
 
