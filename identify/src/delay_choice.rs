@@ -52,21 +52,24 @@ fn smallest(all: &[(usize, Folds)]) -> Option<&(usize, Folds)> {
 
 /// The delay with the smallest error at a filter, and whether it is the longest that is offered.
 pub(crate) fn best_delay(problem: &Problem, start: &Judged) -> (usize, bool) {
-    let [best, _] = best_and_shortest(problem, start);
+    let [best, ..] = best_and_shorter(problem, start);
     (best, best == LONGEST_DELAY)
 }
 
-/// The delay with the smallest error at a filter, and the shortest one that simulates as well
-/// within one standard error over the folds.
-pub(crate) fn best_and_shortest(problem: &Problem, start: &Judged) -> [usize; 2] {
+/// The delay with the smallest error at a filter, the shortest one that simulates as well within
+/// one standard error over the folds, and the best one of those that are tried first.
+pub(crate) fn best_and_shorter(problem: &Problem, start: &Judged) -> [usize; 3] {
     let all = tried(problem, start);
     let Some((best, folds)) = smallest(&all) else {
-        return [start.fit.delay() as usize; 2];
+        return [start.fit.delay() as usize; 3];
     };
     let alike =
         |(_, other): &&(usize, Folds)| other.behind(folds, Refitted::StateAndConstant) <= 1.0;
     let shortest = all.iter().filter(alike).map(|(delay, _)| *delay).min();
-    [*best, shortest.unwrap_or(*best)]
+    let usual: Vec<(usize, Folds)> = all.iter().filter(|d| d.0 < DELAYS).cloned().collect();
+    let first = smallest(&usual).map(|(delay, _)| *delay);
+    let shortest = shortest.unwrap_or(*best);
+    [*best, shortest, first.unwrap_or(shortest)]
 }
 
 /// The same fit with its delay between two samples, where that simulates better: halves, then
