@@ -41,6 +41,7 @@ impl Report<'_> {
             "verdict": self.verdict(),
             "filter_pole": found.pole.map(number),
             "filter": found.own_filter,
+            "filter_shifts": found.filter_shifts.map(|shifts| list(&shifts)),
             "fit_pct": number(x0),
             "fit_x0c_pct": number(x0c),
             "fit_held_out": self.found.held_out,

@@ -22,6 +22,8 @@ pub(super) struct Sharp {
     pub(super) way: Way,
     pub(super) pole: f64,
     pub(super) own_filter: Option<Vec<f64>>,
+    filter: Vec<f64>,
+    method: Method,
     pub(super) delay: f64,
     pub(super) at_end: bool,
     pub(super) found: Found,
@@ -120,18 +122,32 @@ pub(super) fn sharp(
             .found()
     };
     let least_squares = fitted(Method::LeastSquares).map(|found| found.estimate);
+    let found = fitted(method)?;
     Ok(Sharp {
         way: match method {
             Method::LeastSquares => Way::WeakInstruments,
             Method::Instruments => Way::Instruments,
         },
-        found: fitted(method)?,
+        found,
         least_squares: least_squares.ok(),
         pole: chosen.pole,
         own_filter: chosen.own.then(|| filter.clone()),
+        filter,
+        method,
         delay,
         at_end: chosen.at_end,
     })
+}
+
+/// How far another filter moves the first parameter, in a long record over a part of it.
+pub(super) fn filter_shifts(problem: &Problem, sharp: &Sharp) -> Option<[f64; 2]> {
+    let window = match problem.samples() > LONGEST_SEARCH {
+        true => window(problem.signals),
+        false => problem.signals.clone(),
+    };
+    let part = Problem::new(&window, problem.structure, problem.options).ok()?;
+    let fit = Fit::new(&part, &sharp.filter, sharp.delay, sharp.method);
+    filter_choice::shifts(&part, &fit.ok()?.refined().ok()?, sharp.pole)
 }
 
 impl Sharp {

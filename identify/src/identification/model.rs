@@ -25,6 +25,9 @@ pub struct Identification {
     pub pole: Option<f64>,
     /// f_0 .. f_{m-1} of the filter 1/A with the poles of the model itself, where that was taken.
     pub own_filter: Option<Vec<f64>>,
+    /// How far the first parameter moves behind filter poles at half and at twice the automatic
+    /// one, in the standard deviations of both estimates together; `None` where the pole was given.
+    pub filter_shifts: Option<[f64; 2]>,
     /// Delay in samples.
     pub delay: f64,
     /// Whether the longest delay that is offered was taken.

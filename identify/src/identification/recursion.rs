@@ -71,6 +71,7 @@ pub(super) fn recursion(
     Ok(Identification {
         way: Way::Recursion,
         pole: tuning.pole,
+        filter_shifts: None,
         own_filter: tuning.model.map(|model| {
             let coefficients = model.coefficients().iter().copied();
             coefficients.map(f64::from).collect()
