@@ -34,6 +34,7 @@ impl Report<'_> {
             "parameters": p.parameter_names(),
             "delay_s": number(self.delay_s()),
             "delay_at_end": found.delay_at_end,
+            "delay_alike": found.delay_alike,
             "method": way,
             "least_squares": least_squares.map(|e| json!({"theta": list(&e.theta), "sigma": list(&e.sigma)})),
             "effective_blocks": found.effective_blocks.map(number),

@@ -66,6 +66,7 @@ pub fn identify(
         own_filter: sharp.own_filter,
         delay: sharp.delay,
         delay_at_end: sharp.at_end,
+        delay_alike: sharp.delay_alike,
         free_run: problem.free_run(&simulated, delay, n / 2..n),
         held_out,
         errors,

@@ -32,6 +32,9 @@ pub struct Identification {
     pub delay: f64,
     /// Whether the longest delay that is offered was taken.
     pub delay_at_end: bool,
+    /// The shortest and the longest whole delay that simulate as well as the best one, within one
+    /// standard error over parts of the record left out; `None` where the delay was given.
+    pub delay_alike: Option<[usize; 2]>,
     /// The model of the whole record.
     pub estimate: Estimate,
     /// Blocks that its standard deviations rest on; `None` for those of the recursion, which take

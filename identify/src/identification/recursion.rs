@@ -78,6 +78,7 @@ pub(super) fn recursion(
         }),
         delay: tuning.delay as f64,
         delay_at_end: false,
+        delay_alike: None,
         free_run: problem.free_run(simulated, tuning.delay as f64, n / 2..n),
         held_out,
         errors: run.errors,

@@ -12,7 +12,7 @@ mod drop;
 pub use drop::Drop;
 use drop::{cancels, rests_on};
 
-use crate::delay_choice::{DELAYS, LONGEST_DELAY, best_and_shorter};
+use crate::delay_choice::{DELAYS, Delays, LONGEST_DELAY};
 use crate::error::Error;
 use crate::filter_choice::{self, Judged};
 use crate::folds::{Folds, Refitted};
@@ -206,7 +206,8 @@ fn candidate(
         Choice::Auto => at(0).or_else(|_| at(DELAYS / 2)),
     };
     let first = first.map_err(|_| Drop::Unstable)?;
-    let delays = best_and_shorter(&problem, &first);
+    let found = Delays::of(&problem, &first);
+    let delays = [found.best, found.alike[0], found.usual];
     let around = |delay: usize| {
         let near: Vec<f64> = poles
             .iter()
