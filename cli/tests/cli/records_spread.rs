@@ -139,7 +139,7 @@ fn repeats_differ_by_their_standard_deviations() {
 /// compromise behind another filter, the same in every block, so that no deviation contains it:
 /// camber, which moves as much with the third order and a zero, and silverbox, whose gain at low
 /// frequencies is another than at its resonance (a finer interpolation of its samples, a zero and
-/// a square change nothing). The verdict says so of them, and of no other one; the others are judged.
+/// a square change nothing). The verdict says so of them, and of no other; the others are judged.
 #[test]
 #[ignore = "needs the records: TRENDID_RECORDS=DIRECTORY"]
 fn another_filter_moves_a_drive_by_less_than_a_standard_deviation() {
