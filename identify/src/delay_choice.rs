@@ -50,23 +50,42 @@ fn smallest(all: &[(usize, Folds)]) -> Option<&(usize, Folds)> {
         .min_by(|a, b| error(&a.1).total_cmp(&error(&b.1)))
 }
 
-/// The delay with the smallest error at a filter, and whether it is the longest that is offered.
-pub(crate) fn best_delay(problem: &Problem, start: &Judged) -> (usize, bool) {
-    let [best, _] = best_and_shortest(problem, start);
-    (best, best == LONGEST_DELAY)
+/// Delays that stand out among those that were tried.
+pub(crate) struct Delays {
+    /// The one with the smallest error.
+    pub(crate) best: usize,
+    /// The shortest and the longest one that simulate as well, within one standard error over the
+    /// folds.
+    pub(crate) alike: [usize; 2],
+    /// The best one of those that are tried first.
+    pub(crate) usual: usize,
 }
 
-/// The delay with the smallest error at a filter, and the shortest one that simulates as well
-/// within one standard error over the folds.
-pub(crate) fn best_and_shortest(problem: &Problem, start: &Judged) -> [usize; 2] {
-    let all = tried(problem, start);
-    let Some((best, folds)) = smallest(&all) else {
-        return [start.fit.delay() as usize; 2];
-    };
-    let alike =
-        |(_, other): &&(usize, Folds)| other.behind(folds, Refitted::StateAndConstant) <= 1.0;
-    let shortest = all.iter().filter(alike).map(|(delay, _)| *delay).min();
-    [*best, shortest.unwrap_or(*best)]
+impl Delays {
+    /// Those at the filter of a fit.
+    pub(crate) fn of(problem: &Problem, start: &Judged) -> Self {
+        let all = tried(problem, start);
+        let given = start.fit.delay() as usize;
+        let Some((best, folds)) = smallest(&all) else {
+            return Self {
+                best: given,
+                alike: [given; 2],
+                usual: given,
+            };
+        };
+        let alike =
+            |(_, other): &&(usize, Folds)| other.behind(folds, Refitted::StateAndConstant) <= 1.0;
+        let alike = || all.iter().filter(alike).map(|(delay, _)| *delay);
+        let usual: Vec<(usize, Folds)> = all.iter().filter(|d| d.0 < DELAYS).cloned().collect();
+        Self {
+            best: *best,
+            alike: [
+                alike().min().unwrap_or(*best),
+                alike().max().unwrap_or(*best),
+            ],
+            usual: smallest(&usual).map_or(*best, |(delay, _)| *delay),
+        }
+    }
 }
 
 /// The same fit with its delay between two samples, where that simulates better: halves, then

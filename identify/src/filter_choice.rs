@@ -149,6 +149,26 @@ fn own_filter<'a>(problem: &'a Problem<'a>, judged: &Judged) -> Option<Judged<'a
     })
 }
 
+/// How far the first parameter moves behind filter poles at half and at twice `pole`, in the
+/// standard deviations of both estimates together; not finite where one of them gives no model.
+///
+/// Known as: Hausman's specification test. What the structure does not hold is no noise, so no
+/// deviation contains it; but its compromise changes with the frequencies that the filter weighs.
+pub fn shifts(problem: &Problem, fit: &Fit, pole: f64) -> Option<[f64; 2]> {
+    let here = fit.found().ok()?.estimate;
+    let (delay, method) = (fit.delay(), fit.method());
+    let shifts = side_by_side(&[0.5, 2.0], |factor| {
+        let filter: Vec<f64> = binomial(pole * factor, problem.structure.order)
+            .into_iter()
+            .map(f64::from)
+            .collect();
+        let fit = Fit::new(problem, &filter, delay, method).ok()?;
+        let there = fit.refined().ok()?.found().ok()?.estimate;
+        Some((there.theta[0] - here.theta[0]) / there.sigma[0].hypot(here.sigma[0]))
+    });
+    Some([0, 1].map(|i| shifts[i].unwrap_or(f64::NAN)))
+}
+
 /// Falls back to least squares where the instruments are weak: where its model simulates the folds
 /// clearly better.
 pub fn guarded<'a>(problem: &'a Problem<'a>, judged: Judged<'a>) -> (Judged<'a>, bool) {

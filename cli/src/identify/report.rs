@@ -88,9 +88,13 @@ impl Report<'_> {
             .options
             .memory
             .map_or("no forgetting".into(), |m| format!("memory {m} s"));
-        let at_end = match found.delay_at_end {
-            true => " (the longest that was tried: give a longer one by --delay)",
-            false => "",
+        let at_end = match (found.delay_at_end, found.delay_alike) {
+            (true, _) => " (the longest that was tried: give a longer one by --delay)".into(),
+            // A neighbour to each side is the resolution of the search.
+            (false, Some([shortest, longest])) if longest - shortest > 2 => {
+                format!(" (flat: {shortest} to {longest} simulate as well)")
+            }
+            (false, _) => String::new(),
         };
         let zone = match (self.dead_zone, p.signals.inputs.first()) {
             (Some(zone), Some(input)) => format!(

@@ -20,8 +20,10 @@ free simulations of eighths of the record that its model has not seen, with init
 state and constant refitted (x0+c). Recommended is the structure with the fewest
 parameters among those that simulate about as well as the best: an error of at most
 1.03 times the best one, or one within three standard errors over the eighths and at
-most 1.5 times as large. Dropped are models that are unstable, that rest on a
-parameter which is not significant, or whose zero cancels a pole.";
+most 1.5 times as large, or with friction as an input one of at most 0.2 % of the
+movement, which the sign of a velocity does not hold. Dropped are models that are
+unstable, that rest on a parameter which is not significant, or whose zero is not
+told from a pole or faster than the sampling shows.";
 
 /// Compare orders, zeros and delays on a record
 #[derive(Debug, Args)]

@@ -11,6 +11,9 @@ const POOR: f64 = 50.0;
 /// From this fit on it says most.
 const GOOD: f64 = 80.0;
 
+/// Standard deviations that another filter moves a parameter by beyond which it is not by chance.
+const FAR: f64 = 3.0;
+
 impl Report<'_> {
     /// One line on what the model is worth, by both fits.
     pub(super) fn verdict(&self) -> String {
@@ -35,7 +38,27 @@ impl Report<'_> {
         if still > 0.0 {
             verdict += &format!("; standstill removed: {} s", significant(still, 3));
         }
+        if let Some(far) = self.far_shift() {
+            verdict += &format!(
+                "; {} depends on the filter ({} standard deviations)",
+                self.first(),
+                significant(far, 2)
+            );
+        }
         verdict
+    }
+
+    /// The larger one of what filters at half and twice the pole move the first parameter by, where
+    /// that is more than chance; one that gives no model counts for nothing.
+    fn far_shift(&self) -> Option<f64> {
+        let shifts = self.found.filter_shifts?;
+        let far = shifts.iter().map(|shift| shift.abs()).fold(0.0, f64::max);
+        (far > FAR && far.is_finite()).then_some(far)
+    }
+
+    fn first(&self) -> String {
+        let names = self.problem.parameter_names();
+        names.into_iter().next().unwrap_or_default()
     }
 
     /// Parameters within two standard deviations of zero.
@@ -64,6 +87,11 @@ impl Report<'_> {
         } else if x0 < POOR {
             remarks.push(
                 "it fits only with the constant refitted: the record has an offset or a drift that the model does not hold",
+            );
+        }
+        if self.far_shift().is_some() {
+            remarks.push(
+                "filter poles at half or twice give another value of it: the structure does not hold all of the drive, which no deviation contains",
             );
         }
         match self.found.way {

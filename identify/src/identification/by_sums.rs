@@ -1,7 +1,7 @@
 //! Filter and delay by folds, and the model by the sums of the whole record.
 
 use super::model::Way;
-use crate::delay_choice::{best_delay, between_samples};
+use crate::delay_choice::{Delays, LONGEST_DELAY, between_samples};
 use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::filter_choice::{self, Judged, choose, guarded, with_own_filter};
@@ -22,8 +22,11 @@ pub(super) struct Sharp {
     pub(super) way: Way,
     pub(super) pole: f64,
     pub(super) own_filter: Option<Vec<f64>>,
+    filter: Vec<f64>,
+    method: Method,
     pub(super) delay: f64,
     pub(super) at_end: bool,
+    pub(super) delay_alike: Option<[usize; 2]>,
     pub(super) found: Found,
     pub(super) least_squares: Option<Estimate>,
 }
@@ -43,6 +46,7 @@ struct Chosen {
     filter: Vec<f64>,
     delay: f64,
     at_end: bool,
+    delay_alike: Option<[usize; 2]>,
     method: Method,
 }
 
@@ -71,10 +75,11 @@ fn chosen(problem: &Problem, freedom: Freedom, progress: &dyn Progress) -> Resul
     progress.begin(poles.len());
     let given = given(freedom.delay);
     let mut judged = choose(problem, &poles, given as f64, progress)?;
-    let mut at_end = false;
+    let (mut at_end, mut delay_alike) = (false, None);
     if freedom.delay == Choice::Auto {
-        let (delay, end) = best_delay(problem, &judged);
-        at_end = end;
+        let delays = Delays::of(problem, &judged);
+        let delay = delays.best;
+        (at_end, delay_alike) = (delay == LONGEST_DELAY, Some(delays.alike));
         if delay != given {
             judged = choose(problem, &poles, delay as f64, &())?;
         }
@@ -90,6 +95,7 @@ fn chosen(problem: &Problem, freedom: Freedom, progress: &dyn Progress) -> Resul
         filter: fit.filter().to_vec(),
         delay: fit.delay(),
         at_end,
+        delay_alike,
         method: fit.method(),
     })
 }
@@ -120,18 +126,33 @@ pub(super) fn sharp(
             .found()
     };
     let least_squares = fitted(Method::LeastSquares).map(|found| found.estimate);
+    let found = fitted(method)?;
     Ok(Sharp {
         way: match method {
             Method::LeastSquares => Way::WeakInstruments,
             Method::Instruments => Way::Instruments,
         },
-        found: fitted(method)?,
+        found,
         least_squares: least_squares.ok(),
         pole: chosen.pole,
         own_filter: chosen.own.then(|| filter.clone()),
+        filter,
+        method,
         delay,
         at_end: chosen.at_end,
+        delay_alike: chosen.delay_alike,
     })
+}
+
+/// How far another filter moves the first parameter, in a long record over a part of it.
+pub(super) fn filter_shifts(problem: &Problem, sharp: &Sharp) -> Option<[f64; 2]> {
+    let window = match problem.samples() > LONGEST_SEARCH {
+        true => window(problem.signals),
+        false => problem.signals.clone(),
+    };
+    let part = Problem::new(&window, problem.structure, problem.options).ok()?;
+    let fit = Fit::new(&part, &sharp.filter, sharp.delay, sharp.method);
+    filter_choice::shifts(&part, &fit.ok()?.refined().ok()?, sharp.pole)
 }
 
 impl Sharp {

@@ -9,7 +9,7 @@ mod tests;
 
 use trendid::trends::Scheme;
 
-use by_sums::{given, sharp};
+use by_sums::{filter_shifts, given, sharp};
 pub use model::{Identification, Way};
 use recursion::{inseparable, recursion, recursive_errors};
 
@@ -49,6 +49,10 @@ pub fn identify(
     problem.check(&sharp.found.estimate)?;
     let tuning = sharp.tuning(problem);
     let (errors, trace) = recursive_errors(problem, tuning, trace_points).unwrap_or_default();
+    let filter_shifts = match freedom.pole {
+        Choice::Auto => filter_shifts(problem, &sharp),
+        Choice::Given(_) => None,
+    };
     let n = problem.samples();
     let half = problem.signals.part(0..n / 2);
     let half = Problem::new(&half, problem.structure, problem.options)
@@ -58,9 +62,11 @@ pub fn identify(
     Ok(Identification {
         way: sharp.way,
         pole: Some(sharp.pole),
+        filter_shifts,
         own_filter: sharp.own_filter,
         delay: sharp.delay,
         delay_at_end: sharp.at_end,
+        delay_alike: sharp.delay_alike,
         free_run: problem.free_run(&simulated, delay, n / 2..n),
         held_out,
         errors,

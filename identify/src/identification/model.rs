@@ -25,10 +25,16 @@ pub struct Identification {
     pub pole: Option<f64>,
     /// f_0 .. f_{m-1} of the filter 1/A with the poles of the model itself, where that was taken.
     pub own_filter: Option<Vec<f64>>,
+    /// How far the first parameter moves behind filter poles at half and at twice the automatic
+    /// one, in the standard deviations of both estimates together; `None` where the pole was given.
+    pub filter_shifts: Option<[f64; 2]>,
     /// Delay in samples.
     pub delay: f64,
     /// Whether the longest delay that is offered was taken.
     pub delay_at_end: bool,
+    /// The shortest and the longest whole delay that simulate as well as the best one, within one
+    /// standard error over parts of the record left out; `None` where the delay was given.
+    pub delay_alike: Option<[usize; 2]>,
     /// The model of the whole record.
     pub estimate: Estimate,
     /// Blocks that its standard deviations rest on; `None` for those of the recursion, which take

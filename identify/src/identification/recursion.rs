@@ -71,12 +71,14 @@ pub(super) fn recursion(
     Ok(Identification {
         way: Way::Recursion,
         pole: tuning.pole,
+        filter_shifts: None,
         own_filter: tuning.model.map(|model| {
             let coefficients = model.coefficients().iter().copied();
             coefficients.map(f64::from).collect()
         }),
         delay: tuning.delay as f64,
         delay_at_end: false,
+        delay_alike: None,
         free_run: problem.free_run(simulated, tuning.delay as f64, n / 2..n),
         held_out,
         errors: run.errors,

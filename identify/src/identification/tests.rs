@@ -101,3 +101,98 @@ fn what_no_filter_can_simulate_is_refused() {
     let refused = identify(&problem, Freedom::default(), 0, &());
     assert_eq!(refused, Err(problem.cannot_carry(Weakness::NoSimulation)));
 }
+
+/// A drive with friction behind an integrator, `v' = -v + 6 (u - 0.4 sgn v)`, which from a sample
+/// on is held where it is, however fast it was: `u`, the sign, `y`, where it stands.
+fn held_from(rest: usize, samples: usize) -> (Vec<f64>, Vec<f64>, Vec<f64>, Vec<bool>) {
+    let (dt, decay) = (0.01, (-0.01_f64).exp());
+    let (mut v, mut at) = (0.0_f64, 0.0);
+    let (mut u, mut sign, mut y) = (Vec::new(), Vec::new(), Vec::new());
+    for k in 0..samples {
+        let stands = k >= rest;
+        let command = [1.0, -0.8, 0.7, -1.2][(k / 130) % 4];
+        u.push(if stands { 0.0 } else { command });
+        sign.push(if stands { 0.0 } else { v.signum() });
+        y.push(at);
+        let end = 6.0 * (u[k] - 0.4 * sign[k]);
+        if !stands {
+            at += end * dt + (v - end) * (1.0 - decay);
+            v = end + (v - end) * decay;
+        }
+    }
+    let still = (0..samples).map(|k| k >= rest).collect();
+    (u, sign, y, still)
+}
+
+/// What holds a drive, and what stopped it, is no part of its equation: the model is that of the
+/// motion, to the digits of the sums.
+#[test]
+fn a_standstill_has_no_part_in_the_model() {
+    let (u, sign, y, still) = held_from(3000, 4000);
+    let mut signals = Signals::held(0.01, &u, &y);
+    let friction = crate::signals::Input {
+        name: "sgn(v)",
+        samples: &sign,
+        delayed: false,
+        ..signals.inputs[0]
+    };
+    signals.inputs.push(friction);
+    signals.standstill = Some(&still);
+    let structure = Structure {
+        order: 2,
+        integrator: true,
+        zeros: 0,
+        constant: false,
+    };
+    let freedom = Freedom {
+        pole: Choice::Given(Some(1.0)),
+        delay: Choice::Given(0),
+    };
+    let theta = |signals: &Signals| {
+        let problem = Problem::new(signals, structure, Options::default()).expect("a problem");
+        let found = identify(&problem, freedom, 0, &()).expect("a model");
+        found.estimate.theta
+    };
+    let (whole, motion) = (theta(&signals), theta(&signals.part(0..3000)));
+    for (whole, motion) in whole.iter().zip(&motion) {
+        assert!((whole / motion - 1.0).abs() < 1e-6, "{whole} {motion}");
+    }
+}
+
+/// u and y of two lags behind each other, of 2 and of 12 rad/s, sampled every 10 ms.
+fn two_lags() -> [Vec<f64>; 2] {
+    let (slow, fast) = ((-0.02_f64).exp(), (-0.12_f64).exp());
+    let mut state = 1_u32;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1 << 23) - 1.0
+    };
+    let (mut first, mut second, mut level) = (0.0, 0.0, 0.0);
+    let (mut u, mut y) = (Vec::new(), Vec::new());
+    for k in 0..12_000 {
+        if k % 37 == 0 {
+            level = random();
+        }
+        u.push(level);
+        y.push(second + 0.05 * random());
+        second = fast * second + (1.0 - fast) * first;
+        first = slow * first + 3.0 * (1.0 - slow) * level;
+    }
+    [u, y]
+}
+
+/// One lag in place of two is another one behind every filter.
+#[test]
+fn a_structure_that_does_not_hold_all_depends_on_the_filter() {
+    let [u, y] = two_lags();
+    let signals = Signals::held(0.01, &u, &y);
+    let shifts = |order: usize| {
+        let structure = Structure { order, ..LAG };
+        let problem = Problem::new(&signals, structure, Options::default()).expect("a problem");
+        let found = identify(&problem, Freedom::default(), 0, &()).expect("a model");
+        let shifts = found.filter_shifts.expect("an automatic filter");
+        shifts.map(f64::abs).into_iter().fold(0.0, f64::max)
+    };
+    let (poor, right) = (shifts(1), shifts(2));
+    assert!(poor > 3.0 && right < 1.0, "{poor} {right}");
+}

@@ -237,7 +237,8 @@ impl Sums {
             let impulse = if k == begin { 1.0 } else { 0.0 };
             let trends = start.output(impulse);
             phi[place..place + m].copy_from_slice(&trends[..m]);
-            if k == begin {
+            // What holds a drive at rest, and what stopped it, is in no equation.
+            if k == begin || !problem.signals.acts(k) {
                 continue;
             }
             let sums = &mut self.blocks[k * BLOCKS / samples.len()];

@@ -3,16 +3,16 @@
 //!
 //! Every structure is estimated by instruments at its own filter and its own delay; each fold is
 //! simulated by the model without it, initial state and constant refitted. What is unstable, has a
-//! parameter that is not significant where the structure rests on it, or a zero that cancels a
-//! pole, is dropped with the reason. Among those that simulate about as well as the best, the one
-//! with the fewest parameters is recommended.
+//! parameter that is not significant where the structure rests on it, or a zero that is not told from
+//! a pole, is dropped and says why. Among those that simulate about as well as the best, the
+//! one with the fewest parameters is recommended.
 
 mod drop;
 
 pub use drop::Drop;
 use drop::{cancels, rests_on};
 
-use crate::delay_choice::{DELAYS, LONGEST_DELAY, best_and_shortest};
+use crate::delay_choice::{DELAYS, Delays, LONGEST_DELAY};
 use crate::error::Error;
 use crate::filter_choice::{self, Judged};
 use crate::folds::{Folds, Refitted};
@@ -30,6 +30,11 @@ const ALIKE_ERROR: f64 = 1.5;
 
 /// Error over that of the best that is alike in any case.
 const ALIKE_AT_ONCE: f64 = 1.03;
+
+/// Errors of simulation up to this share of the movement say nothing about the structure where
+/// friction is an input: it enters as a sign, which turns at once, and that of a drive takes some
+/// way. A zero that lets the command lead the sign is found in any record that is clean enough.
+const OF_FRICTION: f64 = 2e-3;
 
 /// One structure at its best filter and delay.
 #[derive(Debug, Clone)]
@@ -138,17 +143,19 @@ pub fn select(
             Err(one) => dropped.push(one),
         }
     }
-    let (smallest, alike) = alike(&candidates).ok_or(Error::NoStructure {
+    let friction = signals.inputs.iter().any(|input| !input.delayed);
+    let (smallest, alike) = alike(&candidates, friction).ok_or(Error::NoStructure {
         max_order: range.max_order,
     })?;
     let error = |k: &usize| candidates[*k].folds.total(Refitted::StateAndConstant);
-    // Every loop has a delay of some samples; one longer than those tried first is a parameter.
-    let count =
-        |k: &usize| candidates[*k].names.len() + usize::from(candidates[*k].delay >= DELAYS);
-    let simplest = alike
-        .iter()
-        .copied()
-        .min_by(|i, j| count(i).cmp(&count(j)).then(error(i).total_cmp(&error(j))));
+    // Every loop has a delay of some samples; one longer than those tried first is a parameter, and
+    // of two structures with as many parameters the one without it describes a lag as a lag.
+    let long = |k: &usize| candidates[*k].delay >= DELAYS;
+    let count = |k: &usize| candidates[*k].names.len() + usize::from(long(k));
+    let simplest = alike.iter().copied().min_by(|i, j| {
+        let counts = (count(i), long(i)).cmp(&(count(j), long(j)));
+        counts.then(error(i).total_cmp(&error(j)))
+    });
     Ok(Selection {
         recommended: simplest.unwrap_or(smallest),
         candidates,
@@ -159,13 +166,14 @@ pub fn select(
 }
 
 /// The candidate with the smallest error and those that simulate about as well.
-fn alike(candidates: &[Candidate]) -> Option<(usize, Vec<usize>)> {
+fn alike(candidates: &[Candidate], friction: bool) -> Option<(usize, Vec<usize>)> {
     let error = |k: &usize| candidates[*k].folds.total(Refitted::StateAndConstant);
     let smallest = (0..candidates.len()).min_by(|i, j| error(i).total_cmp(&error(j)))?;
     let best = &candidates[smallest].folds;
     let alike = |k: &usize| {
         let ratio = (error(k) / error(&smallest)).sqrt();
         ratio <= ALIKE_AT_ONCE
+            || (friction && candidates[*k].fit_x0c >= 100.0 * (1.0 - OF_FRICTION))
             || (ratio <= ALIKE_ERROR
                 && candidates[*k]
                     .folds
@@ -198,7 +206,8 @@ fn candidate(
         Choice::Auto => at(0).or_else(|_| at(DELAYS / 2)),
     };
     let first = first.map_err(|_| Drop::Unstable)?;
-    let [best, shortest] = best_and_shortest(&problem, &first);
+    let found = Delays::of(&problem, &first);
+    let delays = [found.best, found.alike[0], found.usual];
     let around = |delay: usize| {
         let near: Vec<f64> = poles
             .iter()
@@ -207,16 +216,16 @@ fn candidate(
             .collect();
         filter_choice::choose(&problem, &near, delay as f64, &())
     };
-    match around(best) {
-        Ok(judged) => passed(&problem, judged).or_else(|reason| {
-            // A long delay takes the place of a lag, which then is not significant.
-            let short = around(shortest).ok().filter(|_| shortest < best);
-            short.map_or(Err(reason.clone()), |short| {
-                passed(&problem, short).map_err(|_| reason)
-            })
-        }),
-        Err(_) => passed(&problem, first),
-    }
+    let Ok(best) = around(delays[0]) else {
+        return passed(&problem, first);
+    };
+    // A long delay takes the place of a lag, which then is not significant: that says nothing
+    // against the structure at the delay of any loop. Whether it simulates as well is judged later.
+    passed(&problem, best).or_else(|reason| {
+        let mut shorter = delays.windows(2).filter(|pair| pair[1] < pair[0]);
+        let found = shorter.find_map(|pair| passed(&problem, around(pair[1]).ok()?).ok());
+        found.ok_or(reason)
+    })
 }
 
 /// A fit as a candidate, or why it is none.
@@ -228,7 +237,7 @@ fn passed(problem: &Problem, judged: Judged) -> Result<Candidate, Drop> {
         return Err(Drop::Unstable);
     }
     rests_on(problem, &found, &judged.folds)?;
-    cancels(problem, &model)?;
+    cancels(problem, &model, &judged.folds)?;
     let spread: f64 = spread(problem.signals);
     let error = judged.folds.total(Refitted::StateAndConstant);
     let delay = judged.fit.delay() as usize;
