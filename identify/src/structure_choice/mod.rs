@@ -3,8 +3,8 @@
 //!
 //! Every structure is estimated by instruments at its own filter and its own delay; each fold is
 //! simulated by the model without it, initial state and constant refitted. What is unstable, has a
-//! parameter that is not significant where the structure rests on it, or a zero that is not told from
-//! a pole, is dropped and says why. Among those that simulate about as well as the best, the
+//! parameter that is not significant where the structure rests on it, or a zero that is not told
+//! from a pole, is dropped and says why. Among those that simulate about as well as the best, the
 //! one with the fewest parameters is recommended.
 
 mod drop;
