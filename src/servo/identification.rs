@@ -141,3 +141,6 @@ pub(crate) fn candidate(identifier: &LoopIdentifier, controller: Option<&Control
         variances,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,6 +1,6 @@
 //! The whole loop on a drive that is its own model, and what it does with faults.
 
-mod bench;
+pub(super) mod bench;
 
 use super::*;
 use bench::{Bench, MODEL};

@@ -5,11 +5,11 @@ use crate::servo::motion::Motion;
 use crate::servo::{Config, Model, Report, ServoLoop, Travel};
 
 /// Units per count.
-pub(super) const SCALE: f32 = 1e-4;
+pub(in crate::servo) const SCALE: f32 = 1e-4;
 
 /// The code of the axis.
 #[derive(Clone, Debug)]
-pub(super) struct Code(pub(super) i32);
+pub(in crate::servo) struct Code(pub(in crate::servo) i32);
 
 impl PositionSensor for Code {
     type Error = ();
@@ -21,7 +21,7 @@ impl PositionSensor for Code {
 
 /// A valve that takes every command.
 #[derive(Clone, Debug)]
-pub(super) struct Spool(pub(super) f32);
+pub(in crate::servo) struct Spool(pub(in crate::servo) f32);
 
 impl Valve for Spool {
     type Error = ();
@@ -32,23 +32,23 @@ impl Valve for Spool {
     }
 }
 
-pub(super) type Loop = ServoLoop<Code, Spool>;
+pub(in crate::servo) type Loop = ServoLoop<Code, Spool>;
 
-pub(super) const MODEL: Model = Model::linear(625.0, 20.0, 1e6);
-pub(super) const DELAY: usize = 3;
+pub(in crate::servo) const MODEL: Model = Model::linear(625.0, 20.0, 1e6);
+pub(in crate::servo) const DELAY: usize = 3;
 
 /// A drive that is the model, behind a delay, and the loop on it.
-pub(super) struct Bench {
-    pub(super) servo: Loop,
-    pub(super) model: Model,
-    pub(super) motion: Motion,
+pub(in crate::servo) struct Bench {
+    pub(in crate::servo) servo: Loop,
+    pub(in crate::servo) model: Model,
+    pub(in crate::servo) motion: Motion,
     commands: [f32; DELAY + 1],
     state: u32,
 }
 
 impl Bench {
     /// Stands at 200 of 400 on a verified model.
-    pub(super) fn new(model: Model) -> Self {
+    pub(in crate::servo) fn new(model: Model) -> Self {
         let travel = Travel {
             min: 0.0,
             max: 400.0,
@@ -78,7 +78,7 @@ impl Bench {
     }
 
     /// One sample; the report and the true position.
-    pub(super) fn step(&mut self) -> (Report, f32) {
+    pub(in crate::servo) fn step(&mut self) -> (Report, f32) {
         self.state = self
             .state
             .wrapping_mul(1_664_525)
@@ -95,7 +95,7 @@ impl Bench {
     }
 
     /// The largest error of the position in so many samples.
-    pub(super) fn worst(&mut self, samples: u32) -> f32 {
+    pub(in crate::servo) fn worst(&mut self, samples: u32) -> f32 {
         (0..samples).fold(0.0_f32, |worst, _| {
             let (report, y) = self.step();
             assert!(report.state.is_controlling(), "{:?}", report.state);
