@@ -148,6 +148,15 @@ fn add_own(
 }
 
 #[test]
+fn a_polynomial_is_evaluated_on_the_imaginary_axis() {
+    // 1 + 2 jx + 3 (jx)^2 + 4 (jx)^3 at 1/2 and at 2.
+    for (x, re, im) in [(0.5, 0.25, 0.5), (2.0, -11.0, -28.0)] {
+        let found = value_of(&[1.0, 2.0, 3.0, 4.0], x);
+        assert_eq!([found.re, found.im], [re, im]);
+    }
+}
+
+#[test]
 fn frequencies_are_in_proportion_from_a_twentieth_to_three_and_a_half() {
     let grid = grid();
     assert_eq!(grid[0], 0.05);

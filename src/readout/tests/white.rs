@@ -34,6 +34,12 @@ fn level(variance: f32) -> NoiseLevel {
 #[cfg_attr(miri, ignore = "many samples")]
 fn white_noise_is_what_the_residual_can_explain_and_none_beyond() {
     let mut parts = Parts::new(filtered(), [1e2; 4], 1.0, 400);
+    // Parameters that are not of size 1.
+    parts.estimator = Estimator::new([1.7, 0.4, 0.8, 0.1], [1.0; 4], 1.0);
+    for k in 0..100 {
+        let error = if k % 2 == 0 { 2e-3 } else { -2e-3 };
+        let _ = parts.estimator.update(&[0.0; 4], error);
+    }
     let residual = parts.read().residual();
     // What would make all of the residual.
     let all = residual / spread(&parts);
