@@ -1,6 +1,7 @@
 //! The whole loop on a drive that is its own model, and what it does with faults.
 
 pub(super) mod bench;
+mod missing;
 mod whole;
 
 use super::*;

@@ -49,6 +49,8 @@ pub(in crate::servo) struct Bench {
     pub(in crate::servo) sign: f32,
     /// Whether the sensor says nothing.
     pub(in crate::servo) is_mute: bool,
+    /// Whether the sensor repeats its code.
+    pub(in crate::servo) hangs: bool,
     commands: [f32; DELAY + 1],
     state: u32,
 }
@@ -93,6 +95,7 @@ impl Bench {
             motion: Motion::at(200.0),
             sign: 1.0,
             is_mute: false,
+            hangs: false,
             commands: [0.0; DELAY + 1],
             state: 1,
         }
@@ -106,7 +109,9 @@ impl Bench {
             .wrapping_add(1_013_904_223);
         let noise = (self.state >> 30) as i32 - 1;
         let code = libm::roundf(self.motion.position / SCALE) as i32 + noise;
-        self.servo.sensor_mut().0 = if self.is_mute { MUTE } else { code };
+        if !self.hangs {
+            self.servo.sensor_mut().0 = if self.is_mute { MUTE } else { code };
+        }
         let report = self.servo.update();
         (report, self.advance())
     }

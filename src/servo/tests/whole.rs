@@ -1,4 +1,4 @@
-//! From nothing to control and back again after a loss of power; readings and slots that are missing.
+//! From nothing to control, and back again after a loss of power.
 
 use super::bench::{Bench, DELAY, MODEL};
 use super::*;
@@ -44,6 +44,32 @@ fn errors(bench: &mut Bench) -> [f32; 2] {
     worst
 }
 
+/// The loop is the one that the settings make of what was found.
+fn designed(servo: &bench::Loop, record: &Record) {
+    let found = Found {
+        model: record.model,
+        delay: record.delay,
+        sign: record.sign,
+        noise: record.noise,
+        dead_volume: record.dead_volume,
+    };
+    let mut config = Bench::config();
+    (config.bandwidth, config.delay, config.noise) = (None, 0.0, None);
+    let design = building::tuned(&config, &found)
+        .resolve()
+        .expect("settings");
+    assert_eq!(servo.settled, design.identification.settled);
+    assert_eq!(servo.run_out_rate, design.run_out_rate);
+    // Poles of the bandwidth that the margins leave.
+    let (bandwidth, margins) = (servo.controller().bandwidth(), servo.margins());
+    let natural = libm::sqrtf(record.model.a1);
+    assert!(
+        (0.5 * natural..10.0 * natural).contains(&bandwidth),
+        "{bandwidth}"
+    );
+    assert!(margins.is_some());
+}
+
 #[test]
 #[cfg_attr(miri, ignore = "many samples")]
 fn a_loop_finds_its_model_and_goes_on_from_a_record_of_it() {
@@ -68,6 +94,7 @@ fn a_loop_finds_its_model_and_goes_on_from_a_record_of_it() {
             "{}",
             record.noise
         );
+        designed(&bench.servo, &record);
         let worst = errors(&mut bench);
         assert!(worst[0] < 3.0 && worst[1] < 0.1, "{sign}: {worst:?}");
         // Another loop, with the settings alone, on the same drive.
@@ -133,62 +160,6 @@ fn a_record_that_cannot_be_true_is_refused_and_nothing_is_changed() {
         let model = Model { a1, ..MODEL };
         assert_eq!(resumed(None, Record { model, ..record }), refused(reason));
     }
-}
-
-#[test]
-#[cfg_attr(miri, ignore = "many samples")]
-fn a_setpoint_goes_on_through_slots_and_readings_that_are_missing() {
-    let ran = |missing: u32, mute: bool| {
-        let mut bench = Bench::new(MODEL);
-        let _ = bench.worst(1500);
-        bench.servo.move_to(300.0).expect("a target");
-        for k in 0..100 {
-            let gone = (60..60 + missing).contains(&k);
-            bench.is_mute = gone && mute;
-            if gone && !mute {
-                let _ = bench.miss();
-            } else {
-                let _ = bench.step();
-            }
-        }
-        bench.is_mute = false;
-        let (report, y) = bench.step();
-        (report, y, bench)
-    };
-    let (whole, ..) = ran(0, false);
-    for mute in [true, false] {
-        let (report, y, mut bench) = ran(2, mute);
-        assert!(report.state.is_controlling(), "{:?}", report.state);
-        assert_eq!(report.setpoint, whole.setpoint);
-        assert!((report.setpoint.position - y).abs() < 1.0, "{mute}");
-        let worst = bench.worst(2500);
-        assert!(
-            worst < 1.0 && (bench.motion.position - 300.0).abs() < 0.02,
-            "{worst}"
-        );
-        // What is missing for longer is a fault.
-        let (report, ..) = ran(38, mute);
-        assert_eq!(report.state, State::Failed(Reason::SensorFault), "{mute}");
-    }
-}
-
-#[test]
-fn before_the_first_reading_no_slot_is_missing() {
-    let mut config = Bench::config();
-    config.adaptive = true;
-    let axis = crate::hardware::Axis {
-        scale: crate::hardware::Scale::new(bench::SCALE).expect("a scale"),
-        reference: 0,
-    };
-    let servo = bench::Loop::try_new(&config, axis, bench::Code(0), bench::Spool(0.0));
-    let mut servo = servo.expect("settings");
-    servo.skip(10_000);
-    assert_eq!(servo.sensed.errors, 0);
-    let _ = servo.update();
-    servo.skip(2);
-    assert_eq!(servo.sensed.errors, 2);
-    let _ = servo.update();
-    assert_eq!(servo.sensed.errors, 0);
 }
 
 #[test]
@@ -263,4 +234,13 @@ fn what_was_found_takes_the_place_of_settings_that_were_guessed() {
             "{bandwidth}"
         );
     }
+}
+
+#[test]
+fn before_there_is_a_model_it_is_a_guess_by_bandwidth_and_travel() {
+    let bench = Bench::without_a_model(MODEL, &Bench::config());
+    // 25 rad/s, a damping of a half, and a travel in a time constant.
+    let guess = Model::linear(625.0, 25.0, 625.0 * 400.0);
+    assert_eq!(*bench.servo.controller().model(), guess);
+    assert_eq!(bench.servo.record(), None);
 }
