@@ -142,6 +142,37 @@ mod tests {
     }
 
     #[test]
+    fn what_is_known_is_the_variance_or_below_everything() {
+        let mut level = NoiseLevel::new(0.9);
+        for k in 0..40 {
+            assert_eq!(level.known() < 0.0, level.variance().is_none(), "{k}");
+            if let Some(variance) = level.variance() {
+                assert!((level.known() - variance).abs() <= 1e-6 * variance);
+            }
+            level.update(if k % 3 == 0 { 1.0 } else { -1.0 });
+        }
+    }
+
+    #[test]
+    fn the_newest_sample_can_be_another_one() {
+        let (mut level, mut other) = (NoiseLevel::new(1.0), NoiseLevel::new(1.0));
+        for y in [1.0, 4.0, 9.0] {
+            level.pass(y);
+            other.pass(y);
+        }
+        level.correct_newest(16.0);
+        assert_ne!(level.third_difference(25.0), other.third_difference(25.0));
+        // 25 - 4 - 3 (16 - 4) + ..: y(k-1) alone is another one.
+        assert_eq!(
+            level.third_difference(25.0),
+            (25.0 - 1.0) - 3.0 * (16.0 - 4.0)
+        );
+        level.level.update(1e-33);
+        level.flush();
+        assert_eq!(level.level.squares(), 0.0);
+    }
+
+    #[test]
     fn alternating_signs_are_amplified_as_the_kernel_says() {
         // +-1: the third difference is +-8, so the level reads 64/20 once the start is forgotten.
         let mut level = NoiseLevel::new(0.95);

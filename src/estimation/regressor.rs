@@ -183,3 +183,6 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
         self.feedthrough_top * output_std
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -107,6 +107,7 @@ mod tests {
         assert_eq!(Terms::of(&[0, 5]).highest(), Some(5));
         assert!(!Terms::up_to(3).contains(3) && !Terms::up_to(3).contains(99));
         // A power above the seventh is kept as the seventh, which every structure refuses.
-        assert!(Terms::of(&[40]).contains(7));
+        assert!(Terms::of(&[40]).contains(7) && Terms::of(&[8]).contains(7));
+        assert_eq!(Terms::up_to(9), Terms::up_to(8));
     }
 }

@@ -264,3 +264,6 @@ pub(crate) fn check_std<const N: usize>(std: &[f32; N]) -> Result<(), ConfigErro
 /// A sample this many times its range away from zero is no measurement; it would also let sums
 /// overflow.
 pub(crate) const REACH: f32 = 1e6;
+
+#[cfg(test)]
+mod tests;

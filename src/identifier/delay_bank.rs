@@ -217,3 +217,6 @@ impl<
         self.candidates.get(delay)
     }
 }
+
+#[cfg(test)]
+mod tests;

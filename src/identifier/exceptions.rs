@@ -169,3 +169,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -112,3 +112,6 @@ pub(super) fn refused<T: TrendOperator<M>, const M: usize, const N: usize, const
     }
     None
 }
+
+#[cfg(test)]
+mod tests;

@@ -271,3 +271,6 @@ fn smooth<const M: usize, const N: usize, const I: usize>(structure: &Structure<
     let inputs = structure.inputs();
     inputs.iter().all(|terms| !terms.contains(M - 1))
 }
+
+#[cfg(test)]
+mod tests;

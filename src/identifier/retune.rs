@@ -78,3 +78,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

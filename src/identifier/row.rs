@@ -110,3 +110,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         row
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -204,3 +204,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -223,3 +223,6 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         [constant, initial]
     }
 }
+
+#[cfg(test)]
+mod tests;

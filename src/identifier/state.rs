@@ -124,3 +124,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             .set_own(self.estimator.variances().map(|variance| noise * variance));
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -75,3 +75,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         square > KNOWN * variance && drive * drive <= HOLDS * square
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,57 +3,9 @@
 use super::*;
 use crate::trends::{FilteredTrends, Hold, Scheme};
 
-type Servo3 = Identifier<FilteredTrends<3>, 3, 3, 1, 0>;
+pub(super) mod bench;
 
-fn config() -> Config<3, 3, 1> {
-    Config::new(Structure::INTEGRATING, 20.0, [0.4], 50.0)
-}
-
-fn identifier(config: &Config<3, 3, 1>) -> Servo3 {
-    let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 1e-3, 20.0).expect("a filter");
-    Identifier::try_new(config, trends).expect("settings")
-}
-
-/// A command of random steps and the position of a servo under it, rounded to `step`.
-struct Drive {
-    state: u32,
-    u: f32,
-    at: [f32; 3],
-    step: f32,
-}
-
-impl Drive {
-    const fn new(step: f32) -> Self {
-        Self {
-            state: 1,
-            u: 0.0,
-            at: [0.0; 3],
-            step,
-        }
-    }
-
-    /// A number without a pattern, from -1 to 1.
-    fn draw(&mut self) -> f32 {
-        self.state = self
-            .state
-            .wrapping_mul(1_664_525)
-            .wrapping_add(1_013_904_223);
-        (self.state >> 8) as f32 / 8_388_608.0 - 1.0
-    }
-
-    fn sample(&mut self, k: u32) -> [f32; 2] {
-        let [y, ..] = self.at;
-        if k.is_multiple_of(120) {
-            self.u = 0.3 * self.draw() - 0.2 * y.signum();
-        }
-        for _ in 0..10 {
-            let [y, v, a] = self.at;
-            let jerk = 1e6 * self.u - 400.0 * v - 20.0 * a;
-            self.at = [y + 1e-4 * v, v + 1e-4 * a, a + 1e-4 * jerk];
-        }
-        [self.u, libm::roundf(y / self.step) * self.step]
-    }
-}
+use bench::{Drive, Servo3, config, identifier};
 
 #[test]
 #[cfg_attr(miri, ignore = "many samples")]

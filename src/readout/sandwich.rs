@@ -190,6 +190,19 @@ mod tests {
     }
 
     #[test]
+    fn what_a_constant_adds_counts_by_its_own_share() {
+        let parameters = [Parameter::Input { input: 0, power: 0 }, Parameter::Constant];
+        let (t, p) = ([[2.0, 3.0], [0.0, 5.0]], [[2.0, 1.0], [1.0, 1.0]]);
+        // Without the constant the variance of the input is 2 - 1/1: 4 behind T. What it adds, 1
+        // everywhere, counts by 5^2, half as much again.
+        let wanted = [[41.5, 37.5], [37.5, 37.5]];
+        assert_eq!(sandwich(&t, &p, &parameters), wanted);
+        // A known constant adds nothing, and neither does one that is not there.
+        let p = [[2.0, 0.0], [0.0, 0.0]];
+        assert_eq!(sandwich(&t, &p, &parameters), [[8.0, 0.0], [0.0, 0.0]]);
+    }
+
+    #[test]
     fn known_parameters_stand_apart() {
         let (units, theta) = ([400.0, 20.0, 4e5, 50.0], [400.0, 20.0, 1e6, 0.0]);
         let (r, s) = spectrum(&units, &theta).sums();

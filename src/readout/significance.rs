@@ -177,6 +177,31 @@ mod tests {
     }
 
     #[test]
+    fn what_is_withdrawn_in_part_takes_that_part_of_the_covariance_along() {
+        let p: Matrix<2> = [[2.0, 0.8], [0.8, 1.0]];
+        let found = Withdrawal::of(
+            &COLUMNS,
+            &[10.0, 6.0],
+            |i| p.get(i).copied(),
+            &[1.0; 2],
+            4.0,
+            2.0,
+        );
+        let mut covariance = p;
+        found.unwrap().apply_to_covariance(&mut covariance);
+        // Half of 6, which is one and a half times the limit: g = (0.8, 1) / 2, and the variance
+        // of the constant with 0.6 (1 + 1) 36.
+        let left = 1.0 + 1.2 * 36.0;
+        let wanted = [
+            [2.0 + left * 0.16 - 0.64, 0.8 + left * 0.2 - 0.8],
+            [0.8 + left * 0.2 - 0.8, 1.0 + left * 0.25 - 1.0],
+        ];
+        for (found, wanted) in covariance.iter().flatten().zip(wanted.iter().flatten()) {
+            assert!((found - wanted).abs() < 1e-4, "{covariance:?} {wanted}");
+        }
+    }
+
+    #[test]
     fn what_was_taken_out_can_be_put_back() {
         // In the user's units the constant is 5 times, the gain 30 times the normalised one.
         let (units, before) = ([30.0, 5.0], [10.0, 12.0]);

@@ -1,6 +1,7 @@
 //! Readings of recursions that are put together here: covariances of each part alone.
 
 mod nominal;
+mod white;
 
 use super::*;
 use crate::estimation::forgetting::StabilisedForgetting;

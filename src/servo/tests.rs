@@ -1,6 +1,8 @@
 //! The whole loop on a drive that is its own model, and what it does with faults.
 
-mod bench;
+pub(super) mod bench;
+mod missing;
+mod whole;
 
 use super::*;
 use bench::{Bench, MODEL};

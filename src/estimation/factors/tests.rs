@@ -54,6 +54,42 @@ fn covariance_is_the_inverse_of_the_information() {
 }
 
 #[test]
+fn a_covariance_grows_up_to_its_limits() {
+    let before = Factors::independent(&[2.0, 3.0, 10.0]);
+    let limit = [100.0, 20.0, 50.0];
+    for (scale, exact) in [
+        (5.0, [20.0, 20.0, 100.0]),
+        (30.0, [100.0, 20.0, 100.0]),
+        // What is beyond its limit shrinks like everything else.
+        (0.5, [2.0, 4.5, 50.0]),
+        (1.0, [4.0, 9.0, 100.0]),
+    ] {
+        let mut factors = before;
+        factors.grow_within(scale, &limit);
+        assert_eq!(*factors.diagonal(), exact, "{scale}");
+    }
+}
+
+#[test]
+fn widening_of_five_adds_to_the_last_variance_only() {
+    let mut number = numbers(77);
+    let mut before = Factors::<5>::independent(&[30.0; 5]);
+    for _ in 0..40 {
+        let phi: [f32; 5] = core::array::from_fn(|_| number());
+        let _ = before.fold(&phi, 0.99, 1.0 / 0.99);
+    }
+    let mut after = before;
+    after.inflate_last(3.0);
+    for i in 0..5 {
+        for j in 0..5 {
+            let added = after.covariance(i, j) - before.covariance(i, j);
+            let wanted = if (i, j) == (4, 4) { 3.0 } else { 0.0 };
+            assert!((added - wanted).abs() < 1e-4, "{i} {j}: {added}");
+        }
+    }
+}
+
+#[test]
 fn widening_adds_to_the_last_variance_only() {
     let before = folded(0.99, 100);
     let mut after = before;

@@ -76,3 +76,117 @@ fn rows_that_are_left_out_hold_every_parameter_where_it_is() {
         assert_eq!(estimator.theta(), &[1.0, -2.0, 3.0]);
     }
 }
+
+/// N r eps lambda^-2N of one parameter with lambda = 0.99.
+const BOUND: f32 = 2.0 * 16_384.0 * 0.01 / (0.99 * 0.99);
+
+#[test]
+fn every_second_sample_observes_one_parameter_after_the_other() {
+    let mut estimator = Estimator::<3>::new([1.0; 3], [1e4; 3], 0.99);
+    let mut stabilised = StabilisedForgetting::new([0.0; 3], 0.99);
+    for sample in 1..=6 {
+        stabilised.apply(&mut estimator);
+        estimator.finish_observation();
+        for i in 0..3 {
+            let observed = estimator.covariance(i, i) < 2e4;
+            assert_eq!(observed, sample >= 2 * (i + 1), "{sample} {i}");
+        }
+    }
+}
+
+#[test]
+fn every_second_round_is_counted() {
+    let mut estimator = Estimator::<3>::new([1.0; 3], [1.0; 3], 0.99);
+    let mut stabilised = StabilisedForgetting::new([0.0; 3], 0.99);
+    for sample in 1..=48 {
+        let found = stabilised.turn(&mut estimator, true);
+        let wanted = (sample % 12 == 0).then_some(sample / 12);
+        assert_eq!(found, wanted, "{sample}");
+    }
+}
+
+#[test]
+fn what_is_known_well_is_not_observed() {
+    // s = 2e-6 r/2.
+    for (share, observed) in [(0.99, false), (1.01, true)] {
+        let std = libm::sqrtf(share * 2e-6 * 16_384.0);
+        let mut estimator = Estimator::<1>::new([1.0], [std], 0.99);
+        let before = estimator.clone();
+        let mut stabilised = StabilisedForgetting::new([1e6], 0.99);
+        stabilised.set_nominal([1e6]);
+        for _ in 0..2 {
+            stabilised.apply(&mut estimator);
+        }
+        estimator.finish_observation();
+        assert_eq!(estimator.theta() != before.theta(), observed, "{share}");
+    }
+}
+
+#[test]
+fn a_nominal_value_follows_what_is_known_to_a_tenth_of_the_bound() {
+    for (share, known) in [(0.99, true), (1.01, false)] {
+        for (brings, set, heeds) in [
+            (true, false, true),
+            (false, false, true),
+            (true, true, true),
+            (true, false, false),
+        ] {
+            let std = libm::sqrtf(0.1 * share * BOUND);
+            let mut estimator = Estimator::<1>::new([3.0], [std], 0.99);
+            let mut stabilised = StabilisedForgetting::new([1.0], 0.99);
+            assert!((stabilised.bound() / BOUND - 1.0).abs() < 1e-4);
+            stabilised.set_nominal_std(&[0.5]);
+            if set {
+                stabilised.set_nominal([1.0]);
+            }
+            stabilised.heed(heeds);
+            for _ in 0..2 {
+                let _ = stabilised.turn(&mut estimator, brings);
+            }
+            let shown = known && brings && heeds;
+            let follows = shown && !set;
+            assert_eq!(stabilised.nominal(), &[if follows { 3.0 } else { 1.0 }]);
+            // A prior that the data support is none any more.
+            assert_eq!(stabilised.own_variances()[0].0, !shown);
+        }
+    }
+}
+
+#[test]
+fn nominal_values_are_set_replaced_and_let_go() {
+    let std = libm::sqrtf(0.05 * BOUND);
+    let mut estimator = Estimator::<1>::new([3.0], [std], 0.99);
+    let mut stabilised = StabilisedForgetting::new([1.0], 0.99);
+    let mut round = |stabilised: &mut StabilisedForgetting<1>| {
+        for _ in 0..2 {
+            stabilised.apply(&mut estimator);
+        }
+        *stabilised.nominal()
+    };
+    stabilised.set_nominal([1.0]);
+    stabilised.set_own([7.0]);
+    stabilised.replace_nominal([2.0]);
+    // It goes on as it was, set.
+    assert_eq!(round(&mut stabilised), [2.0]);
+    assert_eq!(stabilised.own_variances(), [(false, 7.0)]);
+    stabilised.follow([1.5]);
+    assert_eq!(stabilised.nominal(), &[1.5]);
+    assert_eq!(stabilised.own_variances(), [(false, 0.0)]);
+    assert!((round(&mut stabilised)[0] - 3.0).abs() < 0.1);
+}
+
+#[test]
+fn variances_of_nominal_values_are_of_the_prior_or_as_they_were_set() {
+    let mut stabilised = StabilisedForgetting::<3>::new([0.0; 3], 0.99);
+    stabilised.set_nominal_std(&[3.0, 0.0, 100.0]);
+    stabilised.set_own([5.0, 7.0, 11.0]);
+    let own = [(true, 9.0), (false, 7.0), (true, 1e4)];
+    assert_eq!(stabilised.own_variances(), own);
+    // N r eps, but never less than what the prior alone is known to.
+    let left = 3.0 * 2.0 * 16_384.0 * 0.01;
+    let found = stabilised.nominal_variances();
+    for (found, wanted) in found.iter().zip([(left, 9.0), (left, 7.0), (1e4, 1e4)]) {
+        assert!((found.0 / wanted.0 - 1.0).abs() < 1e-4, "{found:?}");
+        assert_eq!(found.1, wanted.1);
+    }
+}

@@ -247,3 +247,36 @@ fn a_row_that_brings_enough_pays_back_one_and_no_more() {
         assert!(postponed.forgets());
     }
 }
+
+#[test]
+fn a_row_is_usual_that_brings_enough_and_finds_nothing_owed() {
+    let eps = 1.0 / MEMORY as f32;
+    let mut postponed = Postponed::new(1.0 - eps);
+    assert!(postponed.is_usual(1.51 * eps) && !postponed.is_usual(1.49 * eps));
+    let _ = postponed.pass();
+    assert!(!postponed.is_usual(1.51 * eps));
+    let mut estimator = estimator();
+    let mut postponed = Postponed::new(1.0 - eps);
+    postponed.take(0.0, &mut estimator);
+    assert!(!postponed.is_usual(1.51 * eps));
+    // Both at once are no reason to take it for one, either.
+    (postponed.wait, postponed.owed) = (1, 1);
+    assert!(!postponed.is_usual(1.51 * eps));
+}
+
+#[test]
+fn the_estimator_forgets_before_the_rows_that_say_so() {
+    let eps = 1.0 / MEMORY as f32;
+    let mut estimator = estimator();
+    let mut postponed = Postponed::new(1.0 - eps);
+    let mut forgotten = 0;
+    for k in 0..80 {
+        let (forgets, before) = (postponed.forgets(), estimator.samples());
+        let _ = estimator.fold(&[0.0], 0.0);
+        let kept = if forgets { 1.0 - eps } else { 1.0 };
+        assert_eq!(estimator.samples(), kept * before + 1.0, "{k}");
+        postponed.take(eps, &mut estimator);
+        forgotten += u32::from(forgets);
+    }
+    assert_eq!(forgotten, 10);
+}

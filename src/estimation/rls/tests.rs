@@ -56,6 +56,67 @@ fn a_known_parameter_costs_no_degree_of_freedom() {
 }
 
 #[test]
+fn a_correction_along_the_row_is_least_squares() {
+    let mut estimator = moved(0.99, 50);
+    let mut other = estimator.clone();
+    let (phi, psi) = row(50);
+    let innovation = estimator.update(&phi, psi + 1.0);
+    other.correct(&phi, innovation);
+    assert_eq!(estimator, other);
+    assert_ne!(estimator, moved(0.99, 50));
+}
+
+#[test]
+fn variances_are_those_of_the_covariance_also_while_it_is_loosened() {
+    let mut estimator = moved(0.99, 50);
+    let phi = [0.5, -1.0, 2.0];
+    let stored = |estimator: &Estimator<3>| estimator.factors.spread(phi);
+    for growth in [1.0, 8.0] {
+        if growth > 1.0 {
+            let weight = estimator.samples();
+            estimator.begin_loosening(growth, [1e3; 3]);
+            // What was learnt counts for so much less.
+            assert_eq!(estimator.samples(), weight / growth);
+        }
+        let spread = estimator.spread(phi);
+        assert!(spread > 0.0 && (spread / (growth * stored(&estimator)) - 1.0).abs() < 1e-6);
+        let variances = estimator.variances();
+        for (i, variance) in variances.iter().enumerate() {
+            assert_eq!(*variance, estimator.covariance(i, i));
+            assert_eq!(*variance, estimator.covariances()[i][i]);
+        }
+    }
+}
+
+#[test]
+fn it_goes_on_from_another_estimate_with_more_of_its_covariance() {
+    let mut estimator = moved(0.99, 50);
+    let before = estimator.clone();
+    assert!(estimator.noise_variance().is_some());
+    estimator.resume([1.0, 2.0, 3.0], 4.0, &[1e9; 3]);
+    assert_eq!(estimator.theta(), &[1.0, 2.0, 3.0]);
+    for i in 0..3 {
+        assert_eq!(estimator.covariance(i, i), 4.0 * before.covariance(i, i));
+    }
+    assert_eq!(
+        (estimator.samples(), estimator.noise_variance()),
+        (0.0, None)
+    );
+}
+
+#[test]
+fn a_weight_that_counts_for_nothing_becomes_zero() {
+    let mut estimator = Estimator::<1>::new([0.0], [1.0], 0.5);
+    let _ = estimator.update(&[1.0], 1.0);
+    for k in 0..70 {
+        let weight = estimator.samples();
+        estimator.flush_sums();
+        assert_eq!(estimator.samples() == 0.0, weight < 1e-18, "{k}");
+        estimator.pass();
+    }
+}
+
+#[test]
 fn memory_is_that_of_the_forgetting() {
     let estimator = moved(0.99, 5000);
     assert!((estimator.samples() - 100.0).abs() < 0.1);

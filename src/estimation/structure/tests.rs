@@ -22,6 +22,9 @@ fn theta_holds_a_then_b_of_each_input_then_constant_then_initial_state() {
         ]
     );
     assert_eq!(structure.integrators(), 1);
+    assert!(structure.constant() && structure.initial_state());
+    let plain = Structure::<3, 3, 1>::INTEGRATING;
+    assert!(!plain.constant() && !plain.initial_state());
 }
 
 #[test]

@@ -73,6 +73,38 @@ fn a_change_is_unusual_it_matters_and_it_is_more_than_noise_and_ignorance() {
 
 #[test]
 #[cfg_attr(miri, ignore = "many samples")]
+fn what_is_unusual_is_twelve_times_what_noise_and_ignorance_make() {
+    // Without a share of the newest row the mean squares stay what they are put to.
+    let still = Shares {
+        lag: 0.0,
+        power: 0.0,
+        least: 0.0,
+    };
+    let mut usual = ChangeDetector::new(LAMBDA, 0);
+    for _ in 0..50_000 {
+        usual.usual.update(1.0);
+    }
+    for spread in [0.0, 0.5, 5.0] {
+        for (share, found) in [(0.98, false), (1.02, true)] {
+            let mut detector = usual.clone();
+            detector.power = [12.0 * (1.0 + spread) * share, 1.0];
+            assert_eq!(
+                detector.found([0.0; 2], still, || spread),
+                found,
+                "{spread} {share}"
+            );
+        }
+    }
+    // And a hundredth of the motion, squared.
+    for (motion, found) in [(0.99e4, true), (1.01e4, false)] {
+        let mut detector = usual.clone();
+        detector.power = [100.0, motion];
+        assert_eq!(detector.found([0.0; 2], still, || 0.0), found);
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
 fn shares_are_those_of_their_time_constants() {
     let shares = Shares::new(0.02, 3.0);
     // 1/(2 omega) and 4/omega, in samples of 0.02/omega.

@@ -165,6 +165,8 @@ mod tests {
             assert_eq!(of([1.0, 2.0, 3.0, -3.0])[3], 0.0);
             // What changed by more than a fifth was another command: the last interval alone.
             assert_eq!(of([7.0, 7.0, 3.0, -9.0])[3], 0.5);
+            // Slowing down less and less it would not have turned within the interval.
+            assert_eq!(of([9.8, 6.1, 3.0, -1.0])[3], 1.0);
             // It turned and stands, and it starts from rest.
             assert_eq!(of([2.0, 1.0, 0.0, 0.0]), [1.0, 1.0, 1.0, 0.0]);
             assert_eq!(of([2.0, 1.0, 0.005, 0.005]), [1.0, 1.0, 1.0, 0.0]);

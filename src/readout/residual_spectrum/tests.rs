@@ -148,6 +148,28 @@ fn add_own(
 }
 
 #[test]
+fn a_polynomial_is_evaluated_on_the_imaginary_axis() {
+    // 1 + 2 jx + 3 (jx)^2 + 4 (jx)^3 at 1/2 and at 2.
+    for (x, re, im) in [(0.5, 0.25, 0.5), (2.0, -11.0, -28.0)] {
+        let found = value_of(&[1.0, 2.0, 3.0, 4.0], x);
+        assert_eq!([found.re, found.im], [re, im]);
+    }
+}
+
+#[test]
+fn frequencies_are_in_proportion_from_a_twentieth_to_three_and_a_half() {
+    let grid = grid();
+    assert_eq!(grid[0], 0.05);
+    assert!(
+        (grid[FREQUENCIES - 1] / 3.464 - 1.0).abs() < 1e-3,
+        "{grid:?}"
+    );
+    for pair in grid.windows(2) {
+        assert!((pair[1] / pair[0] / 1.47 - 1.0).abs() < 1e-6);
+    }
+}
+
+#[test]
 fn sums_by_moments_are_those_of_the_regressors() {
     for duration in [0.3, 2.0, 100.0] {
         let spectrum = spectrum(duration);

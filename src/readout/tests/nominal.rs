@@ -131,3 +131,42 @@ fn a_constant_that_is_withdrawn_takes_its_share_of_everything_along() {
         1e-4
     ));
 }
+
+#[test]
+fn without_a_memory_what_a_prior_says_is_added_where_it_shows() {
+    let mut parts = Parts::new(raw(), [1e2; 4], 1.0, 400);
+    let residual = parts.read().residual();
+    // Twice the variance of the residual was expected.
+    parts.prior_noise = libm::sqrtf(2.0 * residual);
+    let none = parts.read().estimate().covariance;
+    let p = parts.estimator.covariances();
+    let units = *parts.regressor.units();
+    for k in 0..4 {
+        // A thousandth of the prior's variance is what is seen.
+        for (share, shows) in [(0.98, true), (1.02, false)] {
+            let own = share * 1e3 * p[k][k];
+            let mut std = [0.0; 4];
+            std[k] = libm::sqrtf(own);
+            parts.forgetting.set_nominal_std(&std);
+            let found = parts.read().estimate().covariance;
+            for i in 0..4 {
+                let added = found[i][i] - none[i][i];
+                let part = p[i][k] * p[i][k] / own * residual * units[i] * units[i];
+                let exact = if shows { part } else { 0.0 };
+                assert!(
+                    (added - exact).abs() < 1e-5 * none[i][i] + 0.01 * exact,
+                    "{k} {i}"
+                );
+                assert!(i != k || part > 5e-4 * none[i][i]);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_variance_of_a_constant_is_that_of_the_recursion_without_a_filter() {
+    let parts = Parts::new(raw(), [1e2; 4], 1.0, 400);
+    let read = parts.read();
+    let exact = parts.estimator.covariance(3, 3) * read.residual();
+    assert!(exact > 0.0 && close(read.constant_variance(), exact, 1e-5));
+}

@@ -213,3 +213,6 @@ impl Commissioning {
         self.record.push(y, command);
     }
 }
+
+#[cfg(test)]
+mod tests;

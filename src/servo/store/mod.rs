@@ -262,3 +262,6 @@ struct Scan {
     /// Places that are neither erased nor a record.
     damaged: u32,
 }
+
+#[cfg(test)]
+mod tests;

@@ -37,6 +37,16 @@ fn a_dead_zone_refuses_nonsense() {
 }
 
 #[test]
+fn a_block_has_as_many_samples_as_it_says() {
+    let mut valve = DeadZone::new(0.02, 0.1, 3);
+    let servo = ValveServo::new(0.001, 20.0, 1.0, 50.0, 0.7).unwrap();
+    for k in 1..=9 {
+        let _ = valve.update(&servo);
+        assert_eq!(valve.count, k % 3);
+    }
+}
+
+#[test]
 fn the_inputs_are_made_with_a_width_that_is_not_too_large() {
     let mut valve = DeadZone::new(0.02, 0.1, 1);
     assert_eq!((valve.std(), valve.inputs(0.02)), (f32::INFINITY, [0.0; 2]));

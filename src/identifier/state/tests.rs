@@ -1,0 +1,79 @@
+//! Estimates that are given, and those that are trusted.
+
+use crate::identifier::tests::bench::{Drive, config, identifier, trained};
+
+fn near(found: f32, exact: f32) {
+    assert!((found / exact - 1.0).abs() < 1e-4, "{found} for {exact}");
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn a_warm_start_begins_from_what_it_is_given() {
+    for adapts in [true, false] {
+        let mut config = config();
+        config.memory = Some(2.0);
+        let (mut servo, _) = trained(&config, 2000);
+        servo.adapt(adapts);
+        let (theta, std) = ([390.0, 18.0, 9e5], [40.0, 3.0, 2e4]);
+        servo.warm_start(theta, std).expect("an estimate");
+        let found = servo.recursion();
+        for j in 0..3 {
+            near(found.theta()[j], theta[j]);
+            near(found.std()[j], std[j]);
+        }
+        let units = servo.plan.regressor.units();
+        let state = &servo.state;
+        for j in 0..3 {
+            near(state.forgetting.nominal()[j] * units[j], theta[j]);
+            let relative = std[j] / (units[j] * servo.plan.prior_noise);
+            let (unsupported, variance) = state.forgetting.own_variances()[j];
+            assert!(unsupported);
+            near(variance, relative * relative);
+        }
+        assert_eq!(state.estimator.samples(), 0.0);
+        assert_eq!((state.learns, state.postponed.is_owed()), (adapts, false));
+    }
+}
+
+#[test]
+fn an_estimate_that_is_none_changes_nothing() {
+    let mut servo = identifier(&config());
+    let before = servo.clone();
+    for (theta, std) in [
+        ([1.0, f32::NAN, 1.0], [1.0; 3]),
+        ([1.0; 3], [1.0, -1.0, 1.0]),
+        ([1.0; 3], [f32::NAN; 3]),
+        ([1e30; 3], [1.0; 3]),
+    ] {
+        assert!(servo.warm_start(theta, std).is_err());
+        assert_eq!(servo, before);
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn a_nominal_value_is_as_well_known_as_the_estimate_was() {
+    let mut config = config();
+    config.memory = Some(2.0);
+    let (mut servo, mut drive) = trained(&config, 3000);
+    let mut noise = Drive::new(1e-4);
+    for k in 3000..9000 {
+        let [u, y] = drive.sample(k);
+        let _ = servo.update(u, y + 0.1 * noise.draw());
+    }
+    let variances = servo.estimator().variances();
+    let measured = servo.estimator().noise_variance().expect("noise");
+    servo.set_nominal();
+    let expected = servo.plan.prior_noise;
+    for j in 0..3 {
+        let (unsupported, variance) = servo.state.forgetting.own_variances()[j];
+        assert!(!unsupported);
+        near(variance, variances[j] * measured / (expected * expected));
+    }
+    assert_eq!(servo.state.forgetting.nominal(), servo.estimator().theta());
+    // Without a memory of the noise it is that which is expected.
+    let mut fresh = identifier(&config);
+    fresh.set_nominal();
+    let own = fresh.state.forgetting.own_variances();
+    near(own[0].1, fresh.plan.prior.std[0] * fresh.plan.prior.std[0]);
+}

@@ -1,0 +1,168 @@
+//! How much of the residual is white noise of y.
+
+use super::*;
+use crate::readout::compensation::compensate;
+use crate::trends::{Form, Memory};
+
+/// Variance of the residual under white noise of variance 1 on y: the sum of its squares behind a
+/// single 1.
+fn spread(parts: &Parts) -> f32 {
+    let trends = FilteredTrends::<3>::for_bandwidth(Scheme::Tustin, 1e-3, BANDWIDTH);
+    let trends = trends.expect("a filter");
+    let mut memory = Memory::output_at_rest(trends.design(), Form::Position, 0.0);
+    (0..10_000).fold(0.0, |sum, k| {
+        let y = if k == 0 { 1.0 } else { 0.0 };
+        let output = trends.output(&mut memory, y, Form::Position);
+        let (phi, psi) = (parts.regressor).assemble(&output, &[[0.0; 3]], &[0.0; 2]);
+        let residual = parts.estimator.innovation(&phi, psi);
+        sum + residual * residual
+    })
+}
+
+/// A level of this variance.
+fn level(variance: f32) -> NoiseLevel {
+    let mut level = NoiseLevel::new(1.0);
+    // The variance of +-a reads 3.2 a^2.
+    let size = libm::sqrtf(variance / 3.2);
+    for k in 0..30_000 {
+        level.update(if k % 2 == 0 { size } else { -size });
+    }
+    level
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn white_noise_is_what_the_residual_can_explain_and_none_beyond() {
+    let mut parts = Parts::new(filtered(), [1e2; 4], 1.0, 400);
+    // Parameters that are not of size 1.
+    parts.estimator = Estimator::new([1.7, 0.4, 0.8, 0.1], [1.0; 4], 1.0);
+    for k in 0..100 {
+        let error = if k % 2 == 0 { 2e-3 } else { -2e-3 };
+        let _ = parts.estimator.update(&[0.0; 4], error);
+    }
+    let residual = parts.read().residual();
+    // What would make all of the residual.
+    let all = residual / spread(&parts);
+    let top = parts.regressor.top_scale();
+    for (share, white) in [
+        (0.25, 0.25),
+        (0.98, 0.98),
+        (1.02, 1.0),
+        (1.28, 1.0),
+        (1.32, 0.0),
+        (9.0, 0.0),
+    ] {
+        parts.noise = level(share * all);
+        let read = parts.read();
+        let found = compensate(&read, &read.covariance());
+        let exact = top * top * white * all;
+        let error = (found.residual.shaped - exact).abs();
+        assert!(error <= 2e-3 * exact, "{share}: {error} of {exact}");
+        assert_eq!(found.residual.even == residual, white == 0.0, "{share}");
+    }
+    // Before the level is known, and without a filter, nothing is.
+    parts.noise = NoiseLevel::new(1.0);
+    let read = parts.read();
+    assert_eq!(compensate(&read, &read.covariance()).residual.shaped, 0.0);
+    let mut parts = Parts::new(raw(), [1e2; 4], 1.0, 400);
+    parts.noise = level(0.25 * all);
+    let read = parts.read();
+    assert_eq!(compensate(&read, &read.covariance()).residual.shaped, 0.0);
+}
+
+/// A recursion that has heard so much noise, and has seen nothing: its covariance is that of its
+/// prior.
+fn blind(error: f32, share: f32) -> Parts {
+    let mut parts = Parts::new(filtered(), [1e2; 4], 1.0, 0);
+    for k in 0..100 {
+        let error = if k % 2 == 0 { error } else { -error };
+        let _ = parts.estimator.update(&[0.0; 4], -error);
+    }
+    let theta = *parts.estimator.theta();
+    let residual = parts.read().residual();
+    // psi - phi' theta of rows without phi.
+    assert!(
+        (residual / (error * error * 100.0 / 96.0) - 1.0).abs() < 1e-3,
+        "{theta:?}"
+    );
+    parts.noise = level(share * residual / spread(&parts));
+    parts
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn what_the_damping_leaves_of_a_bias_is_uncertain() {
+    let parts = blind(2e-3, 0.5);
+    let read = parts.read();
+    let p = read.covariance();
+    let found = compensate(&read, &p);
+    let bare = read.recursion().theta;
+    let damping = found.damping();
+    assert!(damping > 0.01 && damping < 1.0, "{damping}");
+    let (shaped, floor) = read.shaped(&p, &found);
+    let covariance = read.estimate().covariance;
+    let units = parts.regressor.units();
+    for i in 0..4 {
+        let moved = found.theta[i] - bare[i];
+        let left = damping * moved;
+        let error = (found.left[i] - left).abs();
+        assert!(error <= 1e-3 * left.abs(), "{i}: {} {left}", found.left[i]);
+        assert_eq!(moved != 0.0, i < 2, "{i}: {moved}");
+        for j in 0..4 {
+            let common = match (i < 3 && j < 3, i == j) {
+                (false, _) => 0.0,
+                (_, true) => 1.01,
+                _ => 1.0,
+            };
+            let exact = shaped[i][j] * units[i] * units[j]
+                + found.left[i] * found.left[j]
+                + common * floor * floor * found.theta[i] * found.theta[j];
+            let size = libm::sqrtf(covariance[i][i] * covariance[j][j]);
+            let error = (covariance[i][j] - exact).abs();
+            assert!(error < 1e-4 * size, "{i} {j}: {error} of {size}");
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn white_noise_counts_by_its_spectrum_behind_the_filter_and_rounding_in_the_band() {
+    // All of the residual is white, and hardly anything is left but rounding.
+    for (error, share) in [(2e-3, 0.999), (1e-8, 9.0)] {
+        let parts = blind(error, share);
+        let read = parts.read();
+        let p = read.covariance();
+        let found = compensate(&read, &p);
+        let (covariance, _) = read.shaped(&p, &found);
+        let [a1, a2, ..] = found.theta;
+        let natural = libm::sqrtf(a1);
+        let spectrum = ResidualSpectrum {
+            parameters: SERVO.parameters(),
+            units: parts.regressor.units(),
+            theta: &found.theta,
+            denominator: [0.0, a1, a2],
+            filter: [1064.8, 551.76, 33.0],
+            natural,
+            // A hundred samples of 1 ms, and the slow pole of the filter.
+            duration: 0.1,
+            slowest: 2.2,
+        };
+        let (r, s) = spectrum.sums();
+        let t = transform(r, s, [true; 4]).expect("a spectrum");
+        let own = found.covariance(&p);
+        let in_band = sandwich(&t, &own, &SERVO.parameters());
+        let angle = natural * 1e-3;
+        // A quarter of the last digit in each of the hundred, over the angle of a sample.
+        let rounding = 0.25 * f32::EPSILON / angle;
+        let even = found.residual.even + 100.0 * rounding * rounding;
+        for i in 0..4 {
+            for j in 0..4 {
+                let exact = found.residual.shaped * in_band[i][j] + even * own[i][j];
+                let size = libm::sqrtf(covariance[i][i] * covariance[j][j]);
+                let error = (covariance[i][j] - exact).abs();
+                assert!(error < 1e-2 * size, "{share} {i} {j}: {error} of {size}");
+            }
+        }
+        assert_eq!(found.residual.shaped > 0.0, share < 1.0);
+    }
+}

@@ -1,0 +1,81 @@
+//! Readings and slots that are missing, and readings that say nothing.
+
+use super::bench::{Bench, MODEL};
+use super::*;
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn a_setpoint_goes_on_through_slots_and_readings_that_are_missing() {
+    let ran = |missing: u32, mute: bool| {
+        let mut bench = Bench::new(MODEL);
+        let _ = bench.worst(1500);
+        bench.servo.move_to(300.0).expect("a target");
+        for k in 0..100 {
+            let gone = (60..60 + missing).contains(&k);
+            bench.is_mute = gone && mute;
+            if gone && !mute {
+                let _ = bench.miss();
+            } else {
+                let _ = bench.step();
+            }
+        }
+        bench.is_mute = false;
+        let (report, y) = bench.step();
+        (report, y, bench)
+    };
+    let (whole, ..) = ran(0, false);
+    for mute in [true, false] {
+        let (report, y, mut bench) = ran(2, mute);
+        assert!(report.state.is_controlling(), "{:?}", report.state);
+        assert_eq!(report.setpoint, whole.setpoint);
+        assert!((report.setpoint.position - y).abs() < 1.0, "{mute}");
+        let worst = bench.worst(2500);
+        assert!(
+            worst < 1.0 && (bench.motion.position - 300.0).abs() < 0.02,
+            "{worst}"
+        );
+        // What is missing for longer is a fault.
+        let (report, ..) = ran(38, mute);
+        assert_eq!(report.state, State::Failed(Reason::SensorFault), "{mute}");
+    }
+}
+
+#[test]
+fn before_the_first_reading_no_slot_is_missing() {
+    let mut config = Bench::config();
+    config.adaptive = true;
+    let axis = crate::hardware::Axis {
+        scale: crate::hardware::Scale::new(bench::SCALE).expect("a scale"),
+        reference: 0,
+    };
+    let servo = bench::Loop::try_new(&config, axis, bench::Code(0), bench::Spool(0.0));
+    let mut servo = servo.expect("settings");
+    servo.skip(10_000);
+    assert_eq!(servo.sensed.errors, 0);
+    let _ = servo.update();
+    servo.skip(2);
+    assert_eq!(servo.sensed.errors, 2);
+    let _ = servo.update();
+    assert_eq!(servo.sensed.errors, 0);
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn an_axis_that_stands_shows_its_noise_and_a_sensor_that_hangs_does_not() {
+    for (hangs, reason) in [(false, Reason::Blocked), (true, Reason::SensorStuck)] {
+        let mut bench = Bench::new(MODEL);
+        let _ = bench.worst(1500);
+        bench.servo.move_to(300.0).expect("a target");
+        let at = bench.motion;
+        let mut state = bench.servo.supervisor().state();
+        for _ in 0..3000 {
+            bench.motion = at;
+            bench.hangs = hangs;
+            state = bench.step().0.state;
+            if !state.is_controlling() {
+                break;
+            }
+        }
+        assert_eq!(state, State::Failed(reason));
+    }
+}
