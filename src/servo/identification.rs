@@ -177,44 +177,4 @@ fn tie<const K: usize>(x: &mut [f32; 4], p: &mut [[f32; 4]; 4], relative_std: f3
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_tie_is_an_observation_of_a_difference() {
-        // By hand: variances 4 and 1, difference 3 observed as 0 with 2: gain (-4, 0.. 1) / 9.
-        let (mut x, mut p) = ([2.0, 5.0, 1.0, 7.0], [[0.0; 4]; 4]);
-        (p[0][0], p[1][1], p[2][2]) = (4.0, 1.0, 9.0);
-        tie::<1>(&mut x, &mut p, 1.0);
-        let off = |is: f32, should: f32| (is - should).abs() < 1e-6;
-        assert!(
-            off(x[0], 2.0 + 4.0 / 3.0) && off(x[1], 5.0 - 1.0 / 3.0),
-            "{x:?}"
-        );
-        assert_eq!((x[2], x[3]), (1.0, 7.0));
-        assert!(off(p[0][0], 4.0 - 16.0 / 9.0) && off(p[1][1], 1.0 - 1.0 / 9.0));
-        assert!(off(p[0][1], 4.0 / 9.0) && off(p[1][0], 4.0 / 9.0));
-        assert_eq!((p[2][2], p[2][0]), (9.0, 0.0));
-    }
-
-    #[test]
-    fn what_is_certain_or_not_known_at_all_is_not_changed_by_a_tie() {
-        let certain = [2.0, 5.0, 1.0, 7.0];
-        for (variance, std) in [
-            (0.0, 1.0),
-            (0.0, 0.0),
-            (f32::INFINITY, 1.0),
-            (1.0, f32::NAN),
-        ] {
-            let mut p = [[0.0; 4]; 4];
-            (p[0][0], p[1][1]) = (variance, variance);
-            let mut x = certain;
-            let before = p;
-            tie::<1>(&mut x, &mut p, std);
-            assert_eq!((x, p), (certain, before), "{variance} {std}");
-        }
-    }
-}
-
-#[cfg(test)]
 mod tests;

@@ -33,7 +33,7 @@ fn the_delay_is_that_of_the_smallest_error() {
         for (at, error) in errors.iter().enumerate() {
             let candidate = bank.candidate(at).expect("a candidate");
             assert_eq!(*error, candidate.noise_std());
-            assert_eq!(candidate.plan.delays, [at]);
+            assert_eq!(candidate.plan.inputs.delays, [at]);
         }
         assert_eq!(bank.best(), Some(delay), "{errors:?}");
         assert_eq!(bank.chosen(), bank.candidate(delay));
@@ -114,7 +114,7 @@ fn an_input_that_does_not_exist_has_no_delay() {
     let config = Config::new(structure, 20.0, [0.4; 2], 50.0);
     let bank = DelayBank::<Identifier<Trends, 3, 4, 2, 1>, 2>::try_new(&config, trends(20.0), 1);
     let bank = bank.expect("settings");
-    assert_eq!(bank.candidates[1].plan.delays, [0, 1]);
+    assert_eq!(bank.candidates[1].plan.inputs.delays, [0, 1]);
 }
 
 #[test]

@@ -16,17 +16,17 @@ fn limits_and_noise_are_in_the_units_of_the_signals() {
     let mut config = config();
     (config.memory, config.output_noise, config.settling) = (Some(2.5), 0.07, 0.3);
     let plan = Plan3::new(&config, trends(20.0), 0).expect("settings");
-    near(plan.input_limit[0], 0.4e6);
+    near(plan.inputs.limit[0], 0.4e6);
     near(plan.output_limit, 50e6);
     // A sample of 2500.
     near(1.0 - plan.forgetting, 4e-4);
     assert!((299..=300).contains(&plan.warm_up));
-    near(plan.least_noise, (0.07 / 50.0) * (0.07 / 50.0));
+    near(plan.noise.least, (0.07 / 50.0) * (0.07 / 50.0));
     // Half a digit of this position is the noise: 2^-24 of it.
-    near(plan.coarse, 0.07 * 16_777_216.0);
+    near(plan.noise.coarse, 0.07 * 16_777_216.0);
     // Of a sample of y the left-hand side takes its share, over 50.
     let top = trends(20.0).design().feedthrough.top;
-    near(plan.prior_noise, 0.07 * top / 50.0);
+    near(plan.noise.prior, 0.07 * top / 50.0);
     let least = 0.02 * 0.07 * top / 50.0;
     near(plan.change_shares.least, least * least);
     near(plan.change_shares.lag, 0.04 / 1.04);
@@ -170,7 +170,7 @@ fn trends_are_exchanged_and_those_of_the_construction_come_back() {
         let wanted = Plan3::new(&config(), trends(bandwidth), 0).expect("settings");
         assert_eq!(plan.trends, wanted.trends);
         assert_eq!(plan.regressor, wanted.regressor);
-        assert_eq!(plan.noise_weights, wanted.noise_weights);
+        assert_eq!(plan.noise.weights, wanted.noise.weights);
         assert_eq!(plan.prior, first.prior);
     }
     plan.restore();

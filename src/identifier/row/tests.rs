@@ -79,7 +79,7 @@ fn a_step_of_the_position_enters_where_it_happened() {
     let (mut servo, drive) = trained(&config, 3000);
     // Far above that of this drive, so that a size is one.
     let noise = 0.05;
-    servo.plan.least_noise = noise * noise;
+    servo.plan.noise.least = noise * noise;
     // Twice the step in the third difference of the second sample, and 4 sqrt(20) are allowed.
     for (size, far) in [(9.5, true), (8.5, false)] {
         let step = size * noise;

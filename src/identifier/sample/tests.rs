@@ -159,8 +159,8 @@ fn nominal_values_follow_where_the_position_is_resolved() {
         (-2.0, 3.98, true),
         (0.1, 1.01, false),
     ] {
-        state.signals.reference = reference * plan.coarse;
-        state.signals.last = (position - reference) * plan.coarse;
+        state.signals.reference = reference * plan.noise.coarse;
+        state.signals.last = (position - reference) * plan.noise.coarse;
         for part in [0, 8, 3] {
             let mut wanted = state.forgetting.clone();
             if part % 8 == 0 {

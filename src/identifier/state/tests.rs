@@ -25,7 +25,7 @@ fn a_warm_start_begins_from_what_it_is_given() {
         let state = &servo.state;
         for j in 0..3 {
             near(state.forgetting.nominal()[j] * units[j], theta[j]);
-            let relative = std[j] / (units[j] * servo.plan.prior_noise);
+            let relative = std[j] / (units[j] * servo.plan.noise.prior);
             let (unsupported, variance) = state.forgetting.own_variances()[j];
             assert!(unsupported);
             near(variance, relative * relative);
@@ -64,7 +64,7 @@ fn a_nominal_value_is_as_well_known_as_the_estimate_was() {
     let variances = servo.estimator().variances();
     let measured = servo.estimator().noise_variance().expect("noise");
     servo.set_nominal();
-    let expected = servo.plan.prior_noise;
+    let expected = servo.plan.noise.prior;
     for j in 0..3 {
         let (unsupported, variance) = servo.state.forgetting.own_variances()[j];
         assert!(!unsupported);

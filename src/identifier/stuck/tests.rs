@@ -32,7 +32,7 @@ fn axis(friction: usize, std: f32) -> Axis {
 /// Rows without a regressor: nothing is learnt but the noise, which is as large as expected.
 fn hear(axis: &mut Axis) {
     // Of 100 rows four are taken off for the parameters.
-    let size = axis.plan.prior_noise * libm::sqrtf(0.96);
+    let size = axis.plan.noise.prior * libm::sqrtf(0.96);
     for k in 0..100 {
         let error = if k % 2 == 0 { size } else { -size };
         let _ = axis.state.estimator.update(&[0.0; 4], error);
@@ -97,8 +97,8 @@ fn forces_alone_are_given_back() {
 fn interval(axis: &mut Axis, command: f32, one: f32) {
     let trends = axis.plan.trends.clone();
     let signals = &mut axis.state.signals;
-    let _ = trends.input(&mut signals.inputs[0], command, axis.plan.holds[0]);
-    let _ = trends.input(&mut signals.inputs[1], 0.0, axis.plan.holds[1]);
+    let _ = trends.input(&mut signals.inputs[0], command, axis.plan.inputs.holds[0]);
+    let _ = trends.input(&mut signals.inputs[1], 0.0, axis.plan.inputs.holds[1]);
     let _ = trends.input(&mut signals.constant, one, Hold::Zero);
 }
 
@@ -110,7 +110,7 @@ fn what_is_given_back_was_as_if_it_had_not_acted() {
         (0.1 * C, Hold::First, true),
     ] {
         let mut axis = axis(1, std);
-        axis.plan.holds[0] = hold;
+        axis.plan.inputs.holds[0] = hold;
         hear(&mut axis);
         let _ = axis.update_inputs([0.1, -1.0], 0.0);
         let mut other = axis.clone();

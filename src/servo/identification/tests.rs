@@ -1,11 +1,12 @@
 //! What a candidate is known to, by the gradients of what it means.
 
 use super::*;
-use crate::servo::tests::bench::{Bench, MODEL};
+use crate::servo::tests::bench::MODEL;
 
-/// An identifier of the loop on a drive of 20 rad/s that moves under its command, and under a force
-/// that changes with the sign of the velocity.
-fn trained(force: f32) -> LoopIdentifier {
+/// An identifier of the loop on a drive of 20 rad/s that moves under its command and brakes by its
+/// friction.
+fn trained() -> LoopIdentifier {
+    let force = -USED.friction;
     let mut config = Config::new(STRUCTURE, 20.0, [0.4, 1.0, 1.0], 50.0);
     config.memory = Some(20.0);
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 1e-3, 20.0).expect("a filter");
@@ -23,7 +24,7 @@ fn trained(force: f32) -> LoopIdentifier {
         }
         let y = at[0] + 0.05 * draw();
         let sign = if at[1] > 0.0 { 1.0 } else { -1.0 };
-        let _ = identifier.update_inputs([u, u.signum(), sign], y);
+        let _ = identifier.update_inputs([u, u.signum(), USED.friction * sign], y);
         for _ in 0..10 {
             let [y, v, a] = at;
             let jerk = 1e6 * u - 400.0 * v - 20.0 * (a + force * sign);
@@ -33,11 +34,19 @@ fn trained(force: f32) -> LoopIdentifier {
     identifier
 }
 
+/// The drive of [`trained`], as a model in use.
+const USED: Model = Model {
+    dead_zone: 0.03,
+    offset: -0.01,
+    friction: 2000.0,
+    ..MODEL
+};
+
 #[test]
 #[cfg_attr(miri, ignore = "many samples")]
 fn relative_variances_are_those_of_gain_frequency_and_damping() {
-    let identifier = trained(0.0);
-    let found = candidate(&identifier, None);
+    let identifier = trained();
+    let found = candidate(&identifier, &USED);
     let estimate = identifier.recursion();
     let (theta, covariance) = (estimate.theta(), estimate.covariance());
     let [a1, a2, b0, ..] = theta;
@@ -53,79 +62,94 @@ fn relative_variances_are_those_of_gain_frequency_and_damping() {
             .map(|(i, j)| gradient[i] * covariance[i][j] * gradient[j])
             .sum::<f32>()
     });
-    let found = [
+    let known = [
         found.gain_variance,
         found.frequency_variance,
         found.damping_variance,
     ];
-    for (found, exact) in found.iter().zip(variances) {
+    // What the samples know well the ties hardly change.
+    for (known, exact) in known.iter().zip(variances) {
         assert!(
-            exact > 0.0 && (found / exact - 1.0).abs() < 1e-2,
-            "{found} {exact}"
+            exact > 0.0 && (known / exact - 1.0).abs() < 2e-2,
+            "{known} {exact}"
         );
     }
-    let found = candidate(&identifier, None);
     for (i, variance) in found.variances.iter().enumerate() {
-        assert_eq!(*variance, covariance[i][i]);
+        assert!((variance / covariance[i][i] - 1.0).abs() < 2e-2, "{i}");
     }
-    let [a, b, c] = [found.model.a1, found.model.a2, found.model.b0];
-    assert_eq!([a, b, c], [a1, a2, b0]);
+    let Model { a1, a2, b0, .. } = found.model;
+    for (is, was) in [a1, a2, b0].iter().zip(theta) {
+        assert!((is / was - 1.0).abs() < 2e-3, "{is} {was}");
+    }
 }
 
 #[test]
 #[cfg_attr(miri, ignore = "many samples")]
 fn nothing_is_certain_before_the_noise_is_known() {
-    let mut identifier = trained(0.0);
+    let mut identifier = trained();
     identifier.reset();
-    reopen(&mut identifier, &Model::linear(400.0, 20.0, 1e6), 0.1);
-    let found = candidate(&identifier, None);
-    assert!(
-        found
-            .variances
-            .iter()
-            .all(|variance| *variance == f32::INFINITY)
-    );
+    reopen(&mut identifier, &USED, 0.1);
+    let found = candidate(&identifier, &USED);
+    assert!(found.variances.iter().all(|variance| !variance.is_finite()));
     assert!(!found.has_certain_sign());
     // The model is the one that it was given.
-    assert!((found.model.a1 / 400.0 - 1.0).abs() < 1e-5);
+    assert!((found.model.a1 / USED.a1 - 1.0).abs() < 1e-5);
 }
 
 #[test]
 #[cfg_attr(miri, ignore = "many samples")]
-fn a_friction_brakes_and_is_known_from_two_deviations_on() {
-    for (force, friction) in [(0.0, 0.0), (-4000.0, 4000.0), (4000.0, 0.0)] {
-        let found = candidate(&trained(force), None).model.friction;
-        assert!(
-            (found - friction).abs() <= 0.1 * friction,
-            "{force}: {found}"
-        );
-    }
-}
-
-#[test]
-#[cfg_attr(miri, ignore = "many samples")]
-fn what_the_loop_has_learnt_of_the_valve_stays() {
-    let used = Model {
-        dead_zone: 0.03,
-        offset: -0.01,
-        friction: 2000.0,
-        ..MODEL
-    };
-    let bench = Bench::new(used);
-    let identifier = trained(0.0);
-    let (alone, beside) = (
-        candidate(&identifier, None),
-        candidate(&identifier, Some(bench.servo.controller())),
-    );
-    let Model { a1, a2, b0, .. } = alone.model;
-    // A force that is the same velocity at another a1.
+fn what_the_loop_has_learnt_of_the_valve_stays_and_friction_follows_the_mass() {
+    let used = Model { a1: 1200.0, ..USED };
+    let found = candidate(&trained(), &used).model;
+    // A force that is the same deflection at another a1.
     let wanted = Model {
-        friction: 2000.0 * a1 / used.a1,
-        a1,
-        a2,
-        b0,
+        friction: 2000.0 * found.a1 / 1200.0,
+        a1: found.a1,
+        a2: found.a2,
+        b0: found.b0,
         ..used
     };
-    assert_eq!(beside.model, wanted);
-    assert_eq!(beside.variances, alone.variances);
+    assert!((found.friction / wanted.friction - 1.0).abs() < 1e-6);
+    assert_eq!(
+        Model {
+            friction: wanted.friction,
+            ..found
+        },
+        wanted
+    );
+}
+
+#[test]
+fn a_tie_is_an_observation_of_a_difference() {
+    // By hand: variances 4 and 1, difference 3 observed as 0 with 2: gain (-4, 0.. 1) / 9.
+    let (mut x, mut p) = ([2.0, 5.0, 1.0, 7.0], [[0.0; 4]; 4]);
+    (p[0][0], p[1][1], p[2][2]) = (4.0, 1.0, 9.0);
+    tie::<1>(&mut x, &mut p, 1.0);
+    let off = |is: f32, should: f32| (is - should).abs() < 1e-6;
+    assert!(
+        off(x[0], 2.0 + 4.0 / 3.0) && off(x[1], 5.0 - 1.0 / 3.0),
+        "{x:?}"
+    );
+    assert_eq!((x[2], x[3]), (1.0, 7.0));
+    assert!(off(p[0][0], 4.0 - 16.0 / 9.0) && off(p[1][1], 1.0 - 1.0 / 9.0));
+    assert!(off(p[0][1], 4.0 / 9.0) && off(p[1][0], 4.0 / 9.0));
+    assert_eq!((p[2][2], p[2][0]), (9.0, 0.0));
+}
+
+#[test]
+fn what_is_certain_or_not_known_at_all_is_not_changed_by_a_tie() {
+    let certain = [2.0, 5.0, 1.0, 7.0];
+    for (variance, std) in [
+        (0.0, 1.0),
+        (0.0, 0.0),
+        (f32::INFINITY, 1.0),
+        (1.0, f32::NAN),
+    ] {
+        let mut p = [[0.0; 4]; 4];
+        (p[0][0], p[1][1]) = (variance, variance);
+        let mut x = certain;
+        let before = p;
+        tie::<1>(&mut x, &mut p, std);
+        assert_eq!((x, p), (certain, before), "{variance} {std}");
+    }
 }

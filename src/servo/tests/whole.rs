@@ -59,7 +59,7 @@ fn designed(servo: &bench::Loop, record: &Record) {
         .resolve()
         .expect("settings");
     assert_eq!(servo.settled, design.identification.settled);
-    assert_eq!(servo.run_out_rate, design.run_out_rate);
+    assert_eq!(servo.moves.run_out_rate, design.run_out_rate);
     // Poles of the bandwidth that the margins leave.
     let (bandwidth, margins) = (servo.controller().bandwidth(), servo.margins());
     let natural = libm::sqrtf(record.model.a1);
