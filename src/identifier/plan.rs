@@ -61,6 +61,8 @@ pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, cons
     pub(crate) offset_significance: f32,
     /// Whether implausible samples of y are replaced.
     pub(crate) has_gate: bool,
+    /// A variance of y below which none is.
+    pub(crate) gate_noise: f32,
     /// A variance of y that is always allowed for: that of a fiftieth of the expected noise.
     pub(crate) least_noise: f32,
     /// Where half a digit of y in f32 is as large as the expected noise.
@@ -132,10 +134,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             bandwidth: config.bandwidth,
             forgets: config.memory.is_some(),
             offset_significance: config.offset_significance,
-            has_gate: config.memory.is_some()
-                && angle <= FINE
-                && design.filter.is_some()
-                && smooth(&config.structure),
+            gate_noise: match config.memory {
+                Some(_) => 0.0,
+                None => config.output_noise * config.output_noise,
+            },
+            has_gate: angle <= FINE && design.filter.is_some() && smooth(&config.structure),
             least_noise: LEAST_NOISE * config.output_noise * config.output_noise,
             coarse: config.output_noise * (2.0 / f32::EPSILON),
             can_stand: config.structure.integrators() > 0,
