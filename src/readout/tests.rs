@@ -29,6 +29,7 @@ struct Parts {
     position: f32,
     significance: f32,
     prior_noise: f32,
+    former: Former,
 }
 
 impl Parts {
@@ -59,6 +60,7 @@ impl Parts {
             position: 0.0,
             significance: 0.0,
             prior_noise: 1e-2,
+            former: Former::NONE,
         }
     }
 
@@ -73,6 +75,7 @@ impl Parts {
             estimator: &self.estimator,
             forgetting: &self.forgetting,
             turns: false,
+            former: self.former,
             position: self.position,
             noise: &self.noise,
         }
