@@ -13,9 +13,7 @@
 //! those behind the change tell something new once in 1/(4 omega) only, q = 4 omega Delta. P says
 //! what noise of the present size would do, and nothing of values that are wrong.
 
-use crate::estimation::terms::Parameter;
 use crate::math::matrix::Matrix;
-use crate::readout::source::ReadOut;
 
 /// What counts of the drive before the newest change.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,26 +40,25 @@ impl Former {
         let share = if share > 0.0 { share } else { 0.0 };
         Self { alone, share, rows }
     }
-}
 
-impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
-    /// Adds the uncertainty of what is left of another drive; the constant and the initial state
-    /// are none of its coefficients.
-    pub(super) fn add_former_drive(&self, p: &Matrix<N>, covariance: &mut Matrix<N>) {
-        let Former { share, rows, .. } = self.former;
-        if share == 0.0 {
+    /// Adds the uncertainty of what is left of another drive to that of its `coefficients`: the
+    /// constant and the initial state are none, nor is what is known. `angle` is omega Delta.
+    pub(super) fn add<const N: usize>(
+        &self,
+        coefficients: [bool; N],
+        left: impl FnOnce() -> [f32; N],
+        angle: f32,
+        p: &Matrix<N>,
+        covariance: &mut Matrix<N>,
+    ) {
+        if self.share == 0.0 {
             return;
         }
-        let angle = 4.0 * self.bandwidth * self.design.sample_time;
-        let row = share / (1.0 + rows * if angle < 1.0 { angle } else { 1.0 });
-        let left = self.forgetting.left();
-        for (k, parameter) in self.structure.parameters().into_iter().enumerate() {
-            let coefficient = !matches!(parameter, Parameter::Constant | Parameter::InitialState);
-            if !coefficient || p[k][k] == 0.0 {
-                continue;
-            }
+        let (left, new) = (left(), 4.0 * angle);
+        let row = self.share / (1.0 + self.rows * if new < 1.0 { new } else { 1.0 });
+        for k in (0..N).filter(|k| coefficients[*k]) {
             covariance[k][k] += row * row;
-            let weight = share / left[k];
+            let weight = self.share / left[k];
             for i in 0..N {
                 for j in 0..N {
                     covariance[i][j] += (p[i][k] * weight) * (p[j][k] * weight);
@@ -82,5 +79,24 @@ mod tests {
         assert!((behind(50.0).share - 0.5).abs() < 1e-6);
         assert_eq!(behind(100.1).share, 0.0);
         assert_eq!(Former::NONE.share, 0.0);
+    }
+
+    #[test]
+    fn a_row_and_the_nominal_values_of_the_old_drive_are_added() {
+        let former = Former::behind(false, 50.0, 0.01);
+        let (p, mut covariance) = ([[0.2, 0.1], [0.1, 0.3]], [[0.0; 2]; 2]);
+        // Every eighth row tells something new: a share of 0.5 in 1 + 50/8 rows.
+        let row = (0.5_f32 / 7.25) * (0.5 / 7.25);
+        former.add([true, false], || [2.0, 9.0], 0.031_25, &p, &mut covariance);
+        for (i, j, expected) in [(0, 0, row + 0.0025), (0, 1, 0.00125), (1, 1, 0.000_625)] {
+            assert!((covariance[i][j] - expected).abs() < 1e-7, "{covariance:?}");
+        }
+        let before = covariance;
+        Former::NONE.add([true; 2], || [1.0; 2], 0.02, &p, &mut covariance);
+        assert_eq!(covariance, before);
+        // At most every row does.
+        former.add([true, false], || [1e9; 2], 3.0, &p, &mut covariance);
+        let row = (0.5_f32 / 51.0) * (0.5 / 51.0);
+        assert!((covariance[0][0] - before[0][0] - row).abs() < 1e-8);
     }
 }

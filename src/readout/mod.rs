@@ -108,12 +108,15 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         let (found, withdrawal) = self.compensated(&p);
         let (mut covariance, floor) = self.shaped(&p, &found);
         self.add_nominal_values(&p, &mut covariance);
-        self.add_former_drive(&p, &mut covariance);
         let units = self.regressor.units();
         let parameters = self.structure.parameters();
         let known = |i: usize| p[i][i] == 0.0;
         let coefficient =
             |i: usize| !matches!(parameters[i], Parameter::Constant | Parameter::InitialState);
+        let angle = self.bandwidth * self.design.sample_time;
+        let coefficients = core::array::from_fn(|i| coefficient(i) && !known(i));
+        let left = || self.forgetting.left();
+        (self.former).add(coefficients, left, angle, &p, &mut covariance);
         for i in 0..N {
             for j in 0..N {
                 covariance[i][j] *= units[i] * units[j];
