@@ -29,8 +29,12 @@
 //! row is folded in before that. Each observation more would count as much again as all that is to
 //! be forgotten: at a memory of 10 s forty of them kept the old drive for a second. The initial
 //! state alone is as uncertain as at the start.
+//!
+//! P with the usual noise says nothing of values that are wrong: the read-out adds what is left of
+//! the old drive, and knows nothing before the first row of the new one.
 
 use crate::estimation::mean_square::{MeanSquare, flush};
+use crate::readout::Former;
 
 /// Share of the motion beyond which a change matters, squared.
 const MATTERS: f32 = 0.01;
@@ -51,6 +55,8 @@ pub(crate) struct ChangeDetector {
     blind: u32,
     /// Samples for which the rows are still left out.
     pub(crate) settling: u32,
+    /// Whether a change was found since the estimate began.
+    answered: bool,
 }
 
 /// Shares of the newest sample in the lag and in the mean squares, and what is always allowed for.
@@ -83,6 +89,7 @@ impl ChangeDetector {
             usual: MeanSquare::new(forgetting),
             blind,
             settling: 0,
+            answered: false,
         }
     }
 
@@ -117,6 +124,20 @@ impl ChangeDetector {
     pub(crate) const fn answer(&mut self, forgetting: f32, settling: u32, blind: u32) {
         *self = Self::new(forgetting, blind);
         self.settling = settling;
+        self.answered = true;
+    }
+
+    /// The estimate begins from values that are not of any drive before.
+    pub(crate) const fn begin(&mut self) {
+        self.answered = false;
+    }
+
+    /// What counts of the drive before the newest change.
+    pub(crate) fn former(&self, forgetting: f32) -> Former {
+        match self.answered {
+            true => Former::behind(self.settling > 0, self.usual.samples(), 1.0 - forgetting),
+            false => Former::NONE,
+        }
     }
 
     /// What has decayed behind the lag becomes zero before it becomes subnormal.

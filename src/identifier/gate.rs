@@ -9,6 +9,9 @@
 //! implausible too, the change lasts: both are taken as measured, and the gate stays open for a
 //! while. So one wrong sample costs one row, and a step of the position enters the trends in the
 //! sample in which it happened.
+//!
+//! Without a memory sigma_y is that of hours, of which a sensor of coarse digits may have shown
+//! none at rest; there nothing below the noise that is expected is implausible.
 
 /// Standard deviations of the noise beyond which the innovation is implausible.
 const INNOVATION: f32 = 4.0;
@@ -52,20 +55,20 @@ impl<T> Gate<T> {
     }
 
     /// Classifies a sample by its innovation and its third difference, in the unit of y; `noise` is
-    /// the variance of y.
+    /// the variance of y, and one that is always allowed for.
     #[inline(always)]
     pub(crate) fn classify(
         &mut self,
         innovation: f32,
         third: f32,
-        noise: f32,
+        noise: [f32; 2],
         pause: u32,
     ) -> Verdict {
         let jump = (innovation - self.mean) * (1.0 / INNOVATION);
         let third = third * third * (1.0 / (20.0 * THIRD * THIRD));
         let jump = jump * jump;
         let smaller = if jump < third { jump } else { third };
-        if self.open > 0 || smaller <= noise {
+        if self.open > 0 || smaller <= noise[0] || smaller <= noise[1] {
             self.open = self.open.saturating_sub(1);
             let mean = self.mean + SHARE * (innovation - self.mean);
             self.mean = if mean.is_finite() { mean } else { 0.0 };

@@ -239,6 +239,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             estimator: &self.state.estimator,
             forgetting: &self.state.forgetting,
             turns: self.plan.turns(),
+            former: self.state.change.former(self.plan.forgetting),
             position: self.state.position(),
             noise: &self.state.noise,
         }
@@ -247,10 +248,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// Standard deviation of the innovation in the unit of y, `None` until there are more samples
     /// than parameters.
     pub fn noise_std(&self) -> Option<f32> {
-        let beta = self
-            .plan
-            .regressor
-            .feedthrough(self.state.estimator.theta());
+        let regressor = &self.plan.regressor;
+        let beta = regressor.feedthrough(self.state.estimator.theta());
         let variance = self.state.estimator.noise_variance()?;
         Some(sqrt(variance) / beta)
     }

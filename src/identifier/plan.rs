@@ -51,6 +51,8 @@ pub(crate) struct NoisePlan<const N: usize> {
     pub(crate) least: f32,
     /// Where half a digit of y in f32 is as large as the expected noise.
     pub(crate) coarse: f32,
+    /// A variance of y below which no sample is implausible.
+    pub(crate) gate: f32,
     /// 1 / 25 times the variance of each entry of phi under white noise of variance 1 on y; 0 where
     /// there is none.
     weights: [f32; N],
@@ -147,16 +149,17 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
                 prior: 0.0,
                 least: LEAST_NOISE * config.output_noise * config.output_noise,
                 coarse: config.output_noise * (2.0 / f32::EPSILON),
+                gate: match config.memory {
+                    Some(_) => 0.0,
+                    None => config.output_noise * config.output_noise,
+                },
                 weights: [0.0; N],
                 always_moves: true,
             },
             bandwidth: config.bandwidth,
             forgets: config.memory.is_some(),
             offset_significance: config.offset_significance,
-            has_gate: config.memory.is_some()
-                && angle <= FINE
-                && design.filter.is_some()
-                && smooth(&config.structure),
+            has_gate: angle <= FINE && design.filter.is_some() && smooth(&config.structure),
             can_stand: config.structure.integrators() > 0,
             times: Times::new(&config.structure, design, config.bandwidth),
             warm_up: design.warm_up.max((config.settling / sample_time) as u32),

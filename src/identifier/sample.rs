@@ -93,7 +93,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let before = self.signals.output.clone();
         let row = self.row(plan, y, others);
         let gate = &mut self.signals.gate;
-        match gate.classify(row.innovation, third, noise.allowed, plan.times.gate_pause) {
+        let allowed = [noise.allowed, plan.noise.gate];
+        match gate.classify(row.innovation, third, allowed, plan.times.gate_pause) {
             Verdict::Plausible => Ok((row, Some(third))),
             Verdict::Implausible => {
                 gate.replaced = Some((y, before.clone()));

@@ -82,6 +82,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.forgetting.set_nominal_std(&prior.std);
         self.forgetting.set_own(prior.std.map(|std| std * std));
         self.postponed = Postponed::new(plan.forgetting);
+        self.change.begin();
         self.learns = self.adapting;
     }
 

@@ -15,6 +15,7 @@
 //! the residual. The residual of the filtered equation is not white: it is `A/A_f` times the noise.
 //! T weighs it by the frequencies at which a parameter is seen. The floor covers the error of
 //! trends in place of derivatives, the rounding of f32, and the remaining bias after a damped step.
+//! Behind a change that was followed what is left of the old drive is added (`former`).
 //! Then an insignificant constant is withdrawn (`significance`), and trends that have a plane of
 //! their own are mapped to the s plane (`s_plane`).
 //!
@@ -23,6 +24,7 @@
 
 mod compensation;
 pub(crate) mod estimate;
+mod former;
 mod residual_spectrum;
 pub(crate) mod s_plane;
 mod sandwich;
@@ -31,6 +33,7 @@ mod significance;
 mod source;
 
 pub use estimate::Estimate;
+pub(crate) use former::Former;
 pub(crate) use residual_spectrum::in_band;
 pub(crate) use source::ReadOut;
 
@@ -110,6 +113,10 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         let known = |i: usize| p[i][i] == 0.0;
         let coefficient =
             |i: usize| !matches!(parameters[i], Parameter::Constant | Parameter::InitialState);
+        let angle = self.bandwidth * self.design.sample_time;
+        let coefficients = core::array::from_fn(|i| coefficient(i) && !known(i));
+        let left = || self.forgetting.left();
+        (self.former).add(coefficients, left, angle, &p, &mut covariance);
         for i in 0..N {
             for j in 0..N {
                 covariance[i][j] *= units[i] * units[j];
@@ -126,8 +133,9 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         let theta = found.theta;
         let mut found = self.in_s_plane(theta, covariance);
         // No residual and no parameter to err by: nothing was seen, which is not to be certain.
+        // Nor was anything of what a drive has just become.
         for i in 0..N {
-            if found.covariance[i][i] == 0.0 && !known(i) {
+            if (self.former.alone || found.covariance[i][i] == 0.0) && !known(i) {
                 found.covariance[i][i] = f32::INFINITY;
             }
         }

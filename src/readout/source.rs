@@ -7,6 +7,7 @@ use crate::estimation::regressor::Regressor;
 use crate::estimation::rls::Estimator;
 use crate::estimation::structure::Structure;
 use crate::math::matrix::Matrix;
+use crate::readout::former::Former;
 use crate::trends::Design;
 
 /// Share of a variance below which what a prior adds to it is left out.
@@ -30,6 +31,8 @@ pub(crate) struct ReadOut<'a, const M: usize, const N: usize, const I: usize> {
     pub(crate) forgetting: &'a StabilisedForgetting<N>,
     /// Whether an input is the sign of the velocity: it turns within samples.
     pub(crate) turns: bool,
+    /// What counts of the drive before the newest change.
+    pub(crate) former: Former,
     /// The newest y.
     pub(crate) position: f32,
     /// White noise of y by its third difference.

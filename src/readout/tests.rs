@@ -30,6 +30,7 @@ struct Parts {
     position: f32,
     significance: f32,
     prior_noise: f32,
+    former: Former,
 }
 
 impl Parts {
@@ -60,6 +61,7 @@ impl Parts {
             position: 0.0,
             significance: 0.0,
             prior_noise: 1e-2,
+            former: Former::NONE,
         }
     }
 
@@ -74,6 +76,7 @@ impl Parts {
             estimator: &self.estimator,
             forgetting: &self.forgetting,
             turns: false,
+            former: self.former,
             position: self.position,
             noise: &self.noise,
         }

@@ -21,13 +21,14 @@ fn identifier(memory: f32, follow: bool) -> Identifier<FilteredTrends<3>, 3, 5> 
 }
 
 /// What came of one run: ms until C, omega0, xi stay within 5/5/10 % of the new drive, changes
-/// found before and after the change, and the largest error over its standard deviation from 3 s
-/// after it.
+/// found before and after the change, and the largest error over its standard deviation from when
+/// the change was found, and from 3 s after it.
 struct Run {
     back: usize,
     early: u32,
     found: u32,
     over_sigma: f64,
+    late_over_sigma: f64,
 }
 
 fn run(seed: u64, noise_mm: f64, memory: f32, follow: bool, changed: Servo) -> Run {
@@ -43,7 +44,7 @@ fn run(seed: u64, noise_mm: f64, memory: f32, follow: bool, changed: Servo) -> R
     let state = [plant.output(), plant.derivative(1), plant.derivative(2)];
     let mut plant = changed.plant(DT);
     plant.place(&state);
-    let (mut back, mut over_sigma) = (0, 0.0_f64);
+    let (mut back, mut over_sigma, mut late_over_sigma) = (0, 0.0_f64, 0.0_f64);
     let again = Excitation::ABSOLUTE.sequence(8000, DT, seed + 1_000_000);
     for (k, u) in again.into_iter().enumerate() {
         let _ = identifier.update(u as f32, (plant.output() + eta()) as f32);
@@ -61,14 +62,19 @@ fn run(seed: u64, noise_mm: f64, memory: f32, follow: bool, changed: Servo) -> R
         if !good {
             back = k + 1;
         }
-        if let (true, Some(found), Some(std)) = (k > 3000, servo, estimate.physical_std()) {
+        let behind = identifier.changes() > early || k > 3000;
+        if let (true, Some(found), Some(std)) = (behind, servo, estimate.physical_std()) {
             let pairs = [
                 (found.c, changed.c),
                 (found.omega0, changed.omega0),
                 (found.xi, changed.xi),
             ];
             for ((found, truth), std) in pairs.into_iter().zip(std) {
-                over_sigma = over_sigma.max((found - truth).abs() / f64::from(std));
+                let over = (found - truth).abs() / f64::from(std);
+                over_sigma = over_sigma.max(over);
+                if k > 3000 {
+                    late_over_sigma = late_over_sigma.max(over);
+                }
             }
         }
     }
@@ -77,6 +83,7 @@ fn run(seed: u64, noise_mm: f64, memory: f32, follow: bool, changed: Servo) -> R
         early,
         found: identifier.changes() - early,
         over_sigma,
+        late_over_sigma,
     }
 }
 
@@ -127,20 +134,22 @@ fn a_change_in_motion_is_followed_within_a_second() {
             let found = followed.iter().filter(|r| r.found > 0).count();
             let more = followed.iter().filter(|r| r.found > 1).count();
             let early: u32 = followed.iter().map(|r| r.early).sum();
-            let sigma = followed.iter().fold(0.0_f64, |w, r| w.max(r.over_sigma));
+            let most = |of: fn(&Run) -> f64| followed.iter().map(of).fold(0.0_f64, f64::max);
+            let (sigma, late) = (most(|r| r.over_sigma), most(|r| r.late_over_sigma));
             println!(
-                "{name}, noise {noise} mm, memory {memory} s: back after {median} ms (median), {p95} ms (95 %), without detection {:?}; found {found} of {}, twice {more}, before {early}, error {sigma:.1} sigma at most from 3 s on",
+                "{name}, noise {noise} mm, memory {memory} s: back after {median} ms (median), {p95} ms (95 %), without detection {:?}; found {found} of {}, twice {more}, before {early}, error {sigma:.1} sigma at most behind it, {late:.1} from 3 s on",
                 percentiles(&plain),
                 followed.len()
             );
             assert_eq!(early, 0, "{name}: a change before the change");
             assert!(p95 <= 1000, "{name}: {p95} ms");
+            assert!(sigma <= 4.0, "{name}: {sigma} sigma behind the change");
         }
     }
 }
 
-#[test]
-fn an_hour_of_normal_work_shows_no_change() {
+/// Changes found in an hour each of four motions at four levels of noise.
+fn false_alarms(memory: f32) -> u32 {
     let mut hours = 0.0;
     let mut false_alarms = 0;
     for (seed, motion) in [
@@ -154,7 +163,7 @@ fn an_hour_of_normal_work_shows_no_change() {
     {
         for noise in [0.0, 0.01, 0.1, 1.0] {
             let seed = 233_000 + seed as u64;
-            let mut identifier = identifier(2.0, true);
+            let mut identifier = identifier(memory, true);
             let mut random = generator(seed, Stream::White);
             let mut axis = Integrating::new(REFERENCE.a(), REFERENCE.b0(), DT);
             let mut commands = Commands::new(seed, 20.0, 2500.0, false, DT);
@@ -175,6 +184,13 @@ fn an_hour_of_normal_work_shows_no_change() {
             false_alarms += identifier.changes();
         }
     }
-    println!("{false_alarms} false alarms in {hours} hours of normal work");
-    assert_eq!(false_alarms, 0);
+    println!("memory {memory} s: {false_alarms} false alarms in {hours} hours of normal work");
+    false_alarms
+}
+
+#[test]
+fn an_hour_of_normal_work_shows_no_change() {
+    for memory in [0.2, 2.0, 10.0] {
+        assert_eq!(false_alarms(memory), 0);
+    }
 }

@@ -46,8 +46,7 @@ fn moved(clean: &Servo, faulty: &Servo) -> f64 {
 
 #[test]
 fn one_wrong_sample_moves_nothing() {
-    // Without forgetting every sample counts, as in a batch.
-    for memory in [Some(0.2), Some(2.0), Some(10.0)] {
+    for memory in MEMORIES {
         let (mut spikes, mut stuck, mut missing) = (0.0_f64, 0.0_f64, 0.0_f64);
         for seed in 221_000..221_040 {
             let record = record(seed, 6000);

@@ -3,7 +3,8 @@
 use rand::RngExt;
 use trendid::inputs::Coulomb;
 use trendid::trends::{FilteredTrends, Hold, Scheme};
-use trendid::{Config, Identifier, Structure};
+use trendid::{Config, Identifier, Outcome, Structure};
+use trendid_host_tests::endurance::motion::{Commands, Motion};
 use trendid_host_tests::plants::valve::FrictionDrive;
 use trendid_host_tests::signals::noise::{Stream, generator};
 
@@ -209,5 +210,75 @@ fn sticks_of_any_length_teach_little() {
                 |found: [f64; 3], limits: [f64; 3]| found.iter().zip(limits).all(|(x, l)| *x <= l);
             assert!(within(median, [0.4, 0.3, 0.6]) && within(most, limits));
         }
+    }
+}
+
+/// Errors of a, b, c in percent behind ten seconds of motion, a minute of a slow sine, at whose
+/// turns or all the time friction holds the axis, and ten seconds of motion again; and the share of
+/// the samples that it was held in which the estimate was.
+fn held_for_a_minute(seed: u64, memory: Option<f32>) -> ([f64; 3], f64) {
+    let mut random = generator(seed, Stream::Excitation);
+    let mut noise = generator(seed, Stream::White);
+    let mut within = |low: f64, high: f64| low * (high / low).powf(random.random::<f64>());
+    let bandwidth = within(10.0, 40.0);
+    let b = 2500.0 * bandwidth;
+    let c = within(0.02, 0.1) * b;
+    let mut drive = FrictionDrive::new(bandwidth, b, c, 0.0);
+    drive.breakaway = within(1.0, 2.0) * c;
+    let (hz, level) = (within(0.2, 2.0), within(0.7, 2.5) * drive.breakaway / b);
+    let structure = Structure::<2, 4, 2>::INTEGRATING_WITH_CONSTANT;
+    let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, bandwidth as f32).unwrap();
+    let mut config = Config::new(structure, bandwidth as f32, [0.4, 1.0], 50.0);
+    config.friction_input = Some(1);
+    config.holds[1] = Hold::Mean;
+    config.memory = memory;
+    let mut identifier: WithDelay<0> = Identifier::try_new(&config, trends).unwrap();
+    let mut friction = Coulomb::new(1e-4);
+    let mut commands = Commands::new(seed, bandwidth, 2500.0, true, 1e-3);
+    let (mut stuck, mut held) = (0.0, 0.0);
+    for k in 0..80_000_u64 {
+        let y = drive.output() + 0.01 * (noise.random::<f64>() - 0.5);
+        let (sticks, u) = match k {
+            10_000..70_000 => {
+                let t = std::f64::consts::TAU * 1e-3 * k as f64;
+                (drive.velocity() == 0.0, level * (hz * t).sin())
+            }
+            _ => (false, commands.next(Motion::Binary, k, y)),
+        };
+        let sign = friction.update(drive.velocity() as f32);
+        let outcome = identifier.update_inputs([u as f32, sign], y as f32);
+        if sticks {
+            stuck += 1.0;
+            held += f64::from(u8::from(matches!(outcome, Outcome::Held { .. })));
+        }
+        drive.step(u, 1e-3);
+    }
+    let [a, gain, found, _] = identifier.theta().map(f64::from);
+    let off = |found: f64, truth: f64| 100.0 * (found / truth - 1.0).abs();
+    let errors = [off(a, bandwidth), off(gain, b), off(found, -c)];
+    (errors, if stuck > 0.0 { held / stuck } else { 1.0 })
+}
+
+#[test]
+fn ten_seconds_of_motion_mend_what_a_minute_of_friction_taught() {
+    let seeds = 200_301..200_361;
+    for memory in [Some(0.2), Some(2.0), Some(10.0), None] {
+        let runs: Vec<_> = seeds
+            .clone()
+            .map(|seed| held_for_a_minute(seed, memory))
+            .collect();
+        let mut errors: Vec<f64> = (runs.iter())
+            .map(|(errors, _)| errors.iter().copied().fold(0.0, f64::max))
+            .collect();
+        errors.sort_unstable_by(f64::total_cmp);
+        let [median, most] = [50, 95].map(|share| errors[errors.len() * share / 100]);
+        let within = errors.iter().filter(|error| **error <= 0.1).count();
+        let held = runs.iter().map(|run| run.1).fold(1.0, f64::min);
+        println!(
+            "memory {memory:?}, seeds {seeds:?}: worst of a, b, c off by {median:.4} % (median), {most:.4} % (95 %); {within} of {} within 0.1 %; held in {:.0} % at least of the samples that friction did",
+            errors.len(),
+            100.0 * held
+        );
+        assert!(most <= 0.1 && held >= 0.9, "{memory:?}: {most} % {held}");
     }
 }

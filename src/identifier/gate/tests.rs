@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// Variance of y, and a third difference far beyond it.
-const NOISE: f32 = 0.25;
+/// Variance of y, the one that is always allowed for, and a third difference far beyond both.
+const NOISE: [f32; 2] = [0.25, 0.0];
 const FAR: f32 = 1e3;
 
 fn gate() -> Gate<u8> {
@@ -81,4 +81,15 @@ fn a_second_implausible_sample_is_a_lasting_change_and_opens_the_gate() {
     gate.keep_open(5);
     gate.keep_open(2);
     assert_eq!(gate.open, 5);
+}
+
+#[test]
+fn what_is_always_allowed_for_is_plausible_whatever_the_noise() {
+    for (innovation, found) in [(7.9, Verdict::Plausible), (8.1, Verdict::Implausible)] {
+        assert_eq!(gate().classify(innovation, FAR, [1e-6, 4.0], 9), found);
+    }
+    assert_eq!(
+        gate().classify(2.1, FAR, [0.25, 0.1], 9),
+        Verdict::Implausible
+    );
 }

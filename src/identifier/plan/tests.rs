@@ -54,16 +54,24 @@ fn changes_are_followed_with_a_memory_only() {
 }
 
 #[test]
-fn spikes_are_replaced_where_forgotten_filtered_sampled_finely_and_smooth() {
-    let gate = |memory, sample_time: f32| {
+fn spikes_are_replaced_where_filtered_sampled_finely_and_smooth() {
+    // Without a memory a sample is implausible only beyond the noise that is stated.
+    let stated = config().output_noise;
+    let gate = |memory: Option<f32>, sample_time: f32| {
         let trends = Trends::for_bandwidth(Scheme::Tustin, sample_time, 20.0).expect("a filter");
         let mut config = config();
         config.memory = memory;
         let plan = Plan3::new(&config, trends, 0).expect("settings");
+        let least = if memory.is_some() {
+            0.0
+        } else {
+            stated * stated
+        };
+        assert_eq!(plan.noise.gate, least);
         plan.has_gate
     };
     assert!(gate(Some(2.0), 1e-3) && gate(Some(2.0), 4.99e-3));
-    assert!(!gate(Some(2.0), 5.01e-3) && !gate(None, 1e-3));
+    assert!(!gate(Some(2.0), 5.01e-3) && gate(None, 1e-3));
     let mut config = config();
     config.memory = Some(2.0);
     let raw = RawTrends::<3>::try_new(Scheme::Tustin, 1e-3).expect("trends");
