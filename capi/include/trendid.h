@@ -40,7 +40,7 @@
 #define TRENDID_DELAY_CANDIDATES (TRENDID_DELAY_MAX + 1)
 
 // Words of 8 bytes of a `trendid_delay_bank`.
-#define TRENDID_DELAY_BANK_WORDS 1256
+#define TRENDID_DELAY_BANK_WORDS 1320
 
 // Longest delay of an input in samples.
 #define TRENDID_DELAY_MAX 7
@@ -55,28 +55,28 @@
 #define TRENDID_ANY_WORDS 264
 
 // Words of 8 bytes of a `trendid_servo2`.
-#define TRENDID_SERVO2_WORDS 136
+#define TRENDID_SERVO2_WORDS 144
 
 // Words of 8 bytes of a `trendid_servo3`.
-#define TRENDID_SERVO3_WORDS 160
+#define TRENDID_SERVO3_WORDS 168
 
 // Words of 8 bytes of a `trendid_coulomb2`.
-#define TRENDID_COULOMB2_WORDS 160
+#define TRENDID_COULOMB2_WORDS 168
 
 // Words of 8 bytes of a `trendid_coulomb3`.
-#define TRENDID_COULOMB3_WORDS 184
+#define TRENDID_COULOMB3_WORDS 192
 
 // Words of 8 bytes of a `trendid_valve2`.
-#define TRENDID_VALVE2_WORDS 164
+#define TRENDID_VALVE2_WORDS 172
 
 // Words of 8 bytes of a `trendid_valve3`.
-#define TRENDID_VALVE3_WORDS 192
+#define TRENDID_VALVE3_WORDS 200
 
 // Words of 8 bytes of a `trendid_valve_coulomb2`.
-#define TRENDID_VALVE_COULOMB2_WORDS 188
+#define TRENDID_VALVE_COULOMB2_WORDS 196
 
 // Words of 8 bytes of a `trendid_valve_coulomb3`.
-#define TRENDID_VALVE_COULOMB3_WORDS 216
+#define TRENDID_VALVE_COULOMB3_WORDS 224
 
 // Most parameters of a model.
 #define TRENDID_PARAMETERS_MAX 8
@@ -91,12 +91,13 @@
 #define TRENDID_RECORD_BYTES 96
 
 // Words of 8 bytes of a `trendid_loop`.
-#define TRENDID_LOOP_WORDS 1600
+#define TRENDID_LOOP_WORDS 1760
 
 // Most inputs that the caller may give.
 #define TRENDID_INPUTS_MAX 2
 
-// What a function answers; 0 is success. Otherwise nothing was done, and an `_init` leaves no object.
+// What a function answers; 0 is success. Otherwise nothing was done, and an `_init` leaves no
+// object.
 enum trendid_error
 #ifdef __cplusplus
   : int32_t
@@ -173,7 +174,8 @@ enum trendid_loop_state
   TRENDID_LOOP_STATE_FROZEN = 5,
   // A model was rejected, the last verified model is in force.
   TRENDID_LOOP_STATE_REJECTED = 6,
-  // There is no usable model, or the machine has a fault: the axis stops, then the valve is in its middle.
+  // There is no usable model, or the machine has a fault: the axis stops, then the valve is in
+  // its middle.
   TRENDID_LOOP_STATE_FAILED = 7,
 };
 #ifndef __cplusplus
@@ -289,11 +291,13 @@ enum trendid_sample_kind
   TRENDID_SAMPLE_KIND_WARMING_UP = 0,
   // An input was not finite or far beyond its range: the sample was refused, its time passed.
   TRENDID_SAMPLE_KIND_INPUT_REFUSED = 1,
-  // The position was not finite or far beyond its range: the sample was refused, its time passed.
+  // The position was not finite or far beyond its range: the sample was refused, its time
+  // passed.
   TRENDID_SAMPLE_KIND_OUTPUT_REFUSED = 2,
   // The position was implausible (a spike) and replaced by its prediction.
   TRENDID_SAMPLE_KIND_REPLACED = 3,
-  // The sample was predicted; the estimate is held, by the caller or because the drive does not move.
+  // The sample was predicted; the estimate is held, by the caller or because the drive does not
+  // move.
   TRENDID_SAMPLE_KIND_HELD = 4,
   // The sample was predicted and the estimate updated.
   TRENDID_SAMPLE_KIND_ESTIMATED = 5,
@@ -305,7 +309,8 @@ typedef uint8_t trendid_sample_kind;
 // An identifier of any kind: the handle that the `_init` of its memory gives.
 typedef struct trendid_identifier trendid_identifier;
 
-// Identifiers of the kind `trendid_servo3` with the delays 0 to 7 side by side; the one that predicts best has the delay.
+// Identifiers of the kind `trendid_servo3` with the delays 0 to 7 side by side; the one that
+// predicts best has the delay.
 //
 // For commissioning: eight times an identifier in time and memory.
 typedef struct trendid_delay_bank {
@@ -322,17 +327,21 @@ typedef struct trendid_settings {
   float input_range[TRENDID_INPUTS_MAX];
   // Typical movement of the output, in its unit.
   float output_range;
-  // Expected standard deviation of the noise of the output, in its unit; 0: a thousandth of `output_range`.
+  // Expected standard deviation of the noise of the output, in its unit; 0: a thousandth of
+  // `output_range`.
   float output_noise;
   // Memory in s; 0: nothing is forgotten. With a dead zone about two blocks of it.
   float memory;
   // Time without estimation after the first sample, in s; default 0.
   float settling;
-  // Standard deviations below which the constant is insignificant and withdrawn; default 2, 0 always keeps it.
+  // Standard deviations below which the constant is insignificant and withdrawn; default 2, 0
+  // always keeps it.
   float offset_significance;
-  // Delay of each input in samples, at most `TRENDID_DELAY_MAX` (`TRENDID_ANY_DELAY_MAX` for a `trendid_any`).
+  // Delay of each input in samples, at most `TRENDID_DELAY_MAX` (`TRENDID_ANY_DELAY_MAX` for a
+  // `trendid_any`).
   uint32_t delay[TRENDID_INPUTS_MAX];
-  // Largest half width of the dead zone, in the unit of the first input; only for kinds with a dead zone.
+  // Largest half width of the dead zone, in the unit of the first input; only for kinds with a
+  // dead zone.
   float dead_zone_max;
   // Samples between corrections of the dead zone; default 300.
   uint32_t dead_zone_block;
@@ -375,18 +384,20 @@ typedef struct trendid_servo3 {
   uint64_t words[TRENDID_SERVO3_WORDS];
 } trendid_servo3;
 
-// Memory of an identifier of any structure: order 1 to 4, one or two inputs, up to `TRENDID_ANY_PARAMETERS_MAX`
-// parameters.
+// Memory of an identifier of any structure: order 1 to 4, one or two inputs, up to
+// `TRENDID_ANY_PARAMETERS_MAX` parameters.
 //
-// For hosts: a program that initialises one links the code of every structure. Archives for microcontrollers are built without
-// `trendid_any_init`.
+// For hosts: a program that initialises one links the code of every structure. Archives for
+// microcontrollers are built without `trendid_any_init`.
 typedef struct trendid_any {
   uint64_t words[TRENDID_ANY_WORDS];
 } trendid_any;
 
-// Any structure `(b_{m-1} s^{m-1} + .. + b0) / (s^m + a_{m-1} s^{m-1} + .. + a0)` for a `trendid_any`.
+// Any structure `(b_{m-1} s^{m-1} + .. + b0) / (s^m + a_{m-1} s^{m-1} + .. + a0)` for a
+// `trendid_any`.
 //
-// The parameters stand in this order: a_i with i ascending, b_i of each input, the constant, the initial state.
+// The parameters stand in this order: a_i with i ascending, b_i of each input, the constant, the
+// initial state.
 typedef struct trendid_structure {
   // Order m, 1 to 4.
   uint8_t order;
@@ -430,7 +441,8 @@ typedef struct trendid_estimate {
   float b[TRENDID_MODEL_INPUTS_MAX][TRENDID_ORDER_MAX];
   // The contribution of the constant input, in units of y per s^m.
   float constant;
-  // Static gain, or velocity gain C behind an integrator, of the first input: y or y/s per unit of u.
+  // Static gain, or velocity gain C behind an integrator, of the first input: y or y/s per unit
+  // of u.
   float gain;
   // Natural frequency in rad/s.
   float omega0;
@@ -472,7 +484,8 @@ typedef struct trendid_status {
   uint32_t replaced;
   // Half width of the dead zone, in the unit of u; 0 for a kind without one.
   float dead_zone;
-  // Standard deviation of `dead_zone`, infinite before the first correction; 0 for a kind without one.
+  // Standard deviation of `dead_zone`, infinite before the first correction; 0 for a kind
+  // without one.
   float dead_zone_std;
   // Whether there are more samples than parameters.
   bool has_noise_std;
@@ -513,16 +526,20 @@ typedef struct trendid_valve3 {
   uint64_t words[TRENDID_VALVE3_WORDS];
 } trendid_valve3;
 
-// Memory of an identifier of `b0 / (s (s + a1)) with Coulomb friction, behind a valve with a dead zone`.
+// Memory of an identifier of
+// `b0 / (s (s + a1)) with Coulomb friction, behind a valve with a dead zone`.
 //
-// theta = (a1, b0, b0 of the sign of u, b0 of the sign of v, constant, initial state); inputs: u, sign of v.
+// theta = (a1, b0, b0 of the sign of u, b0 of the sign of v, constant, initial state); inputs: u,
+// sign of v.
 typedef struct trendid_valve_coulomb2 {
   uint64_t words[TRENDID_VALVE_COULOMB2_WORDS];
 } trendid_valve_coulomb2;
 
-// Memory of an identifier of `b0 / (s (s^2 + a2 s + a1)) with Coulomb friction, behind a valve with a dead zone`.
+// Memory of an identifier of
+// `b0 / (s (s^2 + a2 s + a1)) with Coulomb friction, behind a valve with a dead zone`.
 //
-// theta = (a1, a2, b0, b0 of the sign of u, b1 of the sign of v, constant, initial state); inputs: u, sign of v.
+// theta = (a1, a2, b0, b0 of the sign of u, b1 of the sign of v, constant, initial state); inputs:
+// u, sign of v.
 typedef struct trendid_valve_coulomb3 {
   uint64_t words[TRENDID_VALVE_COULOMB3_WORDS];
 } trendid_valve_coulomb3;
@@ -532,7 +549,8 @@ typedef struct trendid_loop {
   uint64_t words[TRENDID_LOOP_WORDS];
 } trendid_loop;
 
-// Settings of a position loop, made by `trendid_loop_settings_init`; a setting of 0 follows from the others unless said.
+// Settings of a position loop, made by `trendid_loop_settings_init`; a setting of 0 follows from
+// the others unless said.
 typedef struct trendid_loop_settings {
   // Sample time in s.
   float sample_time;
@@ -546,7 +564,8 @@ typedef struct trendid_loop_settings {
   int32_t reference_code;
   // Rough bandwidth of the drive in rad/s, if it is known.
   float bandwidth;
-  // 1 or -1: a positive command moves towards larger or smaller positions; 0: not known, the commissioning finds it.
+  // 1 or -1: a positive command moves towards larger or smaller positions; 0: not known, the
+  // commissioning finds it.
   int32_t direction;
   // Standard deviation of the position noise, in the unit of y.
   float noise;
@@ -554,7 +573,8 @@ typedef struct trendid_loop_settings {
   float range;
   // Largest rate of the command per s; default 400.
   float rate;
-  // Steps of the output between zero and full command, e.g. 2047 of a DAC with 12 bits; 0: the output has no steps.
+  // Steps of the output between zero and full command, e.g. 2047 of a DAC with 12 bits; 0: the
+  // output has no steps.
   uint32_t command_steps;
   // Delay of the valve in s; default 0.002. What the commissioning finds replaces it.
   float delay;
@@ -562,7 +582,8 @@ typedef struct trendid_loop_settings {
   float memory;
   // Whether the model follows the drive after the commissioning: 1 (default) or 0.
   int32_t adaptive;
-  // Largest velocity of a move, in units of y per s; 0 with the next two for the defaults of all three.
+  // Largest velocity of a move, in units of y per s; 0 with the next two for the defaults of all
+  // three.
   float velocity;
   // Largest acceleration of a move, in units of y per s^2.
   float acceleration;
@@ -608,7 +629,8 @@ typedef struct trendid_report {
   uint32_t stops;
   // Factor on the bandwidth of the controller; 1 unless an oscillation was noticed.
   float derating;
-  // Departures from where the axis was while its reference rests: slips, creep and every half wave of a cycle.
+  // Departures from where the axis was while its reference rests: slips, creep and every half
+  // wave of a cycle.
   uint32_t moves_at_rest;
 } trendid_report;
 
@@ -632,33 +654,37 @@ typedef struct trendid_model {
 extern "C" {
 #endif // __cplusplus
 
-// The version of the interface that the library was built with, to be compared with `TRENDID_ABI_VERSION`.
+// The version of the interface that the library was built with, to be compared with
+// `TRENDID_ABI_VERSION`.
 uint32_t trendid_abi_version(void);
 
 // The version of the library, in static memory.
 const char *trendid_version(void);
 
-// Named by the tables of the precompiled core library on hosts; without unwinding nothing calls it.
+// Named by the tables of the precompiled core library on hosts; without unwinding nothing calls
+// it.
 void rust_eh_personality(void);
 
-// Makes a bank; `delay` of the settings is not used. `detail`, if not NULL, says which setting was refused.
+// Makes a bank; `delay` of the settings is not used. `detail`, if not NULL, says which setting was
+// refused.
 trendid_error trendid_delay_bank_init(struct trendid_delay_bank *memory,
                                       const struct trendid_settings *settings,
                                       struct trendid_detail *detail);
 
-// Takes command and position, as `trendid_identifier_update`; `outcome` is that of the candidate without delay, or NULL.
+// Takes command and position, as `trendid_identifier_update`; `outcome` is that of the candidate
+// without delay, or NULL.
 trendid_error trendid_delay_bank_update(struct trendid_delay_bank *bank,
                                         float u,
                                         float y,
                                         struct trendid_outcome *outcome);
 
-// The delay with the smallest prediction error, in samples, and how clear the choice is: the error of the second best over that
-// of the best, at least 1. Either may be NULL. `TRENDID_ERROR_NOT_YET` until all can be compared.
-trendid_error trendid_delay_bank_best(const struct trendid_delay_bank *bank,
-                                      uint32_t *delay,
-                                      float *margin);
+// The delay with the smallest prediction error, in samples, and how clear the choice is: the error
+// of the second best over that of the best, at least 1. Either may be NULL.
+// `TRENDID_ERROR_NOT_YET` until all can be compared.
+trendid_error trendid_delay_bank_best(const struct trendid_delay_bank *bank, uint32_t *delay, float *margin);
 
-// The prediction error of each delay in the unit of y, infinite while unknown; `count` is `TRENDID_DELAY_CANDIDATES`.
+// The prediction error of each delay in the unit of y, infinite while unknown; `count` is
+// `TRENDID_DELAY_CANDIDATES`.
 trendid_error trendid_delay_bank_errors(const struct trendid_delay_bank *bank, float *errors, size_t count);
 
 // Copies the identifier with the best delay into memory of its own, to go on with it.
@@ -676,9 +702,11 @@ trendid_error trendid_any_init(struct trendid_any *memory,
                                struct trendid_identifier **identifier,
                                struct trendid_detail *detail);
 
-// Takes the command u, in force from now until the next sample, and the position y, for a kind with one input.
+// Takes the command u, in force from now until the next sample, and the position y, for a kind
+// with one input.
 //
-// For the interrupt of the sample. `outcome` may be NULL. A number that is not finite is refused by `outcome`, not by the code.
+// For the interrupt of the sample. `outcome` may be NULL. A number that is not finite is refused
+// by `outcome`, not by the code.
 trendid_error trendid_identifier_update(struct trendid_identifier *identifier,
                                         float u,
                                         float y,
@@ -691,9 +719,11 @@ trendid_error trendid_identifier_update_inputs(struct trendid_identifier *identi
                                                float y,
                                                struct trendid_outcome *outcome);
 
-// Lets `samples` sample times pass without a measurement; a short gap is bridged by what the model predicts.
+// Lets `samples` sample times pass without a measurement; a short gap is bridged by what the model
+// predicts.
 //
-// For the interrupt; its time grows with `samples` up to the longest gap that is bridged, 5 / bandwidth.
+// For the interrupt; its time grows with `samples` up to the longest gap that is bridged, 5 /
+// bandwidth.
 trendid_error trendid_identifier_skip(struct trendid_identifier *identifier, uint32_t samples);
 
 // Back to the identifier as initialised.
@@ -702,28 +732,31 @@ trendid_error trendid_identifier_reset(struct trendid_identifier *identifier);
 // Forgets the signals, after a long gap in the samples, and keeps the estimate.
 trendid_error trendid_identifier_restart_trends(struct trendid_identifier *identifier);
 
-// Makes the current estimate the one to which it returns where nothing excites it; only with a memory.
+// Makes the current estimate the one to which it returns where nothing excites it; only with a
+// memory.
 trendid_error trendid_identifier_set_nominal(struct trendid_identifier *identifier);
 
 // Adapts (`true`, as initialised) or holds the estimate; predictions go on.
 trendid_error trendid_identifier_adapt(struct trendid_identifier *identifier, bool on);
 
-// Goes on with the default filter for a drive of the bandwidth `omega0` (rad/s); the estimate stays.
+// Goes on with the default filter for a drive of the bandwidth `omega0` (rad/s); the estimate
+// stays.
 //
 // About 9000 instructions for order 3.
 trendid_error trendid_identifier_retune(struct trendid_identifier *identifier,
                                         float omega0,
                                         struct trendid_detail *detail);
 
-// Begins again from an estimate with its standard deviations, 0 for a known parameter; both lists have `count` numbers, one per
-// parameter, in the units of `trendid_estimate`.
+// Begins again from an estimate with its standard deviations, 0 for a known parameter; both lists
+// have `count` numbers, one per parameter, in the units of `trendid_estimate`.
 trendid_error trendid_identifier_warm_start(struct trendid_identifier *identifier,
                                             const float *theta,
                                             const float *std,
                                             size_t count,
                                             struct trendid_detail *detail);
 
-// The parameters alone, at about a tenth of the cost of `trendid_identifier_estimate`; `count` is their number.
+// The parameters alone, at about a tenth of the cost of `trendid_identifier_estimate`; `count` is
+// their number.
 trendid_error trendid_identifier_theta(const struct trendid_identifier *identifier, float *theta, size_t count);
 
 // The model found, with its uncertainty.
@@ -746,49 +779,57 @@ trendid_error trendid_identifier_status(const struct trendid_identifier *identif
 // The input of Coulomb friction: the sign of the velocity, 0 within `rest` of zero and for NaN.
 float trendid_sign_of_velocity(float velocity, float rest);
 
-// Makes an identifier of the kind `trendid_servo2`; `detail`, if not NULL, says which setting was refused.
+// Makes an identifier of the kind `trendid_servo2`; `detail`, if not NULL, says which setting was
+// refused.
 trendid_error trendid_servo2_init(struct trendid_servo2 *memory,
                                   const struct trendid_settings *settings,
                                   struct trendid_identifier **identifier,
                                   struct trendid_detail *detail);
 
-// Makes an identifier of the kind `trendid_servo3`; `detail`, if not NULL, says which setting was refused.
+// Makes an identifier of the kind `trendid_servo3`; `detail`, if not NULL, says which setting was
+// refused.
 trendid_error trendid_servo3_init(struct trendid_servo3 *memory,
                                   const struct trendid_settings *settings,
                                   struct trendid_identifier **identifier,
                                   struct trendid_detail *detail);
 
-// Makes an identifier of the kind `trendid_coulomb2`; `detail`, if not NULL, says which setting was refused.
+// Makes an identifier of the kind `trendid_coulomb2`; `detail`, if not NULL, says which setting
+// was refused.
 trendid_error trendid_coulomb2_init(struct trendid_coulomb2 *memory,
                                     const struct trendid_settings *settings,
                                     struct trendid_identifier **identifier,
                                     struct trendid_detail *detail);
 
-// Makes an identifier of the kind `trendid_coulomb3`; `detail`, if not NULL, says which setting was refused.
+// Makes an identifier of the kind `trendid_coulomb3`; `detail`, if not NULL, says which setting
+// was refused.
 trendid_error trendid_coulomb3_init(struct trendid_coulomb3 *memory,
                                     const struct trendid_settings *settings,
                                     struct trendid_identifier **identifier,
                                     struct trendid_detail *detail);
 
-// Makes an identifier of the kind `trendid_valve2`; `detail`, if not NULL, says which setting was refused.
+// Makes an identifier of the kind `trendid_valve2`; `detail`, if not NULL, says which setting was
+// refused.
 trendid_error trendid_valve2_init(struct trendid_valve2 *memory,
                                   const struct trendid_settings *settings,
                                   struct trendid_identifier **identifier,
                                   struct trendid_detail *detail);
 
-// Makes an identifier of the kind `trendid_valve3`; `detail`, if not NULL, says which setting was refused.
+// Makes an identifier of the kind `trendid_valve3`; `detail`, if not NULL, says which setting was
+// refused.
 trendid_error trendid_valve3_init(struct trendid_valve3 *memory,
                                   const struct trendid_settings *settings,
                                   struct trendid_identifier **identifier,
                                   struct trendid_detail *detail);
 
-// Makes an identifier of the kind `trendid_valve_coulomb2`; `detail`, if not NULL, says which setting was refused.
+// Makes an identifier of the kind `trendid_valve_coulomb2`; `detail`, if not NULL, says which
+// setting was refused.
 trendid_error trendid_valve_coulomb2_init(struct trendid_valve_coulomb2 *memory,
                                           const struct trendid_settings *settings,
                                           struct trendid_identifier **identifier,
                                           struct trendid_detail *detail);
 
-// Makes an identifier of the kind `trendid_valve_coulomb3`; `detail`, if not NULL, says which setting was refused.
+// Makes an identifier of the kind `trendid_valve_coulomb3`; `detail`, if not NULL, says which
+// setting was refused.
 trendid_error trendid_valve_coulomb3_init(struct trendid_valve_coulomb3 *memory,
                                           const struct trendid_settings *settings,
                                           struct trendid_identifier **identifier,
@@ -801,10 +842,12 @@ trendid_error trendid_loop_init(struct trendid_loop *memory,
 
 // One sample: takes the code of the sensor, gives the command for the valve in `report`.
 //
-// For the interrupt of the sample. The loop counts on the command being in force until the next sample.
+// For the interrupt of the sample. The loop counts on the command being in force until the next
+// sample.
 trendid_error trendid_loop_update(struct trendid_loop *servo, int32_t code, struct trendid_report *report);
 
-// One sample without a reading: the sensor reported an error. Short gaps are bridged, longer ones stop the axis.
+// One sample without a reading: the sensor reported an error. Short gaps are bridged, longer ones
+// stop the axis.
 trendid_error trendid_loop_update_blind(struct trendid_loop *servo, struct trendid_report *report);
 
 // Says that the valve did not take the last command: the next sample stops the axis.
@@ -813,10 +856,12 @@ trendid_error trendid_loop_valve_fault(struct trendid_loop *servo);
 // Commissions the axis with the next sample, around the position it then has. The axis moves.
 trendid_error trendid_loop_commission(struct trendid_loop *servo);
 
-// Stops commissioning or control: the command goes to zero at its rate limit, the verified model is kept.
+// Stops commissioning or control: the command goes to zero at its rate limit, the verified model
+// is kept.
 trendid_error trendid_loop_abort(struct trendid_loop *servo);
 
-// Moves to `target`, in the unit of y, limited to the travel, as fast as the limits of motion allow; in any sample.
+// Moves to `target`, in the unit of y, limited to the travel, as fast as the limits of motion
+// allow; in any sample.
 trendid_error trendid_loop_move_to(struct trendid_loop *servo, float target, struct trendid_detail *detail);
 
 // Oscillates with `amplitude` (unit of y) and `frequency` (Hz) about the present reference.
@@ -825,7 +870,8 @@ trendid_error trendid_loop_oscillate(struct trendid_loop *servo,
                                      float frequency,
                                      struct trendid_detail *detail);
 
-// Takes a model that is known to be good: control begins with the next sample, at the actual position.
+// Takes a model that is known to be good: control begins with the next sample, at the actual
+// position.
 trendid_error trendid_loop_install(struct trendid_loop *servo,
                                    const struct trendid_model *model,
                                    struct trendid_detail *detail);
@@ -833,18 +879,22 @@ trendid_error trendid_loop_install(struct trendid_loop *servo,
 // The verified model; `TRENDID_ERROR_NOT_YET` before there is one.
 trendid_error trendid_loop_model(const struct trendid_loop *servo, struct trendid_model *model);
 
-// The verified model as bytes that end in their CRC-32, to be stored; `count` is `TRENDID_RECORD_BYTES`.
+// The verified model as bytes that end in their CRC-32, to be stored; `count` is
+// `TRENDID_RECORD_BYTES`.
 //
-// `plant` is the machine, for instance its serial number; `sequence` counts the records, so that the newest can be told.
+// `plant` is the machine, for instance its serial number; `sequence` counts the records, so that
+// the newest can be told.
 trendid_error trendid_loop_store(const struct trendid_loop *servo,
                                  uint32_t plant,
                                  uint32_t sequence,
                                  uint8_t *bytes,
                                  size_t count);
 
-// Control from the next sample on with a stored model, at the actual position, as the record of this machine and these settings.
+// Control from the next sample on with a stored model, at the actual position, as the record of
+// this machine and these settings.
 //
-// `sequence`, if not NULL, gets the number of the record; `detail`, if not NULL, says what was refused.
+// `sequence`, if not NULL, gets the number of the record; `detail`, if not NULL, says what was
+// refused.
 trendid_error trendid_loop_load(struct trendid_loop *servo,
                                 uint32_t plant,
                                 const uint8_t *bytes,
@@ -855,7 +905,8 @@ trendid_error trendid_loop_load(struct trendid_loop *servo,
 // Why a model was refused or the axis stopped, in static memory: a `trendid_reason`, 0 for none.
 const char *trendid_reason_text(uint8_t reason);
 
-// The defaults for an axis of which sample time (s), travel, scale and reference of the sensor are known.
+// The defaults for an axis of which sample time (s), travel, scale and reference of the sensor are
+// known.
 trendid_error trendid_loop_settings_init(struct trendid_loop_settings *settings,
                                          float sample_time,
                                          float travel_min,
@@ -863,18 +914,21 @@ trendid_error trendid_loop_settings_init(struct trendid_loop_settings *settings,
                                          float units_per_count,
                                          int32_t reference_code);
 
-// The defaults for a drive sampled every `sample_time` (s), of rough `bandwidth` (rad/s), with the typical sizes of command
-// and position. The values are checked where an identifier is made of them.
+// The defaults for a drive sampled every `sample_time` (s), of rough `bandwidth` (rad/s), with the
+// typical sizes of command and position. The values are checked where an identifier is made of
+// them.
 trendid_error trendid_settings_init(struct trendid_settings *settings,
                                     float sample_time,
                                     float bandwidth,
                                     float input_range,
                                     float output_range);
 
-// Bytes of a type of memory, a `trendid_object_kind`, as the library was built: `sizeof` must say the same. 0 of another number.
+// Bytes of a type of memory, a `trendid_object_kind`, as the library was built: `sizeof` must say
+// the same. 0 of another number.
 size_t trendid_object_size(int32_t kind);
 
-// Bytes of a type of memory that this build of the library uses; the rest is room for later versions.
+// Bytes of a type of memory that this build of the library uses; the rest is room for later
+// versions.
 size_t trendid_object_used(int32_t kind);
 
 #ifdef __cplusplus
