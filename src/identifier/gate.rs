@@ -11,7 +11,8 @@
 //! sample in which it happened.
 //!
 //! Without a memory sigma_y is that of hours, of which a sensor of coarse digits may have shown
-//! none at rest; there nothing below the noise that is expected is implausible.
+//! none at rest, and a step from digit to digit in a slow motion is several of it. There all limits
+//! are five times as large, and nothing below the noise that is expected is implausible.
 
 /// Standard deviations of the noise beyond which the innovation is implausible.
 const INNOVATION: f32 = 4.0;
@@ -19,6 +20,9 @@ const INNOVATION: f32 = 4.0;
 /// The same for the third difference of y, relative to its own standard deviation, sqrt(20) times
 /// that of the noise.
 const THIRD: f32 = 1.2;
+
+/// How much larger both are without a memory, squared.
+const COARSE: f32 = 25.0;
 
 /// Share of the newest innovation in its mean.
 const SHARE: f32 = 0.125;
@@ -55,7 +59,7 @@ impl<T> Gate<T> {
     }
 
     /// Classifies a sample by its innovation and its third difference, in the unit of y; `noise` is
-    /// the variance of y, and one that is always allowed for.
+    /// the variance of y, and without a memory the one that is expected, otherwise 0.
     #[inline(always)]
     pub(crate) fn classify(
         &mut self,
@@ -68,7 +72,7 @@ impl<T> Gate<T> {
         let third = third * third * (1.0 / (20.0 * THIRD * THIRD));
         let jump = jump * jump;
         let smaller = if jump < third { jump } else { third };
-        if self.open > 0 || smaller <= noise[0] || smaller <= noise[1] {
+        if self.open > 0 || smaller <= noise[0] || is_allowed(smaller, noise) {
             self.open = self.open.saturating_sub(1);
             let mean = self.mean + SHARE * (innovation - self.mean);
             self.mean = if mean.is_finite() { mean } else { 0.0 };
@@ -86,6 +90,11 @@ impl<T> Gate<T> {
     pub(crate) fn keep_open(&mut self, samples: u32) {
         self.open = self.open.max(samples);
     }
+}
+
+/// Whether a square beyond the variance of y is no more than what is allowed for without a memory.
+fn is_allowed(square: f32, [noise, expected]: [f32; 2]) -> bool {
+    expected > 0.0 && square <= expected + COARSE * noise
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 use crate::error::ConfigError;
 use crate::estimation::regressor::Regressor;
 use crate::estimation::structure::Structure;
+use crate::estimation::terms::Parameter;
 use crate::identifier::change::Shares;
 use crate::identifier::config::{Config, REACH};
 use crate::identifier::times::Times;
@@ -159,7 +160,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             bandwidth: config.bandwidth,
             forgets: config.memory.is_some(),
             offset_significance: config.offset_significance,
-            has_gate: angle <= FINE && design.filter.is_some() && smooth(&config.structure),
+            has_gate: angle <= FINE && design.filter.is_some() && smooth(config),
             can_stand: config.structure.integrators() > 0,
             times: Times::new(&config.structure, design, config.bandwidth),
             warm_up: design.warm_up.max((config.settling / sample_time) as u32),
@@ -268,11 +269,18 @@ fn output_form<const M: usize, const N: usize, const I: usize>(
     }
 }
 
-/// Whether every input acts at least two integrations behind: then the velocity has no steps, and a
-/// step of y is no motion.
-fn smooth<const M: usize, const N: usize, const I: usize>(structure: &Structure<M, N, I>) -> bool {
-    let inputs = structure.inputs();
-    inputs.iter().all(|terms| !terms.contains(M - 1))
+/// Whether every input acts at least two integrations behind, its b_(m-1) known to be 0 if there
+/// is one: then the velocity has no steps, and a step of y is no motion.
+fn smooth<const M: usize, const N: usize, const I: usize>(config: &Config<M, N, I>) -> bool {
+    let parameters = config.structure.parameters();
+    let mut values = config.known.iter().zip(&config.initial);
+    parameters
+        .iter()
+        .zip(&mut values)
+        .all(|(parameter, (known, initial))| {
+            !matches!(parameter, Parameter::Input { power, .. } if power + 1 == M)
+                || *known && *initial == 0.0
+        })
 }
 
 #[cfg(test)]

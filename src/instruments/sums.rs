@@ -31,19 +31,23 @@ pub(super) fn group_of(angle: f32) -> u32 {
 }
 
 /// The instruments: what they follow from, and what a sample changes.
+///
+/// What a sample touches stands in front of the blocks, in the order of the fields: a Cortex-M
+/// reaches floating-point numbers up to 1 KiB behind a pointer without computing their address.
 #[derive(Debug, Clone, PartialEq)]
+#[repr(C)]
 pub(crate) struct Instruments<const M: usize, const N: usize, const I: usize, const R: usize> {
-    pub(super) layout: Layout<M, N, I>,
-    pub(super) auxiliary: Auxiliary<M>,
-    pub(super) lanes: [Lane<M>; I],
+    pub(super) group: Group<N>,
     /// The instruments of the group.
     pub(super) z: [f32; R],
-    pub(super) blocks: Blocks<N, R>,
     /// lambda.
     pub(super) forgetting: f32,
     /// Groups until the filters are flushed.
     pub(super) turn: u32,
-    pub(super) group: Group<N>,
+    pub(super) layout: Layout<M, N, I>,
+    pub(super) auxiliary: Auxiliary<M>,
+    pub(super) lanes: [Lane<M>; I],
+    pub(super) blocks: Blocks<N, R>,
 }
 
 /// The rows since the instruments were renewed, added up.
@@ -99,9 +103,11 @@ impl<const M: usize, const N: usize, const I: usize, const R: usize> Witness<M, 
     fn row(&mut self, phi: &[f32; N], psi: f32, _: &Estimator<N>, _: bool) {
         let group = &mut self.group;
         if group.rows == 0 {
-            let own = self.z.iter_mut().skip(self.layout.twice);
-            for (z, phi) in own.zip(phi.iter().skip(self.layout.outputs)) {
-                *z = *phi;
+            // Instruments and row end alike. A loop of known length.
+            for k in 0..N.min(R) {
+                if k + self.layout.outputs < N {
+                    self.z[R - 1 - k] = phi[N - 1 - k];
+                }
             }
             (group.phi, group.psi, group.rows) = (*phi, psi, 1);
             return;

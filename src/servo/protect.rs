@@ -1,7 +1,8 @@
-//! The answers to an alarm: the axis stops, or the loop becomes slower first.
+//! The answers to an alarm: the axis stops, or the loop becomes slower or goes back first.
 
 use crate::hardware::{PositionSensor, Valve};
-use crate::servo::design::constants::{DERATING, DERATING_MIN};
+use crate::servo::design::constants::{DERATING, DERATING_MIN, REOPENED_STD};
+use crate::servo::identification::reopen;
 use crate::servo::model::Model;
 use crate::servo::monitoring::{Alarm, Seen};
 use crate::servo::motion::Setpoint;
@@ -42,6 +43,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 self.guard.alarm = brakes;
                 false
             }
+            Some(Alarm::Stop(Reason::FollowingError)) if self.goes_back() => false,
             Some(Alarm::Stop(reason)) => {
                 self.fail(reason);
                 true
@@ -76,6 +78,25 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         } else {
             self.derate(DERATING_MIN);
         }
+    }
+
+    /// The answer to an axis that does not follow on a model that was accepted in control: once more
+    /// on that of the commissioning; whether there is another one.
+    ///
+    /// Whether the model or the axis is to blame is not known. On the model of the commissioning the
+    /// axis has followed; a fault that stays stops it on that one, as late again.
+    pub(crate) fn goes_back(&mut self) -> bool {
+        let Some(model) = self.fallback.known_good else {
+            return false;
+        };
+        if !self.supervisor.goes_back(model) {
+            return false;
+        }
+        reopen(&mut self.identifier, &model, REOPENED_STD);
+        self.retune(model);
+        self.guard.monitors.waits_again();
+        self.fallback.went_back = true;
+        true
     }
 
     /// Multiplies the bandwidth of the controller by `factor`.

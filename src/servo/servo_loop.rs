@@ -124,7 +124,13 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         } else {
             self.supervise(&setpoint, y, same_code, outcome)
         };
-        self.report(setpoint, command, outcome.innovation(), retuned)
+        let went_back = core::mem::take(&mut self.fallback.went_back);
+        self.report(
+            setpoint,
+            command,
+            outcome.innovation(),
+            retuned || went_back,
+        )
     }
 
     /// The setpoint, and the command before its limits.

@@ -1,5 +1,6 @@
 //! The chain of m integrators with feedback `1/A_f` behind the filtered trends.
 
+use crate::math::polynomial::is_hurwitz;
 use crate::trends::design::Design;
 use crate::trends::difference::{Scheme, Trends};
 use crate::trends::operator::{Form, Hold, Memory, sealed};
@@ -95,6 +96,32 @@ impl<const M: usize> Integrators<M> {
             behind,
             loop_gain: 1.0 / sum,
         }
+    }
+
+    /// Whether every mode of the samples decays.
+    ///
+    /// With `sigma = (2/Delta)(z-1)/(z+1)`, whose left half plane is the unit circle, an integrator
+    /// is `1/gamma`, `gamma = sigma/(1 - d sigma)`, `d = (behind - ahead)/2`. What is left is the
+    /// condition of Hurwitz on
+    ///
+    /// ```text
+    /// sum_i f_i sigma^i (1 - d sigma)^(m-i)        f_m = 1; A_f itself for trapezoids
+    /// ```
+    pub(crate) fn is_stable(&self) -> bool {
+        let d = 0.5 * (self.behind - self.ahead);
+        let mut mapped = [0.0; M];
+        let mut top = 1.0;
+        for i in 0..M {
+            // The binomial coefficients of order m - i, times powers of -d.
+            let mut weight = 1.0;
+            for j in i..M {
+                mapped[j] += self.filter[i] * weight;
+                weight *= -d * (M - j) as f32 / (j - i + 1) as f32;
+            }
+            top += self.filter[i] * weight;
+        }
+        // NaN fails.
+        top > 0.0 && is_hurwitz(&mapped.map(|value| value / top))
     }
 
     /// Weight of the newest sample in each trend.
@@ -230,5 +257,31 @@ mod tests {
             ];
             assert!(found.iter().all(|distance| *distance < 1e-6), "{found:?}");
         }
+    }
+
+    /// Poles on both sides of the circle of radius 1/Delta about -1/Delta, alone and beside slow
+    /// ones.
+    #[test]
+    fn forward_rectangles_hold_poles_within_their_circle() {
+        let stable = |scheme, filter: [f32; 2]| Integrators::new(scheme, 0.01, filter).is_stable();
+        // Real: -p and -1.
+        for (pole, expected) in [(1e-3, true), (199.0, true), (201.0, false), (1e9, false)] {
+            let filter = [pole, pole + 1.0];
+            assert_eq!(stable(Scheme::Goodwin, filter), expected, "{pole}");
+            assert!(stable(Scheme::Tustin, filter), "{pole}");
+        }
+        // A pair of size w and damping z is in it where w Delta < 2 z.
+        for (size, expected) in [(1.0, true), (39.0, true), (41.0, false), (1e15, false)] {
+            let filter = [size * size, 2.0 * 0.2 * size];
+            assert_eq!(stable(Scheme::Goodwin, filter), expected, "{size}");
+            assert!(stable(Scheme::Tustin, filter), "{size}");
+        }
+        let single = |pole| Integrators::new(Scheme::Goodwin, 0.01, [pole]).is_stable();
+        assert!(single(199.0) && !single(201.0));
+        // The default of order 4: its fastest pole and its pair stand at 1.1 omega.
+        let default = |bandwidth| {
+            FilteredTrends::<4>::for_bandwidth(Scheme::Goodwin, 0.01, bandwidth).is_ok()
+        };
+        assert!(default(1e-3) && default(126.0) && !default(128.0));
     }
 }

@@ -4,7 +4,7 @@
 //! where all poles are equal (Saha and Rao 1983).
 
 use crate::error::{ConfigError, assert_order, check_positive, check_range};
-use crate::math::polynomial::{is_hurwitz, slowest_rate};
+use crate::math::polynomial::slowest_rate;
 use crate::trends::chain::{Chain, Integrators};
 use crate::trends::design::{Design, Plane, Size};
 use crate::trends::difference::{Scheme, Trends};
@@ -82,7 +82,8 @@ impl<const M: usize> FilteredTrends<M> {
     ///
     /// # Errors
     /// [`ConfigError::NotPositive`], also for a coefficient of the polynomial;
-    /// [`ConfigError::Unstable`] where it breaks the Hurwitz conditions.
+    /// [`ConfigError::Unstable`] where it breaks the Hurwitz conditions, and with forward
+    /// rectangles for a pole outside the circle of radius 1/Delta about -1/Delta.
     pub fn from_polynomial(
         scheme: Scheme,
         sample_time: f32,
@@ -93,11 +94,11 @@ impl<const M: usize> FilteredTrends<M> {
         for (i, value) in filter.into_iter().enumerate() {
             check_positive(("filter", i), value)?;
         }
-        if !is_hurwitz(&filter) {
+        let integrators = Integrators::new(scheme, sample_time, filter);
+        if !integrators.is_stable() {
             let setting = "filter".into();
             return Err(ConfigError::Unstable { setting });
         }
-        let integrators = Integrators::new(scheme, sample_time, filter);
         let Integrators { ahead, behind, .. } = integrators;
         let pole = slowest_rate(&filter);
         Ok(Self {
@@ -125,7 +126,7 @@ impl<const M: usize> FilteredTrends<M> {
     /// bound under white noise, with [`Structure::SERVO`](crate::Structure::SERVO).
     ///
     /// # Errors
-    /// As [`FilteredTrends::try_new`].
+    /// As [`FilteredTrends::from_polynomial`].
     pub fn for_bandwidth(
         scheme: Scheme,
         sample_time: f32,

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Variance of y, the one that is always allowed for, and a third difference far beyond both.
+/// Variance of y with a memory, and a third difference far beyond it.
 const NOISE: [f32; 2] = [0.25, 0.0];
 const FAR: f32 = 1e3;
 
@@ -84,12 +84,15 @@ fn a_second_implausible_sample_is_a_lasting_change_and_opens_the_gate() {
 }
 
 #[test]
-fn what_is_always_allowed_for_is_plausible_whatever_the_noise() {
-    for (innovation, found) in [(7.9, Verdict::Plausible), (8.1, Verdict::Implausible)] {
-        assert_eq!(gate().classify(innovation, FAR, [1e-6, 4.0], 9), found);
+fn without_a_memory_the_limits_are_wider_and_what_is_expected_is_allowed() {
+    // Four times 2 and five times 0.5 together, squared.
+    let limit = 4.0 * libm::sqrtf(4.0 + 25.0 * 0.25);
+    for (innovation, found) in [
+        (0.999 * limit, Verdict::Plausible),
+        (1.001 * limit, Verdict::Implausible),
+    ] {
+        let mut gate = gate();
+        assert_eq!(gate.classify(innovation, FAR, [0.25, 4.0], 9), found);
     }
-    assert_eq!(
-        gate().classify(2.1, FAR, [0.25, 0.1], 9),
-        Verdict::Implausible
-    );
+    assert_eq!(gate().classify(2.01, FAR, NOISE, 9), Verdict::Implausible);
 }

@@ -77,12 +77,18 @@ fn spikes_are_replaced_where_filtered_sampled_finely_and_smooth() {
     let raw = RawTrends::<3>::try_new(Scheme::Tustin, 1e-3).expect("trends");
     let plan = Plan::new(&config, raw, 0).expect("settings");
     assert!(!plan.has_gate);
-    // An input one integration before y moves it in steps.
-    for (powers, gate) in [([0, 1], true), ([1, 2], false)] {
+    // An input one integration before y moves it in steps, unless its coefficient is known to be 0.
+    for (powers, known, initial, gate) in [
+        ([0, 1], false, 0.0, true),
+        ([1, 2], false, 0.0, false),
+        ([1, 2], true, 0.0, true),
+        ([1, 2], true, 1.0, false),
+    ] {
         let inputs = [Terms::of(&powers)];
         let structure = Structure::<3, 4, 1>::try_new(Terms::of(&[1, 2]), inputs, false);
         let mut config = Config::new(structure.expect("a structure"), 20.0, [0.4], 50.0);
         config.memory = Some(2.0);
+        (config.known[3], config.initial[3]) = (known, initial);
         let plan = Plan::new(&config, trends(20.0), 0).expect("settings");
         assert_eq!(plan.has_gate, gate);
     }

@@ -31,6 +31,9 @@ const LATER_ERROR: f32 = 0.25;
 const HELD_MOST: f32 = 0.99 * DRIVE_MAX_RATIO;
 /// Drive over friction that counts as the middle of what friction holds.
 const CENTRED: f32 = 0.6;
+/// Drive over friction towards a target that a slow axis has not reached: friction is not known
+/// better, and an axis with no more than that stops anywhere.
+const BEYOND: f32 = 1.2;
 /// Distance over friction deflection within which a slow axis stops by its friction.
 const NEAR: f32 = 3.0;
 
@@ -191,7 +194,7 @@ impl Controller {
         let state = self.estimator.ahead();
         let error = r.position - state.position;
         if at_rest && self.sticky && self.stops_by_friction(error, state) {
-            let goal = stopping_drive(error, state.velocity, model.friction);
+            let goal = self.stopping_drive(error, state.velocity);
             return self.quick() * (goal - state.drive) + step.a1 * state.velocity;
         }
         let Feedback { k: [k0, k1, k2], p } = self.feedback();
@@ -207,6 +210,29 @@ impl Controller {
     }
 
     /// Whether friction rules the rest of the way to a target at rest.
+    /// The drive with which friction stops the axis at the target.
+    ///
+    /// Of a velocity that may be none the sign is noise, and a drive that follows it swings from one
+    /// edge of friction to the other: so much of it as the velocity is of the largest that an axis
+    /// at rest shows, and for the rest one that points to the target.
+    #[inline]
+    fn stopping_drive(&self, error: f32, velocity: f32) -> f32 {
+        let friction = self.estimator.model().friction;
+        let moving = stopping_drive(error, velocity, friction);
+        let share = velocity.abs() / self.standing();
+        if share < 1.0 {
+            let window = self.rest.window();
+            let toward = if window > 0.0 {
+                within(error / window, BEYOND)
+            } else {
+                BEYOND * sign(error)
+            };
+            share * moving + (1.0 - share) * friction * toward
+        } else {
+            moving
+        }
+    }
+
     #[inline]
     fn stops_by_friction(&self, error: f32, state: &State) -> bool {
         let model = self.estimator.model();

@@ -86,10 +86,15 @@ impl Controller {
         model.valve_flow_of(command + self.null.value(), self.design.blend)
     }
 
+    /// Largest velocity that the observer sees of an axis that stands within the band of the anchor.
+    pub(super) fn standing(&self) -> f32 {
+        self.design.anchor.band * self.estimator.poles().observer
+    }
+
     /// One sample of the observer, with what friction holds.
     pub(super) fn observe(&mut self, y: f32, reference: f32, frozen: bool) {
         let now = *self.estimator.now();
-        let slow = now.velocity.abs() < self.design.anchor.band * self.estimator.poles().observer;
+        let slow = now.velocity.abs() < self.standing();
         let hold = if self.sticky {
             self.anchor.update(y, slow)
         } else {

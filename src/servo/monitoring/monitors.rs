@@ -135,6 +135,11 @@ impl Monitors {
         self.obedience = Obedience::default();
     }
 
+    /// Waits for the axis to follow from now on.
+    pub(crate) fn waits_again(&mut self) {
+        self.following = Following::default();
+    }
+
     /// Classifies a reading; `missed`: samples in a row without one. While the valve is closed to
     /// find out why the axis moves against its commands, every reading counts: of such a motion the
     /// model expects nothing.

@@ -15,7 +15,7 @@ pub(crate) struct Takeover {
     pub(crate) watching: u32,
 }
 
-/// What the loop goes back to when it oscillates.
+/// What the loop goes back to when it oscillates or does not follow.
 #[derive(Debug, Clone)]
 pub(crate) struct Fallback {
     /// Factor on the bandwidth, 1 unless an oscillation was noticed.
@@ -24,6 +24,8 @@ pub(crate) struct Fallback {
     pub(crate) known_good: Option<Model>,
     /// Whether that one is the next candidate.
     pub(crate) reconsiders: bool,
+    /// Whether the controller went back to it since the last report.
+    pub(crate) went_back: bool,
 }
 
 impl Fallback {
@@ -33,6 +35,7 @@ impl Fallback {
             derating: 1.0,
             known_good,
             reconsiders: false,
+            went_back: false,
         }
     }
 }

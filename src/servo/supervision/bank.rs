@@ -7,6 +7,10 @@ use crate::servo::model::Model;
 const LOADS: [f32; 5] = [1.0 / 3.0, 0.577, 1.0, 1.732, 3.0];
 const GAINS: [f32; 5] = [0.5, 0.707, 1.0, 1.414, 2.0];
 
+/// Logarithm of a step of each.
+const LOAD_STEP: f32 = 0.549;
+const GAIN_STEP: f32 = 0.347;
+
 /// Relative standard deviation of what lies within half of a step of the loads either way.
 const STEP_STD: f32 = 0.18;
 
@@ -41,19 +45,41 @@ pub(crate) fn about(used: &Model) -> [Model; SIZE] {
     [a, b, own, c, d, e, f, g, h]
 }
 
-/// The change of one number that should leave the least of these sums of squared errors of a bank,
-/// and what the nearest model of the bank leaves.
+/// The change of one number that explains windows best.
+pub(crate) struct Best {
+    pub(crate) model: Model,
+    /// Sum of the shares of the nearest model of the bank.
+    pub(crate) share: f32,
+    /// By how much the best change of the other number leaves more.
+    pub(crate) apart: f32,
+}
+
+/// The change of one number that should leave the least in so many windows, by the shares of a
+/// bank.
 ///
-/// Between the models by the parabola through the least sum and its neighbours: near its least
-/// value a sum of squares is one of the logarithm of the factor.
-pub(crate) fn best(used: &Model, sums: &[f32; SIZE]) -> (Model, f32) {
-    let [a, b, own, c, d, e, f, g, h] = *sums;
-    let load = least(&LOADS, [a, b, own, c, d]);
-    let gain = least(&GAINS, [e, f, own, g, h]);
-    if load.expected < gain.expected {
-        (loaded(used, load.factor), load.nearest)
+/// Between the models by the parabola through the least and its neighbours, of squared errors: near
+/// its least value a sum of squares is one of the logarithm of the factor, a share is not.
+pub(crate) fn best(used: &Model, shares: &[f32; SIZE], windows: f32) -> Best {
+    let errors = |share: f32| share / (windows - share);
+    let [a, b, own, c, d, e, f, g, h] = shares.map(errors);
+    let load = least(&LOADS, LOAD_STEP, [a, b, own, c, d]);
+    let gain = least(&GAINS, GAIN_STEP, [e, f, own, g, h]);
+    let of = |least: &Least| (least.expected, least.nearest);
+    let (model, errors, other) = if of(&load) < of(&gain) {
+        (loaded(used, load.factor), load.nearest, gain.nearest)
     } else {
-        (geared(used, gain.factor), gain.nearest)
+        (geared(used, gain.factor), gain.nearest, load.nearest)
+    };
+    // One that is not finite is astray in all windows.
+    let share = |errors: f32| {
+        let share = errors / (1.0 + errors);
+        windows * if share < 1.0 { share } else { 1.0 }
+    };
+    let nearest = share(errors);
+    Best {
+        model,
+        share: nearest,
+        apart: share(other) - nearest,
     }
 }
 
@@ -62,57 +88,59 @@ pub(crate) fn variances(model: &Model) -> [f32; 3] {
     [model.a1, model.a2, model.b0].map(|value| STEP_STD * STEP_STD * value * value)
 }
 
-/// Where sums are least: the factor, the sum expected there, and that of the nearest model.
+/// Where errors are least: the factor, the errors expected there, and those of the nearest model.
 struct Least {
     factor: f32,
     expected: f32,
     nearest: f32,
 }
 
-/// A factor of a list with its neighbours, and their sums; none beyond the ends.
+/// A factor of a list, and the errors below, at and above it; none beyond the ends.
 #[derive(Clone, Copy)]
 struct Place {
-    factors: [f32; 3],
-    sums: [f32; 3],
+    factor: f32,
+    errors: [f32; 3],
 }
 
-fn least(factors: &[f32; 5], sums: [f32; 5]) -> Least {
+fn least(factors: &[f32; 5], step: f32, errors: [f32; 5]) -> Least {
     const NONE: f32 = f32::INFINITY;
-    let ([p, q, r, s, t], [a, b, c, d, e]) = (*factors, sums);
-    let place = |factors, sums| Place { factors, sums };
-    let middle = place([q, r, s], [b, c, d]);
+    let ([p, q, r, s, t], [a, b, c, d, e]) = (*factors, errors);
+    let place = |factor, errors| Place { factor, errors };
+    let middle = place(r, [b, c, d]);
     let others = [
-        place([p, p, q], [NONE, a, b]),
-        place([p, q, r], [a, b, c]),
-        place([r, s, t], [c, d, e]),
-        place([s, t, t], [d, e, NONE]),
+        place(p, [NONE, a, b]),
+        place(q, [a, b, c]),
+        place(s, [c, d, e]),
+        place(t, [d, e, NONE]),
     ];
     let mut best = middle;
     for other in others {
-        if other.sums[1] < best.sums[1] {
+        if other.errors[1] < best.errors[1] {
             best = other;
         }
     }
-    let ([below, factor, above], [left, sum, right]) = (best.factors, best.sums);
-    let (difference, curve) = (left - right, left - 2.0 * sum + right);
+    let Place {
+        factor,
+        errors: [left, nearest, right],
+    } = best;
+    let (difference, curve) = (left - right, left - 2.0 * nearest + right);
     if !(curve > 0.0 && curve < f32::INFINITY) {
         return Least {
             factor,
-            expected: sum,
-            nearest: sum,
+            expected: nearest,
+            nearest,
         };
     }
     // Within half of a step either way.
     let to = 0.5 * difference / curve;
-    let step = if to > 0.0 {
-        above - factor
-    } else {
-        factor - below
-    };
+    let x = to * step;
+    let expected = nearest - 0.25 * difference * to;
     Least {
-        factor: factor + to * step,
-        expected: sum - 0.25 * difference * to,
-        nearest: sum,
+        // exp(x) to 0.4 %.
+        factor: factor * (1.0 + x * (1.0 + 0.5 * x)),
+        // No sum of squares is negative.
+        expected: if expected > 0.0 { expected } else { 0.0 },
+        nearest,
     }
 }
 
@@ -144,9 +172,9 @@ mod tests {
         }
     }
 
-    /// Sums of a drive whose load and gain are so many steps off: squares of the distance.
-    fn sums(load: f32, gain: f32) -> [f32; SIZE] {
-        core::array::from_fn(|k| {
+    /// Shares of a drive whose load and gain are so many steps off: errors by the distance.
+    fn shares(load: f32, gain: f32) -> [f32; SIZE] {
+        let errors: [f32; SIZE] = core::array::from_fn(|k| {
             let k = k as f32;
             let (l, g) = if k < 5.0 {
                 (k - 2.0, 0.0)
@@ -156,20 +184,28 @@ mod tests {
                 (0.0, k - 6.0)
             };
             (load - l) * (load - l) + (gain - g) * (gain - g)
-        })
+        });
+        errors.map(|errors| 2.0 * errors / (1.0 + errors))
     }
 
     #[test]
     fn the_best_change_is_found_between_the_models() {
         for steps in [-2.0_f32, -1.3, -0.4, 0.3, 1.0, 1.4, 2.0] {
             let root = 1.732_f32;
-            let (model, left) = best(&MODEL, &sums(steps, 0.0));
+            let Best {
+                model,
+                share: left,
+                apart,
+            } = best(&MODEL, &shares(steps, 0.0), 2.0);
             let load = libm::powf(root, steps);
             assert!((model.a1 / MODEL.a1 / load - 1.0).abs() < 0.05, "{steps}");
             assert!((model.b0 / model.a1 / (MODEL.b0 / MODEL.a1) - 1.0).abs() < 1e-6);
             let off = steps - libm::roundf(steps);
-            assert!((left - off * off).abs() < 1e-6);
-            let (model, _) = best(&MODEL, &sums(0.0, steps));
+            // No change of the gain leaves less than the model in use.
+            let other = 2.0 * steps * steps / (1.0 + steps * steps);
+            assert!((apart - (other - left)).abs() < 1e-5, "{steps}");
+            assert!((left - 2.0 * off * off / (1.0 + off * off)).abs() < 1e-6);
+            let Best { model, .. } = best(&MODEL, &shares(0.0, steps), 2.0);
             let gain = libm::powf(1.414, steps);
             assert!((model.b0 / MODEL.b0 / gain - 1.0).abs() < 0.03, "{steps}");
             assert_eq!((model.a1, model.friction), (MODEL.a1, MODEL.friction));
@@ -178,10 +214,11 @@ mod tests {
 
     #[test]
     fn what_no_change_explains_better_stays() {
-        assert_eq!(best(&MODEL, &sums(0.0, 0.0)), (MODEL, 0.0));
+        let own = best(&MODEL, &shares(0.0, 0.0), 2.0);
+        assert_eq!((own.model, own.share, own.apart), (MODEL, 0.0, 0.0));
         // Nothing is known where all fail alike, or none has a number.
-        for sum in [1.0, f32::INFINITY, f32::NAN] {
-            let (model, _) = best(&MODEL, &[sum; SIZE]);
+        for share in [1.0, 2.0, f32::NAN] {
+            let Best { model, .. } = best(&MODEL, &[share; SIZE], 2.0);
             assert_eq!(model, MODEL);
         }
     }

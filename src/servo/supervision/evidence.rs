@@ -9,16 +9,39 @@ use crate::servo::supervision::validation::Sums;
 
 /// Part of earlier windows that counts beside a new one: those of some seconds decide, not those of
 /// an hour ago.
-const KEPT: f32 = 0.6;
-/// Windows of a bank, so weighed, that say something: more than one.
-const ENOUGH: f32 = 1.5;
-/// Windows in which an estimate must be better, and a model that comes from windows before.
-const OF_AN_ESTIMATE: u32 = 2;
-const OF_THE_BANK: u32 = 1;
+const KEPT: f32 = 0.8;
+/// By how many windows a model of the bank is better than the model in use, and than the best change
+/// of the other number, before it becomes the challenger.
+const CHALLENGES: f32 = 0.5;
+const APART: f32 = 0.1;
+/// What an estimate needs.
+const OF_AN_ESTIMATE: Needs = Needs {
+    windows: 2,
+    better_by: 0.8,
+};
+/// What a model needs that comes from windows before: those count, too.
+const OF_THE_BANK: Needs = Needs {
+    windows: 1,
+    better_by: 0.3,
+};
 /// Parts of the errors of the model in use, and of the movement, below which a challenger is better
 /// by far: then it replaces that one after another window, even where it does not explain the
 /// movement as it should.
 const FAR: [f32; 2] = [0.25, 0.5];
+/// What one needs beyond that which neither explains the movement nor is better by far.
+const POOR: Needs = Needs {
+    windows: 2,
+    better_by: 0.7,
+};
+/// Velocity gain over that of the model in use below which a model makes the controller stronger.
+const WEAKER: f32 = 0.9;
+
+/// What a challenger needs, in windows of its own: how many, and by how many better.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Needs {
+    windows: u32,
+    better_by: f32,
+}
 
 /// A model that would replace the one in use.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,7 +49,7 @@ pub(crate) struct Challenger {
     pub(crate) model: Model,
     /// Variances of a1, a2 and b0.
     pub(crate) variances: [f32; 3],
-    needs: u32,
+    needs: Needs,
     windows: u32,
     /// Sums of its windows.
     own: f32,
@@ -35,7 +58,7 @@ pub(crate) struct Challenger {
 }
 
 impl Challenger {
-    const fn new(model: Model, variances: [f32; 3], needs: u32) -> Self {
+    const fn new(model: Model, variances: [f32; 3], needs: Needs) -> Self {
         Self {
             model,
             variances,
@@ -52,14 +75,19 @@ impl Challenger {
 ///
 /// A window is short, and what moved in it may say little: at the turn of a sine the axis stands,
 /// in a slow motion all models of the right gain are equal, and a breakaway is in none of them. So
-/// sums of squares are added up over windows, where each counts by what moved in it, and decide
-/// together:
+/// windows are added up, and decide together:
 ///
 /// ```text
-/// bank         sums of all windows, those before times 0.6; a model of it that is clearly better becomes the challenger
-/// challenger   sums of its own windows: clearly better than the model in use in 2 of them together (1 if it comes from the bank)
-/// clearly      SSE < 0.7 SSE of the other, and the difference exceeds a tenth of what moved
+/// share        SSE / (SSE + what moved): 0 is right, 1 is astray, by however much
+/// bank         shares of all windows, those before times 0.8; a model clearly better by 0.5 becomes the challenger
+/// challenger   shares of its own windows: clearly better than the model in use by 0.8 in 2 or more (0.3 in 1 or more if it comes from the bank)
+/// poor fit     as much again and 0.7 more in 2 windows more; not if the controller would become stronger by it
+/// clearly      less than 0.7 of the share of the other, and the difference exceeds a tenth of the windows
 /// ```
+///
+/// A share is at most 1, so no window says more than one window can: a shock, a motion hundred times
+/// as large as those before, or a model that leaves all bounds, counts like any other. And no window
+/// changes a model alone: a challenger of the bank has won one before its own, an estimate wins two.
 ///
 /// The models of a bank were there before the samples: none of them fits by chance, and no estimate
 /// is needed, which in closed loop may be wrong by more than its deviations say. An estimate may;
@@ -67,14 +95,18 @@ impl Challenger {
 /// motion the simpler change is right until the other is clearly better: a sine shows two numbers,
 /// a slow motion one, and more parameters than a motion shows are wrong in the next one.
 ///
-/// Known as: multiple-model estimation (Li and Bar-Shalom 1996) by sums of squared errors of free
-/// simulation in the place of likelihoods; parsimony principle (Ljung 1999, chapter 16).
+/// A model of too little velocity gain makes the controller too strong, one of too much makes it slow.
+/// Where valve, friction or limits leave all models astray, less gain explains the smaller motion: a
+/// model of less gain must explain the movement, not only more of it than the model in use. And of
+/// two changes of one number that explain the windows alike neither is taken.
+///
+/// Known as: multiple-model estimation (Li and Bar-Shalom 1996) by errors of free simulation in the
+/// place of likelihoods; a bounded loss, of the kind of Geman and McClure (Huber 2009, robust
+/// statistics); parsimony principle (Ljung 1999, chapter 16).
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Evidence {
     sums: [f32; bank::SIZE],
     moved: f32,
-    /// Windows, those before times [`KEPT`].
-    windows: f32,
     challenger: Option<Challenger>,
 }
 
@@ -83,7 +115,6 @@ impl Evidence {
     pub(crate) const NONE: Self = Self {
         sums: [0.0; bank::SIZE],
         moved: 0.0,
-        windows: 0.0,
         challenger: None,
     };
 
@@ -91,7 +122,6 @@ impl Evidence {
     pub(crate) fn forget(&mut self) {
         self.sums = [0.0; bank::SIZE];
         self.moved = 0.0;
-        self.windows = 0.0;
         self.challenger = None;
     }
 
@@ -114,9 +144,9 @@ impl Evidence {
         self.challenger = Some(Challenger::new(model, UNKNOWN, OF_THE_BANK));
     }
 
-    /// Adds a window. Cost: about 100 instructions.
+    /// Adds the shares of a window. Cost: about 250 instructions.
     pub(crate) fn add(&mut self, window: &Sums) {
-        self.windows = KEPT * self.windows + 1.0;
+        let window = window.shares();
         self.moved = KEPT * self.moved + window.moved;
         for (sum, sse) in self.sums.iter_mut().zip(window.bank) {
             *sum = KEPT * *sum + sse;
@@ -145,11 +175,13 @@ impl Evidence {
         if verdict != Ok(None) {
             self.challenger = None;
         }
-        if self.challenger.is_none() && self.windows > ENOUGH {
-            let (model, sum) = bank::best(used, &self.sums);
-            if design.is_better(sum, self.sums[bank::USED], self.moved) {
-                let variances = bank::variances(&model);
-                self.challenger = Some(Challenger::new(model, variances, OF_THE_BANK));
+        if self.challenger.is_none() {
+            let best = bank::best(used, &self.sums, self.moved);
+            let own = self.sums[bank::USED];
+            let clear = own - best.share > CHALLENGES && best.apart > APART;
+            if clear && design.is_better(best.share, own, self.moved) {
+                let variances = bank::variances(&best.model);
+                self.challenger = Some(Challenger::new(best.model, variances, OF_THE_BANK));
             }
         }
         verdict
@@ -163,25 +195,44 @@ impl Challenger {
         if !design.is_better(self.own, incumbent, self.moved) {
             return Err(Reason::NotBetter);
         }
-        let fits = self.own < (1.0 - design.min_r_squared_adapting) * self.moved;
+        let unexplained = (1.0 - design.min_r_squared_adapting) * self.moved;
+        let fits = self.own < unexplained;
         let [of_errors, of_movement] = FAR;
         let far = self.own < of_errors * incumbent && self.own < of_movement * self.moved;
-        if !fits && !far {
+        if !fits && is_weaker(&self.model, used) {
             return Err(Reason::PoorFit);
         }
-        if self.windows < self.needs + u32::from(!fits) {
+        let Needs {
+            mut windows,
+            mut better_by,
+        } = self.needs;
+        if !fits && far {
+            windows += 1;
+        } else if !fits {
+            windows += POOR.windows;
+            better_by += POOR.better_by;
+        }
+        if self.windows < windows || incumbent - self.own < better_by {
             return Ok(None);
         }
-        let (model, sum) = bank::best(used, &self.bank);
-        if design.is_better(self.own, sum, self.moved) {
+        let simpler = bank::best(used, &self.bank, self.moved);
+        let explains = simpler.share < unexplained;
+        let may = explains || !fits && !is_weaker(&simpler.model, used);
+        if !may || design.is_better(self.own, simpler.share, self.moved) {
             return Ok(Some(*self));
         }
+        let model = simpler.model;
         Ok(Some(Self {
             model,
             variances: bank::variances(&model),
             ..*self
         }))
     }
+}
+
+/// Whether the controller would be stronger on a model than on the one in use.
+fn is_weaker(model: &Model, used: &Model) -> bool {
+    model.b0 * used.a1 < WEAKER * used.b0 * model.a1
 }
 
 #[cfg(test)]

@@ -120,6 +120,19 @@ impl Supervisor {
         self.enter(State::Failed(reason));
     }
 
+    /// Goes back to a model that was verified before another one; whether there is another one.
+    pub(crate) fn goes_back(&mut self, model: Model) -> bool {
+        let other = self.verified_model != Some(model);
+        if other {
+            self.verified_model = Some(model);
+            self.variances = UNKNOWN;
+            self.evidence.forget();
+            self.refusal = Some(Reason::FollowingError);
+            self.enter(State::Rejected(Reason::FollowingError));
+        }
+        other
+    }
+
     pub(crate) fn enter(&mut self, state: State) {
         self.state = state;
         self.ticks = 0;

@@ -97,6 +97,23 @@ pub(crate) struct Sums {
     pub(crate) moved: f32,
 }
 
+impl Sums {
+    pub(crate) fn shares(&self) -> Self {
+        let share = |sse: f32| {
+            if sse < f32::INFINITY {
+                sse / (sse + self.moved)
+            } else {
+                1.0
+            }
+        };
+        Self {
+            bank: self.bank.map(share),
+            challenger: self.challenger.map(share),
+            moved: 1.0,
+        }
+    }
+}
+
 impl Window {
     /// A window that begins at `motion`, with `flow` in force.
     pub(crate) fn new(
@@ -245,6 +262,19 @@ mod tests {
         let rms = crate::math::sqrt(moved / window.samples as f32);
         assert!(window.sums(0.99 * rms).is_some() && window.sums(1.01 * rms).is_none());
         Ok(())
+    }
+
+    #[test]
+    fn a_share_is_one_at_most_whatever_the_errors() {
+        let sums = Sums {
+            bank: core::array::from_fn(|k| [0.0, 1.0, 3.0, 1e38, f32::INFINITY][k.min(4)]),
+            challenger: Some(f32::NAN),
+            moved: 1.0,
+        };
+        let shares = sums.shares();
+        assert_eq!(shares.bank[..3], [0.0, 0.5, 0.75]);
+        assert!(shares.bank[3..].iter().all(|share| *share == 1.0));
+        assert_eq!((shares.challenger, shares.moved), (Some(1.0), 1.0));
     }
 
     #[test]

@@ -244,3 +244,32 @@ fn before_there_is_a_model_it_is_a_guess_by_bandwidth_and_travel() {
     assert_eq!(*bench.servo.controller().model(), guess);
     assert_eq!(bench.servo.record(), None);
 }
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn an_axis_that_does_not_follow_goes_on_once_on_the_model_of_the_commissioning() {
+    let mut config = Bench::config();
+    config.adaptive = true;
+    let mut bench = Bench::without_a_model(MODEL, &config);
+    bench.servo.install(MODEL).expect("a model");
+    let _ = bench.worst(1500);
+    assert!(!bench.servo.goes_back(), "there is no other model");
+    let other = Model {
+        b0: 0.5 * MODEL.b0,
+        ..MODEL
+    };
+    bench.servo.supervisor.install(other).expect("a model");
+    bench.servo.retune(other);
+    let _ = bench.worst(500);
+    assert_eq!(*bench.servo.controller().model(), other);
+    assert!(bench.servo.goes_back());
+    let (report, _) = bench.step();
+    assert!(report.retuned, "the user learns of it");
+    assert_eq!(report.state, State::Rejected(Reason::FollowingError));
+    let _ = bench.worst(500);
+    assert_eq!(*bench.servo.controller().model(), MODEL);
+    assert_eq!(bench.servo.supervisor().verified_model(), Some(MODEL));
+    assert_eq!(bench.servo.supervisor().verified_std(), [f32::INFINITY; 3]);
+    assert!(!bench.servo.goes_back(), "and stops on that one");
+    assert!(!bench.step().0.retuned);
+}
