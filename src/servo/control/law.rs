@@ -268,3 +268,6 @@ fn stopping_drive(error: f32, velocity: f32, friction: f32) -> f32 {
     };
     along * (friction - need)
 }
+
+#[cfg(test)]
+mod tests;
