@@ -80,11 +80,11 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
     }
 
-    /// The answer to an axis that does not follow on a model that was accepted in control: once more
-    /// on that of the commissioning; whether there is another one.
+    /// The answer to an axis that does not follow on a model that was accepted in control: once
+    /// more on that of the commissioning; whether that is another one.
     ///
-    /// Whether the model or the axis is to blame is not known. On the model of the commissioning the
-    /// axis has followed; a fault that stays stops it on that one, as late again.
+    /// Whether the model or the axis is to blame is not known. On the model of the commissioning
+    /// the axis has followed; a fault that stays stops it on that one, as late again.
     pub(crate) fn goes_back(&mut self) -> bool {
         let Some(model) = self.fallback.known_good else {
             return false;

@@ -211,9 +211,9 @@ impl Controller {
 
     /// The drive with which friction stops the axis at the target.
     ///
-    /// Of a velocity that may be none the sign is noise, and a drive that follows it swings from one
-    /// edge of friction to the other: so much of it as the velocity is of the largest that an axis
-    /// at rest shows, and for the rest one that points to the target.
+    /// Of a velocity that may be none the sign is noise, and a drive that follows it swings from
+    /// one edge of friction to the other: so much of it as the velocity is of the largest that an
+    /// axis at rest shows, and for the rest one that points to the target.
     #[inline]
     fn stopping_drive(&self, error: f32, velocity: f32) -> f32 {
         let friction = self.estimator.model().friction;

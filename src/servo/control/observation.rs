@@ -86,7 +86,7 @@ impl Controller {
         model.valve_flow_of(command + self.null.value(), self.design.blend)
     }
 
-    /// Largest velocity that the observer sees of an axis that stands within the band of the anchor.
+    /// Largest velocity that the observer sees of an axis that stands within the anchor's band.
     pub(super) fn standing(&self) -> f32 {
         self.design.anchor.band * self.estimator.poles().observer
     }

@@ -10,8 +10,8 @@ use crate::servo::supervision::validation::Sums;
 /// Part of earlier windows that counts beside a new one: those of some seconds decide, not those of
 /// an hour ago.
 const KEPT: f32 = 0.8;
-/// By how many windows a model of the bank is better than the model in use, and than the best change
-/// of the other number, before it becomes the challenger.
+/// By how many windows a model of the bank is better than the model in use, and than the best
+/// change of the other number, before it becomes the challenger.
 const CHALLENGES: f32 = 0.5;
 const APART: f32 = 0.1;
 /// What an estimate needs.
@@ -85,9 +85,10 @@ impl Challenger {
 /// clearly      less than 0.7 of the share of the other, and the difference exceeds a tenth of the windows
 /// ```
 ///
-/// A share is at most 1, so no window says more than one window can: a shock, a motion hundred times
-/// as large as those before, or a model that leaves all bounds, counts like any other. And no window
-/// changes a model alone: a challenger of the bank has won one before its own, an estimate wins two.
+/// A share is at most 1, so no window says more than one window can: a shock, a motion hundred
+/// times as large as those before, or a model that leaves all bounds, counts like any other. And no
+/// window changes a model alone: a challenger of the bank has won one before its own, an estimate
+/// wins two.
 ///
 /// The models of a bank were there before the samples: none of them fits by chance, and no estimate
 /// is needed, which in closed loop may be wrong by more than its deviations say. An estimate may;
@@ -95,10 +96,10 @@ impl Challenger {
 /// motion the simpler change is right until the other is clearly better: a sine shows two numbers,
 /// a slow motion one, and more parameters than a motion shows are wrong in the next one.
 ///
-/// A model of too little velocity gain makes the controller too strong, one of too much makes it slow.
-/// Where valve, friction or limits leave all models astray, less gain explains the smaller motion: a
-/// model of less gain must explain the movement, not only more of it than the model in use. And of
-/// two changes of one number that explain the windows alike neither is taken.
+/// A model of too little velocity gain makes the controller too strong, one of too much makes it
+/// slow. Where valve, friction or limits leave all models astray, less gain explains the smaller
+/// motion: a model of less gain must explain the movement, not only more of it than the model in
+/// use. And of two changes of one number that explain the windows alike neither is taken.
 ///
 /// Known as: multiple-model estimation (Li and Bar-Shalom 1996) by errors of free simulation in the
 /// place of likelihoods; a bounded loss, of the kind of Geman and McClure (Huber 2009, robust
