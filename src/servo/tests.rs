@@ -5,6 +5,7 @@ mod missing;
 mod whole;
 
 use super::*;
+use crate::servo::control::tuning::Tuning;
 use bench::{Bench, MODEL};
 
 #[test]
@@ -200,4 +201,53 @@ fn an_oscillation_takes_bandwidth_to_half_and_no_further() {
     bench.servo.fallback.known_good = Some(Model { a2: 21.0, ..MODEL });
     bench.servo.calm();
     assert!(bench.servo.fallback.reconsiders);
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn the_poles_of_a_search_that_goes_on_reach_the_controller_of_their_model() {
+    let mut bench = Bench::new(MODEL);
+    let _ = bench.worst(100);
+    let design = *bench.servo.controller.tuning_design();
+    let slow = Tuning::slowest(&design, &MODEL);
+    let mut tuning = Tuning::new(&design, &MODEL);
+    while !tuning.step() {}
+    let (fast, margins) = tuning.poles();
+    assert!(fast.bandwidth > 1.5 * slow.bandwidth && margins.is_some());
+    for (model, reached) in [(MODEL, true), (Model { a2: 21.0, ..MODEL }, false)] {
+        bench.servo.controller.replace_poles(slow, None);
+        let _ = bench.worst(2);
+        assert_eq!(bench.servo.controller().bandwidth(), slow.bandwidth);
+        assert_eq!(bench.servo.margins(), None);
+        bench.servo.search_again(model);
+        while bench.servo.takeover.tuning.is_some() {
+            let _ = bench.worst(1);
+        }
+        let _ = bench.worst(2);
+        let (bandwidth, known) = if reached {
+            (fast.bandwidth, margins)
+        } else {
+            (slow.bandwidth, None)
+        };
+        assert_eq!(bench.servo.controller().bandwidth(), bandwidth);
+        assert_eq!(bench.servo.margins(), known);
+    }
+}
+
+#[test]
+fn a_creep_behind_a_wrong_sign_counts_where_a_valve_at_zero_is_open() {
+    for (dead_zone, middle) in [(0.02, 0.05), (0.06, 0.0)] {
+        let mut bench = Bench::new(Model {
+            offset: -0.05,
+            dead_zone,
+            ..MODEL
+        });
+        let _ = bench.step();
+        bench.servo.fail(Reason::WrongSign);
+        for _ in 0..5000 {
+            bench.servo.guard.stop.look(50.0);
+        }
+        assert_eq!(bench.servo.guard.stop.creeps(), 1.0);
+        assert_eq!(bench.servo.centre(), middle);
+    }
 }

@@ -87,6 +87,7 @@ struct Ended {
     largest: f32,
     range: [f32; 2],
     waited: u32,
+    busy: u32,
 }
 
 fn commissioned(design: CommissioningDesign, plant: &mut Plant, sign: Option<f32>) -> Ended {
@@ -100,6 +101,7 @@ fn commissioned(design: CommissioningDesign, plant: &mut Plant, sign: Option<f32
         largest: 0.0,
         range: [plant.motion.position; 2],
         waited: 0,
+        busy: 0,
     };
     while ended.samples < limit {
         ended.samples += 1;
@@ -110,6 +112,9 @@ fn commissioned(design: CommissioningDesign, plant: &mut Plant, sign: Option<f32
             break;
         };
         ended.waited += u32::from(commissioning.candidate().is_some());
+        ended.busy += u32::from(commissioning.is_busy());
+        // Only an axis that obeys is identified.
+        assert!(commissioning.is_sweeping() || !commissioning.is_busy());
         ended.largest = ended.largest.max(command.abs());
         commissioning.applied(y, command);
         plant.step(command);
@@ -175,7 +180,7 @@ fn drives_are_found_from_rest_whatever_their_sign_and_delay() {
             "{w}: {}",
             ended.samples
         );
-        assert!(ended.waited > 0);
+        assert!(ended.waited > 0 && ended.busy > 0);
     }
 }
 

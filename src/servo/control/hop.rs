@@ -171,5 +171,11 @@ mod tests {
         assert_eq!(hop.worth(1.0, 3.0), 2.0);
         assert_eq!(hop.worth(1.0, -0.2), 0.0);
         assert!(hop.is_long(1.0, -11.9) && !hop.is_long(1.0, -12.2));
+        // A pause is no turn.
+        let mut paused = hop;
+        for (position, velocity) in [(-3.0, -1.0), (-3.0, 0.0), (-6.0, -1.0)] {
+            paused.follow(position, velocity);
+        }
+        assert_eq!((paused.turn, paused.swing), (hop.turn, hop.swing));
     }
 }

@@ -209,7 +209,6 @@ impl Controller {
             + pull
     }
 
-    /// Whether friction rules the rest of the way to a target at rest.
     /// The drive with which friction stops the axis at the target.
     ///
     /// Of a velocity that may be none the sign is noise, and a drive that follows it swings from
@@ -233,6 +232,7 @@ impl Controller {
         }
     }
 
+    /// Whether friction rules the rest of the way to a target at rest.
     #[inline]
     fn stops_by_friction(&self, error: f32, state: &State) -> bool {
         let model = self.estimator.model();
@@ -268,3 +268,6 @@ fn stopping_drive(error: f32, velocity: f32, friction: f32) -> f32 {
     };
     along * (friction - need)
 }
+
+#[cfg(test)]
+mod tests;

@@ -182,33 +182,4 @@ impl Controller {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::servo::Config;
-    use crate::servo::motion::Travel;
-
-    #[test]
-    fn another_model_begins_without_the_offset_learned_beyond_the_one_before() {
-        let travel = Travel {
-            min: -200.0,
-            max: 200.0,
-        };
-        let Ok(design) = Config::new(0.001, 20.0, travel).resolve() else {
-            panic!("a setting is refused");
-        };
-        let model = Model::linear(400.0, 20.0, 1.0e6);
-        let mut controller = Controller::new(&design, model);
-        for k in 0..20_000 {
-            let flow = if k % 200 < 100 { 0.2 } else { -0.2 };
-            let left = 0.02 - controller.null.value();
-            let _ = controller.null.update(flow, left, 0.01);
-        }
-        assert!((controller.null.value() - 0.02).abs() < 1e-3);
-        let learned = Model {
-            offset: 0.02,
-            ..model
-        };
-        controller.begin(learned, Motion::default(), core::iter::repeat(0.0));
-        assert_eq!(controller.null.value(), 0.0);
-    }
-}
+mod tests;

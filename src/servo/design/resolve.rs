@@ -155,4 +155,16 @@ mod tests {
         assert_eq!(changed.resolve()?, fresh.resolve()?);
         Ok(())
     }
+
+    #[test]
+    fn a_delay_is_as_long_as_the_commands_that_are_remembered() {
+        let resolved = |samples: f32| {
+            let mut config = Config::new(1e-3, 25.0, TRAVEL);
+            config.delay = 1e-3 * samples;
+            config.resolve().is_ok()
+        };
+        let most = DELAY_MAX as f32;
+        assert!(resolved(0.0) && resolved(most));
+        assert!(!resolved(most + 0.5) && !resolved(-0.5));
+    }
 }

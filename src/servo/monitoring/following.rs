@@ -50,3 +50,28 @@ impl Following {
         self.tenths > bounds.following.tenths
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::servo::model::Model;
+    use crate::servo::monitoring::bounds::example;
+
+    #[test]
+    fn a_speed_fades_within_four_windows_of_the_expectation() {
+        let bounds = example::bounds(&Model::linear(400.0, 16.0, 4e5));
+        let mut following = Following::default();
+        let moves = Setpoint {
+            velocity: -100.0,
+            ..Setpoint::at(0.0)
+        };
+        let _ = following.update(&moves, 0.0, false, &bounds);
+        assert_eq!(following.speed, 100.0);
+        for k in 1..=600 {
+            let _ = following.update(&Setpoint::at(0.0), 0.0, false, &bounds);
+            let exact = 100.0 * libm::powf(1.0 - 0.25 * bounds.share, k as f32);
+            assert!((following.speed - exact).abs() < 1e-2, "{k}");
+        }
+        assert!(following.speed < 50.0);
+    }
+}

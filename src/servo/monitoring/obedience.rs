@@ -101,3 +101,24 @@ impl Obedience {
         Found::Against
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::servo::model::Model;
+    use crate::servo::monitoring::bounds::example;
+
+    #[test]
+    fn a_swing_is_that_of_the_motion_that_was_expected() {
+        let bounds = example::bounds(&Model::linear(400.0, 16.0, 4e5));
+        let mut obedience = Obedience::default();
+        let mut alone = Shortfall::default();
+        for velocity in [100.0, -100.0] {
+            let _ = alone.update(velocity, velocity, velocity, &bounds);
+            let shortfall = &mut obedience.shortfall;
+            let _ = shortfall.update(velocity, velocity, velocity, &bounds);
+        }
+        assert!(alone.swing() > 0.1, "{}", alone.swing());
+        assert_eq!(obedience.swing(), alone.swing());
+    }
+}

@@ -113,4 +113,21 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_creep_is_a_mean_velocity_once_the_axis_has_stopped() {
+        let bounds = example::bounds(&Model::linear(400.0, 16.0, 4e5));
+        for way in [1.0, -1.0] {
+            let mut stop = Stop::default();
+            stop.begin(Reason::WrongSign, &bounds);
+            for k in 1..=bounds.stop.closing {
+                assert_eq!(stop.creeps(), 0.0, "{k}");
+                stop.look(100.0 * way);
+                let left = libm::powf(1.0 - bounds.stop.creep, k as f32);
+                let exact = 100.0 * way * (1.0 - left);
+                assert!((stop.velocity - exact).abs() < 1e-2, "{k}");
+            }
+            assert_eq!(stop.creeps(), way);
+        }
+    }
 }

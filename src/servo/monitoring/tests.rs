@@ -1,6 +1,7 @@
 //! The single monitors on motions that are known: what they bear, and what they notice.
 
 mod behind;
+mod exact;
 mod short;
 
 use super::bounds::{Bounds, example};

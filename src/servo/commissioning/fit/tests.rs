@@ -88,3 +88,14 @@ fn what_has_not_ended_well_does_not_go_on() {
     assert!(!fit.advance(&record, 1) && !fit.advance(&record, 50));
     assert!(!fit.go_on(200));
 }
+
+#[test]
+fn a_correction_is_as_quick_as_it_is_told_and_its_points_allow() {
+    let (_, view, truth) = record(1, 40);
+    let mut fit = Fit::new(false);
+    fit.begin(view, truth, 0.5);
+    assert!((fit.rate - 15.0).abs() < 1e-4);
+    assert_eq!(fit.end(), 40);
+    fit.begin(view, truth, 100.0);
+    assert!((fit.rate * TIME / STEP_MAX - 1.0).abs() < 1e-5);
+}

@@ -260,3 +260,18 @@ fn what_a_parameter_is_varied_by_has_its_unit() {
     };
     assert!(scales(&none).iter().all(|scale| *scale > 0.0));
 }
+
+#[test]
+fn a_slide_has_the_terms_of_its_series_to_the_fourth() {
+    // A cosine of one rad: 1 - 1/2 + 1/24, and what it has integrated, 1 - 1/6 and 1/2 - 1/24.
+    let theta = Theta::from_array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let mut at = Prediction {
+        p: 1.0,
+        ..Prediction::default()
+    };
+    theta.slide(&mut at, 0.0, 0.0, 1.0);
+    let exact = [0.5 - 1.0 / 24.0, 1.0 - 1.0 / 6.0, 0.5 + 1.0 / 24.0];
+    for (found, exact) in [at.x, at.v, at.p].into_iter().zip(exact) {
+        assert!((found - exact).abs() < 1e-6, "{found} {exact}");
+    }
+}

@@ -170,3 +170,15 @@ fn an_end_of_the_travel_is_a_hundredth_of_it() {
         assert_eq!(at_end(y), end, "{y}");
     }
 }
+
+#[test]
+fn an_axis_that_ran_away_is_turned_with_half_of_what_stopped_it() {
+    for side in [1.0, -1.0] {
+        for (flips, command, exact) in [(0, 0.4, 0.4), (1, 0.4, 0.2), (1, 1e-6, COMMAND_MIN)] {
+            let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
+            (relay.flips, relay.command) = (flips, command);
+            let _ = relay.update(0.5 - 0.1 * side, 0.0, STEP, AMPLITUDE);
+            assert_eq!((relay.side, relay.command), (-side, exact));
+        }
+    }
+}

@@ -207,3 +207,37 @@ fn a_swing_that_reaches_from_the_band_to_the_end_has_to_fade() {
         assert_eq!(fresh.is_safe(y), safe);
     }
 }
+
+#[test]
+fn numbers_are_those_of_xorshift() {
+    let mut sweep = Sweep::new(0.5, 0.1, 0.03, LIMIT, 0);
+    sweep.random = 1;
+    // From 1 on (Marsaglia 2003, with 13, 17 and 5).
+    for exact in [270_369_u32, 67_634_689, 2_647_435_461, 307_599_695] {
+        let found = sweep.draw();
+        assert_eq!(sweep.random, exact);
+        assert_eq!(found, (exact / 256) as f32 / 16_777_216.0);
+    }
+}
+
+#[test]
+fn an_axis_that_friction_holds_is_pushed_the_same_way_until_it_is_used_up() {
+    for attempt in 0..4 {
+        let mut sweep = Sweep::new(0.5, 0.1, 0.03, LIMIT, attempt);
+        let first = sweep.update(0.5, 0.0, 0.0, STEP);
+        for k in 0..4000 {
+            sweep.take(Standing::HeldByFriction, [0.4, 0.5]);
+            let command = sweep.update(0.5, 0.0, 0.0, STEP);
+            assert!(command * first > 0.0, "{attempt} {k}");
+            let least = if first > 0.0 { 0.4 } else { 0.5 };
+            // A hold takes at most 1.25 times half a period.
+            assert!(
+                k < 126 || command.abs() >= least,
+                "{attempt} {k}: {command}"
+            );
+        }
+        sweep.take(Standing::Exhausted, [0.4, 0.5]);
+        let command = sweep.update(0.5, 0.0, 0.0, STEP);
+        assert!(command * first < 0.0 && command.abs() >= 0.4);
+    }
+}

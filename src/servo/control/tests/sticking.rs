@@ -139,6 +139,27 @@ fn a_slip_deep_in_the_dead_zone_sends_the_search_to_its_edge() {
         last = next;
     }
     assert!((last - (0.01 - 0.1)).abs() < 1e-6);
+    // Where the middle has moved to within 0.02 of the command, it is deep in the dead zone again.
+    for (middle, edge) in [
+        (-0.005, true),
+        (-0.035, true),
+        (0.005, false),
+        (-0.045, false),
+    ] {
+        let mut holding = Holding::NONE;
+        let _ = after(&mut holding, 10.0, &slip(1.0));
+        let other = Slip {
+            middle,
+            ..slip(1.0)
+        };
+        let next = after(&mut holding, 1.0, &other);
+        let exact = if edge {
+            middle - 0.03
+        } else {
+            -0.02 - 1.5 * 0.004
+        };
+        assert!((next - exact).abs() < 1e-5, "{middle}: {next}");
+    }
 }
 
 #[test]

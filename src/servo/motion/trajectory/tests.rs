@@ -1,5 +1,7 @@
 //! Moves, sines and run-outs against their limits.
 
+mod ends;
+
 use super::*;
 use crate::error::ConfigError;
 use crate::math::sqrt;

@@ -1,5 +1,7 @@
 //! Windows by hand: sums of squares, and what they decide.
 
+mod sums;
+
 use super::*;
 use crate::servo::config::Config;
 use crate::servo::error::Error;

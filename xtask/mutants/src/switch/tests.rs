@@ -87,3 +87,26 @@ fn a_condition_with_let_has_no_other_operator() {
     assert_eq!(found.left, [1]);
     assert!(found.text.contains("&& (if crate::switched::is(2)"));
 }
+
+#[test]
+fn what_the_compiler_evaluates_has_no_switch() {
+    let source = "const A: f32 = 1.0 / 2.0; static B: u8 = 1 + 2; \
+                  impl T for S { const C: u8 = 3 - 1; } trait T { const C: u8 = 6 ^ 4; } \
+                  enum E { F = 1 << 4 } \
+                  fn f(a: [u8; 8 >> 1]) -> [u8; 3] { \
+                  const D: u8 = 7 % 4; g::<{ 9 & 5 }>(const { 5 == 5 }); [a[0] * D; 2 | 1] }";
+    let constant = ["/", "+", "-", "^", "<<", ">>", "%", "&", "==", "|"];
+    let mut mutants: Vec<Mutant> = constant
+        .map(|operator| mutant(source, "BinaryOperator", operator, "*"))
+        .into();
+    // `->` of a signature is in front of the subtraction.
+    mutants[2].range.start = source.find("- 1").expect("the subtraction");
+    mutants.push(mutant(source, "BinaryOperator", "* D", "/"));
+    let found = switched(source, &mutants);
+    assert_eq!(found.left, (1..=10).collect::<Vec<u32>>());
+    let [(number, place)] = &found.places[..] else {
+        panic!("{:?}", found.places);
+    };
+    // The value that an array repeats is one of run time.
+    assert_eq!((*number, &found.text[place.clone()]), (11, "a[0] / D"));
+}

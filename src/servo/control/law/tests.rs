@@ -1,0 +1,241 @@
+//! The control law by numbers that are worked out by hand: 25 rad/s, a deflection of 1.28 that
+//! friction holds, a bandwidth of 16.
+//!
+//! ```text
+//! p0 = 16 25^2 = 10000   p1 = 25^2 + 1.2 25 16 = 1105   p2 = 16 + 1.2 25 = 46
+//! k0 = p0                k2 = p2 - a2 = 26              k1 = p1 - a1 - a2 k2 = -40
+//! ```
+
+mod commands;
+
+use super::*;
+use crate::servo::Config;
+use crate::servo::control::poles::Poles;
+use crate::servo::model::Model;
+use crate::servo::motion::{Motion, Travel};
+
+const MODEL: Model = Model {
+    friction: 800.0,
+    ..Model::linear(625.0, 20.0, 1e6)
+};
+const POLES: Poles = Poles {
+    bandwidth: 16.0,
+    damping: 1.2,
+    observer: 80.0,
+    disturbance: 6.0,
+};
+
+/// A controller without a delay that sees the axis at 200 of 400 with a velocity and a drive; its
+/// window is 0.05, and what is quick takes 1/300 s.
+fn seeing(model: Model, velocity: f32, drive: f32) -> Controller {
+    let travel = Travel {
+        min: 0.0,
+        max: 400.0,
+    };
+    let mut config = Config::new(1e-3, 25.0, travel);
+    (config.delay, config.noise) = (0.0, Some(2e-4));
+    config.controller.dead_volume = Some(f32::INFINITY);
+    config.controller.rest_window = Some(0.05);
+    let design = config.resolve().expect("settings");
+    let mut controller = Controller::with_poles(&design.controller, model, POLES, None);
+    let friction = model.friction * sign(velocity);
+    let motion = Motion {
+        position: 200.0,
+        velocity,
+        acceleration: drive - model.a2 * velocity - friction,
+    };
+    controller.estimator.place(motion, core::iter::empty());
+    controller
+}
+
+fn at(velocity: f32, drive: f32) -> Controller {
+    seeing(MODEL, velocity, drive)
+}
+
+/// A reference so far from the axis, with a velocity and an acceleration.
+fn reference(error: f32, velocity: f32, acceleration: f32) -> Setpoint {
+    Setpoint {
+        position: 200.0 + error,
+        velocity,
+        acceleration,
+        jerk: 0.0,
+    }
+}
+
+fn near(found: f32, exact: f32) {
+    let most = 2e-4 * exact.abs().max(1.0);
+    assert!((found - exact).abs() < most, "{found}, not {exact}");
+}
+
+#[test]
+fn a_push_is_quick_to_where_friction_lets_go_and_then_grows() {
+    for way in [1.0, -1.0] {
+        let push = |drive: f32, at_rest: bool| {
+            let r = reference(way, 0.0, 0.0);
+            way * at(0.0, way * drive).break_away(&r, at_rest, 0.0)
+        };
+        near(push(0.0, true), 300.0 * 800.0);
+        near(push(780.0, true), 300.0 * 20.0);
+        // A quarter of friction times bandwidth at least, twice as much behind a moving reference.
+        near(push(790.0, true), 0.25 * 800.0 * 16.0);
+        near(push(900.0, true), 0.25 * 800.0 * 16.0);
+        near(push(600.0, false), 300.0 * 200.0);
+        near(push(790.0, false), 2.0 * 800.0 * 16.0);
+        // It grows by 0.3 and 0.6 per time constant for which the axis has been held: 11 ms.
+        for (at_rest, exact) in [(true, 3200.0 * 1.0528), (false, 25_600.0 * 1.1056)] {
+            let mut held = at(0.0, way * 800.0);
+            for _ in 0..11 {
+                let _ = held.anchor.update(200.0, true);
+            }
+            let r = reference(way, 0.0, 0.0);
+            near(way * held.break_away(&r, at_rest, 0.0), exact);
+        }
+        // From four frictions on the error counts where it asks for more: k0 error - k2 drive.
+        let slid = |drive: f32, error: f32| {
+            let r = reference(way * error, 0.0, 0.0);
+            way * at(0.0, way * drive).break_away(&r, false, 0.0)
+        };
+        near(slid(3160.0, 12.0), 25_600.0);
+        near(slid(3176.0, 10.0), 25_600.0);
+        near(slid(3176.0, 12.0), 120_000.0 - 26.0 * 3176.0);
+    }
+    // What is quick is a part of the delay, where there is one.
+    let mut late = at(0.0, 0.0);
+    late.design.delay = 9e-3;
+    near(
+        late.break_away(&reference(1.0, 0.0, 0.0), true, 0.0),
+        100.0 * 800.0,
+    );
+}
+
+#[test]
+fn a_reference_that_comes_to_the_axis_is_awaited() {
+    for way in [1.0, -1.0] {
+        // 1.5/16 s later it is beyond the axis, or not, by more than a quarter of its way or not.
+        let rate = |drive: f32, error: f32, velocity: f32, acceleration: f32| {
+            let r = reference(way * error, way * velocity, way * acceleration);
+            way * at(0.0, way * drive).break_away(&r, false, 0.0)
+        };
+        near(rate(600.0, -1.0, 40.0, 0.0), 300.0 * (640.0 - 600.0));
+        near(rate(700.0, -1.0, 40.0, 0.0), 0.0);
+        near(rate(600.0, -0.9, 40.0, 0.0), 300.0 * 200.0);
+        // A way of 1.7578 by an acceleration alone, of which 0.4395 is not known.
+        near(rate(600.0, 0.0, 0.0, 400.0), 300.0 * 200.0);
+        near(rate(600.0, -1.3, 0.0, 400.0), 300.0 * 40.0);
+        near(rate(600.0, -1.33, 0.0, 400.0), 0.0);
+        near(rate(600.0, -0.9, 8.0, 0.0), 0.0);
+        // At rest the window alone.
+        let rest = |error: f32| {
+            let r = reference(way * error, 0.0, 0.0);
+            way * at(0.0, way * 600.0).break_away(&r, true, 0.0)
+        };
+        near(rest(0.045), 0.0);
+        near(rest(0.055), 300.0 * 200.0);
+    }
+}
+
+#[test]
+fn a_hop_that_is_longer_than_the_swing_of_its_reference_is_worth_half_of_it() {
+    let mut controller = at(0.0, 790.0);
+    // A hop of 4, and a reference that swings by 1.
+    controller.hop.ended(1.0, [1.0, -7.0], true);
+    for (place, velocity) in [(200.0, 1.0), (200.0, -1.0), (201.0, 1.0)] {
+        controller.hop.follow(place, velocity);
+    }
+    let rate = |error: f32, at_rest: bool| {
+        controller.break_away(&reference(error, 0.0, 0.0), at_rest, 0.0)
+    };
+    near(rate(1.5, false), 0.0);
+    near(rate(1.5, true), 3200.0);
+    // Behind a reference that swings by few hops a push takes its time.
+    near(rate(2.5, false), 3200.0);
+}
+
+#[test]
+fn friction_stops_a_slow_axis_near_its_target() {
+    for way in [1.0, -1.0] {
+        let rate = |velocity: f32, drive: f32, error: f32, at_rest: bool| {
+            let controller = at(way * velocity, way * drive);
+            way * controller.slide(&reference(way * error, 0.0, 0.0), at_rest, 0.0)
+        };
+        // v^2 / (2 error) less than friction, and a1 v that the velocity takes.
+        near(
+            rate(40.0, 300.0, 2.0, true),
+            300.0 * (400.0 - 300.0) + 25_000.0,
+        );
+        // Less than 0.15 of it is left to friction; more than 3 of it are none.
+        near(rate(10.0, 300.0, 2.0, true), 300.0 * 500.0 + 6250.0);
+        near(rate(40.0, 300.0, 0.2, true), 300.0 * -1900.0 + 25_000.0);
+        near(rate(40.0, 300.0, -1.0, true), 300.0 * -1900.0 + 25_000.0);
+        // Of a velocity that may be none the sign is noise: 1.2 of friction towards the target,
+        // less within the window, and as much of the other as it is of the largest at rest.
+        near(rate(0.0, 300.0, 1.0, true), 300.0 * (960.0 - 300.0));
+        near(rate(0.0, 300.0, -1.0, true), 300.0 * (-960.0 - 300.0));
+        near(rate(0.0, 300.0, 0.03, true), 300.0 * (480.0 - 300.0));
+        let standing = at(0.0, 0.0).standing();
+        for (share, exact) in [(0.25, 920.0), (0.75, 840.0), (1.5, 800.0), (-1.5, 1600.0)] {
+            let velocity = share * standing;
+            near(
+                rate(velocity, 300.0, 1.0, true),
+                300.0 * (exact - 300.0) + 625.0 * velocity,
+            );
+        }
+        // Too fast, too far, or behind a reference that moves: the feedback.
+        let fed = |v: f32, e: f32| 10_000.0 * e + 40.0 * v - 26.0 * 300.0;
+        near(rate(51.0, 300.0, 2.0, true), fed(51.0, 2.0));
+        near(rate(40.0, 300.0, 4.0, true), fed(40.0, 4.0));
+        near(rate(40.0, 300.0, 2.0, false), fed(40.0, 2.0));
+    }
+}
+
+#[test]
+fn an_axis_that_slides_is_led_by_its_reference_and_fed_back() {
+    let mut controller = at(51.0, 300.0);
+    controller.heading = 0.5;
+    let r = Setpoint {
+        jerk: 5000.0,
+        ..reference(2.0, 30.0, 200.0)
+    };
+    let led = 5000.0 + 20.0 * 200.0 + 625.0 * 30.0 + 800.0 * 3.0;
+    let drive = 26.0 * (200.0 + 20.0 * 30.0 + 0.5 * 800.0 - 300.0);
+    let velocity = -40.0 * (30.0 - 51.0);
+    near(
+        controller.slide(&r, false, 3.0),
+        led + drive + velocity + 20_000.0,
+    );
+    // An error is worked off at 0.3 of the largest speed, 1600.
+    let far = Setpoint {
+        position: 400.0,
+        ..r
+    };
+    near(
+        controller.slide(&far, false, 3.0),
+        led + drive + velocity + 1105.0 * 0.3 * 1600.0,
+    );
+}
+
+#[test]
+fn a_reference_is_foreseen_by_its_series_and_its_direction_by_the_observer() {
+    let mut controller = at(0.0, 0.0);
+    controller.design.delay = 0.5;
+    let r = Setpoint {
+        position: 10.0,
+        velocity: 20.0,
+        acceleration: 40.0,
+        jerk: 60.0,
+    };
+    let ahead = controller.ahead(&r);
+    near(ahead.position, 10.0 + 10.0 + 5.0 + 1.25);
+    near(ahead.velocity, 20.0 + 20.0 + 7.5);
+    near(ahead.acceleration, 40.0 + 30.0);
+    assert_eq!(ahead.jerk, 60.0);
+    // In 1/80 s it goes upward; half of that rate is the filter's.
+    near(controller.head(&reference(0.0, -1.0, 100.0)), 40.0);
+    near(controller.heading, 0.04);
+    near(controller.head(&reference(0.0, 0.0, 0.0)), -1.6);
+    near(controller.heading, 0.0384);
+    near(
+        controller.head(&reference(0.0, -1.0, 79.0)),
+        40.0 * (-1.0 - 0.0384),
+    );
+}
