@@ -35,7 +35,7 @@ fn refused(error: Error) -> Error {
 
 /// An error unless the pointer may point to a `T`.
 #[inline(always)]
-fn check<T>(pointer: *const T) -> Result<(), Error> {
+pub(crate) fn check<T>(pointer: *const T) -> Result<(), Error> {
     if pointer.is_null() {
         Err(refused(Error::Null))
     } else if !pointer.is_aligned() {

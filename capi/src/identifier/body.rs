@@ -6,7 +6,7 @@ use crate::identifier::Identifier;
 use crate::identifier::kind::Kind;
 use crate::identifier::outputs::{Estimate, Outcome, Parameter, Status};
 use crate::identifier::recursion::{Change, Recursion};
-use crate::memory::{Inside, Object, blank, make, object, write, write_if_wanted};
+use crate::memory::{Inside, Object, blank, check, make, object, write, write_if_wanted};
 
 /// What every handle can do. The functions take a handle of the kind that the table belongs to.
 pub(crate) struct Methods {
@@ -178,10 +178,14 @@ impl<K: Kind> Table<K> {
     unsafe fn estimate(identifier: *const Identifier, to: *mut Estimate) -> Result<(), Error> {
         // SAFETY: the handle is of this kind and nobody writes it.
         let kind = unsafe { kind::<K>(identifier) };
-        let mut found = kind.core().estimate();
-        found.inputs = kind.inputs() as u8;
-        // SAFETY: NULL, or memory of the caller for an estimate.
-        unsafe { write(to, found) }
+        // Before it is made: then it is made where it is to stand.
+        check(to)?;
+        // SAFETY: checked, and by the contract memory of the caller for an estimate.
+        unsafe {
+            to.write(kind.core().estimate());
+            (*to).inputs = kind.inputs() as u8;
+        }
+        Ok(())
     }
 
     unsafe fn covariance(identifier: *const Identifier, to: &mut [f32]) -> Result<(), Error> {

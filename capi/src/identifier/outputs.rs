@@ -183,26 +183,20 @@ pub struct Estimate {
 
 /// As many numbers as there is room for.
 #[inline(always)]
-fn fill<const L: usize>(from: impl IntoIterator<Item = f32>) -> [f32; L] {
-    let mut to = [0.0; L];
-    for (place, value) in to.iter_mut().zip(from) {
-        *place = value;
-    }
-    to
+fn fill<const K: usize, const L: usize>(from: &[f32; K]) -> [f32; L] {
+    core::array::from_fn(|k| from.get(k).copied().unwrap_or_default())
 }
 
 impl<const M: usize, const N: usize, const I: usize> From<&CoreEstimate<M, N, I>> for Estimate {
     // Made where it is to stand: a copy of it is 45 words.
     #[inline(always)]
     fn from(found: &CoreEstimate<M, N, I>) -> Self {
+        let std = found.physical_std();
         let transfer = found.transfer_function();
         let physical = Physical::of(&transfer, 0);
-        let std = found.physical_std();
+        // No constant: the compiler would call a function for nine zeros in a row.
+        let none = [core::hint::black_box(0.0); ORDER_MAX];
         let [gain_std, omega0_std, damping_std] = std.unwrap_or([0.0; 3]);
-        let mut b = [[0.0; ORDER_MAX]; MODEL_INPUTS_MAX];
-        for (place, input) in b.iter_mut().zip(transfer.b) {
-            *place = fill(input);
-        }
         Self {
             order: M as u8,
             inputs: I as u8,
@@ -211,10 +205,10 @@ impl<const M: usize, const N: usize, const I: usize> From<&CoreEstimate<M, N, I>
             has_gain: physical.gain.is_some(),
             has_pair: physical.omega0.is_some() && physical.damping.is_some(),
             has_physical_std: std.is_some(),
-            theta: fill(found.theta()),
-            std: fill(found.std()),
-            a: fill(transfer.a),
-            b,
+            theta: fill(&found.theta()),
+            std: fill(&found.std()),
+            a: fill(&transfer.a),
+            b: core::array::from_fn(|k| transfer.b.get(k).map_or(none, fill)),
             constant: transfer.constant,
             gain: physical.gain.unwrap_or(0.0),
             omega0: physical.omega0.unwrap_or(0.0),
@@ -222,7 +216,7 @@ impl<const M: usize, const N: usize, const I: usize> From<&CoreEstimate<M, N, I>
             gain_std,
             omega0_std,
             damping_std,
-            time_constants: fill(physical.time_constants.into_iter().flatten()),
+            time_constants: fill(&physical.time_constants.map(Option::unwrap_or_default)),
         }
     }
 }
