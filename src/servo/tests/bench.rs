@@ -78,6 +78,17 @@ impl Bench {
         bench
     }
 
+    /// The same of a loop that adapts, 1.5 s later.
+    pub(in crate::servo) fn adaptive(model: Model) -> Self {
+        let mut config = Self::config();
+        config.adaptive = true;
+        let mut bench = Self::without_a_model(model, &config);
+        let servo = &mut bench.servo;
+        servo.install(model).expect("a model that may control");
+        let _ = bench.worst(1500);
+        bench
+    }
+
     /// Stands at 200 of 400, and nothing is known of the drive.
     pub(in crate::servo) fn without_a_model(model: Model, config: &Config) -> Self {
         let scale = Scale::new(SCALE).expect("a scale");

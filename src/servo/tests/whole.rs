@@ -165,11 +165,7 @@ fn a_record_that_cannot_be_true_is_refused_and_nothing_is_changed() {
 #[test]
 #[cfg_attr(miri, ignore = "many samples")]
 fn a_loop_that_adapts_finds_another_mass_in_motion() {
-    let mut config = Bench::config();
-    config.adaptive = true;
-    let mut bench = Bench::without_a_model(MODEL, &config);
-    bench.servo.install(MODEL).expect("a model");
-    let _ = bench.worst(1500);
+    let mut bench = Bench::adaptive(MODEL);
     // Twice the mass.
     let Model { a1, a2, b0, .. } = MODEL;
     bench.model = Model::linear(0.5 * a1, 0.5 * a2, 0.5 * b0);
@@ -248,11 +244,7 @@ fn before_there_is_a_model_it_is_a_guess_by_bandwidth_and_travel() {
 #[test]
 #[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_does_not_follow_goes_on_once_on_the_model_of_the_commissioning() {
-    let mut config = Bench::config();
-    config.adaptive = true;
-    let mut bench = Bench::without_a_model(MODEL, &config);
-    bench.servo.install(MODEL).expect("a model");
-    let _ = bench.worst(1500);
+    let mut bench = Bench::adaptive(MODEL);
     assert!(!bench.servo.goes_back(), "there is no other model");
     let other = Model {
         b0: 0.5 * MODEL.b0,
