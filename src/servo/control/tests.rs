@@ -1,5 +1,6 @@
 //! The parts of the controller, each on signals that are known.
 
+pub(super) mod by_hand;
 mod searched;
 mod seen;
 mod sticking;

@@ -9,35 +9,18 @@
 mod commands;
 
 use super::*;
-use crate::servo::Config;
-use crate::servo::control::poles::Poles;
+use crate::servo::control::tests::by_hand;
 use crate::servo::model::Model;
-use crate::servo::motion::{Motion, Travel};
+use crate::servo::motion::Motion;
 
 const MODEL: Model = Model {
     friction: 800.0,
     ..Model::linear(625.0, 20.0, 1e6)
 };
-const POLES: Poles = Poles {
-    bandwidth: 16.0,
-    damping: 1.2,
-    observer: 80.0,
-    disturbance: 6.0,
-};
 
-/// A controller without a delay that sees the axis at 200 of 400 with a velocity and a drive; its
-/// window is 0.05, and what is quick takes 1/300 s.
+/// A controller that sees the axis at 200 of 400 with a velocity and a drive.
 fn seeing(model: Model, velocity: f32, drive: f32) -> Controller {
-    let travel = Travel {
-        min: 0.0,
-        max: 400.0,
-    };
-    let mut config = Config::new(1e-3, 25.0, travel);
-    (config.delay, config.noise) = (0.0, Some(2e-4));
-    config.controller.dead_volume = Some(f32::INFINITY);
-    config.controller.rest_window = Some(0.05);
-    let design = config.resolve().expect("settings");
-    let mut controller = Controller::with_poles(&design.controller, model, POLES, None);
+    let mut controller = by_hand::controller(model);
     let friction = model.friction * sign(velocity);
     let motion = Motion {
         position: 200.0,

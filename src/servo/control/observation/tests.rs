@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::servo::Config;
-use crate::servo::control::poles::Poles;
+use crate::servo::control::tests::by_hand;
 use crate::servo::motion::{Setpoint, Travel};
 
 #[test]
@@ -36,24 +36,9 @@ const MODEL: Model = Model {
     ..Model::linear(625.0, 20.0, 1e6)
 };
 
-/// A controller without a delay that stands at 200 of 400, with a window of 0.05.
+/// A controller that stands at 200 of 400.
 fn standing(model: Model) -> Controller {
-    let travel = Travel {
-        min: 0.0,
-        max: 400.0,
-    };
-    let mut config = Config::new(1e-3, 25.0, travel);
-    (config.delay, config.noise) = (0.0, Some(2e-4));
-    config.controller.dead_volume = Some(f32::INFINITY);
-    config.controller.rest_window = Some(0.05);
-    let design = config.resolve().expect("settings");
-    let poles = Poles {
-        bandwidth: 16.0,
-        damping: 1.2,
-        observer: 80.0,
-        disturbance: 6.0,
-    };
-    let mut controller = Controller::with_poles(&design.controller, model, poles, None);
+    let mut controller = by_hand::controller(model);
     controller.place(Motion::at(200.0));
     controller
 }

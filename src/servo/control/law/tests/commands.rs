@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::servo::control::holding::Slip;
+use crate::servo::motion::Travel;
 
 /// The valve of [`MODEL`] is open by its command, less an offset that was learned.
 fn learned(controller: &mut Controller) -> f32 {
