@@ -35,7 +35,7 @@ try {
   };
   const plain = identify(), valve = identify("--dead-zone", zone.toFixed(4));
   const shown = ([gain, omega0]) => `gain ${gain.toFixed(3)}, frequency ${omega0.toFixed(3)} of those of the page`;
-  // How near they are is held over many axes by the test `valve_records` of the command line.
+  // How near they are is held over many axes by the test `dead_zones` of the command line.
   check("the gain is nearer to that of the page with its dead zone", Math.abs(plain[0] - 1) > Math.abs(valve[0] - 1), `${shown(valve)}; without ${shown(plain)}`);
   check("no error in the console of the valve", page.errors.length === 0, page.errors.join(" | ") || "none");
   await end(monitor.child);

@@ -2,6 +2,7 @@
 
 mod commands;
 mod common;
+mod dead_zones;
 mod demo;
 mod paper;
 mod records;
@@ -9,4 +10,3 @@ mod records_spread;
 mod refusals;
 mod reports;
 mod simulated;
-mod valve_records;

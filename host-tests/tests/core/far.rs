@@ -99,6 +99,7 @@ fn a_digit_of_the_position_is_a_noise() {
 /// Out at constant speed, a turn where a digit is a millimetre, and back: what the turn taught is
 /// as coarse as its digits, and gone where they are fine again.
 #[test]
+#[ignore = "long: cargo xtask statistics"]
 fn what_a_turn_far_out_teaches_is_forgotten_on_the_way_back() {
     fn there_and_back<const N: usize>(structure: Structure<3, N, 1>, seed: u64) {
         let journey = Journey {

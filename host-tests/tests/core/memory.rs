@@ -1,14 +1,10 @@
-//! What a memory costs a record that is hardly longer than it, and what time at rest costs.
+//! What a memory costs a record that is hardly longer than it.
 
-use std::time::Instant;
-
-use rand::RngExt;
 use trendid::trends::{FilteredTrends, Scheme};
 use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::plants::servo::{REFERENCE, Servo};
-use trendid_host_tests::signals::excitation::Excitation;
 use trendid_host_tests::signals::experiment::{Experiment, Record};
-use trendid_host_tests::signals::noise::{Condition, Stream, generator, rms};
+use trendid_host_tests::signals::noise::{Condition, rms};
 
 fn identifier(range: f32, memory: Option<f32>, dt: f32) -> Identifier<FilteredTrends<3>, 3, 5> {
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, dt, 20.0).unwrap();
@@ -65,58 +61,6 @@ fn two_seconds_of_memory_cost_three_seconds_little() {
         }
         for (with, without) in long.iter().zip(none) {
             assert!(*with <= 1.06 * without, "{name}: {with} {without}");
-        }
-    }
-}
-
-/// Seconds of the quickest of many pieces of a run: what else the machine does lengthens most, not
-/// all of them.
-fn quickest(identifier: &mut Identifier<FilteredTrends<3>, 3, 5>, samples: &[(f32, f32)]) -> f64 {
-    samples
-        .chunks_exact(500)
-        .map(|piece| {
-            let start = Instant::now();
-            for (u, y) in piece {
-                let _ = std::hint::black_box(identifier.update(*u, *y));
-            }
-            start.elapsed().as_secs_f64()
-        })
-        .fold(f64::INFINITY, f64::min)
-}
-
-/// At rest every signal of a filter decays; a subnormal number would make each operation with it
-/// many times as long.
-#[test]
-fn an_update_at_rest_takes_no_longer_than_one_in_motion() {
-    for memory in [Some(0.2), Some(2.0), None] {
-        for noise in [0.0, 0.01] {
-            let mut random = generator(291_500, Stream::White);
-            let mut plant = REFERENCE.plant(1e-3);
-            let mut identifier = identifier(0.4, memory, 1e-3);
-            let commands = Excitation::ABSOLUTE.sequence(100_000, 1e-3, 291_500);
-            let all: Vec<(f32, f32)> = (0..600_000)
-                .map(|k| {
-                    let u = commands.get(k).copied().unwrap_or(0.0);
-                    let y = plant.output() + noise * (random.random::<f64>() - 0.5);
-                    // Its own state would be subnormal in the end: it is left where it stands.
-                    if k < 120_000 {
-                        plant.step(&[u]);
-                    }
-                    (u as f32, y as f32)
-                })
-                .collect();
-            let motion = quickest(&mut identifier, &all[..100_000]);
-            for (u, y) in &all[100_000..500_000] {
-                let _ = identifier.update(*u, *y);
-            }
-            let rest = quickest(&mut identifier, &all[500_000..]);
-            println!(
-                "memory {memory:?}, noise {noise} mm: an update in motion {:.0} ns, behind 400 s of rest {:.0} ns, ratio {:.2}",
-                2e6 * motion,
-                2e6 * rest,
-                rest / motion
-            );
-            assert!(rest <= 1.2 * motion, "{rest} {motion}");
         }
     }
 }

@@ -178,19 +178,36 @@ fn a_change_after_constant_speed_is_followed() {
     }
 }
 
-#[test]
-fn hours_at_rest_hold_what_was_learnt_and_hide_no_change() {
+fn a_rest_holds_what_was_learnt(minutes: usize) {
     for (eta, memory, limit) in [(0.01, 0.2, 130), (0.1, 0.2, 130), (0.01, 2.0, 220)] {
         for seed in 218_000..218_003 {
-            let found = run(seed, eta, memory, Pause::Following, 7_200_000, HEAVIER);
+            let found = run(
+                seed,
+                eta,
+                memory,
+                Pause::Following,
+                60_000 * minutes,
+                HEAVIER,
+            );
             println!(
-                "memory {memory} s, eta {eta} mm, seed {seed}: drift over two hours {:.4} %, at its end {:.4} %, back after {} ms",
+                "memory {memory} s, eta {eta} mm, seed {seed}: drift over {minutes} minutes {:.4} %, at its end {:.4} %, back after {} ms",
                 found.worst_drift, found.drift, found.back
             );
             assert!(found.drift <= 0.1 && found.worst_drift <= 0.1);
             assert!(found.back <= limit, "{} ms", found.back);
         }
     }
+}
+
+#[test]
+fn a_quarter_of_an_hour_at_rest_holds_what_was_learnt_and_hides_no_change() {
+    a_rest_holds_what_was_learnt(15);
+}
+
+#[test]
+#[ignore = "long: cargo xtask statistics"]
+fn hours_at_rest_hold_what_was_learnt_and_hide_no_change() {
+    a_rest_holds_what_was_learnt(120);
 }
 
 #[test]
