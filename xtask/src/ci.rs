@@ -75,8 +75,8 @@ pub(crate) fn test() -> Done {
     steps(&TESTS)
 }
 
-/// The claims over hundreds of seeds and over hours; those about records of real drives where `TRENDID_RECORDS`
-/// names their directory.
+/// The claims over hundreds of seeds and over hours; those about records of real drives where
+/// `TRENDID_RECORDS` names their directory.
 pub(crate) fn statistics() -> Done {
     let arguments = [
         "test",
