@@ -6,8 +6,10 @@
 //! | 1 [`probe`] | growing triangles until the axis moves | command at the first movement, sign | `SensorStuck`, `Blocked` |
 //! | 1b [`relay`] | relay about the start: brake and test of the sign | sign, time scale | `ValveStuck`, `WrongSign` |
 //! | 2 [`sweep`] | random levels within a band of the travel | the record | `TravelEnd` |
+//! | 2b [`defiance`] | the valve closed, where the axis moves against its commands | why it does | `WrongSign`, `ValveStuck` |
 //! | 3, 4 [`search`] | fits from several starts, free simulation of later samples, two estimates that agree | the model | `PoorFit`, `Uncertain` |
 
+mod defiance;
 mod face;
 mod fit;
 #[cfg(test)]
@@ -31,6 +33,7 @@ mod view;
 
 pub(crate) use face::{CommissioningDesign, Found, Progress};
 
+use crate::servo::commissioning::defiance::Closing;
 use crate::servo::commissioning::predictor::Theta;
 use crate::servo::commissioning::probe::Probe;
 use crate::servo::commissioning::record::Record;
@@ -66,6 +69,7 @@ enum Stage {
     Probing(Probe),
     Relaying(Relay),
     Sweeping(Sweep),
+    Closing(Closing),
 }
 
 /// The commissioning. Memory: 4 kB of record, some 3 kB of sums.
@@ -83,8 +87,11 @@ pub(crate) struct Commissioning {
     attempt: u32,
     /// Attempts in a row that changed no code.
     silent: u8,
-    /// Time in s beyond the safe travel without coming back, and where it began.
+    /// Time in s beyond the safe travel without coming back, the place where that began, and the
+    /// outermost since then.
     outside: f32,
+    began: f32,
+    outermost: f32,
     tracking: AlphaBetaGamma,
     record: Record,
     search: Search,
@@ -113,6 +120,8 @@ impl Commissioning {
             attempt: 0,
             silent: 0,
             outside: 0.0,
+            began: 0.0,
+            outermost: 0.0,
             tracking: AlphaBetaGamma::new(rate, design.sample_time),
             record: Record::new(),
             search: Search::new(
@@ -199,11 +208,16 @@ impl Commissioning {
             Stage::Sweeping(sweep) => {
                 let progress = self.sweep(sweep, y, v);
                 let standing = self.watch_standstill(y, same_code, &progress);
+                if self.standstill.turned() {
+                    return Progress::Failed(Reason::WrongSign);
+                }
                 if let Stage::Sweeping(sweep) = &mut self.stage {
                     sweep.take(standing, [true, false].map(|up| self.standstill.push(up)));
                 }
-                self.unless_unresponsive(standing, progress)
+                let progress = self.unless_unresponsive(standing, progress);
+                self.unless_defiant(progress)
             }
+            Stage::Closing(closing) => self.close(closing, y, v),
         }
     }
 

@@ -37,7 +37,7 @@ const LATE_SPEED: f32 = 0.02;
 const FLIPS_MAX: u32 = 3;
 
 /// Share of the travel next to an end where an open valve may hold the axis.
-const END: f32 = 0.01;
+pub(crate) const END: f32 = 0.01;
 
 /// Whether the axis is at an end of its travel, where it stands although the valve may be open.
 pub(crate) fn at_end(y: f32) -> bool {

@@ -1,7 +1,8 @@
 //! One sample of each stage, and what leads from one to the next.
 
+use crate::servo::commissioning::defiance::Closing;
 use crate::servo::commissioning::probe::{Probe, Probed};
-use crate::servo::commissioning::relay::{Relay, Relayed, at_end};
+use crate::servo::commissioning::relay::{END, Relay, Relayed, at_end};
 use crate::servo::commissioning::standstill::{Standing, Standstill};
 use crate::servo::commissioning::sweep::Sweep;
 use crate::servo::commissioning::view::View;
@@ -13,10 +14,12 @@ const POINTS_PER_HALF: f32 = 12.0;
 const SPACING_MAX: f32 = 1e-2;
 /// Least dead zone over the command at the first movement, for the levels.
 const DEAD_ZONE_MIN: f32 = 0.4;
-/// Time in s within which an axis beyond the safe travel comes back, and the least speed in travels
-/// per s.
+/// Time in s within which an axis beyond the safe travel comes back, and the least mean speed in
+/// travels per s.
 const RETURN_TIME: f32 = 0.25;
 const RETURN_SPEED: f32 = 0.02;
+/// Part of its mean speed in that time that an axis has at the end of it which does not brake.
+const GOES_ON: f32 = 0.7;
 /// Time in s from and to which the bounds of a model widen, and by how much.
 const WIDENING: [f32; 3] = [1.8, 2.8, 1.6];
 
@@ -113,14 +116,27 @@ impl Commissioning {
 
     pub(crate) fn sweep(&mut self, mut sweep: Sweep, y: f32, v: f32) -> Progress {
         // Beyond the safe travel the command leads inwards, and the axis has to follow.
-        let returns = (y < 0.5) == (v > 0.0) && v.abs() > RETURN_SPEED;
-        self.outside = if sweep.is_safe(y) || returns {
-            0.0
+        let inward = if y < 0.5 { 1.0 } else { -1.0 };
+        let returned = inward * (y - self.outermost);
+        if sweep.is_safe(y) || returned > RETURN_TIME * RETURN_SPEED {
+            (self.outside, self.began, self.outermost) = (0.0, y, y);
         } else {
-            self.outside + self.design.sample_time
-        };
+            self.outside += self.design.sample_time;
+            if returned < 0.0 {
+                self.outermost = y;
+            }
+        }
         if self.outside > RETURN_TIME {
-            return Progress::Failed(Reason::TravelEnd);
+            let mean = inward * (self.began - y) / RETURN_TIME;
+            if mean > RETURN_SPEED && -inward * v > GOES_ON * mean {
+                self.stage = Stage::Closing(Closing::new(-inward * mean, sweep.half()));
+                return Progress::Command(0.0);
+            }
+            if mean > RETURN_SPEED && !at_end(y) {
+                return Progress::Failed(Reason::TravelEnd);
+            }
+            // What stands is pushed until it moves, or nothing moves it.
+            (self.outside, self.began) = (0.0, y);
         }
         let [from, to, most] = WIDENING;
         let share = ((self.time - from) / (to - from)).clamp(0.0, 1.0);
@@ -159,6 +175,26 @@ impl Commissioning {
         let step = self.design.sample_time;
         self.standstill
             .update(y, same_code, command, step, self.search.latest())
+    }
+
+    /// The valve is closed until it is known why the axis moves.
+    pub(crate) fn close(&mut self, mut closing: Closing, y: f32, v: f32) -> Progress {
+        // Beyond its travel an axis is at no end: the sensor counts the other way.
+        let stops = at_end(y) && (-END..1.0 + END).contains(&y);
+        let reason = closing.update(v, stops, self.design.sample_time);
+        self.stage = Stage::Closing(closing);
+        reason.map_or(Progress::Command(0.0), Progress::Failed)
+    }
+
+    /// The progress, unless the axis moves against its commands: the valve is closed to see why.
+    pub(crate) fn unless_defiant(&mut self, progress: Progress) -> Progress {
+        let (Stage::Sweeping(sweep), Progress::Command(_), Some(velocity)) =
+            (&self.stage, progress, self.standstill.defies())
+        else {
+            return progress;
+        };
+        self.stage = Stage::Closing(Closing::new(velocity, sweep.half()));
+        Progress::Command(0.0)
     }
 
     /// The progress, unless an axis stays that must move.

@@ -2,6 +2,7 @@
 //! motion at all.
 
 use crate::math::sqrt;
+use crate::servo::commissioning::defiance::Defiance;
 use crate::servo::commissioning::predictor::Theta;
 use crate::servo::commissioning::probe::{LATENESS, RATE};
 
@@ -34,6 +35,19 @@ const LAG_RADIANS: f32 = 2.0;
 const LAG_HALVES: f32 = LAG_RADIANS / core::f32::consts::PI;
 /// The same in s before anything is known of the time scale.
 const LAG_FIRST: f32 = 0.08;
+
+/// A period of the axis, in rad of its natural frequency and in half periods, within which a swing
+/// is furthest against the drive; times `a2/a1`, by which an overdamped axis is slower.
+const SWING_RADIANS: f32 = core::f32::consts::TAU;
+const SWING_HALVES: f32 = 2.0;
+/// The same in s before there is a model: a relay switches too soon on a lightly damped axis, so
+/// that its half periods are short.
+const SWING_FIRST: f32 = 0.3;
+const SLOW_TIMES: f32 = 1.0;
+/// Part of what friction may hold from one side to the other that stops an axis in motion.
+const ONE_SIDE: f32 = 0.5;
+/// Part of that lag for which the other direction has been tried before a movement is its answer.
+const TRIED: f32 = 0.5;
 
 /// What a position that stays means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,8 +85,8 @@ pub(crate) struct Standstill {
     /// work.
     first: f32,
     held: f32,
-    /// Time in s by which motion comes after its drive.
-    lag: f32,
+    /// Half a period of the axis in s, as far as it is known.
+    half: Option<f32>,
     /// The drive, with its range so far.
     drive: f32,
     low: f32,
@@ -82,6 +96,11 @@ pub(crate) struct Standstill {
     /// Whether the code has changed since then, and while the direction before was used up.
     changes: bool,
     changed: bool,
+    /// Whether the axis moved one way when the drive that way was used up and the other one tried.
+    turned: bool,
+    /// How it moves against its drive.
+    defiance: Defiance,
+    defies: Option<f32>,
 }
 
 impl Standstill {
@@ -98,7 +117,6 @@ impl Standstill {
             detection,
             command,
             margin,
-            lag: LAG_FIRST,
             first: first_drives(command),
             ..Self::default()
         }
@@ -115,8 +133,13 @@ impl Standstill {
         model: Option<&Theta>,
     ) -> Standing {
         self.changes |= !same_code;
+        let flow = self.flow(command, model);
+        let explained = [ONE_SIDE * self.held(model), self.swings(model)];
+        let scale = [self.detection, step];
+        self.defies = self.defiance.update(y, [command, flow], explained, scale);
         let away = y - self.anchor;
         if away > self.detection || away < -self.detection {
+            let turned = self.is_turned(away > 0.0, flow, model);
             *self = Self {
                 anchor: y,
                 held: self.held.max(self.high - self.low),
@@ -125,11 +148,11 @@ impl Standstill {
                 high: 0.0,
                 used: [false; 2],
                 changes: false,
+                turned,
                 ..*self
             };
             return Standing::Moved;
         }
-        let flow = self.flow(command, model);
         self.drive += step * flow;
         self.low = self.low.min(self.drive);
         self.high = self.high.max(self.drive);
@@ -187,6 +210,28 @@ impl Standstill {
         }
     }
 
+    /// Whether the last movement was one that the other direction of the drive brought about.
+    pub(crate) const fn turned(&self) -> bool {
+        self.turned
+    }
+
+    /// The velocity in travels per s of an axis that moves against its drive and must not.
+    pub(crate) const fn defies(&self) -> Option<f32> {
+        self.defies
+    }
+
+    /// Whether a movement is the answer to the other direction: the drive this way was used up, and
+    /// the one back has been tried for longer than the first one may come late.
+    fn is_turned(&self, upward: bool, flow: f32, model: Option<&Theta>) -> bool {
+        let back = if upward {
+            self.high - self.drive
+        } else {
+            self.drive - self.low
+        };
+        let tried = (flow < 0.0) == upward && back > TRIED * self.late(model) * flow.abs();
+        self.used == [upward, !upward] && flow != 0.0 && tried
+    }
+
     /// Whether the code has changed while the last direction was used up.
     pub(crate) const fn code_changes(&self) -> bool {
         self.changed
@@ -194,16 +239,41 @@ impl Standstill {
 
     /// Half a period of the axis in s, as far as it is known.
     pub(crate) const fn inform(&mut self, half: f32) {
-        self.lag = LAG_HALVES * half + LATENESS;
+        self.half = Some(half);
+    }
+
+    /// Time in s by which motion comes after its drive.
+    fn late(&self, model: Option<&Theta>) -> f32 {
+        match (model, self.half) {
+            (Some(m), _) => m.delay + LAG_RADIANS / sqrt(m.a1),
+            (None, Some(half)) => LAG_HALVES * half + LATENESS,
+            (None, None) => LAG_FIRST,
+        }
+    }
+
+    /// Time in s for which a swing may carry an axis against its drive.
+    fn swings(&self, model: Option<&Theta>) -> f32 {
+        let Some(half) = self.half else {
+            return f32::INFINITY;
+        };
+        // Neither is certain: the longer one.
+        let known = model.map_or(SWING_FIRST, |m| {
+            m.delay + SWING_RADIANS / sqrt(m.a1) + SLOW_TIMES * m.a2 / m.a1
+        });
+        known.max(SWING_HALVES * half + LATENESS)
+    }
+
+    /// Drive that no friction holds at rest.
+    fn held(&self, model: Option<&Theta>) -> f32 {
+        let known = model.map_or(0.0, |m| {
+            (FRICTIONS * m.friction + MOVEMENTS * self.detection * m.a1) / m.b0
+        });
+        self.first.max(known).max(HELD_RATIO * self.held)
     }
 
     /// Drive that no friction holds; what a `flow` has begun shows later.
     fn needed(&self, flow: f32, model: Option<&Theta>) -> f32 {
-        let (known, lag) = model.map_or((0.0, self.lag), |m| {
-            let held = FRICTIONS * m.friction + MOVEMENTS * self.detection * m.a1;
-            (held / m.b0, m.delay + LAG_RADIANS / sqrt(m.a1))
-        });
-        self.first.max(known).max(HELD_RATIO * self.held) + lag * flow.abs()
+        self.held(model) + self.late(model) * flow.abs()
     }
 }
 

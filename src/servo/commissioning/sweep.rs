@@ -90,6 +90,11 @@ impl Sweep {
         y > low && y < high
     }
 
+    /// Half a period of the axis in s.
+    pub(crate) const fn half(&self) -> f32 {
+        self.half
+    }
+
     /// Takes what the last sample has shown: a direction that is used up makes way for the other
     /// one.
     pub(crate) fn take(&mut self, standing: Standing, pushes: [f32; 2]) {

@@ -1,17 +1,10 @@
 //! Whole commissionings, from rest to a model, on drives that are their own models.
 
+mod plant;
+
 use super::*;
+use crate::servo::commissioning::tests::plant::{COUNT, Plant, STEP, TRAVEL};
 use crate::servo::model::Model;
-use crate::servo::motion::{Motion, Travel};
-
-const STEP: f32 = 1e-3;
-
-/// Units per count, and the travel.
-const COUNT: f32 = 1e-3;
-const TRAVEL: Travel = Travel {
-    min: 100.0,
-    max: 500.0,
-};
 
 fn design() -> CommissioningDesign {
     CommissioningDesign {
@@ -24,59 +17,6 @@ fn design() -> CommissioningDesign {
         dead_volume: Some(f32::INFINITY),
         excite_time: 0.6,
         time_limit: 10.0,
-    }
-}
-
-/// A drive behind a valve of either sign, with a delay in samples.
-#[derive(Clone)]
-struct Plant {
-    model: Model,
-    sign: f32,
-    commands: [f32; 8],
-    delay: usize,
-    motion: Motion,
-    /// What stands in the way, and a sensor that says nothing new.
-    walls: [f32; 2],
-    is_deaf: bool,
-    state: u32,
-    code: i32,
-}
-
-impl Plant {
-    fn new(model: Model, sign: f32, delay: usize) -> Self {
-        Self {
-            model,
-            sign,
-            commands: [0.0; 8],
-            delay,
-            motion: Motion::at(280.0),
-            walls: [TRAVEL.min, TRAVEL.max],
-            is_deaf: false,
-            state: 1,
-            code: 0,
-        }
-    }
-
-    /// The position as it is measured, and whether its code is the one before.
-    fn read(&mut self) -> (f32, bool) {
-        self.state = (self.state.wrapping_mul(1_664_525)).wrapping_add(1_013_904_223);
-        let noise = (self.state >> 8) as f32 / 8_388_608.0 - 1.0;
-        let code = libm::roundf((self.motion.position + 2e-3 * noise) / COUNT) as i32;
-        let code = if self.is_deaf { 280_000 } else { code };
-        let same = code == self.code;
-        self.code = code;
-        (code as f32 * COUNT, same)
-    }
-
-    fn step(&mut self, command: f32) {
-        self.commands.rotate_right(1);
-        self.commands[0] = command;
-        let flow = self.model.valve_flow(self.sign * self.commands[self.delay]);
-        self.model.advance(&mut self.motion, flow, STEP);
-        let [low, high] = self.walls;
-        if self.motion.position < low || self.motion.position > high {
-            self.motion = Motion::at(self.motion.position.clamp(low, high));
-        }
     }
 }
 
@@ -220,6 +160,53 @@ fn what_is_no_drive_is_refused_with_its_reason() {
         matches!(reason, Some(Reason::ValveStuck | Reason::TravelEnd)),
         "{reason:?}"
     );
+}
+
+/// Why a commissioning ends in which something breaks in the `breaks`th sample of random levels,
+/// and how many samples later.
+fn broken(model: Model, breaks: u32, fault: impl Fn(&mut Plant, f32)) -> Option<(Reason, u32)> {
+    let mut plant = Plant::new(model, 1.0, 1);
+    let mut commissioning = Commissioning::new(design());
+    let (y, _) = plant.read();
+    commissioning.begin(y, None);
+    let mut swept = 0;
+    for _ in 0..12_000 {
+        let (y, same) = plant.read();
+        let command = match commissioning.update(y, same) {
+            Progress::Command(command) => command,
+            Progress::Failed(reason) => return Some((reason, swept - breaks)),
+            Progress::Found(..) => return None,
+        };
+        commissioning.applied(y, command);
+        plant.step(command);
+        swept += u32::from(commissioning.is_sweeping() || swept > 0);
+        if swept == breaks {
+            fault(&mut plant, command);
+        }
+    }
+    None
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn an_axis_that_goes_its_own_way_is_noticed_while_levels_are_drawn() {
+    for (w, damping) in [(20.0, 0.4), (40.0, 0.15), (12.0, 0.7)] {
+        let model = Model::linear(w * w, 2.0 * damping * w, 1000.0 * w * w);
+        for breaks in [50, 150, 300] {
+            let reversed = broken(model, breaks, |plant, _| plant.sign = -1.0);
+            let (reason, samples) = reversed.expect("a reason");
+            assert_eq!(reason, Reason::WrongSign, "{w} {breaks}");
+            assert!(samples < 3000, "{w} {breaks}: {samples}");
+            let stuck = broken(model, breaks, |plant, last| plant.stuck = Some(last));
+            let (reason, samples) = stuck.expect("a reason");
+            // At an end of the travel it is as good as blocked.
+            assert!(
+                matches!(reason, Reason::ValveStuck | Reason::Blocked),
+                "{w} {breaks}: {reason:?}"
+            );
+            assert!(samples < 3000, "{w} {breaks}: {samples}");
+        }
+    }
 }
 
 #[test]

@@ -87,7 +87,8 @@ impl Fault {
 
     /// The reasons that are right. Where position and commands are the same for two faults, both
     /// are: a valve that stays closed, a clamped slide, a position that stays under its noise; a
-    /// spool stuck where friction or an end of the travel holds the axis is as good as closed. A
+    /// spool stuck where friction or an end of the travel holds the axis is as good as closed, and
+    /// where leaks move the axis a closed one is a spool stuck near its middle. A
     /// supply that is lost lets the air out through the inlet that a command opens, so that the
     /// axis moves against it as behind a reversed valve.
     ///
@@ -99,13 +100,15 @@ impl Fault {
             Self::StuckCode if !silent => &[Reason::SensorStuck],
             // What ends with a jump.
             Self::ShortlyStuck => &[Reason::SensorStuck, Reason::Blocked, Reason::Implausible],
-            Self::StuckCode | Self::StuckValue | Self::ClosedValve | Self::BlockedAxis
-                if silent =>
-            {
+            Self::ClosedValve if silent => {
+                &[Reason::SensorStuck, Reason::Blocked, Reason::ValveStuck]
+            }
+            Self::StuckCode | Self::StuckValue | Self::BlockedAxis if silent => {
                 &[Reason::SensorStuck, Reason::Blocked]
             }
             Self::StuckCode => &[Reason::SensorStuck],
-            Self::StuckValue | Self::ClosedValve | Self::BlockedAxis => &[Reason::Blocked],
+            Self::StuckValue | Self::BlockedAxis => &[Reason::Blocked],
+            Self::ClosedValve => &[Reason::Blocked, Reason::ValveStuck],
             Self::ReversedValve => &[Reason::WrongSign],
             // At speed, positions that run back at once cannot be.
             Self::SensorSign => &[Reason::WrongSign, Reason::Implausible],

@@ -65,8 +65,7 @@ pub struct FaultRun {
     pub situation: Situation,
     /// Why the loop stopped, and the time from the fault to that \[s\].
     pub stopped: Option<(Reason, f64)>,
-    /// Whether the loop goes on, and may: it bears the fault, or took a sign that changed before it
-    /// was known for what it is now, that of other wiring.
+    /// Whether the loop goes on, and may: it bears the fault.
     pub borne: bool,
     /// Whether the reason is one of the right ones, or the fault was rightly borne.
     pub right: bool,
@@ -141,6 +140,23 @@ fn arrive(machine: &mut Machine) {
     }
 }
 
+/// Goes on until the sign is known: one that changes before is that of other wiring.
+fn await_sign(machine: &mut Machine) -> Option<()> {
+    let end = machine.bench.time() + 3.0;
+    while machine.bench.time() < end {
+        match machine.step().state {
+            State::Exciting => {}
+            State::Identifying => {
+                machine.pass(0.05 + 0.3 * random_of(machine.seed()));
+                let state = machine.servo.supervisor().state();
+                return state.is_commissioning().then_some(());
+            }
+            _ => return None,
+        }
+    }
+    None
+}
+
 /// Runs one fault; `None` when the axis does not come to the situation.
 pub fn run(axis: &AxisDraw, situation: Situation, fault: Fault) -> Option<FaultRun> {
     broken(prepare(axis, situation)?, axis, situation, fault)
@@ -155,6 +171,9 @@ pub fn broken(
 ) -> Option<FaultRun> {
     if fault.is_mechanical() {
         machine.bench.pneumatic_mut()?;
+    }
+    if fault.changes_sign() && situation == Situation::Commissioning {
+        await_sign(&mut machine)?;
     }
     machine.break_down(fault);
     let physics_mm_s = machine.closing();
@@ -178,12 +197,7 @@ pub fn broken(
         }
     }
     let silent = machine.is_silent();
-    // The machine is rightly wired until then.
-    let is_found = fault.changes_sign()
-        && situation == Situation::Commissioning
-        && machine.servo.supervisor().state().is_controlling()
-        && machine.servo.sign() < 0.0;
-    let borne = stopped.is_none() && (fault.is_borne() || is_found);
+    let borne = stopped.is_none() && fault.is_borne();
     let right = stopped.map_or(borne, |(reason, _)| fault.reasons(silent).contains(&reason));
     Some(FaultRun {
         seed: axis.seed,

@@ -1,0 +1,97 @@
+//! Drives that go their own way, and those that only swing.
+
+use super::*;
+
+const STEP: f32 = 1e-3;
+const SCALE: [f32; 2] = [1e-3, STEP];
+
+/// A drive of order 3 with `w` and `xi` and a gain of one travel per s, from a velocity and
+/// acceleration, under a constant flow; the largest velocity that it is found to have against it.
+fn found(w: f32, xi: f32, [v, a]: [f32; 2], flow: f32, swings: f32) -> Option<f32> {
+    let (mut y, mut v, mut a) = (0.5_f32, v, a);
+    let mut defiance = Defiance::default();
+    for _ in 0..4000 {
+        if let Some(velocity) = defiance.update(y, [flow, flow], [0.0, swings], SCALE) {
+            return Some(velocity);
+        }
+        for _ in 0..10 {
+            let jerk = w * w * (flow - v) - 2.0 * xi * w * a;
+            y += 0.1 * STEP * v;
+            v += 0.1 * STEP * a;
+            a += 0.1 * STEP * jerk;
+        }
+    }
+    None
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn a_swing_is_no_defiance_whatever_it_begins_with() {
+    let mut state = 1_u32;
+    let mut draw = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / 16_777_216.0
+    };
+    for _ in 0..300 {
+        let w = 8.0 + 140.0 * draw();
+        let xi = 0.02 + 1.2 * draw() * draw();
+        let start = [2.0 * draw() - 1.0, w * (2.0 * draw() - 1.0)];
+        let flow = (0.05 + 0.4 * draw()) * if draw() < 0.5 { 1.0 } else { -1.0 };
+        let swings = core::f32::consts::TAU / w + 2.0 * xi / w;
+        assert_eq!(
+            found(w, xi, start, flow, swings),
+            None,
+            "{w} {xi} {start:?} {flow}"
+        );
+        // A valve that opens the other way.
+        let mut defiance = Defiance::default();
+        let velocity = (0..4000).find_map(|k| {
+            let y = 0.5 - flow * STEP * k as f32;
+            defiance.update(y, [flow, flow], [0.02, swings], SCALE)
+        });
+        let velocity = velocity.expect("it goes against the flow");
+        assert!((velocity / -flow - 1.0).abs() < 0.05, "{velocity} {flow}");
+    }
+}
+
+#[test]
+fn drive_and_time_must_both_be_used_up() {
+    let calls = |held: f32, swings: f32, flow: f32| {
+        let mut defiance = Defiance::default();
+        (0..10_000).position(|k| {
+            let y = 0.5 - 0.5 * STEP * k as f32;
+            let seen = defiance.update(y, [0.3, flow], [held, swings], SCALE);
+            seen.is_some()
+        })
+    };
+    // Four samples more for the movements that count at half a travel per s.
+    for (held, swings, samples) in [(0.02, 0.1, 200), (0.02, 0.5, 500), (0.1, 0.1, 1000)] {
+        let found = calls(held, swings, 0.1).expect("it defies");
+        assert!(
+            (samples..samples + 10).contains(&found),
+            "{held} {swings}: {found}"
+        );
+    }
+    // A command that may be no flow says nothing.
+    assert_eq!(calls(0.0, 0.0, 0.0), None);
+}
+
+#[test]
+fn a_closed_valve_says_why() {
+    for direction in [1.0, -1.0] {
+        let after = |share: f32, at_end: bool| {
+            let mut closing = Closing::new(0.2 * direction, 0.1);
+            (0..1000).find_map(|k| {
+                let v = direction * 0.2 * if k < 50 { 1.0 } else { share };
+                closing.update(v, at_end, STEP).map(|reason| (k, reason))
+            })
+        };
+        // 1.2 half periods and 40 ms.
+        let (samples, reason) = after(0.4, false).expect("a reason");
+        assert_eq!(reason, Reason::WrongSign);
+        assert!((158..163).contains(&samples), "{samples}");
+        assert_eq!(after(0.6, false).map(|(_, r)| r), Some(Reason::ValveStuck));
+        // An end stops everything: what was seen until then counts.
+        assert_eq!(after(0.0, true), Some((0, Reason::ValveStuck)));
+    }
+}
