@@ -1,5 +1,5 @@
 "use strict";
-// The playground: two simulated drives in WebAssembly, and records identified in the browser.
+// The playground: a simulated drive in WebAssembly; the adaptive loop and records come with their first look.
 
 const $ = (id) => document.getElementById(id);
 const bytes = (base64) => Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
@@ -10,8 +10,8 @@ async function module(base64) {
 }
 let core = null;
 
-function rows(count, width) { return new Float32Array(core.memory.buffer, core.buffer(), count * width); }
-function words(length) { return new TextDecoder().decode(new Uint8Array(core.memory.buffer, core.text(), length)); }
+/** Rows of a module's buffer. */
+function rows(of, count, width) { return new Float32Array(of.memory.buffer, of.buffer(), count * width); }
 const playground = { frames: 0 };
 window.playground = playground;
 
@@ -22,6 +22,7 @@ let shown = "servo";
 function show(tab) {
   for (const other of tabs) { const on = other === tab; other.setAttribute("aria-selected", on); other.tabIndex = on ? 0 : -1; $(other.getAttribute("aria-controls")).hidden = !on; }
   shown = tab.id.slice(4);
+  if (shown === "loop") loadLoop();
   if (shown === "record") loadRecord();
   if (core) build();
 }
@@ -35,8 +36,11 @@ function script(name) {
   return new Promise((done, failed) => { const element = document.createElement("script"); element.src = name; element.onload = done; element.onerror = () => failed(new Error(`${name} is not beside the page`)); document.head.append(element); });
 }
 
-/** What the third part needs comes with its first look. */
-let recordParts = null;
+/** What the second and the third part need comes with their first look. */
+let loopParts = null, recordParts = null;
+function loadLoop() {
+  loopParts = loopParts || script("loop.js").then(() => startLoop()).catch((error) => { loopParts = null; $("loop-answer").textContent = error.message; });
+}
 function loadRecord() {
   recordParts = recordParts || script("record.js").then(() => { wireRecord(); playground.wired = true; }, (error) => { recordParts = null; $("file-says").textContent = error.message; });
 }
@@ -50,7 +54,7 @@ const READS = {
 const value = (id) => Number($(id).value);
 for (const id of Object.keys(READS)) {
   const output = document.querySelector(`output[for="${id}"]`), tell = () => { output.textContent = READS[id](value(id)); $(id).setAttribute("aria-valuetext", output.textContent); };
-  $(id).oninput = () => { tell(); if (id.startsWith("loop")) beginLoop(); else beginServo(); };
+  $(id).oninput = () => { tell(); if (!id.startsWith("loop")) beginServo(); else if (playground.looping) beginLoop(); };
   tell();
 }
 
@@ -73,10 +77,10 @@ function stepServo(seconds) {
   const count = Math.floor(servo.owed);
   servo.owed -= count;
   if (count < 1) return;
-  const got = core.servo_run(count), r = rows(got, 4);
+  const got = core.servo_run(count), r = rows(core, got, 4);
   for (let i = 0; i < got; i++) servo.samples.push([Math.round(r[4 * i] * 1000), r[4 * i + 2], r[4 * i + 3], 0, 0, r[4 * i + 1], null, 0, 255], 1e-3);
   core.servo_read();
-  servo.reads.push([servo.samples.last, ...rows(18, 1)]);
+  servo.reads.push([servo.samples.last, ...rows(core, 18, 1)]);
   if (servo.reads.length > 2500) servo.reads = servo.reads.filter((_, k) => k % 2 === 1 || k > 2000);
 }
 
@@ -123,79 +127,11 @@ function fill(body, k, texts) {
   texts.forEach((text, c) => { if (tr.cells[c].textContent !== text) tr.cells[c].textContent = text; });
 }
 
-// ---- the pneumatic axis -------------------------------------------------------------------------------------------
-
-const STATES = ["idle", "exciting", "identifying", "verified", "adapting", "frozen", "rejected", "failed"];
-const loop = { samples: new Samples(16384), paused: false, seed: 1, owed: 0, plots: null, said: "" };
-
-function beginLoop() {
-  if (!core) return;
-  core.loop_start(value("loop-noise"), value("loop-eps"), value("loop-memory"), loop.seed++);
-  loop.samples.clear(); loop.owed = 0; loop.said = ""; $("loop-events").replaceChildren();
-}
-
-function askLoop(what, a, b, name) {
-  const refused = core.loop_ask(what, a, b), said = $("loop-answer");
-  said.textContent = refused ? `${name}: refused, ${words(refused)}` : `${name}: done`;
-  said.classList.toggle("refused", refused > 0);
-}
-
-function stepLoop(seconds) {
-  if (loop.paused) return;
-  loop.owed += Math.min(0.1, seconds) * 1000;
-  // One state at a time, so that no state is missed in the list of events.
-  let count = Math.floor(loop.owed);
-  loop.owed -= count;
-  while (count > 0) {
-    const part = Math.min(10, count);
-    count -= part;
-    const got = core.loop_run(part), r = rows(got, 8);
-    for (let i = 0; i < got; i++) {
-      const k = 8 * i;
-      loop.samples.push([Math.round(r[k] * 1000), r[k + 2], r[k + 1], 0, 0, r[k + 3], Number.isNaN(r[k + 4]) ? null : r[k + 4], r[k + 5], r[k + 6]], 1e-3);
-      if (r[k + 7]) note("a model reached the controller");
-    }
-    const state = words(core.loop_words());
-    if (state !== loop.said) { loop.said = state; note(state); const box = $("loop-state"); box.textContent = state; box.dataset.s = LOOKS[loop.samples.column.s[loop.samples.count - 1]]; }
-  }
-}
-
-function note(text) {
-  const li = document.createElement("li"), time = document.createElement("time");
-  time.textContent = `${loop.samples.last.toFixed(2)} s`;
-  li.append(time, text);
-  $("loop-events").prepend(li);
-  while ($("loop-events").children.length > 100) $("loop-events").lastChild.remove();
-}
-
-function buildLoop() {
-  const place = $("loop-signals"), c = loop.samples.column;
-  place.replaceChildren();
-  const plot = (title, unit, lines, height, signals, least, axis) => Object.assign(makePlot(place, { title, unit, lines, height, axis, least: () => least }), { signals });
-  loop.plots = [
-    plot("Position", "mm", [{ name: "measured", colour: "--blue" }, { name: "setpoint", colour: "--orange", dash: [7, 4] }], 200, [(i) => c.y[i], (i) => c.r[i]], 8),
-    plot("Error", "mm", [{ colour: "--purple" }], 110, [(i) => c.r[i] - c.y[i]], 0.8),
-    plot("Command", "", [{ colour: "--green" }], 120, [(i) => c.u[i]], 0.1, true),
-  ];
-}
-
-function drawLoop() {
-  const { samples, plots } = loop, end = Math.max(8, samples.last), from = end - 8;
-  for (const p of plots) p.draw(extremes(samples, from, end, p.box.clientWidth / 1.5, 1e-3, p.signals), from, end);
-  drawTimeline($("loop-timeline"), samples, from, end, STATES, 64);
-  core.loop_read();
-  const r = [...rows(14, 1)], known = r[12] > 0, show = (x, n) => known ? digits(x, n) : "\u2013", body = $("loop-table").tBodies[0];
-  ["a1 [1/s\u00b2]", "a2 [1/s]", "b0 [mm/s\u00b3]"].forEach((name, k) => fill(body, k, [name, show(r[k], 5), show(2 * r[k + 3], 2), show(r[k + 6], 5)]));
-  ["dead zone", "offset", "friction [mm/s\u00b2]"].forEach((name, k) => fill(body, k + 3, [name, "", "", show(r[k + 9], 3)]));
-  const i = samples.count - 1;
-  playground.loop = i < 0 ? null : { t: samples.last, state: loop.said, position: samples.column.y[i], setpoint: samples.column.r[i], model: r.slice(6, 12) };
-}
-
 // ---- every frame --------------------------------------------------------------------------------------------------
 
 function build() {
   if (shown === "servo") buildServo();
-  if (shown === "loop") buildLoop();
+  if (shown === "loop" && playground.looping) buildLoop();
   if (shown === "record" && playground.wired && record.found) drawRecord();
 }
 
@@ -205,11 +141,11 @@ function frame(now) {
   const seconds = before ? (now - before) / 1000 : 0;
   before = now;
   if (shown === "servo") stepServo(seconds);
-  if (shown === "loop") stepLoop(seconds);
+  if (shown === "loop" && playground.looping) stepLoop(seconds);
   if (now - drawn < 30) return;
   drawn = now;
   if (shown === "servo") drawServo();
-  if (shown === "loop") drawLoop();
+  if (shown === "loop" && playground.looping) drawLoop();
   playground.frames++;
 }
 
@@ -222,18 +158,12 @@ function benchmark() {
   $("benchmark").textContent = `100 000 samples are identified in ${best.toFixed(1)} ms here.`;
 }
 
+/** A button that pauses a part. */
+function toggle(id, part) { $(id).onclick = () => { part.paused = !part.paused; $(id).setAttribute("aria-pressed", part.paused); }; }
+
 function wire() {
-  const toggle = (id, part) => { $(id).onclick = () => { part.paused = !part.paused; $(id).setAttribute("aria-pressed", part.paused); }; };
-  toggle("servo-pause", servo); toggle("loop-pause", loop);
-  $("servo-again").onclick = beginServo; $("loop-again").onclick = beginLoop;
-  $("loop-commission").onclick = () => askLoop(0, 0, 0, "commission");
-  $("loop-stop").onclick = () => askLoop(1, 0, 0, "stop");
-  $("loop-mass").onclick = () => askLoop(4, 3, 0, "three times the mass");
-  $("loop-freeze").onclick = () => askLoop(5, 0, 0, "frozen sensor");
-  $("loop-supply").onclick = () => askLoop(6, 4, 0, "supply of 4 bar");
-  $("loop-heal").onclick = () => askLoop(7, 0, 0, "heal");
-  $("loop-move").onsubmit = (event) => { event.preventDefault(); askLoop(2, Number(event.target.target.value), 0, "move"); };
-  $("loop-osc").onsubmit = (event) => { event.preventDefault(); askLoop(3, Number(event.target.amplitude.value), Number(event.target.frequency.value), "oscillate"); };
+  toggle("servo-pause", servo);
+  $("servo-again").onclick = beginServo;
   let timer = 0, width = 0;
   new ResizeObserver(([e]) => { const now = Math.round(e.contentRect.width); if (width && now !== width) { clearTimeout(timer); timer = setTimeout(build, 150); } width = now; }).observe(document.querySelector("main"));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", build);
@@ -241,7 +171,7 @@ function wire() {
 
 async function start() {
   core = await module(CORE);
-  wire(); beginServo(); beginLoop(); build();
+  wire(); beginServo(); build();
   requestAnimationFrame(frame);
   setTimeout(benchmark, 300);
 }

@@ -1,44 +1,34 @@
 //! The playground: what a static page calls.
 //!
-//! The exports take and give numbers; rows of f32 and texts lie in two buffers whose addresses
-//! [`buffer`] and [`text`] give. A page is one thread, so the state lies in thread locals.
+//! The exports take and give numbers; rows of f32 lie in a buffer whose address [`buffer`] gives. A
+//! page is one thread, so the state lies in thread locals.
 //!
 //! | export | what |
 //! |---|---|
 //! | `servo_*` | the servo of the paper, identified sample by sample |
-//! | `loop_*` | the pneumatic axis under the adaptive loop |
 //! | `speed_*` | the time of 1e5 samples |
 
-mod axis;
 mod servo;
 mod speed;
 
 use std::cell::RefCell;
 
-use axis::AxisPlay;
 use servo::ServoPlay;
 
 /// Numbers of the buffer.
 const NUMBERS: usize = 1 << 16;
 
-/// Bytes of the text.
-const TEXT: usize = 256;
-
 /// What the page plays with.
 struct Play {
     numbers: Box<[f32; NUMBERS]>,
-    text: [u8; TEXT],
     servo: Option<ServoPlay>,
-    axis: Option<AxisPlay>,
     speed: Vec<[f32; 2]>,
 }
 
 thread_local! {
     static PLAY: RefCell<Play> = RefCell::new(Play {
         numbers: Box::new([0.0; NUMBERS]),
-        text: [0; TEXT],
         servo: None,
-        axis: None,
         speed: Vec::new(),
     });
 }
@@ -60,12 +50,6 @@ impl Play {
 #[unsafe(no_mangle)]
 pub extern "C" fn buffer() -> *const f32 {
     with(|play| play.numbers.as_ptr())
-}
-
-/// Address of the text.
-#[unsafe(no_mangle)]
-pub extern "C" fn text() -> *const u8 {
-    with(|play| play.text.as_ptr())
 }
 
 /// Begins with the servo of the paper: widths of the noise, the drift and the resolution \[um\],
@@ -111,59 +95,6 @@ pub extern "C" fn servo_read() -> u32 {
     })
 }
 
-/// Begins with the pneumatic axis: noise and resolution of its sensor \[um\], memory \[s\]; 1 when
-/// the settings work.
-#[unsafe(no_mangle)]
-pub extern "C" fn loop_start(noise: f32, resolution: f32, memory: f32, seed: u32) -> u32 {
-    with(|play| {
-        play.axis = AxisPlay::new(noise, resolution, memory, seed);
-        u32::from(play.axis.is_some())
-    })
-}
-
-/// Asks the loop, in the numbers of `AxisPlay::ask`; the length of the refusal in the text, 0 when
-/// it was done.
-#[unsafe(no_mangle)]
-pub extern "C" fn loop_ask(what: u32, a: f32, b: f32) -> u32 {
-    with(|play| {
-        let Some(axis) = &mut play.axis else { return 0 };
-        match axis.ask(what, a, b) {
-            Ok(()) => 0,
-            Err(why) => say(&mut play.text, &why),
-        }
-    })
-}
-
-/// Samples of the loop; gives the number of rows t, r, y, u, innovation, state, reason, retuned.
-#[unsafe(no_mangle)]
-pub extern "C" fn loop_run(samples: u32) -> u32 {
-    with(|play| {
-        let Some(axis) = &mut play.axis else { return 0 };
-        let rows: Vec<f32> = (0..samples.min(5000)).flat_map(|_| axis.step()).collect();
-        play.put(&rows) / 8
-    })
-}
-
-/// What the loop knows: a1, a2, b0 with standard deviations, the model in use (6), accepted,
-/// refused; 0 before the first model.
-#[unsafe(no_mangle)]
-pub extern "C" fn loop_read() -> u32 {
-    with(|play| {
-        let Some(axis) = &play.axis else { return 0 };
-        let read = axis.read();
-        play.put(&read)
-    })
-}
-
-/// The present state in words; gives their length.
-#[unsafe(no_mangle)]
-pub extern "C" fn loop_words() -> u32 {
-    with(|play| {
-        let Some(axis) = &play.axis else { return 0 };
-        say(&mut play.text, &axis.words())
-    })
-}
-
 /// Prepares a record for the measurement of speed.
 #[unsafe(no_mangle)]
 pub extern "C" fn speed_fill(samples: u32) {
@@ -174,11 +105,4 @@ pub extern "C" fn speed_fill(samples: u32) {
 #[unsafe(no_mangle)]
 pub extern "C" fn speed_run() -> f32 {
     with(|play| speed::identify(&play.speed))
-}
-
-/// Puts a text; gives its length.
-fn say(text: &mut [u8; TEXT], words: &str) -> u32 {
-    let count = words.len().min(TEXT);
-    text[..count].copy_from_slice(&words.as_bytes()[..count]);
-    count as u32
 }

@@ -25,7 +25,9 @@ try {
   await page.$eval("#eta", (e) => { e.value = 3000; e.oninput(); });
   await until(page, "a slider begins again", () => window.playground.servo.t < 3, 5);
 
+  check("the loop is not loaded before", !requests.some((url) => url.includes("loop.js")));
   await page.click("#tab-loop");
+  await until(page, "the loop is there", () => window.playground.looping, 10);
   await page.click("#loop-commission");
   await until(page, "a model is verified", () => window.playground.loop && ["verified", "adapting", "frozen"].some((s) => window.playground.loop.state.startsWith(s)), 60);
   await page.click("#loop-move button");

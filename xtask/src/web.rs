@@ -1,5 +1,5 @@
-//! The playground as static files: two WebAssembly modules, one page with everything that its first
-//! paint needs.
+//! The playground as static files: three WebAssembly modules, one page with everything that its
+//! first paint needs.
 
 use std::fs;
 use std::io::Write;
@@ -23,7 +23,7 @@ pub(crate) fn run() -> Result<String, String> {
     let place = build()?;
     let mut text = format!("{:16} {:>9} {:>9}\n", "file", "bytes", "gzip -9");
     let mut page = 0;
-    for name in ["index.html", "record.js", "identify.js"] {
+    for name in ["index.html", "loop.js", "record.js", "identify.js"] {
         let bytes = read(&place.join(name))?;
         let small = compressed(bytes.as_bytes())?;
         text += &format!("{name:16} {:9} {small:9}\n", bytes.len());
@@ -44,7 +44,7 @@ pub(crate) fn build() -> Result<PathBuf, String> {
     add_targets(&[TARGET])?;
     // Libraries of C for the browser alone: as such they do not link on a host with the log of the
     // firmware.
-    for package in ["trendid-web", "trendid-web-identify"] {
+    for package in ["trendid-web", "trendid-web-loop", "trendid-web-identify"] {
         process::run(cargo(&[
             "rustc",
             "-q",
@@ -87,6 +87,12 @@ pub(crate) fn build() -> Result<PathBuf, String> {
     let place = target.join("web-page");
     fs::create_dir_all(&place).map_err(|error| format!("{}: {error}", place.display()))?;
     write(&place.join("index.html"), &html)?;
+    let part = without_comments(&read(&page.join("loop.js"))?);
+    let axis = module("trendid_web_loop")?;
+    write(
+        &place.join("loop.js"),
+        &format!("{part}const LOOP=\"{axis}\";"),
+    )?;
     let record = without_comments(&read(&page.join("record.js"))?);
     write(&place.join("record.js"), &record)?;
     let identify = format!("window.IDENTIFY=\"{}\";", module("trendid_web_identify")?);
