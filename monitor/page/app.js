@@ -180,6 +180,7 @@ function build() {
   }), { k });
   const parameters = [parameter(0, "a1 [1/s\u00b2]"), parameter(1, "a2 [1/s]"), parameter(2, "b0")];
   plots = { signals, parameters, all: [...signals, ...parameters] };
+  drawnOf = null;
   dirty = true;
 }
 
@@ -190,9 +191,17 @@ function span() {
 }
 let pausedAt = 0;
 
+/** What the parameters were drawn of: they come ten times a second, the samples all the time. */
+let drawnOf = null;
+
 function draw() {
   const [from, to] = span();
-  for (const p of plots.signals) p.draw(extremes(samples, from, to, p.box.clientWidth / 1.5, machine.dt, p.signals), from, to);
+  for (const p of plots.signals) p.draw(extremes(samples, from, to, p.box.clientWidth / COLUMN, machine.dt, p.signals), from, to);
+  drawTimeline($("timeline"), samples, from, to, states, 64);
+  redraws++;
+  const newest = learned[learned.length - 1];
+  if (!view && !paused && drawnOf === newest) return;
+  drawnOf = newest;
   const part = learned.filter((m) => { const t = m.tick * machine.dt; return t >= from - 0.2 && t <= to + 0.2; });
   const t = part.map((m) => m.tick * machine.dt);
   for (const p of plots.parameters) {
@@ -201,8 +210,6 @@ function draw() {
     const side = (sign) => (m) => m.accepted > 0 && m.band[p.k] !== null ? m.theta[p.k] + sign * m.band[p.k] : null;
     p.draw([t, part.map(value), part.map(side(1)), part.map(side(-1)), part.map((m) => m.accepted > 0 ? m.model[p.k] : null)], from, to);
   }
-  drawTimeline($("timeline"), samples, from, to, states, 64);
-  redraws++;
 }
 
 function showCursor() {

@@ -30,7 +30,10 @@ class Samples {
   get first() { return this.count ? this.column.t[0] : 0; }
 }
 
-/** Columns for a plot: every sample while there is room, else the extremes of each column of pixels; null where samples are missing. */
+/** Pixels of a column of which a plot draws the extremes: without a graphics processor longer paths cost redraws. */
+const COLUMN = 3;
+
+/** Columns for a plot: every sample while there is room, else the extremes of each column; null where samples are missing. */
 function extremes(samples, from, to, width, dt, signals) {
   const begin = Math.max(0, samples.at(from) - 1), end = Math.min(samples.count, samples.at(to) + 1);
   const part = Math.max(1, Math.ceil((end - begin) / Math.max(100, width)));
@@ -48,16 +51,19 @@ function extremes(samples, from, to, width, dt, signals) {
     }
     out[0].push(t[i], t[stop - 1]);
     signals.forEach((f, k) => {
-      let low = Infinity, high = -Infinity;
-      for (let j = i; j < stop; j++) { const x = f(j); if (x < low) low = x; if (x > high) high = x; }
-      if (low > high) out[k + 1].push(null, null); else out[k + 1].push(low, high);
+      let low = Infinity, high = -Infinity, lowAt = i, highAt = i;
+      for (let j = i; j < stop; j++) { const x = f(j); if (x < low) { low = x; lowAt = j; } if (x > high) { high = x; highAt = j; } }
+      // In the order in which they came: what falls is no saw.
+      if (low > high) out[k + 1].push(null, null); else if (lowAt > highAt) out[k + 1].push(high, low); else out[k + 1].push(low, high);
     });
   }
   return out;
 }
 
-/** A colour of the style sheet. */
-function colour(name) { return getComputedStyle(document.documentElement).getPropertyValue(name).trim(); }
+/** Colours of the style sheet, read once for each theme: a question to the style settles the whole page. */
+let colours = {};
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { colours = {}; });
+function colour(name) { return colours[name] ||= getComputedStyle(document.documentElement).getPropertyValue(name).trim(); }
 
 /** A range that is never empty, and not smaller than `least`: noise shall look like noise. */
 function roomy(least) {
