@@ -98,6 +98,8 @@ pub(crate) struct Commissioning {
     /// What the search begins with when the record has its spacing: the spacing in samples,
     /// frequency and dead zone.
     first_guess: Option<[f32; 3]>,
+    /// `a1` of the model that the sweep has been told of.
+    informed: f32,
     /// The model that was accepted, and whether that was in an earlier sample.
     accepted: Option<Theta>,
     has_rested: bool,
@@ -130,6 +132,7 @@ impl Commissioning {
                 design.dead_volume.map(stiffening),
             ),
             first_guess: None,
+            informed: 0.0,
             accepted: None,
             has_rested: false,
             same: 0,
@@ -212,7 +215,7 @@ impl Commissioning {
                     return Progress::Failed(Reason::WrongSign);
                 }
                 if let Stage::Sweeping(sweep) = &mut self.stage {
-                    sweep.take(standing, [true, false].map(|up| self.standstill.push(up)));
+                    sweep.take(standing);
                 }
                 let progress = self.unless_unresponsive(standing, progress);
                 self.unless_defiant(progress)

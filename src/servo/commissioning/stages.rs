@@ -93,8 +93,10 @@ impl Commissioning {
         self.standstill.inform(half);
         self.tracking.retune(tracking_rate(frequency, step));
         let hold = half.min(0.25);
-        let sweep = Sweep::new(y, hold, dead_zone, self.design.amplitude, self.attempt);
+        let mut sweep = Sweep::new(y, hold, dead_zone, self.design.amplitude, self.attempt);
+        sweep.pushes([true, false].map(|up| self.standstill.push(up)));
         self.stage = Stage::Sweeping(sweep);
+        self.informed = 0.0;
         Progress::Command(0.0)
     }
 
@@ -115,28 +117,10 @@ impl Commissioning {
     }
 
     pub(crate) fn sweep(&mut self, mut sweep: Sweep, y: f32, v: f32) -> Progress {
-        // Beyond the safe travel the command leads inwards, and the axis has to follow.
-        let inward = if y < 0.5 { 1.0 } else { -1.0 };
-        let returned = inward * (y - self.outermost);
-        if sweep.is_safe(y) || returned > RETURN_TIME * RETURN_SPEED {
-            (self.outside, self.began, self.outermost) = (0.0, y, y);
-        } else {
-            self.outside += self.design.sample_time;
-            if returned < 0.0 {
-                self.outermost = y;
-            }
-        }
-        if self.outside > RETURN_TIME {
-            let mean = inward * (self.began - y) / RETURN_TIME;
-            if mean > RETURN_SPEED && -inward * v > GOES_ON * mean {
-                self.stage = Stage::Closing(Closing::new(-inward * mean, sweep.half()));
-                return Progress::Command(0.0);
-            }
-            if mean > RETURN_SPEED && !at_end(y) {
-                return Progress::Failed(Reason::TravelEnd);
-            }
-            // What stands is pushed until it moves, or nothing moves it.
-            (self.outside, self.began) = (0.0, y);
+        if sweep.is_safe(y) {
+            self.outside = 0.0;
+        } else if let Some(progress) = self.stay_outside(y, v, sweep.half()) {
+            return progress;
         }
         let [from, to, most] = WIDENING;
         let share = ((self.time - from) / (to - from)).clamp(0.0, 1.0);
@@ -146,7 +130,10 @@ impl Commissioning {
         if self.accepted.is_none() {
             self.accepted = self.search.update(&self.record, slack);
         }
-        if let Some(theta) = self.search.latest() {
+        if let Some(theta) = self.search.latest()
+            && theta.a1 != self.informed
+        {
+            self.informed = theta.a1;
             let half = 2.6 / crate::math::sqrt(theta.a1);
             let least = DEAD_ZONE_MIN * self.still.since.min(0.25);
             sweep.inform(half.min(0.35), theta.dead_zone.max(least), theta.offset);
@@ -159,6 +146,29 @@ impl Commissioning {
             Some(theta) => Progress::Found(self.found(&theta), self.sign * command),
             None => Progress::Command(self.sign * command),
         }
+    }
+
+    /// A sample beyond the safe travel: the command leads inwards, and the axis has to follow.
+    fn stay_outside(&mut self, y: f32, v: f32, half: f32) -> Option<Progress> {
+        let inward = if y < 0.5 { 1.0 } else { -1.0 };
+        let returned = inward * (y - self.outermost);
+        if self.outside == 0.0 || returned > RETURN_TIME * RETURN_SPEED {
+            (self.outside, self.began, self.outermost) = (0.0, y, y);
+        } else if returned < 0.0 {
+            self.outermost = y;
+        }
+        self.outside += self.design.sample_time;
+        if !(self.outside > RETURN_TIME) {
+            return None;
+        }
+        let mean = inward * (self.began - y) / RETURN_TIME;
+        if mean > RETURN_SPEED && -inward * v > GOES_ON * mean {
+            self.stage = Stage::Closing(Closing::new(-inward * mean, half));
+            return Some(Progress::Command(0.0));
+        }
+        // What stands is pushed until it moves, or nothing moves it.
+        self.outside = 0.0;
+        (mean > RETURN_SPEED && !at_end(y)).then_some(Progress::Failed(Reason::TravelEnd))
     }
 
     /// What the position of an axis that stays means under its command.

@@ -1,10 +1,12 @@
 //! A position that stays although the command drives the axis: friction, a stuck sensor, or no
 //! motion at all.
 
-use crate::math::sqrt;
+mod known;
+
 use crate::servo::commissioning::defiance::Defiance;
 use crate::servo::commissioning::predictor::Theta;
 use crate::servo::commissioning::probe::{LATENESS, RATE};
+use crate::servo::commissioning::standstill::known::{Known, LAG_RADIANS};
 
 /// Part of the command at the first movement that is surely not flow: half of it, as for the dead
 /// zone of a start.
@@ -14,10 +16,6 @@ const CLOSED: f32 = 0.5;
 /// side it takes twice that. With half of the command taken for dead zone, a valve without any
 /// needs 2 * 4 / 1.5 of what is counted.
 const FIRST_DRIVES: f32 = 5.4;
-/// The same from a model: both sides of a breakaway of 2.5 times the Coulomb friction.
-const FRICTIONS: f32 = 5.0;
-/// Displacement in movements that count which it must exceed beside.
-const MOVEMENTS: f32 = 2.0;
 /// Twice the largest offset of a valve, by which the other direction than that of the first
 /// movement may open later.
 const OTHER_SIDE: f32 = 0.16;
@@ -29,21 +27,17 @@ const HELD_RATIO: f32 = 1.5;
 /// The drive of an axis whose code changes over that of one whose code stays: noise may hide a slow
 /// motion.
 const NOISY: f32 = 2.0;
-/// Angle of the natural frequency after which a drive without friction has moved by most of what
-/// its flow leads to, and the same in half periods.
-const LAG_RADIANS: f32 = 2.0;
+/// Half periods of the axis after which a drive without friction has moved by most of what its flow
+/// leads to.
 const LAG_HALVES: f32 = LAG_RADIANS / core::f32::consts::PI;
 /// The same in s before anything is known of the time scale.
 const LAG_FIRST: f32 = 0.08;
 
-/// A period of the axis, in rad of its natural frequency and in half periods, within which a swing
-/// is furthest against the drive; times `a2/a1`, by which an overdamped axis is slower.
-const SWING_RADIANS: f32 = core::f32::consts::TAU;
+/// Half periods of the axis within which a swing is furthest against the drive.
 const SWING_HALVES: f32 = 2.0;
 /// The same in s before there is a model: a relay switches too soon on a lightly damped axis, so
 /// that its half periods are short.
 const SWING_FIRST: f32 = 0.3;
-const SLOW_TIMES: f32 = 1.0;
 /// Part of what friction may hold from one side to the other that stops an axis in motion.
 const ONE_SIDE: f32 = 0.5;
 /// Part of that lag for which the other direction has been tried before a movement is its answer.
@@ -85,8 +79,9 @@ pub(crate) struct Standstill {
     /// work.
     first: f32,
     held: f32,
-    /// Half a period of the axis in s, as far as it is known.
-    half: Option<f32>,
+    /// A period in s as the relay has it, and what is known before there is a model.
+    period: f32,
+    relayed: Known,
     /// The drive, with its range so far.
     drive: f32,
     low: f32,
@@ -98,6 +93,8 @@ pub(crate) struct Standstill {
     changed: bool,
     /// Whether the axis moved one way when the drive that way was used up and the other one tried.
     turned: bool,
+    /// What the model says.
+    known: Known,
     /// How it moves against its drive.
     defiance: Defiance,
     defies: Option<f32>,
@@ -118,6 +115,11 @@ impl Standstill {
             command,
             margin,
             first: first_drives(command),
+            relayed: Known {
+                late: LAG_FIRST,
+                swing: f32::INFINITY,
+                ..Known::default()
+            },
             ..Self::default()
         }
     }
@@ -133,31 +135,27 @@ impl Standstill {
         model: Option<&Theta>,
     ) -> Standing {
         self.changes |= !same_code;
+        let known = self.known(model);
         let flow = self.flow(command, model);
-        let explained = [ONE_SIDE * self.held(model), self.swings(model)];
+        let held = self.first.max(known.held).max(HELD_RATIO * self.held);
+        let late = known.late * flow.abs();
+        let explained = [ONE_SIDE * held, known.swing];
         let scale = [self.detection, step];
         self.defies = self.defiance.update(y, [command, flow], explained, scale);
         let away = y - self.anchor;
         if away > self.detection || away < -self.detection {
-            let turned = self.is_turned(away > 0.0, flow, model);
-            *self = Self {
-                anchor: y,
-                held: self.held.max(self.high - self.low),
-                drive: 0.0,
-                low: 0.0,
-                high: 0.0,
-                used: [false; 2],
-                changes: false,
-                turned,
-                ..*self
-            };
+            self.turned = self.is_turned(away > 0.0, flow, late);
+            self.anchor = y;
+            self.held = self.held.max(self.high - self.low);
+            (self.drive, self.low, self.high) = (0.0, 0.0, 0.0);
+            (self.used, self.changes) = ([false; 2], false);
             return Standing::Moved;
         }
         self.drive += step * flow;
         self.low = self.low.min(self.drive);
         self.high = self.high.max(self.drive);
         let share = if self.changes { NOISY } else { 1.0 };
-        let needed = share * self.needed(flow, model);
+        let needed = share * (held + late);
         let up = self.drive - self.low > needed;
         let down = self.high - self.drive > needed;
         let used = [self.used[0] || up, self.used[1] || down];
@@ -222,13 +220,13 @@ impl Standstill {
 
     /// Whether a movement is the answer to the other direction: the drive this way was used up, and
     /// the one back has been tried for longer than the first one may come late.
-    fn is_turned(&self, upward: bool, flow: f32, model: Option<&Theta>) -> bool {
+    fn is_turned(&self, upward: bool, flow: f32, late: f32) -> bool {
         let back = if upward {
             self.high - self.drive
         } else {
             self.drive - self.low
         };
-        let tried = (flow < 0.0) == upward && back > TRIED * self.late(model) * flow.abs();
+        let tried = (flow < 0.0) == upward && back > TRIED * late;
         self.used == [upward, !upward] && flow != 0.0 && tried
     }
 
@@ -237,43 +235,29 @@ impl Standstill {
         self.changed
     }
 
-    /// Half a period of the axis in s, as far as it is known.
+    /// Half a period of the axis in s, as the relay has it.
     pub(crate) const fn inform(&mut self, half: f32) {
-        self.half = Some(half);
-    }
-
-    /// Time in s by which motion comes after its drive.
-    fn late(&self, model: Option<&Theta>) -> f32 {
-        match (model, self.half) {
-            (Some(m), _) => m.delay + LAG_RADIANS / sqrt(m.a1),
-            (None, Some(half)) => LAG_HALVES * half + LATENESS,
-            (None, None) => LAG_FIRST,
-        }
-    }
-
-    /// Time in s for which a swing may carry an axis against its drive.
-    fn swings(&self, model: Option<&Theta>) -> f32 {
-        let Some(half) = self.half else {
-            return f32::INFINITY;
+        self.period = SWING_HALVES * half + LATENESS;
+        self.relayed.late = LAG_HALVES * half + LATENESS;
+        self.relayed.swing = if self.period > SWING_FIRST {
+            self.period
+        } else {
+            SWING_FIRST
         };
-        // Neither is certain: the longer one.
-        let known = model.map_or(SWING_FIRST, |m| {
-            m.delay + SWING_RADIANS / sqrt(m.a1) + SLOW_TIMES * m.a2 / m.a1
-        });
-        known.max(SWING_HALVES * half + LATENESS)
     }
 
-    /// Drive that no friction holds at rest.
-    fn held(&self, model: Option<&Theta>) -> f32 {
-        let known = model.map_or(0.0, |m| {
-            (FRICTIONS * m.friction + MOVEMENTS * self.detection * m.a1) / m.b0
-        });
-        self.first.max(known).max(HELD_RATIO * self.held)
-    }
-
-    /// Drive that no friction holds; what a `flow` has begun shows later.
-    fn needed(&self, flow: f32, model: Option<&Theta>) -> f32 {
-        self.held(model) + self.late(model) * flow.abs()
+    /// What is known of friction and time: from the model, or from the first movement and the relay.
+    fn known(&mut self, model: Option<&Theta>) -> Known {
+        match model {
+            Some(m) if m.a1 != self.known.a1 => {
+                self.known = Known::of(m, self.detection);
+                // Neither the model nor the relay is certain of a period: the longer one.
+                self.known.swing = self.known.swing.max(self.period);
+                self.known
+            }
+            Some(_) => self.known,
+            None => self.relayed,
+        }
     }
 }
 

@@ -95,10 +95,14 @@ impl Sweep {
         self.half
     }
 
+    /// Commands that move an axis that stays, upward and downward.
+    pub(crate) const fn pushes(&mut self, pushes: [f32; 2]) {
+        self.pushes = pushes;
+    }
+
     /// Takes what the last sample has shown: a direction that is used up makes way for the other
     /// one.
-    pub(crate) fn take(&mut self, standing: Standing, pushes: [f32; 2]) {
-        self.pushes = pushes;
+    pub(crate) fn take(&mut self, standing: Standing) {
         match standing {
             Standing::Moved => (self.stays, self.tests) = (false, false),
             Standing::Exhausted => {

@@ -141,7 +141,7 @@ fn a_model_says_what_friction_holds_and_when_motion_comes() {
     // Half a period says the same before there is a model.
     let mut informed = fresh;
     informed.inform(core::f32::consts::PI / 20.0);
-    assert!((informed.late(None) - (2.0 / 20.0 + 0.02)).abs() < 1e-5);
+    assert!((informed.relayed.late - (2.0 / 20.0 + 0.02)).abs() < 1e-5);
     // A sign that was mistaken: the larger command counts, and either side may open later.
     let mut mistaken = fresh;
     mistaken.mistook(0.2);

@@ -37,7 +37,8 @@ fn swept(sweep: &mut Sweep, drive: &mut Drive) -> ([f32; 2], u32) {
         last = command;
         drive.step(command);
         range = [range[0].min(x), range[1].max(x)];
-        sweep.take(Standing::Moved, [0.1; 2]);
+        sweep.pushes([0.1; 2]);
+        sweep.take(Standing::Moved);
     }
     (range, reversals)
 }
@@ -130,16 +131,19 @@ fn a_level_is_a_flow_beyond_the_dead_zone_for_some_of_half_a_period() {
         assert_eq!(sweep.level, level);
     }
     // An axis that stays is pushed by what moves it, where a direction is used up by the other one.
-    sweep.take(Standing::Exhausted, [0.5, 0.4]);
+    sweep.pushes([0.5, 0.4]);
+    sweep.take(Standing::Exhausted);
     assert!(
         sweep.level > 0.0 && (sweep.level - 0.48).abs() < 1e-6,
         "{}",
         sweep.level
     );
     assert!(sweep.tests && sweep.stays);
-    sweep.take(Standing::Exhausted, [0.5, 0.4]);
+    sweep.pushes([0.5, 0.4]);
+    sweep.take(Standing::Exhausted);
     assert!((sweep.level + 0.42).abs() < 1e-6, "{}", sweep.level);
-    sweep.take(Standing::Moved, [0.5, 0.4]);
+    sweep.pushes([0.5, 0.4]);
+    sweep.take(Standing::Moved);
     assert!(!sweep.tests && !sweep.stays);
 }
 
@@ -226,7 +230,8 @@ fn an_axis_that_friction_holds_is_pushed_the_same_way_until_it_is_used_up() {
         let mut sweep = Sweep::new(0.5, 0.1, 0.03, LIMIT, attempt);
         let first = sweep.update(0.5, 0.0, 0.0, STEP);
         for k in 0..4000 {
-            sweep.take(Standing::HeldByFriction, [0.4, 0.5]);
+            sweep.pushes([0.4, 0.5]);
+            sweep.take(Standing::HeldByFriction);
             let command = sweep.update(0.5, 0.0, 0.0, STEP);
             assert!(command * first > 0.0, "{attempt} {k}");
             let least = if first > 0.0 { 0.4 } else { 0.5 };
@@ -236,7 +241,8 @@ fn an_axis_that_friction_holds_is_pushed_the_same_way_until_it_is_used_up() {
                 "{attempt} {k}: {command}"
             );
         }
-        sweep.take(Standing::Exhausted, [0.4, 0.5]);
+        sweep.pushes([0.4, 0.5]);
+        sweep.take(Standing::Exhausted);
         let command = sweep.update(0.5, 0.0, 0.0, STEP);
         assert!(command * first < 0.0 && command.abs() >= 0.4);
     }
