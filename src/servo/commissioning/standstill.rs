@@ -246,7 +246,7 @@ impl Standstill {
         };
     }
 
-    /// What is known of friction and time: from the model, or from the first movement and the relay.
+    /// What is known of friction and time: from the model, or the first movement and the relay.
     fn known(&mut self, model: Option<&Theta>) -> Known {
         match model {
             Some(m) if m.a1 != self.known.a1 => {
