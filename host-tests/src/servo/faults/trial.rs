@@ -87,7 +87,7 @@ pub fn prepare(axis: &AxisDraw, situation: Situation) -> Option<Machine> {
     let mut random = stream(axis.seed, Purpose::Sequence);
     let length = axis.stroke_mm();
     let mut place = || length * random.random_range(0.2..0.8);
-    let wait: f64 = 0.05 + 0.3 * random_of(axis.seed);
+    let wait = wait_of(axis.seed);
     if situation.is_commissioned() {
         machine.servo.commission();
         let end = machine.bench.time() + 3.0;
@@ -122,9 +122,9 @@ pub fn prepare(axis: &AxisDraw, situation: Situation) -> Option<Machine> {
     state.is_controlling().then_some(machine)
 }
 
-/// A number of 0 to 1 that belongs to a seed.
-fn random_of(seed: u64) -> f64 {
-    stream(seed, Purpose::Tuning).random()
+/// Time before a fault that belongs to a seed \[s\]: 0.05 to 0.35.
+fn wait_of(seed: u64) -> f64 {
+    0.05 + 0.3 * stream(seed, Purpose::Tuning).random::<f64>()
 }
 
 /// Waits until the reference rests.
@@ -147,7 +147,7 @@ fn await_sign(machine: &mut Machine) -> Option<()> {
         match machine.step().state {
             State::Exciting => {}
             State::Identifying => {
-                machine.pass(0.05 + 0.3 * random_of(machine.seed()));
+                machine.pass(wait_of(machine.seed()));
                 let state = machine.servo.supervisor().state();
                 return state.is_commissioning().then_some(());
             }
