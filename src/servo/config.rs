@@ -139,7 +139,8 @@ pub struct SupervisionSettings {
     #[doc(alias = "change")]
     pub alarm_ratio: f32,
     /// Tracking error up to which a model in use stays in use, units of y; default 5e-3 of the
-    /// travel.
+    /// travel, in a slow motion what its reference moves within half of 1/bandwidth, but not below
+    /// 1e-3 of the travel.
     #[doc(alias = "tolerable")]
     pub error_deadband: Option<f32>,
 }

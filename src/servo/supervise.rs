@@ -35,6 +35,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             same_code,
             sticks: state.is_controlling() && self.controller.sticks(),
             error: setpoint.position - motion.position,
+            speed: setpoint.velocity,
             innovation: outcome.innovation(),
         };
         let mut event = self.supervisor.update(&seen);

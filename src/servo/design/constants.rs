@@ -34,6 +34,10 @@ pub(crate) const SPEED_MIN_RATIO: f32 = 0.05;
 pub(crate) const TRAVEL_MIN_RATIO: f32 = 2e-3;
 /// Tracking error over L up to which a model in use is not replaced.
 pub(crate) const ERROR_DEADBAND_RATIO: f32 = 5e-3;
+/// The same over that one in a slow motion: there an error counts by the time it means, half of
+/// 1/w, in which no command moves the axis far.
+pub(crate) const ERROR_LEAST_RATIO: f32 = 0.2;
+pub(crate) const LAG_RATIO: f32 = 0.5;
 
 // Filters that follow from w.
 // Held by: the_axis_commissions_itself_and_follows.
@@ -111,8 +115,8 @@ pub(crate) const DAMPING_VARIANCE_RATIO: f32 = 16.0;
 pub(crate) const DAMPING_MAX: f32 = 36.0;
 /// Largest dead zone and offset of a valve, as commands.
 pub(crate) const VALVE_MAX: f32 = 0.3;
-/// Movement, over the least, that a validation in control must have seen.
-pub(crate) const VALIDATION_TRAVEL_RATIO: f32 = 5.0;
+/// Part of friction and dead zone that a verified model may not know.
+pub(crate) const UNKNOWN_PART: f32 = 0.5;
 /// Time constants in s of the innovation's variance: recent, and usual.
 pub(crate) const INNOVATION_FAST_TIME: f32 = 0.03;
 pub(crate) const INNOVATION_SLOW_TIME: f32 = 2.0;

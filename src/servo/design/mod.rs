@@ -170,6 +170,9 @@ pub(crate) struct SupervisionDesign {
     pub(crate) min_speed: f32,
     pub(crate) min_travel: f32,
     pub(crate) error_deadband: f32,
+    /// The same in a slow motion, and the time behind the reference that counts there, in s.
+    pub(crate) error_least: f32,
+    pub(crate) lag: f32,
     /// Share of the largest tracking error that is forgotten per sample.
     pub(crate) peak_error_leak: f32,
     /// Samples: between two candidates, after a rejected estimate, without motion, without another

@@ -58,6 +58,11 @@ impl Config {
             min_speed: self.min_speed(),
             min_travel,
             error_deadband: deadband,
+            error_least: match settings.error_deadband {
+                Some(stated) => stated,
+                None => c::ERROR_LEAST_RATIO * deadband,
+            },
+            lag: c::LAG_RATIO / self.rough_bandwidth(),
             peak_error_leak: self.sample_time / c::PEAK_ERROR_TIME,
             look: clock.samples(c::LOOK_TIME),
             rejection: clock.samples(c::REJECTION_TIME),

@@ -1,6 +1,8 @@
 //! The state `Adapting`: changes of the drive are found, and better models replace the one in use.
 
-use crate::servo::design::constants::VALIDATION_TRAVEL_RATIO;
+use crate::math::sqrt;
+use crate::servo::design::constants::UNKNOWN_PART;
+use crate::servo::model::Model;
 use crate::servo::supervision::event::{Event, Observation};
 use crate::servo::supervision::evidence::Challenger;
 use crate::servo::supervision::state::State;
@@ -10,10 +12,15 @@ use crate::servo::supervision::validation::Window;
 impl Supervisor {
     /// One sample of [`State::Adapting`].
     pub(crate) fn adapt(&mut self, seen: &Observation) -> Event {
-        let error = seen.error.abs();
-        self.peak_error -= self.design.peak_error_leak * self.peak_error;
-        if error > self.peak_error {
-            self.peak_error = error;
+        let leak = self.design.peak_error_leak;
+        for (peak, value) in [
+            (&mut self.peak_error, seen.error.abs()),
+            (&mut self.peak_speed, seen.speed.abs()),
+        ] {
+            *peak -= leak * *peak;
+            if value > *peak {
+                *peak = value;
+            }
         }
         if self.still_for > self.design.still {
             self.enter(State::Frozen);
@@ -37,6 +44,15 @@ impl Supervisor {
         self.compare(seen)
     }
 
+    /// Whether the axis follows so badly that the model may be wrong: by more than the deadband, or
+    /// in a slow motion by more than the reference moves in the time of the lag.
+    pub(crate) fn is_astray(&self) -> bool {
+        let design = &self.design;
+        let lag = design.lag * self.peak_speed;
+        let error = self.peak_error;
+        error > design.error_deadband || error > design.error_least && error > lag
+    }
+
     /// Takes the sample of a window, or begins one that is due; at its end, what came of it.
     pub(crate) fn compare(&mut self, seen: &Observation) -> Event {
         let Some(used) = self.verified_model else {
@@ -58,8 +74,7 @@ impl Supervisor {
         if !window.update(seen.flow, seen.y) {
             return Event::None;
         }
-        let least = VALIDATION_TRAVEL_RATIO * self.design.min_travel;
-        let sums = window.sums(least);
+        let sums = window.sums(self.design.min_travel, unknown(&used));
         if let Some(sums) = &sums {
             self.report = window.report(sums);
             self.evidence.add(sums);
@@ -85,6 +100,14 @@ impl Supervisor {
         self.refusal = None;
         Event::Accepted(winner.model)
     }
+}
+
+/// By how much a model may be wrong about the position without being another one: the part of the
+/// friction and of the dead zone that nobody knows, as what the one holds against the stiffness and
+/// the flow of the other moves within 1/w0.
+fn unknown(model: &Model) -> f32 {
+    let held = model.friction + model.b0 * model.dead_zone / sqrt(model.a1);
+    UNKNOWN_PART * held / model.a1
 }
 
 #[cfg(test)]

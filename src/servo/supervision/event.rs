@@ -18,6 +18,8 @@ pub(crate) struct Observation {
     pub(crate) sticks: bool,
     /// Reference minus observed position; 0 without control.
     pub(crate) error: f32,
+    /// Velocity of the reference.
+    pub(crate) speed: f32,
     /// Innovation of the identifier, if there was one.
     pub(crate) innovation: Option<f32>,
 }

@@ -7,21 +7,21 @@ use crate::servo::supervision::screening::{Candidate, UNKNOWN};
 use crate::servo::supervision::state::Reason;
 use crate::servo::supervision::validation::Sums;
 
-/// Part of earlier windows that counts beside a new one: those of some seconds decide, not those of
-/// an hour ago.
-const KEPT: f32 = 0.8;
+/// Part of earlier windows that a whole new one makes forgotten: those of some seconds decide, not
+/// those of an hour ago.
+const FORGOTTEN: f32 = 0.2;
 /// By how many windows a model of the bank is better than the model in use, and than the best
 /// change of the other number, before it becomes the challenger.
 const CHALLENGES: f32 = 0.5;
 const APART: f32 = 0.1;
 /// What an estimate needs.
 const OF_AN_ESTIMATE: Needs = Needs {
-    windows: 2,
+    windows: 2.0,
     better_by: 0.8,
 };
 /// What a model needs that comes from windows before: those count, too.
 const OF_THE_BANK: Needs = Needs {
-    windows: 1,
+    windows: 1.0,
     better_by: 0.3,
 };
 /// Parts of the errors of the model in use, and of the movement, below which a challenger is better
@@ -30,7 +30,7 @@ const OF_THE_BANK: Needs = Needs {
 const FAR: [f32; 2] = [0.25, 0.5];
 /// What one needs beyond that which neither explains the movement nor is better by far.
 const POOR: Needs = Needs {
-    windows: 2,
+    windows: 2.0,
     better_by: 0.7,
 };
 /// Velocity gain over that of the model in use below which a model makes the controller stronger.
@@ -39,7 +39,7 @@ const WEAKER: f32 = 0.9;
 /// What a challenger needs, in windows of its own: how many, and by how many better.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Needs {
-    windows: u32,
+    windows: f32,
     better_by: f32,
 }
 
@@ -50,7 +50,6 @@ pub(crate) struct Challenger {
     /// Variances of a1, a2 and b0.
     pub(crate) variances: [f32; 3],
     needs: Needs,
-    windows: u32,
     /// Sums of its windows.
     own: f32,
     bank: [f32; bank::SIZE],
@@ -63,7 +62,6 @@ impl Challenger {
             model,
             variances,
             needs,
-            windows: 0,
             own: 0.0,
             bank: [0.0; bank::SIZE],
             moved: 0.0,
@@ -79,11 +77,16 @@ impl Challenger {
 ///
 /// ```text
 /// share        SSE / (SSE + what moved): 0 is right, 1 is astray, by however much
-/// bank         shares of all windows, those before times 0.8; a model clearly better by 0.5 becomes the challenger
+/// weight       rms of what moved over that which nobody knows of friction and dead zone, at most 1: so much of a window is one
+/// bank         shares of all windows, those before times 1 - 0.2 weight; a model clearly better by 0.5 becomes the challenger
 /// challenger   shares of its own windows: clearly better than the model in use by 0.8 in 2 or more (0.3 in 1 or more if it comes from the bank)
 /// poor fit     as much again and 0.7 more in 2 windows more; not if the controller would become stronger by it
 /// clearly      less than 0.7 of the share of the other, and the difference exceeds a tenth of the windows
 /// ```
+///
+/// Friction and dead zone move the axis by the same however small the motion is, so that a small
+/// one says less of the model, in proportion: it counts by its weight, and many small ones say what
+/// a large one says. Without friction and dead zone the smallest that is seen says as much.
 ///
 /// A share is at most 1, so no window says more than one window can: a shock, a motion hundred
 /// times as large as those before, or a model that leaves all bounds, counts like any other. And no
@@ -148,14 +151,14 @@ impl Evidence {
     /// Adds the shares of a window. Cost: about 250 instructions.
     pub(crate) fn add(&mut self, window: &Sums) {
         let window = window.shares();
-        self.moved = KEPT * self.moved + window.moved;
+        let kept = 1.0 - FORGOTTEN * window.weight;
+        self.moved = kept * self.moved + window.moved;
         for (sum, sse) in self.sums.iter_mut().zip(window.bank) {
-            *sum = KEPT * *sum + sse;
+            *sum = kept * *sum + sse;
         }
         let (Some(challenger), Some(sse)) = (&mut self.challenger, window.challenger) else {
             return;
         };
-        challenger.windows += 1;
         challenger.own += sse;
         challenger.moved += window.moved;
         for (sum, sse) in challenger.bank.iter_mut().zip(window.bank) {
@@ -208,12 +211,12 @@ impl Challenger {
             mut better_by,
         } = self.needs;
         if !fits && far {
-            windows += 1;
+            windows += 1.0;
         } else if !fits {
             windows += POOR.windows;
             better_by += POOR.better_by;
         }
-        if self.windows < windows || incumbent - self.own < better_by {
+        if self.moved < windows || incumbent - self.own < better_by {
             return Ok(None);
         }
         let simpler = bank::best(used, &self.bank, self.moved);

@@ -39,6 +39,8 @@ pub struct Supervisor {
     pub(crate) still_for: u32,
     /// Largest recent tracking error.
     pub(crate) peak_error: f32,
+    /// Largest recent velocity of the reference.
+    pub(crate) peak_speed: f32,
 }
 
 impl Supervisor {
@@ -61,6 +63,7 @@ impl Supervisor {
             refused: 0,
             still_for: 0,
             peak_error: 0.0,
+            peak_speed: 0.0,
         }
     }
 
@@ -150,7 +153,7 @@ impl Supervisor {
             && self.state == State::Adapting
             && self.still_for == 0
             && self.ticks > self.design.rejection
-            && self.peak_error > self.design.error_deadband
+            && self.is_astray()
     }
 
     /// Takes an estimate, refuses it or not; a window begins with the next sample.

@@ -1,5 +1,6 @@
 //! A window of free simulation: how far models follow later samples on the commands alone.
 
+use crate::math::sqrt;
 use crate::servo::control::observer::Observer;
 use crate::servo::design::ValidationDesign;
 use crate::servo::model::Model;
@@ -95,21 +96,28 @@ pub(crate) struct Sums {
     pub(crate) challenger: Option<f32>,
     /// The position about its mean.
     pub(crate) moved: f32,
+    /// Its root over that of a whole window, at most 1.
+    pub(crate) weight: f32,
 }
 
 impl Sums {
+    /// Shares of the errors in errors and movement, times the weight: 0 is right, the weight is
+    /// astray.
     pub(crate) fn shares(&self) -> Self {
+        let Self { moved, weight, .. } = *self;
         let share = |sse: f32| {
-            if sse < f32::INFINITY {
-                sse / (sse + self.moved)
-            } else {
-                1.0
-            }
+            weight
+                * if sse < f32::INFINITY {
+                    sse / (sse + moved)
+                } else {
+                    1.0
+                }
         };
         Self {
             bank: self.bank.map(share),
             challenger: self.challenger.map(share),
-            moved: 1.0,
+            moved: weight,
+            weight,
         }
     }
 }
@@ -157,14 +165,17 @@ impl Window {
         self.samples >= self.window
     }
 
-    /// What it showed; `None` when the axis moved by less than `least` about its mean.
-    pub(crate) fn sums(&self, least: f32) -> Option<Sums> {
+    /// What it showed; `None` when the axis moved by less than `least` about its mean. One that
+    /// moved by `whole` or more is a whole window.
+    pub(crate) fn sums(&self, least: f32, whole: f32) -> Option<Sums> {
         let count = self.samples as f32;
         let moved = self.squares - self.sum * self.sum / count;
+        let part = moved / (whole * whole * count);
         (moved > least * least * count).then(|| Sums {
             bank: self.bank.each_ref().map(|run| run.sse),
             challenger: self.challenger.as_ref().map(|run| run.sse),
             moved,
+            weight: if part < 1.0 { sqrt(part) } else { 1.0 },
         })
     }
 
@@ -181,111 +192,4 @@ impl Window {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::servo::config::Config;
-    use crate::servo::error::Error;
-    use crate::servo::motion::Travel;
-
-    const USED: Model = Model::linear(900.0, 15.0, 9e5);
-
-    /// A window on a drive under a flow that changes its sign so often per second.
-    fn seen(drive: &Model, challenger: Option<Model>, per_second: f32) -> Result<Window, Error> {
-        let travel = Travel {
-            min: 0.0,
-            max: 400.0,
-        };
-        let design = Config::new(1e-3, 30.0, travel).resolve()?.supervision;
-        let mut motion = Motion {
-            position: 200.0,
-            ..Motion::default()
-        };
-        let mut window = Window::new(&design.validation, &USED, challenger, motion, 0.0);
-        let (mut ends, mut samples) = (false, 0);
-        while !ends {
-            let turned = libm::sinf(per_second * core::f32::consts::PI * 1e-3 * samples as f32);
-            let flow = if turned < 0.0 { -0.3 } else { 0.3 };
-            ends = window.update(flow, motion.position);
-            drive.advance(&mut motion, flow, 1e-3);
-            samples += 1;
-        }
-        assert_eq!(
-            samples,
-            design.validation.observe + design.validation.window
-        );
-        Ok(window)
-    }
-
-    #[test]
-    fn the_model_of_the_drive_leaves_least_whatever_it_is() -> Result<(), Error> {
-        for (k, drive) in bank::about(&USED).into_iter().enumerate() {
-            let window = seen(&drive, None, 4.0)?;
-            let sums = window.sums(0.0).unwrap_or(Sums {
-                bank: [f32::NAN; bank::SIZE],
-                challenger: None,
-                moved: 0.0,
-            });
-            for (j, sum) in sums.bank.iter().enumerate() {
-                let right = *sum < 1e-3 * sums.moved;
-                assert_eq!(right, j == k, "{k}: {sums:?}");
-            }
-        }
-        Ok(())
-    }
-
-    #[test]
-    fn a_challenger_runs_beside_them_and_is_reported() -> Result<(), Error> {
-        let drive = Model::linear(400.0, 30.0, 6e5);
-        let window = seen(&drive, Some(drive), 3.0)?;
-        let Some(sums) = window.sums(1.0) else {
-            panic!("the axis moved");
-        };
-        assert!(sums.challenger.is_some_and(|sse| sse < 1e-3 * sums.moved));
-        let report = window.report(&sums);
-        assert!(report.r_squared() > 0.999, "{report:?}");
-        assert_eq!(report.incumbent_sse, Some(sums.bank[bank::USED]));
-        assert_eq!((report.sst, report.samples), (sums.moved, window.window));
-        // Without one the report is that of the model in use.
-        let window = seen(&drive, None, 3.0)?;
-        let report = window.report(&Sums {
-            challenger: None,
-            ..sums
-        });
-        assert_eq!(Some(report.sse), report.incumbent_sse);
-        Ok(())
-    }
-
-    #[test]
-    fn a_window_without_motion_shows_nothing() -> Result<(), Error> {
-        let window = seen(&USED, None, 4.0)?;
-        let moved = window.sums(0.0).map_or(0.0, |sums| sums.moved);
-        let rms = crate::math::sqrt(moved / window.samples as f32);
-        assert!(window.sums(0.99 * rms).is_some() && window.sums(1.01 * rms).is_none());
-        Ok(())
-    }
-
-    #[test]
-    fn a_share_is_one_at_most_whatever_the_errors() {
-        let sums = Sums {
-            bank: core::array::from_fn(|k| [0.0, 1.0, 3.0, 1e38, f32::INFINITY][k.min(4)]),
-            challenger: Some(f32::NAN),
-            moved: 1.0,
-        };
-        let shares = sums.shares();
-        assert_eq!(shares.bank[..3], [0.0, 0.5, 0.75]);
-        assert!(shares.bank[3..].iter().all(|share| *share == 1.0));
-        assert_eq!((shares.challenger, shares.moved), (Some(1.0), 1.0));
-    }
-
-    #[test]
-    fn a_share_that_is_explained_is_one_of_the_movement() {
-        let report = |sse, sst| FitReport {
-            sse,
-            sst,
-            ..FitReport::default()
-        };
-        assert_eq!(report(1.0, 4.0).r_squared(), 0.75);
-        assert_eq!(report(8.0, 4.0).r_squared(), -1.0);
-        assert_eq!(report(1.0, 0.0).r_squared(), f32::NEG_INFINITY);
-    }
-}
+mod tests;

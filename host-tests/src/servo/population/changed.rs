@@ -7,15 +7,49 @@ use trendid::servo::Reason;
 use crate::servo::population::adaptive::LoopPositioner;
 use crate::servo::population::bench::Bench;
 use crate::servo::population::draw::{AxisDraw, Mechanics};
-use crate::servo::population::range::{Purpose, stream};
+use crate::servo::population::range::{Purpose, Range, stream};
 use crate::servo::population::sequence::{Exercise, LARGE, Positioner, amplitude};
 use crate::servo::rig::DEAD_VOLUME;
 
-/// Frequency of the sine in which the mass changes \[Hz\].
-const FREQUENCY: f64 = 0.5;
+/// A change of the moving mass in a sine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Change {
+    /// The mass after it over that before.
+    pub factor: f64,
+    /// Amplitude of the sine over the travel, as far as the limits of motion allow it.
+    pub part: f64,
+    /// Its frequency \[Hz\].
+    pub frequency: f64,
+    /// Time that is left to learn \[s\].
+    pub learning: f64,
+}
 
-/// Time after the change that is left to learn \[s\].
-pub const LEARNING: f64 = 3.0;
+/// Amplitudes over the travel, and frequencies \[Hz\], of sines that are drawn.
+const PARTS: Range = Range::ratio(0.02, 0.06, LARGE);
+const FREQUENCIES: Range = Range::ratio(0.3, 0.8, 2.0);
+
+impl Change {
+    /// In a large, slow sine, with 3 s to learn.
+    pub const fn large(factor: f64) -> Self {
+        Self {
+            factor,
+            part: LARGE,
+            frequency: 0.5,
+            learning: 3.0,
+        }
+    }
+
+    /// In a sine of 2 to 20 % of the travel and 0.3 to 2 Hz, with 10 s to learn.
+    pub fn drawn(factor: f64, seed: u64) -> Self {
+        let mut random = stream(seed, Purpose::Sequence);
+        Self {
+            factor,
+            part: PARTS.draw(false, &mut random),
+            frequency: FREQUENCIES.draw(false, &mut random),
+            learning: 10.0,
+        }
+    }
+}
 
 /// Places over the travel of the steps at the end.
 const STEPS: [f64; 3] = [0.35, 0.65, 0.5];
@@ -47,7 +81,7 @@ pub struct Changed {
 
 /// Multiplies the moving mass in a sine; the constant load stays, and the user states how stiff the
 /// axis is near its ends. `None` of an axis that is not accepted.
-pub fn mass(axis: &AxisDraw, factor: f64, adaptive: bool) -> Option<Changed> {
+pub fn mass(axis: &AxisDraw, change: &Change, adaptive: bool) -> Option<Changed> {
     let dead_volume = match axis.mechanics {
         Mechanics::Pneumatic(_) => DEAD_VOLUME,
         Mechanics::ThirdOrder(_) => f32::INFINITY,
@@ -68,7 +102,7 @@ pub fn mass(axis: &AxisDraw, factor: f64, adaptive: bool) -> Option<Changed> {
     };
     let mut exercise = Exercise::new(&mut bench, &mut positioner);
     // A run that the loop ended has the figures that it came to.
-    let _ = exercise.through_a_change(&mut changed, factor);
+    let _ = exercise.through_a_change(&mut changed, change);
     changed.stopped = positioner.stopped();
     if let Some(faults) = positioner.faults() {
         (changed.oscillations, changed.derating) = (faults.oscillations, faults.derating);
@@ -79,22 +113,22 @@ pub fn mass(axis: &AxisDraw, factor: f64, adaptive: bool) -> Option<Changed> {
 }
 
 impl Exercise<'_, LoopPositioner> {
-    fn through_a_change(&mut self, changed: &mut Changed, factor: f64) -> Option<()> {
+    fn through_a_change(&mut self, changed: &mut Changed, change: &Change) -> Option<()> {
         let axis = *self.bench.axis();
         let length = axis.stroke_mm();
         let _ = self.step(0.5 * length, 1.0, 0.5)?;
-        let size = amplitude(&axis, LARGE, FREQUENCY);
-        if !self.positioner.oscillate(size, FREQUENCY) {
+        let size = amplitude(&axis, change.part, change.frequency);
+        if !self.positioner.oscillate(size, change.frequency) {
             return None;
         }
-        let period = 1.0 / FREQUENCY;
+        let period = 1.0 / change.frequency;
         let _ = self.pass(period)?;
         let [largest, _] = self.pass(period)?;
         changed.sine_mm[0] = largest;
         let phase = stream(axis.seed, Purpose::Sequence).random_range(0.0..period);
         let _ = self.pass(phase)?;
-        self.bench.multiply_mass(factor);
-        let _ = self.pass(LEARNING)?;
+        self.bench.multiply_mass(change.factor);
+        let _ = self.pass(change.learning)?;
         let [largest, _] = self.pass(2.0 * period)?;
         changed.sine_mm[1] = largest;
         let mut worst = 0.0_f64;

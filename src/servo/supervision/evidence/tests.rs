@@ -44,6 +44,7 @@ fn window(bank: [f32; bank::SIZE], challenger: f32) -> Sums {
         bank: bank.map(of_share),
         challenger: Some(of_share(challenger)),
         moved: 100.0,
+        weight: 1.0,
     }
 }
 
@@ -118,9 +119,8 @@ fn no_window_decides_alone_however_much_it_shows() -> Result<(), Error> {
     for large in [1.0, 1e3, 1e30, f32::INFINITY, f32::NAN] {
         // All but one of the bank and the challenger leave all bounds.
         let astray = Sums {
-            bank: core::array::from_fn(|k| if k == 3 { 0.0 } else { 100.0 * large }),
-            challenger: Some(0.0),
-            moved: 1.0,
+            bank: core::array::from_fn(|k| if k == 3 { 0.0 } else { 10_000.0 * large }),
+            ..window(GOOD, 0.0)
         };
         let mut evidence = Evidence::NONE;
         evidence.propose(&estimate(2.0));

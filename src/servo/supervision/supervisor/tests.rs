@@ -31,6 +31,7 @@ pub(crate) fn at(velocity: f32) -> Observation {
         flow: 0.0,
         same_code: false,
         sticks: false,
+        speed: 0.0,
         error: 10.0,
         innovation: None,
     }
@@ -143,15 +144,36 @@ fn the_estimate_is_looked_at_where_a_better_one_would_help() -> Result<(), Error
     let first = looks(&mut supervisor, &at(100.0), design.rejection);
     assert_eq!(first, 0);
     assert_eq!(looks(&mut supervisor, &at(100.0), 10 * design.look), 10);
-    // A reference that is followed within the dead band asks for nothing.
-    let followed = Observation {
-        error: 0.0,
-        ..at(100.0)
+    // A reference that is followed within the dead band asks for nothing, nor one that is fast
+    // against the error.
+    let forget = |supervisor: &mut Supervisor| {
+        let followed = Observation {
+            error: 0.0,
+            ..at(100.0)
+        };
+        for _ in 0..10_000 {
+            let _ = supervisor.update(&followed);
+        }
+        assert_eq!(looks(supervisor, &followed, 10 * design.look), 0);
     };
-    while supervisor.peak_error > design.error_deadband {
-        let _ = supervisor.update(&followed);
+    let (least, lag) = (design.error_least, design.lag);
+    for (error, speed, count) in [
+        (0.99 * least, 0.0, 0),
+        (1.01 * least, 0.0, 10),
+        (-2.0 * least, 2.01 * least / lag, 0),
+        (-2.0 * least, -1.99 * least / lag, 10),
+        (0.99 * design.error_deadband, 1e6, 0),
+        (1.01 * design.error_deadband, 1e6, 10),
+    ] {
+        forget(&mut supervisor);
+        let seen = Observation {
+            error,
+            speed,
+            ..at(100.0)
+        };
+        let found = looks(&mut supervisor, &seen, 10 * design.look);
+        assert_eq!(found, count, "{error} at {speed}");
     }
-    assert_eq!(looks(&mut supervisor, &followed, 10 * design.look), 0);
     let behind = Observation {
         error: -2.0 * design.error_deadband,
         ..at(100.0)
