@@ -4,6 +4,7 @@
 
 mod changed;
 mod faults;
+mod handling;
 mod linearised;
 mod nominal;
 mod pneumatic;

@@ -82,13 +82,13 @@ impl Supervisor {
         self.window = None;
         match sums.map(|_| self.evidence.verdict(&self.design, &used)) {
             None | Some(Ok(None)) => Event::None,
-            Some(Ok(Some(winner))) => self.replace(&winner),
+            Some(Ok(Some(winner))) => self.replace(&used, &winner),
             Some(Err(reason)) => self.refuse(reason),
         }
     }
 
     /// Another model becomes the verified one, unless it may not control.
-    fn replace(&mut self, winner: &Challenger) -> Event {
+    fn replace(&mut self, used: &Model, winner: &Challenger) -> Event {
         // What was screened was the estimate, not the simpler change in its place.
         if let Err(reason) = self.design.screening.admits(&winner.model) {
             return self.refuse(reason);
@@ -96,7 +96,7 @@ impl Supervisor {
         self.accepted = self.accepted.saturating_add(1);
         self.verified_model = Some(winner.model);
         self.variances = winner.variances;
-        self.evidence.forget();
+        self.evidence.replaced(used, &winner.model);
         self.refusal = None;
         Event::Accepted(winner.model)
     }

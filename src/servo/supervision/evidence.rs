@@ -33,6 +33,13 @@ const POOR: Needs = Needs {
     windows: 2.0,
     better_by: 0.7,
 };
+/// What a lighter load needs beyond that after a heavier one, and over the model in use what is
+/// lighter.
+const LIGHTER: Needs = Needs {
+    windows: 4.0,
+    better_by: 1.2,
+};
+const IS_LIGHTER: f32 = 1.2;
 /// Velocity gain over that of the model in use below which a model makes the controller stronger.
 const WEAKER: f32 = 0.9;
 
@@ -80,6 +87,7 @@ impl Challenger {
 /// weight       rms of what moved over that which nobody knows of friction and dead zone, at most 1: so much of a window is one
 /// bank         shares of all windows, those before times 1 - 0.2 weight; a model clearly better by 0.5 becomes the challenger
 /// challenger   shares of its own windows: clearly better than the model in use by 0.8 in 2 or more (0.3 in 1 or more if it comes from the bank)
+/// lighter      after a heavier load 1.2 more in 4 windows more
 /// poor fit     as much again and 0.7 more in 2 windows more; not if the controller would become stronger by it
 /// clearly      less than 0.7 of the share of the other, and the difference exceeds a tenth of the windows
 /// ```
@@ -104,11 +112,17 @@ impl Challenger {
 /// motion: a model of less gain must explain the movement, not only more of it than the model in
 /// use. And of two changes of one number that explain the windows alike neither is taken.
 ///
+/// A load that comes may go and come again. On the model of a heavier load the loop is slow with a
+/// lighter one, the other way round it may be unstable: after a heavier load a lighter one must win
+/// so many windows that those with the load have their say.
+///
 /// Known as: multiple-model estimation (Li and Bar-Shalom 1996) by errors of free simulation in the
 /// place of likelihoods; a bounded loss, of the kind of Geman and McClure (Huber 2009, robust
 /// statistics); parsimony principle (Ljung 1999, chapter 16).
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Evidence {
+    /// Whether the last other load was a heavier one.
+    loaded: bool,
     sums: [f32; bank::SIZE],
     moved: f32,
     challenger: Option<Challenger>,
@@ -117,12 +131,19 @@ pub(crate) struct Evidence {
 impl Evidence {
     /// Of no window.
     pub(crate) const NONE: Self = Self {
+        loaded: false,
         sums: [0.0; bank::SIZE],
         moved: 0.0,
         challenger: None,
     };
 
-    /// Begins anew, with another model in use.
+    /// Begins anew, with another model in the place of the one in use.
+    pub(crate) fn replaced(&mut self, used: &Model, model: &Model) {
+        self.loaded = !is_lighter(model, used) && (self.loaded || is_lighter(used, model));
+        self.forget();
+    }
+
+    /// Forgets all windows.
     pub(crate) fn forget(&mut self) {
         self.sums = [0.0; bank::SIZE];
         self.moved = 0.0;
@@ -173,7 +194,7 @@ impl Evidence {
         used: &Model,
     ) -> Result<Option<Challenger>, Reason> {
         let verdict = match &self.challenger {
-            Some(challenger) => challenger.verdict(design, used),
+            Some(challenger) => challenger.verdict(design, used, self.loaded),
             None => Ok(None),
         };
         if verdict != Ok(None) {
@@ -194,7 +215,12 @@ impl Evidence {
 
 impl Challenger {
     /// Itself or the simpler change in its place, once it has won; why it has lost.
-    fn verdict(&self, design: &SupervisionDesign, used: &Model) -> Result<Option<Self>, Reason> {
+    fn verdict(
+        &self,
+        design: &SupervisionDesign,
+        used: &Model,
+        loaded: bool,
+    ) -> Result<Option<Self>, Reason> {
         let incumbent = self.bank[bank::USED];
         if !design.is_better(self.own, incumbent, self.moved) {
             return Err(Reason::NotBetter);
@@ -215,6 +241,10 @@ impl Challenger {
         } else if !fits {
             windows += POOR.windows;
             better_by += POOR.better_by;
+        }
+        if loaded && is_lighter(&self.model, used) {
+            windows += LIGHTER.windows;
+            better_by += LIGHTER.better_by;
         }
         if self.moved < windows || incumbent - self.own < better_by {
             return Ok(None);
@@ -237,6 +267,11 @@ impl Challenger {
 /// Whether the controller would be stronger on a model than on the one in use.
 fn is_weaker(model: &Model, used: &Model) -> bool {
     model.b0 * used.a1 < WEAKER * used.b0 * model.a1
+}
+
+/// Whether a model is of a lighter load than another one.
+fn is_lighter(model: &Model, than: &Model) -> bool {
+    model.a1 > IS_LIGHTER * than.a1
 }
 
 #[cfg(test)]

@@ -99,14 +99,14 @@ impl Supervisor {
         self.design.screening.admits(&model)?;
         self.verified_model = Some(model);
         self.variances = UNKNOWN;
-        self.evidence.forget();
+        self.evidence = Evidence::NONE;
         self.enter(State::Frozen);
         Ok(())
     }
 
     /// Begins the commissioning.
     pub(crate) fn begin(&mut self) {
-        self.evidence.forget();
+        self.evidence = Evidence::NONE;
         self.enter(State::Exciting);
         self.refusal = None;
     }
@@ -129,7 +129,7 @@ impl Supervisor {
         if other {
             self.verified_model = Some(model);
             self.variances = UNKNOWN;
-            self.evidence.forget();
+            self.evidence = Evidence::NONE;
             self.refusal = Some(Reason::FollowingError);
             self.enter(State::Rejected(Reason::FollowingError));
         }

@@ -12,6 +12,7 @@
 //! | [`search`] | its gains, searched on the axis itself |
 //! | [`trial`] | one axis with all of these |
 //! | [`changed`] | an axis whose mass changes in motion |
+//! | [`handling`] | an axis that takes a load and puts it down, again and again |
 //! | [`shown`] | one axis with its loop, sample by sample |
 //! | [`summary`] | the figures of many axes |
 
@@ -20,6 +21,7 @@ pub mod bench;
 pub mod changed;
 pub mod draw;
 pub mod family;
+pub mod handling;
 pub mod practitioner;
 pub mod range;
 pub mod search;

@@ -64,8 +64,10 @@ fn a_better_model_replaces_the_one_in_use_with_its_deviations() -> Result<(), Er
     assert_eq!(supervisor.verified_model(), Some(drive));
     assert_eq!(supervisor.verified_std(), [2.0, 3.0, 4.0]);
     assert_eq!((supervisor.counts(), supervisor.refusal()), ((1, 0), None));
-    // The windows were about the model before.
-    assert_eq!(supervisor.evidence, Evidence::NONE);
+    // The windows were about the model before, the load of which was a lighter one.
+    let mut evidence = Evidence::NONE;
+    evidence.replaced(&MODEL, &drive);
+    assert!(evidence != Evidence::NONE && supervisor.evidence == evidence);
     let report = supervisor.fit_report();
     assert_eq!(report.samples, design.window);
     assert!(report.r_squared() > 0.999, "{report:?}");

@@ -101,3 +101,29 @@ fn the_windows_of_a_challenger_are_added_up_without_those_before_it() {
         assert!((sum - GOOD[k] - LOAD[k]).abs() < 1e-6, "{k}: {sum}");
     }
 }
+
+#[test]
+fn a_lighter_load_after_a_heavier_one_has_to_win_more_windows() -> Result<(), Error> {
+    let design = design()?;
+    let won_after = |evidence: &mut Evidence, load: f32| {
+        evidence.forget();
+        evidence.propose(&estimate(load));
+        let poor = window(POOR, 0.01);
+        for windows in 1..20 {
+            if let Ok(Some((model, _))) = after(evidence, &design, &poor) {
+                evidence.replaced(&USED, &model);
+                return Some(windows);
+            }
+        }
+        None
+    };
+    let mut evidence = Evidence::NONE;
+    // None came before; what is not much lighter is no other load.
+    assert_eq!(won_after(&mut evidence, 2.0), Some(2));
+    assert_eq!(won_after(&mut evidence, 0.5), Some(2));
+    assert_eq!(won_after(&mut evidence, 1.19), Some(2));
+    assert_eq!(won_after(&mut evidence, 2.0), Some(6));
+    // After a lighter one they are alike again.
+    assert_eq!(won_after(&mut evidence, 2.0), Some(2));
+    Ok(())
+}
