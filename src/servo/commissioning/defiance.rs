@@ -2,6 +2,7 @@
 //! does not obey.
 
 use crate::servo::commissioning::probe::LATENESS;
+use crate::servo::commissioning::relay::{END, at_end};
 use crate::servo::supervision::state::Reason;
 
 /// Movements that count which the axis must go on beyond that time.
@@ -70,12 +71,18 @@ impl Defiance {
 }
 
 /// The valve is closed: what it drove slows down.
+///
+/// An end of the travel stops everything: of an axis that reaches it at speed nothing more is
+/// learnt, and its valve counts as stuck. But no axis goes on beyond its travel: where the reading
+/// does, the sensor counts the other way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Closing {
     /// Direction and speed in travels per s when it began, and the time in s that is left.
     direction: f32,
     speed: f32,
     left: f32,
+    /// Whether an end was reached at speed.
+    strikes: bool,
 }
 
 impl Closing {
@@ -85,17 +92,21 @@ impl Closing {
             direction: if velocity > 0.0 { 1.0 } else { -1.0 },
             speed: velocity.abs(),
             left: CLOSING_HALVES * half + 2.0 * LATENESS,
+            strikes: false,
         }
     }
 
-    /// Takes a velocity, and whether the axis is at an end, where everything stops; the reason
-    /// when it is known.
-    pub(crate) fn update(&mut self, v: f32, at_end: bool, step: f32) -> Option<Reason> {
+    /// Takes a position and a velocity; the reason when it is known.
+    pub(crate) fn update(&mut self, y: f32, v: f32, step: f32) -> Option<Reason> {
+        if !(-END..1.0 + END).contains(&y) {
+            return Some(Reason::WrongSign);
+        }
         self.left -= step;
         let speed = self.direction * v;
         self.speed = self.speed.max(speed);
-        let slowed = speed < SLOWED * self.speed;
-        (at_end || self.left < 0.0).then_some(if slowed {
+        let slowed = !self.strikes && speed < SLOWED * self.speed;
+        self.strikes |= at_end(y) && !slowed;
+        (self.left < 0.0 || slowed && at_end(y)).then_some(if slowed {
             Reason::WrongSign
         } else {
             Reason::ValveStuck

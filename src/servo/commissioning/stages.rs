@@ -2,7 +2,7 @@
 
 use crate::servo::commissioning::defiance::Closing;
 use crate::servo::commissioning::probe::{Probe, Probed};
-use crate::servo::commissioning::relay::{END, Relay, Relayed, at_end};
+use crate::servo::commissioning::relay::{Relay, Relayed, at_end};
 use crate::servo::commissioning::standstill::{Standing, Standstill};
 use crate::servo::commissioning::sweep::Sweep;
 use crate::servo::commissioning::view::View;
@@ -189,9 +189,7 @@ impl Commissioning {
 
     /// The valve is closed until it is known why the axis moves.
     pub(crate) fn close(&mut self, mut closing: Closing, y: f32, v: f32) -> Progress {
-        // Beyond its travel an axis is at no end: the sensor counts the other way.
-        let stops = at_end(y) && (-END..1.0 + END).contains(&y);
-        let reason = closing.update(v, stops, self.design.sample_time);
+        let reason = closing.update(y, v, self.design.sample_time);
         self.stage = Stage::Closing(closing);
         reason.map_or(Progress::Command(0.0), Progress::Failed)
     }

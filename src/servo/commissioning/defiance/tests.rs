@@ -79,19 +79,34 @@ fn drive_and_time_must_both_be_used_up() {
 #[test]
 fn a_closed_valve_says_why() {
     for direction in [1.0, -1.0] {
-        let after = |share: f32, at_end: bool| {
+        let after = |share: f32, place: f32| {
             let mut closing = Closing::new(0.2 * direction, 0.1);
             (0..1000).find_map(|k| {
                 let v = direction * 0.2 * if k < 50 { 1.0 } else { share };
-                closing.update(v, at_end, STEP).map(|reason| (k, reason))
+                let reason = closing.update(place, v, STEP);
+                reason.map(|reason| (k, reason))
             })
         };
+        let end = 0.5 + 0.495 * direction;
         // 1.2 half periods and 40 ms.
-        let (samples, reason) = after(0.4, false).expect("a reason");
-        assert_eq!(reason, Reason::WrongSign);
-        assert!((158..163).contains(&samples), "{samples}");
-        assert_eq!(after(0.6, false).map(|(_, r)| r), Some(Reason::ValveStuck));
+        let takes = |found: Option<(i32, Reason)>, reason| {
+            let (samples, found) = found.expect("a reason");
+            assert_eq!(found, reason);
+            assert!((158..163).contains(&samples), "{samples}");
+        };
+        takes(after(0.4, 0.5), Reason::WrongSign);
+        takes(after(0.6, 0.5), Reason::ValveStuck);
         // An end stops everything: what was seen until then counts.
-        assert_eq!(after(0.0, true), Some((0, Reason::ValveStuck)));
+        takes(after(0.0, end), Reason::ValveStuck);
+        // What has slowed down comes to it.
+        let mut slow = Closing::new(0.2 * direction, 0.1);
+        assert_eq!(slow.update(0.5, 0.08 * direction, STEP), None);
+        assert_eq!(
+            slow.update(end, 0.08 * direction, STEP),
+            Some(Reason::WrongSign)
+        );
+        // Beyond its travel no axis goes.
+        let beyond = 0.5 + 0.511 * direction;
+        assert_eq!(after(1.0, beyond), Some((0, Reason::WrongSign)));
     }
 }
