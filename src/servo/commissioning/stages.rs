@@ -222,3 +222,6 @@ impl Commissioning {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
