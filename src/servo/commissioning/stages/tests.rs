@@ -40,7 +40,12 @@ fn an_axis_that_goes_on_outward_has_a_quarter_of_a_second() {
         let (samples, progress) = found.expect("it does not come back");
         assert!((250..=251).contains(&samples), "{side}: {samples}");
         assert_eq!(progress, Progress::Command(0.0));
-        assert!(matches!(commissioning.stage, Stage::Closing(_)));
+        // What goes on as fast behind a closed valve does not obey it.
+        let Stage::Closing(mut closing) = commissioning.stage else {
+            panic!("the valve is not closed");
+        };
+        let reason = (0..400).find_map(|_| closing.update(side * 0.05, false, STEP));
+        assert_eq!(reason, Some(Reason::ValveStuck), "{side}");
         // Braked to less than 0.7 of its mean speed it obeys, and has gone too far.
         let (_, found) = gone(&mut outside(), [y, side], [0.05, 0.03], 400);
         let (samples, progress) = found.expect("it is out");

@@ -1,7 +1,8 @@
-//! A controller that goes over to a model of another frequency.
+//! A controller that goes over to another model, and what it says of its friction.
 
 use crate::servo::control::tests::by_hand::{self, POLES};
 use crate::servo::model::Model;
+use crate::servo::motion::Motion;
 
 #[test]
 fn poles_follow_a_drive_that_is_slower_and_the_observer_one_that_is_faster() {
@@ -27,5 +28,50 @@ fn poles_follow_a_drive_that_is_slower_and_the_observer_one_that_is_faster() {
         }
         assert_eq!(found.damping, POLES.damping);
         assert_eq!(controller.bandwidth(), found.bandwidth);
+    }
+}
+
+#[test]
+fn the_drive_of_an_axis_that_has_just_broken_away_is_unknown_for_four_observers() {
+    let sticking = Model {
+        friction: 800.0,
+        ..Model::linear(625.0, 20.0, 1e6)
+    };
+    for (model, starts) in [(sticking, true), (Model::linear(625.0, 20.0, 1e6), false)] {
+        let mut controller = by_hand::controller(model);
+        // 4/80 s: 50 samples.
+        for k in 0..60 {
+            if !(49..=51).contains(&k) {
+                assert_eq!(controller.starts(), starts && k < 50, "{k}");
+            }
+            let _ = controller.anchor.update(200.0, controller.anchor.holds());
+        }
+    }
+}
+
+#[test]
+fn friction_takes_all_of_the_drive_at_rest_and_its_own_in_motion() {
+    let model = Model {
+        friction: 800.0,
+        ..Model::linear(625.0, 20.0, 1e6)
+    };
+    for way in [1.0, -1.0] {
+        let mut controller = by_hand::controller(model);
+        for (velocity, drive, exact) in [(0.0, 500.0, 500.0), (40.0, 3000.0, 800.0)] {
+            let friction = if velocity > 0.0 { 800.0 } else { 0.0 };
+            let motion = Motion {
+                position: 200.0,
+                velocity: way * velocity,
+                acceleration: way * (drive - 20.0 * velocity - friction),
+            };
+            controller.estimator.place(motion, core::iter::empty());
+            controller.anchor.restart();
+            for _ in 0..400 {
+                let _ = controller.anchor.update(200.0, velocity == 0.0);
+            }
+            assert_eq!(controller.sticks(), velocity == 0.0);
+            let found = way * controller.friction_force();
+            assert!((found - exact).abs() < 0.01, "{way} {velocity}: {found}");
+        }
     }
 }
