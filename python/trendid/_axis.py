@@ -67,9 +67,9 @@ class Log:
 
     def plot(self, axes: Any = None) -> Any:
         """Position, setpoint and command; needs matplotlib. Returns the figure."""
-        from ._plot import curves
+        from ._plot import Curve, curves
 
-        above = [(self.t, self.setpoint, "setpoint"), (self.t, self.position, "position")]
+        above: List[Curve] = [(self.t, self.setpoint, "setpoint"), (self.t, self.position, "position")]
         return curves(axes, above, "mm", [(self.t, self.command, "C2")], "command")
 
 

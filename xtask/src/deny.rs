@@ -26,7 +26,11 @@ pub(crate) fn deny(options: &Options) -> Done {
 /// Dependencies that are named and not used.
 pub(crate) fn machete() -> Done {
     Tool::named("machete", "cargo-machete").install()?;
-    process::run(cargo(&["machete"]))
+    let mut command = cargo(&["machete"]);
+    // `cargo run` names the package of this task to its children; with that name cargo-machete
+    // takes its own first argument for a directory.
+    command.env_remove("CARGO_PKG_NAME");
+    process::run(command)
 }
 
 /// Whether a published package breaks its users; there is nothing to compare with before the first

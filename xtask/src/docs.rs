@@ -68,12 +68,12 @@ pub(crate) fn run(options: &Options) -> Done {
                 let command = mark.command;
                 faults.push(format!("{document}: {command}\n{difference}"));
             }
-            Ok(Some(new))
+            if options.write.is_some() {
+                put(&path, mark, &new)?;
+            }
+            Ok(None)
         };
-        let new = replaced(&old, &mut renewed).map_err(|error| format!("{document}: {error}"))?;
-        if options.write.is_some() && new != old {
-            fs::write(&path, new).map_err(|error| format!("{document}: {error}"))?;
-        }
+        replaced(&old, &mut renewed).map_err(|error| format!("{document}: {error}"))?;
     }
     println!("{done} blocks are up to date or written, {left} long ones left out (`--long`)");
     if faults.is_empty() {
@@ -84,6 +84,18 @@ pub(crate) fn run(options: &Options) -> Done {
             faults.join("\n")
         ))
     }
+}
+
+/// Puts a block into its page at once: the blocks behind it may take an hour, or fail.
+fn put(path: &Path, mark: &quote::Mark<'_>, new: &str) -> Done {
+    let old = read(path)?;
+    let text = replaced(&old, &mut |other, _| {
+        Ok((other == mark).then(|| new.to_owned()))
+    })?;
+    if text == old {
+        return Ok(());
+    }
+    fs::write(path, text).map_err(|error| format!("{}: {error}", shown(path)))
 }
 
 /// Every page.

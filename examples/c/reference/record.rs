@@ -5,7 +5,7 @@ pub(crate) type Error = Box<dyn std::error::Error>;
 
 /// Command and position of the record in text.
 pub(crate) fn table() -> Result<Vec<(f32, f32)>, Error> {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/servo.csv");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/data/servo.csv");
     let text = std::fs::read_to_string(path)?;
     let mut rows = Vec::new();
     for line in text.lines().skip(6) {

@@ -1,5 +1,4 @@
-//! Stages 3 and 4: fits from several starts, free simulation of later samples, and agreement of two
-//! estimates.
+//! Stages 3 and 4: fits from several starts, free simulation of later samples, two that agree.
 
 use crate::math::sqrt;
 use crate::servo::commissioning::fit::Fit;
@@ -22,8 +21,7 @@ const STARTS: [f32; 3] = [80.0, 40.0, 17.0];
 const START_MISFIT: f32 = 0.2 * 0.2;
 /// Most passes of a refinement.
 const REFINE_PASSES: u32 = 8;
-/// Rate of the correction over the natural frequency, and time over 1/rate in which a simulation is
-/// corrected before it runs by itself.
+/// Rate of the correction over w0, and time over 1/rate before a simulation runs by itself.
 const CORRECTION: f32 = 2.0;
 const CORRECTED: f32 = 12.0;
 /// Standard deviation of the position in travels below which a movement shows nothing.
@@ -269,9 +267,8 @@ impl Search {
     }
 
     fn validate(&mut self, record: &Record, slack: f32) -> Option<Theta> {
-        let [misfit, silent] = self.misfit(record)?;
+        let seen @ [misfit, _] = self.misfit(record)?;
         let theta = self.fit.found();
-        let seen = [misfit, silent];
         let verdict = verdict(&theta, self.previous.as_ref(), self.std, seen, slack);
         self.previous = Some(theta);
         match verdict {
@@ -298,3 +295,6 @@ impl Search {
 }
 
 const _: () = assert!(WINDOW < POINTS);
+
+#[cfg(test)]
+mod tests;

@@ -220,3 +220,6 @@ impl Commissioning {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -6,7 +6,7 @@ use super::*;
 use crate::servo::commissioning::tests::plant::{COUNT, Plant, STEP, TRAVEL};
 use crate::servo::model::Model;
 
-fn design() -> CommissioningDesign {
+pub(super) fn design() -> CommissioningDesign {
     CommissioningDesign {
         sample_time: STEP,
         travel: TRAVEL,

@@ -4,6 +4,7 @@ pub(super) mod by_hand;
 mod searched;
 mod seen;
 mod sticking;
+mod tuned;
 
 use super::friction::StickSlip;
 use super::margins::Margins;

@@ -151,4 +151,17 @@ mod tests {
         }
         assert_eq!(Response::default().mirrored(), 0.0, "nothing known");
     }
+
+    #[test]
+    fn an_axis_that_nothing_moves_and_one_that_hardly_moves_are_faint() {
+        assert!(Response::default().is_faint());
+        // A fifth of the velocity that is commanded.
+        for (shown, faint) in [(0.19, true), (0.21, false), (-0.19, true), (-0.21, false)] {
+            let response = Response {
+                squares: [900.0, 900.0 * shown * shown],
+                ..Response::default()
+            };
+            assert_eq!(response.is_faint(), faint, "{shown}");
+        }
+    }
 }

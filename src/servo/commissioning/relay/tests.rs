@@ -182,3 +182,36 @@ fn an_axis_that_ran_away_is_turned_with_half_of_what_stopped_it() {
         }
     }
 }
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn an_axis_that_coasts_outward_keeps_its_sign_and_one_that_gains_speed_does_not() {
+    for side in [1.0, -1.0] {
+        // Of 0.1 per s within 30 ms; what gains little is braked for longer, and so is what the
+        // first movement has left fast.
+        for (speed, gain, turns) in [
+            (0.2, -0.03, false),
+            (0.2, 0.0, false),
+            (0.2, 0.08, false),
+            (0.2, 0.12, true),
+            (0.3, 0.0, false),
+        ] {
+            let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
+            let mut last = 1.0;
+            for k in 1..=195 {
+                let time = STEP * k as f32;
+                let v = speed + gain * (time - 0.155).max(0.0) / 0.03;
+                let y = 0.5 + side * (0.02 + speed * time);
+                match relay.update(y, side * v, STEP, AMPLITUDE) {
+                    Relayed::Command { sign, .. } => last = sign,
+                    other => panic!("{other:?}"),
+                }
+            }
+            assert_eq!(
+                last,
+                if turns { -1.0 } else { 1.0 },
+                "{side} {speed} {gain}"
+            );
+        }
+    }
+}

@@ -151,3 +151,26 @@ fn a_model_says_what_friction_holds_and_when_motion_comes() {
     mistaken.mistook(0.05);
     assert!((mistaken.push(true) - (0.3 + 0.16)).abs() < 1e-6);
 }
+
+#[test]
+fn a_movement_is_of_the_other_sign_only_where_its_own_was_used_up() {
+    for upward in [true, false] {
+        let side = if upward { 1.0 } else { -1.0 };
+        for used_up in [true, false] {
+            let mut standstill = Standstill::new(0.5, 1e-3, 0.1, upward);
+            let calls = until(&mut standstill.clone(), side * 0.4, None).map_or(0, |(k, _)| k);
+            let calls = if used_up { calls } else { calls / 2 };
+            for _ in 0..calls {
+                let _ = standstill.update(0.5, true, side * 0.4, STEP, None);
+            }
+            // The other way for longer than motion may come late, and less than friction holds.
+            for _ in 0..60 {
+                let standing = standstill.update(0.5, true, -side * 0.4, STEP, None);
+                assert_ne!(standing, Standing::Unresponsive);
+            }
+            let moved = standstill.update(0.5 + 2e-3 * side, false, -side * 0.4, STEP, None);
+            assert_eq!(moved, Standing::Moved);
+            assert_eq!(standstill.turned(), used_up, "{upward}");
+        }
+    }
+}

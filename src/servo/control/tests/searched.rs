@@ -24,8 +24,13 @@ fn searched(design: &TuningDesign, model: &Model) -> Tuning {
     tuning
 }
 
-/// Whether poles hold on a model that is so many times as stiff, and the variance of the flow.
-fn holds(design: &TuningDesign, model: &Model, poles: &Poles, stiffness: f32) -> Option<f32> {
+/// The sweep of poles that hold on a model that is so many times as stiff.
+fn swept(
+    design: &TuningDesign,
+    model: &Model,
+    poles: &Poles,
+    stiffness: f32,
+) -> Option<FrequencySweep> {
     let w = libm::sqrtf(model.a1);
     let drive = Drive {
         a1: stiffness,
@@ -44,10 +49,15 @@ fn holds(design: &TuningDesign, model: &Model, poles: &Poles, stiffness: f32) ->
     loop {
         match sweep.update() {
             Swept::On => {}
-            Swept::Holds => return Some(sweep.variance()),
+            Swept::Holds => return Some(sweep),
             Swept::Fails => return None,
         }
     }
+}
+
+/// The variance of the flow, where they hold.
+fn holds(design: &TuningDesign, model: &Model, poles: &Poles, stiffness: f32) -> Option<f32> {
+    swept(design, model, poles, stiffness).map(|sweep| sweep.variance())
 }
 
 /// k(x) at a tenth of the travel.
@@ -153,4 +163,77 @@ fn a_search_keeps_the_limits_that_it_is_given() {
     // Twice the frequency of the drive, where the sampling allows it.
     assert!((poles.observer - 50.0).abs() < 1e-3);
     assert!((slow(0.02).observer - 0.3 / 0.02).abs() < 1e-3);
+}
+
+/// Of every observer and damping the largest bandwidth that holds at both places and is quiet, and
+/// of these poles those with the largest integral gain.
+fn exhaustive(design: &TuningDesign, model: &Model) -> Option<Poles> {
+    let w = libm::sqrtf(model.a1);
+    let step = w * design.sample_time;
+    let noise = design.noise * w * model.a1 / model.b0;
+    let mut best: Option<(Poles, f32)> = None;
+    for observer in [6.0, 4.0, 2.5, 1.6] {
+        for damping in [0.8, 1.6] {
+            let mut bandwidth = (0.15 / step).min(3.0).min(design.bandwidth_max / w);
+            while bandwidth >= 0.15 {
+                let poles = Poles {
+                    bandwidth: w * bandwidth,
+                    damping,
+                    observer: w * (observer * bandwidth.max(1.0)).min(0.3 / step),
+                    disturbance: 0.3 * w * bandwidth,
+                };
+                bandwidth *= 0.85;
+                let middle = swept(design, model, &poles, 1.0);
+                let end = swept(design, model, &poles, near_end(design.dead_volume));
+                let (Some(middle), Some(end)) = (middle, end) else {
+                    continue;
+                };
+                if noise * noise * (middle.variance() + end.variance()) < 0.03 * 0.03 {
+                    let integral = middle.integral();
+                    if best.is_none_or(|(_, most)| integral > most) {
+                        best = Some((poles, integral));
+                    }
+                    break;
+                }
+            }
+        }
+    }
+    best.map(|(poles, _)| poles)
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn a_search_ends_with_the_largest_integral_gain_of_what_holds() {
+    // The last two are limited by the noise of the command.
+    for (w, damping, [delay, dead_volume, noise]) in [
+        (25.0_f32, 0.2, [4e-3, 0.06, 0.01]),
+        (25.0, 0.7, [12e-3, 0.02, 0.01]),
+        (60.0, 0.1, [4e-3, 0.02, 0.01]),
+        (60.0, 0.5, [8e-3, 0.2, 0.01]),
+        (12.0, 0.4, [0.0, 0.01, 0.1]),
+        (25.0, 0.5, [2e-3, 0.02, 0.3]),
+        (25.0, 0.5, [2e-3, 0.02, 3.0]),
+    ] {
+        let model = Model::linear(w * w, 2.0 * damping * w, 1200.0 * w * w);
+        let design = TuningDesign {
+            delay,
+            dead_volume,
+            noise,
+            ..DESIGN
+        };
+        let (found, margins) = searched(&design, &model).poles();
+        let exact = exhaustive(&design, &model).expect("poles that hold");
+        assert!(margins.is_some());
+        for (found, exact) in [
+            (found.bandwidth, exact.bandwidth),
+            (found.damping, exact.damping),
+            (found.observer, exact.observer),
+            (found.disturbance, exact.disturbance),
+        ] {
+            assert!(
+                (found / exact - 1.0).abs() < 1e-3,
+                "{w} {damping}: {found} {exact}"
+            );
+        }
+    }
 }

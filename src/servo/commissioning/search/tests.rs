@@ -1,0 +1,51 @@
+//! What a search takes for noise.
+
+use super::*;
+
+/// An axis that stays, as a sensor sees it that is wrong by `noise` to either side.
+fn record(noise: f32) -> Record {
+    let mut record = Record::new();
+    assert!(record.fix(1));
+    for k in 0..400 {
+        let side = if k % 2 == 0 { 1.0 } else { -1.0 };
+        record.push(0.5 + side * noise, 0.0);
+    }
+    record
+}
+
+#[test]
+fn an_error_within_three_deviations_of_the_noise_speaks_against_no_model() {
+    let theta = Theta {
+        a1: 400.0,
+        a2: 20.0,
+        b0: 800.0,
+        dead_zone: 0.03,
+        offset: 0.0,
+        friction: 1.0,
+        delay: 0.01,
+        kappa: 0.0,
+        stiffening: 0.0,
+    };
+    for sigma in [1e-5_f32, 1e-3] {
+        // The simulation begins at the last position that it is told: 0 and 2 of noise away from
+        // the next ones.
+        let three = 3.0 * sigma / sqrt(2.0);
+        for (noise, exact) in [(0.98 * three, 1.0), (1.02 * three, 0.0)] {
+            let record = record(noise);
+            let mut search = Search::new(1e-3, 0.0, None);
+            search.begin(0, View::of(4e-3, sigma, 1.0), sigma, [20.0, 0.0]);
+            let view = search.window(&record);
+            search.simulate(&record, view, theta, 200);
+            let found = (0..400).find_map(|_| search.misfit(&record));
+            let [misfit, silent] = found.expect("the end of the record");
+            assert_eq!(silent, exact, "{sigma} {noise}");
+            // What does not move is no movement that a model could explain.
+            let square = noise * noise;
+            let expected = 2.0 * square / (square + 0.005 * 0.005);
+            assert!(
+                (misfit / expected - 1.0).abs() < 0.01,
+                "{misfit} {expected}"
+            );
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! An axis beyond the safe travel: what it is given time for, and what becomes of it.
+
+use super::*;
+use crate::servo::commissioning::Commissioning;
+use crate::servo::commissioning::tests::design;
+
+const STEP: f32 = 1e-3;
+const HALF: f32 = 0.15;
+
+/// A commissioning whose axis is beyond the safe travel from now on.
+fn outside() -> Commissioning {
+    let mut commissioning = Commissioning::new(design());
+    commissioning.begin(300.0, None);
+    commissioning
+}
+
+/// Goes on from `y` at `speed`, outward above 0, for so many samples at most: where it has come,
+/// and after how many samples something else than a command inwards followed.
+fn gone(
+    commissioning: &mut Commissioning,
+    [y, side]: [f32; 2],
+    [speed, seen]: [f32; 2],
+    samples: u32,
+) -> (f32, Option<(u32, Progress)>) {
+    let at = |k: u32| y + side * speed * STEP * k as f32;
+    for k in 1..=samples {
+        if let Some(progress) = commissioning.stay_outside(at(k), side * seen, HALF) {
+            return (at(k), Some((k, progress)));
+        }
+    }
+    (at(samples), None)
+}
+
+#[test]
+fn an_axis_that_goes_on_outward_has_a_quarter_of_a_second() {
+    for [y, side] in [[0.15, -1.0], [0.85, 1.0]] {
+        // As fast at the end as on the mean: the valve is closed, to see whether it obeys.
+        let mut commissioning = outside();
+        let (_, found) = gone(&mut commissioning, [y, side], [0.05, 0.05], 400);
+        let (samples, progress) = found.expect("it does not come back");
+        assert!((250..=251).contains(&samples), "{side}: {samples}");
+        assert_eq!(progress, Progress::Command(0.0));
+        // What goes on as fast behind a closed valve does not obey it.
+        let Stage::Closing(mut closing) = commissioning.stage else {
+            panic!("the valve is not closed");
+        };
+        let reason = (0..400).find_map(|_| closing.update(y, side * 0.05, STEP));
+        assert_eq!(reason, Some(Reason::ValveStuck), "{side}");
+        // Braked to less than 0.7 of its mean speed it obeys, and has gone too far.
+        let (_, found) = gone(&mut outside(), [y, side], [0.05, 0.03], 400);
+        let (samples, progress) = found.expect("it is out");
+        assert!((250..=251).contains(&samples), "{side}: {samples}");
+        assert_eq!(progress, Progress::Failed(Reason::TravelEnd));
+        // At the end of the travel and as slow as what stands, it is pushed on.
+        let end = if side > 0.0 { 0.999 } else { 0.001 };
+        for (from, speed) in [(end, 0.0), (y, 0.0), (y, 0.019)] {
+            let (_, found) = gone(&mut outside(), [from, side], [speed, 0.0], 2000);
+            assert_eq!(found, None, "{side} {speed}");
+        }
+    }
+}
+
+#[test]
+fn what_comes_back_begins_its_time_anew() {
+    for [y, side] in [[0.15, -1.0], [0.85, 1.0]] {
+        // A two-hundredth of the travel is what 0.02 per s make of a quarter of a second.
+        for (back, anew) in [(0.006, true), (0.004, false)] {
+            let mut commissioning = outside();
+            let (out, found) = gone(&mut commissioning, [y, side], [0.1, 0.1], 150);
+            assert_eq!(found, None);
+            let (turned, found) = gone(&mut commissioning, [out, side], [-back / 0.02, 0.0], 20);
+            assert_eq!(found, None);
+            assert!((side * (out - turned) - back).abs() < 1e-5);
+            let (_, found) = gone(&mut commissioning, [turned, side], [0.1, 0.1], 400);
+            let samples = found.expect("it goes on outward").0;
+            let exact = if anew { 250 - 3 } else { 250 - 150 - 20 };
+            assert!(samples.abs_diff(exact) <= 2, "{side} {back}: {samples}");
+        }
+    }
+}
