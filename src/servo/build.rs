@@ -104,7 +104,9 @@ impl<S, V> ServoLoop<S, V> {
         self.moves.trajectory = Trajectory::new(design.motion, design.travel, design.sample_time);
         self.moves.trajectory.hold(motion.position);
         self.monitor = ExcitationMonitor::new(&design.monitor);
-        self.supervisor.redesign(&design.supervision);
+        let supervision = design.supervision.clone();
+        self.supervisor
+            .redesign(supervision.with_resolution(resolution(&self.axis)));
         self.moves.tracking = AlphaBetaGamma::new(design.tracking_rate, design.sample_time);
         self.moves.tracking.begin(motion);
     }

@@ -169,6 +169,10 @@ pub(crate) struct SupervisionDesign {
     pub(crate) min_improvement: f32,
     pub(crate) min_speed: f32,
     pub(crate) min_travel: f32,
+    /// What a grain at its begin makes of a free simulation.
+    pub(crate) drift: f32,
+    /// That over a grain.
+    pub(crate) drift_ratio: f32,
     pub(crate) error_deadband: f32,
     /// The same in a slow motion, and the time behind the reference that counts there, in s.
     pub(crate) error_least: f32,

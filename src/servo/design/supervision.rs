@@ -8,6 +8,20 @@ use crate::servo::design::{
 };
 use crate::servo::error::Error;
 
+const ROOT_THIRD: f32 = 0.577;
+
+impl SupervisionDesign {
+    /// The same for a sensor whose codes are so far apart.
+    ///
+    /// An observer finds the velocity within the time of its rate: where that of a position is wrong
+    /// by a grain, one code and two standard deviations, it is wrong by `rate grain`, and the
+    /// simulation that begins there drifts off at that velocity.
+    pub(crate) fn with_resolution(mut self, resolution: f32) -> Self {
+        self.drift += self.drift_ratio * resolution;
+        self
+    }
+}
+
 impl Config {
     pub(crate) fn supervision(&self, clock: Clock) -> Result<SupervisionDesign, Error> {
         let (settings, length) = (&self.supervision, self.travel.length());
@@ -39,11 +53,15 @@ impl Config {
         };
         count("supervision.time_limit", settings.time_limit)?;
         let excite = count("supervision.excite_time", settings.excite_time)?;
+        let observer = self.validation_observer();
+        let noise = self.noise.unwrap_or(c::NOISE_RATIO * length);
+        // The root mean square of a ramp.
+        let drift_ratio = observer.rate * window * ROOT_THIRD;
         Ok(SupervisionDesign {
             screening: self.screening()?,
             validation: ValidationDesign {
-                observer: self.validation_observer(),
-                observe: clock.whole(c::VALIDATION_OBSERVE_RATIO / self.validation_observer().rate),
+                observer,
+                observe: clock.whole(c::VALIDATION_OBSERVE_RATIO / observer.rate),
                 window: count("supervision.validation_time", window)?,
             },
             change: ChangeDesign {
@@ -57,6 +75,8 @@ impl Config {
             min_improvement: settings.min_improvement,
             min_speed: self.min_speed(),
             min_travel,
+            drift: drift_ratio * 2.0 * noise,
+            drift_ratio,
             error_deadband: deadband,
             error_least: match settings.error_deadband {
                 Some(stated) => stated,

@@ -74,7 +74,7 @@ impl Supervisor {
         if !window.update(seen.flow, seen.y) {
             return Event::None;
         }
-        let sums = window.sums(self.design.min_travel, unknown(&used));
+        let sums = window.sums(self.design.min_travel, unknown(&used) + self.design.drift);
         if let Some(sums) = &sums {
             self.report = window.report(sums);
             self.evidence.add(sums);

@@ -84,7 +84,7 @@ impl Challenger {
 ///
 /// ```text
 /// share        SSE / (SSE + what moved): 0 is right, 1 is astray, by however much
-/// weight       rms of what moved over that which nobody knows of friction and dead zone, at most 1: so much of a window is one
+/// weight       rms of what moved over what hides a model: friction, dead zone, noise; at most 1, a whole window
 /// bank         shares of all windows, those before times 1 - 0.2 weight; a model clearly better by 0.5 becomes the challenger
 /// challenger   shares of its own windows: clearly better than the model in use by 0.8 in 2 or more (0.3 in 1 or more if it comes from the bank)
 /// lighter      after a heavier load 1.2 more in 4 windows more
@@ -92,9 +92,9 @@ impl Challenger {
 /// clearly      less than 0.7 of the share of the other, and the difference exceeds a tenth of the windows
 /// ```
 ///
-/// Friction and dead zone move the axis by the same however small the motion is, so that a small
-/// one says less of the model, in proportion: it counts by its weight, and many small ones say what
-/// a large one says. Without friction and dead zone the smallest that is seen says as much.
+/// Friction and dead zone move the axis by the same however small the motion is, and noise and
+/// digits send a simulation off by the same, so that a small motion says less of the model, in
+/// proportion: it counts by its weight, and many small ones say what a large one says.
 ///
 /// A share is at most 1, so no window says more than one window can: a shock, a motion hundred
 /// times as large as those before, or a model that leaves all bounds, counts like any other. And no

@@ -248,9 +248,9 @@ impl Supervisor {
     }
 
     /// Goes on with other numbers.
-    pub(crate) fn redesign(&mut self, design: &SupervisionDesign) {
-        self.design = design.clone();
+    pub(crate) fn redesign(&mut self, design: SupervisionDesign) {
         self.change = ChangeDetector::new(&design.change);
+        self.design = design;
     }
 
     /// The end of a commissioning without a model; an older verified model comes back into force.

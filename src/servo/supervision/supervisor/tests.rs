@@ -293,7 +293,7 @@ fn a_loop_that_is_designed_anew_looks_as_often_as_the_new_design_says() -> Resul
     let mut supervisor = installed()?;
     let mut design = supervisor.design.clone();
     design.look *= 2;
-    supervisor.redesign(&design);
+    supervisor.redesign(design.clone());
     assert_eq!(supervisor.design, design);
     assert_eq!(lasts(&mut supervisor, State::Verified), design.look + 1);
     Ok(())
