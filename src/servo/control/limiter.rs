@@ -58,6 +58,7 @@ mod tests {
             step: 0.1,
         });
         assert_eq!(limiter.update(7.0), 0.1);
+        assert_eq!(limiter.last(), 0.1);
         assert_eq!(limiter.update(f32::NAN), 0.0);
         for _ in 0..9 {
             let _ = limiter.update(f32::NEG_INFINITY);

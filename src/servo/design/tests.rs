@@ -175,3 +175,20 @@ fn what_noise_and_codes_do_adds_up() {
     };
     assert!((resolved.monitor.min_power - 0.0025).abs() < 1e-7);
 }
+
+#[test]
+fn an_acceleration_that_is_not_of_this_unit_is_refused() {
+    let travel = Travel {
+        min: 0.0,
+        max: 400.0,
+    };
+    // 1e7 of it: 158 rad/s on 400.
+    for (bandwidth, refused) in [(20.0, false), (157.0, false), (159.0, true), (250.0, true)] {
+        let resolved = Config::new(1e-4, bandwidth, travel).resolve();
+        let found = matches!(
+            resolved,
+            Err(crate::servo::Error::Unit { acceleration }) if acceleration > 1e7
+        );
+        assert_eq!(found, refused, "{bandwidth}");
+    }
+}

@@ -1,4 +1,4 @@
-//! What a search takes for noise.
+//! What a search takes for noise, and how long it simulates.
 
 use super::*;
 
@@ -13,19 +13,20 @@ fn record(noise: f32) -> Record {
     record
 }
 
+const THETA: Theta = Theta {
+    a1: 400.0,
+    a2: 20.0,
+    b0: 800.0,
+    dead_zone: 0.03,
+    offset: 0.0,
+    friction: 1.0,
+    delay: 0.01,
+    kappa: 0.0,
+    stiffening: 0.0,
+};
+
 #[test]
 fn an_error_within_three_deviations_of_the_noise_speaks_against_no_model() {
-    let theta = Theta {
-        a1: 400.0,
-        a2: 20.0,
-        b0: 800.0,
-        dead_zone: 0.03,
-        offset: 0.0,
-        friction: 1.0,
-        delay: 0.01,
-        kappa: 0.0,
-        stiffening: 0.0,
-    };
     for sigma in [1e-5_f32, 1e-3] {
         // The simulation begins at the last position that it is told: 0 and 2 of noise away from
         // the next ones.
@@ -35,7 +36,7 @@ fn an_error_within_three_deviations_of_the_noise_speaks_against_no_model() {
             let mut search = Search::new(1e-3, 0.0, None);
             search.begin(0, View::of(4e-3, sigma, 1.0), sigma, [20.0, 0.0]);
             let view = search.window(&record);
-            search.simulate(&record, view, theta, 200);
+            search.simulate(&record, view, THETA, 200);
             let found = (0..400).find_map(|_| search.misfit(&record));
             let [misfit, silent] = found.expect("the end of the record");
             assert_eq!(silent, exact, "{sigma} {noise}");
@@ -47,5 +48,16 @@ fn an_error_within_three_deviations_of_the_noise_speaks_against_no_model() {
                 "{misfit} {expected}"
             );
         }
+    }
+}
+
+#[test]
+fn a_free_simulation_takes_four_and_a_half_of_the_time_of_the_drive_within_its_range() {
+    let mut search = Search::new(1e-3, 0.0, None);
+    search.begin(0, View::of(4e-3, 1e-5, 1.0), 1e-5, [20.0, 0.0]);
+    // 0.225 s, 0.1 s at least and 0.4 s at most.
+    for (w, points) in [(20.0_f32, 56), (100.0, 25), (5.0, 100)] {
+        let theta = Theta { a1: w * w, ..THETA };
+        assert!(search.points(&theta).abs_diff(points) <= 1, "{w}");
     }
 }
