@@ -8,14 +8,15 @@ use crate::servo::design::{
 };
 use crate::servo::error::Error;
 
+/// Root mean square of a ramp over its end.
 const ROOT_THIRD: f32 = 0.577;
 
 impl SupervisionDesign {
     /// The same for a sensor whose codes are so far apart.
     ///
-    /// An observer finds the velocity within the time of its rate: where that of a position is wrong
-    /// by a grain, one code and two standard deviations, it is wrong by `rate grain`, and the
-    /// simulation that begins there drifts off at that velocity.
+    /// An observer finds the velocity within the time of its rate: of a position that is wrong by a
+    /// grain, one code and two standard deviations, it is wrong by `rate grain`, and the simulation
+    /// that begins there drifts off at that velocity.
     pub(crate) fn with_resolution(mut self, resolution: f32) -> Self {
         self.drift += self.drift_ratio * resolution;
         self
@@ -55,7 +56,6 @@ impl Config {
         let excite = count("supervision.excite_time", settings.excite_time)?;
         let observer = self.validation_observer();
         let noise = self.noise.unwrap_or(c::NOISE_RATIO * length);
-        // The root mean square of a ramp.
         let drift_ratio = observer.rate * window * ROOT_THIRD;
         Ok(SupervisionDesign {
             screening: self.screening()?,

@@ -192,3 +192,21 @@ fn an_acceleration_that_is_not_of_this_unit_is_refused() {
         assert_eq!(found, refused, "{bandwidth}");
     }
 }
+
+#[test]
+fn what_a_grain_makes_of_a_simulation_is_its_velocity_over_the_window() {
+    let config = stated(1.0, 1e-3);
+    let design = match config.resolve() {
+        Ok(design) => design.supervision,
+        Err(error) => panic!("{error}"),
+    };
+    let (rate, noise) = (design.validation.observer.rate, 0.02);
+    let window = design.validation.window as f32 * config.sample_time;
+    // A ramp of rate times grain, one code and two deviations: its root mean square.
+    for resolution in [0.0, 0.5] {
+        let grain = resolution + 2.0 * noise;
+        let exact = grain * rate * window / 3.0_f32.sqrt();
+        let drift = design.clone().with_resolution(resolution).drift;
+        assert!((drift / exact - 1.0).abs() < 0.01, "{drift}, not {exact}");
+    }
+}
