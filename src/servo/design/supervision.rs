@@ -64,12 +64,7 @@ impl Config {
                 observe: clock.whole(c::VALIDATION_OBSERVE_RATIO / observer.rate),
                 window: count("supervision.validation_time", window)?,
             },
-            change: ChangeDesign {
-                fast_share: self.sample_time / c::INNOVATION_FAST_TIME,
-                slow_share: self.sample_time / c::INNOVATION_SLOW_TIME,
-                alarm_ratio: settings.alarm_ratio,
-                pause: excite,
-            },
+            change: self.change(excite),
             min_r_squared_adapting: settings.min_r_squared_adapting,
             replace_ratio: settings.replace_ratio,
             min_improvement: settings.min_improvement,
@@ -89,6 +84,15 @@ impl Config {
             still: clock.samples(c::STILL_TIME),
             excite,
         })
+    }
+
+    const fn change(&self, pause: u32) -> ChangeDesign {
+        ChangeDesign {
+            fast_share: self.sample_time / c::INNOVATION_FAST_TIME,
+            slow_share: self.sample_time / c::INNOVATION_SLOW_TIME,
+            alarm_ratio: self.supervision.alarm_ratio,
+            pause,
+        }
     }
 
     fn screening(&self) -> Result<ScreeningDesign, Error> {
