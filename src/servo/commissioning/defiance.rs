@@ -1,8 +1,8 @@
 //! An axis that moves against its commands, and why: the sign of valve or sensor, or a valve that
 //! does not obey.
 
+use crate::servo::commissioning::ends::{at_end, is_beyond};
 use crate::servo::commissioning::probe::LATENESS;
-use crate::servo::commissioning::relay::{END, at_end};
 use crate::servo::supervision::state::Reason;
 
 /// Movements that count which the axis must go on beyond that time.
@@ -98,7 +98,7 @@ impl Closing {
 
     /// Takes a position and a velocity; the reason when it is known.
     pub(crate) fn update(&mut self, y: f32, v: f32, step: f32) -> Option<Reason> {
-        if !(-END..1.0 + END).contains(&y) {
+        if is_beyond(y) {
             return Some(Reason::WrongSign);
         }
         self.left -= step;

@@ -10,6 +10,7 @@
 //! | 3, 4 [`search`] | fits from several starts, free simulation of later samples, two estimates that agree | the model | `PoorFit`, `Uncertain` |
 
 mod defiance;
+mod ends;
 mod face;
 mod fit;
 #[cfg(test)]
@@ -34,10 +35,11 @@ mod view;
 pub(crate) use face::{CommissioningDesign, Found, Progress};
 
 use crate::servo::commissioning::defiance::Closing;
+use crate::servo::commissioning::ends::at_end;
 use crate::servo::commissioning::predictor::Theta;
 use crate::servo::commissioning::probe::Probe;
 use crate::servo::commissioning::record::Record;
-use crate::servo::commissioning::relay::{Relay, at_end};
+use crate::servo::commissioning::relay::Relay;
 use crate::servo::commissioning::rest::{Rest, Still};
 use crate::servo::commissioning::search::Search;
 use crate::servo::commissioning::standstill::Standstill;

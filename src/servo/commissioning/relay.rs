@@ -36,14 +36,6 @@ const LATE_SPEED: f32 = 0.02;
 /// Changes of the sign that are one too many.
 const FLIPS_MAX: u32 = 3;
 
-/// Share of the travel next to an end where an open valve may hold the axis.
-pub(crate) const END: f32 = 0.01;
-
-/// Whether the axis is at an end of its travel, where it stands although the valve may be open.
-pub(crate) fn at_end(y: f32) -> bool {
-    !(END..1.0 - END).contains(&y)
-}
-
 /// What the relay has led to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Relayed {

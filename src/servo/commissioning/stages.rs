@@ -1,8 +1,9 @@
 //! One sample of each stage, and what leads from one to the next.
 
 use crate::servo::commissioning::defiance::Closing;
+use crate::servo::commissioning::ends::at_end;
 use crate::servo::commissioning::probe::{Probe, Probed};
-use crate::servo::commissioning::relay::{Relay, Relayed, at_end};
+use crate::servo::commissioning::relay::{Relay, Relayed};
 use crate::servo::commissioning::standstill::{Standing, Standstill};
 use crate::servo::commissioning::sweep::Sweep;
 use crate::servo::commissioning::view::View;

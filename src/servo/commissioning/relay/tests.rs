@@ -158,20 +158,6 @@ fn what_neither_turns_nor_runs_away_disobeys_in_the_end() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
-fn an_end_of_the_travel_is_a_hundredth_of_it() {
-    for (y, end) in [
-        (0.005, true),
-        (0.02, false),
-        (0.98, false),
-        (0.995, true),
-        (-1.0, true),
-    ] {
-        assert_eq!(at_end(y), end, "{y}");
-    }
-}
-
-#[test]
 fn an_axis_that_ran_away_is_turned_with_half_of_what_stopped_it() {
     for side in [1.0, -1.0] {
         for (flips, command, exact) in [(0, 0.4, 0.4), (1, 0.4, 0.2), (1, 1e-6, COMMAND_MIN)] {
