@@ -4,6 +4,7 @@
 use trendid_host_tests::servo::population::changed::{Change, Changed, mass};
 use trendid_host_tests::servo::population::draw::AxisDraw;
 use trendid_host_tests::servo::population::family::Family;
+use trendid_host_tests::servo::population::summary::quantile;
 
 /// The first seed of the usual axes: none was used to tune anything.
 const FIRST: u64 = 200_001;
@@ -22,9 +23,7 @@ fn both(family: Family, change: impl Fn(u64) -> Change) -> [Vec<Changed>; 2] {
 }
 
 fn median(runs: &[Changed], of: impl Fn(&Changed) -> f64) -> f64 {
-    let mut values: Vec<f64> = runs.iter().map(of).collect();
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
+    quantile(&runs.iter().map(of).collect::<Vec<_>>(), 0.5)
 }
 
 fn count(runs: &[Changed], holds: impl Fn(&Changed) -> bool) -> usize {
@@ -35,15 +34,15 @@ fn count(runs: &[Changed], holds: impl Fn(&Changed) -> bool) -> usize {
 /// adaptive and fixed.
 fn figures(runs: [&[Changed]; 2]) -> ([usize; 2], [f64; 2], [f64; 2]) {
     (
-        runs.map(|runs| count(runs, |run| run.stopped.is_some())),
+        runs.map(|runs| count(runs, |run| run.course.stopped.is_some())),
         runs.map(|runs| median(runs, ratio)),
-        runs.map(|runs| median(runs, |run| run.steady_state_mm)),
+        runs.map(|runs| median(runs, |run| run.errors.steady_state_mm)),
     )
 }
 
 /// Error in the sine over that before the change.
 fn ratio(run: &Changed) -> f64 {
-    run.sine_mm[1] / run.sine_mm[0]
+    run.errors.sine_mm[1] / run.errors.sine_mm[0]
 }
 
 #[test]
@@ -52,14 +51,17 @@ fn a_loop_that_adapts_is_no_worse_than_one_that_does_not() {
     for (factor, ratio_max, stopped_max) in [(3.0, 2.0, 2), (1.0 / 3.0, 3.5, 1)] {
         let [adapts, fixed] = both(Family::Pneumatic, |_| Change::large(factor));
         let (stopped, ratios, steady) = figures([&adapts, &fixed]);
-        let calmed = [&adapts, &fixed].map(|runs| count(runs, |run| run.oscillations > 0));
+        let calmed = [&adapts, &fixed].map(|runs| count(runs, |run| run.course.oscillations > 0));
         println!(
             "mass x{factor:.2}: {} axes, adaptive and fixed: sine over that before {ratios:.2?}, steady state {steady:.3?} mm, \
              stopped {stopped:?}, oscillating {calmed:?}",
             adapts.len()
         );
         assert!(adapts.len() >= 108, "accepted: {}", adapts.len());
-        assert!(adapts.iter().all(|run| run.blow_mm_s < 50.0), "an end stop");
+        assert!(
+            adapts.iter().all(|run| run.course.blow_mm_s < 50.0),
+            "an end stop"
+        );
         assert!(stopped[0] <= stopped_max, "{stopped:?}");
         assert!(
             ratios[0] < ratio_max && ratios[0] <= ratios[1],
@@ -86,7 +88,7 @@ fn adapts_where_no_friction_holds_the_axis(families: &[(Family, f64)]) {
         for factor in [3.0, 1.0 / 3.0] {
             let [adapts, fixed] = both(family, |_| Change::large(factor));
             let (stopped, ratios, steady) = figures([&adapts, &fixed]);
-            let learned = [&adapts, &fixed].map(|runs| count(runs, |run| run.models > 1));
+            let learned = [&adapts, &fixed].map(|runs| count(runs, |run| run.course.models > 1));
             println!(
                 "{family:?}, mass x{factor:.2}: {} axes, adaptive and fixed: sine over that before {ratios:.2?}, steady state \
                  {steady:.3?} mm, stopped {stopped:?}, with another model {learned:?}",

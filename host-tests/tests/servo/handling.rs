@@ -4,15 +4,10 @@
 use trendid_host_tests::servo::population::draw::AxisDraw;
 use trendid_host_tests::servo::population::family::Family;
 use trendid_host_tests::servo::population::handling::{Handling, handle};
+use trendid_host_tests::servo::population::summary::quantile;
 
 /// The first seed of the usual axes: none was used to tune anything.
 const FIRST: u64 = 200_001;
-
-fn median(runs: &[Handling], of: impl Fn(&Handling) -> f64) -> f64 {
-    let mut values: Vec<f64> = runs.iter().map(of).collect();
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
-}
 
 fn handled(family: Family, factor: f64, axes: u64) {
     let runs = [true, false].map(|adaptive| -> Vec<Handling> {
@@ -20,22 +15,26 @@ fn handled(family: Family, factor: f64, axes: u64) {
             .filter_map(|seed| handle(&AxisDraw::new(family, true, seed), factor, adaptive))
             .collect()
     });
-    let figures = |of: fn(&Handling) -> f64| runs.each_ref().map(|runs| median(runs, of));
+    let figures = |of: fn(&Handling) -> f64| {
+        runs.each_ref()
+            .map(|runs| quantile(&runs.iter().map(of).collect::<Vec<_>>(), 0.5))
+    };
     let count = |holds: fn(&Handling) -> bool| {
         let holding = |runs: &Vec<Handling>| runs.iter().filter(|run| holds(run)).count();
         runs.each_ref().map(holding)
     };
-    let way = figures(|run| run.loaded_mm[0]);
-    let stay = figures(|run| run.loaded_mm[1]);
-    let stopped = count(|run| run.stopped.is_some());
+    let empty = figures(|run| run.errors_mm[0][0]);
+    let way = figures(|run| run.errors_mm[1][0]);
+    let stay = figures(|run| run.errors_mm[1][1]);
+    let stopped = count(|run| run.course.stopped.is_some());
     println!(
-        "{family:?}, a load of x{factor:.2} that comes and goes: {} axes, adaptive and fixed: largest error on the way {way:.2?} mm, \
+        "{family:?}, a load of x{factor:.2} that comes and goes: {} axes, adaptive and fixed: largest error on the way {way:.2?} mm, {empty:.2?} mm without it, \
          where it stays {stay:.3?} mm, oscillating {:?}, stopped {stopped:?}",
         runs[0].len(),
-        count(|run| run.oscillations > 0)
+        count(|run| run.course.oscillations > 0)
     );
     assert!(10 * runs[0].len() >= 9 * axes as usize, "accepted");
-    let struck = count(|run| run.blow_mm_s > 50.0);
+    let struck = count(|run| run.course.blow_mm_s > 50.0);
     assert_eq!(struck[0], 0, "end stops: {struck:?}");
     assert!(stopped[0] <= stopped[1], "{stopped:?}");
     assert!(way[0] <= way[1], "{way:?}");

@@ -11,6 +11,7 @@
 //! | [`practitioner`] | the fixed controller of a practitioner |
 //! | [`search`] | its gains, searched on the axis itself |
 //! | [`trial`] | one axis with all of these |
+//! | [`mod@course`] | what an axis does after its commissioning, and how its loop came through it |
 //! | [`changed`] | an axis whose mass changes in motion |
 //! | [`handling`] | an axis that takes a load and puts it down, again and again |
 //! | [`shown`] | one axis with its loop, sample by sample |
@@ -19,6 +20,7 @@
 pub mod adaptive;
 pub mod bench;
 pub mod changed;
+pub mod course;
 pub mod draw;
 pub mod family;
 pub mod handling;
