@@ -104,7 +104,7 @@ impl Refusals {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     #[test]
@@ -125,7 +125,7 @@ mod tests {
         }
     }
 
-    const THETA: Theta = Theta {
+    pub(crate) const THETA: Theta = Theta {
         a1: 400.0,
         a2: 20.0,
         b0: 800.0,

@@ -1,6 +1,7 @@
 //! What a search takes for noise, and how long it simulates.
 
 use super::*;
+use crate::servo::commissioning::verdict::tests::THETA;
 
 /// An axis that stays, as a sensor sees it that is wrong by `noise` to either side.
 fn record(noise: f32) -> Record {
@@ -12,18 +13,6 @@ fn record(noise: f32) -> Record {
     }
     record
 }
-
-const THETA: Theta = Theta {
-    a1: 400.0,
-    a2: 20.0,
-    b0: 800.0,
-    dead_zone: 0.03,
-    offset: 0.0,
-    friction: 1.0,
-    delay: 0.01,
-    kappa: 0.0,
-    stiffening: 0.0,
-};
 
 #[test]
 fn an_error_within_three_deviations_of_the_noise_speaks_against_no_model() {

@@ -34,6 +34,12 @@ fn seen(drive: &Model, challenger: Option<Model>, per_second: f32) -> Result<Win
     Ok(window)
 }
 
+/// Root mean square of what moved.
+fn rms(window: &Window) -> f32 {
+    let moved = window.sums(0.0, 1.0).map_or(0.0, |sums| sums.moved);
+    sqrt(moved / window.samples as f32)
+}
+
 #[test]
 fn the_model_of_the_drive_leaves_least_whatever_it_is() -> Result<(), Error> {
     for (k, drive) in bank::about(&USED).into_iter().enumerate() {
@@ -77,8 +83,7 @@ fn a_challenger_runs_beside_them_and_is_reported() -> Result<(), Error> {
 #[test]
 fn a_window_without_motion_shows_nothing() -> Result<(), Error> {
     let window = seen(&USED, None, 4.0)?;
-    let moved = window.sums(0.0, 1.0).map_or(0.0, |sums| sums.moved);
-    let rms = sqrt(moved / window.samples as f32);
+    let rms = rms(&window);
     let at = |least| window.sums(least, 1.0);
     assert!(at(0.99 * rms).is_some() && at(1.01 * rms).is_none());
     Ok(())
@@ -87,8 +92,7 @@ fn a_window_without_motion_shows_nothing() -> Result<(), Error> {
 #[test]
 fn a_window_counts_by_its_motion_up_to_a_whole_one() -> Result<(), Error> {
     let window = seen(&USED, None, 4.0)?;
-    let moved = window.sums(0.0, 1.0).map_or(0.0, |sums| sums.moved);
-    let rms = sqrt(moved / window.samples as f32);
+    let rms = rms(&window);
     for (whole, weight) in [(0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (2.0, 0.5), (8.0, 0.125)] {
         let found = window.sums(0.0, whole * rms).map(|sums| sums.weight);
         let found = found.unwrap_or(f32::NAN);
