@@ -1,6 +1,7 @@
 //! The factors U D U' of a covariance, and their update by a row.
 
 use crate::estimation::mean_square::flush;
+use crate::math::sum::EMPTY;
 
 /// Entries of U below this change no digit of any result.
 const NEGLIGIBLE: f32 = 1e-18;
@@ -58,7 +59,7 @@ impl<const N: usize> Factors<N> {
     /// z' P z.
     #[inline(always)]
     pub(crate) fn spread(&self, z: [f32; N]) -> f32 {
-        let mut sum = 0.0;
+        let mut sum = EMPTY;
         for j in 0..N {
             let mut f = z[j];
             for i in 0..j {
@@ -101,7 +102,7 @@ impl<const N: usize> Factors<N> {
         // f = U' e_i: zero before the parameter, so that the columns before it stay as they are.
         let f: [f32; N] =
             core::array::from_fn(|j| self.upper[j].get(index).copied().unwrap_or(0.0));
-        let mut before = 0.0;
+        let mut before = EMPTY;
         for j in 0..N {
             before += f[j] * f[j] * self.diagonal[j];
         }

@@ -79,10 +79,18 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let noise = noise.known_or_infinite();
         let innovation = row.innovation;
         let unexplained = self.standstill.unexplained(y, innovation, noise);
-        let contradicts = unexplained.map(|size| {
-            !(size <= noise) && !(size / (1.0 + self.estimator.spread(row.phi)) <= noise)
-        });
-        let found = (self.standstill).classify(y, innovation, limits, contradicts);
+        // A closure that grows is a call, and the row in its memory a copy in every sample.
+        let unexplained = match unexplained {
+            Some(sample) => {
+                let [size, _] = sample;
+                let contradicts = !(size <= noise)
+                    && !(size <= noise + noise * self.estimator.spread(row.phi))
+                    && self.standstill.exceeds_digits(sample);
+                Some((sample, contradicts))
+            }
+            None => None,
+        };
+        let found = (self.standstill).classify(y, innovation, limits, unexplained);
         if let Motion::Stands | Motion::Freed = found {
             self.begin_at_rest(plan, y, others, witness);
         }

@@ -1,4 +1,8 @@
-//! A running sum that does not stagnate: in two words.
+//! Sums: where they begin, and a running one in two words that does not stagnate.
+
+/// A sum of no terms. `x + -0.0` is x for every x, and no instruction; `x + 0.0` is one, since it
+/// makes 0 of -0.
+pub(crate) const EMPTY: f32 = -0.0;
 
 /// A sum `high + low` (Fast2Sum; Dekker 1971).
 ///

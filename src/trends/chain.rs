@@ -1,6 +1,7 @@
 //! The chain of m integrators with feedback `1/A_f` behind the filtered trends.
 
 use crate::math::polynomial::is_hurwitz;
+use crate::math::sum::EMPTY;
 use crate::trends::design::Design;
 use crate::trends::difference::{Scheme, Trends};
 use crate::trends::operator::{Form, Hold, Memory, sealed};
@@ -159,7 +160,7 @@ impl<const M: usize> Integrators<M> {
             known[i] += self.ahead * known[i + 1];
         }
         // ... give the highest one ...
-        let mut feedback = 0.0;
+        let mut feedback = EMPTY;
         for i in 0..M {
             feedback += self.filter[i] * known[i];
         }
@@ -172,7 +173,7 @@ impl<const M: usize> Integrators<M> {
             lower[i] += self.ahead * above;
             states[i] = lower[i] + self.behind * above + entering;
             above = lower[i];
-            entering = 0.0;
+            entering = EMPTY;
         }
         let change = (self.ahead + self.behind) * above + (entering + *pending);
         lower[0] += self.ahead * above;

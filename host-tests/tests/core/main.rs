@@ -18,6 +18,7 @@ mod dead_zone;
 mod defects;
 mod delay;
 mod dense;
+mod digits;
 mod endurance;
 mod evaluation;
 mod exact;

@@ -9,9 +9,11 @@ const NOISE: f32 = 0.032;
 
 /// With 1 + phi' P phi = `expected`.
 fn classify(standstill: &mut Standstill, y: f32, e: f32, expected: f32) -> Motion {
-    let size = standstill.unexplained(y, e, NOISE);
-    let contradicts = size.map(|size| size / expected > NOISE);
-    standstill.classify(y, e, LIMITS, contradicts)
+    let unexplained = standstill.unexplained(y, e, NOISE).map(|sample| {
+        let contradicts = !(sample[0] <= NOISE * expected) && standstill.exceeds_digits(sample);
+        (sample, contradicts)
+    });
+    standstill.classify(y, e, LIMITS, unexplained)
 }
 
 #[test]
@@ -102,13 +104,96 @@ fn a_band_is_six_deviations_and_a_contradiction_twelve() {
     standstill.entered = [10.0, 1.0];
     let sigma = libm::sqrtf(NOISE);
     for side in [1.0, -1.0] {
-        let within =
+        let mut within =
             |share: f32| standstill.unexplained(10.0 + side * share * 6.0 * sigma, 1.0, NOISE);
-        assert_eq!(within(0.99), Some(0.0));
+        assert!(within(0.99).is_some_and(|[size, far]| {
+            size == 0.0 && (far / (0.99 * 0.99 * NOISE) - 1.0).abs() < 1e-4
+        }));
         assert_eq!(within(1.01), None);
-        let size = standstill.unexplained(10.0, 1.0 + side * 12.0 * sigma, NOISE);
-        assert!(size.is_some_and(|size| (size / NOISE - 1.0).abs() < 1e-4));
+        let sample = standstill.unexplained(10.0, 1.0 + side * 12.0 * sigma, NOISE);
+        assert!(sample.is_some_and(|[size, _]| (size / NOISE - 1.0).abs() < 1e-4));
     }
     // As long as the noise is not known there is no outside.
     assert!(standstill.unexplained(1e9, 1.0, f32::INFINITY).is_some());
+}
+
+/// A sensor of digits of `digit` whose newest step was one of them, the noise far below.
+fn coarse(digit: f32) -> Standstill {
+    let mut standstill = Standstill::new();
+    for y in [
+        7.0 * digit,
+        5.0 * digit,
+        2.0 * digit,
+        3.0 * digit,
+        9.0 * digit,
+    ] {
+        assert_eq!(classify(&mut standstill, y, 0.0, 1.0), Motion::Obeys);
+    }
+    standstill
+}
+
+/// How many samples of the innovation `e` pass before the estimate is held, none of 1000 if never.
+fn passed(standstill: &Standstill, y: f32, e: f32) -> Option<usize> {
+    let mut standstill = standstill.clone();
+    (0..1000).find(|_| classify(&mut standstill, y, e, 1.0) == Motion::Withheld)
+}
+
+#[test]
+fn digits_explain_two_of_them_for_ever_and_ten_for_a_while() {
+    for digit in [20.0_f32, 300.0] {
+        let standstill = coarse(digit);
+        let certain = LIMITS[0] as usize;
+        for (digits, expected) in [
+            (1.99, None),
+            (2.01, Some(certain - 1)),
+            (9.99, Some(certain - 1)),
+            (10.01, Some(4)),
+            (1e6, Some(4)),
+            (f32::INFINITY, Some(4)),
+            (f32::NAN, Some(4)),
+        ] {
+            let found = passed(&standstill, 9.0 * digit, digits * digit);
+            assert_eq!(found, expected, "{digits} digits of {digit}");
+        }
+        // What contradicts no more is no standstill; what does again begins anew.
+        let mut standstill = standstill;
+        for k in 0..2000 {
+            let e = if k % 49 == 48 { 0.0 } else { 5.0 * digit };
+            let found = classify(&mut standstill, 9.0 * digit, e, 1.0);
+            assert_eq!(found, Motion::Obeys, "{k}");
+        }
+    }
+}
+
+#[test]
+fn a_digit_is_the_least_difference_and_noise_below_it_leaves_nothing() {
+    let mut standstill = coarse(20.0);
+    // Samples that nothing contradicts, and those at y_0, tell nothing.
+    for y in [180.0, 180.5, 179.5] {
+        assert_eq!(classify(&mut standstill, y, 0.0, 1.0), Motion::Obeys);
+    }
+    assert_eq!(passed(&standstill, 180.0, 39.0), None);
+    // One that does, and differs, is of a sensor that is as fine.
+    assert_eq!(classify(&mut standstill, 180.5, 39.0, 1.0), Motion::Obeys);
+    assert_eq!(passed(&standstill, 180.0, 39.0), Some(4));
+    // 12 deviations of the noise, 2.2, are more than 2 of these digits, and fewer than 10.
+    assert_eq!(passed(&standstill, 180.0, 2.1), None);
+    assert_eq!(
+        passed(&standstill, 180.0, 2.3),
+        Some(LIMITS[0] as usize - 1)
+    );
+    // The digit is of the sensor: it outlasts a friction.
+    let _ = standstill.sticks(180.0, 1);
+    assert_eq!(
+        passed(&standstill, 180.0, 2.3),
+        Some(LIMITS[0] as usize - 1)
+    );
+}
+
+#[test]
+fn as_long_as_no_step_is_known_digits_explain_nothing() {
+    let standstill = Standstill::new();
+    assert_eq!(passed(&standstill, 0.0, 3.0), Some(4));
+    // The first that differs makes one known.
+    assert_eq!(passed(&standstill, 0.5, 6.0), Some(5));
 }
