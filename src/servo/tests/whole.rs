@@ -265,3 +265,15 @@ fn an_axis_that_does_not_follow_goes_on_once_on_the_model_of_the_commissioning()
     assert!(!bench.servo.goes_back(), "and stops on that one");
     assert!(!bench.step().0.retuned);
 }
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn an_axis_that_does_not_follow_stops_where_there_is_no_other_model() {
+    let mut bench = Bench::adaptive(MODEL);
+    // A closed valve and a sensor whose code changes: nothing is wrong but the place.
+    let there = Setpoint::at(300.0);
+    let stopped = (0..3000).any(|_| bench.servo.is_stopped(&there, 200.0, 0.0, false));
+    assert!(stopped);
+    let state = bench.servo.supervisor().state();
+    assert_eq!(state, State::Failed(Reason::FollowingError));
+}

@@ -59,12 +59,15 @@ fn what_goes_on_finds_what_a_fit_of_all_points_finds() {
         };
         early.begin(View { end: 200, ..view }, start, 2.0);
         run(&mut early, &record);
+        assert!(!early.went_on(), "seed {seed}");
         let before = early.found();
         assert!(early.go_on(300), "seed {seed}");
         run(&mut early, &record);
         let mut whole = Fit::new(true);
         whole.begin(view, before, 2.0);
         run(&mut whole, &record);
+        // A search begins anew what went on and has more to gain.
+        assert!(early.went_on() && !whole.went_on(), "seed {seed}");
         let (added, all) = (early.found(), whole.found());
         let std = whole.std();
         let errors = [

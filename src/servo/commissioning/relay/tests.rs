@@ -201,3 +201,26 @@ fn an_axis_that_coasts_outward_keeps_its_sign_and_one_that_gains_speed_does_not(
         }
     }
 }
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn an_axis_that_gains_speed_for_ever_keeps_its_sign_for_a_fifth_of_a_second() {
+    for side in [1.0, -1.0] {
+        // Three looks of 30 or 31 ms: 0.028 per s, of which 0.02 are too many, or 0.019 at most.
+        for (growth, turns) in [(0.3, true), (0.2, false)] {
+            let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
+            let turned = (1..=400).find(|k| {
+                let time = STEP * *k as f32;
+                let y = 0.5 + side * (0.04 + 0.5 * growth * time * time);
+                match relay.update(y, side * growth * time, STEP, AMPLITUDE) {
+                    Relayed::Command { sign, .. } => sign < 0.0,
+                    other => panic!("{other:?}"),
+                }
+            });
+            // With the first look after that time.
+            let soon = turned.is_some_and(|k| (200..=232).contains(&k));
+            assert!(soon || !turns, "{side} {growth}: {turned:?}");
+            assert_eq!(turned.is_some(), turns, "{side} {growth}");
+        }
+    }
+}

@@ -1,6 +1,8 @@
-//! What a search takes for noise, and how long it simulates.
+//! What a search takes for noise, how long it simulates, and what it ranks its starts by.
 
 use super::*;
+use crate::servo::commissioning::oracle::Dice;
+use crate::servo::commissioning::predictor::Prediction;
 use crate::servo::commissioning::verdict::tests::THETA;
 
 /// An axis that stays, as a sensor sees it that is wrong by `noise` to either side.
@@ -49,4 +51,42 @@ fn a_free_simulation_takes_four_and_a_half_of_the_time_of_the_drive_within_its_r
         let theta = Theta { a1: w * w, ..THETA };
         assert!(search.points(&theta).abs_diff(points) <= 1, "{w}");
     }
+}
+
+/// A drive of 20 rad/s under random levels, more points of it than a fit reads.
+fn driven() -> Record {
+    let mut dice = Dice::new(1);
+    let mut at = Prediction {
+        x: 0.5,
+        ..Prediction::default()
+    };
+    let mut record = Record::new();
+    assert!(record.fix(1));
+    let mut u = 0.0;
+    for k in 0..WINDOW + 100 {
+        if k % 15 == 0 {
+            u = 0.4 * dice.roll() - 0.3 * (at.x - 0.5).signum();
+        }
+        record.push(at.x, u);
+        let direction = at.v.signum();
+        THETA.slide(&mut at, THETA.flow(u), direction, 4e-3);
+    }
+    record
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn a_start_is_ranked_by_the_last_two_fifths_of_what_it_was_fitted_to() {
+    let record = driven();
+    let mut search = Search::new(1e-3, 0.0, Some(0.0));
+    search.begin(0, View::of(4e-3, 1e-5, 1.0), 1e-5, [20.0, 0.03]);
+    while !matches!(search.phase, Phase::Ranking(_)) {
+        assert_eq!(search.update(&record, 1.0), None);
+    }
+    let theta = search.started.expect("a drive that shows itself");
+    let release = record.end() - WINDOW * 2 / 5;
+    let mut expected = search.clone();
+    let view = search.window(&record);
+    expected.simulate(&record, view, theta, release);
+    assert_eq!(search.simulation, expected.simulation);
 }

@@ -114,3 +114,21 @@ fn a_correction_is_no_quicker_than_the_points_allow() {
     let quick = Simulation::new(&record, view, truth, 50.0, RELEASE);
     assert_eq!(quick.gains, truth.gains(STEP_MAX / TIME, TIME));
 }
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn the_end_of_a_simulation_takes_a_call_without_points() {
+    let mut dice = Dice::new(4);
+    let truth = dice.theta();
+    let (record, view) = record(&truth, &mut dice);
+    let all = END - view.beyond();
+    for (first, second) in [(all, None), (all + 7, None), (all - 3, Some(7))] {
+        let mut simulation = Simulation::new(&record, view, truth, 2.0, RELEASE);
+        assert_eq!(simulation.advance(&record, first), None, "{first}");
+        if let Some(second) = second {
+            assert_eq!(simulation.advance(&record, second), None, "{first}");
+        }
+        assert_eq!(simulation.next, all);
+        assert!(simulation.advance(&record, 7).is_some(), "{first}");
+    }
+}

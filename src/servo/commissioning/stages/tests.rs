@@ -1,4 +1,5 @@
-//! An axis beyond the safe travel: what it is given time for, and what becomes of it.
+//! What ends a relay and begins a search; an axis beyond the safe travel: what it is given time
+//! for, and what becomes of it.
 
 use super::*;
 use crate::servo::commissioning::Commissioning;
@@ -76,5 +77,56 @@ fn what_comes_back_begins_its_time_anew() {
             let exact = if anew { 250 - 3 } else { 250 - 150 - 20 };
             assert!(samples.abs_diff(exact) <= 2, "{side} {back}: {samples}");
         }
+    }
+}
+
+/// What a relay ends with on an axis at `y`, whose velocity stays `v`.
+fn relayed(y: f32, v: f32) -> Progress {
+    let mut commissioning = Commissioning::new(design());
+    let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, (y - 0.5).signum());
+    for _ in 0..2000 {
+        let progress = commissioning.relay(relay, y, v);
+        let (Progress::Command(_), Stage::Relaying(next)) = (progress, &commissioning.stage) else {
+            return progress;
+        };
+        relay = *next;
+    }
+    panic!("a relay has an end");
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn an_axis_that_disobeys_is_blocked_where_it_stands_and_has_a_stuck_valve_otherwise() {
+    // Less than 0.02 per s is no motion; at an end of the travel an open valve may hold the axis.
+    for (y, v, reason) in [
+        (0.51, 0.0, Reason::Blocked),
+        (0.51, 0.019, Reason::Blocked),
+        (0.51, -0.019, Reason::Blocked),
+        (0.51, 0.021, Reason::ValveStuck),
+        (0.51, -0.021, Reason::ValveStuck),
+        (0.995, 0.0, Reason::ValveStuck),
+        (0.005, 0.0, Reason::ValveStuck),
+    ] {
+        assert_eq!(relayed(y, v), Progress::Failed(reason), "{y} {v}");
+    }
+}
+
+#[test]
+fn half_a_period_has_twelve_points_unless_that_is_less_than_one_in_10_ms() {
+    let pi = core::f32::consts::PI;
+    // What is known of the frequency takes the place of the half period that the relay found.
+    for (known, half, exact, spacing) in [
+        (None, 0.06, 0.06, 0.06 / 12.0),
+        (None, 0.24, 0.24, 0.01),
+        (Some(pi / 0.06), 0.24, 0.06, 0.06 / 12.0),
+    ] {
+        let mut design = design();
+        design.frequency = known;
+        let mut commissioning = Commissioning::new(design);
+        let progress = commissioning.begin_search(half, 0.5);
+        assert_eq!(progress, Progress::Command(0.0));
+        let [stride, frequency, _] = commissioning.first_guess.expect("a first guess");
+        assert!((stride * STEP / spacing - 1.0).abs() < 1e-5, "{stride}");
+        assert!((frequency * exact / pi - 1.0).abs() < 1e-5, "{frequency}");
     }
 }

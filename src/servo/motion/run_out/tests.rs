@@ -151,3 +151,27 @@ fn what_keeps_its_limits_does_so_in_every_sample() {
     }
     assert!(counts.iter().all(|count| *count > 70), "{counts:?}");
 }
+
+#[test]
+fn a_motion_that_never_turns_stays_within_the_travel_where_its_end_does() {
+    let travel = Travel {
+        min: -50.0,
+        max: 100.0,
+    };
+    let run_out = RunOut { rate: 20.0 };
+    // `a = -rate v` is one pole: `v e^(-rate t)` goes by `v / rate`, 95 of 100 and 45 of 50.
+    for (velocity, within) in [
+        (0.0, true),
+        (1900.0, true),
+        (2100.0, false),
+        (-900.0, true),
+        (-1100.0, false),
+    ] {
+        let from = Motion {
+            position: 0.0,
+            velocity,
+            acceleration: -20.0 * velocity,
+        };
+        assert_eq!(run_out.stays_within(&from, &travel), within, "{velocity}");
+    }
+}
