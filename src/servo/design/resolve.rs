@@ -103,6 +103,10 @@ impl Config {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
+    use std::string::ToString;
+
     use super::*;
     use crate::servo::motion::Travel;
 
@@ -166,5 +170,38 @@ mod tests {
         let most = DELAY_MAX as f32;
         assert!(resolved(0.0) && resolved(most));
         assert!(!resolved(most + 0.5) && !resolved(-0.5));
+    }
+
+    #[test]
+    fn an_amplitude_is_more_than_nothing_and_at_most_the_full_command() {
+        let resolved = |amplitude: f32| {
+            let mut config = Config::new(1e-3, 25.0, TRAVEL);
+            config.excitation.amplitude = amplitude;
+            config.resolve()
+        };
+        for amplitude in [0.01, 1.0] {
+            assert!(resolved(amplitude).is_ok(), "{amplitude}");
+        }
+        for amplitude in [0.0, -0.5, 1.01, f32::NAN] {
+            let refused = matches!(
+                resolved(amplitude),
+                Err(Error::Setting(error)) if error.to_string().starts_with("excitation.amplitude")
+            );
+            assert!(refused, "{amplitude}");
+        }
+    }
+
+    #[test]
+    fn trends_are_settled_when_a_tenth_of_what_they_held_is_left() -> Result<(), Error> {
+        for (sample_time, w) in [(1e-3, 25.0), (5e-4, 25.0), (1e-3, 10.0)] {
+            let design = Config::new(sample_time, w, TRAVEL)
+                .resolve()?
+                .identification;
+            // Three equal poles, so many of their time constants later.
+            let x = design.settled as f32 * sample_time * design.trends_rate;
+            let left = libm::expf(-x) * (1.0 + x + 0.5 * x * x);
+            assert!((left - 0.1).abs() < 0.01, "{sample_time} {w}: {left}");
+        }
+        Ok(())
     }
 }

@@ -164,4 +164,32 @@ mod tests {
             assert_eq!(response.is_faint(), faint, "{shown}");
         }
     }
+
+    #[test]
+    fn a_share_that_is_explained_is_the_same_of_little_that_is_known() {
+        let (commanded, shown) = (300.0, 100.0);
+        for weight in [0.1_f32, 0.5, 1.0] {
+            // Both ways for as long: what is shown is the opposite, or a constant.
+            let squares = [weight * commanded * commanded, weight * shown * shown];
+            let opposite = Response {
+                weight,
+                squares,
+                product: -weight * commanded * shown,
+                ..Response::default()
+            };
+            let constant = Response {
+                weight,
+                squares,
+                shown: weight * shown,
+                ..Response::default()
+            };
+            for (response, exact) in [(opposite, 1.0), (constant, -1.0)] {
+                let found = response.mirrored();
+                assert!(
+                    (found - exact).abs() < 1e-5,
+                    "{weight}: {found}, not {exact}"
+                );
+            }
+        }
+    }
 }

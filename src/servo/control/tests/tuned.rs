@@ -1,8 +1,10 @@
 //! A controller that goes over to another model, and what it says of its friction.
 
+use crate::servo::control::estimator::Estimator;
 use crate::servo::control::tests::by_hand::{self, POLES};
+use crate::servo::design::EstimatorDesign;
 use crate::servo::model::Model;
-use crate::servo::motion::Motion;
+use crate::servo::motion::{Motion, Travel};
 
 #[test]
 fn poles_follow_a_drive_that_is_slower_and_the_observer_one_that_is_faster() {
@@ -73,5 +75,36 @@ fn friction_takes_all_of_the_drive_at_rest_and_its_own_in_motion() {
             let found = way * controller.friction_force();
             assert!((found - exact).abs() < 0.01, "{way} {velocity}: {found}");
         }
+    }
+}
+
+#[test]
+fn a_drive_is_as_much_faster_off_the_middle_as_its_chambers_are_stiffer() {
+    let model = Model::linear(625.0, 20.0, 1e6);
+    let d = 0.06;
+    let design = EstimatorDesign {
+        sample_time: 1e-3,
+        delay: 0,
+        travel: Travel {
+            min: 0.0,
+            max: 400.0,
+        },
+        dead_volume: d,
+    };
+    let mut estimator = Estimator::new(&design, model, POLES);
+    for share in [0.5, 0.8, 0.2, 0.0, 1.0] {
+        estimator.place(Motion::at(400.0 * share), core::iter::empty());
+        // Each chamber is a spring as stiff as it is short; both of half the travel are one.
+        let springs = 1.0 / (d + share) + 1.0 / (d + 1.0 - share);
+        let stiffer = springs * 0.5 * (d + 0.5);
+        let faster = estimator.frequency_ratio();
+        assert!(
+            (faster * faster / stiffer - 1.0).abs() < 1e-4,
+            "{share}: {faster}"
+        );
+        assert!(
+            (estimator.step().a1 / (625.0 * stiffer) - 1.0).abs() < 1e-4,
+            "{share}"
+        );
     }
 }

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::servo::monitoring::gaps::Gaps;
+use crate::servo::monitoring::obedience::{Found, Obedience};
 
 #[test]
 fn half_of_the_readings_may_be_missing() {
@@ -72,5 +73,32 @@ fn what_a_valve_was_moved_by_fades_within_a_window() {
     for samples in [2, 20, 200] {
         let exact = first * libm::powf(1.0 - bounds.share, (samples - 1) as f32);
         assert!((moved(samples) / exact - 1.0).abs() < 2e-2, "{samples}");
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn a_valve_is_open_by_itself_beyond_three_expectations_and_twice_the_slack() {
+    let observer = &design().supervision.validation.observer;
+    let model = Model::linear(400.0, 20.0, 1e6);
+    let bounds = Bounds::new(&monitoring(), &model);
+    let open = Found::Disobeys(Reason::ValveStuck);
+    for command in [0.3_f32, -0.3] {
+        // What a steady motion displaces within the window that forgets.
+        let expected = 1e-3 * bounds.gain * command.abs() / bounds.share;
+        for (share, found) in [(0.9, Found::Nothing), (1.1, open)] {
+            let faster = 3.0 + share * 2.0 * bounds.slack / expected;
+            let mut twin = Twin::new(&monitoring(), observer, model);
+            twin.place(Motion::at(0.0), 0.0);
+            let (mut obedience, mut y) = (Obedience::default(), 0.0);
+            let ends = (0..3000).find_map(|_| {
+                twin.update(y, command, &bounds);
+                let velocity = faster * twin.velocity();
+                y += 1e-3 * velocity;
+                let found = obedience.update(&twin, velocity, false, &bounds);
+                (found != Found::Nothing).then_some(found)
+            });
+            assert_eq!(ends.unwrap_or(Found::Nothing), found, "{command} {share}");
+        }
     }
 }

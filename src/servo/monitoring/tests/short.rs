@@ -180,3 +180,28 @@ fn a_light_drive_rings_after_its_fastest_motion() {
         assert_eq!(held.update(0.0, -1.0, -20.0, &bounds), None);
     }
 }
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn a_velocity_that_changes_may_be_late_by_as_many_of_its_changes_as_samples() {
+    let bounds = example::bounds(&MODEL);
+    // It changes by 400 per sample: half of the delay of 2 ms and a sample are 2 of them.
+    let tolerance = bounds.drift + 0.3 * 600.0 + 2.0 * 400.0;
+    for side in [1.0, -1.0] {
+        let lacks = |share: f32| {
+            let expected = |t: f32| {
+                let sample = (1e3 * t + 0.5) as u32;
+                side * if sample.is_multiple_of(2) {
+                    800.0
+                } else {
+                    400.0
+                }
+            };
+            let measured = side * (600.0 - share * tolerance);
+            alarm(&bounds, expected, move |_| measured).map(|(_, short)| short)
+        };
+        assert_eq!(lacks(0.99), None);
+        // So much of it is a motion the other way.
+        assert_eq!(lacks(1.05), Some(Short::Against));
+    }
+}

@@ -147,6 +147,12 @@ fn better_is_a_smaller_error_by_a_share_and_by_what_it_explains() -> Result<(), 
     // By what it explains of a large movement.
     assert!(design.is_better(0.0, 1.0, 0.99 / least));
     assert!(!design.is_better(0.0, 1.0, 1.01 / least));
+    // By the difference, whatever is left of both.
+    let left = 0.5 * ratio;
+    for (share, better) in [(0.99, true), (1.01, false)] {
+        let moved = share * (1.0 - left) / least;
+        assert_eq!(design.is_better(left, 1.0, moved), better, "{share}");
+    }
     for [sse, other] in [[f32::NAN, 1.0], [0.0, f32::NAN], [f32::INFINITY; 2]] {
         assert!(!design.is_better(sse, other, 1.0));
     }
