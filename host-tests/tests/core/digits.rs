@@ -123,7 +123,7 @@ fn spread(runs: &[Run], value: impl Fn(&Run) -> f64) -> [f64; 3] {
     [50, 90, 100].map(|share| values[(values.len() * share / 100).min(values.len() - 1)])
 }
 
-/// From a thousandth of the way in a tenth of a second to three times that way.
+/// Digits over the way in a tenth of a second.
 const SHARES: [[f64; 2]; 5] = [
     [1e-4, 1e-3],
     [1e-3, 1e-2],
