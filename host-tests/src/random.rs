@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 
 use chacha20::ChaCha8Rng;
-use rand::{SeedableRng, TryRng};
+use rand::{RngExt, SeedableRng, TryRng};
 
 /// ChaCha with 8 rounds: its stream is the same on every machine, and a copy goes on where the
 /// original stood.
@@ -17,6 +17,12 @@ impl Random {
         random.0.set_stream(stream);
         random
     }
+}
+
+/// A number from `low` to `high`, its logarithm as likely everywhere.
+pub fn log_uniform(random: &mut Random, low: f64, high: f64) -> f64 {
+    let part: f64 = random.random();
+    low * (high / low).powf(part)
 }
 
 impl Clone for Random {

@@ -21,12 +21,6 @@ const BANDWIDTH: f32 = 20.0;
 /// Sample time unless stated otherwise \[s\].
 const DT: f64 = 0.001;
 
-/// Errors of C, omega0, xi of (a1, a2, b0, ..) against a servo; infinite where there is no reading.
-fn errors(theta: &[f32], truth: &Servo) -> [f64; 3] {
-    let [a1, a2, b0] = [theta[0], theta[1], theta[2]].map(f64::from);
-    Servo::from_coefficients(a1, a2, b0).map_or([f64::INFINITY; 3], |s| s.error_pct(truth))
-}
-
 /// The default filter for the servo, or for another bandwidth given.
 fn trends(bandwidth: f32) -> FilteredTrends<3> {
     FilteredTrends::for_bandwidth(Scheme::Tustin, DT as f32, bandwidth)
@@ -50,7 +44,7 @@ fn ending<T: TrendOperator<3>, const N: usize>(
     for s in record.samples() {
         let _ = identifier.update(s.u as f32, s.y as f32);
     }
-    errors(&identifier.theta(), &REFERENCE)
+    Servo::errors_of(&identifier.theta(), &REFERENCE)
 }
 
 /// Filtered trends for raw ones.
@@ -126,8 +120,8 @@ pub fn dead_zone(seed: u64) -> Pair {
         let _ = valve.identify(&mut with, s.u as f32, s.y as f32);
     }
     [
-        errors(&without.theta(), &REFERENCE),
-        errors(&with.theta(), &REFERENCE),
+        Servo::errors_of(&without.theta(), &REFERENCE),
+        Servo::errors_of(&with.theta(), &REFERENCE),
     ]
 }
 
@@ -191,7 +185,7 @@ pub fn retuned(seed: u64) -> Pair {
             let _ = tuned.retune_to(omega0);
         }
     }
-    [fixed, tuned].map(|identifier| errors(&identifier.theta(), &REFERENCE))
+    [fixed, tuned].map(|identifier| Servo::errors_of(&identifier.theta(), &REFERENCE))
 }
 
 /// A delay that is found.
@@ -208,7 +202,9 @@ pub fn banked(seed: u64) -> Pair {
         let _ = bank.update_inputs([s.u as f32], s.y as f32);
     }
     let read = |identifier: Option<&trendid::Servo<7>>| {
-        identifier.map_or([f64::INFINITY; 3], |i| errors(&i.theta(), &REFERENCE))
+        identifier.map_or([f64::INFINITY; 3], |i| {
+            Servo::errors_of(&i.theta(), &REFERENCE)
+        })
     };
     [read(bank.candidate(0)), read(bank.chosen())]
 }
@@ -247,7 +243,7 @@ pub fn exact(seed: u64) -> Pair {
         }
     }
     [
-        errors(&without.theta(), &truth),
-        errors(&with.theta(), &truth),
+        Servo::errors_of(&without.theta(), &truth),
+        Servo::errors_of(&with.theta(), &truth),
     ]
 }

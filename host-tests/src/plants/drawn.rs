@@ -8,7 +8,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::random::Random;
+use crate::random::{Random, log_uniform};
 use rand::{RngExt, SeedableRng};
 
 use crate::plants::linear::{Input, LinearPlant};
@@ -94,11 +94,6 @@ impl DrawnRecord {
     pub fn zeros(&self) -> usize {
         self.b.len() - 1
     }
-}
-
-fn log_uniform(rng: &mut Random, low: f64, high: f64) -> f64 {
-    let part: f64 = rng.random();
-    low * (high / low).powf(part)
 }
 
 /// A denominator around a rate \[rad/s\] with the distances of its poles from zero.

@@ -55,6 +55,14 @@ impl Servo {
         }
     }
 
+    /// Errors as of [`error_pct`](Self::error_pct) of what (a1, a2, b0, ..) read as; infinite
+    /// where there is no reading.
+    pub fn errors_of(theta: &[f32], truth: &Self) -> [f64; 3] {
+        let [a1, a2, b0] = [theta[0], theta[1], theta[2]].map(f64::from);
+        Self::from_coefficients(a1, a2, b0)
+            .map_or([f64::INFINITY; 3], |found| found.error_pct(truth))
+    }
+
     /// Relative errors of `C`, `w0`, `xi` against `truth` \[%\], signed.
     pub fn error_pct(&self, truth: &Self) -> [f64; 3] {
         [

@@ -6,6 +6,7 @@ use trendid::trends::{FilteredTrends, Hold, Scheme};
 use trendid::{Config, Identifier, Outcome, Structure};
 use trendid_host_tests::endurance::motion::{Commands, Motion};
 use trendid_host_tests::plants::valve::FrictionDrive;
+use trendid_host_tests::random::log_uniform;
 use trendid_host_tests::signals::noise::{Stream, generator};
 
 type WithDelay<const D: usize> = Identifier<FilteredTrends<2>, 2, 4, 2, D>;
@@ -126,7 +127,7 @@ fn no_command_is_missing_where_an_axis_is_set_free() {
 fn drawn(seed: u64, memory: Option<f32>, rest: f64) -> [f64; 3] {
     let mut random = generator(seed, Stream::Excitation);
     let mut noise = generator(seed, Stream::White);
-    let mut within = |low: f64, high: f64| low * (high / low).powf(random.random::<f64>());
+    let mut within = |low: f64, high: f64| log_uniform(&mut random, low, high);
     let bandwidth = within(10.0, 40.0);
     let b = 100.0 * bandwidth;
     let c = within(0.05, 0.4) * b;
@@ -219,7 +220,7 @@ fn sticks_of_any_length_teach_little() {
 fn held_for_a_minute(seed: u64, memory: Option<f32>) -> ([f64; 3], f64) {
     let mut random = generator(seed, Stream::Excitation);
     let mut noise = generator(seed, Stream::White);
-    let mut within = |low: f64, high: f64| low * (high / low).powf(random.random::<f64>());
+    let mut within = |low: f64, high: f64| log_uniform(&mut random, low, high);
     let bandwidth = within(10.0, 40.0);
     let b = 2500.0 * bandwidth;
     let c = within(0.02, 0.1) * b;

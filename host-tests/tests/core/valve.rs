@@ -18,8 +18,7 @@ fn trends<const M: usize>() -> FilteredTrends<M> {
 }
 
 fn errors(theta: &[f32]) -> [f64; 3] {
-    let [a1, a2, b0] = [theta[0], theta[1], theta[2]].map(f64::from);
-    Servo::from_coefficients(a1, a2, b0).map_or([f64::INFINITY; 3], |s| s.error_pct(&REFERENCE))
+    Servo::errors_of(theta, &REFERENCE)
 }
 
 fn worst(e: [f64; 3]) -> f64 {

@@ -63,8 +63,7 @@ fn each(condition: Condition) -> [Spread; 3] {
         let record = Experiment::reference(condition, DURATION).record(seed);
         let config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
         let theta = own_numerators(&config, &record, 3).unwrap().theta();
-        let [a1, a2, b0] = [0, 1, 2].map(|i| f64::from(theta[i]));
-        Servo::from_coefficients(a1, a2, b0).map_or([f64::INFINITY; 3], |s| s.error_pct(&REFERENCE))
+        Servo::errors_of(&theta, &REFERENCE)
     };
     [
         Spread::of("  default", core(Filter::Default)),
