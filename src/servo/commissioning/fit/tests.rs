@@ -47,6 +47,7 @@ fn run(fit: &mut Fit, record: &Record) {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "many samples")]
 fn what_goes_on_finds_what_a_fit_of_all_points_finds() {
     for seed in 1..=40 {
         let (record, view, truth) = record(seed, 300);

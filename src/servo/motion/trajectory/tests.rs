@@ -181,6 +181,7 @@ fn watch(reference: &mut Trajectory, samples: usize) {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "many samples")]
 fn a_sine_continues_the_motion_within_the_limits() {
     for interrupted in 17..330 {
         let mut reference = standing_at(40.0, LIMITS);
