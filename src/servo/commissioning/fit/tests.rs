@@ -114,3 +114,42 @@ fn a_pass_adds_nothing_before_its_correction_has_settled() {
         assert_eq!(fit.settled, settled, "{correction}");
     }
 }
+
+#[test]
+fn a_pass_reads_nothing_behind_the_end_of_its_view() {
+    for reach in 1..=3 {
+        let [alone, followed] = [200, 260].map(|points| {
+            let (record, view, truth) = record(1, points);
+            let mut fit = Fit::new(true);
+            let view = View {
+                end: 200,
+                reach,
+                ..view
+            };
+            fit.begin(view, truth, 2.0);
+            run(&mut fit, &record);
+            fit
+        });
+        assert_eq!(alone, followed, "{reach}");
+    }
+}
+
+#[test]
+fn a_pass_that_takes_less_than_a_tenth_from_the_cost_is_the_last_one() {
+    let (_, view, truth) = record(1, 40);
+    for (cost, better, last, damping) in [
+        (0.89, true, false, 2e-3),
+        (0.91, true, true, 2e-3),
+        (1.01, false, false, 0.1),
+        (f32::NAN, false, false, 0.1),
+    ] {
+        let mut fit = Fit::new(true);
+        fit.begin(view, truth, 2.0);
+        (fit.best_sums.cost, fit.sums.cost) = (1.0, cost);
+        assert!(!fit.next_pass());
+        assert_eq!((fit.follows, fit.is_done(2)), (better, last), "{cost}");
+        assert!(fit.is_done(1), "there was one pass");
+        assert!((fit.damping / damping - 1.0).abs() < 1e-5, "{cost}");
+        assert_eq!(fit.best_sums.cost, if better { cost } else { 1.0 });
+    }
+}

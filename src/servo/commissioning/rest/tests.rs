@@ -101,3 +101,17 @@ fn a_code_that_no_noise_changes_is_a_twelfth_of_it_uncertain() {
     assert_eq!((still.run, still.drift, still.detection), (0, 0.0, 2e-4));
     assert!(!still.is_stuck(1_000_000, 1e-3), "a coarse code may stay");
 }
+
+#[test]
+fn the_longest_run_of_equal_positions_is_that_of_the_rest() {
+    // Codes about the middle, each of them in runs of one to four.
+    for (codes, longest) in [
+        ([0, 3, 0, -3, 3, -3, 0, 3, -3, 3], 1),
+        ([0, 3, 3, 3, -3, -3, 0, 0, 3, -3], 3),
+        ([3, 3, 3, -3, 0, -3, -3, 0, 3, 3], 5),
+    ] {
+        let y = |k: u32| 0.4 + RESOLUTION * codes[k as usize % 10] as f32;
+        let (still, samples) = found(y, TIME_STEP);
+        assert_eq!((samples, still.run), (50, longest), "{codes:?}");
+    }
+}
