@@ -213,6 +213,17 @@ mod tests {
     }
 
     #[test]
+    fn of_a_load_and_a_gain_that_promise_the_same_the_gain_is_changed() {
+        // Both lead to no error at all between the model in use and the next one.
+        let mut shares = [1.0; SIZE];
+        shares[USED] = 0.02;
+        (shares[3], shares[7]) = (0.4, 0.4);
+        let Best { model, apart, .. } = best(&MODEL, &shares, 2.0);
+        assert_eq!((model.a1, apart), (MODEL.a1, 0.0));
+        assert!(model.b0 > MODEL.b0);
+    }
+
+    #[test]
     fn what_no_change_explains_better_stays() {
         let own = best(&MODEL, &shares(0.0, 0.0), 2.0);
         assert_eq!((own.model, own.share, own.apart), (MODEL, 0.0, 0.0));
