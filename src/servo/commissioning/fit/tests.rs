@@ -153,3 +153,52 @@ fn a_pass_that_takes_less_than_a_tenth_from_the_cost_is_the_last_one() {
         assert_eq!(fit.best_sums.cost, if better { cost } else { 1.0 });
     }
 }
+
+#[test]
+fn the_first_three_points_after_a_start_do_not_count() {
+    let (_, view, truth) = record(1, 100);
+    let mut record = Record::new();
+    assert!(record.fix(1));
+    for k in 0..100 {
+        record.push(0.5 + 0.004 * (k as f32 - 50.0).max(0.0), 0.0);
+    }
+    let mut fit = Fit::new(true);
+    fit.begin(view, truth, 2.0);
+    while !fit.advance(&record, 50) {}
+    let points = 0..100 - view.beyond();
+    let moving = points.filter(|i| !Point::of(&record, *i, &view).rests);
+    assert_eq!(fit.sums.count as usize, moving.count() - 3);
+}
+
+#[test]
+fn what_must_be_seen_is_drawn_to_what_is_usual_and_the_delay_is_not() {
+    let (_, view, truth) = record(1, 40);
+    let found = Theta {
+        kappa: 2.0,
+        stiffening: 1.0,
+        ..truth
+    };
+    for (knows, usual) in [(true, 1.0), (false, 2.2)] {
+        let mut fit = Fit::new(knows);
+        fit.begin(view, found, 2.0);
+        for j in 0..PARAMETERS {
+            fit.best_sums.normal[j][j] = 1.0;
+            fit.best_sums.gradient[j] = 0.5;
+        }
+        (fit.best_sums.cost, fit.best_sums.count) = (1e-4, 100);
+        fit.factor();
+        let Some(Ending::Factored(gradient)) = fit.ending else {
+            panic!("{:?}", fit.ending);
+        };
+        let prior = fit.best_sums.prior(&scales(&found));
+        let best = found.to_array();
+        for (j, found) in gradient.into_iter().enumerate() {
+            let exact = match j {
+                5 | 7 => 0.5 - prior[j] * best[j],
+                8 => 0.5 - prior[j] * (1.0 - usual),
+                _ => 0.5,
+            };
+            assert!((found - exact).abs() < 1e-6, "{j}: {found}, not {exact}");
+        }
+    }
+}

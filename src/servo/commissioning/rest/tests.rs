@@ -85,6 +85,7 @@ fn a_movement_ends_the_rest_early() {
         // At once, with what little is known.
         let (still, samples) = found(|k| 0.5 + side * 0.1 * k as f32, TIME_STEP);
         assert_eq!(samples, 2);
+        assert!((still.drift / (side * 100.0) - 1.0).abs() < 1e-3);
         assert!(still.sigma > 0.0 && still.place.is_finite() && still.drift.is_finite());
     }
     // As long as 40 samples and 50 ms take, whatever the sample time.

@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::servo::commissioning::Commissioning;
+use crate::servo::commissioning::rest::Still;
 use crate::servo::commissioning::tests::design;
 
 const STEP: f32 = 1e-3;
@@ -128,5 +129,38 @@ fn half_a_period_has_twelve_points_unless_that_is_less_than_one_in_10_ms() {
         let [stride, frequency, _] = commissioning.first_guess.expect("a first guess");
         assert!((stride * STEP / spacing - 1.0).abs() < 1e-5, "{stride}");
         assert!((frequency * exact / pi - 1.0).abs() < 1e-5, "{frequency}");
+    }
+}
+
+#[test]
+fn a_first_movement_is_braked_from_its_side_and_its_way_is_known_to_open() {
+    for side in [1.0, -1.0] {
+        let mut commissioning = Commissioning::new(design());
+        commissioning.still = Still {
+            place: 0.5,
+            detection: 1e-3,
+            ..Still::default()
+        };
+        commissioning.stage = Stage::Probing(Probe::new(0));
+        let mut progress = Progress::Command(0.0);
+        for k in 1..=101 {
+            let Stage::Probing(probe) = commissioning.stage else {
+                panic!("it has not moved");
+            };
+            let y = if k > 100 { 0.5 + 0.01 * side } else { 0.5 };
+            progress = commissioning.probe(probe, y, false);
+        }
+        // Half as much again as the command 20 ms before, the other way whatever the sign.
+        let moved = 1.5 * 0.08;
+        let Progress::Command(command) = progress else {
+            panic!("{progress:?}");
+        };
+        assert!((command + 1.5 * moved).abs() < 1e-4, "{command}");
+        let Stage::Relaying(relay) = commissioning.stage else {
+            panic!("{:?}", commissioning.stage);
+        };
+        assert!(!relay.is_away(0.5) && (commissioning.still.since - moved).abs() < 1e-4);
+        let [own, other] = [side > 0.0, side < 0.0].map(|up| commissioning.standstill.push(up));
+        assert!((own - 1.5 * moved).abs() < 1e-4 && (other - own - 0.16).abs() < 1e-5);
     }
 }
