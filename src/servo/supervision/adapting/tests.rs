@@ -1,5 +1,7 @@
 //! Candidates beside a drive: what becomes of them in control.
 
+mod hidden;
+
 use super::*;
 use crate::servo::error::Error;
 use crate::servo::model::Model;

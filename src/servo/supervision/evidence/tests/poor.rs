@@ -59,6 +59,22 @@ fn a_model_that_explains_little_has_to_be_better_by_a_window_and_a_half() -> Res
 }
 
 #[test]
+fn half_of_the_movement_is_not_far_better_where_the_model_in_use_leaves_the_rest()
+-> Result<(), Error> {
+    let design = design()?;
+    // A third of a window, but more than a quarter of what the model in use leaves.
+    let window = window([0.9; bank::SIZE], 0.35);
+    let mut evidence = Evidence::NONE;
+    evidence.propose(&estimate(2.0));
+    for k in 1..=4 {
+        let verdict = after(&mut evidence, &design, &window);
+        let won = verdict.is_ok_and(|winner| winner.is_some());
+        assert_eq!(won, k == 4, "{k}");
+    }
+    Ok(())
+}
+
+#[test]
 fn a_loop_is_stronger_on_less_than_nine_tenths_of_the_velocity_gain() -> Result<(), Error> {
     let design = design()?;
     let window = window([0.9; bank::SIZE], 0.51);
