@@ -1,7 +1,7 @@
 //! Windows by hand: sums of squares, and what they decide.
 
-mod poor;
 mod sums;
+mod unexplained;
 
 use super::*;
 use crate::servo::config::Config;
