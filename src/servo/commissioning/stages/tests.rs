@@ -164,3 +164,28 @@ fn a_first_movement_is_braked_from_its_side_and_its_way_is_known_to_open() {
         assert!((own - 1.5 * moved).abs() < 1e-4 && (other - own - 0.16).abs() < 1e-5);
     }
 }
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn triangles_are_as_large_as_twice_the_largest_command_allows() {
+    for (amplitude, peak) in [(0.1, 0.05), (0.3, 0.15), (0.5, 0.25), (0.9, 0.25)] {
+        let mut design = design();
+        design.amplitude = amplitude;
+        let mut commissioning = Commissioning::new(design);
+        commissioning.still.detection = 1e-3;
+        commissioning.stage = Stage::Probing(Probe::new(0));
+        let (mut largest, mut before) = (0.0_f32, 0.0);
+        while let Stage::Probing(probe) = commissioning.stage {
+            let Progress::Command(command) = commissioning.probe(probe, 0.0, false) else {
+                panic!("it does not move");
+            };
+            largest = largest.max(command);
+            // The first triangle on one side.
+            if command < before && command < 0.0 {
+                break;
+            }
+            before = command;
+        }
+        assert!((largest - peak).abs() < 2e-3, "{amplitude}: {largest}");
+    }
+}
