@@ -203,3 +203,27 @@ fn what_must_be_seen_is_drawn_to_what_is_usual_and_the_delay_is_not() {
         }
     }
 }
+
+#[test]
+fn a_step_is_half_of_a_scale_at_most_or_a_whole_one() {
+    let (_, view, _) = record(1, 40);
+    let best = Theta::from_array([900.0, 18.0, 1800.0, 0.1, 0.01, 10.0, 8e-3, 20.0, 1.5]);
+    for side in [1.0, -1.0] {
+        let mut fit = Fit::new(true);
+        fit.begin(view, best, 2.0);
+        for j in 0..PARAMETERS {
+            fit.best_sums.normal[j][j] = 1.0;
+            fit.best_sums.gradient[j] = side * 1e7;
+        }
+        (fit.best_sums.cost, fit.best_sums.count) = (1e-4, 100);
+        fit.ending = Some(Ending::Judged);
+        while !fit.next_pass() {}
+        let (found, best) = (fit.found().to_array(), best.to_array());
+        // Stiffness, damping and gain are scales of their own, and may not change their sign.
+        for (j, scale) in scales(&fit.best).into_iter().enumerate() {
+            let part = side * (found[j] - best[j]) / scale;
+            let most = if j < 3 { 0.5 } else { 1.0 };
+            assert!((part - most).abs() < 1e-3, "{side} {j}: {part}");
+        }
+    }
+}

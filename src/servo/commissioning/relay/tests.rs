@@ -230,6 +230,24 @@ fn an_axis_that_is_fast_all_at_once_obeys_the_other_sign_before_it_is_far() {
 
 #[test]
 #[cfg_attr(miri, ignore = "many samples")]
+fn an_axis_that_is_near_keeps_its_sign_whatever_speed_it_gains_late() {
+    for side in [1.0, -1.0] {
+        for (away, turns) in [(0.01, false), (0.029, false), (0.031, true)] {
+            let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
+            let turned = (1..=230).any(|k| {
+                let v = if k < 165 { 0.0 } else { 0.2 * side };
+                match relay.update(0.5 + away * side, v, STEP, AMPLITUDE) {
+                    Relayed::Command { sign, .. } => sign < 0.0,
+                    other => panic!("{other:?}"),
+                }
+            });
+            assert_eq!(turned, turns, "{side} {away}");
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_has_turned_once_obeys_at_the_end_of_the_time() {
     for side in [1.0, -1.0] {
         let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);

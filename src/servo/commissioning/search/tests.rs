@@ -139,3 +139,41 @@ fn bounds_widen_by_six_tenths_between_the_second_and_the_third_second() {
         assert!(!accepted(time, 1.02 * 0.15 * slack), "{time}");
     }
 }
+
+#[test]
+fn starts_are_tried_until_one_follows_and_the_best_one_is_refined() {
+    let record = record(0.0);
+    let other = Theta { a2: 30.0, ..THETA };
+    let begun = || {
+        let mut search = Search::new(1e-3, 0.0, None);
+        search.begin(0, View::of(4e-3, 1e-5, 1.0), 1e-5, [20.0, 0.0]);
+        search
+    };
+    for (misfits, best, latest) in [
+        (&[0.03][..], 0, Some(THETA)),
+        (&[0.05, 0.5, 0.039], 2, Some(THETA)),
+        (&[0.5, 0.05, f32::NAN, 0.06], 1, Some(THETA)),
+        (&[0.5, 0.31, 0.4, 0.6], 1, None),
+    ] {
+        let mut search = begun();
+        for (k, misfit) in misfits.iter().enumerate() {
+            assert_eq!(search.phase == Phase::Refining, k == misfits.len());
+            search.started = Some(if k == best { THETA } else { other });
+            search.ranked(&record, k, *misfit);
+            let tries = (k + 1 < misfits.len()).then_some(Phase::Trying(k + 1));
+            assert_eq!(
+                search.phase,
+                tries.unwrap_or(Phase::Refining),
+                "{misfits:?}"
+            );
+        }
+        assert_eq!(search.best.map(|(theta, _)| theta), Some(THETA));
+        assert_eq!(search.latest().copied(), latest, "{misfits:?}");
+        assert_eq!(search.refusal(), None);
+    }
+    // No start that shows a drive: they are tried again.
+    let mut search = begun();
+    search.ranked(&record, 3, f32::NAN);
+    assert_eq!(search.phase, Phase::Trying(0));
+    assert_eq!(search.refusal(), Some(Reason::PoorFit));
+}
