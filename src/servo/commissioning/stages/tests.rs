@@ -189,3 +189,26 @@ fn triangles_are_as_large_as_twice_the_largest_command_allows() {
         assert!((largest - peak).abs() < 2e-3, "{amplitude}: {largest}");
     }
 }
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn an_axis_that_nothing_moves_is_blocked_where_its_code_changes_and_a_stuck_sensor_otherwise() {
+    for (changes, reason) in [(true, Reason::Blocked), (false, Reason::SensorStuck)] {
+        let mut commissioning = Commissioning::new(design());
+        let mut standstill = Standstill::new(0.5, 1e-3, 0.3, true);
+        let _ = standstill.update(0.5, !changes, 0.0, STEP, None);
+        while standstill.update(0.5, true, 0.4, STEP, None) != Standing::Exhausted {}
+        commissioning.standstill = standstill;
+        let progress = Progress::Command(0.1);
+        let found = commissioning.unless_unresponsive(Standing::Unresponsive, progress);
+        assert_eq!(found, Progress::Failed(reason));
+        for standing in [
+            Standing::Moved,
+            Standing::HeldByFriction,
+            Standing::Exhausted,
+        ] {
+            let found = commissioning.unless_unresponsive(standing, progress);
+            assert_eq!(found, progress, "{standing:?}");
+        }
+    }
+}
