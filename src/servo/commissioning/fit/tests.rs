@@ -116,6 +116,7 @@ fn a_pass_adds_nothing_before_its_correction_has_settled() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "many samples")]
 fn a_pass_reads_nothing_behind_the_end_of_its_view() {
     for reach in 1..=3 {
         let [alone, followed] = [200, 260].map(|points| {

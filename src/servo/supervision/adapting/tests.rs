@@ -248,3 +248,20 @@ fn the_largest_error_is_remembered_and_forgotten() -> Result<(), Error> {
     assert_eq!(supervisor.peak_error, 7.0);
     Ok(())
 }
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn the_first_look_at_an_estimate_is_behind_the_first_moments() -> Result<(), Error> {
+    let mut supervisor = installed()?;
+    let look = supervisor.design.look;
+    for (rejection, first) in [(3 * look - 2, 3 * look - 1), (3 * look - 1, 4 * look - 1)] {
+        supervisor.design.rejection = rejection;
+        supervisor.enter(State::Adapting);
+        let samples = (1..5 * look).find(|_| {
+            let _ = supervisor.update(&at(100.0));
+            supervisor.wants_candidate()
+        });
+        assert_eq!(samples, Some(first));
+    }
+    Ok(())
+}
