@@ -175,4 +175,20 @@ mod tests {
             assert!(!travel.may_have(position), "{position}");
         }
     }
+
+    #[test]
+    fn a_travel_has_a_length_and_ends_that_are_numbers() {
+        let is_one = |min: f32, max: f32| Travel { min, max }.check().is_ok();
+        assert!(is_one(-100.0, 300.0) && is_one(300.0, 300.5));
+        for (min, max) in [
+            (300.0, 300.0),
+            (300.0, -100.0),
+            (f32::NAN, 300.0),
+            (-100.0, f32::NAN),
+            (f32::NEG_INFINITY, 300.0),
+            (-100.0, f32::INFINITY),
+        ] {
+            assert!(!is_one(min, max), "{min} {max}");
+        }
+    }
 }

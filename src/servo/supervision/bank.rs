@@ -213,6 +213,33 @@ mod tests {
     }
 
     #[test]
+    fn the_errors_between_the_models_are_those_of_their_parabola() {
+        for (vertex, factor) in [(0.7_f32, 0.577), (1.0, 0.577), (2.3, 1.0), (3.4, 1.732)] {
+            let errors = core::array::from_fn(|k| {
+                let off = k as f32 - vertex;
+                0.3 + 0.8 * off * off
+            });
+            let found = least(&LOADS, LOAD_STEP, errors);
+            assert!((found.expected - 0.3).abs() < 1e-5, "{vertex}");
+            assert_eq!(found.nearest, errors[libm::roundf(vertex) as usize]);
+            let off = vertex - libm::roundf(vertex);
+            let between = factor * libm::expf(LOAD_STEP * off);
+            assert!((found.factor / between - 1.0).abs() < 0.01, "{vertex}");
+        }
+    }
+
+    #[test]
+    fn of_a_load_and_a_gain_that_promise_the_same_the_gain_is_changed() {
+        // Both lead to no error at all between the model in use and the next one.
+        let mut shares = [1.0; SIZE];
+        shares[USED] = 0.02;
+        (shares[3], shares[7]) = (0.4, 0.4);
+        let Best { model, apart, .. } = best(&MODEL, &shares, 2.0);
+        assert_eq!((model.a1, apart), (MODEL.a1, 0.0));
+        assert!(model.b0 > MODEL.b0);
+    }
+
+    #[test]
     fn what_no_change_explains_better_stays() {
         let own = best(&MODEL, &shares(0.0, 0.0), 2.0);
         assert_eq!((own.model, own.share, own.apart), (MODEL, 0.0, 0.0));

@@ -59,6 +59,9 @@ fn designed(servo: &bench::Loop, record: &Record) {
         .resolve()
         .expect("settings");
     assert_eq!(servo.settled, design.identification.settled);
+    // A code of the sensor is what the axis says.
+    let supervision = design.supervision.with_resolution(bench::SCALE);
+    assert_eq!(servo.supervisor.design.drift, supervision.drift);
     assert_eq!(servo.moves.run_out_rate, design.run_out_rate);
     // Poles of the bandwidth that the margins leave.
     let (bandwidth, margins) = (servo.controller().bandwidth(), servo.margins());

@@ -115,3 +115,117 @@ fn a_pass_adds_nothing_before_its_correction_has_settled() {
         assert_eq!(fit.settled, settled, "{correction}");
     }
 }
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn a_pass_reads_nothing_behind_the_end_of_its_view() {
+    for reach in 1..=3 {
+        let [alone, followed] = [200, 260].map(|points| {
+            let (record, view, truth) = record(1, points);
+            let mut fit = Fit::new(true);
+            let view = View {
+                end: 200,
+                reach,
+                ..view
+            };
+            fit.begin(view, truth, 2.0);
+            run(&mut fit, &record);
+            fit
+        });
+        assert_eq!(alone, followed, "{reach}");
+    }
+}
+
+#[test]
+fn a_pass_that_takes_less_than_a_tenth_from_the_cost_is_the_last_one() {
+    let (_, view, truth) = record(1, 40);
+    for (cost, better, last, damping) in [
+        (0.89, true, false, 2e-3),
+        (0.91, true, true, 2e-3),
+        (1.01, false, false, 0.1),
+        (f32::NAN, false, false, 0.1),
+    ] {
+        let mut fit = Fit::new(true);
+        fit.begin(view, truth, 2.0);
+        (fit.best_sums.cost, fit.sums.cost) = (1.0, cost);
+        assert!(!fit.next_pass());
+        assert_eq!((fit.follows, fit.is_done(2)), (better, last), "{cost}");
+        assert!(fit.is_done(1), "there was one pass");
+        assert!((fit.damping / damping - 1.0).abs() < 1e-5, "{cost}");
+        assert_eq!(fit.best_sums.cost, if better { cost } else { 1.0 });
+    }
+}
+
+#[test]
+fn the_first_three_points_after_a_start_do_not_count() {
+    let (_, view, truth) = record(1, 100);
+    let mut record = Record::new();
+    assert!(record.fix(1));
+    for k in 0..100 {
+        record.push(0.5 + 0.004 * (k as f32 - 50.0).max(0.0), 0.0);
+    }
+    let mut fit = Fit::new(true);
+    fit.begin(view, truth, 2.0);
+    while !fit.advance(&record, 50) {}
+    let points = 0..100 - view.beyond();
+    let moving = points.filter(|i| !Point::of(&record, *i, &view).rests);
+    assert_eq!(fit.sums.count as usize, moving.count() - 3);
+}
+
+#[test]
+fn what_must_be_seen_is_drawn_to_what_is_usual_and_the_delay_is_not() {
+    let (_, view, truth) = record(1, 40);
+    let found = Theta {
+        kappa: 2.0,
+        stiffening: 1.0,
+        ..truth
+    };
+    for (knows, usual) in [(true, 1.0), (false, 2.2)] {
+        let mut fit = Fit::new(knows);
+        fit.begin(view, found, 2.0);
+        for j in 0..PARAMETERS {
+            fit.best_sums.normal[j][j] = 1.0;
+            fit.best_sums.gradient[j] = 0.5;
+        }
+        (fit.best_sums.cost, fit.best_sums.count) = (1e4, 99);
+        fit.factor();
+        let Some(Ending::Factored(gradient)) = fit.ending else {
+            panic!("{:?}", fit.ending);
+        };
+        let prior = fit.best_sums.prior(&scales(&found));
+        let best = found.to_array();
+        for (j, found) in gradient.into_iter().enumerate() {
+            let exact = match j {
+                5 | 7 => 0.5 - prior[j] * best[j],
+                8 => 0.5 - prior[j] * (1.0 - usual),
+                _ => 0.5,
+            };
+            let error = (found / exact - 1.0).abs();
+            assert!(error < 1e-5, "{j}: {found}, not {exact}");
+        }
+    }
+}
+
+#[test]
+fn a_step_is_half_of_a_scale_at_most_or_a_whole_one() {
+    let (_, view, _) = record(1, 40);
+    let best = Theta::from_array([900.0, 18.0, 1800.0, 0.1, 0.01, 10.0, 8e-3, 20.0, 1.5]);
+    for side in [1.0, -1.0] {
+        let mut fit = Fit::new(true);
+        fit.begin(view, best, 2.0);
+        for j in 0..PARAMETERS {
+            fit.best_sums.normal[j][j] = 1.0;
+            fit.best_sums.gradient[j] = side * 1e7;
+        }
+        (fit.best_sums.cost, fit.best_sums.count) = (1e-4, 100);
+        fit.ending = Some(Ending::Judged);
+        while !fit.next_pass() {}
+        let (found, best) = (fit.found().to_array(), best.to_array());
+        // Stiffness, damping and gain are scales of their own, and may not change their sign.
+        for (j, scale) in scales(&fit.best).into_iter().enumerate() {
+            let part = side * (found[j] - best[j]) / scale;
+            let most = if j < 3 { 0.5 } else { 1.0 };
+            assert!((part - most).abs() < 1e-3, "{side} {j}: {part}");
+        }
+    }
+}

@@ -156,3 +156,19 @@ fn no_code_for_as_long_as_the_first_triangles_take_is_a_sensor_that_is_stuck() {
         }
     }
 }
+
+#[test]
+fn an_axis_that_moves_at_once_is_moved_by_the_command_of_now() {
+    // What came 20 ms before was none.
+    let mut probe = Probe::new(0);
+    for _ in 0..10 {
+        let _ = probe.update(0.5, false, &still(), STEP, 1.0);
+    }
+    let Probed::Moved { sign, command } = probe.update(0.49, false, &still(), STEP, 1.0) else {
+        panic!("it has moved");
+    };
+    assert!(
+        sign == -1.0 && (command - 0.015).abs() < 1e-6,
+        "{sign} {command}"
+    );
+}

@@ -167,3 +167,30 @@ fn a_regression_that_begins_anew_knows_nothing_of_the_last_one() {
     assert_ne!(run(&first), alone);
     assert_eq!(run(&second), alone);
 }
+
+#[test]
+fn equations_begin_when_the_filters_have_settled_and_the_start_is_over() {
+    let view = View {
+        end: 100,
+        ..View::of(TIME, 1e-6, 1.0)
+    };
+    // At 55 per s and 4 ms: 18 points behind the begin, 5 behind the first one in motion.
+    for starts in [0, 8, 30] {
+        let mut record = Record::new();
+        assert!(record.fix(1));
+        for k in 0..100 {
+            let time = TIME * (k as f32 - starts as f32).max(0.0);
+            record.push(0.3 + 0.5 * time + 4.0 * time * time, 0.1);
+        }
+        let moving = (0..90).find(|i| !Point::of(&record, *i, &view).rests);
+        let moving = moving.expect("it moves");
+        assert!((starts..starts + 3).contains(&(moving + 1)), "{moving}");
+        let exact = 18.max(moving + 5);
+        let mut regression = Regression::new(2e-3, 1.5);
+        regression.begin(&record, view, 55.0, 0.02);
+        while regression.squares == 0.0 {
+            assert!(!regression.advance(&record, 1), "{starts}");
+        }
+        assert_eq!(regression.next - 1, exact, "{starts}");
+    }
+}

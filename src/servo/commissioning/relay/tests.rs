@@ -204,6 +204,70 @@ fn an_axis_that_coasts_outward_keeps_its_sign_and_one_that_gains_speed_does_not(
 
 #[test]
 #[cfg_attr(miri, ignore = "many samples")]
+fn an_axis_that_is_fast_all_at_once_obeys_the_other_sign_before_it_is_far() {
+    for side in [1.0, -1.0] {
+        // Looks every 30 or 31 ms: at 0.25 per s, behind 60 ms.
+        for (speed, begins, turns) in [
+            (0.24, 70, None),
+            (0.26, 70, Some(90)),
+            (0.26, 40, None),
+            (0.6, 100, Some(120)),
+        ] {
+            let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
+            let turned = (1..=140).find(|k| {
+                let v = if *k < begins { 0.0 } else { side * speed };
+                match relay.update(0.5 + 0.02 * side, v, STEP, AMPLITUDE) {
+                    Relayed::Command { sign, .. } => sign < 0.0,
+                    other => panic!("{other:?}"),
+                }
+            });
+            let near = |at: u32| turned.is_some_and(|k| (at..at + 4).contains(&k));
+            let as_told = turns.map_or(turned.is_none(), near);
+            assert!(as_told, "{side} {speed} {begins}: {turned:?}");
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn an_axis_that_is_near_keeps_its_sign_whatever_speed_it_gains_late() {
+    for side in [1.0, -1.0] {
+        for (away, turns) in [(0.01, false), (0.029, false), (0.031, true)] {
+            let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
+            let turned = (1..=230).any(|k| {
+                let v = if k < 165 { 0.0 } else { 0.2 * side };
+                match relay.update(0.5 + away * side, v, STEP, AMPLITUDE) {
+                    Relayed::Command { sign, .. } => sign < 0.0,
+                    other => panic!("{other:?}"),
+                }
+            });
+            assert_eq!(turned, turns, "{side} {away}");
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn an_axis_that_has_turned_once_obeys_at_the_end_of_the_time() {
+    for side in [1.0, -1.0] {
+        let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
+        let ended = (1..2000).find_map(|k| {
+            let place = if k < 120 { 0.01 } else { -0.01 };
+            match relay.update(0.5 + place * side, 0.0, STEP, AMPLITUDE) {
+                Relayed::Command { .. } => None,
+                other => Some((k, other)),
+            }
+        });
+        let Some((end, Relayed::Obeys { half, sign })) = ended else {
+            panic!("{ended:?}");
+        };
+        assert!((800..=802).contains(&end), "{end}");
+        assert!((half - 0.12).abs() < 1e-5 && sign == 1.0, "{half} {sign}");
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_gains_speed_for_ever_keeps_its_sign_for_a_fifth_of_a_second() {
     for side in [1.0, -1.0] {
         // Three looks of 30 or 31 ms: 0.028 per s, of which 0.02 are too many, or 0.019 at most.

@@ -85,6 +85,7 @@ fn a_movement_ends_the_rest_early() {
         // At once, with what little is known.
         let (still, samples) = found(|k| 0.5 + side * 0.1 * k as f32, TIME_STEP);
         assert_eq!(samples, 2);
+        assert!((still.drift / (side * 100.0) - 1.0).abs() < 1e-3);
         assert!(still.sigma > 0.0 && still.place.is_finite() && still.drift.is_finite());
     }
     // As long as 40 samples and 50 ms take, whatever the sample time.
@@ -100,4 +101,18 @@ fn a_code_that_no_noise_changes_is_a_twelfth_of_it_uncertain() {
     assert!((still.sigma / (RESOLUTION / libm::sqrtf(12.0)) - 1.0).abs() < 1e-3);
     assert_eq!((still.run, still.drift, still.detection), (0, 0.0, 2e-4));
     assert!(!still.is_stuck(1_000_000, 1e-3), "a coarse code may stay");
+}
+
+#[test]
+fn the_longest_run_of_equal_positions_is_that_of_the_rest() {
+    // Codes about the middle, each of them in runs of one to four.
+    for (codes, longest) in [
+        ([0, 3, 0, -3, 3, -3, 0, 3, -3, 3], 1),
+        ([0, 3, 3, 3, -3, -3, 0, 0, 3, -3], 3),
+        ([3, 3, 3, -3, 0, -3, -3, 0, 3, 3], 5),
+    ] {
+        let y = |k: u32| 0.4 + RESOLUTION * codes[k as usize % 10] as f32;
+        let (still, samples) = found(y, TIME_STEP);
+        assert_eq!((samples, still.run), (50, longest), "{codes:?}");
+    }
 }

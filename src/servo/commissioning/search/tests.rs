@@ -3,7 +3,10 @@
 use super::*;
 use crate::servo::commissioning::oracle::Dice;
 use crate::servo::commissioning::predictor::Prediction;
+use crate::servo::commissioning::sweep::Sweep;
+use crate::servo::commissioning::tests::design;
 use crate::servo::commissioning::verdict::tests::THETA;
+use crate::servo::commissioning::{Commissioning, Progress};
 
 /// An axis that stays, as a sensor sees it that is wrong by `noise` to either side.
 fn record(noise: f32) -> Record {
@@ -89,4 +92,88 @@ fn a_start_is_ranked_by_the_last_two_fifths_of_what_it_was_fitted_to() {
     let view = search.window(&record);
     expected.simulate(&record, view, theta, release);
     assert_eq!(search.simulation, expected.simulation);
+}
+
+/// Whether an estimate is accepted so many s after the begin that changed its gain by a share.
+fn accepted(time: f32, change: f32) -> bool {
+    let mut commissioning = Commissioning::new(design());
+    commissioning.time = time;
+    commissioning.record = record(0.0);
+    let search = &mut commissioning.search;
+    search.begin(0, View::of(4e-3, 1e-5, 1.0), 1e-5, [20.0, 0.0]);
+    let found = search.fit.found();
+    search.previous = Some(Theta {
+        b0: found.b0 / (1.0 + change),
+        ..found
+    });
+    search.std = [0.0; 4];
+    let view = search.window(&commissioning.record);
+    search.simulate(&commissioning.record, view, found, 200);
+    search.phase = Phase::Validating;
+    for _ in 0..400 {
+        let sweep = Sweep::new(0.5, 0.2, 0.03, 0.5, 1);
+        let progress = commissioning.sweep(sweep, 0.5, 0.0);
+        if let Some(refusal) = commissioning.search.refusal() {
+            assert_eq!(refusal, Reason::Uncertain);
+            return false;
+        }
+        if let Progress::Found(..) = progress {
+            return true;
+        }
+    }
+    panic!("a validation has an end");
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn bounds_widen_by_six_tenths_between_the_second_and_the_third_second() {
+    for (time, slack) in [
+        (0.5, 1.0),
+        (1.7, 1.0),
+        (2.05, 1.15),
+        (2.3, 1.3),
+        (2.8, 1.6),
+        (9.0, 1.6),
+    ] {
+        assert!(accepted(time, 0.98 * 0.15 * slack), "{time}");
+        assert!(!accepted(time, 1.02 * 0.15 * slack), "{time}");
+    }
+}
+
+#[test]
+fn starts_are_tried_until_one_follows_and_the_best_one_is_refined() {
+    let record = record(0.0);
+    let other = Theta { a2: 30.0, ..THETA };
+    let begun = || {
+        let mut search = Search::new(1e-3, 0.0, None);
+        search.begin(0, View::of(4e-3, 1e-5, 1.0), 1e-5, [20.0, 0.0]);
+        search
+    };
+    for (misfits, best, latest) in [
+        (&[0.03][..], 0, Some(THETA)),
+        (&[0.05, 0.5, 0.039], 2, Some(THETA)),
+        (&[0.5, 0.05, f32::NAN, 0.06], 1, Some(THETA)),
+        (&[0.5, 0.31, 0.4, 0.6], 1, None),
+    ] {
+        let mut search = begun();
+        for (k, misfit) in misfits.iter().enumerate() {
+            assert_eq!(search.phase == Phase::Refining, k == misfits.len());
+            search.started = Some(if k == best { THETA } else { other });
+            search.ranked(&record, k, *misfit);
+            let tries = (k + 1 < misfits.len()).then_some(Phase::Trying(k + 1));
+            assert_eq!(
+                search.phase,
+                tries.unwrap_or(Phase::Refining),
+                "{misfits:?}"
+            );
+        }
+        assert_eq!(search.best.map(|(theta, _)| theta), Some(THETA));
+        assert_eq!(search.latest().copied(), latest, "{misfits:?}");
+        assert_eq!(search.refusal(), None);
+    }
+    // No start that shows a drive: they are tried again.
+    let mut search = begun();
+    search.ranked(&record, 3, f32::NAN);
+    assert_eq!(search.phase, Phase::Trying(0));
+    assert_eq!(search.refusal(), Some(Reason::PoorFit));
 }

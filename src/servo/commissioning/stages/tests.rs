@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::servo::commissioning::Commissioning;
+use crate::servo::commissioning::rest::Still;
 use crate::servo::commissioning::tests::design;
 
 const STEP: f32 = 1e-3;
@@ -128,5 +129,86 @@ fn half_a_period_has_twelve_points_unless_that_is_less_than_one_in_10_ms() {
         let [stride, frequency, _] = commissioning.first_guess.expect("a first guess");
         assert!((stride * STEP / spacing - 1.0).abs() < 1e-5, "{stride}");
         assert!((frequency * exact / pi - 1.0).abs() < 1e-5, "{frequency}");
+    }
+}
+
+#[test]
+fn a_first_movement_is_braked_from_its_side_and_its_way_is_known_to_open() {
+    for side in [1.0, -1.0] {
+        let mut commissioning = Commissioning::new(design());
+        commissioning.still = Still {
+            place: 0.5,
+            detection: 1e-3,
+            ..Still::default()
+        };
+        commissioning.stage = Stage::Probing(Probe::new(0));
+        let mut progress = Progress::Command(0.0);
+        for k in 1..=101 {
+            let Stage::Probing(probe) = commissioning.stage else {
+                panic!("it has not moved");
+            };
+            let y = if k > 100 { 0.5 + 0.01 * side } else { 0.5 };
+            progress = commissioning.probe(probe, y, false);
+        }
+        // Half as much again as the command 20 ms before, the other way whatever the sign.
+        let moved = 1.5 * 0.08;
+        let Progress::Command(command) = progress else {
+            panic!("{progress:?}");
+        };
+        assert!((command + 1.5 * moved).abs() < 1e-4, "{command}");
+        let Stage::Relaying(relay) = commissioning.stage else {
+            panic!("{:?}", commissioning.stage);
+        };
+        assert!(!relay.is_away(0.5) && (commissioning.still.since - moved).abs() < 1e-4);
+        let [own, other] = [side > 0.0, side < 0.0].map(|up| commissioning.standstill.push(up));
+        assert!((own - 1.5 * moved).abs() < 1e-4 && (other - own - 0.16).abs() < 1e-5);
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn triangles_are_as_large_as_twice_the_largest_command_allows() {
+    for (amplitude, peak) in [(0.1, 0.05), (0.3, 0.15), (0.5, 0.25), (0.9, 0.25)] {
+        let mut design = design();
+        design.amplitude = amplitude;
+        let mut commissioning = Commissioning::new(design);
+        commissioning.still.detection = 1e-3;
+        commissioning.stage = Stage::Probing(Probe::new(0));
+        let (mut largest, mut before) = (0.0_f32, 0.0);
+        while let Stage::Probing(probe) = commissioning.stage {
+            let Progress::Command(command) = commissioning.probe(probe, 0.0, false) else {
+                panic!("it does not move");
+            };
+            largest = largest.max(command);
+            // The first triangle on one side.
+            if command < before && command < 0.0 {
+                break;
+            }
+            before = command;
+        }
+        assert!((largest - peak).abs() < 2e-3, "{amplitude}: {largest}");
+    }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn an_axis_that_nothing_moves_is_blocked_where_its_code_changes_and_a_stuck_sensor_otherwise() {
+    for (changes, reason) in [(true, Reason::Blocked), (false, Reason::SensorStuck)] {
+        let mut commissioning = Commissioning::new(design());
+        let mut standstill = Standstill::new(0.5, 1e-3, 0.3, true);
+        let _ = standstill.update(0.5, !changes, 0.0, STEP, None);
+        while standstill.update(0.5, true, 0.4, STEP, None) != Standing::Exhausted {}
+        commissioning.standstill = standstill;
+        let progress = Progress::Command(0.1);
+        let found = commissioning.unless_unresponsive(Standing::Unresponsive, progress);
+        assert_eq!(found, Progress::Failed(reason));
+        for standing in [
+            Standing::Moved,
+            Standing::HeldByFriction,
+            Standing::Exhausted,
+        ] {
+            let found = commissioning.unless_unresponsive(standing, progress);
+            assert_eq!(found, progress, "{standing:?}");
+        }
     }
 }

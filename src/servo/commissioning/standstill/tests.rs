@@ -4,6 +4,18 @@ use super::*;
 
 const STEP: f32 = 1e-3;
 
+const MODEL: Theta = Theta {
+    a1: 400.0,
+    a2: 20.0,
+    b0: 800.0,
+    dead_zone: 0.05,
+    offset: 0.01,
+    friction: 3.0,
+    delay: 0.01,
+    kappa: 0.0,
+    stiffening: 0.0,
+};
+
 /// Calls until a constant command is more than friction explains.
 fn until(
     standstill: &mut Standstill,
@@ -112,17 +124,7 @@ fn a_movement_begins_anew_and_what_friction_held_is_remembered() {
 #[test]
 #[cfg_attr(miri, ignore = "many samples")]
 fn a_model_says_what_friction_holds_and_when_motion_comes() {
-    let model = Theta {
-        a1: 400.0,
-        a2: 20.0,
-        b0: 800.0,
-        dead_zone: 0.05,
-        offset: 0.01,
-        friction: 3.0,
-        delay: 0.01,
-        kappa: 0.0,
-        stiffening: 0.0,
-    };
+    let model = MODEL;
     let fresh = Standstill::new(0.5, 1e-3, 0.1, true);
     for (command, flow) in [(0.3, 0.26), (-0.3, -0.24)] {
         // Five Coulomb frictions and two movements of the axis, then 2 rad of its frequency.
@@ -174,4 +176,38 @@ fn a_movement_is_of_the_other_sign_only_where_its_own_was_used_up_and_that_one_t
             assert_eq!(standstill.turned(), turned, "{upward} {used_up} {tried}");
         }
     }
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn the_drive_counts_from_where_it_was_furthest_the_other_way() {
+    let fresh = Standstill::new(0.5, 1e-3, 0.1, true);
+    for command in [0.3, -0.3] {
+        let (alone, _) = until(&mut fresh.clone(), command, Some(&MODEL)).expect("exhausted");
+        let mut standstill = fresh;
+        for _ in 0..alone / 2 {
+            let standing = standstill.update(0.5, true, -command, STEP, Some(&MODEL));
+            assert_eq!(standing, Standing::HeldByFriction);
+        }
+        let (calls, standing) = until(&mut standstill, command, Some(&MODEL)).expect("exhausted");
+        assert_eq!(standing, Standing::Exhausted);
+        assert!(
+            calls.abs_diff(alone) <= 1,
+            "{command}: {calls}, not {alone}"
+        );
+    }
+}
+
+#[test]
+fn a_swing_takes_a_period_and_more_where_damping_slows_it() {
+    let mut standstill = Standstill::new(0.5, 1e-3, 0.1, true);
+    for (a2, slower) in [(0.0, 0.0), (20.0, 0.05), (160.0, 0.4)] {
+        let model = Theta { a2, ..MODEL };
+        let exact = 0.01 + core::f32::consts::TAU / 20.0 + slower;
+        assert!((Known::of(&model, 1e-3).swing - exact).abs() < 1e-5, "{a2}");
+    }
+    // The longer one of model and relay, whose half periods are two of them.
+    standstill.inform(1.0);
+    let swing = standstill.known(Some(&MODEL)).swing;
+    assert!((swing - 2.0 - LATENESS).abs() < 1e-5, "{swing}");
 }

@@ -1,5 +1,7 @@
 //! The random levels on drives of all kinds, and by what they are drawn.
 
+mod turns;
+
 use super::*;
 
 const STEP: f32 = 1e-3;
@@ -250,14 +252,14 @@ fn an_axis_that_friction_holds_is_pushed_the_same_way_until_it_is_used_up() {
 
 #[test]
 fn an_axis_beyond_the_band_begins_inwards_but_not_always() {
-    for (place, inward) in [(0.1, 1.0), (0.9, -1.0)] {
+    for (place, inward) in [(0.03, 1.0), (0.1, 1.0), (0.9, -1.0), (0.97, -1.0)] {
         let inwards = |attempt: &u32| {
             let mut sweep = Sweep::new(place, 0.1, 0.03, LIMIT, *attempt);
             inward * sweep.update(place, 0.0, 0.0, STEP) > 0.0
         };
         let count = (0..400).filter(inwards).count();
-        // 0.18 from the middle of a band of 0.15: in 0.95 of the draws. Of 400 these are 380, with
-        // a deviation of 4.4.
+        // 0.18 or 0.25 from the middle of a band of 0.15: in 0.95 of the draws. Of 400 these are
+        // 380, with a deviation of 4.4.
         assert!((362..=398).contains(&count), "{place}: {count}");
     }
 }

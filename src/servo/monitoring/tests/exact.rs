@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::servo::monitoring::gaps::Gaps;
+use crate::servo::monitoring::monitors::Monitors;
 use crate::servo::monitoring::obedience::{Found, Obedience};
 
 #[test]
@@ -13,6 +14,20 @@ fn half_of_the_readings_may_be_missing() {
     let mut gaps = Gaps::new(&half);
     assert!(!gaps.update(true), "exactly a half");
     assert!(gaps.update(true));
+}
+
+#[test]
+fn readings_that_fail_are_counted_and_most_of_them_are_too_many() {
+    let observer = design().supervision.validation.observer;
+    let mut monitors = Monitors::new(&monitoring(), &observer, MODEL);
+    // Every other one may fail for ever; what is missing alone has not failed.
+    for k in 0..200 {
+        assert!(!monitors.count_reading(k % 2 == 0, k % 2 == 0));
+    }
+    assert_eq!(monitors.counters().failed_readings, 100);
+    let many = (0..200).find(|_| monitors.count_reading(false, true));
+    assert!(many.is_some_and(|many| many < 50), "{many:?}");
+    assert_eq!(monitors.counters().failed_readings, 100);
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Candidates beside a drive: what becomes of them in control.
 
+mod hidden;
+
 use super::*;
 use crate::servo::error::Error;
 use crate::servo::model::Model;
@@ -244,5 +246,22 @@ fn the_largest_error_is_remembered_and_forgotten() -> Result<(), Error> {
     );
     let _ = supervisor.update(&sample(7.0));
     assert_eq!(supervisor.peak_error, 7.0);
+    Ok(())
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "many samples")]
+fn the_first_look_at_an_estimate_is_behind_the_first_moments() -> Result<(), Error> {
+    let mut supervisor = installed()?;
+    let look = supervisor.design.look;
+    for (rejection, first) in [(3 * look - 2, 3 * look - 1), (3 * look - 1, 4 * look - 1)] {
+        supervisor.design.rejection = rejection;
+        supervisor.enter(State::Adapting);
+        let samples = (1..5 * look).find(|_| {
+            let _ = supervisor.update(&at(100.0));
+            supervisor.wants_candidate()
+        });
+        assert_eq!(samples, Some(first));
+    }
     Ok(())
 }

@@ -67,6 +67,10 @@ fn nothing_is_an_alarm_before_the_loop_is_settled_or_a_variance_known() {
     // The first innovation is the usual one, however large.
     let mut detector = ChangeDetector::new(&DESIGN);
     assert_eq!(until(&mut detector, 100.0, true), None);
+    // No innovation is no change, nor is the first one after it.
+    let mut silent = ChangeDetector::new(&DESIGN);
+    assert_eq!(until(&mut silent, 0.0, true), None);
+    assert_eq!(until(&mut silent, 1.0, true), None);
     detector.restart();
     assert_eq!((detector.fast, detector.usual), (0.0, 0.0));
     assert_eq!(until(&mut detector, 1.0, true), None);

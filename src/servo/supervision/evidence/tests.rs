@@ -1,6 +1,7 @@
 //! Windows by hand: sums of squares, and what they decide.
 
 mod sums;
+mod unexplained;
 
 use super::*;
 use crate::servo::config::Config;
@@ -158,47 +159,6 @@ fn a_challenger_that_is_not_clearly_better_or_fits_poorly_is_refused() -> Result
     let small = window(POOR.map(|share| 0.1 * share), 0.0);
     let verdict = after(&mut evidence, &design, &small);
     assert_eq!(verdict, Err(Reason::NotBetter));
-    Ok(())
-}
-
-#[test]
-fn far_better_is_good_enough_after_a_window_more() -> Result<(), Error> {
-    let design = design()?;
-    // A quarter of the errors of the model in use, which leaves 0.6, and half of what moved.
-    let mut evidence = Evidence::NONE;
-    evidence.propose(&estimate(2.0));
-    let far = window(POOR, 0.14);
-    for _ in 0..2 {
-        assert_eq!(after(&mut evidence, &design, &far), Ok(None));
-    }
-    let found = after(&mut evidence, &design, &far);
-    assert_eq!(found, Ok(Some((estimate(2.0).model, [4.0, 9.0, 16.0]))));
-    Ok(())
-}
-
-#[test]
-fn a_model_that_explains_little_wins_by_many_windows_unless_it_makes_the_loop_stronger()
--> Result<(), Error> {
-    let design = design()?;
-    // All are astray, one of them less: by 0.39 in each, 1.5 in four.
-    let window = window([0.9; bank::SIZE], 0.51);
-    let mut evidence = Evidence::NONE;
-    evidence.propose(&estimate(2.0));
-    for _ in 0..3 {
-        assert_eq!(after(&mut evidence, &design, &window), Ok(None));
-    }
-    let verdict = after(&mut evidence, &design, &window);
-    assert_eq!(verdict, Ok(Some((estimate(2.0).model, [4.0, 9.0, 16.0]))));
-    let mut evidence = Evidence::NONE;
-    evidence.propose(&weak());
-    assert_eq!(after(&mut evidence, &design, &window), Err(Reason::PoorFit));
-    // One that explains them may.
-    let mut evidence = Evidence::NONE;
-    evidence.propose(&weak());
-    let poor = self::window(POOR, 0.01);
-    assert_eq!(after(&mut evidence, &design, &poor), Ok(None));
-    let verdict = after(&mut evidence, &design, &poor).unwrap_or(None);
-    assert_eq!(verdict.map(|(model, _)| model), Some(weak().model));
     Ok(())
 }
 
