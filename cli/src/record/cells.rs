@@ -22,7 +22,7 @@ const NAMED: usize = 20;
 const REPEATED: usize = 40;
 
 /// A cell as a terminal can show it, whatever bytes the file holds.
-fn printable(text: &str) -> String {
+pub(super) fn printable(text: &str) -> String {
     let shown = text.chars().take(REPEATED);
     let mut shown: String = shown
         .flat_map(|c| match c.is_control() {
@@ -114,7 +114,7 @@ pub(super) fn cell(
     row: &csv::StringRecord,
     c: usize,
 ) -> Result<f64, RecordError> {
-    let column = names[c].to_owned();
+    let column = printable(&names[c]);
     let Some(text) = row.get(c) else {
         return Err(RecordError::ShortLine {
             line,

@@ -95,6 +95,7 @@ impl Record {
         }
         let table = lines.columns(path, Some(clock.column), signals)?;
         let by_name = unit_of(&table.time);
+        let time = cells::printable(&table.time);
         let unit = match (clock.unit, by_name) {
             (Some(unit), _) | (None, Some((_, unit))) => unit,
             (None, None) => 1.0,
@@ -103,11 +104,11 @@ impl Record {
         let counts: Vec<f64> = columns.next().unwrap_or_default();
         let granted = match (clock.unit, by_name) {
             (Some(_), _) => None,
-            (None, Some((name, _))) => Some(format!("`{}` counts {name} by its name", table.time)),
-            (None, None) => cells::whole_seconds(&counts, &table.time),
+            (None, Some((name, _))) => Some(format!("`{time}` counts {name} by its name")),
+            (None, None) => cells::whole_seconds(&counts, &time),
         };
         let stamps: Vec<f64> = counts.iter().map(|t| unit * t).collect();
-        let timing = timing(&stamps, &table.numbers, &table.time)?;
+        let timing = timing(&stamps, &table.numbers, &time)?;
         let mut signals: Vec<Vec<f64>> = columns.collect();
         let (dt, jitter) = match timing {
             Timing::Regular(dt) => (dt, None),

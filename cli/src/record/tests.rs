@@ -193,6 +193,15 @@ fn control_bytes_are_not_repeated() {
 }
 
 #[test]
+fn a_name_over_two_lines_is_shown_in_one() {
+    let text = refusal("\"t\n[ms]\",u,y\n0,0,0\nx,0,0\n");
+    assert!(
+        text.contains("column `t\\n[ms]`") && !text.contains('\n'),
+        "{text}"
+    );
+}
+
+#[test]
 fn jitter_is_moved_to_equal_intervals_and_said() {
     let text = "t,y,u\n0,0,1\n1.1,2.2,0\n2,4,0\n2.9,5.8,1\n4,8,1\n";
     let found = parse(text, &["y", "u"]).unwrap();
