@@ -115,7 +115,7 @@ pub(crate) const DAMPING_VARIANCE_RATIO: f32 = 16.0;
 pub(crate) const DAMPING_MAX: f32 = 36.0;
 /// Largest dead zone and offset of a valve, as commands.
 pub(crate) const VALVE_MAX: f32 = 0.3;
-/// Part of the dead zone that a verified model may not know.
+/// Part of friction and dead zone that a verified model may not know.
 pub(crate) const UNKNOWN_PART: f32 = 0.5;
 /// Time constants in s of the innovation's variance: recent, and usual.
 pub(crate) const INNOVATION_FAST_TIME: f32 = 0.03;

@@ -102,11 +102,12 @@ impl Supervisor {
     }
 }
 
-/// By how much a model may be wrong about the position without being another one: what the flow of
-/// the part of its dead zone that nobody knows moves within 1/w0. Friction that holds the axis has
-/// ended the window; where the axis slides, the simulation has that of the model.
+/// By how much a model may be wrong about the position without being another one: the part of the
+/// friction and of the dead zone that nobody knows, as what the one holds against the stiffness and
+/// the flow of the other moves within 1/w0.
 fn unknown(model: &Model) -> f32 {
-    UNKNOWN_PART * model.b0 * model.dead_zone / (sqrt(model.a1) * model.a1)
+    let held = model.friction + model.b0 * model.dead_zone / sqrt(model.a1);
+    UNKNOWN_PART * held / model.a1
 }
 
 #[cfg(test)]

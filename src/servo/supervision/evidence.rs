@@ -7,9 +7,9 @@ use crate::servo::supervision::screening::{Candidate, UNKNOWN};
 use crate::servo::supervision::state::Reason;
 use crate::servo::supervision::validation::Sums;
 
-/// Part of the windows before that a new one leaves: those of some seconds decide, not those of an
-/// hour ago.
-const KEPT: f32 = 0.8;
+/// Part of earlier windows that a whole new one makes forgotten: those of some seconds decide, not
+/// those of an hour ago.
+const FORGOTTEN: f32 = 0.2;
 /// By how many windows a model of the bank is better than the model in use, and than the best
 /// change of the other number, before it becomes the challenger.
 const CHALLENGES: f32 = 0.5;
@@ -57,10 +57,10 @@ pub(crate) struct Challenger {
     /// Variances of a1, a2 and b0.
     pub(crate) variances: [f32; 3],
     needs: Needs,
-    /// Windows of its own, and the sums of their shares.
-    seen: f32,
+    /// Sums of its windows.
     own: f32,
     bank: [f32; bank::SIZE],
+    moved: f32,
 }
 
 impl Challenger {
@@ -69,9 +69,9 @@ impl Challenger {
             model,
             variances,
             needs,
-            seen: 0.0,
             own: 0.0,
             bank: [0.0; bank::SIZE],
+            moved: 0.0,
         }
     }
 }
@@ -83,20 +83,18 @@ impl Challenger {
 /// windows are added up, and decide together:
 ///
 /// ```text
-/// hidden       (flow of half of the dead zone in 1/w0 + what a grain at its begin makes of a simulation)^2, times samples
-/// share        (SSE - hidden) / (SSE - hidden + what moved), of what exceeds it: 0 is right, 1 is astray, by however much
-/// bank         shares of all windows, those before times 0.8; a model clearly better by 0.5 becomes the challenger
+/// share        SSE / (SSE + what moved): 0 is right, 1 is astray, by however much
+/// weight       rms of what moved over what hides a model: friction, dead zone, noise; at most 1, a whole window
+/// bank         shares of all windows, those before times 1 - 0.2 weight; a model clearly better by 0.5 becomes the challenger
 /// challenger   shares of its own windows: clearly better than the model in use by 0.8 in 2 or more (0.3 in 1 or more if it comes from the bank)
 /// lighter      after a heavier load 1.2 more in 4 windows more
 /// poor fit     as much again and 0.7 more in 2 windows more; not if the controller would become stronger by it
 /// clearly      less than 0.7 of the share of the other, and the difference exceeds a tenth of the windows
 /// ```
 ///
-/// An error that dead zone, noise and digits explain is one of no model: it is the same however
-/// small the motion is, and where the dead zone is wrong, the same in every window. A load or a gain
-/// that makes up for it in a slow motion would win however many windows it takes, and be wrong in
-/// the next fast one. So it counts for and against none; a model that leaves no more than that
-/// stays, whatever its windows.
+/// Friction and dead zone move the axis by the same however small the motion is, and noise and
+/// digits send a simulation off by the same, so that a small motion says less of the model, in
+/// proportion: it counts by its weight, and many small ones say what a large one says.
 ///
 /// A share is at most 1, so no window says more than one window can: a shock, a motion hundred
 /// times as large as those before, or a model that leaves all bounds, counts like any other. And no
@@ -125,9 +123,8 @@ impl Challenger {
 pub(crate) struct Evidence {
     /// Whether the last other load was a heavier one.
     loaded: bool,
-    /// Windows, and the sums of their shares, those before forgotten by and by.
-    seen: f32,
     sums: [f32; bank::SIZE],
+    moved: f32,
     challenger: Option<Challenger>,
 }
 
@@ -135,8 +132,8 @@ impl Evidence {
     /// Of no window.
     pub(crate) const NONE: Self = Self {
         loaded: false,
-        seen: 0.0,
         sums: [0.0; bank::SIZE],
+        moved: 0.0,
         challenger: None,
     };
 
@@ -148,8 +145,8 @@ impl Evidence {
 
     /// Forgets all windows.
     pub(crate) fn forget(&mut self) {
-        self.seen = 0.0;
         self.sums = [0.0; bank::SIZE];
+        self.moved = 0.0;
         self.challenger = None;
     }
 
@@ -174,18 +171,19 @@ impl Evidence {
 
     /// Adds the shares of a window. Cost: about 250 instructions.
     pub(crate) fn add(&mut self, window: &Sums) {
-        let shares = window.shares();
-        self.seen = KEPT * self.seen + 1.0;
-        for (sum, share) in self.sums.iter_mut().zip(shares.bank) {
-            *sum = KEPT * *sum + share;
+        let window = window.shares();
+        let kept = 1.0 - FORGOTTEN * window.weight;
+        self.moved = kept * self.moved + window.moved;
+        for (sum, sse) in self.sums.iter_mut().zip(window.bank) {
+            *sum = kept * *sum + sse;
         }
-        let (Some(challenger), Some(share)) = (&mut self.challenger, shares.challenger) else {
+        let (Some(challenger), Some(sse)) = (&mut self.challenger, window.challenger) else {
             return;
         };
-        challenger.seen += 1.0;
-        challenger.own += share;
-        for (sum, share) in challenger.bank.iter_mut().zip(shares.bank) {
-            *sum += share;
+        challenger.own += sse;
+        challenger.moved += window.moved;
+        for (sum, sse) in challenger.bank.iter_mut().zip(window.bank) {
+            *sum += sse;
         }
     }
 
@@ -203,10 +201,10 @@ impl Evidence {
             self.challenger = None;
         }
         if self.challenger.is_none() {
-            let best = bank::best(used, &self.sums, self.seen);
+            let best = bank::best(used, &self.sums, self.moved);
             let own = self.sums[bank::USED];
             let clear = own - best.share > CHALLENGES && best.apart > APART;
-            if clear && design.is_better(best.share, own, self.seen) {
+            if clear && design.is_better(best.share, own, self.moved) {
                 let variances = bank::variances(&best.model);
                 self.challenger = Some(Challenger::new(best.model, variances, OF_THE_BANK));
             }
@@ -224,13 +222,13 @@ impl Challenger {
         loaded: bool,
     ) -> Result<Option<Self>, Reason> {
         let incumbent = self.bank[bank::USED];
-        if !design.is_better(self.own, incumbent, self.seen) {
+        if !design.is_better(self.own, incumbent, self.moved) {
             return Err(Reason::NotBetter);
         }
-        let unexplained = (1.0 - design.min_r_squared_adapting) * self.seen;
+        let unexplained = (1.0 - design.min_r_squared_adapting) * self.moved;
         let fits = self.own < unexplained;
         let [of_errors, of_movement] = FAR;
-        let far = self.own < of_errors * incumbent && self.own < of_movement * self.seen;
+        let far = self.own < of_errors * incumbent && self.own < of_movement * self.moved;
         if !fits && is_weaker(&self.model, used) {
             return Err(Reason::PoorFit);
         }
@@ -248,13 +246,13 @@ impl Challenger {
             windows += LIGHTER.windows;
             better_by += LIGHTER.better_by;
         }
-        if self.seen < windows || incumbent - self.own < better_by {
+        if self.moved < windows || incumbent - self.own < better_by {
             return Ok(None);
         }
-        let simpler = bank::best(used, &self.bank, self.seen);
+        let simpler = bank::best(used, &self.bank, self.moved);
         let explains = simpler.share < unexplained;
         let may = explains || !fits && !is_weaker(&simpler.model, used);
-        if !may || design.is_better(self.own, simpler.share, self.seen) {
+        if !may || design.is_better(self.own, simpler.share, self.moved) {
             return Ok(Some(*self));
         }
         let model = simpler.model;

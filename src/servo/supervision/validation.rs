@@ -1,5 +1,6 @@
 //! A window of free simulation: how far models follow later samples on the commands alone.
 
+use crate::math::sqrt;
 use crate::servo::control::observer::Observer;
 use crate::servo::design::ValidationDesign;
 use crate::servo::model::Model;
@@ -95,35 +96,28 @@ pub(crate) struct Sums {
     pub(crate) challenger: Option<f32>,
     /// The position about its mean.
     pub(crate) moved: f32,
-    /// Errors up to which nothing is said of a model.
-    pub(crate) hidden: f32,
-}
-
-/// What models leave of a window: 0 is right, 1 is astray.
-pub(crate) struct Shares {
-    pub(crate) bank: [f32; bank::SIZE],
-    pub(crate) challenger: Option<f32>,
+    /// Its root over that of a whole window, at most 1.
+    pub(crate) weight: f32,
 }
 
 impl Sums {
-    /// Shares of the errors beyond what hides a model in these and the movement.
-    pub(crate) fn shares(&self) -> Shares {
-        let Self { moved, hidden, .. } = *self;
+    /// Shares of the errors in errors and movement, times the weight: 0 is right, the weight is
+    /// astray.
+    pub(crate) fn shares(&self) -> Self {
+        let Self { moved, weight, .. } = *self;
         let share = |sse: f32| {
-            if sse <= hidden {
-                return 0.0;
-            }
-            let beyond = sse - hidden;
-            // One that is not finite is astray.
-            if beyond < f32::INFINITY {
-                beyond / (beyond + moved)
-            } else {
-                1.0
-            }
+            weight
+                * if sse < f32::INFINITY {
+                    sse / (sse + moved)
+                } else {
+                    1.0
+                }
         };
-        Shares {
+        Self {
             bank: self.bank.map(share),
             challenger: self.challenger.map(share),
+            moved: weight,
+            weight,
         }
     }
 }
@@ -171,16 +165,17 @@ impl Window {
         self.samples >= self.window
     }
 
-    /// What it showed; `None` when the axis moved by less than `least` about its mean. Errors of
-    /// `hidden` rms or less say nothing of a model.
-    pub(crate) fn sums(&self, least: f32, hidden: f32) -> Option<Sums> {
+    /// What it showed; `None` when the axis moved by less than `least` about its mean. One that
+    /// moved by `whole` or more is a whole window.
+    pub(crate) fn sums(&self, least: f32, whole: f32) -> Option<Sums> {
         let count = self.samples as f32;
         let moved = self.squares - self.sum * self.sum / count;
+        let part = moved / (whole * whole * count);
         (moved > least * least * count).then(|| Sums {
             bank: self.bank.each_ref().map(|run| run.sse),
             challenger: self.challenger.as_ref().map(|run| run.sse),
             moved,
-            hidden: hidden * hidden * count,
+            weight: if part < 1.0 { sqrt(part) } else { 1.0 },
         })
     }
 

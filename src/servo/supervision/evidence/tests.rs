@@ -45,7 +45,7 @@ fn window(bank: [f32; bank::SIZE], challenger: f32) -> Sums {
         bank: bank.map(of_share),
         challenger: Some(of_share(challenger)),
         moved: 100.0,
-        hidden: 0.0,
+        weight: 1.0,
     }
 }
 

@@ -1,7 +1,6 @@
 //! Windows on drives of the bank: what each model leaves, and how much a window counts.
 
 use super::*;
-use crate::math::sqrt;
 use crate::servo::config::Config;
 use crate::servo::error::Error;
 use crate::servo::motion::Travel;
@@ -48,7 +47,7 @@ fn the_model_of_the_drive_leaves_least_whatever_it_is() -> Result<(), Error> {
         let sums = window.sums(0.0, 1.0).unwrap_or(Sums {
             bank: [f32::NAN; bank::SIZE],
             challenger: None,
-            hidden: f32::NAN,
+            weight: f32::NAN,
             moved: 0.0,
         });
         for (j, sum) in sums.bank.iter().enumerate() {
@@ -91,30 +90,30 @@ fn a_window_without_motion_shows_nothing() -> Result<(), Error> {
 }
 
 #[test]
-fn what_hides_a_model_grows_with_the_samples() -> Result<(), Error> {
+fn a_window_counts_by_its_motion_up_to_a_whole_one() -> Result<(), Error> {
     let window = seen(&USED, None, 4.0)?;
-    let found = window.sums(0.0, 0.5).map(|sums| sums.hidden);
-    assert_eq!(found, Some(0.25 * window.samples as f32));
+    let rms = rms(&window);
+    for (whole, weight) in [(0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (2.0, 0.5), (8.0, 0.125)] {
+        let found = window.sums(0.0, whole * rms).map(|sums| sums.weight);
+        let found = found.unwrap_or(f32::NAN);
+        assert!((found - weight).abs() < 1e-5, "{whole}: {found}");
+    }
     Ok(())
 }
 
 #[test]
-fn a_share_is_one_at_most_whatever_the_errors_and_none_of_what_is_hidden() {
+fn a_share_is_the_weight_at_most_whatever_the_errors() {
     let sums = Sums {
         bank: core::array::from_fn(|k| [0.0, 1.0, 3.0, 1e38, f32::INFINITY][k.min(4)]),
         challenger: Some(f32::NAN),
         moved: 1.0,
-        hidden: 0.0,
+        weight: 1.0,
     };
-    for (hidden, small) in [
-        (0.0, [0.0, 0.5, 0.75]),
-        (1.0, [0.0, 0.0, 2.0 / 3.0]),
-        (3.0, [0.0; 3]),
-    ] {
-        let shares = Sums { hidden, ..sums }.shares();
-        assert_eq!(shares.bank[..3], small);
-        assert!(shares.bank[3..].iter().all(|share| *share == 1.0));
-        assert_eq!(shares.challenger, Some(1.0));
+    for weight in [1.0, 0.5, 0.125] {
+        let shares = Sums { weight, ..sums }.shares();
+        assert_eq!(shares.bank[..3], [0.0, 0.5 * weight, 0.75 * weight]);
+        assert!(shares.bank[3..].iter().all(|share| *share == weight));
+        assert_eq!((shares.challenger, shares.moved), (Some(weight), weight));
     }
 }
 

@@ -12,25 +12,48 @@ fn earlier_windows_count_with_eight_tenths() {
         let exact = 0.8 * (0.8 * POOR[k] + GOOD[k]) + LOAD[k];
         assert!((sum - exact).abs() < 1e-5, "{k}: {sum}, not {exact}");
     }
-    assert!((evidence.seen - 2.44).abs() < 1e-6);
+    assert!((evidence.moved - 2.44).abs() < 1e-6);
     evidence.forget();
     assert_eq!(evidence, Evidence::NONE);
 }
 
 #[test]
-fn errors_that_are_hidden_count_for_and_against_no_model() -> Result<(), Error> {
+fn a_part_of_a_window_counts_and_forgets_by_its_weight() {
+    // Four quarters that show the same are one window, but for what the first ones forget.
+    let mut evidence = Evidence::NONE;
+    evidence.add(&alone(GOOD));
+    let quarter = Sums {
+        weight: 0.25,
+        ..alone(POOR)
+    };
+    for _ in 0..4 {
+        evidence.add(&quarter);
+    }
+    let kept = [0.95 * 0.95 * 0.95, 0.95 * 0.95, 0.95, 1.0];
+    let parts: f32 = kept.iter().map(|kept| 0.25 * kept).sum();
+    let whole = 0.95 * kept[0];
+    for (k, sum) in evidence.sums.iter().enumerate() {
+        let exact = whole * GOOD[k] + parts * POOR[k];
+        assert!((sum - exact).abs() < 1e-5, "{k}: {sum}, not {exact}");
+    }
+    assert!((evidence.moved - whole - parts).abs() < 1e-5);
+}
+
+#[test]
+fn a_challenger_wins_by_as_many_parts_as_make_its_windows() -> Result<(), Error> {
     let design = design()?;
-    // Whatever hides the errors of the model in use hides those of the load that would win.
-    let bank = LOAD;
-    let used = of_share(bank[bank::USED]);
-    for (hidden, wins) in [(0.0, true), (0.1 * used, true), (used, false)] {
-        let slow = Sums {
-            hidden,
-            ..window(bank, 0.0)
-        };
+    for (weight, parts) in [(1.0, 2), (0.5, 4), (0.25, 8), (0.125, 16)] {
         let mut evidence = Evidence::NONE;
-        let won = (0..100).any(|_| matches!(after(&mut evidence, &design, &slow), Ok(Some(_))));
-        assert_eq!(won, wins, "{hidden}");
+        evidence.propose(&estimate(2.0));
+        let part = Sums {
+            weight,
+            ..window(POOR, 0.01)
+        };
+        for k in 1..=parts {
+            let found = after(&mut evidence, &design, &part);
+            let won = found.is_ok_and(|winner| winner.is_some());
+            assert_eq!(won, k == parts, "{weight}: part {k}");
+        }
     }
     Ok(())
 }
@@ -51,13 +74,13 @@ fn a_share_of_the_windows_is_that_of_the_errors_in_errors_and_motion() {
         ],
         challenger: Some(100.0),
         moved: 100.0,
-        hidden: 0.0,
+        weight: 1.0,
     };
     let shares = window.shares();
     for (share, exact) in shares.bank.iter().zip([0.0, 0.2, 0.5, 0.75, 1.0, 1.0, 1.0]) {
         assert!((share - exact).abs() < 1e-6, "{share}, not {exact}");
     }
-    assert_eq!(shares.challenger, Some(0.5));
+    assert_eq!((shares.challenger, shares.moved), (Some(0.5), 1.0));
 }
 
 #[test]
@@ -72,7 +95,7 @@ fn the_windows_of_a_challenger_are_added_up_without_those_before_it() {
     let Some(challenger) = evidence.challenger else {
         panic!("there is none");
     };
-    assert_eq!(challenger.seen, 2.0);
+    assert_eq!(challenger.moved, 2.0);
     assert!((challenger.own - 0.75).abs() < 1e-6);
     for (k, sum) in challenger.bank.iter().enumerate() {
         assert!((sum - GOOD[k] - LOAD[k]).abs() < 1e-6, "{k}: {sum}");
