@@ -43,6 +43,14 @@ fn ended(relay: &mut Relay, drive: &mut Drive) -> (Relayed, u32, f32) {
     (Relayed::Disobeys, 0, largest)
 }
 
+/// Whether the relay takes the other sign, of an axis that is at `y` and has the velocity `v`.
+fn reverses(relay: &mut Relay, y: f32, v: f32) -> bool {
+    match relay.update(y, v, STEP, AMPLITUDE) {
+        Relayed::Command { sign, .. } => sign < 0.0,
+        other => panic!("{other:?}"),
+    }
+}
+
 #[test]
 #[cfg_attr(miri, ignore = "many samples")]
 fn a_drive_that_obeys_is_braked_and_turned() {
@@ -216,10 +224,7 @@ fn an_axis_that_is_fast_all_at_once_obeys_the_other_sign_before_it_is_far() {
             let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
             let turned = (1..=140).find(|k| {
                 let v = if *k < begins { 0.0 } else { side * speed };
-                match relay.update(0.5 + 0.02 * side, v, STEP, AMPLITUDE) {
-                    Relayed::Command { sign, .. } => sign < 0.0,
-                    other => panic!("{other:?}"),
-                }
+                reverses(&mut relay, 0.5 + 0.02 * side, v)
             });
             let near = |at: u32| turned.is_some_and(|k| (at..at + 4).contains(&k));
             let as_told = turns.map_or(turned.is_none(), near);
@@ -236,10 +241,7 @@ fn an_axis_that_is_near_keeps_its_sign_whatever_speed_it_gains_late() {
             let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
             let turned = (1..=230).any(|k| {
                 let v = if k < 165 { 0.0 } else { 0.2 * side };
-                match relay.update(0.5 + away * side, v, STEP, AMPLITUDE) {
-                    Relayed::Command { sign, .. } => sign < 0.0,
-                    other => panic!("{other:?}"),
-                }
+                reverses(&mut relay, 0.5 + away * side, v)
             });
             assert_eq!(turned, turns, "{side} {away}");
         }
@@ -276,10 +278,7 @@ fn an_axis_that_gains_speed_for_ever_keeps_its_sign_for_a_fifth_of_a_second() {
             let turned = (1..=400).find(|k| {
                 let time = STEP * *k as f32;
                 let y = 0.5 + side * (0.04 + 0.5 * growth * time * time);
-                match relay.update(y, side * growth * time, STEP, AMPLITUDE) {
-                    Relayed::Command { sign, .. } => sign < 0.0,
-                    other => panic!("{other:?}"),
-                }
+                reverses(&mut relay, y, side * growth * time)
             });
             // With the first look after that time.
             let soon = turned.is_some_and(|k| (200..=232).contains(&k));

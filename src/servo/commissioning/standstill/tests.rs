@@ -124,13 +124,12 @@ fn a_movement_begins_anew_and_what_friction_held_is_remembered() {
 #[test]
 #[cfg_attr(miri, ignore = "many samples")]
 fn a_model_says_what_friction_holds_and_when_motion_comes() {
-    let model = MODEL;
     let fresh = Standstill::new(0.5, 1e-3, 0.1, true);
     for (command, flow) in [(0.3, 0.26), (-0.3, -0.24)] {
         // Five Coulomb frictions and two movements of the axis, then 2 rad of its frequency.
         let held: f32 = (5.0 * 3.0 + 2.0 * 1e-3 * 400.0) / 800.0;
         let needed = held.max(first(0.1)) + (0.01 + 2.0 / 20.0) * f32::abs(flow);
-        let (calls, _) = until(&mut fresh.clone(), command, Some(&model)).expect("exhausted");
+        let (calls, _) = until(&mut fresh.clone(), command, Some(&MODEL)).expect("exhausted");
         let drive = STEP * calls as f32 * f32::abs(flow);
         assert!(
             (drive / needed - 1.0).abs() < 0.01,
@@ -138,7 +137,7 @@ fn a_model_says_what_friction_holds_and_when_motion_comes() {
         );
     }
     for closed in [0.039, -0.059] {
-        assert_eq!(until(&mut fresh.clone(), closed, Some(&model)), None);
+        assert_eq!(until(&mut fresh.clone(), closed, Some(&MODEL)), None);
     }
     // Half a period says the same before there is a model.
     let mut informed = fresh;

@@ -31,10 +31,7 @@ fn step(motion: &mut Motion, drive: &Model, k: u32) -> Observation {
 /// Windows with `candidate` on `drive` until something comes of them; the event, and the samples of
 /// all windows.
 fn judged(supervisor: &mut Supervisor, drive: Model, candidate: Model) -> (Event, u32) {
-    let mut motion = Motion {
-        position: 200.0,
-        ..Motion::default()
-    };
+    let mut motion = Motion::at(200.0);
     supervisor.enter(State::Adapting);
     let mut samples = 0;
     for k in 0..20_000 {
@@ -114,10 +111,7 @@ fn another_load_is_found_without_an_estimate() -> Result<(), Error> {
         gain_variance: 1e3,
         ..certain(OTHER)
     };
-    let mut motion = Motion {
-        position: 200.0,
-        ..Motion::default()
-    };
+    let mut motion = Motion::at(200.0);
     let (mut event, mut k) = (Event::None, 0);
     while event == Event::None && k < 20_000 {
         let seen = step(&mut motion, &heavy, k);
@@ -149,10 +143,7 @@ fn a_winner_that_may_not_control_is_refused() -> Result<(), Error> {
         ..Model::linear(2500.0, 10.0, 2e6)
     };
     supervisor.evidence.reconsider(wild);
-    let mut motion = Motion {
-        position: 200.0,
-        ..Motion::default()
-    };
+    let mut motion = Motion::at(200.0);
     let mut event = Event::None;
     for k in 0..2000 {
         let seen = step(&mut motion, &wild, k);

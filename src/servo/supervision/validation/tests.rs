@@ -14,10 +14,7 @@ fn seen(drive: &Model, challenger: Option<Model>, per_second: f32) -> Result<Win
         max: 400.0,
     };
     let design = Config::new(1e-3, 30.0, travel).resolve()?.supervision;
-    let mut motion = Motion {
-        position: 200.0,
-        ..Motion::default()
-    };
+    let mut motion = Motion::at(200.0);
     let mut window = Window::new(&design.validation, &USED, challenger, motion, 0.0);
     let (mut ends, mut samples) = (false, 0);
     while !ends {

@@ -36,10 +36,7 @@ fn a_window_counts_by_its_motion_over_what_friction_and_drift_hide() -> Result<(
     supervisor.verified_model = Some(used);
     (supervisor.design.drift, supervisor.design.min_travel) = (1.0, 0.1);
     supervisor.window_due = true;
-    let mut motion = Motion {
-        position: 200.0,
-        ..Motion::default()
-    };
+    let mut motion = Motion::at(200.0);
     for k in 0..5000 {
         let seen = step(&mut motion, &used, k);
         let before = supervisor.window.clone();
