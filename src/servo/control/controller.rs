@@ -1,6 +1,5 @@
 //! State feedback over the delay on a verified model: feedforward, friction, inverse of the valve.
 
-use crate::error::positive;
 use crate::math::{sqrt, within};
 use crate::servo::control::anchor::Anchor;
 use crate::servo::control::estimator::Estimator;
@@ -11,8 +10,8 @@ use crate::servo::control::null::NullOffset;
 use crate::servo::control::poles::Poles;
 use crate::servo::control::rest::{RestDesign, RestWindow};
 use crate::servo::control::transfer::Transfer;
-use crate::servo::control::tuning::{OBSERVER_STEP, Tuning};
-use crate::servo::design::{ControllerDesign, TuningDesign};
+use crate::servo::control::tuning::Tuning;
+use crate::servo::design::ControllerDesign;
 use crate::servo::model::Model;
 use crate::servo::motion::{Motion, Setpoint};
 
@@ -61,10 +60,10 @@ pub struct Controller {
     pub(super) rest: RestWindow,
     /// Poles without derating with the natural frequency that they were found for, and the factor
     /// on their bandwidth.
-    poles: Poles,
-    found_for: f32,
-    margins: Option<Margins>,
-    factor: f32,
+    pub(super) poles: Poles,
+    pub(super) found_for: f32,
+    pub(super) margins: Option<Margins>,
+    pub(super) factor: f32,
     /// Natural frequency of the model in the middle.
     pub(super) frequency: f32,
     /// Whether friction can hold more than the sensor sees.
@@ -79,14 +78,8 @@ pub struct Controller {
     pub(super) transfer: Transfer,
 }
 
-/// Deflections `friction / a1` over resolution and noise from which friction counts as holding.
-const STICKY: f32 = 10.0;
 /// Integral action is frozen at rest within so many windows.
 const FROZEN: f32 = 1.5;
-/// Window over the deflection that friction holds, with room to rest in the dead zone and without.
-const WINDOW: [f32; 2] = [1.0, 0.2];
-/// Errors of dead zone and offset over their values, for the window without friction.
-const VALVE_ERROR: [f32; 2] = [0.3, 0.2];
 
 impl Controller {
     /// A controller on `model`, at rest in zero; searches its poles: not for the 1 ms path.
@@ -95,14 +88,6 @@ impl Controller {
         controller.search(&model);
         controller.tune(model);
         controller
-    }
-
-    /// Searches the poles for a model at once: not for the 1 ms path.
-    pub(crate) fn search(&mut self, model: &Model) {
-        let mut tuning = Tuning::new(&self.design.tuning, model);
-        while !tuning.step() {}
-        (self.poles, self.margins) = tuning.poles();
-        self.found_for = sqrt(model.a1);
     }
 
     /// A controller on `model` with these poles, at rest in zero.
@@ -137,61 +122,8 @@ impl Controller {
         controller
     }
 
-    /// Goes over to a model.
-    pub(super) fn tune(&mut self, model: Model) {
-        self.frequency = sqrt(model.a1);
-        let fastest = OBSERVER_STEP / self.design.estimator.sample_time;
-        let poles = self
-            .poles
-            .on(self.frequency / self.found_for, self.frequency, fastest);
-        self.estimator.tune(model, poles.derated(self.factor));
-        self.anchor.tune(poles.observer);
-        let deflection = model.friction / model.a1;
-        let grain = self.design.grain;
-        self.sticky = deflection > STICKY * grain;
-        if !self.sticky {
-            // From now on no position reaches it: a place still held would be held for ever.
-            self.anchor.restart();
-        }
-        let room = model.dead_zone > 0.3 * model.offset.abs() + 0.002;
-        let most = if self.sticky {
-            WINDOW[usize::from(!room)] * deflection
-        } else {
-            let [dead_zone, offset] = VALVE_ERROR;
-            let flow = dead_zone * model.dead_zone + offset * model.offset.abs();
-            2.0 * flow * model.b0 / (model.a1 * poles.bandwidth)
-        };
-        let least = self.design.rest_window;
-        self.rest.redesign(&RestDesign {
-            least,
-            most: if most > least { most } else { least },
-        });
-    }
-
-    /// Multiplies the bandwidth by a factor of 0 to 1 from the next sample on, bumpless.
-    pub(crate) const fn derate(&mut self, factor: f32) {
-        self.transfer.factor(factor);
-    }
-
-    /// Another verified model from the next sample on; ignored unless finite with a positive gain.
-    pub fn retune(&mut self, model: Model) {
-        if model.is_finite() && positive(model.b0) && positive(model.a1) {
-            self.transfer.model(model);
-        }
-    }
-
     pub(super) const fn sample_time(&self) -> f32 {
         self.design.estimator.sample_time
-    }
-
-    /// Goes over to other poles for the model in use at the next sample.
-    pub(crate) const fn replace_poles(&mut self, poles: Poles, margins: Option<Margins>) {
-        self.transfer.poles(poles, margins);
-    }
-
-    /// What a search for poles needs to know.
-    pub(crate) const fn tuning_design(&self) -> &TuningDesign {
-        &self.design.tuning
     }
 
     /// The command for a setpoint and a measured position; [`Controller::applied`] must follow.

@@ -7,6 +7,7 @@ pub(crate) mod compensator;
 pub(crate) mod controller;
 pub(crate) mod estimator;
 pub(crate) mod friction;
+mod gains;
 pub(crate) mod holding;
 mod hop;
 mod law;
