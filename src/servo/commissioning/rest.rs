@@ -2,7 +2,8 @@
 
 use crate::servo::design::constants::{CODE_CHANGING_NOISE, LEAST_RUN_TIME, STUCK_RUN_RATIO};
 
-/// Time in s and samples of rest.
+/// Time in s, for the drift, and samples of rest: a count, as so many second differences give the
+/// deviation of the noise to a sixth, however far apart they are.
 const TIME: f32 = 0.05;
 const SAMPLES: u32 = 40;
 /// Movement in travels that ends it early.

@@ -38,9 +38,11 @@ pub(crate) struct Anchor {
 /// band over that of one.
 const LATE_SHARE: f32 = 0.3;
 const LATE_BAND: f32 = 0.5;
-/// Samples of the mean.
+/// Samples of the mean: a count, as the noise of the place falls with its root whatever the sample
+/// time.
 const MEAN: u32 = 40;
-/// Time over that of the observer within which nothing moved, and the least number of samples.
+/// Time over that of the observer within which nothing moved, and the least number of samples:
+/// fewer within the band are chance, however far apart.
 const TIME_RATIO: f32 = 5.0;
 const SAMPLES_MIN: f32 = 6.0;
 
