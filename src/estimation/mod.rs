@@ -2,7 +2,7 @@
 
 mod factors;
 pub(crate) mod forgetting;
-mod loosening;
+mod inflation;
 pub(crate) mod mean_square;
 pub(crate) mod noise_level;
 pub(crate) mod postponed;

@@ -189,9 +189,9 @@ impl Postponed {
     }
 
     /// Begins to call the debt in; `left` is what forgetting for ever leaves of each P_jj. The
-    /// estimator has to be loosened N times before it takes the next row.
+    /// estimator has to be inflated N times before it takes the next row.
     pub(crate) fn call<const N: usize>(&mut self, estimator: &mut Estimator<N>, left: [f32; N]) {
-        estimator.begin_loosening(power(self.growth, self.owed), left);
+        estimator.begin_inflation(power(self.growth, self.owed), left);
         estimator.forget(true);
         (self.owed, self.wait) = (0, 0);
     }

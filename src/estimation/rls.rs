@@ -3,7 +3,7 @@
 mod memory;
 
 use crate::estimation::factors::{Factors, Row};
-use crate::estimation::loosening::Loosening;
+use crate::estimation::inflation::Inflation;
 use crate::estimation::mean_square::{MeanSquare, flush};
 use crate::estimation::two_words::TwoWords;
 
@@ -57,7 +57,7 @@ pub struct Estimator<const N: usize> {
     /// Weight of the samples in P.
     samples: f32,
     observation: Observation<N>,
-    loosening: Loosening<N>,
+    inflation: Inflation<N>,
 }
 
 /// An observation of one parameter whose last columns are not yet in P, and theta not yet moved.
@@ -93,7 +93,7 @@ impl<const N: usize> Estimator<N> {
             residual: MeanSquare::new(forgetting),
             samples: 0.0,
             observation: Observation::NONE,
-            loosening: Loosening::NONE,
+            inflation: Inflation::NONE,
         }
     }
 
@@ -125,10 +125,10 @@ impl<const N: usize> Estimator<N> {
     }
 
     /// Variance that P leaves of the innovation of the row `phi`, relative to the noise: phi' P
-    /// phi; while P is being loosened at least that.
+    /// phi; while P is being inflated at least that.
     #[inline(always)]
     pub(crate) fn spread(&self, phi: [f32; N]) -> f32 {
-        self.loosening.growth * self.factors.spread(phi)
+        self.inflation.growth * self.factors.spread(phi)
     }
 
     /// Corrects the estimate by `innovation` along the direction `z`.

@@ -4,7 +4,7 @@ use crate::estimation::postponed::Postponed;
 use crate::identifier::plan::Plan;
 use crate::identifier::row::{Noise, Row};
 use crate::identifier::signals::Others;
-use crate::identifier::standstill::Motion;
+use crate::identifier::standstill::StandstillEvidence;
 use crate::identifier::state::State;
 use crate::identifier::witness::Witness;
 use crate::trends::TrendOperator;
@@ -91,14 +91,14 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             None => None,
         };
         let found = (self.standstill).classify(y, innovation, limits, unexplained);
-        if let Motion::Stands | Motion::Freed = found {
+        if let StandstillEvidence::Stands | StandstillEvidence::Freed = found {
             self.begin_at_rest(plan, y, others, witness);
         }
-        if found == Motion::Freed {
+        if found == StandstillEvidence::Freed {
             self.lose_initial_state(plan);
             witness.widened();
         }
-        found == Motion::Obeys
+        found == StandstillEvidence::Obeys
     }
 
     /// Whether the row just folded in, of this `spread`, contradicts what was learnt, and is one of
@@ -132,11 +132,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     #[inline(never)]
     pub(super) fn let_pass(&mut self) {
         if !self.learns {
-            if !self.estimator.is_loosening() {
+            if !self.estimator.is_inflating() {
                 self.begin_call();
             }
-            self.estimator.loosen();
-            self.learns = !self.estimator.is_loosening();
+            self.estimator.inflate();
+            self.learns = !self.estimator.is_inflating();
             self.postponed.postpone();
             return;
         }

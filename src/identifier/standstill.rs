@@ -69,7 +69,7 @@ const PAUSE: u32 = 4;
 
 /// Evidence of standstill in a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Motion {
+pub(crate) enum StandstillEvidence {
     /// Nothing contradicts the model.
     Obeys,
     /// The row is not of the model, or may not be.
@@ -172,7 +172,7 @@ impl Standstill {
         innovation: f32,
         [certain, settling]: [u32; 2],
         unexplained: Option<([f32; 2], bool)>,
-    ) -> Motion {
+    ) -> StandstillEvidence {
         self.stuck = 0;
         if let Some((sample, contradicts)) = unexplained {
             self.against = match contradicts {
@@ -188,20 +188,20 @@ impl Standstill {
                 if self.quiet >= settling {
                     (self.contradicted, self.quiet) = (0, 0);
                     self.entered = [y, innovation];
-                    return Motion::Obeys;
+                    return StandstillEvidence::Obeys;
                 }
                 if !(contradicts && self.contradicted >= certain) {
-                    return Motion::Withheld;
+                    return StandstillEvidence::Withheld;
                 }
                 let [_, e_0] = &mut self.entered;
                 *e_0 = 0.0;
-                return Motion::Stands;
+                return StandstillEvidence::Stands;
             }
         } else {
             self.entered = [y, innovation];
             self.against = 0;
             if self.contradicted | self.pause == 0 {
-                return Motion::Obeys;
+                return StandstillEvidence::Obeys;
             }
             if self.contradicted > 0 {
                 self.pause(self.contradicted.saturating_mul(PAUSE).min(settling));
@@ -209,15 +209,15 @@ impl Standstill {
                 (self.contradicted, self.quiet) = (0, 0);
                 if stood {
                     self.entered = [y, 0.0];
-                    return Motion::Freed;
+                    return StandstillEvidence::Freed;
                 }
             }
         }
         if self.pause > 0 {
             self.pause -= 1;
-            return Motion::Withheld;
+            return StandstillEvidence::Withheld;
         }
-        Motion::Obeys
+        StandstillEvidence::Obeys
     }
 
     /// Takes a sample whose velocity is given as 0: friction may be anything that holds the axis.

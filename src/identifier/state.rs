@@ -99,8 +99,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     }
 
     fn end_call(&mut self) {
-        while self.estimator.is_loosening() {
-            self.estimator.loosen();
+        while self.estimator.is_inflating() {
+            self.estimator.inflate();
         }
         self.learns = self.adapting;
     }
@@ -108,7 +108,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// Takes rows, or holds the estimate.
     pub(crate) const fn adapt(&mut self, on: bool) {
         self.adapting = on;
-        self.learns = on && !self.estimator.is_loosening();
+        self.learns = on && !self.estimator.is_inflating();
     }
 
     /// The newest y.

@@ -48,9 +48,9 @@ fn a_rest_is_owed_up_to_a_limit_and_called_in_once() {
     let samples = estimator.samples();
     postponed.call(&mut estimator, [1e12]);
     assert!(estimator.samples() <= samples * 3e-9);
-    assert!(estimator.is_loosening());
-    estimator.loosen();
-    assert!(!estimator.is_loosening());
+    assert!(estimator.is_inflating());
+    estimator.inflate();
+    assert!(!estimator.is_inflating());
     let growth = estimator.covariance(0, 0) / before;
     assert!((4e8..6e8).contains(&growth), "{growth}");
     assert!(postponed.forgets() && !postponed.is_owed());
@@ -103,8 +103,8 @@ fn call<const N: usize>(estimator: &mut Estimator<N>, postponed: &mut Postponed,
     postponed.call(estimator, left);
     let read: [f32; N] = core::array::from_fn(|i| estimator.covariance(i, i));
     for part in 1..=N {
-        assert!(estimator.is_loosening());
-        estimator.loosen();
+        assert!(estimator.is_inflating());
+        estimator.inflate();
         // Who reads finds what it will be.
         assert!((0..N).all(|i| estimator.covariance(i, i) == read[i]));
         if part < N {
@@ -114,7 +114,7 @@ fn call<const N: usize>(estimator: &mut Estimator<N>, postponed: &mut Postponed,
             before = after;
         }
     }
-    assert!(!estimator.is_loosening());
+    assert!(!estimator.is_inflating());
     for (before, after) in theta.iter().zip(estimator.theta()) {
         // Second words are carried over.
         assert!((before - after).abs() <= 1e-6 * before.abs());

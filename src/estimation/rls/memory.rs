@@ -1,7 +1,7 @@
 //! What the estimator does for its memory beside taking rows.
 
 use crate::estimation::factors::Factors;
-use crate::estimation::loosening::Loosening;
+use crate::estimation::inflation::Inflation;
 use crate::estimation::rls::Estimator;
 
 impl<const N: usize> Estimator<N> {
@@ -40,26 +40,26 @@ impl<const N: usize> Estimator<N> {
     }
 
     /// P is to be multiplied by `growth`, after an observation of each parameter j at its own value
-    /// that leaves at most `left_j` of P_jj; theta stays. [`loosen`](Self::loosen) does it in N
+    /// that leaves at most `left_j` of P_jj; theta stays. [`inflate`](Self::inflate) does it in N
     /// parts, and no row comes between.
     ///
     /// Who reads P before the last part finds it as it will be.
-    pub(crate) fn begin_loosening(&mut self, growth: f32, left: [f32; N]) {
+    pub(crate) fn begin_inflation(&mut self, growth: f32, left: [f32; N]) {
         self.finish_observation();
-        self.loosening = Loosening::new(growth, left);
+        self.inflation = Inflation::new(growth, left);
         self.samples /= growth;
     }
 
     /// Whether parts are missing.
     #[inline(always)]
-    pub(crate) const fn is_loosening(&self) -> bool {
-        !self.loosening.is_done()
+    pub(crate) const fn is_inflating(&self) -> bool {
+        !self.inflation.is_done()
     }
 
     /// The next part.
     #[inline(never)]
-    pub(crate) fn loosen(&mut self) {
-        self.loosening.part(&mut self.factors);
+    pub(crate) fn inflate(&mut self) {
+        self.inflation.part(&mut self.factors);
     }
 
     /// P_ii as it is stored, whatever parts are missing.
@@ -71,18 +71,18 @@ impl<const N: usize> Estimator<N> {
     /// What the factors say once no part is missing.
     #[inline(always)]
     pub(super) fn read<R>(&self, of: impl FnOnce(&Factors<N>) -> R) -> R {
-        match self.is_loosening() {
-            true => of(&self.loosened()),
+        match self.is_inflating() {
+            true => of(&self.inflated()),
             false => of(&self.factors),
         }
     }
 
     /// The factors behind the last part.
     #[inline(never)]
-    fn loosened(&self) -> Factors<N> {
-        let (mut loosening, mut factors) = (self.loosening, self.factors);
-        while !loosening.is_done() {
-            loosening.part(&mut factors);
+    fn inflated(&self) -> Factors<N> {
+        let (mut inflation, mut factors) = (self.inflation, self.factors);
+        while !inflation.is_done() {
+            inflation.part(&mut factors);
         }
         factors
     }

@@ -67,14 +67,14 @@ fn a_correction_along_the_row_is_least_squares() {
 }
 
 #[test]
-fn variances_are_those_of_the_covariance_also_while_it_is_loosened() {
+fn variances_are_those_of_the_covariance_also_while_it_is_inflated() {
     let mut estimator = moved(0.99, 50);
     let phi = [0.5, -1.0, 2.0];
     let stored = |estimator: &Estimator<3>| estimator.factors.spread(phi);
     for growth in [1.0, 8.0] {
         if growth > 1.0 {
             let weight = estimator.samples();
-            estimator.begin_loosening(growth, [1e3; 3]);
+            estimator.begin_inflation(growth, [1e3; 3]);
             // What was learnt counts for so much less.
             assert_eq!(estimator.samples(), weight / growth);
         }

@@ -236,7 +236,7 @@ fn a_row_that_contradicts_calls_the_debt_in_one_parameter_per_sample() {
         samples += 1;
         assert!(samples < 200, "not called in");
     }
-    assert!(!servo.estimator().is_loosening());
+    assert!(!servo.estimator().is_inflating());
     let mut at_once = servo.clone();
     at_once.state.estimator.finish_observation();
     at_once.state.call_in();

@@ -101,7 +101,7 @@ fn nominal_values_and_debts_are_of_the_old_filter() {
     }
     let before = rested.estimator().clone();
     rested.retune(trends(20.0), 0.0).expect("a filter");
-    assert!(!rested.estimator().is_loosening() && rested.state.learns);
+    assert!(!rested.estimator().is_inflating() && rested.state.learns);
     // 2000 samples of memory, 1500 or so owed: the rest costs that share, the change five times.
     let growth = rested.estimator().covariance(2, 2) / before.covariance(2, 2);
     assert!(growth > 5.5 && growth < 5.0 * libm::expf(0.75), "{growth}");

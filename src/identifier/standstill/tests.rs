@@ -8,7 +8,7 @@ const LIMITS: [u32; 2] = [50, 600];
 const NOISE: f32 = 0.032;
 
 /// With 1 + phi' P phi = `expected`.
-fn classify(standstill: &mut Standstill, y: f32, e: f32, expected: f32) -> Motion {
+fn classify(standstill: &mut Standstill, y: f32, e: f32, expected: f32) -> StandstillEvidence {
     let unexplained = standstill.unexplained(y, e, NOISE).map(|sample| {
         let contradicts = !(sample[0] <= NOISE * expected) && standstill.exceeds_digits(sample);
         (sample, contradicts)
@@ -21,12 +21,15 @@ fn motion_and_rest_as_the_model_says_obey() {
     let mut standstill = Standstill::new();
     for k in 0..1000 {
         let y = if k < 500 { 0.3 * k as f32 } else { 150.0 };
-        assert_eq!(classify(&mut standstill, y, 0.1, 1.0), Motion::Obeys);
+        assert_eq!(
+            classify(&mut standstill, y, 0.1, 1.0),
+            StandstillEvidence::Obeys
+        );
         // However wrong a model is: in motion nothing is held.
         if k < 500 && k % 3 == 0 {
             let mut other = standstill.clone();
             let found = classify(&mut other, y + 2.0, 100.0, 1.0);
-            assert_eq!(found, Motion::Obeys);
+            assert_eq!(found, StandstillEvidence::Obeys);
         }
     }
 }
@@ -36,14 +39,17 @@ fn what_contradicts_no_more_is_released() {
     let mut standstill = Standstill::new();
     for k in 0..5 {
         let found = classify(&mut standstill, 0.0, 30.0, 1.0);
-        assert_eq!(found == Motion::Withheld, k == 4, "{k}");
+        assert_eq!(found == StandstillEvidence::Withheld, k == 4, "{k}");
     }
     // The model has become uncertain, and its innovation is no contradiction any more.
     for k in 1..=600 {
         let found = classify(&mut standstill, 0.0, 30.0, 1e3);
-        assert_eq!(found == Motion::Obeys, k == 600, "{k}");
+        assert_eq!(found == StandstillEvidence::Obeys, k == 600, "{k}");
     }
-    assert_eq!(classify(&mut standstill, 0.0, 30.0, 1.0), Motion::Obeys);
+    assert_eq!(
+        classify(&mut standstill, 0.0, 30.0, 1.0),
+        StandstillEvidence::Obeys
+    );
 }
 
 #[test]
@@ -52,17 +58,17 @@ fn a_blocked_axis_is_held_and_the_motion_after_it_too_for_a_while() {
     let mut classify = |y: f32, e: f32| classify(&mut standstill, y, e, 1.0);
     for k in 1..200 {
         let expected = match k {
-            ..5 => Motion::Obeys,
-            5..54 => Motion::Withheld,
-            _ => Motion::Stands,
+            ..5 => StandstillEvidence::Obeys,
+            5..54 => StandstillEvidence::Withheld,
+            _ => StandstillEvidence::Stands,
         };
         assert_eq!(classify(0.0, 30.0), expected, "{k}");
     }
     for k in 0..700 {
         let expected = match k {
-            0 => Motion::Freed,
-            1..=600 => Motion::Withheld,
-            _ => Motion::Obeys,
+            0 => StandstillEvidence::Freed,
+            1..=600 => StandstillEvidence::Withheld,
+            _ => StandstillEvidence::Obeys,
         };
         assert_eq!(classify(10.0 * (k + 1) as f32, 30.0), expected, "{k}");
     }
@@ -127,7 +133,10 @@ fn coarse(digit: f32) -> Standstill {
         3.0 * digit,
         9.0 * digit,
     ] {
-        assert_eq!(classify(&mut standstill, y, 0.0, 1.0), Motion::Obeys);
+        assert_eq!(
+            classify(&mut standstill, y, 0.0, 1.0),
+            StandstillEvidence::Obeys
+        );
     }
     standstill
 }
@@ -135,7 +144,7 @@ fn coarse(digit: f32) -> Standstill {
 /// How many samples of the innovation `e` pass before the estimate is held, none of 1000 if never.
 fn passed(standstill: &Standstill, y: f32, e: f32) -> Option<usize> {
     let mut standstill = standstill.clone();
-    (0..1000).find(|_| classify(&mut standstill, y, e, 1.0) == Motion::Withheld)
+    (0..1000).find(|_| classify(&mut standstill, y, e, 1.0) == StandstillEvidence::Withheld)
 }
 
 #[test]
@@ -160,7 +169,7 @@ fn digits_explain_two_of_them_for_ever_and_ten_for_a_while() {
         for k in 0..2000 {
             let e = if k % 49 == 48 { 0.0 } else { 5.0 * digit };
             let found = classify(&mut standstill, 9.0 * digit, e, 1.0);
-            assert_eq!(found, Motion::Obeys, "{k}");
+            assert_eq!(found, StandstillEvidence::Obeys, "{k}");
         }
     }
 }
@@ -170,11 +179,17 @@ fn a_digit_is_the_least_difference_and_noise_below_it_leaves_nothing() {
     let mut standstill = coarse(20.0);
     // Samples that nothing contradicts, and those at y_0, tell nothing.
     for y in [180.0, 180.5, 179.5] {
-        assert_eq!(classify(&mut standstill, y, 0.0, 1.0), Motion::Obeys);
+        assert_eq!(
+            classify(&mut standstill, y, 0.0, 1.0),
+            StandstillEvidence::Obeys
+        );
     }
     assert_eq!(passed(&standstill, 180.0, 39.0), None);
     // One that does, and differs, is of a sensor that is as fine.
-    assert_eq!(classify(&mut standstill, 180.5, 39.0, 1.0), Motion::Obeys);
+    assert_eq!(
+        classify(&mut standstill, 180.5, 39.0, 1.0),
+        StandstillEvidence::Obeys
+    );
     assert_eq!(passed(&standstill, 180.0, 39.0), Some(4));
     // 12 deviations of the noise, 2.2, are more than 2 of these digits, and fewer than 10.
     assert_eq!(passed(&standstill, 180.0, 2.1), None);

@@ -3,7 +3,7 @@
 use crate::math::matrix::{self, backward, forward};
 use crate::math::sqrt;
 use crate::servo::commissioning::predictor::{PARAMETERS, Point, Theta, bounded, scales};
-use crate::servo::commissioning::record::Record;
+use crate::servo::commissioning::record::MotionRecord;
 use crate::servo::commissioning::sensitivity::Sensitivity;
 use crate::servo::commissioning::sums::{NO_SUMS, Sums};
 use crate::servo::commissioning::view::{STEP_MAX, View};
@@ -134,7 +134,7 @@ impl Fit {
     }
 
     /// Begins a pass. Cost: some 400 instructions.
-    fn open(&mut self, record: &Record, theta: Theta) {
+    fn open(&mut self, record: &MotionRecord, theta: Theta) {
         self.gains = theta.gains(self.rate, self.view.time);
         let first = Point::of(record, self.view.begin, &self.view);
         self.at.begin(theta, &first);
@@ -146,7 +146,7 @@ impl Fit {
     }
 
     /// Takes `points` more; whether there were none left. Cost: some 720 instructions per point.
-    pub(crate) fn advance(&mut self, record: &Record, points: usize) -> bool {
+    pub(crate) fn advance(&mut self, record: &MotionRecord, points: usize) -> bool {
         if let Some(theta) = self.opening.take() {
             self.open(record, theta);
             return false;

@@ -38,7 +38,7 @@ use crate::servo::commissioning::defiance::Closing;
 use crate::servo::commissioning::ends::at_end;
 use crate::servo::commissioning::predictor::Theta;
 use crate::servo::commissioning::probe::Probe;
-use crate::servo::commissioning::record::Record;
+use crate::servo::commissioning::record::MotionRecord;
 use crate::servo::commissioning::relay::Relay;
 use crate::servo::commissioning::rest::{Rest, Still};
 use crate::servo::commissioning::search::Search;
@@ -95,7 +95,7 @@ pub(crate) struct Commissioning {
     began: f32,
     outermost: f32,
     tracking: AlphaBetaGamma,
-    record: Record,
+    record: MotionRecord,
     search: Search,
     /// What the search begins with when the record has its spacing: the spacing in samples,
     /// frequency and dead zone.
@@ -127,7 +127,7 @@ impl Commissioning {
             began: 0.0,
             outermost: 0.0,
             tracking: AlphaBetaGamma::new(rate, design.sample_time),
-            record: Record::new(),
+            record: MotionRecord::new(),
             search: Search::new(
                 design.sample_time,
                 design.delay,

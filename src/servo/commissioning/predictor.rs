@@ -2,7 +2,7 @@
 //! it goes.
 
 use crate::math::sqrt;
-use crate::servo::commissioning::record::Record;
+use crate::servo::commissioning::record::MotionRecord;
 use crate::servo::commissioning::view::View;
 
 /// Number of parameters.
@@ -65,7 +65,7 @@ impl Point {
     /// Where the velocity turns within the interval, the direction is the mean of the signs: of a
     /// velocity that goes from v to w in a straight line, `(v + w) / (|v| + |w|)`.
     #[inline]
-    pub(crate) fn of(record: &Record, i: usize, view: &View) -> Self {
+    pub(crate) fn of(record: &MotionRecord, i: usize, view: &View) -> Self {
         let reach = view.reach;
         let moved = |i: usize| record.y(i + reach) - record.y(i.saturating_sub(reach));
         let (before, after) = (moved(i), moved(i + 1));
@@ -167,7 +167,7 @@ impl Theta {
     #[inline]
     pub(crate) fn commands_at(
         &self,
-        record: &Record,
+        record: &MotionRecord,
         sign: f32,
         i: usize,
         inverse_time: f32,
@@ -191,7 +191,13 @@ impl Theta {
 
     /// Mean flow of the interval that begins at point `i`.
     #[inline]
-    pub(crate) fn flow_at(&self, record: &Record, sign: f32, i: usize, inverse_time: f32) -> f32 {
+    pub(crate) fn flow_at(
+        &self,
+        record: &MotionRecord,
+        sign: f32,
+        i: usize,
+        inverse_time: f32,
+    ) -> f32 {
         self.mean_flow(self.commands_at(record, sign, i, inverse_time))
     }
 

@@ -8,7 +8,7 @@ pub(crate) const POINTS: usize = 512;
 /// Point i holds the position at its instant and the mean of the commands from there to the next
 /// point. Points have absolute numbers; the ring keeps the newest 512 of them. Memory: 4 kB.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Record {
+pub(crate) struct MotionRecord {
     y: [f32; POINTS],
     u: [f32; POINTS],
     /// Number of the next point.
@@ -23,7 +23,7 @@ pub(crate) struct Record {
     compacting: bool,
 }
 
-impl Record {
+impl MotionRecord {
     #[inline(always)]
     pub(crate) const fn new() -> Self {
         Self {

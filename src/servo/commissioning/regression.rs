@@ -3,7 +3,7 @@
 use crate::math::matrix::{Matrix, backward, cholesky, forward};
 use crate::math::sqrt;
 use crate::servo::commissioning::predictor::{Point, Theta};
-use crate::servo::commissioning::record::Record;
+use crate::servo::commissioning::record::MotionRecord;
 use crate::servo::commissioning::view::View;
 
 /// Parameters: a1, a2, b0, b0 times the dead zone, friction, constant.
@@ -119,7 +119,7 @@ impl Regression {
 
     /// Begins with filters of this rate and a dead zone that is surely not larger than the true
     /// one.
-    pub(crate) fn begin(&mut self, record: &Record, view: View, rate: f32, dead_zone: f32) {
+    pub(crate) fn begin(&mut self, record: &MotionRecord, view: View, rate: f32, dead_zone: f32) {
         self.view = view;
         self.rate = rate.min(0.35 / view.time);
         self.dead_zone = dead_zone;
@@ -144,7 +144,7 @@ impl Regression {
     }
 
     /// Takes `points` more; whether there were none left. Cost: some 780 instructions per point.
-    pub(crate) fn advance(&mut self, record: &Record, points: usize) -> bool {
+    pub(crate) fn advance(&mut self, record: &MotionRecord, points: usize) -> bool {
         let time = self.view.time;
         let settled = self.view.begin + (SETTLED / (self.rate * time)) as usize;
         let started = (STARTED / (self.rate * time)) as u32;

@@ -3,7 +3,7 @@
 use crate::math::sqrt;
 use crate::servo::commissioning::fit::Fit;
 use crate::servo::commissioning::predictor::Theta;
-use crate::servo::commissioning::record::{POINTS, Record};
+use crate::servo::commissioning::record::{MotionRecord, POINTS};
 use crate::servo::commissioning::regression::Regression;
 use crate::servo::commissioning::simulation::Simulation;
 use crate::servo::commissioning::verdict::{Refusals, verdict};
@@ -145,7 +145,7 @@ impl Search {
         waits.then(|| self.fit.found())
     }
 
-    fn window(&self, record: &Record) -> View {
+    fn window(&self, record: &MotionRecord) -> View {
         let end = record.end();
         View {
             begin: end.saturating_sub(WINDOW),
@@ -161,7 +161,7 @@ impl Search {
     }
 
     /// One sample; a model, when one is accepted. `slack` widens the bounds.
-    pub(crate) fn update(&mut self, record: &Record, slack: f32) -> Option<Theta> {
+    pub(crate) fn update(&mut self, record: &MotionRecord, slack: f32) -> Option<Theta> {
         self.is_busy = !matches!(self.phase, Phase::Waiting(_) | Phase::Holding(..));
         match self.phase {
             Phase::Waiting(points) => {
@@ -207,7 +207,7 @@ impl Search {
         None
     }
 
-    fn attempt(&mut self, record: &Record, k: usize) {
+    fn attempt(&mut self, record: &MotionRecord, k: usize) {
         let view = self.window(record);
         let rate = self.starts[k];
         self.regression.begin(record, view, rate, self.dead_zone);
@@ -215,7 +215,7 @@ impl Search {
     }
 
     /// Begins a simulation that runs by itself from `release` to the end of the view.
-    fn simulate(&mut self, record: &Record, mut view: View, theta: Theta, release: usize) {
+    fn simulate(&mut self, record: &MotionRecord, mut view: View, theta: Theta, release: usize) {
         let corrected = CORRECTED / (CORRECTION * sqrt(theta.a1) * view.time);
         let begin = release.saturating_sub(corrected as usize);
         view.begin = view.begin.max(begin);
@@ -223,7 +223,7 @@ impl Search {
     }
 
     /// Error over movement, squared, at the end of the simulation.
-    fn misfit(&mut self, record: &Record) -> Option<[f32; 2]> {
+    fn misfit(&mut self, record: &MotionRecord) -> Option<[f32; 2]> {
         let [error, moved] = self.simulation.as_mut()?.advance(record, self.pace[1])?;
         let noise = 9.0 * self.variance;
         Some([
@@ -232,14 +232,14 @@ impl Search {
         ])
     }
 
-    fn rank(&mut self, record: &Record, k: usize) {
+    fn rank(&mut self, record: &MotionRecord, k: usize) {
         if let Some([misfit, _]) = self.misfit(record) {
             self.ranked(record, k, misfit);
         }
     }
 
     /// Takes the misfit of a start; the best one is refined when all are there.
-    fn ranked(&mut self, record: &Record, k: usize, misfit: f32) {
+    fn ranked(&mut self, record: &MotionRecord, k: usize, misfit: f32) {
         if let Some(theta) = self.started
             && misfit.is_finite()
             && self.best.is_none_or(|(_, other)| misfit < other)
@@ -260,13 +260,13 @@ impl Search {
         }
     }
 
-    fn refine(&mut self, record: &Record, theta: Theta) {
+    fn refine(&mut self, record: &MotionRecord, theta: Theta) {
         let view = self.window(record);
         self.fit.begin(view, theta, CORRECTION);
         self.phase = Phase::Refining;
     }
 
-    fn validate(&mut self, record: &Record, slack: f32) -> Option<Theta> {
+    fn validate(&mut self, record: &MotionRecord, slack: f32) -> Option<Theta> {
         let seen @ [misfit, _] = self.misfit(record)?;
         let theta = self.fit.found();
         let verdict = verdict(&theta, self.previous.as_ref(), self.std, seen, slack);

@@ -2,7 +2,7 @@
 
 use crate::math::sqrt;
 use crate::servo::commissioning::predictor::{Point, Prediction, Theta};
-use crate::servo::commissioning::record::Record;
+use crate::servo::commissioning::record::MotionRecord;
 use crate::servo::commissioning::view::{STEP_MAX, View};
 use crate::servo::control::place::stiffness;
 
@@ -24,7 +24,7 @@ pub(crate) struct Simulation {
 impl Simulation {
     /// Begins with a correction that ends at `release`.
     pub(crate) fn new(
-        record: &Record,
+        record: &MotionRecord,
         view: View,
         theta: Theta,
         ratio: f32,
@@ -58,7 +58,7 @@ impl Simulation {
     /// the position.
     ///
     /// Cost: some 240 instructions per point.
-    pub(crate) fn advance(&mut self, record: &Record, points: usize) -> Option<[f32; 2]> {
+    pub(crate) fn advance(&mut self, record: &MotionRecord, points: usize) -> Option<[f32; 2]> {
         let inverse = 1.0 / self.view.time;
         for taken in 0..points {
             let i = self.next;

@@ -4,7 +4,7 @@ use crate::servo::design::AnchorDesign;
 
 /// What a sample shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Hold {
+pub(crate) enum Stiction {
     /// The axis slides.
     Sliding,
     /// It began to stick.
@@ -77,7 +77,7 @@ impl Anchor {
     /// Takes a position; `slow`: the observer sees next to no velocity. Cost: about 25
     /// instructions.
     #[inline]
-    pub(crate) fn update(&mut self, y: f32, slow: bool) -> Hold {
+    pub(crate) fn update(&mut self, y: f32, slow: bool) -> Stiction {
         self.since = self.since.saturating_add(1);
         let away = y - self.place;
         self.late += LATE_SHARE * (away - self.late);
@@ -92,9 +92,9 @@ impl Anchor {
             self.held = false;
             if was {
                 self.since = 0;
-                return Hold::Left(if away > 0.0 { 1.0 } else { -1.0 });
+                return Stiction::Left(if away > 0.0 { 1.0 } else { -1.0 });
             }
-            return Hold::Sliding;
+            return Stiction::Sliding;
         }
         self.count = self.count.saturating_add(1);
         if self.count <= MEAN {
@@ -103,14 +103,14 @@ impl Anchor {
             self.place = self.first + self.sum / self.count as f32;
         }
         if self.held {
-            return Hold::Sticking;
+            return Stiction::Sticking;
         }
         if slow && self.count as f32 * self.design.sample_time > self.design.time {
             self.held = true;
             self.since = 0;
-            return Hold::Stuck;
+            return Stiction::Stuck;
         }
-        Hold::Sliding
+        Stiction::Sliding
     }
 
     pub(crate) const fn holds(&self) -> bool {

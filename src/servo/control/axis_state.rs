@@ -13,7 +13,7 @@ use crate::servo::model::Model;
 /// The *drive* p is the acceleration that the force of the drive alone would give; at rest it goes
 /// on while friction holds the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct State {
+pub(crate) struct AxisState {
     pub(crate) position: f32,
     pub(crate) velocity: f32,
     pub(crate) drive: f32,
@@ -33,7 +33,7 @@ pub(crate) struct Step {
     held: f32,
 }
 
-impl State {
+impl AxisState {
     /// One sample on, with friction as a soft threshold on the velocity: no velocity within it is
     /// left over.
     ///

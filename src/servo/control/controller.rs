@@ -2,7 +2,7 @@
 
 use crate::math::{sqrt, within};
 use crate::servo::control::anchor::Anchor;
-use crate::servo::control::estimator::Estimator;
+use crate::servo::control::estimator::StateEstimator;
 use crate::servo::control::holding::Holding;
 use crate::servo::control::hop::Hop;
 use crate::servo::control::margins::Margins;
@@ -55,7 +55,7 @@ use crate::servo::motion::{Motion, Setpoint};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Controller {
     pub(super) design: ControllerDesign,
-    pub(super) estimator: Estimator,
+    pub(super) estimator: StateEstimator,
     pub(super) anchor: Anchor,
     pub(super) rest: RestWindow,
     /// Poles without derating with the natural frequency that they were found for, and the factor
@@ -99,7 +99,7 @@ impl Controller {
     ) -> Self {
         let mut controller = Self {
             design: *design,
-            estimator: Estimator::new(&design.estimator, model, poles),
+            estimator: StateEstimator::new(&design.estimator, model, poles),
             anchor: Anchor::new(&design.anchor),
             rest: RestWindow::new(&RestDesign {
                 least: design.rest_window,

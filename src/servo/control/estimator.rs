@@ -1,7 +1,7 @@
 //! The state of the axis now, and when the next command takes effect.
 
 use crate::math::{sign, within};
-use crate::servo::control::axis_state::{State, Step};
+use crate::servo::control::axis_state::{AxisState, Step};
 use crate::servo::control::place::Place;
 use crate::servo::control::poles::Poles;
 use crate::servo::design::EstimatorDesign;
@@ -21,7 +21,7 @@ const DISTURBANCE_MAX: f32 = 1.0;
 /// Known as: Luenberger observer with disturbance (Luenberger 1964; Han 2009), Smith predictor in
 /// state space, finite spectrum assignment (Manitius and Olbrot 1979).
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Estimator {
+pub(crate) struct StateEstimator {
     design: EstimatorDesign,
     model: Model,
     poles: Poles,
@@ -30,8 +30,8 @@ pub(crate) struct Estimator {
     gain: [f32; 4],
     flows: [f32; DELAY_MAX + 1],
     next: usize,
-    now: State,
-    ahead: State,
+    now: AxisState,
+    ahead: AxisState,
     /// Whether friction holds the axis.
     held: bool,
 }
@@ -40,7 +40,7 @@ pub(crate) struct Estimator {
 /// known so well.
 pub(super) const DRIVE_MAX_RATIO: f32 = 4.0;
 
-impl Estimator {
+impl StateEstimator {
     pub(crate) fn new(design: &EstimatorDesign, model: Model, poles: Poles) -> Self {
         let mut design = *design;
         design.delay = design.delay.min(DELAY_MAX);
@@ -54,8 +54,8 @@ impl Estimator {
             gain: [0.0; 4],
             flows: [0.0; DELAY_MAX + 1],
             next: 0,
-            now: State::default(),
-            ahead: State::default(),
+            now: AxisState::default(),
+            ahead: AxisState::default(),
             held: false,
         };
         estimator.tune(model, poles);
@@ -74,7 +74,7 @@ impl Estimator {
     pub(crate) fn place(&mut self, motion: Motion, flows: impl Iterator<Item = f32>) {
         let friction = self.model.friction;
         let sliding = friction * sign(motion.velocity);
-        self.now = State {
+        self.now = AxisState {
             position: motion.position,
             velocity: motion.velocity,
             drive: motion.acceleration + self.model.a2 * motion.velocity + sliding,
@@ -146,16 +146,16 @@ impl Estimator {
             }
         }
         // Numbers that are not finite would stay for ever.
-        let State {
+        let AxisState {
             position,
             velocity,
             drive,
             disturbance,
         } = self.now;
         if !(position.abs() + velocity.abs() + drive.abs() + disturbance.abs()).is_finite() {
-            self.now = State {
+            self.now = AxisState {
                 position: y,
-                ..State::default()
+                ..AxisState::default()
             };
         }
         self.foresee();
@@ -216,12 +216,12 @@ impl Estimator {
     }
 
     /// The state now.
-    pub(crate) const fn now(&self) -> &State {
+    pub(crate) const fn now(&self) -> &AxisState {
         &self.now
     }
 
     /// The state when the next command takes effect.
-    pub(crate) const fn ahead(&self) -> &State {
+    pub(crate) const fn ahead(&self) -> &AxisState {
         &self.ahead
     }
 
@@ -245,7 +245,7 @@ impl Estimator {
 
     /// The observed motion now.
     pub(crate) fn motion(&self) -> Motion {
-        let State {
+        let AxisState {
             position,
             velocity,
             drive,

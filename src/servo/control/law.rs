@@ -2,7 +2,7 @@
 //! stop by friction.
 
 use crate::math::{sign, within};
-use crate::servo::control::axis_state::State;
+use crate::servo::control::axis_state::AxisState;
 use crate::servo::control::controller::Controller;
 use crate::servo::control::estimator::DRIVE_MAX_RATIO;
 use crate::servo::control::poles::Feedback;
@@ -48,7 +48,7 @@ impl Controller {
         }
         let feedback = self.feedback();
         let [_, k1, k2] = feedback.k;
-        let State {
+        let AxisState {
             velocity: v,
             drive: p,
             disturbance: d,
@@ -234,7 +234,7 @@ impl Controller {
 
     /// Whether friction rules the rest of the way to a target at rest.
     #[inline]
-    fn stops_by_friction(&self, error: f32, state: &State) -> bool {
+    fn stops_by_friction(&self, error: f32, state: &AxisState) -> bool {
         let model = self.estimator.model();
         let wc = self.estimator.poles().bandwidth;
         let slow = within(state.velocity * wc, model.friction) == state.velocity * wc;

@@ -1,7 +1,7 @@
 //! What the controller sees: observer, anchor and offset of the valve; and where it begins.
 
 use crate::math::{sign, within};
-use crate::servo::control::anchor::Hold;
+use crate::servo::control::anchor::Stiction;
 use crate::servo::control::controller::Controller;
 use crate::servo::control::holding::{Holding, Slip};
 use crate::servo::control::hop::Hop;
@@ -98,16 +98,16 @@ impl Controller {
         let hold = if self.sticky {
             self.anchor.update(y, slow)
         } else {
-            Hold::Sliding
+            Stiction::Sliding
         };
-        if let Hold::Left(direction) = hold {
+        if let Stiction::Left(direction) = hold {
             let friction = self.estimator.model().friction;
             let slip = self.slip(direction);
             self.holding.slip(&slip);
             self.estimator.release(direction, y, friction);
             self.left = [reference - y, reference];
         }
-        if hold == Hold::Stuck {
+        if hold == Stiction::Stuck {
             let (error, [before, from]) = (reference - y, self.left);
             let hop = error - before - (reference - from);
             let still = 2.0 * (reference - from).abs() < hop.abs();

@@ -8,7 +8,7 @@ const TIME: f32 = 5e-3;
 const SIGMA: f32 = 1e-4;
 
 /// A drive of 30 rad/s under random commands, each held for 12 points, in the middle of its travel.
-fn record(seed: u32, points: usize) -> (Record, View, Theta) {
+fn record(seed: u32, points: usize) -> (MotionRecord, View, Theta) {
     let truth = Theta::from_array([900.0, 18.0, 1800.0, 0.03, 0.01, 1.0, 8e-3, 0.0, 0.0]);
     let mut state = seed;
     let mut random = || {
@@ -19,7 +19,7 @@ fn record(seed: u32, points: usize) -> (Record, View, Theta) {
         x: 0.5,
         ..Prediction::default()
     };
-    let mut record = Record::new();
+    let mut record = MotionRecord::new();
     assert!(record.fix(1));
     let (mut u, mut before) = (0.0, [0.0; 3]);
     for k in 0..points {
@@ -42,7 +42,7 @@ fn record(seed: u32, points: usize) -> (Record, View, Theta) {
 }
 
 /// Until the fit is done.
-fn run(fit: &mut Fit, record: &Record) {
+fn run(fit: &mut Fit, record: &MotionRecord) {
     while !(fit.advance(record, 50) && fit.next_pass() && fit.is_done(8)) {}
 }
 
@@ -159,7 +159,7 @@ fn a_pass_that_takes_less_than_a_tenth_from_the_cost_is_the_last_one() {
 #[test]
 fn the_first_three_points_after_a_start_do_not_count() {
     let (_, view, truth) = record(1, 100);
-    let mut record = Record::new();
+    let mut record = MotionRecord::new();
     assert!(record.fix(1));
     for k in 0..100 {
         record.push(0.5 + 0.004 * (k as f32 - 50.0).max(0.0), 0.0);

@@ -137,7 +137,7 @@ fn a_correction_has_its_three_poles_where_they_are_wanted() {
 #[cfg_attr(miri, ignore = "many samples")]
 fn the_flow_of_an_interval_is_the_mean_of_its_commands() {
     let mut dice = Dice::new(5);
-    let mut record = Record::new();
+    let mut record = MotionRecord::new();
     let commands: [f32; 40] = core::array::from_fn(|_| 0.3 * dice.roll());
     for u in commands {
         record.push(0.0, u);
@@ -176,7 +176,7 @@ fn a_point_has_the_velocity_and_the_direction_of_its_interval() {
     let view = View::of(1e-2, 1e-4, 1.0);
     let reach = view.reach;
     let of = |motion: fn(f32) -> f32, at: usize| {
-        let mut record = Record::new();
+        let mut record = MotionRecord::new();
         for k in 0..40 {
             record.push(motion(1e-2 * k as f32), 0.0);
         }

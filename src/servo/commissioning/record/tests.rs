@@ -3,7 +3,7 @@
 use super::*;
 
 /// A record of `samples` whose position counts them and whose command is their square.
-fn taken(record: &mut Record, samples: usize) {
+fn taken(record: &mut MotionRecord, samples: usize) {
     for k in 0..samples {
         record.push(k as f32, (k * k) as f32);
     }
@@ -16,7 +16,7 @@ fn mean(begin: usize, stride: usize) -> f32 {
 
 #[test]
 fn a_point_is_a_position_and_the_mean_command_behind_it() {
-    let mut record = Record::new();
+    let mut record = MotionRecord::new();
     record.restart(3);
     taken(&mut record, 3 * 100 + 2);
     assert_eq!((record.end(), record.stride()), (100, 3));
@@ -40,10 +40,10 @@ fn a_point_is_a_position_and_the_mean_command_behind_it() {
 
 #[test]
 fn a_full_record_doubles_its_stride_and_keeps_all_that_it_saw() {
-    let mut record = Record::new();
+    let mut record = MotionRecord::new();
     taken(&mut record, POINTS - 1);
     assert_eq!((record.end(), record.stride()), (POINTS - 1, 1));
-    let mut record = Record::new();
+    let mut record = MotionRecord::new();
     taken(&mut record, 3 * POINTS);
     assert_eq!((record.end(), record.stride()), (3 * POINTS / 4, 4));
     for i in 0..record.end() {
@@ -54,7 +54,7 @@ fn a_full_record_doubles_its_stride_and_keeps_all_that_it_saw() {
 
 #[test]
 fn a_fixed_record_loses_its_oldest_points() {
-    let mut record = Record::new();
+    let mut record = MotionRecord::new();
     taken(&mut record, 64);
     // From 1 to 2 to 4; 8 would be more than 7.
     assert!(!record.fix(7) && !record.fix(7) && record.fix(7));

@@ -36,12 +36,12 @@ fn a_filter_is_three_equal_poles() {
 }
 
 /// A record of `truth` under steps of the command of 12 points, each another one.
-fn record(truth: &Theta, sign: f32, dice: &mut Dice) -> (Record, View) {
+fn record(truth: &Theta, sign: f32, dice: &mut Dice) -> (MotionRecord, View) {
     let mut at = Prediction {
         x: 0.5,
         ..Prediction::default()
     };
-    let mut record = Record::new();
+    let mut record = MotionRecord::new();
     assert!(record.fix(1));
     let mut commands = [0.0; 8];
     for k in 0..500 {
@@ -67,7 +67,12 @@ fn record(truth: &Theta, sign: f32, dice: &mut Dice) -> (Record, View) {
     (record, view)
 }
 
-fn solved(record: &Record, view: View, stated: f32, dead_zone: f32) -> (Option<Theta>, usize) {
+fn solved(
+    record: &MotionRecord,
+    view: View,
+    stated: f32,
+    dead_zone: f32,
+) -> (Option<Theta>, usize) {
     let mut regression = Regression::new(stated, 1.5);
     regression.begin(record, view, 60.0, dead_zone);
     let mut points = 0;
@@ -131,7 +136,7 @@ fn a_drive_is_found_with_its_delay() {
 #[cfg_attr(miri, ignore = "many samples")]
 fn what_does_not_move_is_no_drive() {
     let mut dice = Dice::new(2);
-    let mut record = Record::new();
+    let mut record = MotionRecord::new();
     assert!(record.fix(1));
     for _ in 0..400 {
         record.push(0.5, 0.4 * dice.roll());
@@ -157,7 +162,7 @@ fn a_regression_that_begins_anew_knows_nothing_of_the_last_one() {
     let (first, view) = record(&truth, 1.0, &mut dice);
     let (second, _) = record(&truth, 1.0, &mut dice);
     let mut regression = Regression::new(2e-3, 1.5);
-    let mut run = |record: &Record| {
+    let mut run = |record: &MotionRecord| {
         regression.begin(record, view, 60.0, 0.02);
         while !regression.advance(record, 10) {}
         while !regression.solve_next() {}
@@ -176,7 +181,7 @@ fn equations_begin_when_the_filters_have_settled_and_the_start_is_over() {
     };
     // At 55 per s and 4 ms: 18 points behind the begin, 5 behind the first one in motion.
     for starts in [0, 8, 30] {
-        let mut record = Record::new();
+        let mut record = MotionRecord::new();
         assert!(record.fix(1));
         for k in 0..100 {
             let time = TIME * (k as f32 - starts as f32).max(0.0);

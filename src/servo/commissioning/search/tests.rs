@@ -9,8 +9,8 @@ use crate::servo::commissioning::verdict::tests::THETA;
 use crate::servo::commissioning::{Commissioning, Progress};
 
 /// An axis that stays, as a sensor sees it that is wrong by `noise` to either side.
-fn record(noise: f32) -> Record {
-    let mut record = Record::new();
+fn record(noise: f32) -> MotionRecord {
+    let mut record = MotionRecord::new();
     assert!(record.fix(1));
     for k in 0..400 {
         let side = if k % 2 == 0 { 1.0 } else { -1.0 };
@@ -57,13 +57,13 @@ fn a_free_simulation_takes_four_and_a_half_of_the_time_of_the_drive_within_its_r
 }
 
 /// A drive of 20 rad/s under random levels, more points of it than a fit reads.
-fn driven() -> Record {
+fn driven() -> MotionRecord {
     let mut dice = Dice::new(1);
     let mut at = Prediction {
         x: 0.5,
         ..Prediction::default()
     };
-    let mut record = Record::new();
+    let mut record = MotionRecord::new();
     assert!(record.fix(1));
     let mut u = 0.0;
     for k in 0..WINDOW + 100 {

@@ -8,8 +8,8 @@ const RELEASE: usize = 120;
 const END: usize = 400;
 
 /// A record of `truth`, which shares its stiffness with the model of the middle.
-fn record(truth: &Theta, dice: &mut Dice) -> (Record, View) {
-    let mut record = Record::new();
+fn record(truth: &Theta, dice: &mut Dice) -> (MotionRecord, View) {
+    let mut record = MotionRecord::new();
     assert!(record.fix(1));
     let mut at = Prediction {
         x: 0.5,
@@ -33,7 +33,7 @@ fn record(truth: &Theta, dice: &mut Dice) -> (Record, View) {
     (record, view)
 }
 
-fn judged(record: &Record, view: View, theta: Theta) -> [f32; 2] {
+fn judged(record: &MotionRecord, view: View, theta: Theta) -> [f32; 2] {
     let mut simulation = Simulation::new(record, view, theta, 2.0, RELEASE);
     let mut calls = 0;
     loop {

@@ -1,8 +1,8 @@
 //! Steps of the state, the observer, and its prediction over the delay.
 
 use super::*;
-use crate::servo::control::axis_state::{State, Step};
-use crate::servo::control::estimator::Estimator;
+use crate::servo::control::axis_state::{AxisState, Step};
+use crate::servo::control::estimator::StateEstimator;
 use crate::servo::control::observer::Observer;
 use crate::servo::design::{EstimatorDesign, ObserverDesign};
 use crate::servo::motion::Travel;
@@ -19,7 +19,7 @@ fn a_step_of_the_state_is_the_drive_with_friction_and_disturbance() {
         let step = Step::of(&MODEL, stiffness, 1e-4);
         assert_eq!((step.a1, step.a2), (stiffness * 400.0, 20.0));
         assert_eq!(step.b0, stiffness * 1e6);
-        let mut state = State {
+        let mut state = AxisState {
             position: 3.0,
             velocity: -80.0,
             drive: 500.0,
@@ -58,12 +58,12 @@ fn a_step_of_the_state_is_the_drive_with_friction_and_disturbance() {
 fn an_undamped_drive_neither_grows_nor_fades_and_friction_leaves_no_velocity() {
     let model = Model::linear(400.0, 0.0, 1e6);
     let step = Step::of(&model, 1.0, STEP);
-    let mut state = State {
+    let mut state = AxisState {
         velocity: 100.0,
-        ..State::default()
+        ..AxisState::default()
     };
     let energy =
-        |state: &State| 400.0 * state.velocity * state.velocity + state.drive * state.drive;
+        |state: &AxisState| 400.0 * state.velocity * state.velocity + state.drive * state.drive;
     let before = energy(&state);
     for _ in 0..100_000 {
         state.advance(0.0, &step);
@@ -72,17 +72,17 @@ fn an_undamped_drive_neither_grows_nor_fades_and_friction_leaves_no_velocity() {
     // A velocity that friction can take within the sample is taken whole.
     let step = Step::of(&MODEL, 1.0, STEP);
     for velocity in [0.7, -0.7] {
-        let mut state = State {
+        let mut state = AxisState {
             velocity,
-            ..State::default()
+            ..AxisState::default()
         };
         state.advance(0.0, &step);
         assert_eq!(state.velocity, 0.0);
     }
     // Held, the drive goes on by the flow and the disturbance; a closed valve lets nothing through.
-    let mut state = State {
+    let mut state = AxisState {
         disturbance: 1000.0,
-        ..State::default()
+        ..AxisState::default()
     };
     state.hold(0.01, &step);
     assert!((state.drive - 11.0).abs() < 1e-4);
@@ -131,7 +131,7 @@ fn an_observer_has_three_equal_poles() {
 }
 
 /// Poles of a loop on the model, and an estimator with so many samples of delay.
-fn estimator(delay: usize, model: Model) -> Estimator {
+fn estimator(delay: usize, model: Model) -> StateEstimator {
     let design = EstimatorDesign {
         sample_time: STEP,
         delay,
@@ -144,7 +144,7 @@ fn estimator(delay: usize, model: Model) -> Estimator {
         observer: 80.0,
         disturbance: 6.0,
     };
-    Estimator::new(&design, model, poles)
+    StateEstimator::new(&design, model, poles)
 }
 
 #[test]

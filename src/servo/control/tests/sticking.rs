@@ -1,7 +1,7 @@
 //! Places that friction holds, what makes the axis slip from them, and how stiff it is there.
 
 use super::*;
-use crate::servo::control::anchor::{Anchor, Hold};
+use crate::servo::control::anchor::{Anchor, Stiction};
 use crate::servo::control::holding::{Holding, Slip};
 use crate::servo::control::place::{Place, dead_volume as volume_of, stiffening};
 use crate::servo::design::AnchorDesign;
@@ -29,20 +29,20 @@ fn a_place_is_held_after_five_times_of_the_observer_and_left_with_the_mean_of_th
     for (observer, time) in [(100.0, 0.05), (2000.0, 0.006)] {
         let mut fresh = anchor(observer);
         let mut samples = 0;
-        while fresh.update(5.0, true) != Hold::Stuck {
+        while fresh.update(5.0, true) != Stiction::Stuck {
             assert!(!fresh.holds());
             samples += 1;
         }
         assert!((samples as f32 * STEP - time).abs() < 1.5e-3, "{samples}");
         assert!(fresh.holds() && fresh.since() == 0);
-        assert_eq!(fresh.update(5.0, false), Hold::Sticking);
+        assert_eq!(fresh.update(5.0, false), Stiction::Sticking);
         assert_eq!(fresh.since(), 1);
         for direction in [1.0, -1.0] {
             // One sample beyond the band.
             let mut other = fresh.clone();
             assert_eq!(
                 other.update(5.0 + 0.011 * direction, true),
-                Hold::Left(direction)
+                Stiction::Left(direction)
             );
             assert_eq!((other.holds(), other.since()), (false, 0));
             // Where its place is known for good,
@@ -51,28 +51,32 @@ fn a_place_is_held_after_five_times_of_the_observer_and_left_with_the_mean_of_th
                 continue;
             }
             let mut other = fresh.clone();
-            let found: [Hold; 3] =
+            let found: [Stiction; 3] =
                 core::array::from_fn(|_| other.update(5.0 + 0.008 * direction, true));
             assert_eq!(
                 found,
-                [Hold::Sticking, Hold::Sticking, Hold::Left(direction)]
+                [
+                    Stiction::Sticking,
+                    Stiction::Sticking,
+                    Stiction::Left(direction)
+                ]
             );
         }
     }
     // Not while the observer sees a velocity, and anew with each place.
     let mut moving = anchor(100.0);
     for k in 0..500 {
-        assert_eq!(moving.update(0.011 * k as f32, true), Hold::Sliding);
+        assert_eq!(moving.update(0.011 * k as f32, true), Stiction::Sliding);
         assert_eq!(moving.since(), k + 1);
     }
     let mut slides = anchor(100.0);
     for _ in 0..500 {
-        assert_eq!(slides.update(5.0, false), Hold::Sliding);
+        assert_eq!(slides.update(5.0, false), Stiction::Sliding);
     }
-    assert_eq!(slides.update(5.0, true), Hold::Stuck);
+    assert_eq!(slides.update(5.0, true), Stiction::Stuck);
     slides.restart();
     assert!(!slides.holds() && slides.since() == 0);
-    assert_eq!(slides.update(5.0, true), Hold::Sliding);
+    assert_eq!(slides.update(5.0, true), Stiction::Sliding);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! A controller that goes over to another model, and what it says of its friction.
 
-use crate::servo::control::estimator::Estimator;
+use crate::servo::control::estimator::StateEstimator;
 use crate::servo::control::tests::by_hand::{self, POLES};
 use crate::servo::design::EstimatorDesign;
 use crate::servo::model::Model;
@@ -91,7 +91,7 @@ fn a_drive_is_as_much_faster_off_the_middle_as_its_chambers_are_stiffer() {
         },
         dead_volume: d,
     };
-    let mut estimator = Estimator::new(&design, model, POLES);
+    let mut estimator = StateEstimator::new(&design, model, POLES);
     for share in [0.5, 0.8, 0.2, 0.0, 1.0] {
         estimator.place(Motion::at(400.0 * share), core::iter::empty());
         // Each chamber is a spring as stiff as it is short; both of half the travel are one.

@@ -1,10 +1,10 @@
-//! A covariance that is multiplied within bounds, one parameter at a time.
+//! Covariance inflation: P is multiplied within bounds, one parameter at a time.
 
 use crate::estimation::factors::Factors;
 
-/// What is still to be done where P is loosened.
+/// What is still to be done where P is inflated.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Loosening<const N: usize> {
+pub(crate) struct Inflation<const N: usize> {
     /// What P is multiplied by in the end; 1 behind it.
     pub(crate) growth: f32,
     /// What that leaves of each P_jj at most.
@@ -13,7 +13,7 @@ pub(crate) struct Loosening<const N: usize> {
     next: usize,
 }
 
-impl<const N: usize> Loosening<N> {
+impl<const N: usize> Inflation<N> {
     /// Nothing.
     pub(crate) const NONE: Self = Self {
         growth: 1.0,
