@@ -124,8 +124,8 @@ pub(crate) fn lint() -> Done {
     process::run(cargo(&arguments))
 }
 
-/// Tests on the host: with overflow checks, and the bits of the self-test as the optimiser makes
-/// them, too.
+/// Tests on the host, the thorough ones too: with overflow checks, and the bits of the self-test as
+/// the optimiser makes them, too.
 pub(crate) fn host() -> Done {
     process::run(cargo(&[
         "test",

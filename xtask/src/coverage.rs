@@ -10,11 +10,13 @@ const LEAST: f64 = 95.0;
 
 /// The tests: unit tests and the two suites of the core and of the loop. The long claims are left
 /// out.
-const TESTS: [&str; 8] = [
+const TESTS: [&str; 10] = [
     "-p",
     "trendid",
     "-p",
     "trendid-host-tests",
+    "--features",
+    "trendid-host-tests/thorough",
     "--lib",
     "--tests",
     "--no-fail-fast",

@@ -12,7 +12,15 @@ pub(crate) struct Options {
 
 /// Runs the test; gives the rows of its table.
 pub(crate) fn run(options: &Options) -> Result<String, String> {
-    let program = ["test", "-p", "trendid-host-tests", "--test", "servo"];
+    let program = [
+        "test",
+        "-p",
+        "trendid-host-tests",
+        "--features",
+        "thorough",
+        "--test",
+        "servo",
+    ];
     let output = cargo(&program)
         .args([
             options.test.as_str(),

@@ -187,6 +187,7 @@ fn every_option_gains() {
 
 /// Four drawn plants; more, and their confusion, by the command itself.
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn structures_of_simulated_plants_are_found() {
     let args = ["select", "--simulated", "4", "--first-seed", "1"];
     let value = json(&[&args[..], &["--json"]].concat());

@@ -91,6 +91,7 @@ fn errors_of_the_gain(seeds: std::ops::Range<u64>) -> [Vec<f64>; 4] {
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn the_dead_zone_of_a_valve_gives_its_record_the_gain() {
     let [without, told, found, _] = errors_of_the_gain(200_017..200_019);
     for ((without, told), found) in without.into_iter().zip(told).zip(found) {

@@ -125,6 +125,7 @@ fn row(table: &Value, m: u64, parameters: u64) -> &Value {
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn table2_finds_the_structure_and_absent_terms_near_zero() {
     let table = json(&["paper", "table2", "--json", "--first-seed", "200000"]);
     let number = |v: &Value| v.as_f64().expect("a number");

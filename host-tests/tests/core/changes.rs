@@ -201,6 +201,7 @@ fn false_alarms(memory: f32, minutes: u64) -> u32 {
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn minutes_of_normal_work_show_no_change() {
     for memory in [0.2, 2.0, 10.0] {
         assert_eq!(false_alarms(memory, 5), 0);

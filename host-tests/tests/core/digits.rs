@@ -147,6 +147,7 @@ fn no_motion_inside_a_digit_is_a_standstill() {
 
 /// An estimate from coarse digits is bad, but one of a drive.
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn no_estimate_diverges_over_coarse_digits() {
     for memory in [None, Some(2.0)] {
         for shares in SHARES {

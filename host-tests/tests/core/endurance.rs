@@ -65,6 +65,7 @@ fn a_bandwidth_that_drifts_is_followed_by_retuning() {
 /// A million samples of each scenario with each memory, on the drive of the table.
 /// `trendid endurance` runs all structures, bandwidths and noises that long.
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn a_million_samples_of_each_scenario_keep_every_limit() {
     const FIRST_SEED: u64 = 260_000;
     let broken: Vec<String> = std::thread::scope(|scope| {

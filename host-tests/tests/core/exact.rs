@@ -186,6 +186,7 @@ fn compare<const M: usize, const N: usize>(case: &Case, hold: Hold) -> [f64; 3] 
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn slow_sampling_costs_nothing() {
     for hold in [Hold::Zero, Hold::First, Hold::Mean] {
         let errors = [

@@ -113,6 +113,7 @@ fn a_lasting_change_is_followed() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn missing_samples_cost_little() {
     for (missing, limit) in [(1, 0.05), (3, 0.2), (20, 0.5)] {
         for memory in MEMORIES {

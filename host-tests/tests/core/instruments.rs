@@ -36,6 +36,7 @@ fn run(record: &Record, mut servo: Servo) -> Servo {
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn the_sums_in_f32_are_those_of_f64_over_a_million_samples() {
     for (duration_s, seed) in [(10.0, 200_001), (1000.0, 200_002)] {
         let record = long_experiment(Condition::white(500.0), duration_s).record(seed);

@@ -1,10 +1,13 @@
 //! The core against oracles in f64 and known plants: what every change is checked by.
 //!
-//! Claims over hundreds of records are in `tests/statistics`.
+//! Claims over hundreds of records are in `tests/statistics`. Tests that take seconds run in
+//! `cargo xtask host`, which has the feature `thorough`.
 
 mod common;
 
 mod accuracy;
+// Two dozen shapes of the core.
+#[cfg(feature = "thorough")]
 mod attack;
 mod batch;
 mod batches;

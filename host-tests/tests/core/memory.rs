@@ -26,6 +26,7 @@ fn errors(record: &Record, range: f32, memory: Option<f32>) -> [f64; 3] {
 
 /// The same records with a memory and without one: white noise of six levels, 400 records each.
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn two_seconds_of_memory_cost_three_seconds_little() {
     for (name, condition, range) in [
         ("10 um", Condition::white(10.0), 0.4),

@@ -96,6 +96,7 @@ fn not_taken_for_more(seeds: &std::ops::Range<u64>) {
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn nominal_values_are_not_taken_for_more_than_they_were_said_to_be() {
     not_taken_for_more(&(292_000..292_002));
 }

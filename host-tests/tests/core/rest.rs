@@ -148,6 +148,7 @@ fn summary(
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn rest_neither_moves_nor_blinds_the_estimate() {
     for (eta, on_the_way) in [(0.01, 0.5), (0.03, 0.5), (0.1, 2.0)] {
         for pause in [Pause::Nominal, Pause::Following] {
@@ -200,6 +201,7 @@ fn a_rest_holds_what_was_learnt(minutes: usize) {
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn a_quarter_of_an_hour_at_rest_holds_what_was_learnt_and_hides_no_change() {
     a_rest_holds_what_was_learnt(15);
 }

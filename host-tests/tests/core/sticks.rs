@@ -177,6 +177,7 @@ fn drawn(seed: u64, memory: Option<f32>, rest: f64) -> [f64; 3] {
 
 /// Axes that stick for some samples at every turn, at up to twice the friction of motion.
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn sticks_of_any_length_teach_little() {
     // Chosen on seeds 1..241.
     let seeds = 200_201..200_301;
@@ -261,6 +262,7 @@ fn held_for_a_minute(seed: u64, memory: Option<f32>) -> ([f64; 3], f64) {
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn ten_seconds_of_motion_mend_what_a_minute_of_friction_taught() {
     let seeds = 200_301..200_361;
     for memory in [Some(0.2), Some(2.0), Some(10.0), None] {

@@ -111,6 +111,7 @@ fn adapts_where_no_friction_holds_the_axis(families: &[(Family, f64)]) {
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn a_loop_adapts_where_no_friction_holds_the_axis() {
     adapts_where_no_friction_holds_the_axis(&WITHOUT_STICKING[..1]);
 }

@@ -41,6 +41,7 @@ fn handled(family: Family, factor: f64, axes: u64) {
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn a_load_that_comes_and_goes_is_carried() {
     handled(Family::Linear, 1.732, 20);
 }

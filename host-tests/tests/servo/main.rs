@@ -1,6 +1,7 @@
 //! The adaptive position loop on simulated axes, and the pneumatic axis itself.
 //!
-//! Claims over many runs are in `tests/statistics`.
+//! Claims over many runs are in `tests/statistics`. Tests that take seconds run in
+//! `cargo xtask host`, which has the feature `thorough`.
 
 mod changed;
 mod faults;

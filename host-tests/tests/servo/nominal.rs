@@ -42,6 +42,7 @@ const PHASES: [Phase; 6] = [
 ];
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn the_axis_commissions_itself_and_follows() {
     let runs: Vec<_> = SEEDS.map(|seed| drawn(Scenario::Nominal, seed)).collect();
     let mut faults = String::new();
@@ -93,6 +94,7 @@ fn changes_are_survived(seeds: &std::ops::RangeInclusive<u64>) {
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn changes_in_motion_are_survived() {
     changes_are_survived(&(3001..=3010));
 }

@@ -99,6 +99,7 @@ fn linear_model_is_exact_for_small_motions() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn linear_model_describes_the_full_axis() {
     // Large motions with sticking, dead zone and noise: the plant changes along the way and the
     // sliding model leaves out the Stribeck curve. Stated tolerance of the mean over the seeds: C

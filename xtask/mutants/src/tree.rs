@@ -245,6 +245,8 @@ impl Tree {
             &[
                 "-p",
                 "trendid-host-tests",
+                "--features",
+                "thorough",
                 "--test",
                 "core",
                 "--test",
