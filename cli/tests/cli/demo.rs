@@ -90,6 +90,7 @@ fn options_that_do_not_fit_are_refused() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn a_population_has_exactly_its_keys() {
     let text = stdout(&[
         "loop",

@@ -1,13 +1,18 @@
 //! The recursion of the core against the f64 oracle's batch, and its chain against the oracle's.
 
 use trendid::estimation::Terms;
-use trendid::trends::{FilteredTrends, RawTrends};
+use trendid::trends::{AnyTrends, FilteredTrends, RawTrends};
 use trendid::{Config, Identifier, Structure, structure};
 use trendid_host_tests::oracles::trends::Scheme;
 use trendid_host_tests::plants::linear::Input;
 
-use crate::common::{core_scheme, filter};
+use crate::common::{self, core_scheme};
 use crate::dense::{DT, LIMIT, both, noisy_record, record};
+
+/// One type for every operator: the core is compiled once for each structure.
+fn filter<const M: usize>(scheme: Scheme, pole: f32) -> AnyTrends<M> {
+    AnyTrends::Filtered(common::filter(scheme, pole))
+}
 
 #[test]
 fn servo_with_and_without_constant_and_start() {
@@ -17,6 +22,7 @@ fn servo_with_and_without_constant_and_start() {
     for scheme in [Scheme::Tustin, Scheme::Goodwin] {
         let f = filter::<3>(scheme, 25.0);
         let slow = FilteredTrends::for_bandwidth(core_scheme(scheme), DT, 20.0).unwrap();
+        let slow = AnyTrends::Filtered(slow);
         let plain = Config::new(Structure::<3, 3, 1>::INTEGRATING, 20.0, [1.0], 50.0);
         both(
             &format!("servo, {scheme:?}"),
@@ -155,7 +161,7 @@ fn two_genuine_inputs_with_their_own_numerators_and_delays() {
     let truth = [400.0, 16.0, 2e3, 40.0, -1.2e3, 300.0];
     let find = |(u, y): &(Vec<Vec<f64>>, Vec<f64>)| {
         let f = filter::<2>(Scheme::Tustin, 25.0);
-        let mut identifier: Identifier<_, 2, 6, 2, 3> = Identifier::try_new(&config, f).unwrap();
+        let mut identifier: Identifier<_, 2, 6, 2, 8> = Identifier::try_new(&config, f).unwrap();
         for k in 0..y.len() {
             let _ = identifier.update_inputs([u[0][k] as f32, u[1][k] as f32], y[k] as f32);
         }
@@ -203,7 +209,7 @@ fn first_order_hold_and_raw_trends() {
         LIMIT,
     );
     for scheme in [Scheme::Tustin, Scheme::Goodwin] {
-        let raw = RawTrends::try_new(core_scheme(scheme), DT).unwrap();
+        let raw = AnyTrends::Raw(RawTrends::try_new(core_scheme(scheme), DT).unwrap());
         config.holds = [trendid::trends::Hold::Zero];
         both(
             &format!("raw, {scheme:?}"),

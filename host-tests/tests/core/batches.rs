@@ -40,6 +40,7 @@ fn run(record: &Record, mut servo: Servo) -> Servo {
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn the_scores_of_the_recursion_are_those_of_f64_over_a_million_samples() {
     for (duration_s, seed) in [
         (1.0_f64, 200_101),

@@ -47,6 +47,7 @@ fn a_noise_level_without_forgetting_neither_stagnates_nor_drifts() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn an_estimate_without_forgetting_holds_beyond_what_f32_counts() {
     let mut estimator = Estimator::<2>::new([0.0; 2], [1e3; 2], 1.0);
     let mut state = 1_u32;

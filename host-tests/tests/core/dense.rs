@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 use trendid::estimation::{StabilisedForgetting, Terms};
-use trendid::trends::TrendOperator;
+use trendid::trends::{AnyTrends, TrendOperator};
 use trendid::{Config, Identifier};
 use trendid_host_tests::oracles::forgetting::{Forgetting, Kind};
 use trendid_host_tests::oracles::least_squares::{self, InputTerms, recursive_equivalent};
@@ -122,9 +122,9 @@ fn forgotten<const N: usize>(
 
 /// Largest distance between core and batch, relative to the parameter (or to a thousandth of its
 /// design size).
-fn gap<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
+fn gap<const M: usize, const N: usize, const I: usize>(
     config: &Config<M, N, I>,
-    trends: T,
+    trends: AnyTrends<M>,
     scheme: Scheme,
     u: &[Vec<f64>],
     y: &[f64],
@@ -138,7 +138,7 @@ fn gap<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
     let mut config = config.clone();
     // The same rows as the batch.
     config.settling = (first as f32 + 0.5) * DT;
-    let mut identifier: Identifier<T, M, N, I, 8> = Identifier::try_new(&config, trends).unwrap();
+    let mut identifier: Identifier<_, M, N, I, 8> = Identifier::try_new(&config, trends).unwrap();
     let prior = identifier.estimator();
     let prior: [f64; N] = core::array::from_fn(|j| f64::from(prior.covariance(j, j)));
     for k in 0..y.len() {
@@ -178,10 +178,10 @@ fn gap<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
 }
 
 /// The core without and with a memory of 0.4 s: the worst gaps.
-pub(crate) fn both<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
+pub(crate) fn both<const M: usize, const N: usize, const I: usize>(
     name: &str,
     config: Config<M, N, I>,
-    trends: T,
+    trends: AnyTrends<M>,
     scheme: Scheme,
     (u, y): &(Vec<Vec<f64>>, Vec<f64>),
     limit: f64,

@@ -163,6 +163,7 @@ fn no_estimate_diverges_over_coarse_digits() {
 
 /// What digits hide of a block is learnt: little up to 1 % of the way in a tenth of a second.
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn an_axis_that_is_blocked_is_found_by_what_exceeds_its_digits() {
     for memory in [None, Some(2.0)] {
         for shares in SHARES {

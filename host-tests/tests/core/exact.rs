@@ -3,7 +3,7 @@
 
 use rand::{RngExt, SeedableRng};
 use trendid::estimation::Terms;
-use trendid::trends::{ExactTrends, FilteredTrends, Hold, Scheme, TrendOperator};
+use trendid::trends::{AnyTrends, ExactTrends, FilteredTrends, Hold, Scheme, TrendOperator};
 use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::plants::linear::{Input, LinearPlant};
 use trendid_host_tests::random::Random;
@@ -130,9 +130,9 @@ fn config<const M: usize, const N: usize>(case: &Case, hold: Hold) -> Config<M, 
 }
 
 /// Largest error of an existing a_i or b_i in percent.
-fn worst<T: TrendOperator<M>, const M: usize, const N: usize>(
+fn worst<T: TrendOperator<M>, const M: usize, const N: usize, const D: usize>(
     case: &Case,
-    identifier: &Identifier<T, M, N>,
+    identifier: &Identifier<T, M, N, 1, D>,
 ) -> f64 {
     let model = identifier.estimate().transfer_function();
     let off = |found: &[f32], truth: &[f64]| {
@@ -144,12 +144,14 @@ fn worst<T: TrendOperator<M>, const M: usize, const N: usize>(
     off(&model.a, case.a).max(off(&model.b[0], case.b))
 }
 
-fn identified<T: TrendOperator<M>, const M: usize, const N: usize>(
+/// One type for every operator, with the delay line of [`dense`](crate::dense): the core is
+/// compiled once for each structure.
+fn identified<const M: usize, const N: usize>(
     case: &Case,
     hold: Hold,
-    trends: T,
+    trends: AnyTrends<M>,
     record: &[(f32, f32)],
-) -> Identifier<T, M, N> {
+) -> Identifier<AnyTrends<M>, M, N, 1, 8> {
     let mut identifier = Identifier::try_new(&config(case, hold), trends).unwrap();
     for (u, y) in record {
         let _ = identifier.update(*u, *y);
@@ -163,18 +165,20 @@ fn compare<const M: usize, const N: usize>(case: &Case, hold: Hold) -> [f64; 3] 
     let mut errors = [0.0_f64; 3];
     let plain =
         FilteredTrends::<M>::for_bandwidth(Scheme::Tustin, case.dt as f32, case.rough).unwrap();
+    let plain = AnyTrends::Filtered(plain);
     let exact = ExactTrends::<M>::for_bandwidth(case.dt as f32, case.rough).unwrap();
     for seed in SEEDS {
         let record = record(case, hold, seed);
-        let identifier: Identifier<_, M, N> = identified(case, hold, plain.clone(), &record);
+        let identifier = identified::<M, N>(case, hold, plain.clone(), &record);
         errors[0] = errors[0].max(worst(case, &identifier));
-        let mut identifier: Identifier<_, M, N> = identified(case, hold, exact.clone(), &record);
+        let known = AnyTrends::Exact(exact.clone());
+        let mut identifier = identified::<M, N>(case, hold, known, &record);
         errors[1] = errors[1].max(worst(case, &identifier));
         for _ in 0..ROUNDS {
             let own = exact
                 .with_model(identifier.estimate().transfer_function().a)
                 .unwrap();
-            identifier = identified(case, hold, own, &record);
+            identifier = identified(case, hold, AnyTrends::Exact(own), &record);
         }
         errors[2] = errors[2].max(worst(case, &identifier));
     }
@@ -255,12 +259,12 @@ fn the_uncertainty_is_that_of_the_noise() {
             // Uniform, 0.05 of a step in full width.
             *y += rng.random_range(-0.025..0.025_f32);
         }
-        let mut identifier: Identifier<_, 2, 3> =
-            identified(case, Hold::Zero, exact.clone(), &noisy);
+        let mut identifier =
+            identified::<2, 3>(case, Hold::Zero, AnyTrends::Exact(exact.clone()), &noisy);
         for _ in 0..ROUNDS {
             let a = identifier.estimate().transfer_function().a;
             let own = ExactTrends::from_polynomial(case.dt as f32, a).unwrap();
-            identifier = identified(case, Hold::Zero, own, &noisy);
+            identifier = identified(case, Hold::Zero, AnyTrends::Exact(own), &noisy);
         }
         let estimate = identifier.estimate();
         let (theta, std) = (estimate.theta(), estimate.std());

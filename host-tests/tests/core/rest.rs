@@ -172,6 +172,7 @@ fn a_change_after_a_rest_is_followed_with_a_longer_memory_too() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn a_change_after_constant_speed_is_followed() {
     for memory in [0.2, 2.0] {
         let (_, _, p95) = summary(219_000..219_100, 0.01, memory, Pause::Speed);

@@ -162,9 +162,10 @@ fn filtered<const M: usize, const N: usize, const I: usize>(
     let trends = trends.map_err(|e| TestCaseError::fail(e.to_string()))?;
     let raw = RawTrends::try_new(design.scheme, design.sample_time)
         .map_err(|e| TestCaseError::fail(e.to_string()))?;
-    // One type for both operators: the core is compiled once for each structure.
+    // One type for both operators, with the delay line of `dense`: the core is compiled once for
+    // each structure.
     for trends in [AnyTrends::Filtered(trends), AnyTrends::Raw(raw)] {
-        let identifier: Identifier<_, M, N, I, 3> =
+        let identifier: Identifier<_, M, N, I, 8> =
             Identifier::try_new(&config, trends).map_err(|e| TestCaseError::fail(e.to_string()))?;
         survive(identifier, acts, true)?;
     }
@@ -247,6 +248,7 @@ proptest! {
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn hours_without_a_movement() {
     // Two hours of exact silence with a short memory: nothing winds up, nothing becomes subnormal
     // or NaN, and what was learnt is held.

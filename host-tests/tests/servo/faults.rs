@@ -16,6 +16,7 @@ const CONTROL: [Situation; 4] = [
 ];
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn every_fault_is_noticed_for_its_reason() {
     let (mut runs, mut wrong) = (0, Vec::new());
     for axis in controlled(Family::Pneumatic, true, 1, 4) {

@@ -40,6 +40,7 @@ fn step_errors(p: &AxisParameters, amplitude: f64) -> [f64; 3] {
 }
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn halving_the_step_changes_nothing_that_matters() {
     // Stop, start and stick many times; the full command also strikes both end stops. The bound of
     // 1 um is a tenth of the sensor's resolution.

@@ -13,6 +13,7 @@ use trendid_host_tests::servo::run::{Options, run};
 use trendid_host_tests::servo::scenario::Scenario;
 
 #[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn the_command_keeps_range_and_rate_in_a_million_wild_samples() {
     let mut random = Random::seed_from_u64(77);
     let mut config = servo::Config::new(1e-3, 25.0, TRAVEL);
