@@ -86,6 +86,9 @@ pub(crate) fn statistics() -> Done {
         "trendid-host-tests",
         "-p",
         "trendid-cli",
+        // What is ignored without it runs in `host`.
+        "--features",
+        "trendid-host-tests/thorough,trendid-cli/thorough",
     ];
     let mut command = cargo(&arguments);
     command.args(["--no-fail-fast", "--", "--ignored"]);
