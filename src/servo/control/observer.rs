@@ -53,7 +53,12 @@ impl Observer {
     /// One sample on under the flow that was in force. Cost: about 50 instructions.
     #[inline]
     pub(crate) fn predict(&mut self, flow: f32) {
-        let time = self.design.sample_time;
+        self.predict_over(flow, self.design.sample_time);
+    }
+
+    /// The same, of one of many that share the sample time.
+    #[inline]
+    pub(crate) fn predict_over(&mut self, flow: f32, time: f32) {
         if self.friction.sticks() {
             if let Some(acceleration) = self.friction.hold(self.model.b0 * flow) {
                 self.motion.acceleration = acceleration;

@@ -74,7 +74,8 @@ impl Supervisor {
         if !window.update(seen.flow, seen.y) {
             return Event::None;
         }
-        let sums = window.sums(self.design.min_travel, unknown(&used) + self.design.drift);
+        let grain = self.design.drift;
+        let sums = window.sums(self.design.min_travel, unknown(&used) + grain, grain);
         if let Some(sums) = &sums {
             self.report = window.report(sums);
             self.evidence.add(sums);

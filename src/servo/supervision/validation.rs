@@ -6,6 +6,7 @@ use crate::servo::design::ValidationDesign;
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
 use crate::servo::supervision::bank;
+use crate::servo::supervision::unknown_flow::{Errors, UnknownFlow};
 
 /// How well a model followed the drive in free simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -41,26 +42,32 @@ impl FitReport {
 #[derive(Debug, Clone, PartialEq)]
 struct Runner {
     observer: Observer,
-    sse: f32,
+    errors: Errors,
 }
 
 impl Runner {
     fn new(design: &ValidationDesign, model: Model, motion: Motion) -> Self {
         let mut observer = Observer::new(&design.observer, model);
         observer.place(motion);
-        Self { observer, sse: 0.0 }
+        Self {
+            observer,
+            errors: Errors::default(),
+        }
     }
 
-    /// One sample under the flow that was in force, with the position at its end.
+    /// One sample under the flow that was in force, observed with the position at its end.
     #[inline]
-    fn update(&mut self, flow: f32, y: f32, observing: bool) {
-        self.observer.predict(flow);
-        if observing {
-            self.observer.correct(y);
-        } else {
-            let error = y - self.observer.motion().position;
-            self.sse += error * error;
-        }
+    fn observe(&mut self, flow: f32, y: f32, time: f32) {
+        self.observer.predict_over(flow, time);
+        self.observer.correct(y);
+    }
+
+    /// One sample of free simulation, with the response to the unknown flow.
+    #[inline]
+    fn simulate(&mut self, flow: f32, y: f32, time: f32, response: f32) {
+        self.observer.predict_over(flow, time);
+        self.errors
+            .add(y - self.observer.motion().position, response);
     }
 }
 
@@ -69,7 +76,8 @@ impl Runner {
 ///
 /// All get the same samples, newer than any of them. In the first phase an observer finds position,
 /// velocity and acceleration; in the second the models run on the commands alone and the squared
-/// errors of the position are summed.
+/// errors of the position are summed, but for what explains them without another model: a flow that
+/// the model in use may not know, and a grain at the begin.
 ///
 /// Known as: hold-out validation, cross-validation by simulation (Ljung 1999, chapter 16), of a
 /// bank of models (multiple-model estimation, Li and Bar-Shalom 1996).
@@ -77,6 +85,8 @@ impl Runner {
 pub(crate) struct Window {
     bank: [Runner; bank::SIZE],
     challenger: Option<Runner>,
+    unknown: UnknownFlow,
+    sample_time: f32,
     /// The flow in force until the next sample.
     flow: f32,
     /// Samples of observation that are left, and of free simulation in all and so far.
@@ -91,7 +101,7 @@ pub(crate) struct Window {
 /// Sums of squares of a window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sums {
-    /// Errors of the bank and of the challenger.
+    /// Errors of the bank and of the challenger, beyond what needs no other model.
     pub(crate) bank: [f32; bank::SIZE],
     pub(crate) challenger: Option<f32>,
     /// The position about its mean.
@@ -135,6 +145,8 @@ impl Window {
         Self {
             bank: bank::about(used).map(run),
             challenger: challenger.map(run),
+            unknown: UnknownFlow::new(used, design.observer.sample_time),
+            sample_time: design.observer.sample_time,
             flow,
             observe: design.observe,
             window: design.window,
@@ -149,15 +161,16 @@ impl Window {
     ///
     /// Cost: about 60 instructions per model.
     pub(crate) fn update(&mut self, flow: f32, y: f32) -> bool {
-        let observing = self.observe > 0;
-        for run in self.bank.iter_mut().chain(&mut self.challenger) {
-            run.update(self.flow, y, observing);
-        }
-        self.flow = flow;
-        if observing {
+        let before = core::mem::replace(&mut self.flow, flow);
+        let time = self.sample_time;
+        let runners = self.bank.iter_mut().chain(&mut self.challenger);
+        if self.observe > 0 {
+            runners.for_each(|run| run.observe(before, y, time));
             self.observe -= 1;
             return false;
         }
+        let response = self.unknown.update(before);
+        runners.for_each(|run| run.simulate(before, y, time, response));
         let moved = y - self.origin;
         self.sum += moved;
         self.squares += moved * moved;
@@ -166,14 +179,20 @@ impl Window {
     }
 
     /// What it showed; `None` when the axis moved by less than `least` about its mean. One that
-    /// moved by `whole` or more is a whole window.
-    pub(crate) fn sums(&self, least: f32, whole: f32) -> Option<Sums> {
+    /// moved by `whole` or more is a whole window; errors of `grain` rms say nothing.
+    pub(crate) fn sums(&self, least: f32, whole: f32, grain: f32) -> Option<Sums> {
         let count = self.samples as f32;
         let moved = self.squares - self.sum * self.sum / count;
         let part = moved / (whole * whole * count);
+        let explained = grain * grain * count;
+        let beyond = |run: &Runner| {
+            let left = self.unknown.left(&run.errors) - explained;
+            // NaN stays: such a model is astray.
+            if left < 0.0 { 0.0 } else { left }
+        };
         (moved > least * least * count).then(|| Sums {
-            bank: self.bank.each_ref().map(|run| run.sse),
-            challenger: self.challenger.as_ref().map(|run| run.sse),
+            bank: self.bank.each_ref().map(beyond),
+            challenger: self.challenger.as_ref().map(beyond),
             moved,
             weight: if part < 1.0 { sqrt(part) } else { 1.0 },
         })
@@ -181,10 +200,10 @@ impl Window {
 
     /// How well the challenger has followed, or the model in use where there is none.
     pub(crate) fn report(&self, sums: &Sums) -> FitReport {
-        let used = sums.bank[bank::USED];
+        let used = &self.bank[bank::USED];
         FitReport {
-            sse: sums.challenger.unwrap_or(used),
-            incumbent_sse: Some(used),
+            sse: self.challenger.as_ref().unwrap_or(used).errors.squares,
+            incumbent_sse: Some(used.errors.squares),
             sst: sums.moved,
             samples: self.samples,
         }

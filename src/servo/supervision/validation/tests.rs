@@ -9,19 +9,30 @@ const USED: Model = Model::linear(900.0, 15.0, 9e5);
 
 /// A window on a drive under a flow that changes its sign so often per second.
 fn seen(drive: &Model, challenger: Option<Model>, per_second: f32) -> Result<Window, Error> {
+    seen_by(&USED, drive, challenger, per_second, 0.0)
+}
+
+/// The same with another model in use, of whose dead zone so much is not known.
+fn seen_by(
+    used: &Model,
+    drive: &Model,
+    challenger: Option<Model>,
+    per_second: f32,
+    unknown: f32,
+) -> Result<Window, Error> {
     let travel = Travel {
         min: 0.0,
         max: 400.0,
     };
     let design = Config::new(1e-3, 30.0, travel).resolve()?.supervision;
     let mut motion = Motion::at(200.0);
-    let mut window = Window::new(&design.validation, &USED, challenger, motion, 0.0);
+    let mut window = Window::new(&design.validation, used, challenger, motion, 0.0);
     let (mut ends, mut samples) = (false, 0);
     while !ends {
         let turned = libm::sinf(per_second * core::f32::consts::PI * 1e-3 * samples as f32);
         let flow = if turned < 0.0 { -0.3 } else { 0.3 };
         ends = window.update(flow, motion.position);
-        drive.advance(&mut motion, flow, 1e-3);
+        drive.advance(&mut motion, flow - libm::copysignf(unknown, flow), 1e-3);
         samples += 1;
     }
     assert_eq!(
@@ -33,7 +44,7 @@ fn seen(drive: &Model, challenger: Option<Model>, per_second: f32) -> Result<Win
 
 /// Root mean square of what moved.
 fn rms(window: &Window) -> f32 {
-    let moved = window.sums(0.0, 1.0).map_or(0.0, |sums| sums.moved);
+    let moved = window.sums(0.0, 1.0, 0.0).map_or(0.0, |sums| sums.moved);
     sqrt(moved / window.samples as f32)
 }
 
@@ -41,7 +52,7 @@ fn rms(window: &Window) -> f32 {
 fn the_model_of_the_drive_leaves_least_whatever_it_is() -> Result<(), Error> {
     for (k, drive) in bank::about(&USED).into_iter().enumerate() {
         let window = seen(&drive, None, 4.0)?;
-        let sums = window.sums(0.0, 1.0).unwrap_or(Sums {
+        let sums = window.sums(0.0, 1.0, 0.0).unwrap_or(Sums {
             bank: [f32::NAN; bank::SIZE],
             challenger: None,
             weight: f32::NAN,
@@ -59,7 +70,7 @@ fn the_model_of_the_drive_leaves_least_whatever_it_is() -> Result<(), Error> {
 fn a_challenger_runs_beside_them_and_is_reported() -> Result<(), Error> {
     let drive = Model::linear(400.0, 30.0, 6e5);
     let window = seen(&drive, Some(drive), 3.0)?;
-    let Some(sums) = window.sums(1.0, 1.0) else {
+    let Some(sums) = window.sums(1.0, 1.0, 0.0) else {
         panic!("the axis moved");
     };
     assert!(sums.challenger.is_some_and(|sse| sse < 1e-3 * sums.moved));
@@ -78,10 +89,55 @@ fn a_challenger_runs_beside_them_and_is_reported() -> Result<(), Error> {
 }
 
 #[test]
+fn a_dead_zone_that_is_not_quite_known_speaks_against_no_model() -> Result<(), Error> {
+    // Half of it: 0.06 of a flow of 0.3, a fifth of the velocity.
+    let used = Model {
+        dead_zone: 0.12,
+        ..USED
+    };
+    for unknown in [-0.06, -0.03, 0.03, 0.06] {
+        for per_second in [0.0, 4.0] {
+            let window = seen_by(&used, &used, None, per_second, unknown)?;
+            let sums = window.sums(0.0, 1.0, 0.0).expect("it moves");
+            let own = sums.bank[bank::USED];
+            // What the observation got wrong is less than a fifth of the velocity.
+            let all = window.report(&sums).sse;
+            assert!(own < 0.2 * all, "{unknown}: {own} of {all}");
+        }
+    }
+    // Of another gain or load there is something left.
+    for (k, drive) in bank::about(&used).into_iter().enumerate() {
+        let window = seen_by(&used, &drive, None, 4.0, 0.0)?;
+        let sums = window.sums(0.0, 1.0, 0.0).expect("it moves");
+        let own = sums.bank[bank::USED];
+        assert_eq!(own > 1e-4 * sums.moved, k != bank::USED, "{k}: {sums:?}");
+    }
+    Ok(())
+}
+
+#[test]
+fn errors_of_a_grain_say_nothing_and_those_beyond_it_what_exceeds_it() -> Result<(), Error> {
+    let drive = Model { b0: 8e5, ..USED };
+    let window = seen(&drive, Some(drive), 4.0)?;
+    let left = |grain| window.sums(0.0, 1.0, grain).expect("it moves");
+    let (all, count) = (left(0.0), window.samples as f32);
+    let rms = sqrt(all.bank[bank::USED] / count);
+    let half = left(0.5 * rms);
+    for (beyond, sse) in half.bank.iter().zip(all.bank) {
+        let exact = f32::max(sse - 0.25 * rms * rms * count, 0.0);
+        assert!((beyond - exact).abs() < 1e-4 * sse);
+    }
+    assert_eq!(half.challenger, Some(0.0));
+    assert_eq!(left(1.01 * rms).bank[bank::USED], 0.0);
+    assert_eq!((half.moved, half.weight), (all.moved, all.weight));
+    Ok(())
+}
+
+#[test]
 fn a_window_without_motion_shows_nothing() -> Result<(), Error> {
     let window = seen(&USED, None, 4.0)?;
     let rms = rms(&window);
-    let at = |least| window.sums(least, 1.0);
+    let at = |least| window.sums(least, 1.0, 0.0);
     assert!(at(0.99 * rms).is_some() && at(1.01 * rms).is_none());
     Ok(())
 }
@@ -91,7 +147,7 @@ fn a_window_counts_by_its_motion_up_to_a_whole_one() -> Result<(), Error> {
     let window = seen(&USED, None, 4.0)?;
     let rms = rms(&window);
     for (whole, weight) in [(0.0, 1.0), (0.5, 1.0), (1.0, 1.0), (2.0, 0.5), (8.0, 0.125)] {
-        let found = window.sums(0.0, whole * rms).map(|sums| sums.weight);
+        let found = window.sums(0.0, whole * rms, 0.0).map(|sums| sums.weight);
         let found = found.unwrap_or(f32::NAN);
         assert!((found - weight).abs() < 1e-5, "{whole}: {found}");
     }

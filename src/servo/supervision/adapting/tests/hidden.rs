@@ -43,7 +43,7 @@ fn a_window_counts_by_its_motion_over_what_friction_and_drift_hide() -> Result<(
         assert_eq!(supervisor.compare(&seen), Event::None);
         if let (Some(mut window), None) = (before, &supervisor.window) {
             assert!(window.update(seen.flow, seen.y));
-            let sums = window.sums(0.1, 5.0).expect("it moves");
+            let sums = window.sums(0.1, 5.0, 1.0).expect("it moves");
             assert!((0.2..0.8).contains(&sums.weight), "{sums:?}");
             let mut expected = Evidence::NONE;
             expected.add(&sums);
