@@ -83,6 +83,7 @@ impl Challenger {
 /// windows are added up, and decide together:
 ///
 /// ```text
+/// SSE          beyond what a flow that the model in use does not know explains, and a grain at the begin
 /// share        SSE / (SSE + what moved): 0 is right, 1 is astray, by however much
 /// weight       rms of what moved over what hides a model: friction, dead zone, noise; at most 1, a whole window
 /// bank         shares of all windows, those before times 1 - 0.2 weight; a model clearly better by 0.5 becomes the challenger
