@@ -14,7 +14,11 @@ const FREE: usize = 60;
 
 /// The flow of a window that turns after so many samples.
 fn flow(turns: usize, k: usize) -> f32 {
-    if k / turns % 2 == 0 { 0.02 } else { -0.3 }
+    if (k / turns).is_multiple_of(2) {
+        0.02
+    } else {
+        -0.3
+    }
 }
 
 /// What errors of each sample and its response come to: the flow, their sums, and the responses.
