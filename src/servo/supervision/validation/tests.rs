@@ -100,7 +100,7 @@ fn a_dead_zone_that_is_not_quite_known_speaks_against_no_model() -> Result<(), E
             let window = seen_by(&used, &used, None, per_second, unknown)?;
             let sums = window.sums(0.0, 1.0, 0.0).expect("it moves");
             let own = sums.bank[bank::USED];
-            // What the observation got wrong is less than a fifth of the velocity.
+            // What the observation got wrong leaves less than a fifth of the squared errors.
             let all = window.report(&sums).sse;
             assert!(own < 0.2 * all, "{unknown}: {own} of {all}");
         }
