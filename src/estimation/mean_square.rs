@@ -84,7 +84,6 @@ mod tests {
     use super::*;
 
     #[test]
-    #[cfg_attr(miri, ignore = "millions of samples")]
     fn a_mean_beyond_the_horizon_follows_as_before() {
         // 1e6 equal squares of a size that f32 cannot add exactly, then as many of another.
         let mut mean = MeanSquare::new(1.0);

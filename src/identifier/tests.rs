@@ -8,7 +8,6 @@ pub(super) mod bench;
 use bench::{Drive, Servo3, config, identifier};
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn settings_for_another_structure_are_the_same_but_for_its_parameters() {
     let mut small = config();
     small.output_noise = 0.07;
@@ -32,7 +31,6 @@ fn settings_for_another_structure_are_the_same_but_for_its_parameters() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_noise_is_found_in_the_unit_of_the_position() {
     let mut identifier = identifier(&config());
     assert_eq!(identifier.noise_std(), None);
@@ -48,7 +46,6 @@ fn the_noise_is_found_in_the_unit_of_the_position() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn where_a_position_is_resolved_worse_than_its_noise_a_row_counts_for_less() {
     // Positions in halves, which f32 has up to 2^23: the same motion near zero and far away.
     let near = 0.0;
@@ -84,7 +81,6 @@ fn where_a_position_is_resolved_worse_than_its_noise_a_row_counts_for_less() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_gap_is_bridged_for_five_over_the_bandwidth_and_no_longer() {
     let mut trained = identifier(&config());
     let mut drive = Drive::new(1e-4);
@@ -122,7 +118,6 @@ fn what_an_input_was_before_the_start_is_within_its_reach() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_was_blocked_begins_from_a_state_that_is_not_known() {
     let mut config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
     config.memory = Some(5.0);

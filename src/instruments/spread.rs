@@ -225,7 +225,6 @@ mod tests {
     /// White noise: the factor of Student's distribution is left, and a little for correlation by
     /// chance.
     #[test]
-    #[cfg_attr(miri, ignore = "many samples")]
     fn deviations_are_as_wide_as_estimates_vary() {
         for (blocks, student) in [(8, 1.21), (16, 1.09)] {
             for ratio in ratio(0.0, blocks) {
@@ -240,7 +239,6 @@ mod tests {
     /// Noise that remembers two blocks: without the correlation the mean would be half as uncertain
     /// as it is.
     #[test]
-    #[cfg_attr(miri, ignore = "many samples")]
     fn blocks_that_are_not_independent_widen_the_deviations() {
         let [mean, _] = ratio(0.94, 16);
         assert!((0.9..1.6).contains(&mean), "{mean}");

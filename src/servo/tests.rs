@@ -9,7 +9,6 @@ use crate::servo::control::tuning::Tuning;
 use bench::{Bench, MODEL};
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn on_its_own_model_the_loop_follows_every_reference() {
     for (damping, dead_zone, offset) in [(0.4, 0.0, 0.0), (0.8, 0.0, 0.0), (0.4, 0.03, 0.01)] {
         let model = Model {
@@ -44,7 +43,6 @@ fn on_its_own_model_the_loop_follows_every_reference() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_force_that_nobody_told_is_worked_off() {
     let mut bench = Bench::new(MODEL);
     let _ = bench.worst(1500);
@@ -62,7 +60,6 @@ fn a_force_that_nobody_told_is_worked_off() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn friction_is_overcome_and_left_to_hold_the_axis() {
     let model = Model {
         friction: 400.0,
@@ -109,7 +106,6 @@ fn failed(model: Model, reason: Reason) -> Bench {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_whose_position_is_known_is_braked_and_then_its_valve_is_in_the_middle() {
     let model = Model {
         offset: 0.05,
@@ -142,7 +138,6 @@ fn an_axis_whose_position_is_known_is_braked_and_then_its_valve_is_in_the_middle
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_middle_of_a_valve_is_where_it_is_known_and_zero_where_it_is_not() {
     let wide = Model {
         offset: -0.05,
@@ -204,7 +199,6 @@ fn an_oscillation_takes_bandwidth_to_half_and_no_further() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_poles_of_a_search_that_goes_on_reach_the_controller_of_their_model() {
     let mut bench = Bench::new(MODEL);
     let _ = bench.worst(100);

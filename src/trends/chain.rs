@@ -238,7 +238,6 @@ mod tests {
     /// In one word the state would stop 3e-5 of its end away from it, in every row of a steady
     /// motion alike.
     #[test]
-    #[cfg_attr(miri, ignore = "hundreds of thousands of samples")]
     fn a_steady_input_is_reached_to_the_last_digits() {
         fn distance<const M: usize>(bandwidth: f32) -> f32 {
             let trends =

@@ -6,7 +6,7 @@
 mod common;
 
 mod accuracy;
-// Two dozen shapes of the core.
+// With `thorough` alone: dozens of shapes of the core, each a second of a processor to build.
 #[cfg(feature = "thorough")]
 mod attack;
 mod batch;
@@ -24,11 +24,13 @@ mod dense;
 mod digits;
 mod endurance;
 mod evaluation;
+#[cfg(feature = "thorough")]
 mod exact;
 mod far;
 mod faults;
 mod flash;
 mod forgetting;
+#[cfg(feature = "thorough")]
 mod instrument_populations;
 mod instruments;
 mod integral;

@@ -161,7 +161,6 @@ fn both_parts<const N: usize>(seed: u32) {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn each_part_of_a_unit_row_is_an_observation() {
     for seed in 220_100..220_300 {
         both_parts::<1>(seed);

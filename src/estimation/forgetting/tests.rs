@@ -2,7 +2,6 @@ use super::*;
 
 /// Without data the prior stays what it was: neither forgotten nor taken for knowledge.
 #[test]
-#[cfg_attr(miri, ignore = "millions of samples")]
 fn a_prior_counts_for_no_more_than_it_says() {
     for std in [1.0_f32, 30.0, 1e3, 1e8] {
         for memory in [100.0_f32, 2e3, 1e5] {

@@ -171,7 +171,6 @@ fn attack<const N: usize>(memory: f32, seed: u32) -> f32 {
 
 /// Whatever the rows, the rests between them and the times at which a debt is called in.
 #[test]
-#[cfg_attr(miri, ignore = "millions of samples")]
 fn the_covariance_stays_below_its_bound_whenever_it_is_forgotten() {
     let mut worst = [0.0_f32; 4];
     for memory in [60.0, 200.0, 2000.0, 20_000.0] {

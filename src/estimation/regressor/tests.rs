@@ -66,7 +66,6 @@ fn the_weight_of_y_is_what_a_unit_of_y_adds_to_the_error() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn moments_of_noise_are_the_sums_of_squares_behind_one_sample() {
     let (trends, regressor) = parts();
     let design = trends.design();

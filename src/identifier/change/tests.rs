@@ -24,7 +24,6 @@ fn until(
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_detector_is_blind_for_as_long_as_it_was_told() {
     for blind in [0, 1, 700] {
         let mut detector = ChangeDetector::new(LAMBDA, blind);
@@ -43,7 +42,6 @@ fn a_detector_is_blind_for_as_long_as_it_was_told() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_change_is_unusual_it_matters_and_it_is_more_than_noise_and_ignorance() {
     let usual = || {
         let mut detector = ChangeDetector::new(LAMBDA, 0);
@@ -72,7 +70,6 @@ fn a_change_is_unusual_it_matters_and_it_is_more_than_noise_and_ignorance() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn what_is_unusual_is_twelve_times_what_noise_and_ignorance_make() {
     // Without a share of the newest row the mean squares stay what they are put to.
     let still = Shares {
@@ -104,7 +101,6 @@ fn what_is_unusual_is_twelve_times_what_noise_and_ignorance_make() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn shares_are_those_of_their_time_constants() {
     let shares = Shares::new(0.02, 3.0);
     // 1/(2 omega) and 4/omega, in samples of 0.02/omega.
@@ -115,7 +111,6 @@ fn shares_are_those_of_their_time_constants() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn what_has_decayed_becomes_zero() {
     let mut detector = ChangeDetector::new(LAMBDA, 0);
     detector.lagged = [1e-16, -1e-14];

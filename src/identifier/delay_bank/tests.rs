@@ -25,7 +25,6 @@ fn late(whole: usize, part: f32) -> Bank {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_delay_is_that_of_the_smallest_error() {
     for delay in 0..4 {
         let bank = late(delay, 0.0);
@@ -47,7 +46,6 @@ fn the_delay_is_that_of_the_smallest_error() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_delay_between_samples_is_the_lowest_point_of_a_parabola() {
     for part in [0.3, 0.5, 0.7] {
         let bank = late(1, part);

@@ -36,7 +36,6 @@ fn following() -> Config<3, 3, 1> {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_change_of_the_drive_is_found_once_and_its_onset_left_out() {
     let (mut servo, mut drive) = trained(&following(), 4000);
     assert_eq!(servo.changes(), 0);
@@ -97,7 +96,6 @@ fn a_change_of_the_drive_is_found_once_and_its_onset_left_out() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn who_does_not_ask_for_changes_finds_none() {
     let mut config = following();
     config.follow_changes = false;
@@ -111,7 +109,6 @@ fn who_does_not_ask_for_changes_finds_none() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn behind_a_change_the_initial_state_is_as_uncertain_as_at_the_start() {
     let mut config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
     (config.memory, config.follow_changes) = (Some(2.0), true);
@@ -165,7 +162,6 @@ fn what_is_expected_of_a_model_is_no_contradiction() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn where_an_axis_is_blocked_the_trends_begin_at_rest() {
     let (mut servo, drive) = trained(&config(), 3000);
     let (y, mut seen) = (drive.at[0], Seen::default());
@@ -186,7 +182,6 @@ fn where_an_axis_is_blocked_the_trends_begin_at_rest() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_contradiction_is_one_of_a_drive_that_moves() {
     let mut config = config();
     config.memory = Some(2.0);
@@ -225,7 +220,6 @@ fn rested() -> (Servo3, Drive, f32) {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_row_that_contradicts_calls_the_debt_in_one_parameter_per_sample() {
     let (mut servo, mut drive, weight) = rested();
     assert!(servo.state.postponed.is_owed() && servo.state.learns);
@@ -263,7 +257,6 @@ fn a_row_that_contradicts_calls_the_debt_in_one_parameter_per_sample() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn while_the_estimate_is_held_nothing_is_learnt_and_nothing_forgotten() {
     for memory in [None, Some(2.0)] {
         let mut config = config();

@@ -24,7 +24,6 @@ fn what_is_beyond_its_reach_is_refused_and_named() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_refused_sample_is_a_sample_time_without_y() {
     let mut config = config();
     for memory in [None, Some(2.0)] {
@@ -48,7 +47,6 @@ fn a_refused_sample_is_a_sample_time_without_y() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_model_goes_on_where_the_drive_goes() {
     for memory in [None, Some(20.0)] {
         let mut config = config();
@@ -125,7 +123,6 @@ fn before_there_is_a_model_the_position_stays() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_prediction_beyond_its_reach_is_none() {
     let (mut servo, drive) = trained(&config(), 500);
     let y = servo.prediction();
@@ -137,7 +134,6 @@ fn a_prediction_beyond_its_reach_is_none() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn time_that_passes_is_owed_by_who_forgets_and_adapts() {
     for (memory, adapts, owes) in [
         (Some(2.0), true, true),
@@ -155,7 +151,6 @@ fn time_that_passes_is_owed_by_who_forgets_and_adapts() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_model_that_is_wrong_goes_on_as_wrong_as_it_was() {
     let mut config = config();
     config.memory = Some(20.0);
@@ -178,7 +173,6 @@ fn a_model_that_is_wrong_goes_on_as_wrong_as_it_was() {
 
 /// The gate takes what comes behind a gap as it is.
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn behind_a_gap_the_first_sample_counts() {
     let mut config = config();
     config.memory = Some(2.0);

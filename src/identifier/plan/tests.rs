@@ -123,7 +123,6 @@ fn squares(plan: &Plan3) -> [f32; 3] {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_drive_moves_where_its_trends_are_five_deviations_of_their_noise() {
     let plan = Plan3::new(&config(), trends(20.0), 0).expect("settings");
     let [first, second, input] = squares(&plan);

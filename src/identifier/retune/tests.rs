@@ -31,7 +31,6 @@ fn in_band_of(a: [f32; 3], filter: [f32; 3]) -> f32 {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_model_stays_and_its_covariance_goes_with_the_noise_behind_the_filter() {
     let (mut servo, _) = trained(&config(), 3000);
     let before = servo.clone();
@@ -53,7 +52,6 @@ fn the_model_stays_and_its_covariance_goes_with_the_noise_behind_the_filter() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn with_the_same_filter_the_signals_go_on() {
     let (mut servo, mut drive) = trained(&config(), 3000);
     let before = servo.clone();
@@ -68,7 +66,6 @@ fn with_the_same_filter_the_signals_go_on() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn no_variance_grows_beyond_that_of_the_prior() {
     let (mut servo, _) = trained(&config(), 40);
     let prior = servo.plan.prior.std;
@@ -81,7 +78,6 @@ fn no_variance_grows_beyond_that_of_the_prior() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn nominal_values_and_debts_are_of_the_old_filter() {
     let mut config = config();
     config.memory = Some(2.0);
@@ -115,7 +111,6 @@ fn nominal_values_and_debts_are_of_the_old_filter() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_initial_state_becomes_uncertain_and_the_filter_settles() {
     let config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
     let mut servo =
@@ -152,7 +147,6 @@ fn the_initial_state_becomes_uncertain_and_the_filter_settles() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_model_that_was_mapped_is_the_same_behind_other_trends() {
     // 20 ms are 0.4 rad: the denominator in the plane of the trends is another one.
     let trends = |bandwidth: f32| ExactTrends::<3>::for_bandwidth(2e-2, bandwidth).expect("trends");
@@ -173,7 +167,6 @@ fn a_model_that_was_mapped_is_the_same_behind_other_trends() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn what_cannot_be_changes_nothing_and_a_reset_leads_back() {
     let (mut servo, _) = trained(&config(), 300);
     let before = servo.clone();

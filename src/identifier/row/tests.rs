@@ -27,7 +27,6 @@ fn a_row_counts_for_what_its_position_is_resolved_to() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn noise_is_never_less_than_a_share_of_what_is_expected() {
     let mut level = NoiseLevel::new(1.0);
     let before = Noise::of(&level, 0.5);
@@ -51,7 +50,6 @@ fn noise_is_never_less_than_a_share_of_what_is_expected() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_innovation_is_the_part_of_y_that_nothing_explains() {
     // A sample that is larger by 0.001 has an innovation that is larger by that.
     for memory in [None, Some(2.0)] {
@@ -72,7 +70,6 @@ fn an_innovation_is_the_part_of_y_that_nothing_explains() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_step_of_the_position_enters_where_it_happened() {
     let mut config = config();
     config.memory = Some(2.0);
@@ -115,7 +112,6 @@ fn a_step_of_the_position_enters_where_it_happened() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn far_from_zero_rows_are_weighed_by_where_the_drive_is() {
     /// Rows as the estimator takes them.
     #[derive(Default)]

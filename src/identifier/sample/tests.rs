@@ -64,7 +64,6 @@ fn long_after(memory: Option<f32>, adapts: bool, moves: bool) -> Servo3 {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn what_has_decayed_ends_at_zero_however_samples_are_taken() {
     for memory in [None, Some(2.0)] {
         for adapts in [true, false] {
@@ -82,7 +81,6 @@ fn what_has_decayed_ends_at_zero_however_samples_are_taken() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_drive_that_does_not_move_teaches_nothing() {
     let mut config = config();
     config.memory = Some(2.0);
@@ -102,7 +100,6 @@ fn a_drive_that_does_not_move_teaches_nothing() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_outcome_has_the_innovation_that_was_predicted() {
     let mut config = config();
     (config.memory, config.settling) = (Some(2.0), 0.01);

@@ -38,7 +38,6 @@ fn behind_an_integrator_positions_are_counted_from_the_first() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_initial_state_decays_with_the_slow_pole_and_ends() {
     let config = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [0.4], 50.0);
     let plan = Plan::new(&config, trends(20.0), 0).expect("settings");

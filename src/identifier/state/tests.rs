@@ -7,7 +7,6 @@ fn near(found: f32, exact: f32) {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_warm_start_begins_from_what_it_is_given() {
     for adapts in [true, false] {
         let mut config = config();
@@ -51,7 +50,6 @@ fn an_estimate_that_is_none_changes_nothing() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_nominal_value_is_as_well_known_as_the_estimate_was() {
     let mut config = config();
     config.memory = Some(2.0);

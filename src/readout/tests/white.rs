@@ -31,7 +31,6 @@ fn level(variance: f32) -> NoiseLevel {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn white_noise_is_what_the_residual_can_explain_and_none_beyond() {
     let mut parts = Parts::new(filtered(), [1e2; 4], 1.0, 400);
     // Parameters that are not of size 1.
@@ -90,7 +89,6 @@ fn blind(error: f32, share: f32) -> Parts {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn what_the_damping_leaves_of_a_bias_is_uncertain() {
     let parts = blind(2e-3, 0.5);
     let read = parts.read();
@@ -125,7 +123,6 @@ fn what_the_damping_leaves_of_a_bias_is_uncertain() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn white_noise_counts_by_its_spectrum_behind_the_filter_and_rounding_in_the_band() {
     // All of the residual is white, and hardly anything is left but rounding.
     for (error, share) in [(2e-3, 0.999), (1e-8, 9.0)] {

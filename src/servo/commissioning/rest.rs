@@ -2,10 +2,11 @@
 
 use crate::servo::design::constants::{CODE_CHANGING_NOISE, LEAST_RUN_TIME, STUCK_RUN_RATIO};
 
-/// Time in s, for the drift, and samples of rest: a count, as so many second differences give the
-/// deviation of the noise to a sixth, however far apart they are.
+/// Time in s of rest, for the drift.
 const TIME: f32 = 0.05;
-const SAMPLES: u32 = 40;
+/// Relative deviation to which the noise must be known: that of n second differences of white noise
+/// is `1 / sqrt n`, however far apart they are.
+const NOISE_DEVIATION: f32 = 0.16;
 /// Movement in travels that ends it early.
 const MOVEMENT: f32 = 4e-3;
 /// Least deviation from rest that counts as movement, in travels.
@@ -74,7 +75,8 @@ impl Rest {
         self.sum += moved;
         self.weighted += self.count * moved;
         self.count += 1.0;
-        let over = self.count >= SAMPLES as f32 && self.count * time >= TIME;
+        let known = self.count * (NOISE_DEVIATION * NOISE_DEVIATION) >= 1.0;
+        let over = known && self.count * time >= TIME;
         let away = !(-MOVEMENT..=MOVEMENT).contains(&moved);
         (over || away).then(|| self.found(time, resolution))
     }

@@ -66,7 +66,6 @@ fn commissioned(design: CommissioningDesign, plant: &mut Plant, sign: Option<f32
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn drives_are_found_from_rest_whatever_their_sign_and_delay() {
     for (w, damping, gain, dead_zone, offset, sign, delay) in [
         (20.0, 0.4, 1000.0, 0.0, 0.0, 1.0, 0),
@@ -125,7 +124,6 @@ fn drives_are_found_from_rest_whatever_their_sign_and_delay() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn what_is_no_drive_is_refused_with_its_reason() {
     let model = Model::linear(400.0, 16.0, 4e5);
     let failed = |plant: &mut Plant, sign| match commissioned(design(), plant, sign).progress {
@@ -188,7 +186,6 @@ fn broken(model: Model, breaks: u32, fault: impl Fn(&mut Plant, f32)) -> Option<
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_goes_its_own_way_is_noticed_while_levels_are_drawn() {
     for (w, damping) in [(20.0, 0.4), (40.0, 0.15), (12.0, 0.7)] {
         let model = Model::linear(w * w, 2.0 * damping * w, 1000.0 * w * w);
@@ -210,7 +207,6 @@ fn an_axis_that_goes_its_own_way_is_noticed_while_levels_are_drawn() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn time_is_limited() {
     for limit in [0.5, 1.0] {
         let mut design = design();

@@ -38,13 +38,14 @@ pub(crate) struct Anchor {
 /// band over that of one.
 const LATE_SHARE: f32 = 0.3;
 const LATE_BAND: f32 = 0.5;
-/// Samples of the mean: a count, as the noise of the place falls with its root whatever the sample
-/// time.
-const MEAN: u32 = 40;
-/// Time over that of the observer within which nothing moved, and the least number of samples:
-/// fewer within the band are chance, however far apart.
+/// Deviation of the place over that of a reading: it falls with the root of how many its mean has,
+/// however far apart they are.
+const PLACE_DEVIATION: f32 = 0.158;
+const PLACE_READINGS: u32 = (1.0 / (PLACE_DEVIATION * PLACE_DEVIATION)) as u32;
+/// Time over that of the observer within which nothing moved. The observer is slow against the
+/// sample time (`OBSERVER_STEP`), so that it is at least sixteen readings: fewer within the band
+/// would be chance.
 const TIME_RATIO: f32 = 5.0;
-const SAMPLES_MIN: f32 = 6.0;
 
 impl Anchor {
     pub(crate) const fn new(design: &AnchorDesign) -> Self {
@@ -62,9 +63,7 @@ impl Anchor {
 
     /// Time for which nothing may move, from the pole of the observer.
     pub(crate) fn tune(&mut self, observer: f32) {
-        let time = TIME_RATIO / observer;
-        let least = SAMPLES_MIN * self.design.sample_time;
-        self.design.time = if time > least { time } else { least };
+        self.design.time = TIME_RATIO / observer;
     }
 
     /// Knows no place.
@@ -97,7 +96,7 @@ impl Anchor {
             return Stiction::Sliding;
         }
         self.count = self.count.saturating_add(1);
-        if self.count <= MEAN {
+        if self.count <= PLACE_READINGS {
             // Relative to the first one: no digit is lost.
             self.sum += y - self.first;
             self.place = self.first + self.sum / self.count as f32;

@@ -202,7 +202,6 @@ mod tests {
     }
 
     #[test]
-    #[cfg_attr(miri, ignore = "many samples")]
     fn slips_end_whatever_the_valve_and_the_load_are() {
         for middle in [-0.02_f32, -0.01, 0.0, 0.015] {
             for dead_zone in [0.0_f32, 0.02, 0.05, 0.06] {

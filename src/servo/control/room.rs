@@ -104,7 +104,6 @@ mod tests {
     }
 
     #[test]
-    #[cfg_attr(miri, ignore = "many samples")]
     fn a_drive_that_is_told_to_go_to_its_end_arrives_slowly_or_not_at_all() {
         for w in [8.0_f32, 30.0, 90.0] {
             for damping in [0.05, 0.2, 0.5, 1.0, 1.3] {

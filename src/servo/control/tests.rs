@@ -22,7 +22,6 @@ const MODEL: Model = Model {
 const STEP: f32 = 1e-3;
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn friction_sticks_where_the_velocity_turns_and_lets_go_at_the_breakaway() {
     for sign in [1.0, -1.0] {
         let mut friction = StickSlip::new(STEP, 800.0);
@@ -90,7 +89,6 @@ fn friction_sticks_where_the_velocity_turns_and_lets_go_at_the_breakaway() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_window_widens_with_each_hunt_and_narrows_with_a_stop_at_once() {
     let design = RestDesign {
         least: 0.01,
@@ -145,7 +143,6 @@ fn a_window_widens_with_each_hunt_and_narrows_with_a_stop_at_once() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_hop_past_the_target_is_a_hunt_within_the_limits_of_the_window() {
     let design = RestDesign {
         least: 0.01,
@@ -174,7 +171,6 @@ fn a_hop_past_the_target_is_a_hunt_within_the_limits_of_the_window() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_offset_is_half_of_what_both_ways_show() {
     // A dead zone that is wrong by 0.03, an offset that is wrong by 0.02.
     let mut null = NullOffset::default();
@@ -215,7 +211,6 @@ fn an_offset_is_half_of_what_both_ways_show() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_change_of_gains_fades_and_takes_no_step() {
     let mut transfer = Transfer::default();
     assert!(transfer.take().is_none());

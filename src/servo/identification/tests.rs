@@ -43,7 +43,6 @@ const USED: Model = Model {
 };
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn relative_variances_are_those_of_gain_frequency_and_damping() {
     let identifier = trained();
     let found = candidate(&identifier, &USED);
@@ -84,7 +83,6 @@ fn relative_variances_are_those_of_gain_frequency_and_damping() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn nothing_is_certain_before_the_noise_is_known() {
     let mut identifier = trained();
     identifier.reset();
@@ -97,7 +95,6 @@ fn nothing_is_certain_before_the_noise_is_known() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn what_the_loop_has_learnt_of_the_valve_stays_and_friction_follows_the_mass() {
     let used = Model { a1: 1200.0, ..USED };
     let found = candidate(&trained(), &used).model;

@@ -13,7 +13,6 @@ const SERVO: Model = Model {
 };
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_command_undoes_the_flow() {
     for u in [-0.9_f32, -0.3, -0.05, 0.05, 0.4, 1.0] {
         let back = SERVO.command(SERVO.flow(u), 0.002);
@@ -28,7 +27,6 @@ fn the_command_undoes_the_flow() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_held_flow_ends_at_the_velocity_gain() {
     let mut motion = Motion::default();
     for _ in 0..2000 {
@@ -41,7 +39,6 @@ fn a_held_flow_ends_at_the_velocity_gain() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn what_a_valve_gives_is_what_was_wanted() {
     let models = [
         SERVO,
@@ -84,7 +81,6 @@ fn what_a_valve_gives_is_what_was_wanted() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_model_is_its_parameters() {
     let model = Model {
         friction: 300.0,
@@ -106,7 +102,6 @@ fn a_model_is_its_parameters() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_motion_is_the_solution_of_the_equation() {
     let mut state = 1_u32;
     let mut draw = || {
@@ -147,7 +142,6 @@ fn a_motion_is_the_solution_of_the_equation() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn every_number_of_a_model_is_finite_or_it_is_none() {
     assert!(SERVO.is_finite());
     for k in 0..6 {

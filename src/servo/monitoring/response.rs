@@ -134,7 +134,6 @@ mod tests {
     }
 
     #[test]
-    #[cfg_attr(miri, ignore = "many samples")]
     fn the_hypothesis_that_holds_explains_more() {
         for seed in 0..300 {
             let wrong_sign = response(seed, -1.0, 0.0);

@@ -280,7 +280,6 @@ mod tests {
     }
 
     #[test]
-    #[cfg_attr(miri, ignore = "many samples")]
     fn a_sound_axis_is_never_short_and_a_fault_soon_is() {
         let mut random = Random(1);
         for _ in 0..200 {

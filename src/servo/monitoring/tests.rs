@@ -42,7 +42,6 @@ fn monitoring() -> MonitoringDesign {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn bounds_follow_from_the_model_in_its_own_time() {
     let design = monitoring();
     let slow = Bounds::new(&design, &MODEL);
@@ -94,7 +93,6 @@ fn bounds_follow_from_the_model_in_its_own_time() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn bounds_are_those_of_their_time_constants_and_of_what_friction_holds() {
     let design = monitoring();
     let slow = Bounds::new(&design, &MODEL);
@@ -131,7 +129,6 @@ fn bounds_are_those_of_their_time_constants_and_of_what_friction_holds() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_can_no_longer_stop_within_its_travel_brakes() {
     let bounds = example::bounds(&MODEL);
     let end = |y: f32, v: f32, command: f32, r: &Setpoint| {
@@ -188,7 +185,6 @@ fn an_axis_that_can_no_longer_stop_within_its_travel_brakes() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn four_reversals_beyond_the_band_within_their_pause_are_an_oscillation() {
     let design = monitoring();
     // Sines about a reference at rest: reversals up to the first notice.
@@ -236,7 +232,6 @@ fn four_reversals_beyond_the_band_within_their_pause_are_an_oscillation() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_reading_is_as_far_as_the_axis_can_have_moved() {
     let design = monitoring();
     let motion = Motion {

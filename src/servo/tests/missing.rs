@@ -4,7 +4,6 @@ use super::bench::{Bench, MODEL};
 use super::*;
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_setpoint_goes_on_through_slots_and_readings_that_are_missing() {
     let ran = |missing: u32, mute: bool| {
         let mut bench = Bench::new(MODEL);
@@ -60,7 +59,6 @@ fn before_the_first_reading_no_slot_is_missing() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_stands_shows_its_noise_and_a_sensor_that_hangs_does_not() {
     for (hangs, reason) in [(false, Reason::Blocked), (true, Reason::SensorStuck)] {
         let mut bench = Bench::new(MODEL);

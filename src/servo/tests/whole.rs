@@ -74,7 +74,6 @@ fn designed(servo: &bench::Loop, record: &Record) {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_loop_finds_its_model_and_goes_on_from_a_record_of_it() {
     for sign in [1.0, -1.0] {
         let (mut bench, samples) = commissioned(sign);
@@ -166,7 +165,6 @@ fn a_record_that_cannot_be_true_is_refused_and_nothing_is_changed() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_loop_that_adapts_finds_another_mass_in_motion() {
     let mut bench = Bench::adaptive(MODEL);
     // Twice the mass.
@@ -245,7 +243,6 @@ fn before_there_is_a_model_it_is_a_guess_by_bandwidth_and_travel() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_does_not_follow_goes_on_once_on_the_model_of_the_commissioning() {
     let mut bench = Bench::adaptive(MODEL);
     assert!(!bench.servo.goes_back(), "there is no other model");
@@ -270,7 +267,6 @@ fn an_axis_that_does_not_follow_goes_on_once_on_the_model_of_the_commissioning()
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_does_not_follow_stops_where_there_is_no_other_model() {
     let mut bench = Bench::adaptive(MODEL);
     // A closed valve and a sensor whose code changes: nothing is wrong but the place.

@@ -92,7 +92,6 @@ fn valve_servo(half: f32) -> (ValveServo, DeadZone, u32) {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_width_is_found_once_per_block_with_its_deviation() {
     for half in [0.02, 0.04] {
         let (servo, valve, corrected) = valve_servo(half);

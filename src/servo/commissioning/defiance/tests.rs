@@ -25,7 +25,6 @@ fn found(w: f32, xi: f32, [v, a]: [f32; 2], flow: f32, swings: f32) -> Option<f3
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_swing_is_no_defiance_whatever_it_begins_with() {
     let mut state = 1_u32;
     let mut draw = || {

@@ -47,7 +47,6 @@ fn run(fit: &mut Fit, record: &MotionRecord) {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn what_goes_on_finds_what_a_fit_of_all_points_finds() {
     for seed in 1..=40 {
         let (record, view, truth) = record(seed, 300);
@@ -117,7 +116,6 @@ fn a_pass_adds_nothing_before_its_correction_has_settled() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_pass_reads_nothing_behind_the_end_of_its_view() {
     for reach in 1..=3 {
         let [alone, followed] = [200, 260].map(|points| {

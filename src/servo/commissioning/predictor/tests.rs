@@ -12,7 +12,6 @@ fn at(dice: &mut Dice, theta: &Theta) -> Prediction {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_slide_is_the_solution_of_the_equation() {
     let mut dice = Dice::new(1);
     for _ in 0..300 {
@@ -33,7 +32,6 @@ fn a_slide_is_the_solution_of_the_equation() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn at_rest_only_the_drive_changes() {
     let mut dice = Dice::new(2);
     for _ in 0..100 {
@@ -63,7 +61,6 @@ fn at_rest_only_the_drive_changes() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_point_that_rests_is_held_and_another_one_slides() {
     let theta = Dice::new(3).theta();
     let point = Point {
@@ -109,7 +106,6 @@ fn a_point_that_rests_is_held_and_another_one_slides() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_correction_has_its_three_poles_where_they_are_wanted() {
     let mut dice = Dice::new(4);
     for _ in 0..50 {
@@ -134,7 +130,6 @@ fn a_correction_has_its_three_poles_where_they_are_wanted() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_flow_of_an_interval_is_the_mean_of_its_commands() {
     let mut dice = Dice::new(5);
     let mut record = MotionRecord::new();
@@ -171,7 +166,6 @@ fn the_flow_of_an_interval_is_the_mean_of_its_commands() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_point_has_the_velocity_and_the_direction_of_its_interval() {
     let view = View::of(1e-2, 1e-4, 1.0);
     let reach = view.reach;
@@ -208,7 +202,6 @@ fn a_point_has_the_velocity_and_the_direction_of_its_interval() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn parameters_are_those_that_a_drive_can_have() {
     let mut dice = Dice::new(6);
     for _ in 0..50 {
@@ -235,7 +228,6 @@ fn parameters_are_those_that_a_drive_can_have() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn what_a_parameter_is_varied_by_has_its_unit() {
     // The same drive with another unit of time.
     let theta = Dice::new(7).theta();

@@ -30,7 +30,6 @@ fn commands(asked_again: u8, scale: f32) -> std::vec::Vec<f32> {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn triangles_go_to_both_sides_and_their_peaks_grow() {
     for (asked_again, first) in [(0, 0.25), (1, 0.35), (2, 0.45), (9, 0.45)] {
         for scale in [1.0, 0.6] {
@@ -67,7 +66,6 @@ fn triangles_go_to_both_sides_and_their_peaks_grow() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_moves_has_a_sign_and_the_command_that_did_it() {
     for (side, below) in [(1.0_f32, false), (-1.0, false), (1.0, true), (-1.0, true)] {
         let mut probe = Probe::new(0);
@@ -101,7 +99,6 @@ fn an_axis_that_moves_has_a_sign_and_the_command_that_did_it() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_drift_is_no_movement_and_the_mean_of_three_decides() {
     let drifts = Still {
         drift: 0.01,
@@ -140,7 +137,6 @@ fn a_drift_is_no_movement_and_the_mean_of_three_decides() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn no_code_for_as_long_as_the_first_triangles_take_is_a_sensor_that_is_stuck() {
     for (asked_again, first) in [(0, 0.25), (1, 0.35)] {
         let mut probe = Probe::new(asked_again);

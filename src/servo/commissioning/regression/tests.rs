@@ -7,7 +7,6 @@ use crate::servo::commissioning::predictor::Prediction;
 const TIME: f32 = 4e-3;
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_filter_is_three_equal_poles() {
     // Step response of rate^3/(s + rate)^3: 1 - e^-x (1 + x + x^2/2).
     // A spacing of 0.06/rate: what the series leave out is 4e-5 of the second derivative.
@@ -84,7 +83,6 @@ fn solved(
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_drive_is_found_with_its_delay() {
     let mut dice = Dice::new(1);
     for (k, delay) in (0..24).zip([5e-3, 9e-3, 14e-3, 2e-3].into_iter().cycle()) {
@@ -133,7 +131,6 @@ fn a_drive_is_found_with_its_delay() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn what_does_not_move_is_no_drive() {
     let mut dice = Dice::new(2);
     let mut record = MotionRecord::new();
@@ -149,7 +146,6 @@ fn what_does_not_move_is_no_drive() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_regression_that_begins_anew_knows_nothing_of_the_last_one() {
     let mut dice = Dice::new(3);
     let truth = Theta {

@@ -52,7 +52,6 @@ fn reverses(relay: &mut Relay, y: f32, v: f32) -> bool {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_drive_that_obeys_is_braked_and_turned() {
     for side in [1.0, -1.0] {
         for wires in [1.0, -1.0] {
@@ -73,7 +72,6 @@ fn a_drive_that_obeys_is_braked_and_turned() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_drive_that_obeys_the_other_sign_runs_away_and_is_caught() {
     for gain in [0.6, 2.0, 6.0] {
         for side in [1.0, -1.0] {
@@ -90,7 +88,6 @@ fn a_drive_that_obeys_the_other_sign_runs_away_and_is_caught() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_command_grows_where_the_axis_stays_on_one_side() {
     let relay = |command: f32| Relay::new(0.5, 1e-3, command, 1.0, 1.0);
     let command = |relay: &mut Relay, y: f32| match relay.update(y, 0.0, STEP, AMPLITUDE) {
@@ -134,7 +131,6 @@ fn the_command_grows_where_the_axis_stays_on_one_side() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn what_neither_turns_nor_runs_away_disobeys_in_the_end() {
     let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, 1.0);
     let end =
@@ -178,7 +174,6 @@ fn an_axis_that_ran_away_is_turned_with_half_of_what_stopped_it() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_coasts_outward_keeps_its_sign_and_one_that_gains_speed_does_not() {
     for side in [1.0, -1.0] {
         // Of 0.1 per s within 30 ms; what gains little is braked for longer, and so is what the
@@ -211,7 +206,6 @@ fn an_axis_that_coasts_outward_keeps_its_sign_and_one_that_gains_speed_does_not(
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_is_fast_all_at_once_obeys_the_other_sign_before_it_is_far() {
     for side in [1.0, -1.0] {
         // Looks every 30 or 31 ms: at 0.25 per s, behind 60 ms.
@@ -234,7 +228,6 @@ fn an_axis_that_is_fast_all_at_once_obeys_the_other_sign_before_it_is_far() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_is_near_keeps_its_sign_whatever_speed_it_gains_late() {
     for side in [1.0, -1.0] {
         for (away, turns) in [(0.01, false), (0.029, false), (0.031, true)] {
@@ -249,7 +242,6 @@ fn an_axis_that_is_near_keeps_its_sign_whatever_speed_it_gains_late() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_has_turned_once_obeys_at_the_end_of_the_time() {
     for side in [1.0, -1.0] {
         let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
@@ -269,7 +261,6 @@ fn an_axis_that_has_turned_once_obeys_at_the_end_of_the_time() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_gains_speed_for_ever_keeps_its_sign_for_a_fifth_of_a_second() {
     for side in [1.0, -1.0] {
         // Three looks of 30 or 31 ms: 0.028 per s, of which 0.02 are too many, or 0.019 at most.

@@ -23,7 +23,6 @@ fn found(y: impl Fn(u32) -> f32, time: f32) -> (Still, u32) {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn noise_and_place_are_those_of_the_axis_at_rest() {
     let (mut squares, mut places) = (0.0, 0.0_f32);
     for seed in 1..200 {
@@ -56,7 +55,6 @@ fn noise_and_place_are_those_of_the_axis_at_rest() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_drifts_has_a_velocity_and_no_run() {
     for drift in [0.02, -0.02_f32] {
         let mut states = [1_u32; 1];
@@ -75,7 +73,6 @@ fn an_axis_that_drifts_has_a_velocity_and_no_run() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_movement_ends_the_rest_early() {
     for side in [1.0, -1.0] {
         // 4e-3 travels are reached behind the 40th thousandth of 0.1 per s.
@@ -95,7 +92,6 @@ fn a_movement_ends_the_rest_early() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_code_that_no_noise_changes_is_a_twelfth_of_it_uncertain() {
     let (still, _) = found(|_| 0.5, TIME_STEP);
     assert!((still.sigma / (RESOLUTION / libm::sqrtf(12.0)) - 1.0).abs() < 1e-3);

@@ -78,7 +78,6 @@ fn driven() -> MotionRecord {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_start_is_ranked_by_the_last_two_fifths_of_what_it_was_fitted_to() {
     let record = driven();
     let mut search = Search::new(1e-3, 0.0, Some(0.0));
@@ -125,7 +124,6 @@ fn accepted(time: f32, change: f32) -> bool {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn bounds_widen_by_six_tenths_between_the_second_and_the_third_second() {
     for (time, slack) in [
         (0.5, 1.0),

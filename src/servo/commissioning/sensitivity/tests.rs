@@ -16,7 +16,6 @@ fn alone(theta: &Theta) -> Theta {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_transition_is_what_units_become() {
     let mut dice = Dice::new(1);
     for _ in 0..200 {
@@ -71,7 +70,6 @@ fn beside(start: &Prediction, [x, v, p]: [f32; 3]) -> Prediction {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_corrected_step_is_a_correction_and_a_step() {
     let mut dice = Dice::new(2);
     for _ in 0..100 {
@@ -141,7 +139,6 @@ fn run(theta: Theta, gains: [f32; 3]) -> Sensitivity {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_slope_is_what_a_small_change_of_the_parameter_does() {
     let mut dice = Dice::new(3);
     let mut worst = [0.0_f32; PARAMETERS];
@@ -175,7 +172,6 @@ fn a_slope_is_what_a_small_change_of_the_parameter_does() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_slope_of_the_delay_is_that_of_its_share() {
     let mut dice = Dice::new(4);
     for _ in 0..20 {
@@ -210,7 +206,6 @@ fn the_slope_of_the_delay_is_that_of_its_share() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_prediction_without_its_slopes_is_that_of_the_model() {
     let mut dice = Dice::new(5);
     for _ in 0..20 {
@@ -251,7 +246,6 @@ fn a_prediction_without_its_slopes_is_that_of_the_model() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_flow_has_a_direction_or_none() {
     assert_eq!([2.0, -3.0, 0.0].map(direction_of), [1.0, -1.0, 0.0]);
 }

@@ -46,7 +46,6 @@ fn judged(record: &MotionRecord, view: View, theta: Theta) -> [f32; 2] {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_model_follows_its_own_drive_and_the_variance_is_that_of_the_position() {
     let mut dice = Dice::new(1);
     for _ in 0..20 {
@@ -79,7 +78,6 @@ fn a_model_follows_its_own_drive_and_the_variance_is_that_of_the_position() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn up_to_the_release_the_record_corrects() {
     // A model that begins with a wrong velocity has forgotten it when it is released.
     let mut dice = Dice::new(2);
@@ -103,7 +101,6 @@ fn up_to_the_release_the_record_corrects() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_correction_is_no_quicker_than_the_points_allow() {
     let mut dice = Dice::new(3);
     let truth = dice.theta();
@@ -116,7 +113,6 @@ fn a_correction_is_no_quicker_than_the_points_allow() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_end_of_a_simulation_takes_a_call_without_points() {
     let mut dice = Dice::new(4);
     let truth = dice.theta();

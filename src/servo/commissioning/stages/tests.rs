@@ -96,7 +96,6 @@ fn relayed(y: f32, v: f32) -> Progress {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_disobeys_is_blocked_where_it_stands_and_has_a_stuck_valve_otherwise() {
     // Less than 0.02 per s is no motion; at an end of the travel an open valve may hold the axis.
     for (y, v, reason) in [
@@ -166,7 +165,6 @@ fn a_first_movement_is_braked_from_its_side_and_its_way_is_known_to_open() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn triangles_are_as_large_as_twice_the_largest_command_allows() {
     for (amplitude, peak) in [(0.1, 0.05), (0.3, 0.15), (0.5, 0.25), (0.9, 0.25)] {
         let mut design = design();
@@ -191,7 +189,6 @@ fn triangles_are_as_large_as_twice_the_largest_command_allows() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_nothing_moves_is_blocked_where_its_code_changes_and_a_stuck_sensor_otherwise() {
     for (changes, reason) in [(true, Reason::Blocked), (false, Reason::SensorStuck)] {
         let mut commissioning = Commissioning::new(design());

@@ -35,7 +35,6 @@ fn first(command: f32) -> f32 {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn what_moved_the_axis_first_moves_it_from_wherever_friction_holds_it() {
     for command in [0.1_f32, 0.3] {
         for upward in [true, false] {
@@ -79,7 +78,6 @@ fn what_moved_the_axis_first_moves_it_from_wherever_friction_holds_it() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_movement_begins_anew_and_what_friction_held_is_remembered() {
     let mut standstill = Standstill::new(0.5, 1e-3, 0.1, true);
     for _ in 0..400 {
@@ -122,7 +120,6 @@ fn a_movement_begins_anew_and_what_friction_held_is_remembered() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_model_says_what_friction_holds_and_when_motion_comes() {
     let fresh = Standstill::new(0.5, 1e-3, 0.1, true);
     for (command, flow) in [(0.3, 0.26), (-0.3, -0.24)] {
@@ -178,7 +175,6 @@ fn a_movement_is_of_the_other_sign_only_where_its_own_was_used_up_and_that_one_t
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_drive_counts_from_where_it_was_furthest_the_other_way() {
     let fresh = Standstill::new(0.5, 1e-3, 0.1, true);
     for command in [0.3, -0.3] {

@@ -38,7 +38,6 @@ fn summed(seed: u32, share: f32) -> (Sums, [[f64; PARAMETERS]; PARAMETERS], [f64
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn sums_are_those_of_all_points() {
     let (sums, normal, [cost, lagged, gradient]) = summed(1, 0.5);
     assert_eq!(sums.count, 400);
@@ -57,7 +56,6 @@ fn sums_are_those_of_all_points() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn errors_that_are_alike_count_for_less() {
     for (share, expected) in [(0.0, 1.0), (0.5, 3.0), (0.98, 9.0), (-0.6, 1.0)] {
         let (sums, _, [cost, lagged, _]) = summed(2, share);
@@ -95,7 +93,6 @@ fn inverse(matrix: &[[f64; PARAMETERS]; PARAMETERS]) -> [[f64; PARAMETERS]; PARA
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn deviations_are_those_of_the_inverse() {
     for seed in 3..20 {
         let (sums, mut normal, _) = summed(seed, 0.4);
@@ -127,7 +124,6 @@ fn deviations_are_those_of_the_inverse() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn what_no_point_shows_is_not_known() {
     let mut sums = NO_SUMS;
     sums.normal[0][0] = f32::NAN;

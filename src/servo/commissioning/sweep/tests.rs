@@ -46,7 +46,6 @@ fn swept(sweep: &mut Sweep, drive: &mut Drive) -> ([f32; 2], u32) {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_stays_within_its_travel_and_moves_within_the_band() {
     for (k, w) in [8.0_f32, 15.0, 30.0, 60.0].into_iter().enumerate() {
         for damping in [0.2, 0.6, 1.0] {
@@ -80,7 +79,6 @@ fn an_axis_stays_within_its_travel_and_moves_within_the_band() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn draws_are_even_and_differ_between_attempts() {
     let mut first = [0.0; 2];
     for (attempt, first) in first.iter_mut().enumerate() {
@@ -101,7 +99,6 @@ fn draws_are_even_and_differ_between_attempts() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_level_is_a_flow_beyond_the_dead_zone_for_some_of_half_a_period() {
     let mut sweep = Sweep::new(0.5, 0.2, 0.05, LIMIT, 0);
     sweep.offset = 0.02;
@@ -150,7 +147,6 @@ fn a_level_is_a_flow_beyond_the_dead_zone_for_some_of_half_a_period() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_amplitude_follows_the_movement_within_two_holds() {
     // Positions between two places, a look every 0.4 s.
     let looked = |moved: f32, looks: usize| {
@@ -173,7 +169,6 @@ fn the_amplitude_follows_the_movement_within_two_holds() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_swing_that_reaches_from_the_band_to_the_end_has_to_fade() {
     // 10 rad/s: per frequency 0.1 s.
     let half = 0.1 * core::f32::consts::PI;

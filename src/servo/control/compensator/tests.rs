@@ -14,7 +14,6 @@ fn near(found: Complex, [re, im]: oracle::C, share: f64) -> bool {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_lag_is_a_turn() {
     for k in 0..4000 {
         let angle = 0.005 * k as f32;
@@ -28,7 +27,6 @@ fn a_lag_is_a_turn() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_controller_is_that_of_its_equations() {
     let mut dice = Dice(1);
     for _ in 0..200 {

@@ -21,7 +21,6 @@ fn noted(k: f32, delay: f32) -> Margins {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_integrator_behind_a_delay_has_the_margins_of_its_formula() {
     for (k, delay) in [(1.0_f32, 0.5_f32), (0.8, 1.0), (2.0, 0.3), (0.4, 1.0)] {
         let found = noted(k, delay);
@@ -55,7 +54,6 @@ fn an_integrator_behind_a_delay_has_the_margins_of_its_formula() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_least_of_several_crossings_counts() {
     let at = |re: f32, im: f32| Complex { re: 1.0 + re, im };
     let mut margins = Margins::NONE;

@@ -57,7 +57,6 @@ fn measure(controller: &mut Controller, y: f32, reference: f32) {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_hop_past_a_reference_that_went_less_far_is_a_hunt_and_has_its_length() {
     for way in [1.0, -1.0] {
         // From 3 in front of the reference to 5 farther, while the reference goes so far.
@@ -95,7 +94,6 @@ fn a_hop_past_a_reference_that_went_less_far_is_a_hunt_and_has_its_length() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_slip_is_told_in_times_of_the_full_flow() {
     let mut controller = standing(MODEL);
     let motion = Motion {
@@ -125,7 +123,6 @@ fn a_slip_is_told_in_times_of_the_full_flow() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn time_at_rest_is_counted_while_friction_holds_and_the_valve_rests() {
     for (sticks, rests) in [(true, true), (true, false), (false, true), (false, false)] {
         let mut controller = standing(MODEL);
@@ -144,7 +141,6 @@ fn time_at_rest_is_counted_while_friction_holds_and_the_valve_rests() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn what_the_offset_learns_is_taken_from_the_disturbance() {
     let mut controller = standing(Model::linear(625.0, 20.0, 1e6));
     controller.estimator.disturb(0.03);
@@ -182,7 +178,6 @@ fn an_observer_settles_within_six_of_its_time_constants() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_window_follows_from_friction_or_from_the_valve() {
     let most = |model: Model| {
         let mut controller = standing(model);
@@ -226,7 +221,6 @@ fn the_window_follows_from_friction_or_from_the_valve() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_place_is_no_longer_held_once_nothing_can_hold_it() {
     let mut controller = standing(MODEL);
     measure(&mut controller, 200.0, 200.0);
@@ -243,7 +237,6 @@ fn a_place_is_no_longer_held_once_nothing_can_hold_it() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_valve_rests_within_the_window_and_the_disturbance_within_one_and_a_half() {
     for (error, rests, frozen) in [
         (0.045, true, true),

@@ -8,7 +8,6 @@ use super::*;
 use crate::servo::control::oracle::{Dice, Oracle};
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn gains_place_the_poles_of_loop_and_observer() {
     let mut dice = Dice(1);
     for k in 0..200 {
@@ -54,7 +53,6 @@ fn gains_place_the_poles_of_loop_and_observer() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_slower_drive_takes_slower_poles_and_a_faster_one_a_faster_observer() {
     let poles = Poles {
         bandwidth: 20.0,

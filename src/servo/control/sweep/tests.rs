@@ -47,7 +47,6 @@ fn turns(values: &[oracle::C]) -> f64 {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_sweep_holds_where_every_frequency_of_every_drive_does() {
     let mut dice = Dice(1);
     let ratio = ratio(STEP);
@@ -143,7 +142,6 @@ fn judged(
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn frequencies_reach_from_the_lowest_to_that_of_the_sampling() {
     for step in [0.01, 0.03, 0.2_f32] {
         let highest = LOWEST * libm::powf(ratio(step), (FREQUENCIES - 1) as f32);
@@ -152,7 +150,6 @@ fn frequencies_reach_from_the_lowest_to_that_of_the_sampling() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn what_is_no_number_does_not_hold() {
     let mut trace = BEGIN;
     let at = |re: f32, im: f32| Complex { re, im };

@@ -67,7 +67,6 @@ fn near_end(dead_volume: f32) -> f32 {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn poles_hold_in_the_middle_and_near_an_end_and_are_quiet() {
     for w in [10.0_f32, 25.0, 60.0] {
         for damping in [0.2, 0.7] {
@@ -113,7 +112,6 @@ fn poles_hold_in_the_middle_and_near_an_end_and_are_quiet() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_search_keeps_the_limits_that_it_is_given() {
     let model = Model::linear(625.0, 25.0, 1e6);
     let free = searched(&DESIGN, &model).poles().0;
@@ -202,7 +200,6 @@ fn exhaustive(design: &TuningDesign, model: &Model) -> Option<Poles> {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_search_ends_with_the_largest_integral_gain_of_what_holds() {
     // The last two are limited by the noise of the command.
     for (w, damping, [delay, dead_volume, noise]) in [

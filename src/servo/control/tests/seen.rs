@@ -13,7 +13,6 @@ const TRAVEL: Travel = Travel {
 };
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_step_of_the_state_is_the_drive_with_friction_and_disturbance() {
     for stiffness in [1.0, 1.7] {
         let step = Step::of(&MODEL, stiffness, 1e-4);
@@ -54,7 +53,6 @@ fn a_step_of_the_state_is_the_drive_with_friction_and_disturbance() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_undamped_drive_neither_grows_nor_fades_and_friction_leaves_no_velocity() {
     let model = Model::linear(400.0, 0.0, 1e6);
     let step = Step::of(&model, 1.0, STEP);
@@ -92,7 +90,6 @@ fn an_undamped_drive_neither_grows_nor_fades_and_friction_leaves_no_velocity() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_observer_has_three_equal_poles() {
     let model = Model::linear(400.0, 20.0, 1e6);
     let design = ObserverDesign {
@@ -148,7 +145,6 @@ fn estimator(delay: usize, model: Model) -> StateEstimator {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_estimate_follows_the_drive_and_what_is_ahead_is_a_delay_later() {
     for delay in [0, 1, 7] {
         let model = Model::linear(400.0, 20.0, 1e6);
@@ -194,7 +190,6 @@ fn an_estimate_follows_the_drive_and_what_is_ahead_is_a_delay_later() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_is_held_stands_while_its_drive_goes_on() {
     let mut estimator = estimator(2, MODEL);
     estimator.place(Motion::at(100.0), core::iter::empty());
@@ -236,7 +231,6 @@ fn an_axis_that_is_held_stands_while_its_drive_goes_on() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_state_begins_at_a_motion_with_the_flows_on_their_way() {
     let mut estimator = estimator(3, MODEL);
     for velocity in [50.0, -50.0] {

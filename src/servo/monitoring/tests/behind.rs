@@ -4,7 +4,6 @@ use super::*;
 use crate::servo::monitoring::gaps::Gaps;
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_code_that_stays_while_motion_is_expected_is_stuck() {
     let bounds = example::bounds(&MODEL);
     let design = monitoring();
@@ -59,7 +58,6 @@ fn a_code_that_stays_while_motion_is_expected_is_stuck() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_error_that_no_lag_explains_and_that_stays_is_noticed() {
     let bounds = example::bounds(&MODEL);
     let until = |r: Setpoint, y: fn(u32) -> f32, pushes: bool| {
@@ -120,7 +118,6 @@ fn an_error_that_no_lag_explains_and_that_stays_is_noticed() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_drive_of_the_model_shows_what_it_is_commanded() {
     let model = Model {
         dead_zone: 0.0,
@@ -154,7 +151,6 @@ fn a_drive_of_the_model_shows_what_it_is_commanded() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_expectation_is_that_of_the_drive_and_its_slack_that_of_its_commands() {
     let design = design();
     let observer = design.supervision.validation.observer;
@@ -210,7 +206,6 @@ fn the_expectation_is_that_of_the_drive_and_its_slack_that_of_its_commands() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_full_command_ends_within_the_time_of_its_travel() {
     let bounds = example::bounds(&MODEL);
     for side in [1.0, -1.0] {
@@ -228,7 +223,6 @@ fn a_full_command_ends_within_the_time_of_its_travel() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn more_than_half_of_the_readings_may_not_be_missing() {
     let design = monitoring();
     let last = |pattern: fn(u32) -> bool| {

@@ -92,7 +92,6 @@ fn what_a_valve_was_moved_by_fades_within_a_window() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_valve_is_open_by_itself_beyond_three_expectations_and_twice_the_slack() {
     let observer = &design().supervision.validation.observer;
     let model = Model::linear(400.0, 20.0, 1e6);

@@ -19,7 +19,6 @@ fn alarm(
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_may_lack_what_valve_gain_and_delay_explain() {
     let bounds = example::bounds(&MODEL);
     // 0.06 C and three tenths of the velocity.
@@ -46,7 +45,6 @@ fn an_axis_may_lack_what_valve_gain_and_delay_explain() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_goes_the_other_way_is_noticed_by_its_distance() {
     let bounds = example::bounds(&MODEL);
     for speed in [300.0, 1500.0_f32] {
@@ -82,7 +80,6 @@ fn an_axis_that_goes_the_other_way_is_noticed_by_its_distance() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_axis_that_stands_is_noticed_after_its_distance_and_a_while() {
     let bounds = example::bounds(&MODEL);
     let (speed, still) = (800.0, 0.0);
@@ -113,7 +110,6 @@ fn an_axis_that_stands_is_noticed_after_its_distance_and_a_while() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_swing_is_five_times_the_smaller_speed_of_both_directions() {
     let bounds = example::bounds(&MODEL);
     let mut shortfall = Shortfall::default();
@@ -148,7 +144,6 @@ fn a_swing_is_five_times_the_smaller_speed_of_both_directions() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_light_drive_rings_after_its_fastest_motion() {
     let light = Model {
         a2: 4.0,
@@ -182,7 +177,6 @@ fn a_light_drive_rings_after_its_fastest_motion() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_velocity_that_changes_may_be_late_by_as_many_of_its_changes_as_samples() {
     let bounds = example::bounds(&MODEL);
     // It changes by 400 per sample: half of the delay of 2 ms and a sample are 2 of them.

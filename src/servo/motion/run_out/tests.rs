@@ -29,7 +29,6 @@ fn solution(rate: f32, from: &Motion, t: f32) -> [f32; 4] {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_motion_runs_out_as_two_poles_do_and_ends() {
     let run_out = RunOut { rate: 30.0 };
     let from = Motion {
@@ -82,7 +81,6 @@ fn a_motion_runs_out_as_two_poles_do_and_ends() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn what_stays_within_the_travel_does_so_in_every_sample() {
     let travel = Travel {
         min: -50.0,
@@ -124,7 +122,6 @@ fn what_stays_within_the_travel_does_so_in_every_sample() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn what_keeps_its_limits_does_so_in_every_sample() {
     let mut state = 2;
     let mut counts = [0; 2];

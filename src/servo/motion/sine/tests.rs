@@ -36,7 +36,6 @@ fn limits(velocity: f32, acceleration: f32, jerk: f32) -> MotionLimits {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_sine_is_its_formula_with_all_derivatives() {
     let wide = limits(1e9, 1e9, 1e9);
     for (frequency, wanted, centre) in [(0.5_f32, 20.0_f32, 100.0_f32), (2.0, -3.0, -50.0)] {
@@ -83,7 +82,6 @@ fn largest(sine: &mut Sine, frequency: f32) -> [f32; 3] {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_sine_grows_as_fast_as_the_limits_allow_and_within_them() {
     let frequency = 0.8;
     let w = 2.0 * core::f32::consts::PI * frequency;

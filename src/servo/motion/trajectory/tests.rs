@@ -98,7 +98,6 @@ fn standing_at(position: f32, limits: MotionLimits) -> Trajectory {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "hours of samples")]
 fn a_slow_move_is_on_time_after_hours() {
     // 6 min, 1 h and 11 h of constant velocity.
     for (velocity, milliseconds) in [(1.0, 400_000_u32), (0.1, 4_000_000), (0.01, 40_000_000)] {
@@ -181,7 +180,6 @@ fn watch(reference: &mut Trajectory, samples: usize) {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_sine_continues_the_motion_within_the_limits() {
     for interrupted in 17..330 {
         let mut reference = standing_at(40.0, LIMITS);
@@ -199,7 +197,6 @@ fn a_sine_continues_the_motion_within_the_limits() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "hundreds of thousands of samples")]
 fn a_motion_that_is_taken_over_comes_to_rest_within_the_travel() {
     for position in [1.0_f32, 20.0, 100.0, 200.0, 390.0, 399.0] {
         for velocity in [-1500.0_f32, -800.0, -100.0, 0.0, 30.0, 800.0, 1500.0] {
@@ -230,7 +227,6 @@ fn draw(state: &mut u32) -> f32 {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "hundreds of thousands of samples")]
 fn requests_after_any_motion_that_was_taken_over_keep_within_the_travel() {
     let mut random = 0x2545_F491_u32;
     for case in 0..2000 {

@@ -50,7 +50,6 @@ fn judged(supervisor: &mut Supervisor, drive: Model, candidate: Model) -> (Event
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_better_model_replaces_the_one_in_use_with_its_deviations() -> Result<(), Error> {
     let mut supervisor = installed()?;
     let design = supervisor.design.validation;
@@ -74,7 +73,6 @@ fn a_better_model_replaces_the_one_in_use_with_its_deviations() -> Result<(), Er
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_model_that_is_no_better_is_refused() -> Result<(), Error> {
     let mut supervisor = installed()?;
     let (event, _) = judged(&mut supervisor, MODEL, OTHER);
@@ -102,7 +100,6 @@ fn a_model_that_is_no_better_is_refused() -> Result<(), Error> {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn another_load_is_found_without_an_estimate() -> Result<(), Error> {
     let heavy = Model::linear(MODEL.a1 / 3.0, MODEL.a2 / 3.0, MODEL.b0 / 3.0);
     let mut supervisor = installed()?;
@@ -134,7 +131,6 @@ fn another_load_is_found_without_an_estimate() -> Result<(), Error> {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_winner_that_may_not_control_is_refused() -> Result<(), Error> {
     let mut supervisor = installed()?;
     supervisor.enter(State::Adapting);
@@ -162,7 +158,6 @@ fn a_winner_that_may_not_control_is_refused() -> Result<(), Error> {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_change_of_the_drive_ends_a_window_and_what_came_before_and_a_stick_the_window()
 -> Result<(), Error> {
     let mut supervisor = installed()?;
@@ -198,7 +193,6 @@ fn a_change_of_the_drive_ends_a_window_and_what_came_before_and_a_stick_the_wind
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_change_right_after_the_state_began_is_its_transient() -> Result<(), Error> {
     let mut supervisor = installed()?;
     supervisor.enter(State::Adapting);
@@ -214,7 +208,6 @@ fn a_change_right_after_the_state_began_is_its_transient() -> Result<(), Error> 
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_largest_error_is_remembered_and_forgotten() -> Result<(), Error> {
     let mut supervisor = installed()?;
     supervisor.enter(State::Adapting);
@@ -241,7 +234,6 @@ fn the_largest_error_is_remembered_and_forgotten() -> Result<(), Error> {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_first_look_at_an_estimate_is_behind_the_first_moments() -> Result<(), Error> {
     let mut supervisor = installed()?;
     let look = supervisor.design.look;

@@ -25,7 +25,6 @@ fn usual() -> ChangeDetector {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_variance_beyond_the_ratio_is_found_and_one_within_is_not() {
     // 1 - (1 - 1/30)^k of the new variance has arrived after k samples.
     let expected = |square: f32| {
@@ -45,7 +44,6 @@ fn a_variance_beyond_the_ratio_is_found_and_one_within_is_not() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_alarm_is_followed_by_a_pause_and_by_another_usual_variance() {
     let mut detector = usual();
     let alarm = until(&mut detector, 10.0, true);
@@ -61,7 +59,6 @@ fn an_alarm_is_followed_by_a_pause_and_by_another_usual_variance() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn nothing_is_an_alarm_before_the_loop_is_settled_or_a_variance_known() {
     assert_eq!(until(&mut usual(), 10.0, false), None);
     // The first innovation is the usual one, however large.

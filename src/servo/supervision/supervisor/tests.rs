@@ -45,7 +45,6 @@ pub(crate) fn certain(model: Model) -> Candidate {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn after_months_in_one_state_the_estimate_is_looked_at_as_often_as_before() -> Result<(), Error> {
     let mut supervisor = installed()?;
     supervisor.enter(State::Adapting);
@@ -61,7 +60,6 @@ fn after_months_in_one_state_the_estimate_is_looked_at_as_often_as_before() -> R
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn motion_in_either_direction_thaws_and_standstill_freezes() -> Result<(), Error> {
     let mut supervisor = installed()?;
     let least = supervisor.design.min_speed;
@@ -101,7 +99,6 @@ fn lasts(supervisor: &mut Supervisor, state: State) -> u32 {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn states_that_pass_last_as_long_as_designed() -> Result<(), Error> {
     let mut supervisor = installed()?;
     let design = supervisor.design.clone();
@@ -137,7 +134,6 @@ fn looks(supervisor: &mut Supervisor, seen: &Observation, samples: u32) -> usize
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn the_estimate_is_looked_at_while_the_axis_moves_and_no_window_lasts() -> Result<(), Error> {
     let mut supervisor = installed()?;
     let design = supervisor.design.clone();
@@ -166,7 +162,6 @@ fn the_estimate_is_looked_at_while_the_axis_moves_and_no_window_lasts() -> Resul
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn an_error_counts_beyond_the_dead_band_and_in_a_slow_motion_by_its_time() -> Result<(), Error> {
     let mut supervisor = installed()?;
     let design = supervisor.design.clone();
@@ -196,7 +191,6 @@ fn an_error_counts_beyond_the_dead_band_and_in_a_slow_motion_by_its_time() -> Re
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_candidate_that_is_refused_leaves_the_model_and_is_counted() -> Result<(), Error> {
     let mut supervisor = installed()?;
     supervisor.enter(State::Adapting);
@@ -226,7 +220,6 @@ fn a_candidate_that_is_refused_leaves_the_model_and_is_counted() -> Result<(), E
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_commissioning_ends_with_a_model_or_with_the_one_before() -> Result<(), Error> {
     let mut supervisor = installed()?;
     supervisor.begin();
@@ -264,7 +257,6 @@ fn a_commissioning_ends_with_a_model_or_with_the_one_before() -> Result<(), Erro
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_stop_keeps_the_model_and_says_why() -> Result<(), Error> {
     let mut supervisor = installed()?;
     supervisor.enter(State::Adapting);
@@ -284,7 +276,6 @@ fn a_stop_keeps_the_model_and_says_why() -> Result<(), Error> {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_loop_that_is_designed_anew_looks_as_often_as_the_new_design_says() -> Result<(), Error> {
     let mut supervisor = installed()?;
     let mut design = supervisor.design.clone();

@@ -23,7 +23,6 @@ fn what_friction_and_dead_zone_may_hide_is_half_of_what_they_hold() {
 }
 
 #[test]
-#[cfg_attr(miri, ignore = "many samples")]
 fn a_window_counts_by_its_motion_over_what_friction_and_drift_hide() -> Result<(), Error> {
     let mut supervisor = installed()?;
     supervisor.enter(State::Adapting);
