@@ -1,10 +1,14 @@
 //! Undefined behaviour, by interpretation: the unit tests of what runs on a target, and the store.
 //!
-//! Each test by itself, within a limit of time: interpreted, it takes some ten thousand times as
-//! long as run, and which ones are left out follows from the limit.
+//! One after the other, each within a limit of time: interpreted, a test takes some ten thousand
+//! times as long as run, and which ones are left out follows from the limit. What takes longer is
+//! ended, and the others go on in another run.
 
-use std::process::{Command, Output};
-use std::time::Instant;
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use crate::process::{self, Done, works};
 use crate::{dated, tool};
@@ -21,8 +25,8 @@ const RUNS: [&[&str]; 4] = [
     &["-p", "trendid-fuzz", "--test", "corpus"],
 ];
 
-/// The status of `timeout` for what took longer.
-const TOO_LONG: i32 = 124;
+/// Time for the build, and for the interpreter to begin.
+const BUILD: Duration = Duration::from_secs(900);
 
 /// Options of the task.
 #[derive(clap::Args)]
@@ -32,7 +36,7 @@ pub(crate) struct Options {
     toolchain: String,
     /// Longest time of a test in seconds; it is left out when it takes longer.
     #[arg(long, value_name = "SECONDS", default_value_t = 30)]
-    limit: u32,
+    limit: u64,
     /// Interprets the tests whose name contains this.
     #[arg(long, value_name = "PART", default_value = "")]
     only: String,
@@ -94,58 +98,108 @@ pub(crate) fn run(options: &Options) -> Done {
     Ok(())
 }
 
-/// Runs the tests of a run, one after the other.
+/// Runs the tests of a run.
 fn interpreted(options: &Options, run: &[&str]) -> Result<Found, String> {
-    // Builds, without a limit.
-    let list = output(options, None, run, &["--list", "--format", "terse"])?;
+    let list = command(options, run, &["--list", "--format", "terse"])?.output();
+    let list = list.map_err(|error| format!("cargo miri: {error}"))?;
     if !list.status.success() {
         let errors = String::from_utf8_lossy(&list.stderr);
         return Err(format!("{} does not build: {errors}", run.join(" ")));
     }
-    let list = String::from_utf8_lossy(&list.stdout);
+    let list = String::from_utf8_lossy(&list.stdout).into_owned();
     let names = list.lines().filter_map(|line| line.strip_suffix(": test"));
+    let names = names.filter(|name| name.contains(&options.only));
+    let mut left: Vec<String> = names.map(str::to_owned).collect();
     let mut found = Found::default();
-    for name in names.filter(|name| name.contains(&options.only)) {
-        let output = output(options, Some(options.limit), run, &["--exact", name])?;
-        let said = String::from_utf8_lossy(&output.stdout);
-        let word = if output.status.code() == Some(TOO_LONG) {
-            found.too_long += 1;
-            "too long"
-        } else if !output.status.success() {
-            eprintln!("{said}{}", String::from_utf8_lossy(&output.stderr));
-            found.failed.push(name.to_owned());
-            "failed"
-        } else if said.lines().any(has_passed) {
-            found.passed += 1;
-            "passed"
-        } else {
-            found.ignored += 1;
-            "ignored"
-        };
-        println!("{name}: {word}");
+    while !left.is_empty() {
+        let mut arguments = vec!["--test-threads=1", "--exact"];
+        arguments.extend(left.iter().map(String::as_str));
+        let mut command = command(options, run, &arguments)?;
+        in_a_group(&mut command);
+        let mut child = command
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .map_err(|error| format!("cargo miri: {error}"))?;
+        let before = left.len();
+        followed(&lines(&mut child)?, options.limit, &mut left, &mut found);
+        end(&mut child);
+        if left.len() == before {
+            return Err(format!("{} ended before its first test", run.join(" ")));
+        }
     }
     Ok(found)
 }
 
-/// What the interpreter says of a run with these arguments for its tests.
-fn output(
-    options: &Options,
-    limit: Option<u32>,
-    run: &[&str],
-    arguments: &[&str],
-) -> Result<Output, String> {
-    let mut command = match limit {
-        Some(limit) => {
-            let mut command = Command::new("timeout");
-            command.args(["--kill-after=2", &limit.to_string(), "cargo"]);
-            command
+/// Takes what ended from the tests that are left, up to the first that takes too long, or fails.
+fn followed(lines: &Receiver<String>, limit: u64, left: &mut Vec<String>, found: &mut Found) {
+    let mut patience = BUILD;
+    loop {
+        let line = match lines.recv_timeout(patience) {
+            Ok(line) => line,
+            Err(RecvTimeoutError::Disconnected) => return,
+            Err(RecvTimeoutError::Timeout) => {
+                println!("{}: too long", left.remove(0));
+                found.too_long += 1;
+                return;
+            }
+        };
+        if line.starts_with("running ") {
+            patience = Duration::from_secs(limit);
         }
-        None => Command::new("cargo"),
-    };
+        let Some((name, word)) = ended(&line) else {
+            continue;
+        };
+        println!("{name}: {word}");
+        left.retain(|other| other != name);
+        match word {
+            "ok" => found.passed += 1,
+            "FAILED" => found.failed.push(name.to_owned()),
+            _ => found.ignored += 1,
+        }
+        if left.is_empty() {
+            return;
+        }
+    }
+}
+
+/// What a program prints, line by line.
+fn lines(child: &mut Child) -> Result<Receiver<String>, String> {
+    let output = child.stdout.take().ok_or("no output of the tests")?;
+    let (sender, receiver) = mpsc::channel();
+    thread::spawn(move || {
+        for line in BufReader::new(output).lines().map_while(Result::ok) {
+            if sender.send(line).is_err() {
+                return;
+            }
+        }
+    });
+    Ok(receiver)
+}
+
+/// Puts a program into a group with all that it starts, where the system has groups.
+fn in_a_group(command: &mut Command) {
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(command, 0);
+    #[cfg(not(unix))]
+    let _ = command;
+}
+
+/// Ends a program and all that it has started.
+fn end(child: &mut Child) {
+    let group = format!("-{}", child.id());
+    let _ = works("kill", &["-KILL", "--", &group]);
+    let _ = child.kill();
+    let _ = child.wait();
+}
+
+/// The interpreter over the tests of a run.
+fn command(options: &Options, run: &[&str], arguments: &[&str]) -> Result<Command, String> {
+    let mut command = Command::new("cargo");
     command
         .current_dir(process::root())
         .arg(format!("+{}", options.toolchain))
-        .args(["miri", "test", "-q", "--target", TARGET])
+        .args(["miri", "test", "--target", TARGET])
         .args(run)
         .arg("--")
         .args(arguments)
@@ -161,13 +215,18 @@ fn output(
         .env_remove("RUSTC")
         .env_remove("RUSTUP_TOOLCHAIN")
         .env_remove("CARGO");
-    let output = command.output();
-    output.map_err(|error| format!("cargo miri: {error}"))
+    Ok(command)
 }
 
-/// Whether the last line of a program of tests says that one passed.
-fn has_passed(line: &str) -> bool {
-    line.starts_with("test result: ok. 1 passed;")
+/// Name and end of a test, by its line.
+fn ended(line: &str) -> Option<(&str, &str)> {
+    let (name, word) = line.strip_prefix("test ")?.split_once(" ... ")?;
+    // Behind the word stands a reason or a time.
+    let word = word.split([' ', ',']).next()?;
+    let name = name
+        .split_once(" - should panic")
+        .map_or(name, |(name, _)| name);
+    Some((name, word))
 }
 
 #[cfg(test)]
@@ -175,10 +234,27 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_last_line_of_a_program_is_read() {
-        let line = "test result: ok. 1 passed; 0 failed; 0 ignored; 0 measured; 3 filtered out";
-        assert!(has_passed(line));
-        assert!(!has_passed(&line.replace("1 passed", "0 passed")));
-        assert!(!has_passed("running 1 test"));
+    fn the_line_of_a_test_tells_its_end() {
+        assert_eq!(ended("test a::b ... ok"), Some(("a::b", "ok")));
+        assert_eq!(ended("test a ... ignored, long"), Some(("a", "ignored")));
+        let panics = "test a - should panic ... FAILED";
+        assert_eq!(ended(panics), Some(("a", "FAILED")));
+        assert_eq!(ended("test result: ok. 1 passed; 0 failed"), None);
+        assert_eq!(ended("running 1 test"), None);
+    }
+
+    #[test]
+    fn what_says_nothing_in_time_is_left_out_and_the_others_go_on() {
+        let (sender, receiver) = mpsc::channel();
+        let mut left: Vec<String> = ["a", "b", "c"].map(str::to_owned).into();
+        let mut found = Found::default();
+        for line in ["running 3 tests", "test a ... ok"] {
+            sender.send(line.to_owned()).unwrap();
+        }
+        followed(&receiver, 0, &mut left, &mut found);
+        assert_eq!(
+            (left, found.passed, found.too_long),
+            (vec!["c".to_owned()], 1, 1)
+        );
     }
 }
