@@ -41,9 +41,11 @@ pub(crate) struct Bounds {
 /// Of an axis that falls short.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ShortBounds {
-    /// Displacement by which a sound axis falls short, and times in s by which the speed of a
-    /// motion that it may swing after and that of a swing that is seen add to it.
+    /// Displacements by which a sound axis falls short, in motion and held by friction, and times
+    /// in s by which the speed of a motion that it may swing after and that of a swing that is seen
+    /// add to them.
     pub(crate) level: f32,
+    pub(crate) held: f32,
     pub(crate) ring: f32,
     pub(crate) swing: f32,
     /// Share of a new sample in the means of the last 1/(4 w).
@@ -131,6 +133,7 @@ impl Bounds {
         let deflection = model.friction / model.a1;
         let share = design.sample_time / window;
         let ring = (w - model.a2) / model.a1;
+        let unknown = 2.0 * (design.grain + flow / w);
         Self {
             gain,
             frequency: w,
@@ -143,7 +146,8 @@ impl Bounds {
             end_speed: 0.5 * flow,
             saturated: samples(SATURATED_CROSSINGS * design.travel.length() / gain + 10.0 / w),
             short: ShortBounds {
-                level: 2.0 * (deflection + design.grain + flow / w),
+                level: 2.0 * deflection + unknown,
+                held: HELD_DEFLECTIONS * deflection + unknown,
                 ring: if ring > 0.0 { ring } else { 0.0 },
                 swing: SWING_TIME_RATIO / w,
                 share: least_of_one(RECENT_RATE * share),

@@ -24,10 +24,10 @@ const OF_THE_BANK: Needs = Needs {
     windows: 1.0,
     better_by: 0.3,
 };
-/// Parts of the errors of the model in use, and of the movement, below which a challenger is better
-/// by far: then it replaces that one after another window, even where it does not explain the
-/// movement as it should.
-const FAR: [f32; 2] = [0.25, 0.5];
+/// Part of the errors of the model in use, which are never more than the movement, below which a
+/// challenger is better by far: then it replaces that one after another window, even where it does
+/// not explain the movement as it should.
+const FAR: f32 = 0.25;
 /// What one needs beyond that which neither explains the movement nor is better by far.
 const POOR: Needs = Needs {
     windows: 2.0,
@@ -228,8 +228,7 @@ impl Challenger {
         }
         let unexplained = (1.0 - design.min_r_squared_adapting) * self.moved;
         let fits = self.own < unexplained;
-        let [of_errors, of_movement] = FAR;
-        let far = self.own < of_errors * incumbent && self.own < of_movement * self.moved;
+        let far = self.own < FAR * incumbent;
         if !fits && is_weaker(&self.model, used) {
             return Err(Reason::PoorFit);
         }

@@ -47,7 +47,6 @@ impl Errors {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct UnknownFlow {
     model: Model,
-    sample_time: f32,
     /// What the flow has moved.
     motion: Motion,
     /// Sum of the squares of the response.
@@ -55,18 +54,18 @@ pub(crate) struct UnknownFlow {
 }
 
 impl UnknownFlow {
-    pub(crate) fn new(used: &Model, sample_time: f32) -> Self {
+    pub(crate) fn new(used: &Model) -> Self {
         Self {
             model: *used,
-            sample_time,
             motion: Motion::default(),
             squares: 0.0,
         }
     }
 
-    /// The response after another sample of free simulation. Cost: about 40 instructions.
+    /// The response after another sample of free simulation, `time` long. Cost: about 40
+    /// instructions.
     #[inline]
-    pub(crate) fn update(&mut self, flow: f32) -> f32 {
+    pub(crate) fn update(&mut self, flow: f32, time: f32) -> f32 {
         let direction = if flow > 0.0 {
             1.0
         } else if flow < 0.0 {
@@ -74,23 +73,20 @@ impl UnknownFlow {
         } else {
             0.0
         };
-        self.model
-            .advance(&mut self.motion, direction, self.sample_time);
+        self.model.advance(&mut self.motion, direction, time);
         let response = self.motion.position;
         self.squares += response * response;
         response
     }
 
-    /// What is left of errors. Not finite where these are not.
+    /// What is left of errors; below zero by rounding alone. Not finite where these are not.
     pub(crate) fn left(&self, errors: &Errors) -> f32 {
         let Errors { squares, along } = *errors;
         if !(self.squares > 0.0) {
             return squares;
         }
         let flow = within(along / self.squares, UNKNOWN_PART * self.model.dead_zone);
-        let left = squares - flow * (2.0 * along - flow * self.squares);
-        // Less than nothing is left by rounding alone; NaN stays.
-        if left < 0.0 { 0.0 } else { left }
+        squares - flow * (2.0 * along - flow * self.squares)
     }
 }
 

@@ -145,7 +145,7 @@ impl Window {
         Self {
             bank: bank::about(used).map(run),
             challenger: challenger.map(run),
-            unknown: UnknownFlow::new(used, design.observer.sample_time),
+            unknown: UnknownFlow::new(used),
             sample_time: design.observer.sample_time,
             flow,
             observe: design.observe,
@@ -169,7 +169,7 @@ impl Window {
             self.observe -= 1;
             return false;
         }
-        let response = self.unknown.update(before);
+        let response = self.unknown.update(before, time);
         runners.for_each(|run| run.simulate(before, y, time, response));
         let moved = y - self.origin;
         self.sum += moved;
