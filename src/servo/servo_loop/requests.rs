@@ -12,6 +12,9 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// Takes a model that is known to be good: control begins with the next sample, at the actual
     /// position. Searches the poles at once, some million instructions: not for the 1 ms path.
     ///
+    /// How stiff the axis is near its ends is no part of a [`Model`]: it is that of the settings
+    /// ([`dead_volume`](crate::servo::ControllerSettings::dead_volume)), or of a commissioning before.
+    ///
     /// # Errors
     /// [`Error::Model`] with the reason, when it does not pass what every candidate must: finite,
     /// of the right sign, stable, in range of the settings.

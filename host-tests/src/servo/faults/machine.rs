@@ -87,6 +87,10 @@ impl Machine {
             jerk: limits.jerk as f32,
         });
         config.adaptive = adaptive;
+        if let Mechanics::ThirdOrder(_) = axis.mechanics {
+            // As stiff at the ends as in the middle.
+            config.controller.dead_volume = Some(f32::INFINITY);
+        }
         let sensor = Axis {
             scale: Scale::new(axis.resolution_mm as f32)?,
             reference: 0,
