@@ -37,7 +37,7 @@ pub(crate) struct Options {
     /// Longest time of a test in seconds; it is left out when it takes longer.
     #[arg(long, value_name = "SECONDS", default_value_t = 30)]
     limit: u64,
-    /// Interprets the tests whose name contains this.
+    /// Interprets the tests whose package or name contains this.
     #[arg(long, value_name = "PART", default_value = "")]
     only: String,
     /// Puts the results into docs/proofs.md, under the date and the commit.
@@ -70,7 +70,11 @@ pub(crate) fn run(options: &Options) -> Done {
         options.limit
     );
     let mut failed = Vec::new();
-    for run in RUNS {
+    let wanted = |run: &&[&str]| {
+        // A name of a package means all of its tests.
+        !options.only.starts_with("trendid") || run.contains(&options.only.as_str())
+    };
+    for run in RUNS.into_iter().filter(wanted) {
         let begin = Instant::now();
         let found = interpreted(options, run)?;
         let Found {
@@ -92,7 +96,15 @@ pub(crate) fn run(options: &Options) -> Done {
         let compiler = Command::new("rustc").args([&plus, "--version"]).output();
         let compiler = compiler.map_err(|error| format!("rustc: {error}"))?;
         let compiler = String::from_utf8_lossy(&compiler.stdout);
-        let body = format!("`cargo xtask miri`, {}\n\n{table}", compiler.trim());
+        let only = match options.only.as_str() {
+            "" => String::new(),
+            only => format!(" --only {only}"),
+        };
+        let body = format!(
+            "`cargo xtask miri --limit {}{only}`, {}\n\n{table}",
+            options.limit,
+            compiler.trim()
+        );
         dated::add("docs/proofs.md", &heading, &body)?;
     }
     Ok(())
@@ -108,7 +120,8 @@ fn interpreted(options: &Options, run: &[&str]) -> Result<Found, String> {
     }
     let list = String::from_utf8_lossy(&list.stdout).into_owned();
     let names = list.lines().filter_map(|line| line.strip_suffix(": test"));
-    let names = names.filter(|name| name.contains(&options.only));
+    let all = run.contains(&options.only.as_str());
+    let names = names.filter(|name| all || name.contains(&options.only));
     let mut left: Vec<String> = names.map(str::to_owned).collect();
     let mut found = Found::default();
     while !left.is_empty() {
