@@ -17,7 +17,7 @@ pub(crate) enum Short {
 /// D <- max(0, D + Delta (|v_e| - s v - tolerance))       s: sign of the expected velocity v_e; begins again when s changes
 /// tolerance = 0.06 C + 0.3 |v_e| + late |v_e'|
 /// alarm when D > n friction/a1 + 2 (0.06 C / w + grain) + swing,   and v is below a fifth of v_e or the other way
-/// n = 2 in motion, 3.5 where the axis stands
+/// n = 2 in motion, 3.5 where the axis stands and stood before
 /// ```
 ///
 /// Tolerance: dead zone and offset of the flow together; a velocity gain that loads, direction and
@@ -36,8 +36,9 @@ pub(crate) enum Short {
 /// friction than its model already moves that way.
 ///
 /// An axis stands when its path since then, forth and back, is below a fifth of what is expected. A
-/// breakaway of 2.5 times the Coulomb friction holds it for longer than a motion falls short, by as
-/// much as a code may stay; while it stands it strikes nothing.
+/// breakaway of 2.5 times the Coulomb friction holds one that stood before for longer than a motion
+/// falls short, by as much as a code may stay. One that moved, and seems to stand all at once, is
+/// not held by friction: its sensor may be stuck, and the axis on its way to an end.
 ///
 /// D begins with the fault, whatever the axis did before, so that the full motion of a sensor that
 /// fails at speed counts at once; a wrong sign counts twice.
@@ -63,6 +64,8 @@ pub(crate) struct Shortfall {
     fastest: f32,
     /// Displacement of a swing.
     swing: f32,
+    /// Whether the axis stood before it was short.
+    stood: bool,
     /// Samples for which the axis has been short and stood.
     standing: u32,
 }
@@ -108,6 +111,7 @@ impl Shortfall {
             self.path = 0.0;
             self.speed = speed;
             self.along = along;
+            self.stood = along.abs() <= STANDING_SHARE * speed;
             self.standing = 0;
             return None;
         }
@@ -122,8 +126,8 @@ impl Shortfall {
         let alarm = lacks && short > bounds.short.level + self.swing;
         let little = STANDING_SHARE * self.speed;
         let moved = self.path > STANDING_SHARE * self.expected;
-        let held = bounds.short.held + self.swing;
-        let stands = alarm && !(moved || short <= held) && self.along.abs() <= little;
+        let held = self.stood && short <= bounds.short.held + self.swing;
+        let stands = alarm && !(moved || held) && self.along.abs() <= little;
         self.standing = if stands {
             self.standing.saturating_add(1)
         } else {

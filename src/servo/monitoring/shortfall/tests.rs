@@ -120,13 +120,17 @@ fn friction_holds_an_axis_for_longer_than_a_motion_falls_short() {
     model.friction = 2000.0;
     let bounds = example::bounds(&model);
     // What D must exceed: two deflections of 5 in motion, 3.5 at rest, and 2 x 0.06 C/w, with
-    // what a sensor leaves beside these.
+    // what a sensor leaves beside these. An axis that moved is not at rest all at once.
     let unknown = 0.12 * 1000.0 / 20.0;
-    for (measured, short, level) in [
-        (0.0, Short::Standing, 17.5 + unknown),
-        (-60.0, Short::Against, 10.0 + unknown),
+    for (before, measured, short, level) in [
+        (0.0, 0.0, Short::Standing, 17.5 + unknown),
+        (0.0, -60.0, Short::Against, 10.0 + unknown),
+        (200.0, 0.0, Short::Standing, 10.0 + unknown),
     ] {
         let mut shortfall = Shortfall::default();
+        for _ in 0..100 {
+            assert_eq!(shortfall.update(before, before, before, &bounds), None);
+        }
         let found = (0..LONG).find_map(|_| shortfall.update(200.0, 200.0, measured, &bounds));
         assert_eq!(found, Some(short));
         let beyond = shortfall.short - shortfall.swing - level;
