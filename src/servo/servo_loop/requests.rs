@@ -13,7 +13,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// position. Searches the poles at once, some million instructions: not for the 1 ms path.
     ///
     /// How stiff the axis is near its ends is no part of a [`Model`]: it is that of the settings
-    /// ([`dead_volume`](crate::servo::ControllerSettings::dead_volume)), or of a commissioning before.
+    /// ([`dead_volume`](crate::servo::ControllerSettings::dead_volume)), or of a commissioning
+    /// before.
     ///
     /// # Errors
     /// [`Error::Model`] with the reason, when it does not pass what every candidate must: finite,
