@@ -37,7 +37,7 @@ pub(crate) struct Options {
     /// Longest time of a test in seconds; it is left out when it takes longer.
     #[arg(long, value_name = "SECONDS", default_value_t = 30)]
     limit: u64,
-    /// Interprets the tests whose package or name contains this.
+    /// Interprets the tests whose name contains this; the name of a package means all of its tests.
     #[arg(long, value_name = "PART", default_value = "")]
     only: String,
     /// Puts the results into docs/proofs.md, under the date and the commit.
@@ -70,13 +70,16 @@ pub(crate) fn run(options: &Options) -> Done {
         options.limit
     );
     let mut failed = Vec::new();
-    let wanted = |run: &&[&str]| {
-        // A name of a package means all of its tests.
-        !options.only.starts_with("trendid") || run.contains(&options.only.as_str())
-    };
-    for run in RUNS.into_iter().filter(wanted) {
+    let only = options.only.as_str();
+    let of_a_package = RUNS.iter().any(|run| run.contains(&only));
+    for run in RUNS {
+        let part = match (of_a_package, run.contains(&only)) {
+            (true, true) => "",
+            (true, false) => continue,
+            (false, _) => only,
+        };
         let begin = Instant::now();
-        let found = interpreted(options, run)?;
+        let found = interpreted(options, run, part)?;
         let Found {
             passed,
             too_long,
@@ -96,7 +99,7 @@ pub(crate) fn run(options: &Options) -> Done {
         let compiler = Command::new("rustc").args([&plus, "--version"]).output();
         let compiler = compiler.map_err(|error| format!("rustc: {error}"))?;
         let compiler = String::from_utf8_lossy(&compiler.stdout);
-        let only = match options.only.as_str() {
+        let only = match only {
             "" => String::new(),
             only => format!(" --only {only}"),
         };
@@ -110,18 +113,17 @@ pub(crate) fn run(options: &Options) -> Done {
     Ok(())
 }
 
-/// Runs the tests of a run.
-fn interpreted(options: &Options, run: &[&str]) -> Result<Found, String> {
+/// Runs the tests of a run whose name contains `part`.
+fn interpreted(options: &Options, run: &[&str], part: &str) -> Result<Found, String> {
     let list = command(options, run, &["--list", "--format", "terse"])?.output();
     let list = list.map_err(|error| format!("cargo miri: {error}"))?;
     if !list.status.success() {
         let errors = String::from_utf8_lossy(&list.stderr);
         return Err(format!("{} does not build: {errors}", run.join(" ")));
     }
-    let list = String::from_utf8_lossy(&list.stdout).into_owned();
+    let list = String::from_utf8_lossy(&list.stdout);
     let names = list.lines().filter_map(|line| line.strip_suffix(": test"));
-    let all = run.contains(&options.only.as_str());
-    let names = names.filter(|name| all || name.contains(&options.only));
+    let names = names.filter(|name| name.contains(part));
     let mut left: Vec<String> = names.map(str::to_owned).collect();
     let mut found = Found::default();
     while !left.is_empty() {
@@ -131,14 +133,14 @@ fn interpreted(options: &Options, run: &[&str]) -> Result<Found, String> {
         in_a_group(&mut command);
         let mut child = command
             .stdout(Stdio::piped())
-            .stderr(Stdio::null())
             .spawn()
             .map_err(|error| format!("cargo miri: {error}"))?;
         let before = left.len();
         followed(&lines(&mut child)?, options.limit, &mut left, &mut found);
         end(&mut child);
         if left.len() == before {
-            return Err(format!("{} ended before its first test", run.join(" ")));
+            // The interpreter has said why: undefined behaviour ends it.
+            return Err(format!("{}: ended within {}", run.join(" "), left[0]));
         }
     }
     Ok(found)
