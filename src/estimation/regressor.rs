@@ -13,6 +13,7 @@
 
 use crate::estimation::structure::Structure;
 use crate::estimation::terms::Parameter;
+use crate::math::matrix::Matrix;
 use crate::trends::{Design, NoiseGain, Trends};
 
 /// The trend behind one entry of phi.
@@ -160,15 +161,17 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
     }
 
     /// Moments of phi phi', phi psi and psi psi per sample of white noise of variance 1 on y.
-    pub(crate) fn noise_moments(&self, gain: &NoiseGain<M>) -> ([[f32; N]; N], [f32; N], f32) {
-        let mut matrix = [[0.0; N]; N];
-        let mut vector = [0.0; N];
-        for (i, row) in self.sources.iter().enumerate() {
+    ///
+    /// Those of the parameters of y, which are the first: at most M, zeros behind them.
+    pub(crate) fn noise_moments(&self, gain: &NoiseGain<M>) -> (Matrix<M>, [f32; M], f32) {
+        let mut matrix = [[0.0; M]; M];
+        let mut vector = [0.0; M];
+        for (i, row) in self.sources.iter().enumerate().take(M) {
             let at = row.index as usize;
             let (Some(gains), Some(mixed)) = (gain.lower.get(at), gain.mixed.get(at)) else {
                 continue;
             };
-            for (j, column) in self.sources.iter().enumerate() {
+            for (j, column) in self.sources.iter().enumerate().take(M) {
                 if let Some(gain) = gains.get(column.index as usize) {
                     matrix[i][j] = row.scale * column.scale * gain;
                 }

@@ -252,7 +252,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
     fn weigh_noise(&mut self) {
         let (moments, ..) = (self.regressor).noise_moments(&self.trends.design().noise_gain);
         self.noise.weights = core::array::from_fn(|j| {
-            let variance = MOVES * MOVES * moments[j][j];
+            let moment = moments.get(j).and_then(|row| row.get(j));
+            let variance = MOVES * MOVES * moment.copied().unwrap_or(0.0);
             if variance > 0.0 { 1.0 / variance } else { 0.0 }
         });
         self.noise.always_moves = self.noise.weights.iter().all(|weight| *weight == 0.0);

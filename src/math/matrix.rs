@@ -5,6 +5,14 @@ use crate::math::sqrt;
 /// A square matrix, row by row.
 pub(crate) type Matrix<const N: usize> = [[f32; N]; N];
 
+/// A pivot of more than this share of its diagonal is clearly positive.
+const CLEAR: f32 = 1e-6;
+
+/// a' b.
+pub(crate) fn dot<const N: usize>(a: &[f32; N], b: &[f32; N]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 /// A B.
 pub(crate) fn product<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
     core::array::from_fn(|i| product_row(&a[i], b))
@@ -50,7 +58,7 @@ pub(crate) fn factor<const N: usize>(matrix: &mut Matrix<N>) -> bool {
         for k in 0..j {
             pivot -= l[j][k] * l[j][k];
         }
-        if !(pivot > 1e-6 * diagonal) {
+        if !(pivot > CLEAR * diagonal) {
             return false;
         }
         l[j][j] = sqrt(pivot);
@@ -63,6 +71,25 @@ pub(crate) fn factor<const N: usize>(matrix: &mut Matrix<N>) -> bool {
         }
     }
     true
+}
+
+/// Lower triangle L with L L' = `matrix`, which has no negative direction; a column without a
+/// clearly positive pivot is 0.
+pub(crate) fn root<const N: usize>(matrix: &Matrix<N>) -> Matrix<N> {
+    let mut l = [[0.0; N]; N];
+    for j in 0..N {
+        let diagonal = matrix[j][j];
+        let pivot = diagonal - dot(&l[j], &l[j]);
+        if !(pivot > CLEAR * diagonal) {
+            continue;
+        }
+        let length = sqrt(pivot);
+        for i in j + 1..N {
+            l[i][j] = (matrix[i][j] - dot(&l[i], &l[j])) / length;
+        }
+        l[j][j] = length;
+    }
+    l
 }
 
 /// The first `count` entries of L^-1 b for a lower triangle L, those of b behind them.
@@ -123,5 +150,20 @@ mod tests {
         );
         assert_eq!(cholesky(&[[1.0, 2.0], [2.0, 1.0]]), None);
         assert_eq!(cholesky(&[[f32::NAN]]), None);
+    }
+
+    #[test]
+    fn a_root_leaves_directions_out_that_are_not_there() {
+        // Of the third only what the first two say of it, and nothing of the fourth.
+        let matrix = [
+            [4.0, 2.0, 6.0, 0.0],
+            [2.0, 5.0, 7.0, 0.0],
+            [6.0, 7.0, 13.0, 0.0],
+            [0.0, 0.0, 0.0, 0.0],
+        ];
+        let l = root(&matrix);
+        assert_eq!(product_transposed(&l, &l), matrix);
+        assert_eq!((l[2][2], l[3]), (0.0, [0.0; 4]));
+        assert_eq!(root(&[[f32::NAN]]), [[0.0]]);
     }
 }

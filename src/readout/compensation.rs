@@ -1,22 +1,39 @@
-//! The bias of white noise on y, and the step that takes it out.
+//! The bias of white noise on y, and how it is taken out.
+//!
+//! White noise of variance s puts `n s M` into the `P^-1 = sum phi phi'` of n rows and `n s m` into
+//! `sum phi psi`. Without both
+//!
+//! ```text
+//! theta_c = Q (P^-1 theta - w m)       Q = (P^-1 - w M)^-1        P_c = Q P^-1 Q
+//! w = n s / (1 + 4/nu), or less, so that 1 - w |M P| >= sqrt(2/nu)      nu = n omega Delta
+//! ```
+//!
+//! is the estimate, and P_c its covariance where the residual is white of variance 1. The rows tell
+//! something new once in 1/(omega Delta) samples, nu times in all. A Q of few rows is too large more
+//! often than too small; with a little less noise taken out the estimate has moments, and the least
+//! mean square error (Fuller, with his constant of 4). And the share of noise in nu rows varies by
+//! sqrt(2/nu): in a direction whose rest is less than that nothing is known to have moved, and no
+//! more is taken out. What is left there then is added to the uncertainty.
 //!
 //! Known as: bias-compensated least squares. Stoica and Soderstrom, Int. J. Control 35 (1982);
-//! Zheng and Feng, IEEE Trans. Automatic Control 40 (1995).
+//! Zheng and Feng, IEEE Trans. Automatic Control 40 (1995); Fuller, Econometrica 45 (1977).
 
-use crate::math::matrix::{
-    Matrix, product, product_row, product_row_transposed, product_transposed,
-};
+mod correction;
+
+use crate::math::matrix::Matrix;
 use crate::math::sqrt;
+use crate::readout::compensation::correction::{Correction, Moments};
 use crate::readout::source::ReadOut;
+
+/// Fuller's constant of the least mean square error.
+const FULLER: f32 = 4.0;
 
 /// The third difference counts as noise up to this multiple of the noise that the residual allows.
 const PLAUSIBLE: f32 = 1.3;
 
 /// White noise on y and its effect on the regression.
-struct Noise<const N: usize> {
-    /// M and m: phi phi' and phi psi per sample of noise of variance 1.
-    matrix: Matrix<N>,
-    vector: [f32; N],
+struct Noise<const M: usize> {
+    moments: Moments<M>,
     /// Variance of the residual per variance of the noise.
     spread: f32,
     /// Variance of the residual.
@@ -26,16 +43,16 @@ struct Noise<const N: usize> {
     white: Option<f32>,
 }
 
-impl<const N: usize> Noise<N> {
-    fn of<const M: usize, const I: usize>(source: &ReadOut<'_, M, N, I>) -> Self {
+impl<const M: usize> Noise<M> {
+    fn of<const N: usize, const I: usize>(source: &ReadOut<'_, M, N, I>) -> Self {
         let theta = source.estimator.theta();
         let (matrix, vector, echo) = source.regressor.noise_moments(&source.design.noise_gain);
         // The residual is psi - phi' theta.
         let mut spread = echo;
-        for i in 0..N {
-            spread -= 2.0 * theta[i] * vector[i];
-            for j in 0..N {
-                spread += theta[i] * matrix[i][j] * theta[j];
+        for (i, left) in theta.iter().enumerate().take(M) {
+            spread -= 2.0 * left * vector[i];
+            for (j, right) in theta.iter().enumerate().take(M) {
+                spread += left * matrix[i][j] * right;
             }
         }
         let residual = source.residual();
@@ -49,8 +66,7 @@ impl<const N: usize> Noise<N> {
             _ => None,
         };
         Self {
-            matrix,
-            vector,
+            moments: Moments { matrix, vector },
             spread,
             residual,
             white,
@@ -92,60 +108,52 @@ pub(crate) struct Residual {
 }
 
 /// The estimate with the bias of white noise taken out.
-pub(crate) struct Compensated<const N: usize> {
+pub(crate) struct Compensated<const M: usize, const N: usize> {
     /// The parameters as the trends have them, in the user's units.
     pub(crate) theta: [f32; N],
-    /// I + 2 w P M; `None` where nothing was corrected.
-    transform: Option<Matrix<N>>,
-    /// Remaining bias of each parameter after one step of the correction, in the user's units.
+    /// `None` where nothing was corrected.
+    correction: Option<Correction<M, N>>,
+    /// Bias of each parameter by noise that was not taken out, in the user's units.
     pub(crate) left: [f32; N],
     pub(crate) residual: Residual,
 }
 
-impl<const N: usize> Compensated<N> {
+impl<const M: usize, const N: usize> Compensated<M, N> {
     /// P_c, normalised, from the covariance `p` of the recursion.
     pub(crate) fn covariance(&self, p: &Matrix<N>) -> Matrix<N> {
-        match &self.transform {
-            Some(transform) => product_transposed(&product(transform, p), transform),
-            None => *p,
+        let mut covariance = *p;
+        if let Some(correction) = &self.correction {
+            correction.add_covariance(&mut covariance);
         }
+        covariance
     }
 
-    /// w tr P M, the share of the correction that one step leaves: in [0, 1).
-    pub(crate) fn damping(&self) -> f32 {
-        let Some(transform) = &self.transform else {
-            return 0.0;
-        };
-        let diagonal = transform.iter().enumerate();
-        let twice = diagonal.filter_map(|(i, row)| Some(row.get(i)? - 1.0));
-        0.5 * twice.sum::<f32>()
+    /// The share of the noise that was taken out, in [0, 1].
+    pub(crate) fn share(&self) -> f32 {
+        self.correction.as_ref().map_or(1.0, |found| found.share)
     }
 
-    /// Change of the estimate per unit of a score, normalised: (I + w P M) P.
+    /// Q, the change of the estimate per unit of a score, normalised.
     pub(crate) fn gain(&self, p: &Matrix<N>) -> Matrix<N> {
-        match &self.transform {
-            Some(transform) => {
-                let twice = product(transform, p);
-                core::array::from_fn(|i| core::array::from_fn(|j| 0.5 * (twice[i][j] + p[i][j])))
-            }
-            None => *p,
+        let mut gain = *p;
+        if let Some(correction) = &self.correction {
+            correction.add_gain(&mut gain);
         }
+        gain
     }
 
     /// Row `index` of P_c, enough for an estimate without deviations.
     #[inline(always)]
     pub(crate) fn covariance_row(&self, p: &Matrix<N>, index: usize) -> Option<[f32; N]> {
-        match &self.transform {
-            Some(transform) => {
-                let row = product_row(transform.get(index)?, p);
-                Some(product_row_transposed(&row, transform))
-            }
-            None => p.get(index).copied(),
+        let mut row = *p.get(index)?;
+        if let Some(correction) = &self.correction {
+            correction.add_row(index, &mut row);
         }
+        Some(row)
     }
 }
 
-/// One step of the correction from the recursion with the covariance `p`.
+/// The correction of the recursion with the covariance `p`.
 ///
 /// Inlined, with what it calls, where it is called once: the matrices that it hands over are not
 /// copied then.
@@ -153,70 +161,44 @@ impl<const N: usize> Compensated<N> {
 pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
     source: &ReadOut<'_, M, N, I>,
     p: &Matrix<N>,
-) -> Compensated<N> {
+) -> Compensated<M, N> {
     let bare = source.estimator.theta();
     let samples = source.estimator.samples();
-    let noise = Noise::of(source);
-    let (theta, transform, damping) = match noise.white {
-        Some(white) => {
-            let (theta, transform, damping) = corrected(bare, p, &noise, samples * white);
-            (theta, Some(transform), damping)
-        }
-        None => (*bare, None, 0.0),
-    };
-    let units = source.regressor.units();
-    let in_units = |theta: &[f32; N]| core::array::from_fn(|j| theta[j] * units[j]);
-    let (bare, mut theta): ([f32; N], [f32; N]) = (in_units(bare), in_units(&theta));
-    if !theta.iter().all(|value| value.is_finite()) {
-        theta = bare;
-    }
     let angle = source.bandwidth * source.design.sample_time;
-    Compensated {
-        left: core::array::from_fn(|j| damping * (theta[j] - bare[j])),
-        theta,
-        transform,
+    let noise = Noise::of(source);
+    let units = source.regressor.units();
+    let mut found = Compensated {
+        theta: core::array::from_fn(|j| bare[j] * units[j]),
+        correction: None,
+        left: [0.0; N],
         residual: noise.split(source.regressor.top_scale(), samples, angle),
+    };
+    let Some(white) = noise.white else {
+        return found;
+    };
+    let rows = samples * angle;
+    let level = samples * white * (rows / (rows + FULLER));
+    let Some(correction) = Correction::of(bare, p, &noise.moments, level, known_share(rows)) else {
+        return found;
+    };
+    if correction.theta.iter().all(|value| value.is_finite()) {
+        let left = correction.left(p, &noise.moments, level);
+        for j in 0..N {
+            found.theta[j] = correction.theta[j] * units[j];
+            found.left[j] = left[j] * units[j];
+        }
+        found.correction = Some(correction);
     }
+    found
 }
 
-/// theta_c, normalised, I + 2 w P M and the damping w tr P M; `level` is n s.
-#[inline(always)]
-fn corrected<const N: usize>(
-    bare: &[f32; N],
-    p: &Matrix<N>,
-    noise: &Noise<N>,
-    level: f32,
-) -> ([f32; N], Matrix<N>, f32) {
-    let Noise { matrix, vector, .. } = noise;
-    let mut trace = 0.0;
-    for i in 0..N {
-        for j in 0..N {
-            trace += p[i][j] * matrix[j][i];
-        }
+/// Share of a direction that may be taken for noise, as `rows` independent ones know it; in [0, 1).
+fn known_share(rows: f32) -> f32 {
+    if rows > 2.0 {
+        1.0 - sqrt(2.0 / rows)
+    } else {
+        0.0
     }
-    // Damped where one step is no longer small: few samples under much noise.
-    let weight = level / (1.0 + level * trace);
-    let mut bias = [0.0; N];
-    for i in 0..N {
-        bias[i] = -vector[i];
-        for j in 0..N {
-            bias[i] += matrix[i][j] * bare[j];
-        }
-    }
-    let mut theta = *bare;
-    // I + 2 w P M
-    let mut transform = [[0.0; N]; N];
-    for i in 0..N {
-        for j in 0..N {
-            let mut sum = 0.0;
-            for k in 0..N {
-                sum += p[i][k] * matrix[k][j];
-            }
-            transform[i][j] = 2.0 * weight * sum + if i == j { 1.0 } else { 0.0 };
-            theta[i] += weight * p[i][j] * bias[j];
-        }
-    }
-    (theta, transform, weight * trace)
 }
 
 #[cfg(test)]

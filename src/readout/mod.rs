@@ -2,19 +2,19 @@
 //!
 //! Least squares with noisy regressors is biased. White noise of variance s on y puts
 //! `s M` into every phi phi' and `s m` into every phi psi, where M and m are constants
-//! of the filter. With P = (sum phi phi')^-1 over n samples, one step of the correction
+//! of the filter. With P = (sum phi phi')^-1 over n samples
 //!
 //! ```text
-//! theta_c = theta + w P (M theta - m)          w = n s / (1 + n s tr P M)      compensation
-//! P_c     = (I + 2 w P M) P (I + 2 w P M)'
+//! Q       = (P^-1 - w M)^-1                    w = n s, a little less, and limited                 compensation
+//! theta_c = Q (P^-1 theta - w m)
+//! P_c     = Q P^-1 Q
 //! Sigma   = s T P_c T' + floor                                                 residual_spectrum, sandwich
 //! ```
 //!
-//! takes the bias out to first order, at the read-out only: nothing is added to the 1 ms path but
-//! the level s. In P_c one w P M is the step, the other the noise of the regressors times that of
-//! the residual. The residual of the filtered equation is not white: it is `A/A_f` times the noise.
+//! takes the bias out, at the read-out only: nothing is added to the 1 ms path but the level s. The
+//! residual of the filtered equation is not white: it is `A/A_f` times the noise.
 //! T weighs it by the frequencies at which a parameter is seen. The floor covers the error of
-//! trends in place of derivatives, the rounding of f32, and the remaining bias after a damped step.
+//! trends in place of derivatives, the rounding of f32, and the bias that a limited w leaves.
 //! Behind a change that was followed what is left of the old drive is added (`former`).
 //! Then an insignificant constant is withdrawn (`significance`), and trends that have a plane of
 //! their own are mapped to the s plane (`s_plane`).
@@ -69,7 +69,7 @@ const ROUNDING: f32 = 0.25 * f32::EPSILON;
 impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// The estimate without its noise bias, an insignificant constant withdrawn from theta.
     #[inline(always)]
-    fn compensated(&self, p: &Matrix<N>) -> (Compensated<N>, Option<Withdrawal<N>>) {
+    fn compensated(&self, p: &Matrix<N>) -> (Compensated<M, N>, Option<Withdrawal<N>>) {
         let mut found = compensate(self, p);
         // Before the noise is known every constant counts: after a change of the filter nothing
         // jumps.
@@ -144,7 +144,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
 
     /// P_c under the noise where each parameter is seen, normalised; the floor relative to a
     /// parameter.
-    fn shaped(&self, p: &Matrix<N>, found: &Compensated<N>) -> (Matrix<N>, f32) {
+    fn shaped(&self, p: &Matrix<N>, found: &Compensated<M, N>) -> (Matrix<N>, f32) {
         let mut covariance = found.covariance(p);
         let even = found.residual.even;
         let Some(filter) = self.design.filter else {

@@ -8,8 +8,8 @@ use crate::readout::residual_spectrum::natural_frequency;
 use crate::readout::significance::Withdrawal;
 use crate::readout::source::ReadOut;
 
-/// Where more of the correction of the noise bias is left than is taken, the estimate is no smooth
-/// function of the scores.
+/// Where less of the noise than this share could be taken out, the estimate is no smooth function
+/// of the scores.
 const MOSTLY: f32 = 0.5;
 
 impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
@@ -34,7 +34,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     ) -> Option<Estimate<M, N, I>> {
         let p = self.covariance();
         let (found, withdrawal) = self.compensated(&p);
-        if !(found.damping() <= MOSTLY) {
+        if !(found.share() >= MOSTLY) {
             return None;
         }
         let units = self.regressor.units();

@@ -179,7 +179,7 @@ pub fn retuned(seed: u64) -> Pair {
         }
         let estimate = tuned.estimate();
         if let (Some(omega0), Some(sigma)) = (estimate.physical().omega0, estimate.physical_std())
-            && sigma[1] < 0.2 * omega0
+            && sigma[1] < 0.3 * omega0
         {
             let omega0 = omega0.clamp(2.0, 200.0);
             let _ = tuned.retune_to(omega0);

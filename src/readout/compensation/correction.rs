@@ -1,0 +1,153 @@
+//! The linear algebra of the correction: what is left of P^-1 without the noise of its regressors.
+//!
+//! With `M = L L'`, `B = P L` and `S = 1 - w L' P L = C C'`
+//!
+//! ```text
+//! Y = sqrt(w) B C^-T           Q   = (P^-1 - w M)^-1 = P + Y Y'
+//! Z = Y C^-1                   P_c = Q P^-1 Q        = Q + Z Z'
+//! theta' = theta - w P m       theta_c = Q (P^-1 theta - w m) = theta' + sqrt(w) Z L' theta'
+//! ```
+//!
+//! S is as large as the number of parameters of y, and positive as long as w is below one over the
+//! largest eigenvalue of `L' P L`. That is at most its norm, which limits w. So Q and P_c are
+//! positive, and no less than P, for any P.
+//!
+//! Known as: matrix inversion lemma. Golub and Van Loan, Matrix Computations (1996), ch. 2.1.3.
+
+use crate::math::matrix::{Matrix, backward, dot, factor, forward, root};
+use crate::math::sqrt;
+
+/// M and m: phi phi' and phi psi per sample of noise of variance 1, of the parameters of y.
+pub(super) struct Moments<const M: usize> {
+    pub(super) matrix: Matrix<M>,
+    pub(super) vector: [f32; M],
+}
+
+impl<const M: usize> Moments<M> {
+    /// M theta - m.
+    fn score<const N: usize>(&self, theta: &[f32; N]) -> [f32; M] {
+        core::array::from_fn(|i| along(&self.matrix[i], theta) - self.vector[i])
+    }
+}
+
+/// Sum over the parameters of y, which are the first.
+fn along<const M: usize, const N: usize>(a: &[f32; M], b: &[f32; N]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// A' b, over the parameters of y.
+fn transposed<const M: usize, const K: usize, const N: usize>(
+    a: &[[f32; M]; K],
+    b: &[f32; N],
+) -> [f32; M] {
+    let mut sum = [0.0; M];
+    for (row, b) in a.iter().zip(b) {
+        for (sum, a) in sum.iter_mut().zip(row) {
+            *sum += a * b;
+        }
+    }
+    sum
+}
+
+/// A corrected estimate, everything normalised.
+pub(super) struct Correction<const M: usize, const N: usize> {
+    /// theta_c.
+    pub(super) theta: [f32; N],
+    y: [[f32; M]; N],
+    z: [[f32; M]; N],
+    /// w over the one that was asked for, in [0, 1].
+    pub(super) share: f32,
+}
+
+impl<const M: usize, const N: usize> Correction<M, N> {
+    /// The correction of `bare` with the covariance `p` for the weight `level` = n s of the noise,
+    /// which takes no more than `largest` < 1 of P^-1 in any direction; `None` for what is no
+    /// number.
+    #[inline(always)]
+    pub(super) fn of(
+        bare: &[f32; N],
+        p: &Matrix<N>,
+        noise: &Moments<M>,
+        level: f32,
+        largest: f32,
+    ) -> Option<Self> {
+        let l = root(&noise.matrix);
+        let b: [[f32; M]; N] = core::array::from_fn(|i| transposed(&l, &p[i]));
+        let mut s = [[0.0; M]; M];
+        for (l, b) in l.iter().zip(&b) {
+            for i in 0..M {
+                for j in 0..M {
+                    s[i][j] += l[i] * b[j];
+                }
+            }
+        }
+        let norm = sqrt(s.as_flattened().iter().map(|v| v * v).sum());
+        let limited = level * norm > largest;
+        let weight = if limited { largest / norm } else { level };
+        for (i, row) in s.iter_mut().enumerate() {
+            for entry in row.iter_mut() {
+                *entry *= -weight;
+            }
+            row[i] += 1.0;
+        }
+        if !factor(&mut s) {
+            return None;
+        }
+        let scale = sqrt(weight);
+        let y: [[f32; M]; N] = core::array::from_fn(|i| forward(&s, b[i].map(|b| scale * b)));
+        let z: [[f32; M]; N] = core::array::from_fn(|i| backward(&s, y[i]));
+        let mut theta: [f32; N] =
+            core::array::from_fn(|i| bare[i] - weight * along(&noise.vector, &p[i]));
+        let seen = transposed(&l, &theta).map(|seen| scale * seen);
+        for (value, z) in theta.iter_mut().zip(&z) {
+            *value += dot(z, &seen);
+        }
+        let share = if limited { weight / level } else { 1.0 };
+        Some(Self { theta, y, z, share })
+    }
+
+    /// Q e, the bias by what the limit has left in: e = (n s - w) (M theta_c - m).
+    pub(super) fn left(&self, p: &Matrix<N>, noise: &Moments<M>, level: f32) -> [f32; N] {
+        if self.share == 1.0 {
+            return [0.0; N];
+        }
+        let missing = (1.0 - self.share) * level;
+        let score = noise.score(&self.theta).map(|score| missing * score);
+        let seen = transposed(&self.y, &score);
+        core::array::from_fn(|i| along(&score, &p[i]) + dot(&self.y[i], &seen))
+    }
+
+    /// Adds Q - P to P.
+    pub(super) fn add_gain(&self, p: &mut Matrix<N>) {
+        add_square(p, &self.y);
+    }
+
+    /// Adds P_c - P to P.
+    pub(super) fn add_covariance(&self, p: &mut Matrix<N>) {
+        add_square(p, &self.y);
+        add_square(p, &self.z);
+    }
+
+    /// Adds row `index` of P_c - P to that of P.
+    #[inline(always)]
+    pub(super) fn add_row(&self, index: usize, row: &mut [f32; N]) {
+        let (Some(y), Some(z)) = (self.y.get(index), self.z.get(index)) else {
+            return;
+        };
+        for (j, entry) in row.iter_mut().enumerate() {
+            *entry += dot(y, &self.y[j]) + dot(z, &self.z[j]);
+        }
+    }
+}
+
+/// Adds A A'.
+fn add_square<const M: usize, const N: usize>(sum: &mut Matrix<N>, a: &[[f32; M]; N]) {
+    for i in 0..N {
+        for j in 0..N {
+            sum[i][j] += dot(&a[i], &a[j]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
