@@ -8,12 +8,12 @@
 //! w = n s / (1 + 4/nu), or less, so that 1 - w |M P| >= sqrt(2/nu)      nu = n omega Delta
 //! ```
 //!
-//! is the estimate, and P_c its covariance where the residual is white of variance 1. The rows tell
-//! something new once in 1/(omega Delta) samples, nu times in all. A Q of few rows is too large more
-//! often than too small; with a little less noise taken out the estimate has moments, and the least
-//! mean square error (Fuller, with his constant of 4). And the share of noise in nu rows varies by
-//! sqrt(2/nu): in a direction whose rest is less than that nothing is known to have moved, and no
-//! more is taken out. What is left there then is added to the uncertainty.
+//! is the estimate, and P_c its covariance where the residual is white of variance 1. The rows
+//! tell something new once in 1/(omega Delta) samples, nu times in all. A Q of few rows is too
+//! large more often than too small; with a little less noise taken out the estimate has moments,
+//! and the least mean square error (Fuller, with his constant of 4). And the share of noise in nu
+//! rows varies by sqrt(2/nu): in a direction whose rest is less than that nothing is known to have
+//! moved, and no more is taken out. What is left there then is added to the uncertainty.
 //!
 //! Known as: bias-compensated least squares. Stoica and Soderstrom, Int. J. Control 35 (1982);
 //! Zheng and Feng, IEEE Trans. Automatic Control 40 (1995); Fuller, Econometrica 45 (1977).
