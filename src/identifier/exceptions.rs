@@ -83,7 +83,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let unexplained = match unexplained {
             Some(sample) => {
                 let [size, _] = sample;
-                let contradicts = !(size <= noise)
+                let contradicts = self.estimator.samples() >= plan.known_rows
+                    && !(size <= noise)
                     && !(size <= noise + noise * self.estimator.spread(row.phi))
                     && self.standstill.exceeds_digits(sample);
                 Some((sample, contradicts))

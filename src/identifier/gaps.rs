@@ -55,6 +55,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             return;
         }
         self.signals.gap = self.signals.gap.saturating_add(1);
+        self.signals.start = None;
         if self.signals.gap > plan.times.longest_gap {
             self.restart_signals(plan, plan.warm_up);
             return;

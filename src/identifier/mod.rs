@@ -17,6 +17,7 @@ mod sample;
 pub(crate) mod servo;
 mod signals;
 mod standstill;
+mod start;
 mod state;
 mod stuck;
 mod times;

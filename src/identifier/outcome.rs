@@ -17,9 +17,10 @@ pub enum Refusal {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Outcome {
-    /// The trends are settling; `remaining` samples are left.
+    /// The trends are settling, or where y began is being found; `remaining` samples are left at
+    /// least.
     WarmingUp {
-        /// Samples until the first estimate.
+        /// Samples until the first estimate, as far as is known.
         remaining: u32,
     },
     /// The sample was refused and entered no buffer; its time passed, bridged by the prediction of

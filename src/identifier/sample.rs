@@ -52,6 +52,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             self.noise.update(y);
             let _ = self.signals.output_trends(plan, y);
             self.signals.remaining -= 1;
+            self.signals.find_start(plan, y, self.noise.known());
             self.prediction = y + reference;
             return Outcome::WarmingUp {
                 remaining: self.signals.remaining,

@@ -2,6 +2,7 @@
 
 use crate::identifier::gate::Gate;
 use crate::identifier::plan::Plan;
+use crate::identifier::start::{Start, Verdict};
 use crate::trends::delay_line::DelayLine;
 use crate::trends::{Hold, Memory, TrendOperator, Trends};
 
@@ -33,6 +34,8 @@ pub(crate) struct Signals<T: TrendOperator<M>, const M: usize, const I: usize, c
     pub(crate) last_inputs: [f32; I],
     /// The newest inputs as they act: behind their delays.
     pub(crate) acting: [f32; I],
+    /// Where y began, while that is being found.
+    pub(crate) start: Option<Start<T::Memory>>,
     /// Samples without y since the last one.
     pub(crate) gap: u32,
     /// Samples, modulo 2^32.
@@ -59,6 +62,7 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
             last: 0.0,
             last_inputs: plan.inputs.initial,
             acting: plan.inputs.initial,
+            start: None,
             gap: 0,
             turn: 0,
         }
@@ -84,6 +88,8 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         } else {
             0.0
         };
+        self.start = (plan.start.longest > 0)
+            .then(|| Start::new(y, Memory::output_at_rest(design, plan.output_form, 1.0)));
         self.begun = true;
         y
     }
@@ -96,6 +102,30 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         self.output = Memory::output_at_rest(plan.trends.design(), plan.output_form, y);
         self.reference = reference;
         self.initial = 0.0;
+        self.start = None;
+    }
+
+    /// Takes a sample of the beginning whose trends have been computed; `noise` is the variance of
+    /// y.
+    #[inline(never)]
+    pub(crate) fn find_start<const N: usize>(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        y: f32,
+        noise: f32,
+    ) {
+        let Some(mut start) = self.start.take() else {
+            return;
+        };
+        let _ = plan.trends.output(&mut start.unit, 0.0, plan.output_form);
+        match start.take(y, noise, plan.start) {
+            Verdict::Wait => {
+                self.start = Some(start);
+                self.remaining = self.remaining.max(1);
+            }
+            Verdict::Begin(at) => self.output.add(&start.unit, at),
+            Verdict::Stay => {}
+        }
     }
 
     /// The trends of y.

@@ -9,12 +9,15 @@
 //!
 //! An integrating drive that stands where the model moves by more than twice the band does not obey
 //! the model, and its rows teach what is wrong; a model that is not known yet (phi' P phi) does not
-//! contradict. From the fifth such sample in a row on, if it exceeds 10 q, or from as many as
-//! 1/bandwidth takes, the estimate is held until the axis leaves the band, and then for four times
-//! as long, at most the settling time of the trends: they still carry what was not of the model.
-//! Once it has been held for 1/bandwidth the standstill is certain: the trends begin again at rest
-//! as often as it contradicts. When it ends they begin again too, but the axis moves already: the
-//! initial state becomes uncertain; a structure without one waits until the trends have lost it.
+//! contradict. Nor does one of fewer than N/(omega Delta) rows, of which N tell something new:
+//! where noise is as large as the motion P takes the noise of its regressors for motion.
+//!
+//! From the fifth contradiction in a row on, if it exceeds 10 q, or from as many as 1/bandwidth
+//! takes, the estimate is held until the axis leaves the band, and then for four times as long, at
+//! most the settling time of the trends: they still carry what was not of the model. Once it has
+//! been held for 1/bandwidth the standstill is certain: the trends begin again at rest as often as
+//! it contradicts. When it ends they begin again too, but the axis moves already: the initial state
+//! becomes uncertain; a structure without one waits until the trends have lost it.
 //!
 //! Nothing is held for ever on a model that is not known: what contradicts no more for the settling
 //! time of the trends, which have lost by then what did, is no standstill. So an estimate that is

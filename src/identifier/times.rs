@@ -48,3 +48,13 @@ impl Times {
         }
     }
 }
+
+/// N rows that tell something new, once in 1/(omega Delta) samples; half of the memory holds, where
+/// that is less. `angle` is omega Delta, `memory` in samples.
+pub(super) fn known_rows<const N: usize>(angle: f32, memory: Option<f32>) -> f32 {
+    let rows = N as f32 / angle;
+    match memory {
+        Some(memory) if 0.5 * memory < rows => 0.5 * memory,
+        _ => rows,
+    }
+}

@@ -46,6 +46,10 @@ impl<const M: usize> Memory<M> for AnyMemory<M> {
     fn flush(&mut self) {
         self.chain.flush();
     }
+
+    fn add(&mut self, unit: &Self, weight: f32) {
+        self.chain.add(&unit.chain, weight);
+    }
 }
 
 impl<const M: usize> sealed::Sealed for AnyTrends<M> {}

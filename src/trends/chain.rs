@@ -45,6 +45,13 @@ impl<const M: usize> Memory<M> for Chain<M> {
         memory
     }
 
+    fn add(&mut self, unit: &Self, weight: f32) {
+        for (state, unit) in self.states.iter_mut().zip(&unit.states) {
+            *state += weight * unit;
+        }
+        self.pending += weight * unit.pending;
+    }
+
     #[inline(never)]
     fn flush(&mut self) {
         for state in &mut self.states {

@@ -49,6 +49,8 @@ pub trait Memory<const M: usize>: Clone + Debug + PartialEq + sealed::Sealed {
     /// Sets what has decayed beyond any use to zero, before it becomes subnormal; nothing decays in
     /// windows of samples.
     fn flush(&mut self) {}
+    /// Adds `weight` times the trends that `unit` leads to; windows of samples have none soon.
+    fn add(&mut self, _unit: &Self, _weight: f32) {}
 }
 
 /// The step from samples to trends; one implementation per kind of trend.

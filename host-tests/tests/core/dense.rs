@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 use trendid::estimation::{StabilisedForgetting, Terms};
 use trendid::trends::{AnyTrends, TrendOperator};
-use trendid::{Config, Identifier};
+use trendid::{Config, Identifier, Outcome};
 use trendid_host_tests::oracles::forgetting::{Forgetting, Kind};
 use trendid_host_tests::oracles::least_squares::{self, InputTerms, recursive_equivalent};
 use trendid_host_tests::oracles::trends::{Hold, Scheme, filter_denominator, output_trend};
@@ -141,9 +141,14 @@ fn gap<const M: usize, const N: usize, const I: usize>(
     let mut identifier: Identifier<_, M, N, I, 8> = Identifier::try_new(&config, trends).unwrap();
     let prior = identifier.estimator();
     let prior: [f64; N] = core::array::from_fn(|j| f64::from(prior.covariance(j, j)));
+    let mut warm = 0;
     for k in 0..y.len() {
-        let _ = identifier.update_inputs(core::array::from_fn(|j| u[j][k] as f32), y[k] as f32);
+        let u = core::array::from_fn(|j| u[j][k] as f32);
+        let found = identifier.update_inputs(u, y[k] as f32);
+        warm += usize::from(matches!(found, Outcome::WarmingUp { .. }));
     }
+    // Those in which the core looked for the beginning are left out, too.
+    let first = first.max(warm);
     let core = identifier.recursion().theta().map(f64::from);
 
     let start = config.structure.initial_state().then(|| {

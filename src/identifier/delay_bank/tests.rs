@@ -81,6 +81,10 @@ fn nothing_is_said_before_all_can_be_compared() {
         assert_eq!(bank.chosen(), None);
         let _ = bank.update_inputs([0.0], 0.0);
     }
+    // Where y began is found meanwhile.
+    for _ in 3..10 {
+        let _ = bank.update_inputs([0.0], 0.0);
+    }
     for _ in 0..5 {
         let outcome = bank.update_inputs([0.0], 0.0);
         assert_eq!(outcome, Outcome::Estimated { innovation: 0.0 });

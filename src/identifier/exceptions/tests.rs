@@ -133,9 +133,11 @@ fn behind_a_change_the_initial_state_is_as_uncertain_as_at_the_start() {
 
 #[test]
 fn what_is_expected_of_a_model_is_no_contradiction() {
-    // A row of which the prior leaves three times the variance of the noise.
-    for (share, obeys) in [(0.98, true), (1.02, false)] {
+    // A row of which the prior leaves three times the variance of the noise; and no model before it
+    // is known.
+    for (share, known_rows, obeys) in [(0.98, 0.0, true), (1.02, 0.0, false), (1.02, 1.0, true)] {
         let mut servo = identifier(&config());
+        servo.plan.known_rows = known_rows;
         let std = servo.plan.prior.std[0];
         let noise = Noise {
             known: 0.25,
@@ -157,7 +159,7 @@ fn what_is_expected_of_a_model_is_no_contradiction() {
             assert!((servo.state).obeys(&servo.plan, &row, &others, 0.0, noise, &mut ()));
         }
         let fifth = (servo.state).obeys(&servo.plan, &row, &others, 0.0, noise, &mut ());
-        assert_eq!(fifth, obeys, "{share}");
+        assert_eq!(fifth, obeys, "{share} {known_rows}");
     }
 }
 
