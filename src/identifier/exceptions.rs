@@ -83,7 +83,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let unexplained = match unexplained {
             Some(sample) => {
                 let [size, _] = sample;
-                let contradicts = self.estimator.samples() >= plan.known_rows
+                let contradicts = self.estimator.samples() >= plan.times.known_rows
                     && !(size <= noise)
                     && !(size <= noise + noise * self.estimator.spread(row.phi))
                     && self.standstill.exceeds_digits(sample);

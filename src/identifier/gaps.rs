@@ -63,7 +63,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let others = self.signals.other_trends_of_a_gap(plan, u);
         witness.inputs(&others.inputs);
         let before = self.signals.output.clone();
-        self.signals.gate.replaced = None;
+        self.signals.gate.aside = None;
         self.signals.gate.keep_open(plan.times.gate_pause);
         self.go_on(plan, before, &others);
         if plan.forgets && self.adapting {

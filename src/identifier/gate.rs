@@ -44,8 +44,9 @@ pub(crate) struct Gate<T> {
     pub(crate) mean: f32,
     /// Samples for which the gate stays open.
     open: u32,
-    /// The sample that was replaced one sample ago, with the memory of the trends before it.
-    pub(crate) replaced: Option<(f32, T)>,
+    /// The sample that was replaced one sample ago, with the memory of the trends before it; at a
+    /// start, where none is replaced, what a beginning at 1 leaves in the trends.
+    pub(crate) aside: Option<(f32, T)>,
 }
 
 impl<T> Gate<T> {
@@ -54,7 +55,7 @@ impl<T> Gate<T> {
         Self {
             mean: 0.0,
             open,
-            replaced: None,
+            aside: None,
         }
     }
 
@@ -76,10 +77,10 @@ impl<T> Gate<T> {
             self.open = self.open.saturating_sub(1);
             let mean = self.mean + SHARE * (innovation - self.mean);
             self.mean = if mean.is_finite() { mean } else { 0.0 };
-            self.replaced = None;
+            self.aside = None;
             return Verdict::Plausible;
         }
-        if self.replaced.is_some() {
+        if self.aside.is_some() {
             self.keep_open(pause);
             return Verdict::Lasting;
         }

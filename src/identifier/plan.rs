@@ -8,8 +8,7 @@ use crate::estimation::structure::Structure;
 use crate::estimation::terms::Parameter;
 use crate::identifier::change::Shares;
 use crate::identifier::config::{Config, REACH};
-use crate::identifier::start::StartPlan;
-use crate::identifier::times::{Times, known_rows};
+use crate::identifier::times::Times;
 use crate::trends::{Form, Hold, TrendOperator};
 
 /// The drive moves where the trends of y exceed this many standard deviations of their noise.
@@ -91,9 +90,6 @@ pub(crate) struct Plan<T: TrendOperator<M>, const M: usize, const N: usize, cons
     pub(crate) times: Times,
     /// Samples between the first one and the first estimate.
     pub(crate) warm_up: u32,
-    pub(crate) start: StartPlan,
-    /// Rows before a model is known, whatever P says of it.
-    pub(crate) known_rows: f32,
     /// Whether a change of the drive is looked for, and with which shares of a sample.
     pub(crate) follows_changes: bool,
     pub(crate) change_shares: Shares,
@@ -166,9 +162,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             offset_significance: config.offset_significance,
             has_gate: angle <= FINE && design.filter.is_some() && smooth(config),
             can_stand: config.structure.integrators() > 0,
-            times: Times::new(&config.structure, design, config.bandwidth),
-            start: StartPlan::new(config.output_range, angle, design.filter.is_some()),
-            known_rows: known_rows::<N>(angle, config.memory.map(|memory| memory / sample_time)),
+            times: Times::new(config, design),
             warm_up: design.warm_up.max((config.settling / sample_time) as u32),
             follows_changes: config.follow_changes && config.memory.is_some(),
             change_shares: Shares::new(angle, 0.0),

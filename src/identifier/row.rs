@@ -93,7 +93,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         y: f32,
         others: &Others<M, I>,
     ) -> Row<N> {
-        if let Some((newest, memory)) = self.signals.gate.replaced.take() {
+        if let Some((newest, memory)) = self.signals.gate.aside.take() {
             self.signals.output = memory;
             self.noise.correct_newest(newest);
             let _ = self.signals.output_trends(plan, newest);

@@ -98,7 +98,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         match gate.classify(row.innovation, third, allowed, plan.times.gate_pause) {
             Verdict::Plausible => Ok((row, Some(third))),
             Verdict::Implausible => {
-                gate.replaced = Some((y, before.clone()));
+                gate.aside = Some((y, before.clone()));
                 self.go_on(plan, before, others);
                 Err(row.innovation)
             }

@@ -35,7 +35,7 @@ pub(crate) struct Signals<T: TrendOperator<M>, const M: usize, const I: usize, c
     /// The newest inputs as they act: behind their delays.
     pub(crate) acting: [f32; I],
     /// Where y began, while that is being found.
-    pub(crate) start: Option<Start<T::Memory>>,
+    pub(crate) start: Option<Start>,
     /// Samples without y since the last one.
     pub(crate) gap: u32,
     /// Samples, modulo 2^32.
@@ -88,8 +88,11 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         } else {
             0.0
         };
-        self.start = (plan.start.longest > 0)
-            .then(|| Start::new(y, Memory::output_at_rest(design, plan.output_form, 1.0)));
+        if plan.times.start.longest > 0 {
+            self.start = Some(Start::new(y));
+            let unit = Memory::output_at_rest(design, plan.output_form, 1.0);
+            self.gate.aside = Some((1.0, unit));
+        }
         self.begun = true;
         y
     }
@@ -114,16 +117,18 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         y: f32,
         noise: f32,
     ) {
-        let Some(mut start) = self.start.take() else {
+        let (Some(mut start), Some((_, mut unit))) = (self.start.take(), self.gate.aside.take())
+        else {
             return;
         };
-        let _ = plan.trends.output(&mut start.unit, 0.0, plan.output_form);
-        match start.take(y, noise, plan.start) {
+        let _ = plan.trends.output(&mut unit, 0.0, plan.output_form);
+        match start.take(y, noise, plan.times.start) {
             Verdict::Wait => {
                 self.start = Some(start);
+                self.gate.aside = Some((1.0, unit));
                 self.remaining = self.remaining.max(1);
             }
-            Verdict::Begin(at) => self.output.add(&start.unit, at),
+            Verdict::Begin(at) => self.output.add(&unit, at),
             Verdict::Stay => {}
         }
     }

@@ -51,15 +51,13 @@ impl StartPlan {
 }
 
 /// The line through the first samples.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Start<S> {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Start {
     samples: u32,
     /// Sums of y and k y from y(0).
     sum: f32,
     moment: f32,
     first: f32,
-    /// The trends of a beginning at 1.
-    pub(super) unit: S,
 }
 
 /// What a beginning says after a sample.
@@ -73,15 +71,14 @@ pub(super) enum Verdict {
     Stay,
 }
 
-impl<S> Start<S> {
+impl Start {
     /// At y(0) = `first`, where no sample has been taken.
-    pub(super) const fn new(first: f32, unit: S) -> Self {
+    pub(super) const fn new(first: f32) -> Self {
         Self {
             samples: 0,
             sum: 0.0,
             moment: 0.0,
             first,
-            unit,
         }
     }
 

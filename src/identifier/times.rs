@@ -1,6 +1,7 @@
 //! How long things last, in samples.
 
-use crate::estimation::structure::Structure;
+use crate::identifier::config::Config;
+use crate::identifier::start::StartPlan;
 use crate::trends::Design;
 use crate::trends::filter::settling_time;
 
@@ -23,16 +24,20 @@ pub(crate) struct Times {
     pub(crate) change_settling: u32,
     /// Without a look for changes at the start and behind one.
     pub(crate) change_blind: u32,
+    /// Rows before a model is known, whatever P says of it.
+    pub(crate) known_rows: f32,
+    pub(crate) start: StartPlan,
 }
 
 impl Times {
-    /// For a rough bandwidth in rad/s.
+    /// Behind the trends of this design.
     pub(crate) fn new<const M: usize, const N: usize, const I: usize>(
-        structure: &Structure<M, N, I>,
+        config: &Config<M, N, I>,
         design: &Design<M>,
-        bandwidth: f32,
     ) -> Self {
-        let angle = bandwidth * design.sample_time;
+        let (structure, bandwidth) = (&config.structure, config.bandwidth);
+        let sample_time = design.sample_time;
+        let angle = bandwidth * sample_time;
         Self {
             gate_open: (10.0 / angle) as u32,
             gate_pause: (0.5 / angle) as u32,
@@ -43,15 +48,17 @@ impl Times {
             },
             after_step: (2.0 / angle) as u32,
             longest_gap: (5.0 / angle) as u32,
-            change_settling: (settling_time(bandwidth) / design.sample_time) as u32 + N as u32,
+            change_settling: (settling_time(bandwidth) / sample_time) as u32 + N as u32,
             change_blind: (10.0 / angle) as u32,
+            known_rows: known_rows::<N>(angle, config.memory.map(|memory| memory / sample_time)),
+            start: StartPlan::new(config.output_range, angle, design.filter.is_some()),
         }
     }
 }
 
 /// N rows that tell something new, once in 1/(omega Delta) samples; half of the memory holds, where
 /// that is less. `angle` is omega Delta, `memory` in samples.
-pub(super) fn known_rows<const N: usize>(angle: f32, memory: Option<f32>) -> f32 {
+fn known_rows<const N: usize>(angle: f32, memory: Option<f32>) -> f32 {
     let rows = N as f32 / angle;
     match memory {
         Some(memory) if 0.5 * memory < rows => 0.5 * memory,

@@ -65,18 +65,18 @@ fn an_innovation_is_measured_from_its_mean() {
 fn a_second_implausible_sample_is_a_lasting_change_and_opens_the_gate() {
     let mut gate = gate();
     assert_eq!(gate.classify(FAR, FAR, NOISE, 3), Verdict::Implausible);
-    gate.replaced = Some((1.0, 7));
+    gate.aside = Some((1.0, 7));
     assert_eq!(gate.classify(FAR, FAR, NOISE, 3), Verdict::Lasting);
-    gate.replaced = None;
+    gate.aside = None;
     for _ in 0..3 {
         assert_eq!(gate.classify(FAR, FAR, NOISE, 3), Verdict::Plausible);
         gate.mean = 0.0;
     }
     assert_eq!(gate.classify(FAR, FAR, NOISE, 3), Verdict::Implausible);
     // One spike alone: the next sample closes the case.
-    gate.replaced = Some((1.0, 7));
+    gate.aside = Some((1.0, 7));
     assert_eq!(gate.classify(0.0, FAR, NOISE, 3), Verdict::Plausible);
-    assert_eq!(gate.replaced, None);
+    assert_eq!(gate.aside, None);
     // Open for the longer of two times.
     gate.keep_open(5);
     gate.keep_open(2);

@@ -207,8 +207,10 @@ fn times_are_in_proportion_to_one_over_the_bandwidth() {
         assert!((found as f32 - exact).abs() <= 1.0, "{found} for {exact}");
     };
     for bandwidth in [20.0, 50.0] {
-        let (trends, structure) = (trends(bandwidth), Structure::<3, 3, 1>::INTEGRATING);
-        let times = Times::new(&structure, trends.design(), bandwidth);
+        let trends = trends(bandwidth);
+        let integrating = Structure::<3, 3, 1>::INTEGRATING;
+        let mut config: Config<3, 3, 1> = Config::new(integrating, bandwidth, [0.4], 50.0);
+        let times = Times::new(&config, trends.design());
         let unit = 1000.0 / bandwidth;
         about(times.gate_open, 10.0 * unit);
         about(times.gate_pause, 0.5 * unit);
@@ -220,12 +222,20 @@ fn times_are_in_proportion_to_one_over_the_bandwidth() {
         about(times.change_settling, 3.0 / 0.77 * unit + 3.0);
         // Three of the slow pole, a tenth of that; or with an initial state twelve of the drive.
         about(times.settled, 3.0 / 0.11 * unit + 1.5);
-        let structure = Structure::<3, 5, 1>::SERVO;
-        let times = Times::new(&structure, trends.design(), bandwidth);
+        // As many rows that tell something new as there are parameters, or half of a memory.
+        assert!((times.known_rows - 3.0 * unit).abs() < 0.1);
+        about(times.start.longest, unit);
+        assert!((times.start.bend - 50.0 / (12.0 * unit * unit)).abs() < 1e-5);
+        config.memory = Some(0.08);
+        let times = Times::new(&config, trends.design());
+        assert!((times.known_rows - 40.0).abs() < 0.1);
+        let config = Config::new(Structure::<3, 5, 1>::SERVO, bandwidth, [0.4], 50.0);
+        let times = Times::new(&config, trends.design());
         about(times.settled, 12.0 * unit);
     }
     // A filter that settles sooner than the drive.
     let quick = Trends::try_new(Scheme::Tustin, 1e-3, [100.0; 3]).expect("a filter");
-    let times = Times::new(&Structure::<3, 3, 1>::INTEGRATING, quick.design(), 20.0);
+    let config = Config::new(Structure::<3, 3, 1>::INTEGRATING, 20.0, [0.4], 50.0);
+    let times = Times::new(&config, quick.design());
     about(times.settled, 600.0);
 }

@@ -123,7 +123,7 @@ fn an_outcome_has_the_innovation_that_was_predicted() {
                 let settles = (servo.plan.warm_up - 1).saturating_sub(k);
                 let looks = u32::from(servo.state.signals.start.is_some());
                 assert_eq!(remaining, settles.max(looks));
-                assert!(k < servo.plan.start.longest);
+                assert!(k < servo.plan.times.start.longest);
                 assert_eq!(outcome.innovation(), None);
                 0.0
             }

@@ -8,7 +8,7 @@ const PLAN: StartPlan = StartPlan {
 
 /// What is said after each sample of a beginning.
 fn said(y: impl Fn(f32) -> f32, noise: f32, plan: StartPlan) -> (u32, Verdict) {
-    let mut start = Start::new(y(0.0), ());
+    let mut start = Start::new(y(0.0));
     for k in 0..1000_u16 {
         let verdict = start.take(y(f32::from(k)), noise, plan);
         if verdict != Verdict::Wait {
@@ -77,7 +77,7 @@ fn whatever_is_drawn_it_ends_and_is_finite() {
         if plan.longest == 0 || plan.longest > 100_000 {
             continue;
         }
-        let mut start = Start::new(scale, ());
+        let mut start = Start::new(scale);
         for k in 0.. {
             match start.take(scale * draw(), noise, plan) {
                 Verdict::Wait => assert!(k < plan.longest),
