@@ -1,6 +1,7 @@
 //! Command line of trendid.
 #![allow(missing_docs)] // a program: its documentation is `--help`
 
+mod drives;
 mod endurance;
 mod format;
 mod identify;
@@ -48,6 +49,7 @@ enum Command {
     /// forget beside
     Endurance(endurance::EnduranceArgs),
     Sigma(sigma::SigmaArgs),
+    Drives(drives::DrivesArgs),
     /// The adaptive position loop in every scenario, with fixed gains beside
     Loop(servo::position_loop::LoopArgs),
     Monitor(monitor::MonitorArgs),
@@ -75,6 +77,7 @@ fn main() -> ExitCode {
         Command::Options(args) => options::run(args),
         Command::Endurance(args) => endurance::run_all(args),
         Command::Sigma(args) => sigma::run(args),
+        Command::Drives(args) => drives::run(args),
         Command::Loop(args) => servo::position_loop::run(args),
         Command::Monitor(args) => monitor::run(args),
         Command::Pil(args) => pil::run(args),

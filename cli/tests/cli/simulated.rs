@@ -70,6 +70,24 @@ fn what_simulate_writes_identify_finds() {
 }
 
 #[test]
+fn drawn_drives_are_found_and_their_parts_add_up() {
+    let rows = json(&["drives", "--drives", "40", "--first-seed", "5001", "--json"]);
+    let rows = rows.as_array().unwrap();
+    let drives = |i: usize| rows[i]["drives"].as_u64().unwrap();
+    assert_eq!(rows.len(), 10);
+    assert_eq!(
+        (drives(0), drives(0)),
+        (drives(2) + drives(4), drives(6) + drives(8))
+    );
+    for i in 0..3 {
+        let of = |row: usize, field: &str| rows[row][field][i].as_f64().unwrap();
+        assert!(of(0, "median_error_pct") < of(0, "p90_error_pct"));
+        assert!(of(2, "median_error_pct") < of(4, "median_error_pct"));
+        assert!(of(0, "within_3_pct") >= 90.0 && of(0, "within_1_pct") < of(0, "within_3_pct"));
+    }
+}
+
+#[test]
 fn a_simulated_record_is_reported_and_its_structure_selected() {
     let dir = Scratch::new("selected");
     let file = dir.path("servo.csv");

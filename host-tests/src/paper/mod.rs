@@ -9,10 +9,13 @@
 //! | [`options`] | one record without and with each option of the core |
 //! | [`mod@trial`] | one record through every method |
 //! | [`statistics`] | statistics over many records |
+//! | [`mod@drives`] | servo drives, and what is told of them, drawn at random |
+//! | [`mod@sigma`] | standard deviations side by side |
 //! | [`mod@coverage`] | how often the true value lies within the reported standard deviations |
 //! | [`iterations`] | exact trends with the model of the iteration before |
 
 pub mod coverage;
+pub mod drives;
 pub mod iterations;
 pub mod methods;
 pub mod offline;

@@ -129,10 +129,10 @@ pub struct Scores {
     pub bound_pct: [f64; 3],
 }
 
-fn score(estimate: &Estimate<3, 5, 1>) -> Score {
+/// The estimate of a servo against C, omega0 and xi.
+pub(super) fn score(estimate: &Estimate<3, 5, 1>, truth: [f64; 3]) -> Score {
     let physical = estimate.physical();
     let std = estimate.physical_std().unwrap_or([f32::NAN; 3]);
-    let truth = [2500.0, 20.0, 0.5];
     let found = [physical.gain, physical.omega0, physical.damping];
     let off: [f64; 3] =
         core::array::from_fn(|i| found[i].map_or(f64::INFINITY, |v| f64::from(v) - truth[i]));
@@ -141,6 +141,9 @@ fn score(estimate: &Estimate<3, 5, 1>) -> Score {
         z: core::array::from_fn(|i| off[i] / f64::from(std[i])),
     }
 }
+
+/// C, omega0 and xi of the reference.
+const TRUTH: [f64; 3] = [2500.0, 20.0, 0.5];
 
 /// The estimators over the record of a seed.
 ///
@@ -171,10 +174,10 @@ pub fn scores(noise: Noise, seconds: f64, seed: u64) -> Scores {
         InitialState::PositionUnknown,
     );
     Scores {
-        least_squares: score(&servo.identifier().estimate()),
-        batches: score(&batches.estimate),
+        least_squares: score(&servo.identifier().estimate(), TRUTH),
+        batches: score(&batches.estimate, TRUTH),
         by_blocks: batches.by_blocks,
-        instruments: score(&found.estimate),
+        instruments: score(&found.estimate, TRUTH),
         used: found.way == Way::Instruments,
         bound_pct: bound.unwrap_or([f64::INFINITY; 3]),
     }
