@@ -9,8 +9,9 @@
 //!
 //! An integrating drive that stands where the model moves by more than twice the band does not obey
 //! the model, and its rows teach what is wrong; a model that is not known yet (phi' P phi) does not
-//! contradict. Nor does one of fewer than N/(omega Delta) rows, of which N tell something new:
-//! where noise is as large as the motion P takes the noise of its regressors for motion.
+//! contradict. Nor does the first one, unless it was given, before N/(omega Delta) rows, of which N
+//! tell something new: where noise is as large as the motion P takes that of its regressors for
+//! motion.
 //!
 //! From the fifth contradiction in a row on, if it exceeds 10 q, or from as many as 1/bandwidth
 //! takes, the estimate is held until the axis leaves the band, and then for four times as long, at

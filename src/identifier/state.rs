@@ -40,6 +40,8 @@ pub(crate) struct State<
     pub(super) change: ChangeDetector,
     /// Changes of the drive that were found.
     pub(crate) changes: u32,
+    /// Whether a model was given, or has had as many rows as make one known.
+    pub(super) known: bool,
     pub(crate) forgetting: StabilisedForgetting<N>,
     pub(super) postponed: Postponed,
 }
@@ -64,6 +66,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             standstill: Standstill::new(),
             change: ChangeDetector::new(plan.forgetting, plan.times.change_blind),
             changes: 0,
+            known: false,
             forgetting,
             postponed: Postponed::new(plan.forgetting),
         }
@@ -83,6 +86,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.forgetting.set_own(prior.std.map(|std| std * std));
         self.postponed = Postponed::new(plan.forgetting);
         self.change.begin();
+        self.known = true;
         self.learns = self.adapting;
     }
 
