@@ -81,6 +81,9 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     /// fading out at twice as many; default 2, 0 always keeps it.
     #[doc(alias = "doubt")]
     pub offset_significance: f32,
+    /// Whether every model is tested on later samples before it is used, as the loop does: rows
+    /// are taken from the first sample on, and a model may be contradicted from its first rows on.
+    pub(crate) supervised: bool,
 }
 
 impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
@@ -109,6 +112,7 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
             known: [false; N],
             settling: 0.0,
             offset_significance: 2.0,
+            supervised: false,
         }
     }
 
@@ -166,6 +170,7 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
             known: _,
             settling,
             offset_significance,
+            supervised,
         } = *self;
         Config {
             output_noise,
@@ -178,6 +183,7 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
             friction_input,
             settling,
             offset_significance,
+            supervised,
             ..Config::new(structure, bandwidth, input_range, output_range)
         }
     }

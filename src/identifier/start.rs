@@ -18,7 +18,8 @@
 //! # What does not hold
 //! What is left of the noise of y(0) after so many samples is still a step in the trends, and still
 //! in no standard deviation. A drive that is stronger at the start than its design size bends off
-//! by as much more. Where a filter is exchanged the trends settle for longer than this; a sample
+//! by as much more. The position loop, which tests every model on later samples, does not wait.
+//! Where a filter is exchanged the trends settle for longer than this; a sample
 //! that is missing meanwhile ends it, and y(0) stays.
 
 /// Samples before the noise is known.

@@ -24,7 +24,8 @@ pub(crate) struct Times {
     pub(crate) change_settling: u32,
     /// Without a look for changes at the start and behind one.
     pub(crate) change_blind: u32,
-    /// Rows before a model is known, whatever P says of it; 0 for one that is given.
+    /// Rows before a model is known, whatever P says of it; 0 for one that is given or
+    /// tested.
     pub(crate) known_rows: f32,
     pub(crate) start: StartPlan,
 }
@@ -38,6 +39,7 @@ impl Times {
         let (structure, bandwidth) = (&config.structure, config.bandwidth);
         let sample_time = design.sample_time;
         let angle = bandwidth * sample_time;
+        let filtered = design.filter.is_some();
         Self {
             gate_open: (10.0 / angle) as u32,
             gate_pause: (0.5 / angle) as u32,
@@ -50,11 +52,11 @@ impl Times {
             longest_gap: (5.0 / angle) as u32,
             change_settling: (settling_time(bandwidth) / sample_time) as u32 + N as u32,
             change_blind: (10.0 / angle) as u32,
-            known_rows: match config.prior_std {
-                Some(_) => 0.0,
-                None => known_rows::<N>(angle, config.memory.map(|memory| memory / sample_time)),
+            known_rows: match config.supervised || config.prior_std.is_some() {
+                true => 0.0,
+                false => known_rows::<N>(angle, config.memory.map(|memory| memory / sample_time)),
             },
-            start: StartPlan::new(config.output_range, angle, design.filter.is_some()),
+            start: StartPlan::new(config.output_range, angle, filtered && !config.supervised),
         }
     }
 }

@@ -44,6 +44,7 @@ fn settings(design: &IdentificationDesign) -> Config<3, 6, 3> {
     );
     config.output_noise = design.output_noise;
     config.memory = Some(design.memory);
+    config.supervised = true;
     config
 }
 
