@@ -44,6 +44,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             plan.times.change_settling,
             plan.times.change_blind,
         );
+        self.remain_known();
         let limit = plan.prior.std.map(|std| std * std);
         let one_sample = self.estimator.samples().max(1.0);
         let theta = *self.estimator.theta();
@@ -83,8 +84,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let unexplained = match unexplained {
             Some(sample) => {
                 let [size, _] = sample;
-                let contradicts = !(size <= noise)
-                    && self.is_known(plan)
+                let contradicts = self.estimator.samples() >= self.known_rows
+                    && !(size <= noise)
                     && !(size <= noise + noise * self.estimator.spread(row.phi))
                     && self.standstill.exceeds_digits(sample);
                 Some((sample, contradicts))
@@ -100,13 +101,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             witness.widened();
         }
         found == StandstillEvidence::Obeys
-    }
-
-    /// Whether there is a model to contradict: it was given, or has had its rows once.
-    #[inline(never)]
-    fn is_known(&mut self, plan: &Plan<T, M, N, I>) -> bool {
-        self.known |= self.estimator.samples() >= plan.times.known_rows;
-        self.known
     }
 
     /// Whether the row just folded in, of this `spread`, contradicts what was learnt, and is one of

@@ -61,6 +61,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         // What belongs to the old filter is not held for longer than the memory.
         state.call_in();
         state.postponed.suspect();
+        state.remain_known();
         state.estimator.resume(theta, scale, &limit);
         state.forgetting.replace_nominal(nominal);
         if same_filter {

@@ -40,8 +40,8 @@ pub(crate) struct State<
     pub(super) change: ChangeDetector,
     /// Changes of the drive that were found.
     pub(crate) changes: u32,
-    /// Whether a model was given, or has had as many rows as make one known.
-    pub(super) known: bool,
+    /// Rows that make the model known; 0 for one that was given, or was known once.
+    pub(super) known_rows: f32,
     pub(crate) forgetting: StabilisedForgetting<N>,
     pub(super) postponed: Postponed,
 }
@@ -66,7 +66,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             standstill: Standstill::new(),
             change: ChangeDetector::new(plan.forgetting, plan.times.change_blind),
             changes: 0,
-            known: false,
+            known_rows: plan.times.known_rows,
             forgetting,
             postponed: Postponed::new(plan.forgetting),
         }
@@ -86,8 +86,15 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.forgetting.set_own(prior.std.map(|std| std * std));
         self.postponed = Postponed::new(plan.forgetting);
         self.change.begin();
-        self.known = true;
+        self.known_rows = 0.0;
         self.learns = self.adapting;
+    }
+
+    /// Before the rows are counted anew: what is known remains so.
+    pub(super) fn remain_known(&mut self) {
+        if self.estimator.samples() >= self.known_rows {
+            self.known_rows = 0.0;
+        }
     }
 
     /// Calls in what forgetting is owed, all at once. Not for the 1 ms path.

@@ -137,8 +137,7 @@ fn what_is_expected_of_a_model_is_no_contradiction() {
     // is known.
     for (share, known_rows, obeys) in [(0.98, 0.0, true), (1.02, 0.0, false), (1.02, 1.0, true)] {
         let mut servo = identifier(&config());
-        servo.plan.times.known_rows = known_rows;
-        servo.state.known = share < 1.0;
+        servo.state.known_rows = known_rows;
         let std = servo.plan.prior.std[0];
         let noise = Noise {
             known: 0.25,
