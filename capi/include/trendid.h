@@ -40,7 +40,7 @@
 #define TRENDID_DELAY_CANDIDATES (TRENDID_DELAY_MAX + 1)
 
 // Words of 8 bytes of a `trendid_delay_bank`.
-#define TRENDID_DELAY_BANK_WORDS 1320
+#define TRENDID_DELAY_BANK_WORDS 1376
 
 // Longest delay of an input in samples.
 #define TRENDID_DELAY_MAX 7
@@ -52,31 +52,31 @@
 #define TRENDID_ANY_PARAMETERS_MAX 6
 
 // Words of 8 bytes of a `trendid_any`.
-#define TRENDID_ANY_WORDS 264
+#define TRENDID_ANY_WORDS 272
 
 // Words of 8 bytes of a `trendid_servo2`.
-#define TRENDID_SERVO2_WORDS 144
+#define TRENDID_SERVO2_WORDS 152
 
 // Words of 8 bytes of a `trendid_servo3`.
-#define TRENDID_SERVO3_WORDS 168
+#define TRENDID_SERVO3_WORDS 176
 
 // Words of 8 bytes of a `trendid_coulomb2`.
-#define TRENDID_COULOMB2_WORDS 168
+#define TRENDID_COULOMB2_WORDS 176
 
 // Words of 8 bytes of a `trendid_coulomb3`.
-#define TRENDID_COULOMB3_WORDS 192
+#define TRENDID_COULOMB3_WORDS 200
 
 // Words of 8 bytes of a `trendid_valve2`.
-#define TRENDID_VALVE2_WORDS 172
+#define TRENDID_VALVE2_WORDS 180
 
 // Words of 8 bytes of a `trendid_valve3`.
-#define TRENDID_VALVE3_WORDS 200
+#define TRENDID_VALVE3_WORDS 208
 
 // Words of 8 bytes of a `trendid_valve_coulomb2`.
-#define TRENDID_VALVE_COULOMB2_WORDS 196
+#define TRENDID_VALVE_COULOMB2_WORDS 204
 
 // Words of 8 bytes of a `trendid_valve_coulomb3`.
-#define TRENDID_VALVE_COULOMB3_WORDS 224
+#define TRENDID_VALVE_COULOMB3_WORDS 232
 
 // Most parameters of a model.
 #define TRENDID_PARAMETERS_MAX 8
