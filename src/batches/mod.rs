@@ -6,7 +6,7 @@
 //! ```text
 //! s_b = sum over the rows of block b of phi (psi - phi' theta)          from the recursion alone     `snapshots`
 //! V   = G (sum_b s_b s_b') G' K/(K-3)                                   K blocks     `estimate`
-//! G   = (I + w P M) P                   change of the estimate per score: of the recursion and of the step that takes the bias out
+//! G   = (P^-1 - w M)^-1                 change of the estimate per score, with the bias of noise taken out
 //! ```
 //!
 //! The estimate is that of the [`Identifier`], to the last bit: only its standard deviations are

@@ -84,9 +84,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let unexplained = match unexplained {
             Some(sample) => {
                 let [size, _] = sample;
-                let contradicts = self.estimator.samples() >= self.known_rows
-                    && !(size <= noise)
+                let contradicts = !(size <= noise)
                     && !(size <= noise + noise * self.estimator.spread(row.phi))
+                    && self.estimator.samples() >= self.known_rows
                     && self.standstill.exceeds_digits(sample);
                 Some((sample, contradicts))
             }

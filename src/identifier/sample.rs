@@ -124,7 +124,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             return Outcome::Held { innovation };
         }
         if plan.forgets {
-            let moves = obeys && plan.moves(&row.phi, noise.known);
+            let moves = self.is_moving(plan, row, noise) && obeys;
             if plan.follows_changes && self.changing(plan, *row, moves, witness) {
                 return Outcome::Held { innovation };
             }
@@ -146,6 +146,19 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             return Outcome::Held { innovation };
         }
         Outcome::Estimated { innovation }
+    }
+
+    /// Whether the drive moves, or did so as lately as the trends show it.
+    ///
+    /// Noise as large as a motion would otherwise choose its rows one by one: those that it makes
+    /// larger.
+    #[inline(always)]
+    fn is_moving(&mut self, plan: &Plan<T, M, N, I>, row: &Row<N>, noise: Noise) -> bool {
+        self.moving = match plan.moves(&row.phi, noise.known) {
+            true => plan.times.after_step.max(1),
+            false => self.moving.saturating_sub(1),
+        };
+        self.moving > 0
     }
 
     /// Takes a row in with a memory, which forgets as much as the row before allowed for.

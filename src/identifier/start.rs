@@ -8,7 +8,7 @@
 //! ```text
 //! y_0 = (2 (2n - 1) sum y - 6 sum k y) / (n (n + 1))           variance 4 sigma^2 / n
 //! off by at most  R (n omega Delta)^2 / 12  from a drive of the design size, which bends off the line
-//! n: the first of 10 and more at which the second is 2 sigma / sqrt(n), or n omega Delta is 1
+//! n: the first with a known sigma at which the second is 2 sigma / sqrt(n), or n omega Delta is 1
 //! ```
 //!
 //! Then the trends go on as if they had begun at y_0: they are linear in where they began. Where
@@ -22,7 +22,7 @@
 //! Where a filter is exchanged the trends settle for longer than this; a sample
 //! that is missing meanwhile ends it, and y(0) stays.
 
-/// Samples before the noise is known.
+/// Fewest samples that tell the noise.
 const LEAST: u32 = 10;
 
 /// When a line tells the beginning better than y(0).
@@ -83,19 +83,16 @@ impl Start {
         }
     }
 
-    /// Takes y(k); `noise` is its variance, known from [`LEAST`] samples on.
+    /// Takes y(k); `noise` is its variance, below 0 while it is not known.
     pub(super) fn take(&mut self, y: f32, noise: f32, plan: StartPlan) -> Verdict {
         let from_first = y - self.first;
         self.sum += from_first;
         self.moment += self.samples as f32 * from_first;
         self.samples += 1;
         let n = self.samples as f32;
-        if self.samples < LEAST {
-            return Verdict::Wait;
-        }
         let bend = plan.bend * n * n;
         let (square, chance) = (bend * bend, noise * (4.0 / n));
-        if square < chance && self.samples < plan.longest {
+        if self.samples < plan.longest && (noise < 0.0 || square < chance) {
             return Verdict::Wait;
         }
         match square + chance < noise {

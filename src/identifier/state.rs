@@ -44,6 +44,8 @@ pub(crate) struct State<
     pub(super) known_rows: f32,
     pub(crate) forgetting: StabilisedForgetting<N>,
     pub(super) postponed: Postponed,
+    /// Samples for which the drive still counts as one that moves.
+    pub(super) moving: u32,
 }
 
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
@@ -69,6 +71,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             known_rows: plan.times.known_rows,
             forgetting,
             postponed: Postponed::new(plan.forgetting),
+            moving: 0,
         }
     }
 

@@ -166,30 +166,23 @@ pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
     let samples = source.estimator.samples();
     let angle = source.bandwidth * source.design.sample_time;
     let noise = Noise::of(source);
-    let units = source.regressor.units();
-    let mut found = Compensated {
-        theta: core::array::from_fn(|j| bare[j] * units[j]),
-        correction: None,
-        left: [0.0; N],
-        residual: noise.split(source.regressor.top_scale(), samples, angle),
-    };
-    let Some(white) = noise.white else {
-        return found;
-    };
     let rows = samples * angle;
-    let level = samples * white * (rows / (rows + FULLER));
-    let Some(correction) = Correction::of(bare, p, &noise.moments, level, known_share(rows)) else {
-        return found;
+    let level = samples * noise.white.unwrap_or(0.0) * (rows / (rows + FULLER));
+    let correction = match noise.white {
+        Some(_) => Correction::of(bare, p, &noise.moments, level, known_share(rows)),
+        None => None,
     };
-    if correction.theta.iter().all(|value| value.is_finite()) {
-        let left = correction.left(p, &noise.moments, level);
-        for j in 0..N {
-            found.theta[j] = correction.theta[j] * units[j];
-            found.left[j] = left[j] * units[j];
-        }
-        found.correction = Some(correction);
+    let (theta, left) = match &correction {
+        Some(found) => (found.theta, found.left(p, &noise.moments, level)),
+        None => (*bare, [0.0; N]),
+    };
+    let units = source.regressor.units();
+    Compensated {
+        theta: core::array::from_fn(|j| theta[j] * units[j]),
+        left: core::array::from_fn(|j| left[j] * units[j]),
+        correction,
+        residual: noise.split(source.regressor.top_scale(), samples, angle),
     }
-    found
 }
 
 /// Share of a direction that may be taken for noise, as `rows` independent ones know it; in [0, 1).

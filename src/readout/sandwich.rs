@@ -16,6 +16,7 @@ use crate::math::sqrt;
 
 /// T; `None` where R and S have no proper factors. Parameters that are not `free` are known and
 /// stand apart.
+#[inline(never)]
 pub(crate) fn transform<const N: usize>(
     mut r: Matrix<N>,
     mut s: Matrix<N>,

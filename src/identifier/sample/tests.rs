@@ -100,6 +100,57 @@ fn a_drive_that_does_not_move_teaches_nothing() {
 }
 
 #[test]
+fn a_motion_lasts_as_long_as_the_trends_show_it() {
+    let mut config = config();
+    config.memory = Some(2.0);
+    let (mut servo, _) = trained(&config, 3000);
+    let row = |x| Row {
+        phi: [x, 0.0, 0.0],
+        psi: 0.0,
+        error: 0.0,
+        innovation: 0.0,
+    };
+    let noise = Noise {
+        known: 1.0,
+        allowed: 1.0,
+    };
+    let (plan, state) = (&servo.plan, &mut servo.state);
+    let still = |state: &mut State<_, 3, 3, 1, 0>| {
+        let moving = (0..1000).take_while(|_| state.is_moving(plan, &row(0.0), noise));
+        moving.count() as u32
+    };
+    let _ = still(state);
+    for samples in [1, 3, 100] {
+        for _ in 0..samples {
+            assert!(state.is_moving(plan, &row(1e6), noise));
+        }
+        assert_eq!(still(state), plan.times.after_step - 1);
+    }
+}
+
+/// The noise is known a sample later with a memory.
+#[test]
+fn a_memory_waits_for_where_y_begins_as_long_as_none() {
+    let began = |memory, noise: f32| {
+        let mut config = config();
+        config.memory = memory;
+        let mut servo = identifier(&config);
+        let mut drive = Drive::new(1e-4);
+        (0..1000).find(|k| {
+            let [u, y] = drive.sample(*k);
+            let y = y + noise * drive.draw();
+            !matches!(servo.update(u, y), Outcome::WarmingUp { .. })
+        })
+    };
+    for noise in [1.0, 10.0, 100.0] {
+        let without = began(None, noise);
+        assert!(without > Some(11), "{noise}: {without:?}");
+        assert_eq!(began(Some(0.5), noise), without, "{noise}");
+        assert_eq!(began(Some(10.0), noise), without, "{noise}");
+    }
+}
+
+#[test]
 fn an_outcome_has_the_innovation_that_was_predicted() {
     let mut config = config();
     (config.memory, config.settling) = (Some(2.0), 0.01);

@@ -102,6 +102,9 @@ impl<const M: usize, const N: usize> Correction<M, N> {
         for (value, z) in theta.iter_mut().zip(&z) {
             *value += dot(z, &seen);
         }
+        if !theta.iter().all(|value| value.is_finite()) {
+            return None;
+        }
         let share = if limited { weight / level } else { 1.0 };
         Some(Self { theta, y, z, share })
     }
