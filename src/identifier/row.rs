@@ -96,7 +96,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         if let Some((newest, memory)) = self.signals.gate.aside.take() {
             self.signals.output = memory;
             self.noise.correct_newest(newest);
-            let _ = self.signals.output_trends(plan, newest);
+            self.signals.enter_output(plan, newest);
             self.replaced = self.replaced.saturating_sub(1);
         }
         // Beyond all noise: the trends carry this step of the position or of the velocity for a

@@ -50,7 +50,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         if self.signals.remaining > 0 {
             self.signals.last = y;
             self.noise.update(y);
-            let _ = self.signals.output_trends(plan, y);
+            self.signals.enter_output(plan, y);
             self.signals.remaining -= 1;
             self.signals.find_start(plan, y, self.noise.known());
             self.prediction = y + reference;

@@ -117,20 +117,19 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         y: f32,
         noise: f32,
     ) {
-        let (Some(mut start), Some((_, mut unit))) = (self.start.take(), self.gate.aside.take())
-        else {
+        let (Some(start), Some((_, unit))) = (&mut self.start, &mut self.gate.aside) else {
             return;
         };
-        let _ = plan.trends.output(&mut unit, 0.0, plan.output_form);
+        enter(plan, unit, 0.0);
         match start.take(y, noise, plan.times.start) {
             Verdict::Wait => {
-                self.start = Some(start);
-                self.gate.aside = Some((1.0, unit));
                 self.remaining = self.remaining.max(1);
+                return;
             }
-            Verdict::Begin(at) => self.output.add(&unit, at),
+            Verdict::Begin(at) => self.output.add(unit, at),
             Verdict::Stay => {}
         }
+        (self.start, self.gate.aside) = (None, None);
     }
 
     /// The trends of y.
@@ -141,6 +140,11 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         y: f32,
     ) -> Trends<M> {
         plan.trends.output(&mut self.output, y, plan.output_form)
+    }
+
+    /// Takes y into the trends without a row of it.
+    pub(crate) fn enter_output<const N: usize>(&mut self, plan: &Plan<T, M, N, I>, y: f32) {
+        enter(plan, &mut self.output, y);
     }
 
     /// What has decayed in the trends of y becomes zero before it becomes subnormal.
@@ -257,6 +261,16 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         }
         [constant, initial]
     }
+}
+
+/// A sample into trends of y that no row needs: once in the image.
+#[inline(never)]
+fn enter<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
+    plan: &Plan<T, M, N, I>,
+    memory: &mut T::Memory,
+    y: f32,
+) {
+    let _ = plan.trends.output(memory, y, plan.output_form);
 }
 
 #[cfg(test)]
