@@ -54,17 +54,22 @@ impl Times {
             change_blind: (10.0 / angle) as u32,
             known_rows: match config.supervised || config.prior_std.is_some() {
                 true => 0.0,
-                false => known_rows::<N>(angle, config.memory.map(|memory| memory / sample_time)),
+                false => known_rows(
+                    config.known.iter().filter(|known| !**known).count(),
+                    angle,
+                    config.memory.map(|memory| memory / sample_time),
+                ),
             },
             start: StartPlan::new(config.output_range, angle, filtered && !config.supervised),
         }
     }
 }
 
-/// N rows that tell something new, once in 1/(omega Delta) samples; half of the memory holds, where
-/// that is less. `angle` is omega Delta, `memory` in samples.
-fn known_rows<const N: usize>(angle: f32, memory: Option<f32>) -> f32 {
-    let rows = N as f32 / angle;
+/// As many rows as there are `unknown` parameters, of which one in 1/(omega Delta) samples tells
+/// something new; half of the memory holds, where that is less. `angle` is omega Delta, `memory` in
+/// samples.
+fn known_rows(unknown: usize, angle: f32, memory: Option<f32>) -> f32 {
+    let rows = unknown as f32 / angle;
     match memory {
         Some(memory) if 0.5 * memory < rows => 0.5 * memory,
         _ => rows,

@@ -14,8 +14,8 @@ pub(crate) fn in_f64(record: &Record, first: usize) -> ([f64; 3], f64) {
     let scale = DVector::from_fn(5, |j, _| phi.column(j).norm());
     let phi = DMatrix::from_fn(n, 5, |k, j| phi[(k, j)] / scale[j]);
     let information = (phi.transpose() * &phi).full_piv_lu();
-    let theta = information.solve(&(phi.transpose() * &psi)).unwrap();
-    let residual = &psi - &phi * &theta;
+    let theta = information.solve(&(phi.transpose() * psi)).unwrap();
+    let residual = psi - &phi * &theta;
     let mut length = 8;
     while n / length >= 16 {
         length *= 2;
