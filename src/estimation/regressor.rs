@@ -160,25 +160,39 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
         self.top_scale
     }
 
-    /// Moments of phi phi', phi psi and psi psi per sample of white noise of variance 1 on y.
+    /// Moments of phi phi', phi psi and psi psi per sample of noise on y: white noise of variance 1,
+    /// `integrated` so many times. A trend of its sum is the trend of the noise one order lower.
     ///
-    /// Those of the parameters of y, which are the first: at most M, zeros behind them.
-    pub(crate) fn noise_moments(&self, gain: &NoiseGain<M>) -> (Matrix<M>, [f32; M], f32) {
+    /// Those of the parameters of y, which are the first: at most M, zeros behind them and where
+    /// the order is below 0.
+    pub(crate) fn noise_moments(
+        &self,
+        gain: &NoiseGain<M>,
+        integrated: usize,
+    ) -> (Matrix<M>, [f32; M], f32) {
+        let between = |i: usize, j: usize| {
+            let [i, j] = [i.checked_sub(integrated)?, j.checked_sub(integrated)?];
+            gain.between(i, j)
+        };
+        let of_output = |source: &Source| (source.index as usize) < M;
         let mut matrix = [[0.0; M]; M];
         let mut vector = [0.0; M];
         for (i, row) in self.sources.iter().enumerate().take(M) {
-            let at = row.index as usize;
-            let (Some(gains), Some(mixed)) = (gain.lower.get(at), gain.mixed.get(at)) else {
+            if !of_output(row) {
                 continue;
-            };
+            }
+            let at = row.index as usize;
             for (j, column) in self.sources.iter().enumerate().take(M) {
-                if let Some(gain) = gains.get(column.index as usize) {
+                if of_output(column)
+                    && let Some(gain) = between(at, column.index as usize)
+                {
                     matrix[i][j] = row.scale * column.scale * gain;
                 }
             }
-            vector[i] = row.scale * self.top_scale * mixed;
+            vector[i] = row.scale * self.top_scale * between(at, M).unwrap_or(0.0);
         }
-        (matrix, vector, self.top_scale * self.top_scale * gain.top)
+        let top = between(M, M).unwrap_or(0.0);
+        (matrix, vector, self.top_scale * self.top_scale * top)
     }
 
     /// Size of the normalised left-hand side that `output_std` of noise on y makes.

@@ -15,6 +15,16 @@
 //! rows varies by sqrt(2/nu): in a direction whose rest is less than that nothing is known to have
 //! moved, and no more is taken out. What is left there then is added to the uncertainty.
 //!
+//! The residual holds more than white noise explains: friction, a wrong model, or drift of y. Of
+//! these drift alone is in the regressors, and no residual tells it from the others. As a random
+//! walk it is the sum of white noise, whose moments its trends have one order lower: M_d, m_d, and
+//! t_d of psi psi.
+//! The bias that it would make if it were all of the rest is added to the uncertainty:
+//!
+//! ```text
+//! Q n s_d (M_d theta_c - m_d)       s_d = rest / (t_d - 2 theta' m_d + theta' M_d theta)
+//! ```
+//!
 //! Known as: bias-compensated least squares. Stoica and Soderstrom, Int. J. Control 35 (1982);
 //! Zheng and Feng, IEEE Trans. Automatic Control 40 (1995); Fuller, Econometrica 45 (1977).
 
@@ -45,16 +55,8 @@ struct Noise<const M: usize> {
 
 impl<const M: usize> Noise<M> {
     fn of<const N: usize, const I: usize>(source: &ReadOut<'_, M, N, I>) -> Self {
-        let theta = source.estimator.theta();
-        let (matrix, vector, echo) = source.regressor.noise_moments(&source.design.noise_gain);
-        // The residual is psi - phi' theta.
-        let mut spread = echo;
-        for (i, left) in theta.iter().enumerate().take(M) {
-            spread -= 2.0 * left * vector[i];
-            for (j, right) in theta.iter().enumerate().take(M) {
-                spread += left * matrix[i][j] * right;
-            }
-        }
+        let moments = moments(source, 0);
+        let spread = moments.spread(source.estimator.theta());
         let residual = source.residual();
         let allowed = if spread > 0.0 { residual / spread } else { 0.0 };
         // A third difference that the residual cannot explain is that of the signal: nothing is
@@ -66,11 +68,20 @@ impl<const M: usize> Noise<M> {
             _ => None,
         };
         Self {
-            moments: Moments { matrix, vector },
+            moments,
             spread,
             residual,
             white,
         }
+    }
+
+    /// What white noise does not explain of the residual, nor chance.
+    fn rest(&self, samples: f32) -> f32 {
+        let Some(white) = self.white else {
+            return self.residual;
+        };
+        let chance = 4.0 * sqrt(2.0 / samples.max(1.0));
+        (self.residual - white * self.spread * (1.0 + chance)).max(0.0)
     }
 
     /// Splits the residual into the part that white noise explains and the rest.
@@ -85,15 +96,27 @@ impl<const M: usize> Noise<M> {
                 significance: self.residual,
             };
         };
-        let excess = |explained: f32| (self.residual - explained).max(0.0) * 2.0 / angle;
-        // Chance alone must not count as excess; the significance of a constant allows for it.
-        let chance = 4.0 * sqrt(2.0 / samples.max(1.0));
-        let explained = white * self.spread;
+        // The significance of a constant allows for chance.
+        let unexplained = (self.residual - white * self.spread).max(0.0);
         Residual {
             shaped: top_scale * top_scale * white,
-            even: excess(explained * (1.0 + chance)),
-            significance: self.residual + excess(explained),
+            even: self.rest(samples) * 2.0 / angle,
+            significance: self.residual + unexplained * 2.0 / angle,
         }
+    }
+}
+
+/// The moments of white noise on y, `integrated` so many times.
+fn moments<const M: usize, const N: usize, const I: usize>(
+    source: &ReadOut<'_, M, N, I>,
+    integrated: usize,
+) -> Moments<M> {
+    let gain = &source.design.noise_gain;
+    let (matrix, vector, top) = source.regressor.noise_moments(gain, integrated);
+    Moments {
+        matrix,
+        vector,
+        top,
     }
 }
 
@@ -172,10 +195,19 @@ pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
         Some(_) => Correction::of(bare, p, &noise.moments, level, known_share(rows)),
         None => None,
     };
-    let (theta, left) = match &correction {
-        Some(found) => (found.theta, found.left(p, &noise.moments, level)),
-        None => (*bare, [0.0; N]),
-    };
+    let found = correction.as_ref();
+    let theta = found.map_or(*bare, |found| found.theta);
+    let mut left = found.map_or([0.0; N], |found| found.left(p, &noise.moments, level));
+    if source.design.filter.is_some() {
+        let drift = moments(source, 1);
+        let level = samples * noise.rest(samples) / drift.spread(bare);
+        if level > 0.0 && level.is_finite() {
+            let bias = drift.bias(&theta, p, found, level);
+            for (left, bias) in left.iter_mut().zip(bias) {
+                *left += bias;
+            }
+        }
+    }
     let units = source.regressor.units();
     Compensated {
         theta: core::array::from_fn(|j| theta[j] * units[j]),

@@ -26,6 +26,16 @@ impl<const M: usize> NoiseGain<M> {
         top: 0.0,
     };
 
+    /// Between the trends of order i and j, m being the highest; `None` for those that are none.
+    pub(crate) fn between(&self, i: usize, j: usize) -> Option<f32> {
+        match (i == M, j == M) {
+            (true, true) => Some(self.top),
+            (true, false) => self.mixed.get(j).copied(),
+            (false, true) => self.mixed.get(i).copied(),
+            (false, false) => self.lower.get(i)?.get(j).copied(),
+        }
+    }
+
     /// Sum of g g' over the response g of `chain` to one unit sample, in closed form.
     ///
     /// `chain` takes its memory and a sample to the trends. With b the memory after the sample and

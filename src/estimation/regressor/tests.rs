@@ -65,14 +65,13 @@ fn the_weight_of_y_is_what_a_unit_of_y_adds_to_the_error() {
     near(regressor.noise(3.0), 3.0 * psi);
 }
 
-#[test]
-fn moments_of_noise_are_the_sums_of_squares_behind_one_sample() {
+/// Sums of phi phi', phi psi and psi psi behind one sample of `first`, and `later` ones.
+fn squares(first: f32, later: f32) -> ([[f32; 5]; 5], [f32; 5], f32) {
     let (trends, regressor) = parts();
-    let design = trends.design();
-    let mut memory = Memory::output_at_rest(design, Form::Position, 0.0);
+    let mut memory = Memory::output_at_rest(trends.design(), Form::Position, 0.0);
     let (mut matrix, mut vector, mut square) = ([[0.0_f32; 5]; 5], [0.0_f32; 5], 0.0_f32);
     for k in 0..10_000 {
-        let y = if k == 0 { 1.0 } else { 0.0 };
+        let y = if k == 0 { first } else { later };
         let output = trends.output(&mut memory, y, Form::Position);
         let (phi, psi) = regressor.assemble(&output, &[[0.0; 2]], &[0.0; 2]);
         for i in 0..5 {
@@ -83,7 +82,14 @@ fn moments_of_noise_are_the_sums_of_squares_behind_one_sample() {
         }
         square += psi * psi;
     }
-    let (moments, mixed, top) = regressor.noise_moments(&design.noise_gain);
+    (matrix, vector, square)
+}
+
+#[test]
+fn moments_of_noise_are_the_sums_of_squares_behind_one_sample() {
+    let (trends, regressor) = parts();
+    let (matrix, vector, square) = squares(1.0, 0.0);
+    let (moments, mixed, top) = regressor.noise_moments(&trends.design().noise_gain, 0);
     near(top, square);
     for i in 0..2 {
         let size = libm::sqrtf(matrix[i][i] * square);
@@ -94,4 +100,18 @@ fn moments_of_noise_are_the_sums_of_squares_behind_one_sample() {
             assert!(error <= 1e-3 * size, "{i} {j}: {error} of {size}");
         }
     }
+}
+
+#[test]
+fn noise_that_is_summed_up_makes_the_trends_one_order_lower() {
+    let (trends, regressor) = parts();
+    // The sum of one sample, over time.
+    let (matrix, vector, square) = squares(0.5e-3, 1e-3);
+    let (moments, mixed, top) = regressor.noise_moments(&trends.design().noise_gain, 1);
+    near(top, square);
+    near(moments[1][1], matrix[1][1]);
+    let size = libm::sqrtf(matrix[1][1] * square);
+    assert!((mixed[1] - vector[1]).abs() <= 1e-3 * size);
+    // The parameter of y itself, whose noise would be without a bound.
+    assert_eq!((moments[0], moments[1][0], mixed[0]), ([0.0; 2], 0.0, 0.0));
 }

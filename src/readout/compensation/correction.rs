@@ -17,16 +17,45 @@
 use crate::math::matrix::{Matrix, backward, dot, factor, forward, root};
 use crate::math::sqrt;
 
-/// M and m: phi phi' and phi psi per sample of noise of variance 1, of the parameters of y.
+/// M, m and the same of psi psi, per sample of noise of variance 1, of the parameters of y.
 pub(super) struct Moments<const M: usize> {
     pub(super) matrix: Matrix<M>,
     pub(super) vector: [f32; M],
+    pub(super) top: f32,
 }
 
 impl<const M: usize> Moments<M> {
-    /// M theta - m.
-    fn score<const N: usize>(&self, theta: &[f32; N]) -> [f32; M] {
-        core::array::from_fn(|i| along(&self.matrix[i], theta) - self.vector[i])
+    /// Variance of the residual psi - phi' theta per variance of the noise.
+    pub(super) fn spread<const N: usize>(&self, theta: &[f32; N]) -> f32 {
+        let mut spread = self.top;
+        for (i, left) in theta.iter().enumerate().take(M) {
+            spread -= 2.0 * left * self.vector[i];
+            for (j, right) in theta.iter().enumerate().take(M) {
+                spread += left * self.matrix[i][j] * right;
+            }
+        }
+        spread
+    }
+
+    /// Bias Q e of the estimate `theta` by the noise `level` = n s that its rows hold, where
+    /// `found` was taken out of it: e = level (M theta - m).
+    pub(super) fn bias<const N: usize>(
+        &self,
+        theta: &[f32; N],
+        p: &Matrix<N>,
+        found: Option<&Correction<M, N>>,
+        level: f32,
+    ) -> [f32; N] {
+        let score: [f32; M] =
+            core::array::from_fn(|i| level * (along(&self.matrix[i], theta) - self.vector[i]));
+        let mut bias = core::array::from_fn(|i| along(&score, &p[i]));
+        if let Some(Correction { y, .. }) = found {
+            let seen = transposed(y, &score);
+            for (bias, y) in bias.iter_mut().zip(y) {
+                *bias += dot(y, &seen);
+            }
+        }
+        bias
     }
 }
 
@@ -109,15 +138,12 @@ impl<const M: usize, const N: usize> Correction<M, N> {
         Some(Self { theta, y, z, share })
     }
 
-    /// Q e, the bias by what the limit has left in: e = (n s - w) (M theta_c - m).
+    /// The bias by what the limit has left in.
     pub(super) fn left(&self, p: &Matrix<N>, noise: &Moments<M>, level: f32) -> [f32; N] {
         if self.share == 1.0 {
             return [0.0; N];
         }
-        let missing = (1.0 - self.share) * level;
-        let score = noise.score(&self.theta).map(|score| missing * score);
-        let seen = transposed(&self.y, &score);
-        core::array::from_fn(|i| along(&score, &p[i]) + dot(&self.y[i], &seen))
+        noise.bias(&self.theta, p, Some(self), (1.0 - self.share) * level)
     }
 
     /// Adds Q - P to P.

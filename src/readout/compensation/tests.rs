@@ -13,6 +13,7 @@ fn noise(white: Option<f32>) -> Noise<2> {
         moments: Moments {
             matrix: [[2.0, 0.3], [0.3, 1.0]],
             vector: [0.2, -0.1],
+            top: 3.0,
         },
         spread: 3.0,
         residual: 0.5,

@@ -60,6 +60,7 @@ fn scores_know_nothing_of_nominal_values_which_are_added() {
         Some(scores)
     });
     let found = found.expect("an estimate");
+    let left = compensate(&parts.read(), &p).left;
     let seen = parts.read().residual();
     let floor = parts.read().floor(20.0, &[0.0, 400.0, 20.0]);
     let variances = parts.forgetting.nominal_variances();
@@ -74,6 +75,7 @@ fn scores_know_nothing_of_nominal_values_which_are_added() {
             let weight = p[i][k] / whole * units[i];
             exact += weight * weight * noise;
         }
+        exact += left[i] * left[i];
         assert!(
             close(found.covariance[i][i], exact, 0.01),
             "{i}: {} {exact}",

@@ -11,6 +11,7 @@ const P: Matrix<3> = [
 const NOISE: Moments<2> = Moments {
     matrix: [[2.0, 0.3], [0.3, 1.0]],
     vector: [0.2, -0.1],
+    top: 3.0,
 };
 
 /// M and m of all parameters.
@@ -98,6 +99,23 @@ fn what_a_limit_leaves_is_told() {
 }
 
 #[test]
+fn a_bias_is_what_the_normal_equations_without_the_noise_differ_by() {
+    let (matrix, vector) = wide(&NOISE);
+    let (theta, level) = ([1.0, -2.0, 0.5], 0.3);
+    let score: [f32; 3] = core::array::from_fn(|i| level * (dot(&matrix[i], &theta) - vector[i]));
+    let bare = NOISE.bias(&theta, &P, None, level);
+    let found = Correction::of(&theta, &P, &NOISE, 1.0, 0.99).expect("a correction");
+    let (gain, _) = read(&found, &P);
+    let corrected = NOISE.bias(&theta, &P, Some(&found), level);
+    for i in 0..3 {
+        close(bare[i], dot(&P[i], &score), 1.0);
+        close(corrected[i], dot(&gain[i], &score), 1.0);
+    }
+    // 3 - 2 (0.2 + 0.2) + 2 - 1.2 + 4
+    close(NOISE.spread(&theta), 7.0, 10.0);
+}
+
+#[test]
 fn nothing_drawn_makes_a_covariance_smaller_or_an_estimate_infinite() {
     let mut draw = draws(1);
     for _ in 0..20_000 {
@@ -113,6 +131,7 @@ fn nothing_drawn_makes_a_covariance_smaller_or_an_estimate_infinite() {
         let noise = Moments {
             matrix: product_transposed(&root, &root),
             vector: [sizes[3] * draw(), sizes[4] * draw()],
+            top: 0.0,
         };
         let bare = core::array::from_fn(|_| 3.0 * draw());
         let largest = 0.5 * (1.0 + draw()) * 0.999;
