@@ -161,17 +161,16 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
     }
 
     /// Moments of phi phi', phi psi and psi psi per sample of noise on y: white noise of variance 1,
-    /// `integrated` so many times. A trend of its sum is the trend of the noise one order lower.
+    /// summed up over time `SUMS` times. A trend of a sum is that of the noise one order lower.
     ///
     /// Those of the parameters of y, which are the first: at most M, zeros behind them and where
     /// the order is below 0.
-    pub(crate) fn noise_moments(
+    pub(crate) fn noise_moments<const SUMS: usize>(
         &self,
         gain: &NoiseGain<M>,
-        integrated: usize,
     ) -> (Matrix<M>, [f32; M], f32) {
         let between = |i: usize, j: usize| {
-            let [i, j] = [i.checked_sub(integrated)?, j.checked_sub(integrated)?];
+            let [i, j] = [i.checked_sub(SUMS)?, j.checked_sub(SUMS)?];
             gain.between(i, j)
         };
         let of_output = |source: &Source| (source.index as usize) < M;

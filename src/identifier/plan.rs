@@ -250,7 +250,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
 
     /// By what the trends of y are compared with its noise.
     fn weigh_noise(&mut self) {
-        let (moments, ..) = (self.regressor).noise_moments(&self.trends.design().noise_gain, 0);
+        let (moments, ..) = (self.regressor).noise_moments::<0>(&self.trends.design().noise_gain);
         self.noise.weights = core::array::from_fn(|j| {
             let moment = moments.get(j).and_then(|row| row.get(j));
             let variance = MOVES * MOVES * moment.copied().unwrap_or(0.0);

@@ -55,7 +55,7 @@ struct Noise<const M: usize> {
 
 impl<const M: usize> Noise<M> {
     fn of<const N: usize, const I: usize>(source: &ReadOut<'_, M, N, I>) -> Self {
-        let moments = moments(source, 0);
+        let moments = moments::<0, M, N, I>(source);
         let spread = moments.spread(source.estimator.theta());
         let residual = source.residual();
         let allowed = if spread > 0.0 { residual / spread } else { 0.0 };
@@ -84,6 +84,25 @@ impl<const M: usize> Noise<M> {
         (self.residual - white * self.spread * (1.0 + chance)).max(0.0)
     }
 
+    /// The bias by drift that makes all of the rest of the residual of `bare`, of which `found` left
+    /// `theta`.
+    fn drift<const N: usize, const I: usize>(
+        &self,
+        source: &ReadOut<'_, M, N, I>,
+        [bare, theta]: [&[f32; N]; 2],
+        p: &Matrix<N>,
+        found: Option<&Correction<M, N>>,
+    ) -> [f32; N] {
+        let drift = moments::<1, M, N, I>(source);
+        let samples = source.estimator.samples();
+        let level = samples * self.rest(samples) / drift.spread(bare);
+        // Without a filter no moments are known, and all are 0.
+        if !(level > 0.0 && level.is_finite()) {
+            return [0.0; N];
+        }
+        drift.bias(theta, p, found, level)
+    }
+
     /// Splits the residual into the part that white noise explains and the rest.
     ///
     /// The rest is slow (drift, friction, a wrong model): about `2/(omega Delta)` samples count as
@@ -106,13 +125,12 @@ impl<const M: usize> Noise<M> {
     }
 }
 
-/// The moments of white noise on y, `integrated` so many times.
-fn moments<const M: usize, const N: usize, const I: usize>(
+/// The moments of white noise on y, summed up over time `SUMS` times.
+fn moments<const SUMS: usize, const M: usize, const N: usize, const I: usize>(
     source: &ReadOut<'_, M, N, I>,
-    integrated: usize,
 ) -> Moments<M> {
     let gain = &source.design.noise_gain;
-    let (matrix, vector, top) = source.regressor.noise_moments(gain, integrated);
+    let (matrix, vector, top) = source.regressor.noise_moments::<SUMS>(gain);
     Moments {
         matrix,
         vector,
@@ -176,7 +194,8 @@ impl<const M: usize, const N: usize> Compensated<M, N> {
     }
 }
 
-/// The correction of the recursion with the covariance `p`.
+/// The correction of the recursion with the covariance `p`; without `deviations` nothing of what is
+/// left in.
 ///
 /// Inlined, with what it calls, where it is called once: the matrices that it hands over are not
 /// copied then.
@@ -184,6 +203,7 @@ impl<const M: usize, const N: usize> Compensated<M, N> {
 pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
     source: &ReadOut<'_, M, N, I>,
     p: &Matrix<N>,
+    deviations: bool,
 ) -> Compensated<M, N> {
     let bare = source.estimator.theta();
     let samples = source.estimator.samples();
@@ -197,15 +217,14 @@ pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
     };
     let found = correction.as_ref();
     let theta = found.map_or(*bare, |found| found.theta);
-    let mut left = found.map_or([0.0; N], |found| found.left(p, &noise.moments, level));
-    if source.design.filter.is_some() {
-        let drift = moments(source, 1);
-        let level = samples * noise.rest(samples) / drift.spread(bare);
-        if level > 0.0 && level.is_finite() {
-            let bias = drift.bias(&theta, p, found, level);
-            for (left, bias) in left.iter_mut().zip(bias) {
-                *left += bias;
-            }
+    let mut left = [0.0; N];
+    if deviations {
+        if let Some(found) = found {
+            left = found.left(p, &noise.moments, level);
+        }
+        let drift = noise.drift(source, [bare, &theta], p, found);
+        for (left, drift) in left.iter_mut().zip(drift) {
+            *left += drift;
         }
     }
     let units = source.regressor.units();

@@ -70,8 +70,12 @@ const ROUNDING: f32 = 0.25 * f32::EPSILON;
 impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// The estimate without its noise bias, an insignificant constant withdrawn from theta.
     #[inline(always)]
-    fn compensated(&self, p: &Matrix<N>) -> (Compensated<M, N>, Option<Withdrawal<N>>) {
-        let mut found = compensate(self, p);
+    fn compensated(
+        &self,
+        p: &Matrix<N>,
+        deviations: bool,
+    ) -> (Compensated<M, N>, Option<Withdrawal<N>>) {
+        let mut found = compensate(self, p, deviations);
         // Before the noise is known every constant counts: after a change of the filter nothing
         // jumps.
         let withdrawal = self.estimator.noise_variance().and_then(|_| {
@@ -95,7 +99,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// Not inlined: whoever reads them, in whatever language, calls the same code.
     #[inline(never)]
     pub(crate) fn trend_theta(&self) -> [f32; N] {
-        self.compensated(&self.covariance()).0.theta
+        self.compensated(&self.covariance(), false).0.theta
     }
 
     /// The parameters of the s plane, in the user's units.
@@ -106,7 +110,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// Parameters and covariance in the user's units.
     pub(crate) fn estimate(&self) -> Estimate<M, N, I> {
         let p = self.covariance();
-        let (found, withdrawal) = self.compensated(&p);
+        let (found, withdrawal) = self.compensated(&p, true);
         let (mut covariance, floor) = self.shaped(&p, &found);
         self.add_nominal_values(&p, &mut covariance);
         let units = self.regressor.units();

@@ -33,7 +33,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         of: impl FnOnce(&[f32; N], &Matrix<N>) -> Option<Matrix<N>>,
     ) -> Option<Estimate<M, N, I>> {
         let p = self.covariance();
-        let (found, withdrawal) = self.compensated(&p);
+        let (found, withdrawal) = self.compensated(&p, true);
         if !(found.share() >= MOSTLY) {
             return None;
         }
@@ -84,7 +84,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// Variance by which the recursion judges its constant, normalised; 0 without one.
     pub(crate) fn constant_variance(&self) -> f32 {
         let p = self.covariance();
-        let found = compensate(self, &p);
+        let found = compensate(self, &p, false);
         let variance = index_of(&self.structure.parameters(), Parameter::Constant)
             .and_then(|index| found.covariance_row(&p, index)?.get(index).copied());
         variance.unwrap_or(0.0) * found.residual.significance

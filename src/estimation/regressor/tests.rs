@@ -89,7 +89,7 @@ fn squares(first: f32, later: f32) -> ([[f32; 5]; 5], [f32; 5], f32) {
 fn moments_of_noise_are_the_sums_of_squares_behind_one_sample() {
     let (trends, regressor) = parts();
     let (matrix, vector, square) = squares(1.0, 0.0);
-    let (moments, mixed, top) = regressor.noise_moments(&trends.design().noise_gain, 0);
+    let (moments, mixed, top) = regressor.noise_moments::<0>(&trends.design().noise_gain);
     near(top, square);
     for i in 0..2 {
         let size = libm::sqrtf(matrix[i][i] * square);
@@ -107,7 +107,7 @@ fn noise_that_is_summed_up_makes_the_trends_one_order_lower() {
     let (trends, regressor) = parts();
     // The sum of one sample, over time.
     let (matrix, vector, square) = squares(0.5e-3, 1e-3);
-    let (moments, mixed, top) = regressor.noise_moments(&trends.design().noise_gain, 1);
+    let (moments, mixed, top) = regressor.noise_moments::<1>(&trends.design().noise_gain);
     near(top, square);
     near(moments[1][1], matrix[1][1]);
     let size = libm::sqrtf(matrix[1][1] * square);

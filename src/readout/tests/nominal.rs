@@ -60,7 +60,7 @@ fn scores_know_nothing_of_nominal_values_which_are_added() {
         Some(scores)
     });
     let found = found.expect("an estimate");
-    let left = compensate(&parts.read(), &p).left;
+    let left = compensate(&parts.read(), &p, true).left;
     let seen = parts.read().residual();
     let floor = parts.read().floor(20.0, &[0.0, 400.0, 20.0]);
     let variances = parts.forgetting.nominal_variances();

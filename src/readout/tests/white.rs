@@ -53,7 +53,7 @@ fn white_noise_is_what_the_residual_can_explain_and_none_beyond() {
     ] {
         parts.noise = level(share * all);
         let read = parts.read();
-        let found = compensate(&read, &read.covariance());
+        let found = compensate(&read, &read.covariance(), true);
         let exact = top * top * white * all;
         let error = (found.residual.shaped - exact).abs();
         assert!(error <= 2e-3 * exact, "{share}: {error} of {exact}");
@@ -62,11 +62,17 @@ fn white_noise_is_what_the_residual_can_explain_and_none_beyond() {
     // Before the level is known, and without a filter, nothing is.
     parts.noise = NoiseLevel::new(1.0);
     let read = parts.read();
-    assert_eq!(compensate(&read, &read.covariance()).residual.shaped, 0.0);
+    assert_eq!(
+        compensate(&read, &read.covariance(), true).residual.shaped,
+        0.0
+    );
     let mut parts = Parts::new(raw(), [1e2; 4], 1.0, 400);
     parts.noise = level(0.25 * all);
     let read = parts.read();
-    assert_eq!(compensate(&read, &read.covariance()).residual.shaped, 0.0);
+    assert_eq!(
+        compensate(&read, &read.covariance(), true).residual.shaped,
+        0.0
+    );
 }
 
 /// A recursion that has heard so much noise, and has seen nothing: its covariance is that of its
@@ -93,7 +99,7 @@ fn what_few_rows_leave_of_a_bias_is_uncertain() {
     let parts = blind(2e-3, 0.5);
     let read = parts.read();
     let p = read.covariance();
-    let found = compensate(&read, &p);
+    let found = compensate(&read, &p, true);
     let bare = read.recursion().theta;
     assert!(found.share() < 1.0, "{}", found.share());
     let (shaped, floor) = read.shaped(&p, &found);
@@ -126,7 +132,7 @@ fn white_noise_counts_by_its_spectrum_behind_the_filter_and_rounding_in_the_band
         let parts = blind(error, share);
         let read = parts.read();
         let p = read.covariance();
-        let found = compensate(&read, &p);
+        let found = compensate(&read, &p, true);
         let (covariance, _) = read.shaped(&p, &found);
         let [a1, a2, ..] = found.theta;
         let natural = libm::sqrtf(a1);
