@@ -160,8 +160,8 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
         self.top_scale
     }
 
-    /// Moments of phi phi', phi psi and psi psi per sample of noise on y: white noise of variance 1,
-    /// summed up over time `SUMS` times. A trend of a sum is that of the noise one order lower.
+    /// Moments of phi phi', phi psi and psi psi per sample of noise on y: white noise of variance
+    /// 1, summed up over time `SUMS` times. A trend of a sum is that of the noise one order lower.
     ///
     /// Those of the parameters of y, which are the first: at most M, zeros behind them and where
     /// the order is below 0.

@@ -84,8 +84,8 @@ impl<const M: usize> Noise<M> {
         (self.residual - white * self.spread * (1.0 + chance)).max(0.0)
     }
 
-    /// The bias by drift that makes all of the rest of the residual of `bare`, of which `found` left
-    /// `theta`.
+    /// The bias by drift that makes all of the rest of the residual of `bare`, of which `found`
+    /// left `theta`.
     fn drift<const N: usize, const I: usize>(
         &self,
         source: &ReadOut<'_, M, N, I>,

@@ -14,8 +14,8 @@
 //! takes the bias out, at the read-out only: nothing is added to the 1 ms path but the level s. The
 //! residual of the filtered equation is not white: it is `A/A_f` times the noise.
 //! T weighs it by the frequencies at which a parameter is seen. The floor covers the error of
-//! trends in place of derivatives and the rounding of f32; beside it stand the bias that a limited w
-//! leaves, and the one that drift of y may make.
+//! trends in place of derivatives and the rounding of f32; beside it stand the bias that a limited
+//! w leaves, and the one that drift of y may make.
 //! Behind a change that was followed what is left of the old drive is added (`former`).
 //! Then an insignificant constant is withdrawn (`significance`), and trends that have a plane of
 //! their own are mapped to the s plane (`s_plane`).
