@@ -11,9 +11,9 @@
 //!
 //! The estimate is that of the [`Identifier`], to the last bit: only its standard deviations are
 //! others. Those of [`Identifier::estimate`] come from a model of the noise, white and an excess;
-//! these from how much the scores of blocks differ, whatever the spectrum of the residual. Neither
-//! contains a bias: noise of y that is not white moves least squares itself, which
-//! [`instruments`](crate::instruments) do not let happen.
+//! these from how much the scores of blocks differ, whatever the spectrum of the residual. Of the
+//! bias by noise of y that is not white both hold what drift would make; not to have it is what
+//! [`instruments`](crate::instruments) are for.
 
 mod estimate;
 mod snapshots;
