@@ -68,21 +68,15 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         }
     }
 
-    /// Begins at the equilibrium of y(0) and the initial inputs; gives y from its zero.
+    /// Begins at the equilibrium of y(0) and the initial inputs, and looks for where y began; gives
+    /// y from its zero.
     #[inline(never)]
     pub(crate) fn begin<const N: usize>(&mut self, plan: &Plan<T, M, N, I>, y: f32) -> f32 {
-        let integrates = plan.structure.integrators() > 0;
-        let design = plan.trends.design();
         // Behind an integrator only increments count; small numbers keep their digits.
+        let integrates = plan.structure.integrators() > 0;
         self.reference = if integrates { y } else { 0.0 };
         let y = y - self.reference;
-        self.output = Memory::output_at_rest(design, plan.output_form, y);
-        for c in 0..I {
-            let (hold, value) = (plan.inputs.holds[c], plan.inputs.initial[c]);
-            self.inputs[c] = Memory::input_at_rest(design, hold, value);
-        }
-        let constant = if integrates { 0.0 } else { 1.0 };
-        self.constant = Memory::input_at_rest(design, Hold::Zero, constant);
+        self.settle(plan, y);
         self.initial = if plan.structure.initial_state() {
             1.0
         } else {
@@ -90,22 +84,35 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         };
         if plan.times.start.longest > 0 {
             self.start = Some(Start::new(y));
-            let unit = Memory::output_at_rest(design, plan.output_form, 1.0);
+            let unit = Memory::output_at_rest(plan.trends.design(), plan.output_form, 1.0);
             self.gate.aside = Some((1.0, unit));
         }
         self.begun = true;
         y
     }
 
+    /// All trends are those of an equilibrium at `y` with the initial inputs.
+    #[inline(never)]
+    fn settle<const N: usize>(&mut self, plan: &Plan<T, M, N, I>, y: f32) {
+        let design = plan.trends.design();
+        self.output = Memory::output_at_rest(design, plan.output_form, y);
+        for c in 0..I {
+            let (hold, value) = (plan.inputs.holds[c], plan.inputs.initial[c]);
+            self.inputs[c] = Memory::input_at_rest(design, hold, value);
+        }
+        let integrates = plan.structure.integrators() > 0;
+        let constant = if integrates { 0.0 } else { 1.0 };
+        self.constant = Memory::input_at_rest(design, Hold::Zero, constant);
+    }
+
     /// The trends begin again at rest at `y`; nothing of the initial state is left to be found.
     #[inline(never)]
     pub(crate) fn rest<const N: usize>(&mut self, plan: &Plan<T, M, N, I>, y: f32) {
-        let reference = self.reference;
-        let _ = self.begin(plan, y + reference);
-        self.output = Memory::output_at_rest(plan.trends.design(), plan.output_form, y);
-        self.reference = reference;
+        self.settle(plan, y);
         self.initial = 0.0;
-        self.start = None;
+        // The mean innovation and what was set aside belong to the trends of before.
+        (self.start, self.gate.aside) = (None, None);
+        self.gate.mean = 0.0;
     }
 
     /// Takes a sample of the beginning whose trends have been computed; `noise` is the variance of

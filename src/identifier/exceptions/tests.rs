@@ -184,6 +184,27 @@ fn where_an_axis_is_blocked_the_trends_begin_at_rest() {
 }
 
 #[test]
+fn a_spike_behind_a_beginning_at_rest_is_replaced_and_nothing_else_enters() {
+    let (mut servo, drive) = trained(&config(), 3000);
+    let y = drive.at[0];
+    assert!((y - 1.0).abs() > 10.0, "{y}");
+    let (mut seen, mut noise, mut spikes) = (Seen::default(), Drive::new(1e-4), 0);
+    let mut behind = false;
+    for k in 0..4000 {
+        let begun = seen.begun;
+        let measured = y + 1e-3 * noise.draw() + if behind { 1.0 } else { 0.0 };
+        let found = servo.update_seen([0.3], measured, &mut seen);
+        assert_eq!(matches!(found, Outcome::Replaced { .. }), behind, "{k}");
+        // No sample but those that were measured, and what was expected for the spike.
+        let entered = servo.state.signals.last;
+        assert!((entered - y).abs() < 0.1, "{k}: {entered} at {y}");
+        spikes += u32::from(behind);
+        behind = seen.begun > begun;
+    }
+    assert!(spikes > 3, "{spikes}");
+}
+
+#[test]
 fn a_contradiction_is_one_of_a_drive_that_moves() {
     let mut config = config();
     config.memory = Some(2.0);
