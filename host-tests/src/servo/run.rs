@@ -10,6 +10,7 @@ use crate::servo::figures::Figures;
 pub use crate::servo::passage::Watcher;
 use crate::servo::passage::{Run, error};
 use crate::servo::plant::Plant;
+use crate::servo::population::range::{Purpose, stream};
 use crate::servo::rig::{DEAD_VOLUME, ROUGH_BANDWIDTH, Rig, TRAVEL};
 use crate::servo::scenario::Scenario;
 use crate::servo::shadow::Shadow;
@@ -21,7 +22,7 @@ pub struct Options {
     pub fixed: bool,
     /// The linear servo instead of the pneumatic axis.
     pub linear: bool,
-    /// Seed of the noise, and of the time of a change.
+    /// Seed of the noise, of the place of the start, and of the time of a change.
     pub seed: u64,
 }
 
@@ -181,7 +182,13 @@ fn run_all<'a>(
     let plant = if options.linear {
         Plant::linear(options.seed)
     } else {
-        Plant::pneumatic(&AxisParameters::SERVO, options.seed)
+        // One place would be one record: the levels of an excitation turn where the axis is.
+        let mut random = stream(options.seed, Purpose::Axis);
+        let axis = AxisParameters {
+            start_mm: random.random_range(150.0..250.0),
+            ..AxisParameters::SERVO
+        };
+        Plant::pneumatic(&axis, options.seed)
     };
     let mut run = Run {
         rig: Rig::new(plant, config),
