@@ -18,7 +18,7 @@ const SIMULATION_POINTS: f32 = 1e4;
 /// Natural frequencies in rad/s at which a fit starts, beside what is known.
 const STARTS: [f32; 3] = [80.0, 40.0, 17.0];
 /// Error over movement, squared, of a start that need not be compared with others.
-const START_MISFIT: f32 = 0.25 * 0.25;
+const START_MISFIT: f32 = 0.2 * 0.2;
 /// Most passes of a refinement.
 const REFINE_PASSES: u32 = 8;
 /// Rate of the correction over w0, and time over 1/rate before a simulation runs by itself.
@@ -27,7 +27,7 @@ const CORRECTED: f32 = 12.0;
 /// Standard deviation of the position in travels below which a movement shows nothing.
 const MOVEMENT_MIN: f32 = 0.005;
 /// Length of a free simulation over 1/w0, and its range in s.
-const HOLD_OUT: f32 = 4.0;
+const HOLD_OUT: f32 = 4.5;
 const HOLD_OUT_RANGE: [f32; 2] = [0.1, 0.4];
 
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -22,7 +22,7 @@ const RETURN_SPEED: f32 = 0.02;
 /// Part of its mean speed in that time that an axis has at the end of it which does not brake.
 const GOES_ON: f32 = 0.7;
 /// Time in s from and to which the bounds of a model widen, and by how much.
-const WIDENING: [f32; 3] = [1.8, 2.8, 1.8];
+const WIDENING: [f32; 3] = [1.8, 2.8, 1.6];
 
 impl Commissioning {
     pub(crate) fn probe(&mut self, mut probe: Probe, y: f32, same_code: bool) -> Progress {

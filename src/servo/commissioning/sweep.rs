@@ -18,15 +18,10 @@ const SAFE: [f32; 2] = [0.05, 0.95];
 const AMPLITUDE: [f32; 3] = [0.07, 0.2, 0.4];
 /// Movement within two holds, in travels, below which the amplitude grows and above which it
 /// shrinks.
-const MOVEMENT: [f32; 2] = [0.025, 0.12];
+const MOVEMENT: [f32; 2] = [0.025, 0.1];
 /// Growth and shrinking of the amplitude.
-const GROWTH: f32 = 1.2;
+const GROWTH: f32 = 1.4;
 const SHRINKING: f32 = 0.8;
-/// Least time of a level and the most that is drawn beside it, in half periods of the axis: at its
-/// natural frequency and above a level shows most.
-const HOLD: [f32; 2] = [0.3, 0.7];
-/// Part of the probability of the way back at the edge of the band.
-const INWARD: f32 = 0.6;
 
 /// Levels, holds and signs drawn at random; known as APRBS (Isermann and Munchhof 2011).
 ///
@@ -155,7 +150,7 @@ impl Sweep {
             self.push(self.level > 0.0);
         } else if self.left <= 0.0 {
             let error = (y + 0.3 * self.half * v - self.middle) / BAND;
-            let share = INWARD * if error < 0.0 { -error } else { error };
+            let share = 0.45 * if error < 0.0 { -error } else { error };
             let inwards = 0.5 + if share < 0.45 { share } else { 0.45 };
             let inward = if error > 0.0 { -1.0 } else { 1.0 };
             let sign = if self.draw() < inwards {
@@ -216,7 +211,7 @@ impl Sweep {
         } else {
             level
         };
-        self.left = self.half * (HOLD[0] + HOLD[1] * self.draw());
+        self.left = self.half * (0.35 + 0.9 * self.draw());
     }
 
     /// The amplitude follows the movement within two holds.

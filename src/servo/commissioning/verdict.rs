@@ -24,7 +24,7 @@ const DEAD_ZONE_STD: f32 = 0.014;
 const BOUNDS: Bounds = Bounds {
     misfit: 0.3 * 0.3,
     change: [0.15, 0.08, 0.15],
-    std: [0.12, 0.06, 0.15],
+    std: [0.12, 0.07, 0.15],
 };
 
 /// Velocity gain, natural frequency, damping.
@@ -189,7 +189,7 @@ pub(crate) mod tests {
             let dead_zone = 0.014 * slack * slack * slack * slack / 0.05;
             for (place, most) in [
                 (2, 0.12 * slack),
-                (0, 0.06 * slack / 0.5),
+                (0, 0.07 * slack / 0.5),
                 (1, 0.15 * slack / xi),
                 (3, dead_zone),
             ] {

@@ -46,11 +46,11 @@ fn an_error_within_three_deviations_of_the_noise_speaks_against_no_model() {
 }
 
 #[test]
-fn a_free_simulation_takes_four_times_the_time_of_the_drive_within_its_range() {
+fn a_free_simulation_takes_four_and_a_half_of_the_time_of_the_drive_within_its_range() {
     let mut search = Search::new(1e-3, 0.0, None);
     search.begin(0, View::of(4e-3, 1e-5, 1.0), 1e-5, [20.0, 0.0]);
-    // 0.2 s, 0.1 s at least and 0.4 s at most.
-    for (w, points) in [(20.0_f32, 50), (100.0, 25), (5.0, 100)] {
+    // 0.225 s, 0.1 s at least and 0.4 s at most.
+    for (w, points) in [(20.0_f32, 56), (100.0, 25), (5.0, 100)] {
         let theta = Theta { a1: w * w, ..THETA };
         assert!(search.points(&theta).abs_diff(points) <= 1, "{w}");
     }
@@ -124,14 +124,14 @@ fn accepted(time: f32, change: f32) -> bool {
 }
 
 #[test]
-fn bounds_widen_by_eight_tenths_between_the_second_and_the_third_second() {
+fn bounds_widen_by_six_tenths_between_the_second_and_the_third_second() {
     for (time, slack) in [
         (0.5, 1.0),
         (1.7, 1.0),
-        (2.05, 1.2),
-        (2.3, 1.4),
-        (2.8, 1.8),
-        (9.0, 1.8),
+        (2.05, 1.15),
+        (2.3, 1.3),
+        (2.8, 1.6),
+        (9.0, 1.6),
     ] {
         assert!(accepted(time, 0.98 * 0.15 * slack), "{time}");
         assert!(!accepted(time, 1.02 * 0.15 * slack), "{time}");
@@ -149,8 +149,8 @@ fn starts_are_tried_until_one_follows_and_the_best_one_is_refined() {
     };
     for (misfits, best, latest) in [
         (&[0.03][..], 0, Some(THETA)),
-        (&[0.065, 0.5, 0.061], 2, Some(THETA)),
-        (&[0.5, 0.07, f32::NAN, 0.08], 1, Some(THETA)),
+        (&[0.05, 0.5, 0.039], 2, Some(THETA)),
+        (&[0.5, 0.05, f32::NAN, 0.06], 1, Some(THETA)),
         (&[0.5, 0.31, 0.4, 0.6], 1, None),
     ] {
         let mut search = begun();
