@@ -50,4 +50,5 @@ mod settings;
 mod sticks;
 mod store;
 mod transfer;
+mod units;
 mod valve;
