@@ -42,8 +42,7 @@ pub(crate) fn run(args: &PilArgs) -> Result<(), Refusal> {
     let scenario = Scenario::from_name(&args.scenario).unwrap_or(Scenario::Nominal);
     let options = Options {
         fixed: args.fixed,
-        linear: false,
-        seed: args.seed,
+        ..Options::adaptive(args.seed)
     };
     // Two runs against the same board need different first numbers.
     let first = std::time::SystemTime::UNIX_EPOCH

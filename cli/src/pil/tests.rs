@@ -72,8 +72,7 @@ fn run(target: Here, scenario: Scenario, options: &[&str]) -> (Target, Figures) 
     let mut target = Target::new(line, u32::MAX - 100, &args.pil);
     let options = Options {
         fixed: args.pil.fixed,
-        linear: false,
-        seed: args.pil.seed,
+        ..Options::adaptive(args.pil.seed)
     };
     let figures = run_with_shadow(scenario, &options, &mut target, &mut |_, _| {});
     (target, figures)
@@ -163,11 +162,7 @@ fn a_dead_target_is_given_up() {
     let args = Words::try_parse_from(["pil"]).expect("options");
     let line = Disturbed::new(Box::new(Dead), None, 1);
     let mut target = Target::new(line, 1, &args.pil);
-    let options = Options {
-        fixed: false,
-        linear: false,
-        seed: 1,
-    };
+    let options = Options::adaptive(1);
     let _ = run_with_shadow(Scenario::Nominal, &options, &mut target, &mut |_, _| {});
     assert_eq!(
         target.trouble.as_deref(),

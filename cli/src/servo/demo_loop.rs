@@ -108,8 +108,7 @@ pub(super) fn run(task: &Task) -> Result<(), Refusal> {
 fn figures(task: &Task, seed: u64, watcher: &mut dyn FnMut(&Instant, &Rig)) -> Figures {
     let options = Options {
         fixed: task.fixed,
-        linear: false,
-        seed,
+        ..Options::adaptive(seed)
     };
     run_scenario(task.scenario, &options, watcher)
 }

@@ -110,8 +110,9 @@ fn runs(args: &LoopArgs, scenario: Scenario, fixed: bool, bar: &ProgressBar) -> 
         let options = Options {
             fixed,
             linear: args.linear,
-            seed: *seed,
-        };
+            ..Options::adaptive(*seed)
+        }
+        .somewhere();
         run_scenario(scenario, &options, &mut |_, _| {})
     })
 }

@@ -22,8 +22,10 @@ pub struct Options {
     pub fixed: bool,
     /// The linear servo instead of the pneumatic axis.
     pub linear: bool,
-    /// Seed of the noise, of the place of the start, and of the time of a change.
+    /// Seed of the noise, and of the time of a change.
     pub seed: u64,
+    /// Where the pneumatic axis stands at the start \[mm\].
+    pub start_mm: f64,
 }
 
 impl Options {
@@ -33,6 +35,17 @@ impl Options {
             fixed: false,
             linear: false,
             seed,
+            start_mm: AxisParameters::SERVO.start_mm,
+        }
+    }
+
+    /// The same from a place of its seed: from one place all records are one, as the levels of the
+    /// excitation turn where the axis is.
+    pub fn somewhere(self) -> Self {
+        let mut random = stream(self.seed, Purpose::Axis);
+        Self {
+            start_mm: random.random_range(150.0..250.0),
+            ..self
         }
     }
 }
@@ -182,10 +195,8 @@ fn run_all<'a>(
     let plant = if options.linear {
         Plant::linear(options.seed)
     } else {
-        // One place would be one record: the levels of an excitation turn where the axis is.
-        let mut random = stream(options.seed, Purpose::Axis);
         let axis = AxisParameters {
-            start_mm: random.random_range(150.0..250.0),
+            start_mm: options.start_mm,
             ..AxisParameters::SERVO
         };
         Plant::pneumatic(&axis, options.seed)

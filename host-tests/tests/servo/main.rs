@@ -17,3 +17,4 @@ mod settings;
 mod shadow;
 mod skipped;
 mod stored;
+mod units;

@@ -10,11 +10,7 @@ use trendid_host_tests::servo::run::{Options, loop_config, run, run_with_shadow}
 use trendid_host_tests::servo::scenario::Scenario;
 use trendid_host_tests::servo::shadow::Shadow;
 
-const OPTIONS: Options = Options {
-    fixed: false,
-    linear: false,
-    seed: 11,
-};
+const OPTIONS: Options = Options::adaptive(11);
 
 /// A second loop of the same settings, here.
 struct Twin {
