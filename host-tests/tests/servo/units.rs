@@ -1,7 +1,8 @@
 //! The unit of the position does not matter to the loop.
 
 use trendid::hardware::{Axis, Scale};
-use trendid::servo::{Config, MotionLimits, ServoLoop, Travel};
+use trendid::servo::ServoLoop;
+use trendid_host_tests::servo::population::adaptive::stated;
 use trendid_host_tests::servo::population::bench::Bench;
 use trendid_host_tests::servo::population::draw::AxisDraw;
 use trendid_host_tests::servo::population::family::Family;
@@ -12,23 +13,17 @@ type Loop = ServoLoop<SimulatedSensor, SimulatedValve>;
 
 /// A loop on an axis, whose user measures in units of so many mm.
 fn servo(axis: &AxisDraw, unit_mm: f64) -> Loop {
-    let travel = Travel {
-        min: 0.0,
-        max: (axis.stroke_mm() / unit_mm) as f32,
-    };
-    let mut config = Config::minimal(axis.sample_time as f32, travel);
-    let limits = axis.limits();
-    config.motion = Some(MotionLimits {
-        velocity: (limits.velocity / unit_mm) as f32,
-        acceleration: (limits.acceleration / unit_mm) as f32,
-        jerk: (limits.jerk / unit_mm) as f32,
-    });
     let sensor = Axis {
         scale: Scale::new((axis.resolution_mm / unit_mm) as f32).expect("a scale"),
         reference: 0,
     };
-    ServoLoop::try_new(&config, sensor, SimulatedSensor::default(), SimulatedValve)
-        .expect("settings")
+    ServoLoop::try_new(
+        &stated(axis, unit_mm),
+        sensor,
+        SimulatedSensor::default(),
+        SimulatedValve,
+    )
+    .expect("settings")
 }
 
 /// The units are powers of two, so that every command is the same to the last bit: through the

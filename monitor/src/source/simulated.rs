@@ -2,8 +2,9 @@
 
 use trendid::hardware::{Axis, Scale};
 use trendid::servo::store::Record;
-use trendid::servo::{Config, Error, MotionLimits, ServoLoop, Travel};
+use trendid::servo::{Config, Error, MotionLimits, ServoLoop};
 use trendid_host_tests::plants::pneumatic::AxisParameters;
+use trendid_host_tests::servo::population::adaptive::stated;
 use trendid_host_tests::servo::population::bench::Bench;
 use trendid_host_tests::servo::population::draw::{AxisDraw, Mechanics};
 use trendid_host_tests::servo::population::range::Purpose;
@@ -50,7 +51,7 @@ impl Simulated {
     pub(crate) fn new(axis: &AxisDraw, name: &str, start: u16) -> Result<Self, Error> {
         let mut refused = None;
         for (unit_mm, unit) in UNITS {
-            let config = config(axis, unit_mm);
+            let config = stated(axis, unit_mm);
             match build(axis, &config, unit_mm) {
                 Ok((servo, sensor)) => {
                     let identity = Identity {
@@ -222,22 +223,6 @@ impl Machine for Plant {
             _ => operate(&mut self.servo, request),
         }
     }
-}
-
-/// What the user of the axis knows of it, as in the tests of the population.
-fn config(axis: &AxisDraw, unit_mm: f64) -> Config {
-    let travel = Travel {
-        min: 0.0,
-        max: (axis.stroke_mm() / unit_mm) as f32,
-    };
-    let mut config = Config::minimal(axis.sample_time as f32, travel);
-    let limits = axis.limits();
-    config.motion = Some(MotionLimits {
-        velocity: (limits.velocity / unit_mm) as f32,
-        acceleration: (limits.acceleration / unit_mm) as f32,
-        jerk: (limits.jerk / unit_mm) as f32,
-    });
-    config
 }
 
 fn build(axis: &AxisDraw, config: &Config, unit_mm: f64) -> Result<(Loop, Axis), Error> {

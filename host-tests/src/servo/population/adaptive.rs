@@ -66,8 +66,8 @@ pub struct Commissioned {
     pub wrong_sign: bool,
 }
 
-/// What the user states, in units of `unit_mm`.
-fn config(axis: &AxisDraw, adaptive: bool, unit_mm: f64) -> servo::Config {
+/// What the user of an axis states, in units of `unit_mm`.
+pub fn stated(axis: &AxisDraw, unit_mm: f64) -> servo::Config {
     let travel = Travel {
         min: 0.0,
         max: (axis.stroke_mm() / unit_mm) as f32,
@@ -79,7 +79,6 @@ fn config(axis: &AxisDraw, adaptive: bool, unit_mm: f64) -> servo::Config {
         acceleration: (limits.acceleration / unit_mm) as f32,
         jerk: (limits.jerk / unit_mm) as f32,
     });
-    config.adaptive = adaptive;
     config
 }
 
@@ -110,7 +109,8 @@ impl LoopPositioner {
             scale,
             reference: 0,
         };
-        let mut config = config(axis, adaptive, unit_mm);
+        let mut config = stated(axis, unit_mm);
+        config.adaptive = adaptive;
         config.controller.dead_volume = dead_volume;
         let (sensor_of, valve) = (SimulatedSensor::default(), SimulatedValve);
         Ok(Self {
