@@ -53,7 +53,23 @@ pub(crate) fn servo<V: Valve>(valve: V) -> Result<Servo<V>, servo::Error> {
     Ok(servo)
 }
 
-/// Codes of the drive under a loop of its own, and a move every second.
+/// The target of a sample: every second a move that is asked for at rest, another one 0.15 s into
+/// its motion, and from 0.2 to 0.25 s a new one in every sample.
+fn target(k: usize) -> Option<f32> {
+    let there = if (k / 1000).is_multiple_of(2) {
+        250.0
+    } else {
+        150.0
+    };
+    match k % 1000 {
+        999 => Some(there),
+        149 if k > 1000 => Some(200.0),
+        burst @ 200..250 if k > 1000 => Some(200.0 + burst as f32 - 200.0),
+        _ => None,
+    }
+}
+
+/// Codes of the drive under a loop of its own, and its moves.
 pub(crate) fn motion(
     leader: &mut Servo<SimulatedValve>,
     samples: usize,
@@ -61,12 +77,11 @@ pub(crate) fn motion(
     let mut drive = Drive::new(ORIGIN);
     (0..samples).map(move |k| {
         let code = drive.counts().unwrap_or(ORIGIN);
-        let target = (k % 1000 == 999).then_some(if k % 2000 == 999 { 250.0 } else { 150.0 });
         leader.sensor_mut().code = code;
-        if let Some(target) = target {
+        if let Some(target) = target(k) {
             let _ = leader.move_to(target);
         }
         let _ = leader.update();
-        ((code, target), 0.0)
+        ((code, target(k)), 0.0)
     })
 }

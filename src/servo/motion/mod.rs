@@ -3,6 +3,8 @@
 pub(crate) mod alpha_beta_gamma;
 pub(crate) mod profile;
 pub(crate) mod run_out;
+pub(crate) mod search;
+pub(crate) mod segment;
 pub(crate) mod sine;
 pub(crate) mod trajectory;
 

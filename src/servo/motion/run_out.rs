@@ -53,6 +53,31 @@ impl RunOut {
             && s.acceleration.abs() < ENDED * limits.acceleration;
         (if ended { Setpoint::at(s.position) } else { s }, ended)
     }
+
+    /// The motion `2^doublings` samples of `step` seconds on; one that has ended before goes on, by
+    /// less than its end cut off. Cost: about 30 instructions per doubling.
+    ///
+    /// What [`next`](Self::next) does is linear: velocity and acceleration are multiplied by a
+    /// matrix M, the position grows by c times them. Over twice the samples they are M M and
+    /// c + c M.
+    pub(crate) fn after(&self, from: &Motion, step: f32, doublings: u32) -> Motion {
+        let (h, r) = (step, self.rate);
+        let [mut vv, mut va] = [1.0 - 0.5 * h * h * r * r, h - h * h * r];
+        let [mut av, mut aa] = [-h * r * r, 1.0 - 2.0 * h * r];
+        let [mut of_v, mut of_a] = [h, 0.5 * h * h];
+        for _ in 0..doublings {
+            [of_v, of_a] = [of_v + of_v * vv + of_a * av, of_a + of_v * va + of_a * aa];
+            let (trace, mixed) = (vv + aa, va * av);
+            [vv, aa] = [vv * vv + mixed, aa * aa + mixed];
+            [va, av] = [va * trace, av * trace];
+        }
+        let (v, a) = (from.velocity, from.acceleration);
+        Motion {
+            position: from.position + of_v * v + of_a * a,
+            velocity: vv * v + va * a,
+            acceleration: av * v + aa * a,
+        }
+    }
 }
 
 #[cfg(test)]

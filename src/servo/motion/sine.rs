@@ -70,6 +70,16 @@ impl Sine {
         }
     }
 
+    /// The same, with `2^doublings` of its samples in one. Cost: 6 instructions per doubling.
+    pub(crate) fn coarse(mut self, doublings: u32) -> Self {
+        for _ in 0..doublings {
+            let [cos, sin] = self.turn;
+            self.turn = [cos * cos - sin * sin, 2.0 * sin * cos];
+            self.growth *= 2.0;
+        }
+        self
+    }
+
     /// One sample of `step` seconds on. Cost: about 60 instructions.
     #[inline]
     pub(crate) fn next(&mut self, step: f32) -> Setpoint {

@@ -1,8 +1,9 @@
 //! Jerk-limited trajectory: a standstill, moves, a run-out, a sine.
 
 use crate::servo::error::Error;
-use crate::servo::motion::profile::{Move, PLANNING, Search};
+use crate::servo::motion::profile::Move;
 use crate::servo::motion::run_out::RunOut;
+use crate::servo::motion::search::{PLANNING, Search};
 use crate::servo::motion::sine::Sine;
 use crate::servo::motion::{Motion, MotionLimits, Setpoint, Travel};
 
@@ -110,8 +111,8 @@ impl Trajectory {
     ///
     /// Targets may come in any sample: while a move is being planned the last of them is the next
     /// one. Where the present motion brakes harder than the limits, because the travel ends, the
-    /// move begins when it has come to rest. Cost: 16 times [`Trajectory::update`] in motion, to
-    /// know where the move begins.
+    /// move begins when it has come to rest. Cost: about 200 instructions, in motion, to know where
+    /// the move begins.
     pub(crate) fn move_to(&mut self, target: f32) -> Result<(), Error> {
         Error::unless_within("target", target, f32::MIN, f32::MAX)?;
         let target = self.travel.nearest(target);
@@ -126,13 +127,26 @@ impl Trajectory {
     }
 
     fn search(&mut self, target: f32) {
-        let mut ahead = self.clone();
-        if !matches!(ahead.plan, Plan::Rest) {
-            for _ in 0..PLANNING {
-                let _ = ahead.advance();
+        self.search = Some(Search::new(self.ahead(), target));
+    }
+
+    /// The motion of the present plan after the samples that planning takes.
+    fn ahead(&self) -> Motion {
+        const DOUBLINGS: u32 = PLANNING.trailing_zeros();
+        let (now, step) = (self.setpoint.motion(), self.sample_time);
+        let motion = match &self.plan {
+            Plan::Rest => now,
+            Plan::Move(planned) => planned.clone().next(u32::from(PLANNING), step).0.motion(),
+            Plan::RunOut(run_out) => run_out.after(&now, step, DOUBLINGS),
+            Plan::Sine(sine) => {
+                let long = step * f32::from(PLANNING);
+                sine.clone().coarse(DOUBLINGS).next(long).motion()
             }
+        };
+        Motion {
+            position: self.travel.nearest(motion.position),
+            ..motion
         }
-        self.search = Some(Search::new(ahead.setpoint.motion(), target, &self.limits));
     }
 
     /// One sample of planning; a move that is planned begins.
@@ -226,6 +240,10 @@ impl Trajectory {
         } else {
             self.setpoint = Setpoint::at(position);
             self.plan = Plan::Rest;
+            // What is being planned begins where nothing will be.
+            if let Some(search) = self.search.take() {
+                self.next = self.next.or(Some(search.target()));
+            }
         }
     }
 
@@ -234,7 +252,7 @@ impl Trajectory {
         let step = self.sample_time;
         let (next, ended) = match &mut self.plan {
             Plan::Rest => (Setpoint::at(self.setpoint.position), false),
-            Plan::Move(planned) => planned.next(step),
+            Plan::Move(planned) => planned.next(1, step),
             Plan::RunOut(run_out) => run_out.next(&self.setpoint, step, &self.limits),
             Plan::Sine(sine) => (sine.next(step), false),
         };

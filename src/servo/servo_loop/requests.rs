@@ -42,7 +42,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     }
 
     /// Moves to `target`, limited to the travel, as fast as the limits of motion allow; may be
-    /// called in any sample. Cost: in motion the reference is stepped 16 samples ahead.
+    /// called in any sample, in motion too: it begins where the motion then is.
     ///
     /// # Errors
     /// [`Error::Setting`] for NaN and infinity; the reference goes on as before.

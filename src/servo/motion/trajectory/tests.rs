@@ -1,6 +1,7 @@
 //! Moves, sines and run-outs against their limits.
 
 mod ends;
+mod in_motion;
 
 use super::*;
 use crate::error::ConfigError;

@@ -1,0 +1,134 @@
+//! Planning of a jerk-limited move, spread over samples.
+
+use crate::math::sqrt;
+use crate::servo::motion::profile::Move;
+use crate::servo::motion::segment::{Segment, change, end, from_zero};
+use crate::servo::motion::{Motion, MotionLimits};
+
+/// Samples that planning a move takes, a power of two; the move begins with the one after them.
+pub(crate) const PLANNING: u8 = 16;
+
+/// The search for the cruising velocity of a move of up to seven pieces from `start` to rest at
+/// `target`.
+///
+/// The velocity is the largest from which the axis still stops in time: 14 bits of it, one per
+/// sample; cruising makes up for the rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Search {
+    start: Motion,
+    target: f32,
+    direction: f32,
+    /// A velocity from which the axis stops in time, and one from which it does not.
+    low: f32,
+    high: f32,
+    left: u8,
+}
+
+impl Search {
+    /// A search that will be finished after [`PLANNING`] steps.
+    pub(crate) const fn new(start: Motion, target: f32) -> Self {
+        Self {
+            start,
+            target,
+            direction: 1.0,
+            low: 0.0,
+            high: 0.0,
+            left: PLANNING,
+        }
+    }
+
+    /// Where the move will end.
+    pub(crate) const fn target(&self) -> f32 {
+        self.target
+    }
+
+    /// One sample of the search; whether there is more to do. Cost: some 400 instructions.
+    pub(crate) fn step(&mut self, limits: &MotionLimits) -> bool {
+        const FIRST: u8 = PLANNING - 1;
+        self.left = self.left.saturating_sub(1);
+        match self.left {
+            // This sample has the seven pieces to compute.
+            0 => return false,
+            FIRST => self.bracket(limits),
+            _ => self.halve(limits),
+        }
+        true
+    }
+
+    /// The direction of the move, and velocities between which the largest is.
+    fn bracket(&mut self, limits: &MotionLimits) {
+        let start = &self.start;
+        let stop = change(start.velocity, start.acceleration, 0.0, limits);
+        let need = self.target - start.position;
+        if need < end(&from_zero(start), &stop).position {
+            self.direction = -1.0;
+        }
+        // Without a limit of the jerk, from rest, v^2 = a d; what it has already comes on top.
+        let settled =
+            start.velocity.abs() + 0.5 * start.acceleration * start.acceleration / limits.jerk;
+        let reach = sqrt(limits.acceleration * need.abs()) + 2.0 * settled;
+        // Twice the largest velocity: the first halving then tests the largest itself.
+        self.high = if 2.0 * limits.velocity < reach {
+            2.0 * limits.velocity
+        } else {
+            reach
+        };
+    }
+
+    /// The half in which the largest velocity is.
+    fn halve(&mut self, limits: &MotionLimits) {
+        let need = self.direction * (self.target - self.start.position);
+        let middle = 0.5 * (self.low + self.high);
+        let middle = if middle < limits.velocity {
+            middle
+        } else {
+            limits.velocity
+        };
+        if self.direction * self.pieces(middle, limits).2 > need {
+            self.high = middle;
+        } else {
+            self.low = middle;
+            if middle >= limits.velocity {
+                // The requested limit suffices.
+                self.high = middle;
+            }
+        }
+    }
+
+    /// To the cruising velocity, from it to rest, and how far that leads.
+    fn pieces(&self, velocity: f32, limits: &MotionLimits) -> ([Segment; 3], [Segment; 3], f32) {
+        let Motion {
+            velocity: v,
+            acceleration: a,
+            ..
+        } = self.start;
+        let cruise = self.direction * velocity;
+        let first = change(v, a, cruise, limits);
+        let last = change(cruise, 0.0, 0.0, limits);
+        let between = end(&from_zero(&self.start), &first);
+        (first, last, end(&between, &last).position)
+    }
+
+    /// The move that was found.
+    pub(crate) fn planned(&self, limits: &MotionLimits) -> Move {
+        Move::new(self.segments(limits), self.start, self.target)
+    }
+
+    /// The seven pieces of the move.
+    fn segments(&self, limits: &MotionLimits) -> [Segment; 7] {
+        let (first, last, reach) = self.pieces(self.low, limits);
+        let left = self.direction * (self.target - self.start.position - reach);
+        let duration = if left > 0.0 && self.low > 1e-6 * limits.velocity {
+            left / self.low
+        } else {
+            0.0
+        };
+        let cruise = Segment {
+            jerk: 0.0,
+            duration,
+        };
+        [
+            first[0], first[1], first[2], cruise, last[0], last[1], last[2],
+        ]
+    }
+}
