@@ -161,7 +161,7 @@ fn span(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
 fn position_loop(meter: &mut impl Meter) {
     if let (Ok(mut leader), Ok(follower)) = (servo(SimulatedValve), servo(Still)) {
         rows! { meter;
-            "whole position loop", 6, *row_servo, follower, motion(&mut leader, ROUNDS * record::SAMPLES);
+            "whole position loop", 6, *row_servo, follower, motion(&mut leader);
         }
     }
 }

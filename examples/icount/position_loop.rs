@@ -53,35 +53,47 @@ pub(crate) fn servo<V: Valve>(valve: V) -> Result<Servo<V>, servo::Error> {
     Ok(servo)
 }
 
-/// The target of a sample: every second a move that is asked for at rest, another one 0.15 s into
-/// its motion, and from 0.2 to 0.25 s a new one in every sample.
-fn target(k: usize) -> Option<f32> {
-    let there = if (k / 1000).is_multiple_of(2) {
-        250.0
-    } else {
-        150.0
-    };
-    match k % 1000 {
-        999 => Some(there),
-        149 if k > 1000 => Some(200.0),
-        burst @ 200..250 if k > 1000 => Some(200.0 + burst as f32 - 200.0),
-        _ => None,
-    }
-}
+/// Samples of [`motion`], and those between two changes of the mass.
+pub(crate) const SAMPLES: usize = 30_000;
+const LOADED: usize = 3000;
 
 /// Codes of the drive under a loop of its own, and its moves.
+///
+/// When a move is asked for and where to is drawn at random: at rest, in motion, in every sample
+/// for a while. The drive moves three times its mass, and its own again: models are compared, and
+/// the better one replaces the one in use.
 pub(crate) fn motion(
     leader: &mut Servo<SimulatedValve>,
-    samples: usize,
 ) -> impl Iterator<Item = ((i32, Option<f32>), f32)> {
     let mut drive = Drive::new(ORIGIN);
-    (0..samples).map(move |k| {
+    let mut seed = 1_u32;
+    let mut draw = move || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (seed >> 8) as f32 / 16_777_216.0
+    };
+    let (mut pause, mut burst) = (1000.0_f32, 0.0_f32);
+    (0..SAMPLES).map(move |k| {
+        if k % LOADED == LOADED - 1 {
+            drive.set_mass(if (k / LOADED).is_multiple_of(2) {
+                3.0
+            } else {
+                1.0
+            });
+        }
         let code = drive.counts().unwrap_or(ORIGIN);
         leader.sensor_mut().code = code;
-        if let Some(target) = target(k) {
+        let target = (pause < 1.0).then(|| 100.0 + 200.0 * draw());
+        if let Some(target) = target {
             let _ = leader.move_to(target);
+            burst -= 1.0;
+            if burst < 0.0 {
+                pause = 600.0 * draw() * draw();
+                burst = 50.0 * (4.0 * draw() - 3.0);
+            }
+        } else {
+            pause -= 1.0;
         }
         let _ = leader.update();
-        ((code, target(k)), 0.0)
+        ((code, target), 0.0)
     })
 }

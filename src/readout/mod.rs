@@ -227,6 +227,19 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         self.in_s_plane(theta, covariance)
     }
 
+    /// Some parameters of the recursion in the user's units, in the plane of the trends: that of s
+    /// for trends through a filter. Cost: half of [`recursion`](Self::recursion).
+    pub(crate) fn part<const K: usize>(&self, which: [usize; K]) -> ([f32; K], Matrix<K>) {
+        let units = which.map(|i| self.regressor.units()[i]);
+        let theta = which.map(|i| self.estimator.theta()[i]);
+        let (noise, p) = (self.residual(), self.covariance());
+        let entry = |i: usize, j: usize| noise * p[which[i]][which[j]] * units[i] * units[j];
+        (
+            core::array::from_fn(|i| units[i] * theta[i]),
+            core::array::from_fn(|i| core::array::from_fn(|j| entry(i, j))),
+        )
+    }
+
     fn in_s_plane(&self, theta: [f32; N], covariance: Matrix<N>) -> Estimate<M, N, I> {
         let found = Estimate {
             structure: *self.structure,

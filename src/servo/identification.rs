@@ -91,12 +91,29 @@ pub(crate) fn reopen(identifier: &mut LoopIdentifier, model: &Model, share: f32)
     let _ = identifier.warm_start(theta, std);
 }
 
-/// a1, a2, b0 and friction of what belongs to theta.
-fn four<T>([a1, a2, b0, _, friction, _]: [T; 6]) -> [T; 4] {
-    [a1, a2, b0, friction]
+/// What the recursion says of a1, a2, b0 and friction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Looked {
+    theta: [f32; 4],
+    covariance: [[f32; 4]; 4],
+    /// 1; infinity before the noise is known, without which nothing is certain.
+    known: f32,
 }
 
-/// The present estimate with its relative variances, to first order and as the recursion has them;
+/// The present estimate.
+pub(crate) fn look(identifier: &LoopIdentifier) -> Looked {
+    let (theta, covariance) = identifier.read_out().part([0, 1, 2, 4]);
+    Looked {
+        theta,
+        covariance,
+        known: match identifier.noise_std() {
+            Some(_) => 1.0,
+            None => f32::INFINITY,
+        },
+    }
+}
+
+/// An estimate with its relative variances, to first order and as the recursion has them;
 /// valve and delay are those of the model in use.
 ///
 /// ```text
@@ -114,17 +131,14 @@ fn four<T>([a1, a2, b0, _, friction, _]: [T; 6]) -> [T; 4] {
 /// The friction itself follows a1: a friction that stayed as an acceleration would be three times
 /// too large under three times the mass, and a loop that stops by friction would hunt. What the
 /// samples say of it, between two reversals, is too little for that.
-pub(crate) fn candidate(identifier: &LoopIdentifier, used: &Model) -> Candidate {
-    let found = identifier.recursion();
-    let (theta, covariance) = (found.theta(), found.covariance());
-    // Nothing is certain before the noise is known.
-    let known = match identifier.noise_std() {
-        Some(_) => 1.0,
-        None => f32::INFINITY,
-    };
+pub(crate) fn candidate(looked: &Looked, used: &Model) -> Candidate {
+    let Looked {
+        theta: mut x,
+        covariance: mut p,
+        known,
+    } = *looked;
     // The model in use was verified: its numbers are above 0.
     let scales = [used.a1, used.a2, used.b0, -1.0];
-    let (mut x, mut p) = (four(theta), four(covariance).map(four));
     for ((x, row), scale) in x.iter_mut().zip(&mut p).zip(scales) {
         *x /= scale;
         for (value, other) in row.iter_mut().zip(scales) {

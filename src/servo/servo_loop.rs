@@ -101,6 +101,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.sensed.position = y;
         self.begin(y);
         self.moves.tracking.update(y);
+        let crowded = self.is_crowded();
         let (setpoint, requested) = self.requested(y, same_code);
         let limited = self.limiter.update(requested);
         self.commands.push(limited);
@@ -114,7 +115,6 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             return self.report(setpoint, command, None, retuned);
         }
         let along = self.drive.sign * command;
-        self.refine_poles();
         self.controller.applied(along);
         let inputs = inputs_of_known(&self.controller);
         self.monitor.update(along);
@@ -122,7 +122,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let retuned = if self.is_stopped(&setpoint, y, along, same_code) {
             false
         } else {
-            self.supervise(&setpoint, y, same_code, outcome)
+            self.supervise(&setpoint, y, same_code, outcome, crowded)
         };
         let went_back = core::mem::take(&mut self.fallback.went_back);
         self.report(

@@ -6,7 +6,7 @@ use crate::servo::commissioning::{Found, Progress};
 use crate::servo::control::controller::Controller;
 use crate::servo::control::margins::Margins;
 use crate::servo::design::constants::{CHANGED_STD, REOPENED_STD};
-use crate::servo::identification::{LoopIdentifier, candidate, reopen};
+use crate::servo::identification::{LoopIdentifier, candidate, look, reopen};
 use crate::servo::model::Model;
 use crate::servo::motion::{Motion, Setpoint};
 use crate::servo::servo_loop::ServoLoop;
@@ -25,6 +25,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         y: f32,
         same_code: bool,
         outcome: Outcome,
+        crowded: bool,
     ) -> bool {
         let state = self.supervisor.state();
         let motion = self.motion();
@@ -39,17 +40,39 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             innovation: outcome.innovation(),
         };
         let mut event = self.supervisor.update(&seen);
-        if self.config.adaptive && event == Event::None && self.supervisor.wants_candidate() {
+        if event != Event::None {
+            // What was looked at is no longer.
+            self.takeover.looked = None;
+        } else if crowded {
+            self.supervisor.looks_later();
+        } else {
+            event = self.think();
+        }
+        self.identifier.adapt(self.learns());
+        self.follow(event, state)
+    }
+
+    /// A piece of what can wait for a sample that has the time: the estimate becomes a candidate,
+    /// or the search for poles goes on.
+    fn think(&mut self) -> Event {
+        if let Some(looked) = self.takeover.looked.take() {
+            if !self.supervisor.wants_candidate() {
+                return Event::None;
+            }
             if core::mem::take(&mut self.fallback.reconsiders)
                 && let Some(model) = self.fallback.known_good
             {
                 self.supervisor.evidence.reconsider(model);
             }
-            let candidate = candidate(&self.identifier, self.controller.model());
-            event = self.supervisor.submit(&candidate);
+            let candidate = candidate(&looked, self.controller.model());
+            return self.supervisor.submit(&candidate);
         }
-        self.identifier.adapt(self.learns());
-        self.follow(event, state)
+        if self.config.adaptive && self.supervisor.looks() {
+            self.takeover.looked = Some(look(&self.identifier));
+        } else {
+            self.refine_poles();
+        }
+        Event::None
     }
 
     /// Whether the identifier learns from this sample.
@@ -122,6 +145,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.guard.monitors.begin(model, motion, along);
         self.derate(1.0);
         self.fallback = Fallback::new(Some(model));
+        self.takeover.looked = None;
         self.moves
             .trajectory
             .run_out(motion, self.moves.run_out_rate);

@@ -74,6 +74,11 @@ impl Controller {
         self.transfer.poles(poles, margins);
     }
 
+    /// Whether other gains come into force with the next sample.
+    pub(crate) const fn changes(&self) -> bool {
+        self.transfer.has_arriving()
+    }
+
     /// What a search for poles needs to know.
     pub(crate) const fn tuning_design(&self) -> &TuningDesign {
         &self.design.tuning

@@ -56,18 +56,22 @@ impl Transfer {
         self.trace
     }
 
-    /// What comes into force in this sample.
+    /// Whether something comes into force with the next sample.
     #[inline]
-    pub(crate) fn take(&mut self) -> Option<Arriving> {
+    pub(crate) const fn has_arriving(&self) -> bool {
         let Arriving {
             model,
             poles,
             factor,
-        } = self.arriving;
-        if model.is_none() && poles.is_none() && factor.is_none() {
-            return None;
-        }
-        Some(core::mem::take(&mut self.arriving))
+        } = &self.arriving;
+        model.is_some() || poles.is_some() || factor.is_some()
+    }
+
+    /// What comes into force in this sample.
+    #[inline]
+    pub(crate) fn take(&mut self) -> Option<Arriving> {
+        self.has_arriving()
+            .then(|| core::mem::take(&mut self.arriving))
     }
 
     /// Keeps the difference of the commands before and after a change; gives the command. Within

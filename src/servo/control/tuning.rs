@@ -41,6 +41,7 @@ pub(crate) struct Tuning {
     frequency: f32,
     drive: Drive,
     step: f32,
+    /// Ratio of two frequencies of a sweep; 0 before the first piece.
     ratio: f32,
     noise: f32,
     case: usize,
@@ -56,7 +57,7 @@ pub(crate) struct Tuning {
 }
 
 impl Tuning {
-    /// A search for the poles of a model. Cost: some 800 instructions.
+    /// A search for the poles of a model.
     pub(crate) fn new(design: &TuningDesign, model: &Model) -> Self {
         let w0 = sqrt(model.a1);
         let step = w0 * design.sample_time;
@@ -70,7 +71,7 @@ impl Tuning {
                 delay: w0 * design.delay,
             },
             step,
-            ratio: ratio(step),
+            ratio: 0.0,
             noise: design.noise * w0 * model.a1 / model.b0,
             case: 0,
             bandwidth: 0.0,
@@ -135,11 +136,15 @@ impl Tuning {
         }
     }
 
-    /// A piece of the search: the gains of a controller, or one frequency of it; whether the search
-    /// is over.
+    /// A piece of the search: its frequencies, the gains of a controller, or one frequency of it;
+    /// whether the search is over.
     pub(crate) fn step(&mut self) -> bool {
         if self.case >= CASES {
             return true;
+        }
+        if self.ratio == 0.0 {
+            self.ratio = ratio(self.step);
+            return false;
         }
         let Some(sweep) = &mut self.sweep else {
             return self.enter();

@@ -45,7 +45,7 @@ const USED: Model = Model {
 #[test]
 fn relative_variances_are_those_of_gain_frequency_and_damping() {
     let identifier = trained();
-    let found = candidate(&identifier, &USED);
+    let found = candidate(&look(&identifier), &USED);
     let estimate = identifier.recursion();
     let (theta, covariance) = (estimate.theta(), estimate.covariance());
     let [a1, a2, b0, ..] = theta;
@@ -87,7 +87,7 @@ fn nothing_is_certain_before_the_noise_is_known() {
     let mut identifier = trained();
     identifier.reset();
     reopen(&mut identifier, &USED, 0.1);
-    let found = candidate(&identifier, &USED);
+    let found = candidate(&look(&identifier), &USED);
     assert!(found.variances.iter().all(|variance| !variance.is_finite()));
     assert!(!found.has_certain_sign());
     // The model is the one that it was given.
@@ -97,7 +97,7 @@ fn nothing_is_certain_before_the_noise_is_known() {
 #[test]
 fn what_the_loop_has_learnt_of_the_valve_stays_and_friction_follows_the_mass() {
     let used = Model { a1: 1200.0, ..USED };
-    let found = candidate(&trained(), &used).model;
+    let found = candidate(&look(&trained()), &used).model;
     // A force that is the same deflection at another a1.
     let wanted = Model {
         friction: 2000.0 * found.a1 / 1200.0,

@@ -2,8 +2,8 @@
 
 use crate::math::sqrt;
 use crate::servo::motion::profile::Move;
-use crate::servo::motion::segment::{Segment, change, end, from_zero};
-use crate::servo::motion::{Motion, MotionLimits};
+use crate::servo::motion::segment::{Segment, braking, change, end, from_zero};
+use crate::servo::motion::{Motion, MotionLimits, Travel};
 
 /// Samples that planning a move takes, a power of two; the move begins with the one after them.
 pub(crate) const PLANNING: u8 = 16;
@@ -11,9 +11,9 @@ pub(crate) const PLANNING: u8 = 16;
 /// The search for the cruising velocity of a move of up to seven pieces from `start` to rest at
 /// `target`.
 ///
-/// The velocity is the largest from which the axis still stops in time: 14 bits of it, one per
+/// The velocity is the largest from which the axis still stops in time: 12 bits of it, one per
 /// sample; cruising makes up for the rest.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Search {
     start: Motion,
     target: f32,
@@ -22,10 +22,12 @@ pub(crate) struct Search {
     low: f32,
     high: f32,
     left: u8,
+    planned: Option<Move>,
+    fits: bool,
 }
 
 impl Search {
-    /// A search that will be finished after [`PLANNING`] steps.
+    /// A search that will be finished after [`PLANNING`] steps, the last three for the move itself.
     pub(crate) const fn new(start: Motion, target: f32) -> Self {
         Self {
             start,
@@ -34,6 +36,8 @@ impl Search {
             low: 0.0,
             high: 0.0,
             left: PLANNING,
+            planned: None,
+            fits: false,
         }
     }
 
@@ -42,17 +46,24 @@ impl Search {
         self.target
     }
 
-    /// One sample of the search; whether there is more to do. Cost: some 400 instructions.
-    pub(crate) fn step(&mut self, limits: &MotionLimits) -> bool {
+    /// One sample of the search; in the last one the move that was found, and whether it stays
+    /// within the travel. Cost: some 300 instructions.
+    pub(crate) fn step(&mut self, limits: &MotionLimits, travel: &Travel) -> Option<(Move, bool)> {
         const FIRST: u8 = PLANNING - 1;
         self.left = self.left.saturating_sub(1);
         match self.left {
-            // This sample has the seven pieces to compute.
-            0 => return false,
+            0 => return self.planned.take().map(|found| (found, self.fits)),
+            1 => {
+                self.fits = self
+                    .planned
+                    .as_ref()
+                    .is_some_and(|p| p.stays_within(travel))
+            }
+            2 => self.planned = Some(Move::new(self.segments(limits), self.start, self.target)),
             FIRST => self.bracket(limits),
             _ => self.halve(limits),
         }
-        true
+        None
     }
 
     /// The direction of the move, and velocities between which the largest is.
@@ -84,7 +95,7 @@ impl Search {
         } else {
             limits.velocity
         };
-        if self.direction * self.pieces(middle, limits).2 > need {
+        if self.direction * self.reach(middle, limits).1 > need {
             self.high = middle;
         } else {
             self.low = middle;
@@ -95,8 +106,8 @@ impl Search {
         }
     }
 
-    /// To the cruising velocity, from it to rest, and how far that leads.
-    fn pieces(&self, velocity: f32, limits: &MotionLimits) -> ([Segment; 3], [Segment; 3], f32) {
+    /// To the cruising velocity, and how far that and from it to rest leads.
+    fn reach(&self, velocity: f32, limits: &MotionLimits) -> ([Segment; 3], f32) {
         let Motion {
             velocity: v,
             acceleration: a,
@@ -104,19 +115,17 @@ impl Search {
         } = self.start;
         let cruise = self.direction * velocity;
         let first = change(v, a, cruise, limits);
-        let last = change(cruise, 0.0, 0.0, limits);
-        let between = end(&from_zero(&self.start), &first);
-        (first, last, end(&between, &last).position)
-    }
-
-    /// The move that was found.
-    pub(crate) fn planned(&self, limits: &MotionLimits) -> Move {
-        Move::new(self.segments(limits), self.start, self.target)
+        let braking = self.direction * braking(velocity, limits);
+        (
+            first,
+            end(&from_zero(&self.start), &first).position + braking,
+        )
     }
 
     /// The seven pieces of the move.
     fn segments(&self, limits: &MotionLimits) -> [Segment; 7] {
-        let (first, last, reach) = self.pieces(self.low, limits);
+        let (first, reach) = self.reach(self.low, limits);
+        let last = change(self.direction * self.low, 0.0, 0.0, limits);
         let left = self.direction * (self.target - self.start.position - reach);
         let duration = if left > 0.0 && self.low > 1e-6 * limits.velocity {
             left / self.low

@@ -86,6 +86,22 @@ pub(crate) fn change(v0: f32, a0: f32, v1: f32, limits: &MotionLimits) -> [Segme
     ]
 }
 
+/// How far an axis goes from a constant velocity above 0 to rest: half of it in the mean, for up to
+/// the largest acceleration and back to none, and what is left of the velocity at the largest.
+pub(crate) fn braking(velocity: f32, limits: &MotionLimits) -> f32 {
+    let MotionLimits {
+        acceleration: a,
+        jerk: j,
+        ..
+    } = *limits;
+    let time = if velocity * j < a * a {
+        2.0 * sqrt(velocity / j)
+    } else {
+        velocity / a + a / j
+    };
+    0.5 * velocity * time
+}
+
 /// Where the pieces lead from `start`.
 pub(crate) fn end(start: &Motion, segments: &[Segment]) -> Motion {
     let mut motion = *start;

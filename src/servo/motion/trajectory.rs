@@ -25,7 +25,7 @@ enum Plan {
 /// Generator of the reference: standstill, jerk-limited moves, a run-out, a sine.
 ///
 /// A move has up to seven pieces of constant jerk: to the cruising velocity, cruise,
-/// to rest, from any state. Planning takes square roots and a bisection, some 10 000
+/// to rest, from any state. Planning takes square roots and a bisection, some 4000
 /// instructions; they are spread over the 16 samples after [`Trajectory::move_to`], in
 /// which the reference goes on as before.
 ///
@@ -39,9 +39,12 @@ pub(crate) struct Trajectory {
     sample_time: f32,
     setpoint: Setpoint,
     plan: Plan,
-    /// A move that is being planned, and the target that came meanwhile or waits for rest.
+    /// A move that is being planned, the target that came meanwhile, and one that waits for rest.
     search: Option<Search>,
     next: Option<f32>,
+    behind_rest: Option<f32>,
+    /// Whether the next sample plans nothing.
+    pauses: bool,
     /// A sine that begins when the present plan has come to rest.
     sine: Option<Sine>,
 }
@@ -57,6 +60,8 @@ impl Trajectory {
             plan: Plan::Rest,
             search: None,
             next: None,
+            behind_rest: None,
+            pauses: false,
             sine: None,
         }
     }
@@ -72,6 +77,7 @@ impl Trajectory {
         self.plan = plan;
         self.search = None;
         self.next = None;
+        self.behind_rest = None;
         self.sine = None;
     }
 
@@ -117,10 +123,10 @@ impl Trajectory {
         Error::unless_within("target", target, f32::MIN, f32::MAX)?;
         let target = self.travel.nearest(target);
         self.sine = None;
-        if self.search.is_some() {
+        self.behind_rest = None;
+        if self.is_planning() || self.next.is_some() {
             self.next = Some(target);
         } else {
-            self.next = None;
             self.search(target);
         }
         Ok(())
@@ -149,26 +155,36 @@ impl Trajectory {
         }
     }
 
+    /// Whether a move is planned in the sample to come.
+    pub(crate) const fn is_planning(&self) -> bool {
+        self.search.is_some()
+    }
+
     /// One sample of planning; a move that is planned begins.
+    ///
+    /// Between two plannings two samples are free: targets in every sample leave time for what waits
+    /// for it.
     fn plan(&mut self) {
         let Some(search) = &mut self.search else {
             if matches!(self.plan, Plan::Rest)
+                && let Some(target) = self.behind_rest.take()
+            {
+                self.next = Some(target);
+            }
+            if !core::mem::take(&mut self.pauses)
                 && let Some(target) = self.next.take()
             {
                 self.search(target);
             }
             return;
         };
-        if search.step(&self.limits) {
+        let Some((planned, fits)) = search.step(&self.limits, &self.travel) else {
             return;
-        }
-        let planned = search.planned(&self.limits);
+        };
         let next = self.next;
-        if planned.stays_within(&self.travel) {
+        if fits {
             self.begin(Plan::Move(planned));
-            if let Some(next) = next {
-                self.search(next);
-            }
+            (self.next, self.pauses) = (next, next.is_some());
             return;
         }
         // A motion that was taken over may need a harder brake than the limits: it comes to rest
@@ -178,7 +194,8 @@ impl Trajectory {
             self.begin(Plan::Move(self.brake(self.setpoint.motion())));
         }
         self.search = None;
-        self.next = Some(target);
+        self.next = None;
+        self.behind_rest = Some(target);
     }
 
     /// Oscillates with `frequency` in Hz about the present position, in motion about the place
@@ -214,7 +231,10 @@ impl Trajectory {
     /// Whether the reference stands still.
     #[cfg(test)]
     pub(crate) fn is_finished(&self) -> bool {
-        matches!(self.plan, Plan::Rest) && self.search.is_none() && self.next.is_none()
+        matches!(self.plan, Plan::Rest)
+            && self.search.is_none()
+            && self.next.is_none()
+            && self.behind_rest.is_none()
     }
 
     /// The newest setpoint.

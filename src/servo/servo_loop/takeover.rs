@@ -2,15 +2,18 @@
 
 use crate::servo::building::Building;
 use crate::servo::control::tuning::Tuned;
+use crate::servo::identification::Looked;
 use crate::servo::model::Model;
 
-/// From what the commissioning found to a controller that takes over.
+/// From what was found to a controller that works with it.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Takeover {
     /// The loop for what was found, while it is being built.
     pub(crate) building: Option<Building>,
     /// The search of poles for the model that is being validated.
     pub(crate) tuning: Option<Tuned>,
+    /// The estimate that the next sample makes a candidate of.
+    pub(crate) looked: Option<Looked>,
     /// Samples in which the observer of the controller settles before it takes over.
     pub(crate) watching: u32,
 }

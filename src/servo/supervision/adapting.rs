@@ -3,6 +3,7 @@
 use crate::math::sqrt;
 use crate::servo::design::constants::UNKNOWN_PART;
 use crate::servo::model::Model;
+use crate::servo::supervision::comparison::Comparison;
 use crate::servo::supervision::event::{Event, Observation};
 use crate::servo::supervision::evidence::Challenger;
 use crate::servo::supervision::state::State;
@@ -30,15 +31,13 @@ impl Supervisor {
         if let Some(innovation) = seen.innovation
             && self.change.update(innovation, settled)
         {
-            self.window = None;
-            self.window_due = false;
+            self.comparison = Comparison::Rests;
             self.evidence.forget();
             return Event::Changed;
         }
         if seen.sticks {
             // What was learnt before stays.
-            self.window = None;
-            self.window_due = false;
+            self.comparison = Comparison::Rests;
             return Event::None;
         }
         self.compare(seen)
@@ -53,39 +52,50 @@ impl Supervisor {
         error > design.error_deadband || error > design.error_least && error > lag
     }
 
-    /// Takes the sample of a window, or begins one that is due; at its end, what came of it.
+    /// What this sample is for, of those that compare models.
     pub(crate) fn compare(&mut self, seen: &Observation) -> Event {
         let Some(used) = self.verified_model else {
             return Event::None;
         };
-        if core::mem::take(&mut self.window_due) {
-            self.window = Some(Window::new(
-                &self.design.validation,
-                &used,
-                self.evidence.challenger(),
-                seen.motion,
-                seen.flow,
-            ));
-            return Event::None;
+        match &mut self.comparison {
+            Comparison::Rests => {}
+            Comparison::Begins => {
+                self.comparison = Comparison::Runs(Window::new(
+                    &self.design.validation,
+                    &used,
+                    self.evidence.challenger(),
+                    seen.motion,
+                    seen.flow,
+                ));
+            }
+            Comparison::Runs(window) if !window.is_over() => window.update(seen.flow, seen.y),
+            Comparison::Runs(window) => {
+                let grain = self.design.drift;
+                let sums = window.sums(self.design.min_travel, unknown(&used) + grain, grain);
+                if let Some(sums) = &sums {
+                    self.report = window.report(sums);
+                    self.evidence.add(sums);
+                }
+                self.comparison = match sums {
+                    Some(_) => Comparison::Decides,
+                    None => Comparison::Rests,
+                };
+            }
+            Comparison::Decides => {
+                self.comparison = Comparison::Rests;
+                match self.evidence.verdict(&self.design, &used) {
+                    Ok(None) => {}
+                    Ok(Some(winner)) => self.comparison = Comparison::Replaces(winner),
+                    Err(reason) => return self.refuse(reason),
+                }
+            }
+            Comparison::Replaces(winner) => {
+                let winner = *winner;
+                self.comparison = Comparison::Rests;
+                return self.replace(&used, &winner);
+            }
         }
-        let Some(window) = &mut self.window else {
-            return Event::None;
-        };
-        if !window.update(seen.flow, seen.y) {
-            return Event::None;
-        }
-        let grain = self.design.drift;
-        let sums = window.sums(self.design.min_travel, unknown(&used) + grain, grain);
-        if let Some(sums) = &sums {
-            self.report = window.report(sums);
-            self.evidence.add(sums);
-        }
-        self.window = None;
-        match sums.map(|_| self.evidence.verdict(&self.design, &used)) {
-            None | Some(Ok(None)) => Event::None,
-            Some(Ok(Some(winner))) => self.replace(&used, &winner),
-            Some(Err(reason)) => self.refuse(reason),
-        }
+        Event::None
     }
 
     /// Another model becomes the verified one, unless it may not control.

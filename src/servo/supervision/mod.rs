@@ -3,6 +3,7 @@
 mod adapting;
 pub(crate) mod bank;
 pub(crate) mod change;
+pub(crate) mod comparison;
 pub(crate) mod event;
 pub(crate) mod evidence;
 pub(crate) mod excitation_monitor;

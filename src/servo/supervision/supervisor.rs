@@ -3,11 +3,12 @@
 use crate::servo::design::SupervisionDesign;
 use crate::servo::model::Model;
 use crate::servo::supervision::change::ChangeDetector;
+use crate::servo::supervision::comparison::Comparison;
 use crate::servo::supervision::event::{Event, Observation};
 use crate::servo::supervision::evidence::Evidence;
 use crate::servo::supervision::screening::{Candidate, UNKNOWN};
 use crate::servo::supervision::state::{Reason, State};
-use crate::servo::supervision::validation::{FitReport, Window};
+use crate::servo::supervision::validation::FitReport;
 
 /// Decides from samples and candidates of the identifier which model the controller may use.
 ///
@@ -27,9 +28,7 @@ pub struct Supervisor {
     /// Samples since the last look at the estimate.
     since_look: u32,
     pub(crate) change: ChangeDetector,
-    pub(crate) window: Option<Window>,
-    /// Whether a window begins with the next sample.
-    pub(crate) window_due: bool,
+    pub(crate) comparison: Comparison,
     pub(crate) evidence: Evidence,
     pub(super) report: FitReport,
     pub(super) refusal: Option<Reason>,
@@ -54,8 +53,7 @@ impl Supervisor {
             ticks: 0,
             since_look: 0,
             change: ChangeDetector::new(&design.change),
-            window: None,
-            window_due: false,
+            comparison: Comparison::Rests,
             evidence: Evidence::NONE,
             report: FitReport::default(),
             refusal: None,
@@ -140,20 +138,31 @@ impl Supervisor {
         self.state = state;
         self.ticks = 0;
         self.since_look = 0;
-        self.window = None;
-        self.window_due = false;
+        self.comparison = Comparison::Rests;
         self.still_for = 0;
     }
 
-    /// Whether the supervisor looks at the estimate in this sample, and a window begins.
+    /// Whether the supervisor looks at the estimate in this sample.
+    #[inline]
+    pub(crate) fn looks(&self) -> bool {
+        self.since_look + 1 == self.design.look && self.wants_candidate()
+    }
+
+    /// Whether a candidate would be heard, and a window begin.
     #[inline]
     pub(crate) fn wants_candidate(&self) -> bool {
-        self.window.is_none()
-            && self.since_look + 1 == self.design.look
+        self.comparison.rests()
             && self.state == State::Adapting
             && self.still_for == 0
             && self.ticks > self.design.rejection
             && self.is_astray()
+    }
+
+    /// Looks at the estimate one sample later, if it would in this one.
+    pub(crate) fn looks_later(&mut self) {
+        if self.looks() {
+            self.since_look -= 1;
+        }
     }
 
     /// Takes an estimate, refuses it or not; a window begins with the next sample.
@@ -165,7 +174,7 @@ impl Supervisor {
                 let _ = self.refuse(reason);
             }
         }
-        self.window_due = true;
+        self.comparison = Comparison::Begins;
         Event::None
     }
 

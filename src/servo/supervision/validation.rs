@@ -157,17 +157,17 @@ impl Window {
         }
     }
 
-    /// Takes the position y(k) and the flow in force from now on; whether that was the last sample.
+    /// Takes the position y(k) and the flow in force from now on.
     ///
     /// Cost: about 60 instructions per model.
-    pub(crate) fn update(&mut self, flow: f32, y: f32) -> bool {
+    pub(crate) fn update(&mut self, flow: f32, y: f32) {
         let before = core::mem::replace(&mut self.flow, flow);
         let time = self.sample_time;
         let runners = self.bank.iter_mut().chain(&mut self.challenger);
         if self.observe > 0 {
             runners.for_each(|run| run.observe(before, y, time));
             self.observe -= 1;
-            return false;
+            return;
         }
         let response = self.unknown.update(before, time);
         runners.for_each(|run| run.simulate(before, y, time, response));
@@ -175,6 +175,10 @@ impl Window {
         self.sum += moved;
         self.squares += moved * moved;
         self.samples += 1;
+    }
+
+    /// Whether that was the last sample.
+    pub(crate) const fn is_over(&self) -> bool {
         self.samples >= self.window
     }
 

@@ -78,10 +78,14 @@ fn a_move_begins_after_its_planning_and_takes_the_time_of_the_limits() {
 #[test]
 fn targets_in_every_sample_are_followed() {
     let mut reference = at_rest();
+    let mut free = 0;
     for k in 0..400 {
         assert_eq!(reference.move_to(0.1 * k as f32), Ok(()));
+        free += u32::from(!reference.is_planning());
         let _ = reference.update();
     }
+    // Two samples between two plannings.
+    assert_eq!(free, 2 * (400 / (2 + u32::from(PLANNING))));
     assert!(reference.setpoint().position > 25.0);
     assert!(run(&mut reference, 2000) < 2000);
     assert_eq!(reference.setpoint(), Setpoint::at(0.1 * 399.0));

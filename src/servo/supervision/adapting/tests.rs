@@ -36,13 +36,13 @@ fn judged(supervisor: &mut Supervisor, drive: Model, candidate: Model) -> (Event
     let mut samples = 0;
     for k in 0..20_000 {
         let seen = step(&mut motion, &drive, k);
-        samples += u32::from(supervisor.window.is_some());
+        samples += u32::from(supervisor.comparison.window().is_some_and(|w| !w.is_over()));
         let event = supervisor.update(&seen);
         if event != Event::None || supervisor.counts() != (0, 0) {
             return (event, samples);
         }
         // At its start the axis is slower than later.
-        if k > 2000 && supervisor.window.is_none() {
+        if k > 2000 && supervisor.comparison.rests() {
             assert_eq!(supervisor.submit(&certain(candidate)), Event::None);
         }
     }
@@ -113,7 +113,7 @@ fn another_load_is_found_without_an_estimate() -> Result<(), Error> {
     while event == Event::None && k < 20_000 {
         let seen = step(&mut motion, &heavy, k);
         event = supervisor.update(&seen);
-        if supervisor.window.is_none() && event == Event::None {
+        if supervisor.comparison.rests() && event == Event::None {
             event = supervisor.submit(&vague);
         }
         k += 1;
@@ -147,7 +147,7 @@ fn a_winner_that_may_not_control_is_refused() -> Result<(), Error> {
         if event != Event::None {
             break;
         }
-        if supervisor.window.is_none() && k > 500 {
+        if supervisor.comparison.rests() && k > 500 {
             let _ = supervisor.submit(&certain(OTHER));
         }
     }
@@ -171,13 +171,13 @@ fn a_change_of_the_drive_ends_a_window_and_what_came_before_and_a_stick_the_wind
     }
     assert_eq!(supervisor.submit(&certain(OTHER)), Event::None);
     assert_eq!(supervisor.update(&quiet), Event::None);
-    assert!(supervisor.window.is_some());
+    assert!(supervisor.comparison.window().is_some());
     let sticks = Observation {
         sticks: true,
         ..quiet
     };
     assert_eq!(supervisor.update(&sticks), Event::None);
-    assert_eq!(supervisor.window, None);
+    assert_eq!(supervisor.comparison, Comparison::Rests);
     assert_eq!(supervisor.evidence.challenger(), Some(OTHER));
     assert_eq!(supervisor.submit(&certain(OTHER)), Event::None);
     let changed = Observation {
@@ -185,7 +185,7 @@ fn a_change_of_the_drive_ends_a_window_and_what_came_before_and_a_stick_the_wind
         ..quiet
     };
     assert_eq!(supervisor.update(&changed), Event::Changed);
-    assert_eq!(supervisor.window, None);
+    assert_eq!(supervisor.comparison, Comparison::Rests);
     assert_eq!(supervisor.evidence, Evidence::NONE);
     assert_eq!(supervisor.state(), State::Adapting);
     assert_eq!(supervisor.verified_model(), Some(MODEL));
@@ -242,7 +242,7 @@ fn the_first_look_at_an_estimate_is_behind_the_first_moments() -> Result<(), Err
         supervisor.enter(State::Adapting);
         let samples = (1..5 * look).find(|_| {
             let _ = supervisor.update(&at(100.0));
-            supervisor.wants_candidate()
+            supervisor.looks()
         });
         assert_eq!(samples, Some(first));
     }

@@ -53,7 +53,7 @@ fn after_months_in_one_state_the_estimate_is_looked_at_as_often_as_before() -> R
     let mut looks = 0;
     for _ in 0..1600 {
         assert_eq!(supervisor.update(&seen), Event::None);
-        looks += u32::from(supervisor.wants_candidate());
+        looks += u32::from(supervisor.looks());
     }
     assert_eq!(looks, 100);
     Ok(())
@@ -128,7 +128,7 @@ fn looks(supervisor: &mut Supervisor, seen: &Observation, samples: u32) -> usize
     (0..samples)
         .filter(|_| {
             let _ = supervisor.update(seen);
-            supervisor.wants_candidate()
+            supervisor.looks()
         })
         .count()
 }
@@ -264,7 +264,7 @@ fn a_stop_keeps_the_model_and_says_why() -> Result<(), Error> {
     supervisor.fail(Reason::Implausible);
     assert_eq!(supervisor.state(), State::Failed(Reason::Implausible));
     assert_eq!(supervisor.refusal(), Some(Reason::Implausible));
-    assert_eq!(supervisor.window, None);
+    assert_eq!(supervisor.comparison, Comparison::Rests);
     supervisor.abort();
     assert_eq!(supervisor.state(), State::Idle);
     assert_eq!(supervisor.refusal(), Some(Reason::Aborted));

@@ -27,11 +27,11 @@ fn seen_by(
     let design = Config::new(1e-3, 30.0, travel).resolve()?.supervision;
     let mut motion = Motion::at(200.0);
     let mut window = Window::new(&design.validation, used, challenger, motion, 0.0);
-    let (mut ends, mut samples) = (false, 0);
-    while !ends {
+    let mut samples = 0;
+    while !window.is_over() {
         let turned = libm::sinf(per_second * core::f32::consts::PI * 1e-3 * samples as f32);
         let flow = if turned < 0.0 { -0.3 } else { 0.3 };
-        ends = window.update(flow, motion.position);
+        window.update(flow, motion.position);
         drive.advance(&mut motion, flow - libm::copysignf(unknown, flow), 1e-3);
         samples += 1;
     }

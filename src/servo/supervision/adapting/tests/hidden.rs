@@ -34,14 +34,14 @@ fn a_window_counts_by_its_motion_over_what_friction_and_drift_hide() -> Result<(
     };
     supervisor.verified_model = Some(used);
     (supervisor.design.drift, supervisor.design.min_travel) = (1.0, 0.1);
-    supervisor.window_due = true;
+    supervisor.comparison = Comparison::Begins;
     let mut motion = Motion::at(200.0);
     for k in 0..5000 {
         let seen = step(&mut motion, &used, k);
-        let before = supervisor.window.clone();
+        let before = supervisor.comparison.window().cloned();
         assert_eq!(supervisor.compare(&seen), Event::None);
-        if let (Some(mut window), None) = (before, &supervisor.window) {
-            assert!(window.update(seen.flow, seen.y));
+        if let (Some(window), None) = (before, supervisor.comparison.window()) {
+            assert!(window.is_over());
             let sums = window.sums(0.1, 5.0, 1.0).expect("it moves");
             assert!((0.2..0.8).contains(&sums.weight), "{sums:?}");
             let mut expected = Evidence::NONE;

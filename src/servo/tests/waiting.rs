@@ -1,0 +1,57 @@
+//! What waits for a sample that has the time for it.
+
+use super::*;
+use crate::identifier::Outcome;
+use crate::servo::identification::look;
+use crate::servo::motion::Setpoint;
+
+/// A loop that adapts, in a motion that it does not follow.
+fn astray() -> Bench {
+    let mut bench = Bench::adaptive(MODEL);
+    bench.servo.oscillate(30.0, 1.0).expect("a sine");
+    let _ = bench.worst(700);
+    assert_eq!(bench.servo.supervisor().state(), State::Adapting);
+    bench.model = Model { b0: 0.3e6, ..MODEL };
+    bench
+}
+
+#[test]
+fn targets_in_every_sample_leave_time_for_poles_and_candidates() {
+    for (mut bench, samples) in [(Bench::new(MODEL), 8000), (astray(), 2000)] {
+        let searches = !bench.servo.config.adaptive;
+        bench.servo.search_again(MODEL);
+        let (mut searched, mut looked, mut compared) = (false, false, false);
+        for k in 0..samples {
+            let target = if k / 500 % 2 == 0 { 220.0 } else { 180.0 };
+            bench.servo.move_to(target).expect("a target");
+            let _ = bench.step();
+            searched |= bench.servo.takeover.tuning.is_none();
+            looked |= bench.servo.takeover.looked.is_some();
+            compared |= !bench.servo.supervisor().comparison.rests();
+        }
+        assert!(searches == searched, "the search has an end");
+        assert!(searches || looked && compared, "candidates are heard");
+    }
+}
+
+#[test]
+fn a_look_at_what_is_no_longer_makes_no_candidate() {
+    let mut bench = astray();
+    bench.servo.takeover.looked = Some(look(bench.servo.identifier()));
+    bench
+        .servo
+        .install(MODEL)
+        .expect("a model that may control");
+    assert_eq!(bench.servo.takeover.looked, None);
+    // Behind a change of the drive, in samples without time.
+    let mut bench = astray();
+    bench.servo.takeover.looked = Some(look(bench.servo.identifier()));
+    let outcome = Outcome::Estimated { innovation: 5.0 };
+    for _ in 0..100 {
+        let y = bench.motion.position;
+        let _ = bench
+            .servo
+            .supervise(&Setpoint::at(y), y, false, outcome, true);
+    }
+    assert_eq!(bench.servo.takeover.looked, None);
+}
