@@ -77,6 +77,7 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     if cfg!(target_has_atomic = "32") {
         span(meter)?;
         position_loop(meter);
+        position_loop_of_one_load(meter);
     }
     options(meter)?;
     // As for the span: eight identifiers are too many for the smallest memory, and its emulation
@@ -161,7 +162,16 @@ fn span(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
 fn position_loop(meter: &mut impl Meter) {
     if let (Ok(mut leader), Ok(follower)) = (servo(SimulatedValve), servo(Still)) {
         rows! { meter;
-            "whole position loop", 6, *row_servo, follower, motion(&mut leader);
+            "whole position loop", 6, *row_servo, follower, motion(&mut leader, 30_000, true);
+        }
+    }
+}
+
+#[inline(never)]
+fn position_loop_of_one_load(meter: &mut impl Meter) {
+    if let (Ok(mut leader), Ok(follower)) = (servo(SimulatedValve), servo(Still)) {
+        rows! { meter;
+            "position loop, one load", 6, *row_servo, follower, motion(&mut leader, 10_000, false);
         }
     }
 }

@@ -53,17 +53,18 @@ pub(crate) fn servo<V: Valve>(valve: V) -> Result<Servo<V>, servo::Error> {
     Ok(servo)
 }
 
-/// Samples of [`motion`], and those between two changes of the mass.
-pub(crate) const SAMPLES: usize = 30_000;
+/// Samples between two changes of the mass.
 const LOADED: usize = 3000;
 
 /// Codes of the drive under a loop of its own, and its moves.
 ///
 /// When a move is asked for and where to is drawn at random: at rest, in motion, in every sample
-/// for a while. The drive moves three times its mass, and its own again: models are compared, and
-/// the better one replaces the one in use.
+/// for a while. A drive with `loads` moves three times its mass, and its own again: models are
+/// compared, and the better one replaces the one in use.
 pub(crate) fn motion(
     leader: &mut Servo<SimulatedValve>,
+    samples: usize,
+    loads: bool,
 ) -> impl Iterator<Item = ((i32, Option<f32>), f32)> {
     let mut drive = Drive::new(ORIGIN);
     let mut seed = 1_u32;
@@ -72,8 +73,8 @@ pub(crate) fn motion(
         (seed >> 8) as f32 / 16_777_216.0
     };
     let (mut pause, mut burst) = (1000.0_f32, 0.0_f32);
-    (0..SAMPLES).map(move |k| {
-        if k % LOADED == LOADED - 1 {
+    (0..samples).map(move |k| {
+        if loads && k % LOADED == LOADED - 1 {
             drive.set_mass(if (k / LOADED).is_multiple_of(2) {
                 3.0
             } else {

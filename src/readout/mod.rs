@@ -214,6 +214,12 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
 
     /// The recursion as it stands in the user's units, its covariance that of a white residual.
     pub(crate) fn recursion(&self) -> Estimate<M, N, I> {
+        let (theta, covariance) = self.recursion_of_trends();
+        self.in_s_plane(theta, covariance)
+    }
+
+    /// The same in the plane of the trends: that of s for trends through a filter.
+    pub(crate) fn recursion_of_trends(&self) -> ([f32; N], Matrix<N>) {
         let units = self.regressor.units();
         let bare = self.estimator.theta();
         let noise = self.residual();
@@ -223,21 +229,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
                 covariance[i][j] = noise * covariance[i][j] * units[i] * units[j];
             }
         }
-        let theta = core::array::from_fn(|j| units[j] * bare[j]);
-        self.in_s_plane(theta, covariance)
-    }
-
-    /// Some parameters of the recursion in the user's units, in the plane of the trends: that of s
-    /// for trends through a filter. Cost: half of [`recursion`](Self::recursion).
-    pub(crate) fn part<const K: usize>(&self, which: [usize; K]) -> ([f32; K], Matrix<K>) {
-        let units = which.map(|i| self.regressor.units()[i]);
-        let theta = which.map(|i| self.estimator.theta()[i]);
-        let (noise, p) = (self.residual(), self.covariance());
-        let entry = |i: usize, j: usize| noise * p[which[i]][which[j]] * units[i] * units[j];
-        (
-            core::array::from_fn(|i| units[i] * theta[i]),
-            core::array::from_fn(|i| core::array::from_fn(|j| entry(i, j))),
-        )
+        (core::array::from_fn(|j| units[j] * bare[j]), covariance)
     }
 
     fn in_s_plane(&self, theta: [f32; N], covariance: Matrix<N>) -> Estimate<M, N, I> {

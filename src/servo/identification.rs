@@ -91,6 +91,11 @@ pub(crate) fn reopen(identifier: &mut LoopIdentifier, model: &Model, share: f32)
     let _ = identifier.warm_start(theta, std);
 }
 
+/// a1, a2, b0 and friction of what belongs to theta.
+fn four<T>([a1, a2, b0, _, friction, _]: [T; 6]) -> [T; 4] {
+    [a1, a2, b0, friction]
+}
+
 /// What the recursion says of a1, a2, b0 and friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Looked {
@@ -102,10 +107,10 @@ pub(crate) struct Looked {
 
 /// The present estimate.
 pub(crate) fn look(identifier: &LoopIdentifier) -> Looked {
-    let (theta, covariance) = identifier.read_out().part([0, 1, 2, 4]);
+    let (theta, covariance) = identifier.read_out().recursion_of_trends();
     Looked {
-        theta,
-        covariance,
+        theta: four(theta),
+        covariance: four(covariance).map(four),
         known: match identifier.noise_std() {
             Some(_) => 1.0,
             None => f32::INFINITY,

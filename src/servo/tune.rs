@@ -57,9 +57,10 @@ impl<S, V> ServoLoop<S, V> {
     /// Whether the sample to come has work of its own: a move to plan, models to compare, gains
     /// that come into force. What can wait does, and worst cases do not add up.
     pub(crate) const fn is_crowded(&self) -> bool {
-        self.moves.trajectory.is_planning()
-            || !self.supervisor.comparison.rests()
-            || self.controller.changes()
+        self.supervisor.state().is_controlling()
+            && (self.moves.trajectory.is_planning()
+                || !self.supervisor.comparison.rests()
+                || self.controller.changes())
     }
 
     /// One piece more of a search that goes on in control; faster poles that it finds come into

@@ -26,7 +26,7 @@ const BRIEF: [(&str, u32); 6] = [
 const LIMITS: [(&str, u32, [f64; 2]); 3] = [
     ("default with memory", 5, [720.0, 850.0]),
     ("default, debt called in", 5, [720.0, 850.0]),
-    ("whole position loop", 6, [f64::INFINITY, 4000.0]),
+    ("position loop, one load", 6, [f64::INFINITY, 4000.0]),
 ];
 
 /// Mean of the recursion with its covariance bounded over that without, and its worst case over its
