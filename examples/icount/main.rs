@@ -76,8 +76,8 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     // emulation of two loops takes minutes.
     if cfg!(target_has_atomic = "32") {
         span(meter)?;
-        position_loop(meter);
-        position_loop_of_one_load(meter);
+        position_loop(meter, "whole position loop", 30_000, true);
+        position_loop(meter, "position loop, one load", 10_000, false);
     }
     options(meter)?;
     // As for the span: eight identifiers are too many for the smallest memory, and its emulation
@@ -159,20 +159,10 @@ fn span(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
 }
 
 #[inline(never)]
-fn position_loop(meter: &mut impl Meter) {
+fn position_loop(meter: &mut impl Meter, name: &str, samples: usize, loads: bool) {
     if let (Ok(mut leader), Ok(follower)) = (servo(SimulatedValve), servo(Still)) {
-        rows! { meter;
-            "whole position loop", 6, *row_servo, follower, motion(&mut leader, 30_000, true);
-        }
-    }
-}
-
-#[inline(never)]
-fn position_loop_of_one_load(meter: &mut impl Meter) {
-    if let (Ok(mut leader), Ok(follower)) = (servo(SimulatedValve), servo(Still)) {
-        rows! { meter;
-            "position loop, one load", 6, *row_servo, follower, motion(&mut leader, 10_000, false);
-        }
+        let moves = motion(&mut leader, samples, loads);
+        meter.row(name, "row_servo", 6, follower, moves, rows!(*row_servo));
     }
 }
 

@@ -43,9 +43,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         if event != Event::None {
             // What was looked at is no longer.
             self.takeover.looked = None;
-        } else if crowded {
-            self.supervisor.looks_later();
-        } else {
+        } else if !crowded {
             event = self.think();
         }
         self.identifier.adapt(self.learns());

@@ -54,19 +54,18 @@ impl<S, V> ServoLoop<S, V> {
         tuned.done || tuned.tuning.has_some()
     }
 
-    /// Whether the sample to come has work of its own: a move to plan, models to compare, gains
-    /// that come into force. What can wait does, and worst cases do not add up.
-    pub(crate) const fn is_crowded(&self) -> bool {
+    /// Whether the sample to come has work of its own that it shares with nothing which can wait: a
+    /// move to plan, a step between two windows, gains that come into force.
+    pub(crate) fn is_crowded(&self) -> bool {
         self.supervisor.state().is_controlling()
             && (self.moves.trajectory.is_planning()
-                || !self.supervisor.comparison.rests()
+                || self.supervisor.comparison.steps()
                 || self.controller.changes())
     }
 
     /// One piece more of a search that goes on in control; faster poles that it finds come into
     /// force. A newer model restarts it: until it ends, the poles in use follow the model by its
-    /// natural frequency, which keeps their margins, so that it may wait as long as models are
-    /// compared.
+    /// natural frequency, which keeps their margins.
     pub(crate) fn refine_poles(&mut self) {
         let Some(tuned) = &mut self.takeover.tuning else {
             return;

@@ -162,8 +162,8 @@ impl Trajectory {
 
     /// One sample of planning; a move that is planned begins.
     ///
-    /// Between two plannings two samples are free: targets in every sample leave time for what waits
-    /// for it.
+    /// Between two plannings two samples are free: targets in every sample leave time for what
+    /// waits for it.
     fn plan(&mut self) {
         let Some(search) = &mut self.search else {
             if matches!(self.plan, Plan::Rest)

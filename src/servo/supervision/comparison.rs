@@ -25,6 +25,16 @@ impl Comparison {
         matches!(self, Self::Rests)
     }
 
+    /// Whether the next sample is for a step from one of them to another, not for another sample of
+    /// a window.
+    pub(crate) const fn steps(&self) -> bool {
+        match self {
+            Self::Rests => false,
+            Self::Runs(window) => window.is_over(),
+            Self::Begins | Self::Decides | Self::Replaces(_) => true,
+        }
+    }
+
     /// The window that goes on.
     #[cfg(test)]
     pub(crate) const fn window(&self) -> Option<&Window> {

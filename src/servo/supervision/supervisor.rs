@@ -142,10 +142,15 @@ impl Supervisor {
         self.still_for = 0;
     }
 
-    /// Whether the supervisor looks at the estimate in this sample.
+    /// Whether it is time to look at the estimate; if so, not again for a while. A look that waits
+    /// for a sample that has the time stays due.
     #[inline]
-    pub(crate) fn looks(&self) -> bool {
-        self.since_look + 1 == self.design.look && self.wants_candidate()
+    pub(crate) fn looks(&mut self) -> bool {
+        let due = self.since_look >= self.design.look && self.wants_candidate();
+        if due {
+            self.since_look = 0;
+        }
+        due
     }
 
     /// Whether a candidate would be heard, and a window begin.
@@ -156,13 +161,6 @@ impl Supervisor {
             && self.still_for == 0
             && self.ticks > self.design.rejection
             && self.is_astray()
-    }
-
-    /// Looks at the estimate one sample later, if it would in this one.
-    pub(crate) fn looks_later(&mut self) {
-        if self.looks() {
-            self.since_look -= 1;
-        }
     }
 
     /// Takes an estimate, refuses it or not; a window begins with the next sample.
@@ -200,10 +198,7 @@ impl Supervisor {
     /// Takes one sample. Cost: see the table of instruction counts.
     pub(crate) fn update(&mut self, seen: &Observation) -> Event {
         self.ticks = self.ticks.saturating_add(1);
-        self.since_look += 1;
-        if self.since_look >= self.design.look {
-            self.since_look = 0;
-        }
+        self.since_look = self.since_look.saturating_add(1);
         let (velocity, min_speed) = (seen.motion.velocity, self.design.min_speed);
         let moving = velocity > min_speed || velocity < -min_speed;
         self.still_for = if moving {
