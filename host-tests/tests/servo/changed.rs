@@ -14,7 +14,7 @@ const FIRST: u64 = 200_001;
 fn both(family: Family, change: impl Fn(u64) -> Change) -> [Vec<Changed>; 2] {
     // Friction spreads the figures: medians of 40 axes that it holds differ by a fifth from set to
     // set.
-    let axes = if family == Family::Pneumatic { 120 } else { 40 };
+    let axes = if family == Family::Linear { 40 } else { 120 };
     [true, false].map(|adaptive| {
         (FIRST..FIRST + axes)
             .filter_map(|seed| mass(&AxisDraw::new(family, true, seed), &change(seed), adaptive))
@@ -38,6 +38,20 @@ fn figures(runs: [&[Changed]; 2]) -> ([usize; 2], [f64; 2], [f64; 2]) {
         runs.map(|runs| median(runs, ratio)),
         runs.map(|runs| median(runs, |run| run.errors.steady_state_mm)),
     )
+}
+
+/// Whether the first loop of the same axes is worse more often than chance has it: by two standard
+/// deviations of a coin over the axes that differ. Medians of axes that hardly change are in either
+/// order.
+fn is_worse([first, second]: [&[Changed]; 2], of: impl Fn(&Changed) -> f64) -> bool {
+    let (mut worse, mut better) = (0.0, 0.0);
+    for (a, b) in first.iter().zip(second) {
+        assert_eq!(a.course.seed, b.course.seed);
+        let (a, b) = (of(a), of(b));
+        worse += f64::from(u8::from(a > b));
+        better += f64::from(u8::from(a < b));
+    }
+    worse - better > 2.0 * f64::sqrt(worse + better)
 }
 
 /// Error in the sine over that before the change.
@@ -76,7 +90,7 @@ fn a_loop_that_adapts_is_no_worse_than_one_that_does_not() {
 /// of their mass.
 ///
 /// With each, the largest error in the sine under three times the mass over that before; these
-/// seeds show 1.18, 1.37, 1.19.
+/// seeds show 1.24, 1.73, 1.17.
 const WITHOUT_STICKING: [(Family, f64); 3] = [
     (Family::Linear, 2.0),
     (Family::BallScrew, 2.5),
@@ -94,10 +108,12 @@ fn adapts_where_no_friction_holds_the_axis(families: &[(Family, f64)]) {
                  {steady:.3?} mm, stopped {stopped:?}, with another model {learned:?}",
                 adapts.len()
             );
-            assert!(adapts.len() >= 36, "accepted: {}", adapts.len());
+            let axes = if family == Family::Linear { 36 } else { 108 };
+            assert!(adapts.len() >= axes, "accepted: {}", adapts.len());
             assert!(stopped[0] <= stopped[1], "{stopped:?}");
-            assert!(ratios[0] <= ratios[1], "{ratios:?}");
-            assert!(steady[0] <= steady[1], "{steady:?}");
+            assert!(!is_worse([&adapts, &fixed], ratio), "{ratios:?}");
+            let steady_state = |run: &Changed| run.errors.steady_state_mm;
+            assert!(!is_worse([&adapts, &fixed], steady_state), "{steady:?}");
             assert_eq!(learned[1], 0);
             if factor > 1.0 {
                 assert!(
