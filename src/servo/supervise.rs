@@ -18,7 +18,7 @@ use crate::servo::tune::PIECES_PER_SAMPLE;
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// Everything between the identifier and the controller; whether a model reached the
-    /// controller.
+    /// controller. What can wait does in a sample that is `crowded`.
     pub(crate) fn supervise(
         &mut self,
         setpoint: &Setpoint,

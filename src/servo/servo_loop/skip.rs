@@ -49,6 +49,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.identifier.skip(1);
         let outcome = Outcome::Replaced { innovation: 0.0 };
         if !self.is_stopped(&setpoint, y, along, true) {
+            // Several of them may come in one slot: what can wait does.
             self.supervise(&setpoint, y, true, outcome, true);
         }
     }
