@@ -36,12 +36,11 @@ pub(crate) fn trends(
 
 /// The settings of an identifier for this axis.
 fn settings(design: &IdentificationDesign) -> Config<3, 6, 3> {
-    let mut config = Config::new(
-        STRUCTURE,
-        design.bandwidth,
-        [design.input_range, 1.0, 1.0],
-        design.output_range,
-    );
+    let (bandwidth, length) = (design.bandwidth, design.output_range);
+    // Friction comes in as an acceleration: that of the range of the output, at the bandwidth.
+    let acceleration = length * bandwidth * bandwidth;
+    let inputs = [design.input_range, 1.0, acceleration];
+    let mut config = Config::new(STRUCTURE, bandwidth, inputs, length);
     config.output_noise = design.output_noise;
     config.memory = Some(design.memory);
     config.supervised = true;
