@@ -28,26 +28,17 @@ pub(crate) struct Compensator {
     arrived: [f32; 3],
 }
 
-fn times(a: Complex, x: f32) -> Complex {
-    Complex {
-        re: a.re * x,
-        im: a.im * x,
-    }
+const fn of(re: f32, im: f32) -> Complex {
+    Complex { re, im }
 }
 
 fn plus(a: Complex, b: Complex) -> Complex {
-    Complex {
-        re: a.re + b.re,
-        im: a.im + b.im,
-    }
+    of(a.re + b.re, a.im + b.im)
 }
 
-/// `a + x`.
-fn shifted(a: Complex, x: f32) -> Complex {
-    Complex {
-        re: a.re + x,
-        im: a.im,
-    }
+/// `j x a`.
+fn turned(a: Complex, x: f32) -> Complex {
+    of(-x * a.im, x * a.re)
 }
 
 /// `e^(-j angle)`, to some 1e-6: quarter turns taken off, then the series of sine and cosine to the
@@ -84,68 +75,59 @@ impl Compensator {
     }
 
     /// From the measured position to the flow, at `w`: `f = -C y`; `late` is `e^(-j w T)` of the
-    /// delay.
+    /// delay. With s = j w, the characteristic polynomial O of the observer, D = s^2 + a2 s + a1:
+    ///
+    /// ```text
+    /// G = k Phi (s - A + L c)^-1 O,    without the part of r that stays in v, p and d
+    /// C = k Phi (s - A + L c)^-1 L / (1 + k Phi (s - A + L c)^-1 B e^(-s T) + k (s - A)^-1 (B - Phi B e^(-s T)))
+    /// ```
     pub(crate) fn at(&self, w: f32, late: Complex) -> Complex {
-        let s = Complex { re: 0.0, im: w };
         let Drive { a1, a2, b0, .. } = self.drive;
-        let observer = self.observer(s);
-        // Unit flow into the observer, delayed; and the innovation.
-        let [l1, l2, l3, l4] = self.l;
-        let direct = self.observed(s, observer, [0.0, 0.0, b0, 0.0]).times(late);
-        let through = self.observed(s, observer, [l1, l2, l3, l4]);
-        // What the flows on their way will do: k (s - A)^-1 (B - Phi B e^(-s T)).
         let [k0, k1, k2, _] = self.k;
-        let own = plus(s.times(s), shifted(times(s, a2), a1)).inverse();
-        // (s - A)^-1 B: v = b0/D, p = (s + a2) v, x = v/s.
-        let v = times(own, b0);
-        let p = v.times(shifted(s, a2));
-        let x = v.times(s.inverse());
-        let now = plus(plus(times(x, k0), times(v, k1)), times(p, k2));
+        let [l1, l2, l3, l4] = self.l;
+        let [g0, g1, g2, g3] = self.predicted;
         let [bx, bv, bp] = self.arrived;
-        // (s - A)^-1 Phi B.
-        let vv = own.times(shifted(times(s, bv), bp));
-        let pp = shifted(vv.times(shifted(s, a2)), -bv);
-        let xx = shifted(vv, bx).times(s.inverse());
-        let then = plus(plus(times(xx, k0), times(vv, k1)), times(pp, k2));
-        let pending = now.minus(then.times(late));
-        let denominator = plus(plus(Complex::ONE, direct), pending);
+        let (square, over) = (w * w, 1.0 / w);
+        let speed = of(g1 + g2 * a2, g2 * w);
+        let late_of_d = g3 * l4 * over;
+        let g = plus(speed.times(of(l1, w)), of(g0 + g2 * l2, late_of_d));
+        let seen = g.times(self.observer(w));
+        // The innovation.
+        let numerator = of(
+            l4 - square * (a2 * l1 + l2),
+            w * (a1 * l1 + l3 - square * l1),
+        );
+        let kept = of(l1 * speed.re + g2 * l2, l1 * speed.im + late_of_d);
+        let through = seen.times(numerator).minus(kept);
+        // Unit flow into the observer, delayed; and what the flows on their way will do:
+        // (s - A)^-1 B is v = b0/D, p = (s + a2) v, x = v/s, and (s - A)^-1 Phi B is like it.
+        let forced = receptance(a1, a2, w).times(of(k1 + k2 * a2, k2 * w - k0 * over));
+        let then = forced
+            .times(of(bp, bv * w))
+            .minus(of(k2 * bv, k0 * bx * over));
+        let direct = turned(seen, w * b0);
+        let passed = of(1.0 + b0 * forced.re, b0 * forced.im);
+        let denominator = plus(passed, direct.minus(then).times(late));
         through.times(denominator.inverse())
     }
 
     /// 1 over the polynomial of the observer.
-    fn observer(&self, s: Complex) -> Complex {
-        let o = shifted(s, self.poles.observer);
-        let d = shifted(s, self.poles.disturbance);
-        o.times(o).times(o).times(d).inverse()
-    }
-
-    /// `k Phi (s - A + L c)^-1 r`.
-    fn observed(&self, s: Complex, observer: Complex, [rx, rv, rp, rd]: [f32; 4]) -> Complex {
-        let Drive { a1, a2, .. } = self.drive;
-        let [l1, l2, _, l4] = self.l;
-        let square = s.times(s);
-        let first = plus(times(square.times(shifted(s, a2)), rx), times(s, a1 * rx));
-        let rest = shifted(plus(times(square, rv), times(s, rp)), rd);
-        let x = plus(first, rest).times(observer);
-        let v = shifted(x.times(shifted(s, l1)), -rx);
-        let p = shifted(plus(v.times(shifted(s, a2)), times(x, l2)), -rv);
-        let d = shifted(times(x, -l4), rd).times(s.inverse());
-        let [g0, g1, g2, g3] = self.predicted;
-        plus(
-            plus(times(x, g0), times(v, g1)),
-            plus(times(p, g2), times(d, g3)),
-        )
+    fn observer(&self, w: f32) -> Complex {
+        let o = of(self.poles.observer, w);
+        let d = of(self.poles.disturbance, w);
+        o.times(o).times(o.times(d)).inverse()
     }
 }
 
-/// The drive's `b0 e^(-s T) / (s (s^2 + a2 s + a1))` at `w`; `late` is `e^(-j w T)` of its delay.
-pub(crate) fn response(drive: &Drive, w: f32, late: Complex) -> Complex {
-    let s = Complex { re: 0.0, im: w };
-    let own = Complex {
-        re: drive.a1 - w * w,
-        im: drive.a2 * w,
-    };
-    times(late, drive.b0).times(own.times(s).inverse())
+/// The flow of a controller on a drive at `w` but for 1/D: `b0 e^(-s T) C / s`; `late` is
+/// `e^(-s T)`.
+pub(crate) fn integrated(c: Complex, b0: f32, w: f32, late: Complex) -> Complex {
+    turned(c.times(late), -b0 / w)
+}
+
+/// `1/D = 1 / (s^2 + a2 s + a1)` at `w`.
+pub(crate) fn receptance(a1: f32, a2: f32, w: f32) -> Complex {
+    of(a1 - w * w, a2 * w).inverse()
 }
 
 /// `A z` of x' = v, v' = p - a2 v, p' = -a1 v + d, d' = 0.

@@ -3,15 +3,16 @@
 
 use crate::math::complex::Complex;
 use crate::math::{pow, sqrt};
-use crate::servo::control::compensator::{Compensator, Drive, lag, response};
+use crate::servo::control::compensator::{Compensator, Drive, integrated, lag, receptance};
 use crate::servo::control::margins::Margins;
 use crate::servo::control::poles::Poles;
 
 /// Largest sensitivity of the drive as identified, and of one that is off, squared.
 const SENSITIVITY: [f32; 2] = [2.2 * 2.2, 4.0 * 4.0];
-/// Errors of a1 and b0 over their values, beside one sample of delay more; a2 is too small by as
-/// much.
-const CORNERS: [[f32; 2]; 4] = [[0.15, 0.15], [-0.15, 0.15], [0.15, -0.15], [-0.15, -0.15]];
+/// Factors on a1, and on b0, of the drives that are off, beside one sample of delay more; and on
+/// a2.
+const OFF: [f32; 2] = [1.15, 0.85];
+const OFF_DAMPING: f32 = 0.85;
 /// Frequencies from this share of w0 to that of the sampling.
 const FREQUENCIES: usize = 40;
 const LOWEST: f32 = 0.03;
@@ -51,7 +52,9 @@ pub(crate) struct FrequencySweep {
     ratio: f32,
     at: usize,
     w: f32,
-    traces: [Trace; 5],
+    own: Trace,
+    /// By the factors on a1, then on b0.
+    corners: [[Trace; 2]; 2],
     variance: f32,
     margins: Margins,
 }
@@ -73,7 +76,8 @@ impl FrequencySweep {
             ratio,
             at: 0,
             w: LOWEST,
-            traces: [BEGIN; 5],
+            own: BEGIN,
+            corners: [[BEGIN; 2]; 2],
             variance: 0.0,
             margins: Margins::NONE,
         }
@@ -104,8 +108,8 @@ impl FrequencySweep {
         if self.at < FREQUENCIES {
             return Swept::On;
         }
-        let [own, off @ ..] = &self.traces;
-        if off.iter().all(|trace| trace.turns == own.turns) {
+        let off = self.corners.as_flattened();
+        if off.iter().all(|trace| trace.turns == self.own.turns) {
             Swept::Holds
         } else {
             Swept::Fails
@@ -121,38 +125,40 @@ impl FrequencySweep {
         let half = lag(0.5 * w * self.step);
         let held = late.times(half);
         let later = held.times(half).times(half);
-        let [own, corners @ ..] = &mut self.traces;
-        let closed = closed_of(&c, &self.drive, w, held);
-        if !own.sees(closed, SENSITIVITY[0]) {
+        let Drive { a1, a2, b0, .. } = self.drive;
+        let closed = closed(integrated(c, b0, w, held).times(receptance(a1, a2, w)), 1.0);
+        if !self.own.sees(closed, SENSITIVITY[0]) {
             return false;
         }
         let width = w * (self.ratio - 1.0) * self.step;
         self.variance += c.size() / closed.size() * width * core::f32::consts::FRAC_1_PI;
-        self.margins.note(&own.last, &closed, w);
-        own.last = closed;
-        for (trace, [e1, e0]) in corners.iter_mut().zip(CORNERS) {
-            let drive = Drive {
-                a1: self.drive.a1 * (1.0 + e1),
-                a2: self.drive.a2 * 0.85,
-                b0: self.drive.b0 * (1.0 + e0),
-                delay: self.drive.delay,
-            };
-            let closed = closed_of(&c, &drive, w, later);
-            if !trace.sees(closed, SENSITIVITY[1]) {
-                return false;
+        self.margins.note(&self.own.last, &closed, w);
+        self.own.last = closed;
+        self.corners_hold(integrated(c, b0, w, later))
+    }
+
+    /// The same on the drives that are off.
+    fn corners_hold(&mut self, flow: Complex) -> bool {
+        let Drive { a1, a2, .. } = self.drive;
+        for (traces, off) in self.corners.iter_mut().zip(OFF) {
+            let open = flow.times(receptance(off * a1, OFF_DAMPING * a2, self.w));
+            for (trace, gain) in traces.iter_mut().zip(OFF) {
+                let closed = closed(open, gain);
+                if !trace.sees(closed, SENSITIVITY[1]) {
+                    return false;
+                }
+                trace.last = closed;
             }
-            trace.last = closed;
         }
         true
     }
 }
 
-/// `1 + L` of a controller on a drive with this delay.
-fn closed_of(c: &Complex, drive: &Drive, w: f32, late: Complex) -> Complex {
-    let open = c.times(response(drive, w, late));
+/// `1 + L` under a factor on L.
+fn closed(open: Complex, gain: f32) -> Complex {
     Complex {
-        re: 1.0 + open.re,
-        im: open.im,
+        re: 1.0 + gain * open.re,
+        im: gain * open.im,
     }
 }
 

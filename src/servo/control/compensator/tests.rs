@@ -42,7 +42,8 @@ fn the_controller_is_that_of_its_equations() {
                 "{drive:?} {poles:?} {w}: {found:?} {expected:?}"
             );
             let (found, expected) = (
-                response(&drive, w, late),
+                integrated(Complex::ONE, drive.b0, w, late)
+                    .times(receptance(drive.a1, drive.a2, w)),
                 oracle::response(&drive, w.into(), 0.0),
             );
             assert!(

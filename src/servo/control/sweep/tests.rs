@@ -64,11 +64,10 @@ fn a_sweep_holds_where_every_frequency_of_every_drive_does() {
             let off = if k == 0 {
                 drive
             } else {
-                let [e1, e0] = CORNERS[k - 1];
                 Drive {
-                    a1: 1.0 + e1,
-                    a2: 0.85 * drive.a2,
-                    b0: 1.0 + e0,
+                    a1: OFF[(k - 1) / 2],
+                    a2: OFF_DAMPING * drive.a2,
+                    b0: OFF[(k - 1) % 2],
                     ..drive
                 }
             };
