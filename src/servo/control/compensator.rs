@@ -64,13 +64,14 @@ impl Compensator {
     pub(crate) fn new(drive: Drive, poles: Poles, frequency: f32) -> Self {
         let [k0, k1, k2] = poles.feedback(drive.a1, drive.a2, frequency).k;
         let k = [k0, k1, k2, 1.0].map(|k| k / drive.b0);
+        let responses = Responses::new(&drive);
         Self {
             drive,
             poles,
             k,
-            predicted: transposed(&drive, k),
+            predicted: responses.behind(&drive, k),
             l: poles.correction(drive.a1, drive.a2),
-            arrived: arrived(&drive),
+            arrived: responses.arrived(&drive),
         }
     }
 
@@ -130,46 +131,77 @@ pub(crate) fn receptance(a1: f32, a2: f32, w: f32) -> Complex {
     of(a1 - w * w, a2 * w).inverse()
 }
 
-/// `A z` of x' = v, v' = p - a2 v, p' = -a1 v + d, d' = 0.
-fn derivative(drive: &Drive, [_, v, p, d]: [f32; 4]) -> [f32; 4] {
-    [v, p - drive.a2 * v, d - drive.a1 * v, 0.0]
+/// The responses of a drive to a unit acceleration at time 0, after its delay: velocity v, its
+/// derivative and its integrals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Responses {
+    changed: f32,
+    velocity: f32,
+    moved: f32,
+    /// The integral of `moved`.
+    area: f32,
 }
 
-/// Terms of the series of the transition matrix.
+/// Terms of the series of both integrals.
 const TERMS: usize = 10;
 
-/// `e^(A T) z`.
-fn transition(drive: &Drive, z: [f32; 4]) -> [f32; 4] {
-    let (mut sum, mut term) = (z, z);
-    for n in 1..=TERMS {
-        let share = drive.delay / n as f32;
-        term = derivative(drive, term).map(|x| share * x);
-        for (sum, term) in sum.iter_mut().zip(term) {
-            *sum += term;
+impl Responses {
+    /// The two integrals by their series, from their smallest terms on:
+    ///
+    /// ```text
+    /// v'' + a2 v' + a1 v = 0,   v = Sum d_n T^n / n!,   d_0 = 0, d_1 = 1, d_(n+1) = -a2 d_n - a1 d_(n-1)
+    /// v  = T - a2 moved - a1 area         v' = 1 - a2 v - a1 moved
+    /// ```
+    ///
+    /// Cost: some 120 instructions.
+    fn new(drive: &Drive) -> Self {
+        let time = drive.delay;
+        let (damped, stiff) = (drive.a2 * time, drive.a1 * time * time);
+        // d_n T^(n+1) / (n+1)!, of n and of n - 1.
+        let (mut term, mut before) = (0.5 * time * time, 0.0);
+        let (mut moved, mut area) = (0.0, 0.0);
+        for n in 1..=TERMS {
+            let (this, next) = ((n + 1) as f32, 1.0 / (n + 2) as f32);
+            moved += term;
+            area += term * time * next;
+            let following = -next * (damped * term + stiff * before / this);
+            (before, term) = (term, following);
+        }
+        let velocity = time - drive.a2 * moved - drive.a1 * area;
+        Self {
+            changed: 1.0 - drive.a2 * velocity - drive.a1 * moved,
+            velocity,
+            moved,
+            area,
         }
     }
-    sum
-}
 
-/// `k e^(A T)`.
-fn transposed(drive: &Drive, k: [f32; 4]) -> [f32; 4] {
-    let (mut sum, mut term) = (k, k);
-    for n in 1..=TERMS {
-        let share = drive.delay / n as f32;
-        // k A.
-        let [x, v, p, _] = term;
-        term = [0.0, x - drive.a2 * v - drive.a1 * p, v, p].map(|x| share * x);
-        for (sum, term) in sum.iter_mut().zip(term) {
-            *sum += term;
-        }
+    /// `k e^(A T)` of x' = v, v' = p - a2 v, p' = -a1 v + d, d' = 0.
+    fn behind(&self, drive: &Drive, [k0, k1, k2, k3]: [f32; 4]) -> [f32; 4] {
+        let Self {
+            changed,
+            velocity,
+            moved,
+            area,
+        } = *self;
+        let Drive { a1, a2, .. } = *drive;
+        [
+            k0,
+            k0 * velocity + k1 * changed - k2 * a1 * velocity,
+            k0 * moved + k1 * velocity + k2 * (changed + a2 * velocity),
+            k0 * area + k1 * moved + k2 * (velocity + a2 * moved) + k3,
+        ]
     }
-    sum
-}
 
-/// `e^(A T) B` without the disturbance.
-fn arrived(drive: &Drive) -> [f32; 3] {
-    let [x, v, p, _] = transition(drive, [0.0, 0.0, drive.b0, 0.0]);
-    [x, v, p]
+    /// `e^(A T) B` without the disturbance.
+    fn arrived(&self, drive: &Drive) -> [f32; 3] {
+        [
+            self.moved,
+            self.velocity,
+            self.changed + drive.a2 * self.velocity,
+        ]
+        .map(|x| drive.b0 * x)
+    }
 }
 
 #[cfg(test)]
