@@ -13,7 +13,9 @@ use crate::servo::store::Record;
 use crate::servo::supervision::state::Reason;
 
 /// Pieces per sample of the search for poles while the commissioning computes nothing else.
-pub(crate) const PIECES_PER_SAMPLE: u32 = 3;
+pub(crate) const PIECES_PER_SAMPLE: u32 = 6;
+/// The same in control, while no models are compared and while they are.
+const PIECES_IN_CONTROL: [u32; 2] = [2, 1];
 
 impl<S, V> ServoLoop<S, V> {
     /// `pieces` of the search for what was found; whether there are poles. Begins again for another
@@ -63,14 +65,19 @@ impl<S, V> ServoLoop<S, V> {
                 || self.controller.changes())
     }
 
-    /// One piece more of a search that goes on in control; faster poles that it finds come into
+    /// Some pieces more of a search that goes on in control; faster poles that it finds come into
     /// force. A newer model restarts it: until it ends, the poles in use follow the model by its
     /// natural frequency, which keeps their margins.
     pub(crate) fn refine_poles(&mut self) {
         let Some(tuned) = &mut self.takeover.tuning else {
             return;
         };
-        if !tuned.tuning.step() {
+        let [alone, beside] = PIECES_IN_CONTROL;
+        let pieces = match self.supervisor.comparison.rests() {
+            true => alone,
+            false => beside,
+        };
+        if !(0..pieces).any(|_| tuned.tuning.step()) {
             return;
         }
         let (poles, margins) = tuned.tuning.poles();

@@ -60,11 +60,10 @@ pub(crate) fn lag(angle: f32) -> Complex {
 
 impl Compensator {
     /// The controller with these poles for a drive of this natural frequency. `drive.delay` is
-    /// predicted.
-    pub(crate) fn new(drive: Drive, poles: Poles, frequency: f32) -> Self {
+    /// predicted, with the responses of the drive.
+    pub(crate) fn new(drive: Drive, responses: &Responses, poles: Poles, frequency: f32) -> Self {
         let [k0, k1, k2] = poles.feedback(drive.a1, drive.a2, frequency).k;
         let k = [k0, k1, k2, 1.0].map(|k| k / drive.b0);
-        let responses = Responses::new(&drive);
         Self {
             drive,
             poles,
@@ -134,7 +133,7 @@ pub(crate) fn receptance(a1: f32, a2: f32, w: f32) -> Complex {
 /// The responses of a drive to a unit acceleration at time 0, after its delay: velocity v, its
 /// derivative and its integrals.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Responses {
+pub(crate) struct Responses {
     changed: f32,
     velocity: f32,
     moved: f32,
@@ -154,7 +153,7 @@ impl Responses {
     /// ```
     ///
     /// Cost: some 120 instructions.
-    fn new(drive: &Drive) -> Self {
+    pub(crate) fn new(drive: &Drive) -> Self {
         let time = drive.delay;
         let (damped, stiff) = (drive.a2 * time, drive.a1 * time * time);
         // d_n T^(n+1) / (n+1)!, of n and of n - 1.

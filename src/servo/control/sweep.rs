@@ -3,7 +3,9 @@
 
 use crate::math::complex::Complex;
 use crate::math::{pow, sqrt};
-use crate::servo::control::compensator::{Compensator, Drive, integrated, lag, receptance};
+use crate::servo::control::compensator::{
+    Compensator, Drive, Responses, integrated, lag, receptance,
+};
 use crate::servo::control::margins::Margins;
 use crate::servo::control::poles::Poles;
 
@@ -30,9 +32,12 @@ const BEGIN: Trace = Trace {
     turns: 0,
 };
 
-/// What a frequency shows.
+/// What a step of a sweep shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Swept {
+    /// The margins of the drive itself hold at the first frequency; gain of the integral action,
+    /// `lim |jw C|`.
+    Begun(f32),
     /// The margins hold so far.
     On,
     /// They do not hold.
@@ -41,7 +46,7 @@ pub(crate) enum Swept {
     Holds,
 }
 
-/// A controller on a drive and its corners, one frequency per call; in units of the drive's own
+/// A controller on a drive and its corners, a frequency in two calls; in units of the drive's own
 /// time.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FrequencySweep {
@@ -52,6 +57,8 @@ pub(crate) struct FrequencySweep {
     ratio: f32,
     at: usize,
     w: f32,
+    /// The flow of the corners at this frequency but for their 1/D, once the drive itself is seen.
+    flow: Option<Complex>,
     own: Trace,
     /// By the factors on a1, then on b0.
     corners: [[Trace; 2]; 2],
@@ -66,27 +73,26 @@ pub(crate) fn ratio(step: f32) -> f32 {
 }
 
 impl FrequencySweep {
-    /// The controller of these poles on its own drive. Cost: the gains behind the prediction, some
-    /// 1500 instructions.
-    pub(crate) fn new(drive: Drive, poles: Poles, [step, ratio]: [f32; 2]) -> Self {
+    /// The controller of these poles on its own drive. Cost: the gains, some 150 instructions.
+    pub(crate) fn new(
+        drive: Drive,
+        responses: &Responses,
+        poles: Poles,
+        [step, ratio]: [f32; 2],
+    ) -> Self {
         Self {
             drive,
-            compensator: Compensator::new(drive, poles, sqrt(drive.a1)),
+            compensator: Compensator::new(drive, responses, poles, sqrt(drive.a1)),
             step,
             ratio,
             at: 0,
             w: LOWEST,
+            flow: None,
             own: BEGIN,
             corners: [[BEGIN; 2]; 2],
             variance: 0.0,
             margins: Margins::NONE,
         }
-    }
-
-    /// Gain of the integral action, `lim |jw C|`.
-    pub(crate) fn integral(&self) -> f32 {
-        let late = lag(LOWEST * self.drive.delay);
-        LOWEST * sqrt(self.compensator.at(LOWEST, late).size())
     }
 
     /// Variance of the flow over that of the position.
@@ -98,46 +104,54 @@ impl FrequencySweep {
         self.margins
     }
 
-    /// One frequency. Cost: some 900 instructions.
+    /// A frequency on the drive itself, then on the corners. Cost: some 230 instructions.
     pub(crate) fn update(&mut self) -> Swept {
-        if !self.holds() {
+        let Some(flow) = self.flow.take() else {
+            return self.own();
+        };
+        if !self.corners_hold(flow) {
             return Swept::Fails;
         }
         self.at += 1;
         self.w *= self.ratio;
-        if self.at < FREQUENCIES {
-            return Swept::On;
-        }
         let off = self.corners.as_flattened();
-        if off.iter().all(|trace| trace.turns == self.own.turns) {
+        if self.at < FREQUENCIES {
+            Swept::On
+        } else if off.iter().all(|trace| trace.turns == self.own.turns) {
             Swept::Holds
         } else {
             Swept::Fails
         }
     }
 
-    /// Whether the margins hold at the present frequency.
-    fn holds(&mut self) -> bool {
+    /// The present frequency on the drive itself.
+    fn own(&mut self) -> Swept {
         let w = self.w;
-        let late = lag(w * self.drive.delay);
+        let Drive { a1, a2, b0, delay } = self.drive;
+        let late = lag(w * delay);
         let c = self.compensator.at(w, late);
         // Half a sample by the hold; in the corners one sample more.
         let half = lag(0.5 * w * self.step);
         let held = late.times(half);
-        let later = held.times(half).times(half);
-        let Drive { a1, a2, b0, .. } = self.drive;
-        let closed = closed(integrated(c, b0, w, held).times(receptance(a1, a2, w)), 1.0);
+        let open = integrated(c, b0, w, held).times(receptance(a1, a2, w));
+        let closed = closed(open, 1.0);
         if !self.own.sees(closed, SENSITIVITY[0]) {
-            return false;
+            return Swept::Fails;
         }
         let width = w * (self.ratio - 1.0) * self.step;
         self.variance += c.size() / closed.size() * width * core::f32::consts::FRAC_1_PI;
         self.margins.note(&self.own.last, &closed, w);
         self.own.last = closed;
-        self.corners_hold(integrated(c, b0, w, later))
+        let later = held.times(half).times(half);
+        self.flow = Some(integrated(c, b0, w, later));
+        if self.at == 0 {
+            Swept::Begun(w * sqrt(c.size()))
+        } else {
+            Swept::On
+        }
     }
 
-    /// The same on the drives that are off.
+    /// Whether the margins hold on the drives that are off.
     fn corners_hold(&mut self, flow: Complex) -> bool {
         let Drive { a1, a2, .. } = self.drive;
         for (traces, off) in self.corners.iter_mut().zip(OFF) {

@@ -1,7 +1,7 @@
 //! The bandwidth as a result: the fastest poles whose margins hold.
 
 use crate::math::sqrt;
-use crate::servo::control::compensator::Drive;
+use crate::servo::control::compensator::{Drive, Responses};
 use crate::servo::control::margins::Margins;
 use crate::servo::control::place::{stiffening, stiffness};
 use crate::servo::control::poles::Poles;
@@ -29,17 +29,21 @@ const CASES: usize = OBSERVERS.len() * DAMPINGS.len();
 /// less than its gain.
 const DISTURBANCE: f32 = 0.3;
 
-/// The search, in pieces of at most some 2000 instructions: see [`Tuning::step`].
+/// The search, in pieces of at most some 300 instructions: see [`Tuning::step`].
 ///
 /// Eight cases, each from its largest bandwidth down by 0.85 to the first whose margins hold, in
 /// the middle and near an end. A case that cannot have more integral gain than the best one is left
-/// at its first piece.
+/// at its first frequency.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tuning {
     design: TuningDesign,
-    /// Natural frequency, and the drive in its own time.
+    /// Natural frequency.
     frequency: f32,
+    /// The drive in its own time, in the middle of the travel.
     drive: Drive,
+    /// The drives there and near an end, with what they do over the delay; `None` before the second
+    /// piece.
+    places: Option<[(Drive, Responses); 2]>,
     step: f32,
     /// Ratio of two frequencies of a sweep; 0 before the first piece.
     ratio: f32,
@@ -71,6 +75,7 @@ impl Tuning {
                 delay: w0 * design.delay,
             },
             step,
+            places: None,
             ratio: 0.0,
             noise: design.noise * w0 * model.a1 / model.b0,
             case: 0,
@@ -136,8 +141,8 @@ impl Tuning {
         }
     }
 
-    /// A piece of the search: its frequencies, the gains of a controller, or one frequency of it;
-    /// whether the search is over.
+    /// A piece of the search: its frequencies, its drives, the gains of a controller, or half of a
+    /// frequency of it; whether the search is over.
     pub(crate) fn step(&mut self) -> bool {
         if self.case >= CASES {
             return true;
@@ -146,11 +151,28 @@ impl Tuning {
             self.ratio = ratio(self.step);
             return false;
         }
+        let Some([middle, end]) = &self.places else {
+            self.places = Some(self.drives());
+            return false;
+        };
         let Some(sweep) = &mut self.sweep else {
-            return self.enter();
+            if self.bandwidth < BANDWIDTH_MIN {
+                return self.next_case();
+            }
+            let (drive, responses) = if self.near_end { end } else { middle };
+            let frequencies = [self.step, self.ratio];
+            let poles = self.tried();
+            self.sweep = Some(FrequencySweep::new(*drive, responses, poles, frequencies));
+            return false;
         };
         match sweep.update() {
-            Swept::On => {}
+            Swept::Begun(integral) if !self.near_end => {
+                self.integral = integral;
+                if self.best.is_some_and(|(_, _, best)| !(integral > best)) {
+                    return self.next_case();
+                }
+            }
+            Swept::Begun(_) | Swept::On => {}
             Swept::Holds if self.is_quiet() => return self.passed(),
             Swept::Holds | Swept::Fails => {
                 self.bandwidth *= BANDWIDTH_RATIO;
@@ -161,31 +183,17 @@ impl Tuning {
         false
     }
 
-    /// The gains of the controller that is tried.
-    fn enter(&mut self) -> bool {
-        if self.bandwidth < BANDWIDTH_MIN {
-            return self.next_case();
-        }
-        let stiffness = if self.near_end {
-            stiffness(stiffening(self.design.dead_volume), NEAR_END)
-        } else {
-            1.0
-        };
-        let drive = Drive {
-            a1: stiffness,
-            b0: stiffness,
-            ..self.drive
-        };
-        let sweep = FrequencySweep::new(drive, self.tried(), [self.step, self.ratio]);
-        if !self.near_end {
-            self.integral = sweep.integral();
-            let integral = self.integral;
-            if self.best.is_some_and(|(_, _, best)| !(integral > best)) {
-                return self.next_case();
-            }
-        }
-        self.sweep = Some(sweep);
-        false
+    /// The drives in the middle and near an end.
+    fn drives(&self) -> [(Drive, Responses); 2] {
+        let near_end = stiffness(stiffening(self.design.dead_volume), NEAR_END);
+        [1.0, near_end].map(|stiffness| {
+            let drive = Drive {
+                a1: stiffness,
+                b0: stiffness,
+                ..self.drive
+            };
+            (drive, Responses::new(&drive))
+        })
     }
 
     /// Variance of the flow in the middle, and of both places together near an end.

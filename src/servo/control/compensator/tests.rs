@@ -32,7 +32,7 @@ fn the_controller_is_that_of_its_equations() {
     for _ in 0..200 {
         let (drive, poles) = dice.pair();
         let frequency = crate::math::sqrt(drive.a1);
-        let compensator = Compensator::new(drive, poles, frequency);
+        let compensator = Compensator::new(drive, &Responses::new(&drive), poles, frequency);
         let exact = Oracle::new(&drive, &poles, frequency);
         for w in [0.05, 0.3, 1.0, 3.0, 8.0_f32] {
             let late = lag(w * drive.delay);

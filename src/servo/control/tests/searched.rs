@@ -1,7 +1,7 @@
 //! The search for poles: what it ends with holds, and nothing faster does.
 
 use super::*;
-use crate::servo::control::compensator::Drive;
+use crate::servo::control::compensator::{Drive, Responses};
 use crate::servo::control::sweep::{FrequencySweep, Swept, ratio};
 use crate::servo::control::tuning::Tuning;
 use crate::servo::design::TuningDesign;
@@ -24,13 +24,13 @@ fn searched(design: &TuningDesign, model: &Model) -> Tuning {
     tuning
 }
 
-/// The sweep of poles that hold on a model that is so many times as stiff.
+/// The sweep of poles that hold on a model that is so many times as stiff, and its integral gain.
 fn swept(
     design: &TuningDesign,
     model: &Model,
     poles: &Poles,
     stiffness: f32,
-) -> Option<FrequencySweep> {
+) -> Option<(FrequencySweep, f32)> {
     let w = libm::sqrtf(model.a1);
     let drive = Drive {
         a1: stiffness,
@@ -45,11 +45,13 @@ fn swept(
         ..*poles
     };
     let step = w * design.sample_time;
-    let mut sweep = FrequencySweep::new(drive, own, [step, ratio(step)]);
+    let mut sweep = FrequencySweep::new(drive, &Responses::new(&drive), own, [step, ratio(step)]);
+    let mut begun = 0.0;
     loop {
         match sweep.update() {
+            Swept::Begun(integral) => begun = integral,
             Swept::On => {}
-            Swept::Holds => return Some(sweep),
+            Swept::Holds => return Some((sweep, begun)),
             Swept::Fails => return None,
         }
     }
@@ -57,7 +59,7 @@ fn swept(
 
 /// The variance of the flow, where they hold.
 fn holds(design: &TuningDesign, model: &Model, poles: &Poles, stiffness: f32) -> Option<f32> {
-    swept(design, model, poles, stiffness).map(|sweep| sweep.variance())
+    swept(design, model, poles, stiffness).map(|(sweep, _)| sweep.variance())
 }
 
 /// k(x) at a tenth of the travel.
@@ -183,11 +185,10 @@ fn exhaustive(design: &TuningDesign, model: &Model) -> Option<Poles> {
                 bandwidth *= 0.85;
                 let middle = swept(design, model, &poles, 1.0);
                 let end = swept(design, model, &poles, near_end(design.dead_volume));
-                let (Some(middle), Some(end)) = (middle, end) else {
+                let (Some((middle, integral)), Some((end, _))) = (middle, end) else {
                     continue;
                 };
                 if noise * noise * (middle.variance() + end.variance()) < 0.03 * 0.03 {
-                    let integral = middle.integral();
                     if best.is_none_or(|(_, most)| integral > most) {
                         best = Some((poles, integral));
                     }
