@@ -115,7 +115,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             return;
         }
         self.controller.retune(model);
-        self.search_again(model);
+        (self.takeover.tuning, self.takeover.unsearched) = (None, Some(model));
         self.guard.monitors.retune(model, self.controller.motion());
     }
 

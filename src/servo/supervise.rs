@@ -144,6 +144,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.derate(1.0);
         self.fallback = Fallback::new(Some(model));
         self.takeover.looked = None;
+        self.takeover.unsearched = None;
         self.moves
             .trajectory
             .run_out(motion, self.moves.run_out_rate);

@@ -214,7 +214,7 @@ fn the_poles_of_a_search_that_goes_on_reach_the_controller_of_their_model() {
         let _ = bench.worst(2);
         assert_eq!(bench.servo.controller().bandwidth(), slow.bandwidth);
         assert_eq!(bench.servo.margins(), None);
-        bench.servo.search_again(model);
+        bench.servo.takeover.unsearched = Some(model);
         while bench.servo.takeover.tuning.is_some() {
             let _ = bench.worst(1);
         }

@@ -69,6 +69,10 @@ impl<S, V> ServoLoop<S, V> {
     /// force. A newer model restarts it: until it ends, the poles in use follow the model by its
     /// natural frequency, which keeps their margins.
     pub(crate) fn refine_poles(&mut self) {
+        if let Some(model) = self.takeover.unsearched.take() {
+            self.search_again(model);
+            return;
+        }
         let Some(tuned) = &mut self.takeover.tuning else {
             return;
         };
@@ -88,7 +92,7 @@ impl<S, V> ServoLoop<S, V> {
     }
 
     /// Searches the poles for another model from now on.
-    pub(crate) fn search_again(&mut self, model: Model) {
+    fn search_again(&mut self, model: Model) {
         self.takeover.tuning = Some(Tuned {
             model,
             tuning: Tuning::new(self.controller.tuning_design(), &model),

@@ -32,11 +32,20 @@ const BEGIN: Trace = Trace {
     turns: 0,
 };
 
+/// A controller at a frequency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Reached {
+    /// Square of its magnitude.
+    size: f32,
+    /// The open loop but for 1/D: with the delay of the drive and half a sample of the hold, and
+    /// with one sample more.
+    open: [Complex; 2],
+}
+
 /// What a step of a sweep shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Swept {
-    /// The margins of the drive itself hold at the first frequency; gain of the integral action,
-    /// `lim |jw C|`.
+    /// The gain of the integral action, `lim |jw C|`.
     Begun(f32),
     /// The margins hold so far.
     On,
@@ -57,8 +66,8 @@ pub(crate) struct FrequencySweep {
     ratio: f32,
     at: usize,
     w: f32,
-    /// The flow of the corners at this frequency but for their 1/D, once the drive itself is seen.
-    flow: Option<Complex>,
+    /// The controller at this frequency, between its two calls.
+    reached: Option<Reached>,
     own: Trace,
     /// By the factors on a1, then on b0.
     corners: [[Trace; 2]; 2],
@@ -87,7 +96,7 @@ impl FrequencySweep {
             ratio,
             at: 0,
             w: LOWEST,
-            flow: None,
+            reached: None,
             own: BEGIN,
             corners: [[BEGIN; 2]; 2],
             variance: 0.0,
@@ -104,12 +113,12 @@ impl FrequencySweep {
         self.margins
     }
 
-    /// A frequency on the drive itself, then on the corners. Cost: some 230 instructions.
+    /// The controller at a frequency, then the margins there. Cost: some 300 instructions.
     pub(crate) fn update(&mut self) -> Swept {
-        let Some(flow) = self.flow.take() else {
-            return self.own();
+        let Some(reached) = self.reached.take() else {
+            return self.reach();
         };
-        if !self.corners_hold(flow) {
+        if !(self.own_holds(&reached) && self.corners_hold(reached.open[1])) {
             return Swept::Fails;
         }
         self.at += 1;
@@ -124,34 +133,45 @@ impl FrequencySweep {
         }
     }
 
-    /// The present frequency on the drive itself.
-    fn own(&mut self) -> Swept {
+    /// The controller at the present frequency.
+    fn reach(&mut self) -> Swept {
         let w = self.w;
-        let Drive { a1, a2, b0, delay } = self.drive;
+        let Drive { b0, delay, .. } = self.drive;
         let late = lag(w * delay);
         let c = self.compensator.at(w, late);
         // Half a sample by the hold; in the corners one sample more.
         let half = lag(0.5 * w * self.step);
         let held = late.times(half);
-        let open = integrated(c, b0, w, held).times(receptance(a1, a2, w));
-        let closed = closed(open, 1.0);
-        if !self.own.sees(closed, SENSITIVITY[0]) {
-            return Swept::Fails;
-        }
-        let width = w * (self.ratio - 1.0) * self.step;
-        self.variance += c.size() / closed.size() * width * core::f32::consts::FRAC_1_PI;
-        self.margins.note(&self.own.last, &closed, w);
-        self.own.last = closed;
         let later = held.times(half).times(half);
-        self.flow = Some(integrated(c, b0, w, later));
+        let size = c.size();
+        self.reached = Some(Reached {
+            size,
+            open: [held, later].map(|late| integrated(c, b0, w, late)),
+        });
         if self.at == 0 {
-            Swept::Begun(w * sqrt(c.size()))
+            Swept::Begun(w * sqrt(size))
         } else {
             Swept::On
         }
     }
 
-    /// Whether the margins hold on the drives that are off.
+    /// Whether the margins hold on the drive itself.
+    fn own_holds(&mut self, reached: &Reached) -> bool {
+        let Drive { a1, a2, .. } = self.drive;
+        let w = self.w;
+        let closed = closed(reached.open[0].times(receptance(a1, a2, w)), 1.0);
+        let holds = self.own.sees(closed, SENSITIVITY[0]);
+        if holds {
+            let width = w * (self.ratio - 1.0) * self.step;
+            let share = width * core::f32::consts::FRAC_1_PI;
+            self.variance += reached.size / closed.size() * share;
+            self.margins.note(&self.own.last, &closed, w);
+            self.own.last = closed;
+        }
+        holds
+    }
+
+    /// Whether they hold on the drives that are off.
     fn corners_hold(&mut self, flow: Complex) -> bool {
         let Drive { a1, a2, .. } = self.drive;
         for (traces, off) in self.corners.iter_mut().zip(OFF) {

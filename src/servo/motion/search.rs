@@ -52,12 +52,16 @@ impl Search {
         const FIRST: u8 = PLANNING - 1;
         self.left = self.left.saturating_sub(1);
         match self.left {
-            0 => return self.planned.take().map(|found| (found, self.fits)),
+            0 => {
+                let found = self.planned.take();
+                return found.map(|found| {
+                    let fits = self.fits && found.begins_within(travel, 2, 3);
+                    (found, fits)
+                });
+            }
             1 => {
-                self.fits = self
-                    .planned
-                    .as_ref()
-                    .is_some_and(|p| p.stays_within(travel))
+                let planned = self.planned.as_ref();
+                self.fits = planned.is_some_and(|p| p.begins_within(travel, 0, 2));
             }
             2 => self.planned = Some(Move::new(self.segments(limits), self.start, self.target)),
             FIRST => self.bracket(limits),

@@ -12,6 +12,8 @@ pub(crate) struct Takeover {
     pub(crate) building: Option<Building>,
     /// The search of poles for the model that is being validated.
     pub(crate) tuning: Option<Tuned>,
+    /// A model for which the poles are still to be searched.
+    pub(crate) unsearched: Option<Model>,
     /// The estimate that the next sample makes a candidate of.
     pub(crate) looked: Option<Looked>,
     /// Samples in which the observer of the controller settles before it takes over.
