@@ -215,7 +215,7 @@ fn the_poles_of_a_search_that_goes_on_reach_the_controller_of_their_model() {
         assert_eq!(bench.servo.controller().bandwidth(), slow.bandwidth);
         assert_eq!(bench.servo.margins(), None);
         bench.servo.takeover.unsearched = Some(model);
-        while bench.servo.takeover.tuning.is_some() {
+        while bench.servo.takeover.is_searching() {
             let _ = bench.worst(1);
         }
         let _ = bench.worst(2);

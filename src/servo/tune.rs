@@ -61,7 +61,7 @@ impl<S, V> ServoLoop<S, V> {
     pub(crate) fn is_crowded(&self) -> bool {
         self.supervisor.state().is_controlling()
             && (self.moves.trajectory.is_planning()
-                || self.supervisor.comparison.steps()
+                || self.supervisor.steps()
                 || self.controller.changes())
     }
 

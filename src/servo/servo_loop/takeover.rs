@@ -20,6 +20,14 @@ pub(crate) struct Takeover {
     pub(crate) watching: u32,
 }
 
+#[cfg(test)]
+impl Takeover {
+    /// Whether poles are searched, or will be.
+    pub(crate) const fn is_searching(&self) -> bool {
+        self.tuning.is_some() || self.unsearched.is_some()
+    }
+}
+
 /// What the loop goes back to when it oscillates or does not follow.
 #[derive(Debug, Clone)]
 pub(crate) struct Fallback {

@@ -8,6 +8,7 @@ use crate::servo::supervision::event::{Event, Observation};
 use crate::servo::supervision::evidence::Challenger;
 use crate::servo::supervision::state::State;
 use crate::servo::supervision::supervisor::Supervisor;
+#[cfg(test)]
 use crate::servo::supervision::validation::Window;
 
 impl Supervisor {
@@ -57,23 +58,21 @@ impl Supervisor {
         let Some(used) = self.verified_model else {
             return Event::None;
         };
-        match &mut self.comparison {
+        match self.comparison {
             Comparison::Rests => {}
             Comparison::Begins => {
-                self.comparison = Comparison::Runs(Window::new(
-                    &self.design.validation,
-                    &used,
-                    self.evidence.challenger(),
-                    seen.motion,
-                    seen.flow,
-                ));
+                let challenger = self.evidence.challenger();
+                let design = &self.design.validation;
+                (self.window).begin(design, &used, challenger, seen.motion, seen.flow);
+                self.comparison = Comparison::Runs;
             }
-            Comparison::Runs(window) if !window.is_over() => window.update(seen.flow, seen.y),
-            Comparison::Runs(window) => {
+            Comparison::Runs if !self.window.is_over() => self.window.update(seen.flow, seen.y),
+            Comparison::Runs => {
                 let grain = self.design.drift;
-                let sums = window.sums(self.design.min_travel, unknown(&used) + grain, grain);
+                let sums =
+                    (self.window).sums(self.design.min_travel, unknown(&used) + grain, grain);
                 if let Some(sums) = &sums {
-                    self.report = window.report(sums);
+                    self.report = self.window.report(sums);
                     self.evidence.add(sums);
                 }
                 self.comparison = match sums {
@@ -90,12 +89,27 @@ impl Supervisor {
                 }
             }
             Comparison::Replaces(winner) => {
-                let winner = *winner;
                 self.comparison = Comparison::Rests;
                 return self.replace(&used, &winner);
             }
         }
         Event::None
+    }
+
+    /// Whether the next sample is for a step from a window to another model, not for another sample
+    /// of a window.
+    pub(crate) const fn steps(&self) -> bool {
+        match self.comparison {
+            Comparison::Rests => false,
+            Comparison::Runs => self.window.is_over(),
+            Comparison::Begins | Comparison::Decides | Comparison::Replaces(_) => true,
+        }
+    }
+
+    /// The window that goes on.
+    #[cfg(test)]
+    pub(crate) fn running(&self) -> Option<&Window> {
+        (self.comparison == Comparison::Runs).then_some(&self.window)
     }
 
     /// Another model becomes the verified one, unless it may not control.

@@ -8,7 +8,7 @@ use crate::servo::supervision::event::{Event, Observation};
 use crate::servo::supervision::evidence::Evidence;
 use crate::servo::supervision::screening::{Candidate, UNKNOWN};
 use crate::servo::supervision::state::{Reason, State};
-use crate::servo::supervision::validation::FitReport;
+use crate::servo::supervision::validation::{FitReport, Window};
 
 /// Decides from samples and candidates of the identifier which model the controller may use.
 ///
@@ -29,6 +29,8 @@ pub struct Supervisor {
     since_look: u32,
     pub(crate) change: ChangeDetector,
     pub(crate) comparison: Comparison,
+    /// The latest window.
+    pub(super) window: Window,
     pub(crate) evidence: Evidence,
     pub(super) report: FitReport,
     pub(super) refusal: Option<Reason>,
@@ -54,6 +56,7 @@ impl Supervisor {
             since_look: 0,
             change: ChangeDetector::new(&design.change),
             comparison: Comparison::Rests,
+            window: Window::none(&design.validation),
             evidence: Evidence::NONE,
             report: FitReport::default(),
             refusal: None,

@@ -133,28 +133,44 @@ impl Sums {
 }
 
 impl Window {
-    /// A window that begins at `motion`, with `flow` in force.
-    pub(crate) fn new(
+    /// No window: one that is over.
+    pub(crate) fn none(design: &ValidationDesign) -> Self {
+        let nothing = Model::linear(0.0, 0.0, 0.0);
+        let runner = Runner::new(design, nothing, Motion::default());
+        Self {
+            bank: core::array::from_fn(|_| runner.clone()),
+            challenger: None,
+            unknown: UnknownFlow::new(&nothing),
+            sample_time: design.observer.sample_time,
+            flow: 0.0,
+            observe: 0,
+            window: 0,
+            samples: 0,
+            origin: 0.0,
+            sum: 0.0,
+            squares: 0.0,
+        }
+    }
+
+    /// Begins at `motion`, with `flow` in force.
+    pub(crate) fn begin(
+        &mut self,
         design: &ValidationDesign,
         used: &Model,
         challenger: Option<Model>,
         motion: Motion,
         flow: f32,
-    ) -> Self {
-        let run = |model| Runner::new(design, model, motion);
-        Self {
-            bank: bank::about(used).map(run),
-            challenger: challenger.map(run),
-            unknown: UnknownFlow::new(used),
-            sample_time: design.observer.sample_time,
-            flow,
-            observe: design.observe,
-            window: design.window,
-            samples: 0,
-            origin: motion.position,
-            sum: 0.0,
-            squares: 0.0,
+    ) {
+        for (runner, model) in self.bank.iter_mut().zip(bank::about(used)) {
+            *runner = Runner::new(design, model, motion);
         }
+        self.challenger = challenger.map(|model| Runner::new(design, model, motion));
+        self.unknown = UnknownFlow::new(used);
+        self.sample_time = design.observer.sample_time;
+        self.flow = flow;
+        (self.observe, self.window, self.samples) = (design.observe, design.window, 0);
+        self.origin = motion.position;
+        (self.sum, self.squares) = (0.0, 0.0);
     }
 
     /// Takes the position y(k) and the flow in force from now on.

@@ -33,7 +33,7 @@ fn targets_in_every_sample_leave_time_for_the_search_for_poles() {
     for k in 0..8000 {
         asked(&mut bench, k);
     }
-    assert!(bench.servo.takeover.tuning.is_none());
+    assert!(!bench.servo.takeover.is_searching());
 }
 
 #[test]

@@ -36,7 +36,7 @@ fn judged(supervisor: &mut Supervisor, drive: Model, candidate: Model) -> (Event
     let mut samples = 0;
     for k in 0..20_000 {
         let seen = step(&mut motion, &drive, k);
-        samples += u32::from(supervisor.comparison.window().is_some_and(|w| !w.is_over()));
+        samples += u32::from(supervisor.running().is_some_and(|w| !w.is_over()));
         let event = supervisor.update(&seen);
         if event != Event::None || supervisor.counts() != (0, 0) {
             return (event, samples);
@@ -171,7 +171,7 @@ fn a_change_of_the_drive_ends_a_window_and_what_came_before_and_a_stick_the_wind
     }
     assert_eq!(supervisor.submit(&certain(OTHER)), Event::None);
     assert_eq!(supervisor.update(&quiet), Event::None);
-    assert!(supervisor.comparison.window().is_some());
+    assert!(supervisor.running().is_some());
     let sticks = Observation {
         sticks: true,
         ..quiet

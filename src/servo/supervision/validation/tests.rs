@@ -26,7 +26,8 @@ fn seen_by(
     };
     let design = Config::new(1e-3, 30.0, travel).resolve()?.supervision;
     let mut motion = Motion::at(200.0);
-    let mut window = Window::new(&design.validation, used, challenger, motion, 0.0);
+    let mut window = Window::none(&design.validation);
+    window.begin(&design.validation, used, challenger, motion, 0.0);
     let mut samples = 0;
     while !window.is_over() {
         let turned = libm::sinf(per_second * core::f32::consts::PI * 1e-3 * samples as f32);

@@ -38,9 +38,9 @@ fn a_window_counts_by_its_motion_over_what_friction_and_drift_hide() -> Result<(
     let mut motion = Motion::at(200.0);
     for k in 0..5000 {
         let seen = step(&mut motion, &used, k);
-        let before = supervisor.comparison.window().cloned();
+        let before = supervisor.running().cloned();
         assert_eq!(supervisor.compare(&seen), Event::None);
-        if let (Some(window), None) = (before, supervisor.comparison.window()) {
+        if let (Some(window), None) = (before, supervisor.running()) {
             assert!(window.is_over());
             let sums = window.sums(0.1, 5.0, 1.0).expect("it moves");
             assert!((0.2..0.8).contains(&sums.weight), "{sums:?}");
