@@ -17,6 +17,13 @@ pub(crate) struct Move {
     target: f32,
 }
 
+/// A place of a move: the piece, where it began, and the time since.
+struct Reached {
+    index: u8,
+    start: Motion,
+    time: f32,
+}
+
 impl Move {
     /// A move of these pieces that ends at rest at `target`.
     pub(crate) fn new(segments: [Segment; 7], start: Motion, target: f32) -> Self {
@@ -66,25 +73,50 @@ impl Move {
         self.target
     }
 
-    /// The setpoint `samples` of `step` seconds on, and whether the move has ended. Cost: about 45
-    /// instructions.
+    /// The setpoint `step` seconds on, and whether the move has ended. Cost: about 45 instructions.
     #[inline]
-    pub(crate) fn next(&mut self, samples: u32, step: f32) -> (Setpoint, bool) {
-        self.samples = self.samples.saturating_add(samples);
-        let mut time = self.offset + self.samples as f32 * step;
-        while let Some(segment) = self.segments.get(usize::from(self.index))
-            && time >= segment.duration
-        {
-            self.start = segment.at(&self.start, segment.duration);
-            time -= segment.duration;
-            self.offset = time;
-            self.samples = 0;
-            self.index += 1;
+    pub(crate) fn next(&mut self, step: f32) -> (Setpoint, bool) {
+        self.samples = self.samples.saturating_add(1);
+        let now = self.at(self.offset + self.samples as f32 * step);
+        if now.index != self.index {
+            (self.index, self.start) = (now.index, now.start);
+            (self.offset, self.samples) = (now.time, 0);
         }
-        match self.segments.get(usize::from(self.index)) {
+        self.setpoint(&now)
+    }
+
+    /// The setpoint `samples` of `step` seconds on.
+    pub(crate) fn ahead(&self, samples: u8, step: f32) -> Setpoint {
+        let samples = self.samples.saturating_add(samples.into());
+        self.setpoint(&self.at(self.offset + samples as f32 * step))
+            .0
+    }
+
+    /// Where a time from the begin of the present piece on leads.
+    #[inline]
+    fn at(&self, time: f32) -> Reached {
+        let mut now = Reached {
+            index: self.index,
+            start: self.start,
+            time,
+        };
+        while let Some(segment) = self.segments.get(usize::from(now.index))
+            && now.time >= segment.duration
+        {
+            now.start = segment.at(&now.start, segment.duration);
+            now.time -= segment.duration;
+            now.index += 1;
+        }
+        now
+    }
+
+    /// The setpoint there, and whether the move has ended.
+    #[inline]
+    fn setpoint(&self, now: &Reached) -> (Setpoint, bool) {
+        match self.segments.get(usize::from(now.index)) {
             Some(segment) => {
-                let now = segment.at(&self.start, time);
-                (Setpoint::of(&now, segment.jerk), false)
+                let motion = segment.at(&now.start, now.time);
+                (Setpoint::of(&motion, segment.jerk), false)
             }
             // What rounding left is below the resolution of any sensor.
             None => (Setpoint::at(self.target), true),

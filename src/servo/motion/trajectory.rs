@@ -142,7 +142,7 @@ impl Trajectory {
         let (now, step) = (self.setpoint.motion(), self.sample_time);
         let motion = match &self.plan {
             Plan::Rest => now,
-            Plan::Move(planned) => planned.clone().next(u32::from(PLANNING), step).0.motion(),
+            Plan::Move(planned) => planned.ahead(PLANNING, step).motion(),
             Plan::RunOut(run_out) => run_out.after(&now, step, DOUBLINGS),
             Plan::Sine(sine) => {
                 let long = step * f32::from(PLANNING);
@@ -272,7 +272,7 @@ impl Trajectory {
         let step = self.sample_time;
         let (next, ended) = match &mut self.plan {
             Plan::Rest => (Setpoint::at(self.setpoint.position), false),
-            Plan::Move(planned) => planned.next(1, step),
+            Plan::Move(planned) => planned.next(step),
             Plan::RunOut(run_out) => run_out.next(&self.setpoint, step, &self.limits),
             Plan::Sine(sine) => (sine.next(step), false),
         };
