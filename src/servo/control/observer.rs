@@ -18,6 +18,8 @@ use crate::servo::motion::Motion;
 pub(crate) struct Observer {
     design: ObserverDesign,
     model: Model,
+    /// The drive over a sample.
+    step: Transition,
     motion: Motion,
     friction: StickSlip,
     gain: [f32; 3],
@@ -29,6 +31,7 @@ impl Observer {
         let mut observer = Self {
             design: *design,
             model,
+            step: Transition::default(),
             motion: Motion::default(),
             friction: StickSlip::new(design.sample_time, model.friction),
             gain: [0.0; 3],
@@ -40,6 +43,7 @@ impl Observer {
     /// Goes on with another model; the observed motion stays.
     pub(crate) fn tune(&mut self, model: Model) {
         self.gain = gains(&model, &self.design);
+        self.step = Transition::new(&model, self.design.sample_time);
         self.model = model;
         self.friction.retune(model.friction);
     }
@@ -50,22 +54,16 @@ impl Observer {
         self.friction.place(motion.velocity);
     }
 
-    /// One sample on under the flow that was in force. Cost: about 50 instructions.
+    /// One sample on under the flow that was in force. Cost: about 40 instructions.
     #[inline]
     pub(crate) fn predict(&mut self, flow: f32) {
-        self.predict_over(flow, self.design.sample_time);
-    }
-
-    /// The same, of one of many that share the sample time.
-    #[inline]
-    pub(crate) fn predict_over(&mut self, flow: f32, time: f32) {
         if self.friction.sticks() {
             if let Some(acceleration) = self.friction.hold(self.model.b0 * flow) {
                 self.motion.acceleration = acceleration;
             }
             return;
         }
-        self.model.advance(&mut self.motion, flow, time);
+        self.step.advance(&mut self.motion, flow);
         self.friction.stop(&mut self.motion);
     }
 
@@ -100,6 +98,51 @@ impl Observer {
     }
 }
 
+/// What velocity, acceleration and flow at the begin of a sample add to position, velocity and
+/// acceleration until its end: those of [`Model::advance`] as a matrix.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Transition {
+    position: [f32; 3],
+    velocity: [f32; 3],
+    acceleration: [f32; 3],
+}
+
+impl Transition {
+    /// Cost: some 40 instructions.
+    fn new(model: &Model, time: f32) -> Self {
+        let Model { a1, a2, b0, .. } = *model;
+        let (half, third) = (0.5 * time, time * (1.0 / 3.0));
+        let square = time * half;
+        // Of velocity, acceleration and flow in the derivatives of the acceleration.
+        let jerk = [-a1, -a2, b0];
+        let snap = [-a2 * jerk[0], -a1 - a2 * jerk[1], -a2 * jerk[2]];
+        let of = |k: usize| {
+            let crackle = -a1 * jerk[k] - a2 * snap[k];
+            (
+                square * third * jerk[k],
+                square * (jerk[k] + third * snap[k]),
+                time * (jerk[k] + half * (snap[k] + third * crackle)),
+            )
+        };
+        let [(xv, vv, av), (xa, va, aa), (xf, vf, af)] = [of(0), of(1), of(2)];
+        Self {
+            position: [time + xv, square + xa, xf],
+            velocity: [vv, time + va, vf],
+            acceleration: [av, aa, af],
+        }
+    }
+
+    /// One sample on under a held flow. Cost: about 25 instructions.
+    #[inline]
+    fn advance(&self, motion: &mut Motion, flow: f32) {
+        let (v, a) = (motion.velocity, motion.acceleration);
+        let sum = |[of_v, of_a, of_flow]: [f32; 3]| of_v * v + of_a * a + of_flow * flow;
+        motion.position += sum(self.position);
+        motion.velocity += sum(self.velocity);
+        motion.acceleration += sum(self.acceleration);
+    }
+}
+
 /// l1 to l3 times the sample time.
 fn gains(model: &Model, design: &ObserverDesign) -> [f32; 3] {
     let w = design.rate;
@@ -116,6 +159,31 @@ mod tests {
     use crate::servo::config::Config;
     use crate::servo::error::Error;
     use crate::servo::motion::Travel;
+
+    #[test]
+    fn a_sample_is_that_of_the_model() {
+        let model = Model::linear(900.0, 14.0, 2.0e5);
+        for time in [1e-3, 2e-3] {
+            let step = Transition::new(&model, time);
+            for (velocity, acceleration, flow) in [(300.0, -2e3, 0.4), (-20.0, 9e3, -1.0)] {
+                let begin = Motion {
+                    position: 100.0,
+                    velocity,
+                    acceleration,
+                };
+                let (mut found, mut exact) = (begin, begin);
+                step.advance(&mut found, flow);
+                model.advance(&mut exact, flow, time);
+                for (found, exact) in [
+                    (found.position, exact.position),
+                    (found.velocity, exact.velocity),
+                    (found.acceleration, exact.acceleration),
+                ] {
+                    assert!((found / exact - 1.0).abs() < 1e-6, "{found} {exact}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn a_step_of_the_position_is_followed() -> Result<(), Error> {

@@ -57,15 +57,15 @@ impl Runner {
 
     /// One sample under the flow that was in force, observed with the position at its end.
     #[inline]
-    fn observe(&mut self, flow: f32, y: f32, time: f32) {
-        self.observer.predict_over(flow, time);
+    fn observe(&mut self, flow: f32, y: f32) {
+        self.observer.predict(flow);
         self.observer.correct(y);
     }
 
     /// One sample of free simulation, with the response to the unknown flow.
     #[inline]
-    fn simulate(&mut self, flow: f32, y: f32, time: f32, response: f32) {
-        self.observer.predict_over(flow, time);
+    fn simulate(&mut self, flow: f32, y: f32, response: f32) {
+        self.observer.predict(flow);
         self.errors
             .add(y - self.observer.motion().position, response);
     }
@@ -178,15 +178,14 @@ impl Window {
     /// Cost: about 60 instructions per model.
     pub(crate) fn update(&mut self, flow: f32, y: f32) {
         let before = core::mem::replace(&mut self.flow, flow);
-        let time = self.sample_time;
         let runners = self.bank.iter_mut().chain(&mut self.challenger);
         if self.observe > 0 {
-            runners.for_each(|run| run.observe(before, y, time));
+            runners.for_each(|run| run.observe(before, y));
             self.observe -= 1;
             return;
         }
-        let response = self.unknown.update(before, time);
-        runners.for_each(|run| run.simulate(before, y, time, response));
+        let response = self.unknown.update(before, self.sample_time);
+        runners.for_each(|run| run.simulate(before, y, response));
         let moved = y - self.origin;
         self.sum += moved;
         self.squares += moved * moved;
