@@ -1,12 +1,14 @@
 //! A first model by linear regression on filtered signals, for several delays at once.
 
-use crate::math::matrix::{Matrix, backward, cholesky, forward};
+use crate::math::matrix::{backward, cholesky, forward};
 use crate::math::sqrt;
 use crate::servo::commissioning::predictor::{Point, Theta};
 use crate::servo::commissioning::record::MotionRecord;
 use crate::servo::commissioning::view::View;
 
-/// Parameters: a1, a2, b0, b0 times the dead zone, friction, constant.
+/// Parameters: a1, a2, friction, constant, which have the same regressors under every delay; then
+/// b0, and b0 times the dead zone.
+const SHARED: usize = 4;
 const TERMS: usize = 6;
 /// Delays of the valve in s that are compared, beside the one that was stated.
 const DELAYS: [f32; 3] = [5e-3, 9e-3, 14e-3];
@@ -46,17 +48,36 @@ impl Filter {
     }
 }
 
-/// Normal equations of one delay.
+/// Rows of the normal equations, up to their diagonals, of all delays or of one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Normal {
-    matrix: Matrix<TERMS>,
-    right: [f32; TERMS],
+struct Rows<const ROWS: usize, const COLUMNS: usize> {
+    matrix: [[f32; COLUMNS]; ROWS],
+    right: [f32; ROWS],
 }
 
-const NO_SUMS: Normal = Normal {
-    matrix: [[0.0; TERMS]; TERMS],
-    right: [0.0; TERMS],
-};
+type Shared = Rows<SHARED, SHARED>;
+type Delayed = Rows<{ TERMS - SHARED }, TERMS>;
+
+impl<const ROWS: usize, const COLUMNS: usize> Rows<ROWS, COLUMNS> {
+    const NONE: Self = Self {
+        matrix: [[0.0; COLUMNS]; ROWS],
+        right: [0.0; ROWS],
+    };
+
+    /// Adds an equation; `row` ends with the regressors of these rows.
+    #[inline]
+    fn add(&mut self, row: &[f32; COLUMNS], target: f32) {
+        let before = COLUMNS - ROWS;
+        let own = row.iter().enumerate().skip(before);
+        let rows = self.matrix.iter_mut().zip(&mut self.right);
+        for ((sums, right), (j, a)) in rows.zip(own) {
+            *right += a * target;
+            for (sum, b) in sums.iter_mut().zip(row).take(j + 1) {
+                *sum += a * b;
+            }
+        }
+    }
+}
 
 /// The regression, a few points per sample.
 ///
@@ -84,7 +105,8 @@ pub(crate) struct Regression {
     squares: f32,
     delays: [f32; COMPARED],
     stiffening: f32,
-    normals: [Normal; COMPARED],
+    shared: Shared,
+    delayed: [Delayed; COMPARED],
     /// Delays that are solved, and the model of the one with the smallest error.
     solved: usize,
     found: Option<(f32, Theta)>,
@@ -111,7 +133,8 @@ impl Regression {
             moving: 0,
             origin: 0.0,
             squares: 0.0,
-            normals: [NO_SUMS; COMPARED],
+            shared: Shared::NONE,
+            delayed: [Delayed::NONE; COMPARED],
             solved: 0,
             found: None,
         }
@@ -136,9 +159,8 @@ impl Regression {
         self.moving = 0;
         self.origin = record.y(view.begin);
         self.squares = 0.0;
-        for normal in &mut self.normals {
-            *normal = NO_SUMS;
-        }
+        self.shared = Shared::NONE;
+        self.delayed = [Delayed::NONE; COMPARED];
         self.solved = 0;
         self.found = None;
     }
@@ -192,29 +214,26 @@ impl Regression {
         let (first, second) = (state[1] / rate, state[2] / (rate * rate));
         let friction = self.direction.state[1] / rate;
         self.squares += target * target;
-        for (normal, delay) in self.normals.iter_mut().zip(self.delays) {
+        let shared = [-first, -second, -friction, 1.0];
+        self.shared.add(&shared, target);
+        for (delayed, delay) in self.delayed.iter_mut().zip(self.delays) {
             let back = delay / self.view.time;
             let whole = back as usize;
             let part = back - whole as f32;
             let newer = self.kept[(i + KEPT - whole) % KEPT];
             let older = self.kept[(i + KEPT - whole - 1) % KEPT];
             let read = |k: usize| newer[k] + part * (older[k] - newer[k]);
-            let row = [-first, -second, read(0), -read(1), -friction, 1.0];
-            for (j, a) in row.iter().enumerate() {
-                normal.right[j] += a * target;
-                for (sum, b) in normal.matrix[j].iter_mut().zip(&row).take(j + 1) {
-                    *sum += a * b;
-                }
-            }
+            let [a, b, c, d] = shared;
+            delayed.add(&[a, b, c, d, read(0), -read(1)], target);
         }
     }
 
     /// Solves the equations of one delay more; whether that was the last one. Cost: some 1300
     /// instructions.
     pub(crate) fn solve_next(&mut self) -> bool {
-        if let (Some(normal), Some(delay)) =
-            (self.normals.get(self.solved), self.delays.get(self.solved))
-            && let Some((error, theta)) = self.solve(normal, *delay)
+        if let (Some(delayed), Some(delay)) =
+            (self.delayed.get(self.solved), self.delays.get(self.solved))
+            && let Some((error, theta)) = self.solve(delayed, *delay)
             && self.found.is_none_or(|(other, _)| error < other)
         {
             self.found = Some((error, theta));
@@ -228,16 +247,20 @@ impl Regression {
         self.found.map(|(_, theta)| theta)
     }
 
-    fn solve(&self, normal: &Normal, delay: f32) -> Option<(f32, Theta)> {
-        let mut matrix = normal.matrix;
+    fn solve(&self, delayed: &Delayed, delay: f32) -> Option<(f32, Theta)> {
+        let ([p, q, r, s], [t, u]) = (self.shared.matrix, delayed.matrix);
+        let [p, q, r, s] = [p, q, r, s].map(|[a, b, c, d]| [a, b, c, d, 0.0, 0.0]);
+        let mut matrix = [p, q, r, s, t, u];
+        let ([p, q, r, s], [t, u]) = (self.shared.right, delayed.right);
+        let right = [p, q, r, s, t, u];
         for (j, row) in matrix.iter_mut().enumerate() {
             row[j] *= 1.0 + 1e-4;
         }
         let factor = cholesky(&matrix)?;
-        let found = backward(&factor, forward(&factor, normal.right));
-        let explained: f32 = found.iter().zip(&normal.right).map(|(a, b)| a * b).sum();
+        let found = backward(&factor, forward(&factor, right));
+        let explained: f32 = found.iter().zip(&right).map(|(a, b)| a * b).sum();
         let rate = self.rate;
-        let [a1, a2, b0, null, friction, constant] = found;
+        let [a1, a2, friction, constant, b0, null] = found;
         let (a1, a2, b0) = (a1 * rate * rate, a2 * rate, b0 * rate * rate * rate);
         if !(a1 > 9.0 && a1 < 9e4 && b0 > 1e-3 * a1 && b0 < 50.0 * a1) {
             return None;
