@@ -101,7 +101,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.sensed.position = y;
         self.begin(y);
         self.moves.tracking.update(y);
-        let crowded = self.is_crowded();
+        let spare = self.spare();
         let (setpoint, requested) = self.requested(y, same_code);
         let limited = self.limiter.update(requested);
         self.commands.push(limited);
@@ -122,7 +122,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let retuned = if self.is_stopped(&setpoint, y, along, same_code) {
             false
         } else {
-            self.supervise(&setpoint, y, same_code, outcome, crowded)
+            self.supervise(&setpoint, y, same_code, outcome, spare)
         };
         let went_back = core::mem::take(&mut self.fallback.went_back);
         self.report(

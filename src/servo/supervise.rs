@@ -11,21 +11,21 @@ use crate::servo::model::Model;
 use crate::servo::motion::{Motion, Setpoint};
 use crate::servo::servo_loop::ServoLoop;
 use crate::servo::servo_loop::takeover::Fallback;
-use crate::servo::supervision::event::{Event, Observation};
+use crate::servo::supervision::event::{Event, Observation, Spare};
 use crate::servo::supervision::state::{Reason, State};
 use crate::servo::supervision::supervisor::Supervisor;
 use crate::servo::tune::PIECES_PER_SAMPLE;
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// Everything between the identifier and the controller; whether a model reached the
-    /// controller. What can wait does in a sample that is `crowded`.
+    /// controller.
     pub(crate) fn supervise(
         &mut self,
         setpoint: &Setpoint,
         y: f32,
         same_code: bool,
         outcome: Outcome,
-        crowded: bool,
+        spare: Spare,
     ) -> bool {
         let state = self.supervisor.state();
         let motion = self.motion();
@@ -38,12 +38,13 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             error: setpoint.position - motion.position,
             speed: setpoint.velocity,
             innovation: outcome.innovation(),
+            spare,
         };
         let mut event = self.supervisor.update(&seen);
         if event != Event::None {
             // What was looked at is no longer.
             self.takeover.looked = None;
-        } else if !crowded {
+        } else if spare == Spare::Thought {
             event = self.think();
         }
         self.identifier.adapt(self.learns());

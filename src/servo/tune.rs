@@ -10,6 +10,7 @@ use crate::servo::error::Error;
 use crate::servo::model::Model;
 use crate::servo::servo_loop::ServoLoop;
 use crate::servo::store::Record;
+use crate::servo::supervision::event::Spare;
 use crate::servo::supervision::state::Reason;
 
 /// Pieces per sample of the search for poles while the commissioning computes nothing else.
@@ -56,13 +57,17 @@ impl<S, V> ServoLoop<S, V> {
         tuned.done || tuned.tuning.has_some()
     }
 
-    /// Whether the sample to come has work of its own that it shares with nothing which can wait: a
-    /// move to plan, a step between two windows, gains that come into force.
-    pub(crate) fn is_crowded(&self) -> bool {
-        self.supervisor.state().is_controlling()
-            && (self.moves.trajectory.is_planning()
-                || self.supervisor.steps()
-                || self.controller.changes())
+    /// What the sample to come has time for.
+    pub(crate) fn spare(&self) -> Spare {
+        if !self.supervisor.state().is_controlling() {
+            Spare::Thought
+        } else if self.moves.trajectory.is_planning() {
+            Spare::Nothing
+        } else if self.supervisor.steps() || self.controller.changes() {
+            Spare::Step
+        } else {
+            Spare::Thought
+        }
     }
 
     /// Some pieces more of a search that goes on in control; faster poles that it finds come into

@@ -94,11 +94,18 @@ impl Monitors {
         observer: &ObserverDesign,
         model: Model,
     ) {
-        let counters = self.counters;
-        *self = Self {
-            counters,
-            ..Self::new(design, observer, model)
-        };
+        self.design = *design;
+        self.bounds = Bounds::new(design, &model);
+        self.twin = Twin::new(design, observer, model);
+        self.readings = Plausibility::new(design);
+        self.gaps = Gaps::new(design);
+        self.stuck = StuckCode::new(design);
+        self.obedience = Obedience::default();
+        self.following = Following::default();
+        self.saturation = Saturation::default();
+        self.travel = TravelMonitor::new(design.travel);
+        self.oscillation = Oscillation::new(design);
+        self.unrest = Unrest::new(design);
     }
 
     /// Begins with a verified model, at a motion and with the command in force.

@@ -10,6 +10,9 @@ use crate::servo::motion::{Motion, MotionLimits, Setpoint, Travel};
 /// How often the acceleration of a brake is doubled, at most, to come to rest within the travel.
 const BRAKE_DOUBLINGS: u8 = 6;
 
+/// Samples between two plannings: targets in every sample leave time for what waits for it.
+const PAUSES: u8 = 2;
+
 /// Largest frequency of a sine, in periods per sample.
 const FREQUENCY_STEP_MAX: f32 = 0.1;
 
@@ -43,8 +46,8 @@ pub(crate) struct Trajectory {
     search: Option<Search>,
     next: Option<f32>,
     behind_rest: Option<f32>,
-    /// Whether the next sample plans nothing.
-    pauses: bool,
+    /// Samples to come that plan nothing.
+    pauses: u8,
     /// A sine that begins when the present plan has come to rest.
     sine: Option<Sine>,
 }
@@ -61,7 +64,7 @@ impl Trajectory {
             search: None,
             next: None,
             behind_rest: None,
-            pauses: false,
+            pauses: 0,
             sine: None,
         }
     }
@@ -155,15 +158,13 @@ impl Trajectory {
         }
     }
 
-    /// Whether a move is planned in the sample to come.
+    /// Whether a move is planned in the sample to come, or a target that waits is taken up.
     pub(crate) const fn is_planning(&self) -> bool {
-        self.search.is_some()
+        let rested = self.behind_rest.is_some() && matches!(self.plan, Plan::Rest);
+        self.search.is_some() || self.pauses == 0 && (self.next.is_some() || rested)
     }
 
     /// One sample of planning; a move that is planned begins.
-    ///
-    /// Between two plannings two samples are free: targets in every sample leave time for what
-    /// waits for it.
     fn plan(&mut self) {
         let Some(search) = &mut self.search else {
             if matches!(self.plan, Plan::Rest)
@@ -171,9 +172,9 @@ impl Trajectory {
             {
                 self.next = Some(target);
             }
-            if !core::mem::take(&mut self.pauses)
-                && let Some(target) = self.next.take()
-            {
+            if self.pauses > 0 {
+                self.pauses -= 1;
+            } else if let Some(target) = self.next.take() {
                 self.search(target);
             }
             return;
@@ -184,7 +185,7 @@ impl Trajectory {
         let next = self.next;
         if fits {
             self.begin(Plan::Move(planned));
-            (self.next, self.pauses) = (next, next.is_some());
+            (self.next, self.pauses) = (next, if next.is_some() { PAUSES } else { 0 });
             return;
         }
         // A motion that was taken over may need a harder brake than the limits: it comes to rest

@@ -3,6 +3,7 @@
 use crate::hardware::{PositionSensor, Valve};
 use crate::identifier::Outcome;
 use crate::servo::servo_loop::ServoLoop;
+use crate::servo::supervision::event::Spare;
 use crate::servo::supervision::state::Reason;
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
@@ -50,7 +51,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let outcome = Outcome::Replaced { innovation: 0.0 };
         if !self.is_stopped(&setpoint, y, along, true) {
             // Several of them may come in one slot: what can wait does.
-            self.supervise(&setpoint, y, true, outcome, true);
+            self.supervise(&setpoint, y, true, outcome, Spare::Nothing);
         }
     }
 }

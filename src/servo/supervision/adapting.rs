@@ -4,7 +4,7 @@ use crate::math::sqrt;
 use crate::servo::design::constants::UNKNOWN_PART;
 use crate::servo::model::Model;
 use crate::servo::supervision::comparison::Comparison;
-use crate::servo::supervision::event::{Event, Observation};
+use crate::servo::supervision::event::{Event, Observation, Spare};
 use crate::servo::supervision::evidence::Challenger;
 use crate::servo::supervision::state::State;
 use crate::servo::supervision::supervisor::Supervisor;
@@ -58,6 +58,9 @@ impl Supervisor {
         let Some(used) = self.verified_model else {
             return Event::None;
         };
+        if seen.spare == Spare::Nothing && self.steps() {
+            return Event::None;
+        }
         match self.comparison {
             Comparison::Rests => {}
             Comparison::Begins => {

@@ -22,6 +22,19 @@ pub(crate) struct Observation {
     pub(crate) speed: f32,
     /// Innovation of the identifier, if there was one.
     pub(crate) innovation: Option<f32>,
+    /// What there is time for in this sample.
+    pub(crate) spare: Spare,
+}
+
+/// What a sample has time for beside what every one needs and a sample of a window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Spare {
+    /// Nothing: a move is planned.
+    Nothing,
+    /// A step from a window to another model, or gains that come into force.
+    Step,
+    /// What can wait for such a sample: a look at the estimate, the search for poles.
+    Thought,
 }
 
 /// Consequence of a sample for the loop.

@@ -4,6 +4,7 @@ use super::*;
 use crate::identifier::Outcome;
 use crate::servo::identification::look;
 use crate::servo::motion::Setpoint;
+use crate::servo::supervision::event::Spare;
 
 /// A loop that adapts, in a motion that it does not follow.
 fn astray() -> Bench {
@@ -65,7 +66,7 @@ fn a_look_at_what_is_no_longer_makes_no_candidate() {
         let y = bench.motion.position;
         let _ = bench
             .servo
-            .supervise(&Setpoint::at(y), y, false, outcome, true);
+            .supervise(&Setpoint::at(y), y, false, outcome, Spare::Nothing);
     }
     assert_eq!(bench.servo.takeover.looked, None);
 }

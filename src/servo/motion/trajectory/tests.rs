@@ -84,8 +84,9 @@ fn targets_in_every_sample_are_followed() {
         free += u32::from(!reference.is_planning());
         let _ = reference.update();
     }
-    // Two samples between two plannings.
-    assert_eq!(free, 2 * (400 / (2 + u32::from(PLANNING))));
+    // A planning, the samples between, and the one that takes up the next target.
+    let [pauses, planning] = [PAUSES, PLANNING].map(u32::from);
+    assert_eq!(free, pauses * (400 / (planning + pauses + 1)));
     assert!(reference.setpoint().position > 25.0);
     assert!(run(&mut reference, 2000) < 2000);
     assert_eq!(reference.setpoint(), Setpoint::at(0.1 * 399.0));

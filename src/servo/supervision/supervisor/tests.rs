@@ -4,6 +4,7 @@ use super::*;
 use crate::servo::config::Config;
 use crate::servo::error::Error;
 use crate::servo::motion::{Motion, Travel};
+use crate::servo::supervision::event::Spare;
 
 pub(crate) const MODEL: Model = Model::linear(625.0, 25.0, 1e6);
 pub(crate) const OTHER: Model = Model::linear(500.0, 30.0, 9e5);
@@ -34,6 +35,7 @@ pub(crate) fn at(velocity: f32) -> Observation {
         speed: 0.0,
         error: 10.0,
         innovation: None,
+        spare: Spare::Thought,
     }
 }
 
