@@ -31,9 +31,6 @@ pub(crate) struct Hop {
 
 /// Parts of a hop that count, of one past the reference and of a shorter one.
 const SHARE: [f32; 2] = [0.5, 0.1];
-/// Hops in a swing of the reference below which a push takes its time: what a quick one gains in
-/// time it loses in the length of the hop.
-const FEW: f32 = 4.0;
 
 impl Hop {
     /// The axis sticks again after a motion in a direction, that led from one error to another;
@@ -71,13 +68,9 @@ impl Hop {
         if gone > self.swing { gone } else { self.swing }
     }
 
-    fn length(&self, direction: f32) -> f32 {
+    /// The hop in a direction; 0 before there was one.
+    pub(crate) fn length(&self, direction: f32) -> f32 {
         self.lengths[usize::from(direction * self.last < 0.0)]
-    }
-
-    /// Whether a reference at `position` swings by a few hops at most.
-    pub(crate) fn is_long(&self, direction: f32, position: f32) -> bool {
-        self.swing(position) < FEW * self.length(direction)
     }
 
     /// Least error that a hop in a direction makes smaller.
@@ -170,7 +163,7 @@ mod tests {
         hop.follow(3.9, -1.0);
         assert_eq!(hop.worth(1.0, 3.0), 2.0);
         assert_eq!(hop.worth(1.0, -0.2), 0.0);
-        assert!(hop.is_long(1.0, -11.9) && !hop.is_long(1.0, -12.2));
+
         // A pause is no turn.
         let mut paused = hop;
         for (position, velocity) in [(-3.0, -1.0), (-3.0, 0.0), (-6.0, -1.0)] {

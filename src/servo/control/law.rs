@@ -15,10 +15,13 @@ const CATCH_UP: f32 = 0.3;
 const NEED: [f32; 2] = [0.15, 3.0];
 /// Rate at which the drive of a sticking axis is brought to its goal, per delay and per sample.
 const QUICK: [f32; 2] = [1.0, 0.3];
-/// Rate of the push over friction and bandwidth behind a moving reference and at rest, and its
-/// growth per 1/wc.
-const PUSH: [f32; 2] = [2.0, 0.25];
-const PUSH_GROWTH: [f32; 2] = [0.6, 0.3];
+/// Rate of the push over friction and bandwidth, at rest, with its growth per 1/wc, and the largest
+/// one behind a moving reference.
+const PUSH_AT_REST: f32 = 0.25;
+const PUSH_GROWTH: f32 = 0.3;
+const PUSH_MOST: f32 = 3.0;
+/// Drive over friction that a push gathers until its hop is due: that of the largest breakaway.
+const BREAKAWAY: f32 = 2.5;
 /// Drive over friction that waits for a reference which comes to the axis: it holds, and little is
 /// missing.
 const READY: f32 = 0.8;
@@ -141,6 +144,10 @@ impl Controller {
     /// known to a quarter: what is missing then has a sign only beyond a quarter of the way that
     /// the reference goes meanwhile. A push the wrong way would cost the whole hop.
     ///
+    /// Behind a moving reference it grows so that the axis hops when as much is missing as a hop is
+    /// long: see [`due`]. At rest it begins slowly and grows with the time, so that a hop is as
+    /// short as it can be, and comes.
+    ///
     /// The drive of an axis that sticks is only integrated, up to a limit. Beyond it, a load is in
     /// the way or the drive is less than it seems: then the error counts, as for an axis that
     /// slides.
@@ -173,10 +180,14 @@ impl Controller {
             return if rate > 0.0 { direction * rate } else { 0.0 };
         }
         let wc = self.estimator.poles().bandwidth;
-        let slow = at_rest || self.hop.is_long(direction, r.position);
-        let stuck = self.design.estimator.sample_time * self.anchor.since() as f32;
-        let (share, growth) = (PUSH[usize::from(slow)], PUSH_GROWTH[usize::from(slow)]);
-        let least = share * model.friction * wc * (1.0 + growth * wc * stuck);
+        let rate = if at_rest {
+            let stuck = self.design.estimator.sample_time * self.anchor.since() as f32;
+            PUSH_AT_REST * wc * (1.0 + PUSH_GROWTH * wc * stuck)
+        } else {
+            let speed = direction * (r.velocity + 0.5 * later * r.acceleration);
+            due(self.hop.length(direction) - direction * error, speed, wc)
+        };
+        let least = rate * model.friction;
         let quick = self.quick() * (model.friction - direction * state.drive);
         let push = if quick > least { quick } else { least };
         if direction * self.estimator.now().drive < HELD_MOST * model.friction {
@@ -239,6 +250,25 @@ impl Controller {
         let wc = self.estimator.poles().bandwidth;
         let slow = within(state.velocity * wc, model.friction) == state.velocity * wc;
         slow && within(error * model.a1, NEAR * model.friction) == error * model.a1
+    }
+}
+
+/// Rate over friction of a push whose hop is due when a reference that goes with `speed` has gone
+/// the distance that is `left` until as much is missing as a hop is long.
+///
+/// ```text
+/// rate = 2.5 speed / left,   at most 3 wc;   3 wc where a hop is due
+/// ```
+///
+/// Sooner, the hop leads past the reference, later the axis is behind it for nothing. A reference
+/// that turns back takes the push back.
+#[inline]
+fn due(left: f32, speed: f32, wc: f32) -> f32 {
+    let most = PUSH_MOST * wc;
+    if left > 0.0 && BREAKAWAY * speed < most * left {
+        BREAKAWAY * speed / left
+    } else {
+        most
     }
 }
 

@@ -59,13 +59,13 @@ fn a_push_is_quick_to_where_friction_lets_go_and_then_grows() {
         };
         near(push(0.0, true), 300.0 * 800.0);
         near(push(780.0, true), 300.0 * 20.0);
-        // A quarter of friction times bandwidth at least, twice as much behind a moving reference.
+        // A quarter of friction times bandwidth at least, three times as much where a hop is due.
         near(push(790.0, true), 0.25 * 800.0 * 16.0);
         near(push(900.0, true), 0.25 * 800.0 * 16.0);
         near(push(600.0, false), 300.0 * 200.0);
-        near(push(790.0, false), 2.0 * 800.0 * 16.0);
-        // It grows by 0.3 and 0.6 per time constant for which the axis has been held: 11 ms.
-        for (at_rest, exact) in [(true, 3200.0 * 1.0528), (false, 25_600.0 * 1.1056)] {
+        near(push(790.0, false), 3.0 * 800.0 * 16.0);
+        // At rest it grows by 0.3 per time constant for which the axis has been held: 11 ms.
+        for (at_rest, exact) in [(true, 3200.0 * 1.0528), (false, 38_400.0)] {
             let mut held = at(0.0, way * 800.0);
             for _ in 0..11 {
                 let _ = held.anchor.update(200.0, true);
@@ -78,9 +78,9 @@ fn a_push_is_quick_to_where_friction_lets_go_and_then_grows() {
             let r = reference(way * error, 0.0, 0.0);
             way * at(0.0, way * drive).break_away(&r, false, 0.0)
         };
-        near(slid(3160.0, 12.0), 25_600.0);
-        near(slid(3176.0, 10.0), 25_600.0);
-        near(slid(3176.0, 12.0), 120_000.0 - 26.0 * 3176.0);
+        near(slid(3160.0, 13.0), 38_400.0);
+        near(slid(3176.0, 12.0), 38_400.0);
+        near(slid(3176.0, 13.0), 130_000.0 - 26.0 * 3176.0);
     }
     // What is quick is a part of the delay, where there is one.
     let mut late = at(0.0, 0.0);
@@ -130,8 +130,34 @@ fn a_hop_that_is_longer_than_the_swing_of_its_reference_is_worth_half_of_it() {
     };
     near(rate(1.5, false), 0.0);
     near(rate(1.5, true), 3200.0);
-    // Behind a reference that swings by few hops a push takes its time.
-    near(rate(2.5, false), 3200.0);
+    // What was gathered for a reference that stands now is enough.
+    near(rate(2.5, false), 300.0 * 10.0);
+}
+
+#[test]
+fn a_push_is_due_when_as_much_is_missing_as_a_hop_is_long() {
+    for way in [1.0, -1.0] {
+        // Hops of 4, of which 2 are missing.
+        let rate = |velocity: f32, acceleration: f32| {
+            let mut controller = at(0.0, way * 1000.0);
+            controller.hop.ended(way, [way, -way * 7.0], true);
+            let r = reference(way * 2.0, way * velocity, way * acceleration);
+            way * controller.break_away(&r, false, 0.0)
+        };
+        // In 2/10 s: 2.5 frictions.
+        near(rate(10.0, 0.0), 2.5 * 800.0 * 10.0 / 2.0);
+        // The velocity half of 1.5/16 s later.
+        near(rate(10.0, 64.0), 2.5 * 800.0 * 13.0 / 2.0);
+        // At once, and no faster than three frictions per 1/16 s.
+        near(rate(40.0, 0.0), 3.0 * 800.0 * 16.0);
+        // A reference that turns back takes it back, not faster than a drive beyond friction goes.
+        near(rate(-10.0, 50.0), -2.5 * 800.0 * 7.65625 / 2.0);
+    }
+    near(due(0.0, 1.0, 16.0), 48.0);
+    near(due(-1.0, 1.0, 16.0), 48.0);
+    near(due(1.0, 0.0, 16.0), 0.0);
+    near(due(1e-9, -1.0, 16.0), -2.5e9);
+    assert!(due(f32::NAN, 1.0, 16.0) == 48.0 && due(1.0, f32::NAN, 16.0) == 48.0);
 }
 
 #[test]
