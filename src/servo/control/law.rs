@@ -185,7 +185,9 @@ impl Controller {
             PUSH_AT_REST * wc * (1.0 + PUSH_GROWTH * wc * stuck)
         } else {
             let speed = direction * (r.velocity + 0.5 * later * r.acceleration);
-            due(self.hop.length(direction) - direction * error, speed, wc)
+            // In the mean of now and when the push has moved the axis.
+            let missing = direction * 0.5 * (error + coming);
+            due(self.hop.length(direction) - missing, speed, wc)
         };
         let least = rate * model.friction;
         let quick = self.quick() * (model.friction - direction * state.drive);

@@ -137,21 +137,21 @@ fn a_hop_that_is_longer_than_the_swing_of_its_reference_is_worth_half_of_it() {
 #[test]
 fn a_push_is_due_when_as_much_is_missing_as_a_hop_is_long() {
     for way in [1.0, -1.0] {
-        // Hops of 4, of which 2 are missing.
+        // Hops of 4, of which 2 are missing; of what comes in 1.5/16 s, half.
         let rate = |velocity: f32, acceleration: f32| {
             let mut controller = at(0.0, way * 1000.0);
             controller.hop.ended(way, [way, -way * 7.0], true);
             let r = reference(way * 2.0, way * velocity, way * acceleration);
             way * controller.break_away(&r, false, 0.0)
         };
-        // In 2/10 s: 2.5 frictions.
-        near(rate(10.0, 0.0), 2.5 * 800.0 * 10.0 / 2.0);
-        // The velocity half of 1.5/16 s later.
-        near(rate(10.0, 64.0), 2.5 * 800.0 * 13.0 / 2.0);
+        // Until then 2.5 frictions.
+        near(rate(4.0, 0.0), 2000.0 * 4.0 / (2.0 - 0.1875));
+        // With the velocity half of 1.5/16 s later.
+        near(rate(4.0, 64.0), 2000.0 * 7.0 / (2.0 - 0.328_125));
         // At once, and no faster than three frictions per 1/16 s.
         near(rate(40.0, 0.0), 3.0 * 800.0 * 16.0);
-        // A reference that turns back takes it back, not faster than a drive beyond friction goes.
-        near(rate(-10.0, 50.0), -2.5 * 800.0 * 7.65625 / 2.0);
+        // A reference that turns back takes it back.
+        near(rate(-4.0, 0.0), -2000.0 * 4.0 / (2.0 + 0.1875));
     }
     near(due(0.0, 1.0, 16.0), 48.0);
     near(due(-1.0, 1.0, 16.0), 48.0);
