@@ -19,7 +19,7 @@ const QUICK: [f32; 2] = [1.0, 0.3];
 /// one behind a moving reference.
 const PUSH_AT_REST: f32 = 0.25;
 const PUSH_GROWTH: f32 = 0.3;
-const PUSH_MOST: f32 = 3.0;
+const PUSH_MOST: f32 = 4.0;
 /// Drive over friction that a push gathers until its hop is due: that of the largest breakaway.
 const BREAKAWAY: f32 = 2.5;
 /// Drive over friction that waits for a reference which comes to the axis: it holds, and little is
@@ -259,7 +259,7 @@ impl Controller {
 /// the distance that is `left` until as much is missing as a hop is long.
 ///
 /// ```text
-/// rate = 2.5 speed / left,   at most 3 wc;   3 wc where a hop is due
+/// rate = 2.5 speed / left,   at most 4 wc;   4 wc where a hop is due
 /// ```
 ///
 /// Sooner, the hop leads past the reference, later the axis is behind it for nothing. A reference
