@@ -4,7 +4,6 @@
 use crate::math::{sign, within};
 use crate::servo::control::axis_state::AxisState;
 use crate::servo::control::controller::Controller;
-use crate::servo::control::estimator::DRIVE_MAX_RATIO;
 use crate::servo::control::poles::Feedback;
 use crate::servo::motion::Setpoint;
 
@@ -15,23 +14,6 @@ const CATCH_UP: f32 = 0.3;
 const NEED: [f32; 2] = [0.15, 3.0];
 /// Rate at which the drive of a sticking axis is brought to its goal, per delay and per sample.
 const QUICK: [f32; 2] = [1.0, 0.3];
-/// Rate of the push over friction and bandwidth, at rest, with its growth per 1/wc, and the largest
-/// one behind a moving reference.
-const PUSH_AT_REST: f32 = 0.25;
-const PUSH_GROWTH: f32 = 0.3;
-const PUSH_MOST: f32 = 4.0;
-/// Drive over friction that a push gathers until its hop is due: that of the largest breakaway.
-const BREAKAWAY: f32 = 2.5;
-/// Drive over friction that waits for a reference which comes to the axis: it holds, and little is
-/// missing.
-const READY: f32 = 0.8;
-/// Time over 1/wc in which a push moves the axis, and the part of it by which it may be sooner or
-/// later.
-const LATER: f32 = 1.5;
-const LATER_ERROR: f32 = 0.25;
-/// Largest drive over friction with which an axis that sticks can still be one that its friction
-/// holds.
-const HELD_MOST: f32 = 0.99 * DRIVE_MAX_RATIO;
 /// Drive over friction that counts as the middle of what friction holds.
 const CENTRED: f32 = 0.6;
 /// Drive over friction towards a target that a slow axis has not reached: friction is not known
@@ -131,77 +113,16 @@ impl Controller {
         self.holding.has_slipped() && self.sticks() && within(drive, most) != drive
     }
 
-    fn quick(&self) -> f32 {
+    pub(super) fn quick(&self) -> f32 {
         let [per_delay, per_sample] = QUICK;
         let t = self.design.estimator.sample_time;
         let (slow, fast) = (per_delay / (self.design.delay + t), per_sample / t);
         if slow < fast { slow } else { fast }
     }
 
-    /// Rate of the drive that moves a sticking axis.
-    ///
-    /// It is pushed to where the reference will be when the push has moved it, and that time is
-    /// known to a quarter: what is missing then has a sign only beyond a quarter of the way that
-    /// the reference goes meanwhile. A push the wrong way would cost the whole hop.
-    ///
-    /// Behind a moving reference it grows so that the axis hops when as much is missing as a hop is
-    /// long: see [`due`]. At rest it begins slowly and grows with the time, so that a hop is as
-    /// short as it can be, and comes.
-    ///
-    /// The drive of an axis that sticks is only integrated, up to a limit. Beyond it, a load is in
-    /// the way or the drive is less than it seems: then the error counts, as for an axis that
-    /// slides.
-    #[inline]
-    fn break_away(&self, r: &Setpoint, at_rest: bool, heading_rate: f32) -> f32 {
-        let model = self.estimator.model();
-        let state = self.estimator.ahead();
-        let error = r.position - state.position;
-        // Where the reference will be when a push has moved the axis: a hop that overshoots it is
-        // none.
-        let later = LATER / self.estimator.poles().bandwidth;
-        let coming = error + later * (r.velocity + 0.5 * later * r.acceleration);
-        let direction = sign(coming);
-        let goes = later * (r.velocity.abs() + 0.5 * later * r.acceleration.abs());
-        let (unknown, window) = (LATER_ERROR * goes, self.rest.window());
-        let band = if unknown > window { unknown } else { window };
-        let worth = if at_rest {
-            0.0
-        } else {
-            self.hop.worth(direction, r.position)
-        };
-        let least = if band > worth { band } else { worth };
-        if within(coming, least) == coming {
-            return 0.0;
-        }
-        if direction * error < -band {
-            // The reference comes to the axis, which is held until then.
-            let missing = READY * model.friction - direction * state.drive;
-            let rate = self.quick() * missing;
-            return if rate > 0.0 { direction * rate } else { 0.0 };
-        }
-        let wc = self.estimator.poles().bandwidth;
-        let rate = if at_rest {
-            let stuck = self.design.estimator.sample_time * self.anchor.since() as f32;
-            PUSH_AT_REST * wc * (1.0 + PUSH_GROWTH * wc * stuck)
-        } else {
-            let speed = direction * (r.velocity + 0.5 * later * r.acceleration);
-            // In the mean of now and when the push has moved the axis.
-            let missing = direction * 0.5 * (error + coming);
-            due(self.hop.length(direction) - missing, speed, wc)
-        };
-        let least = rate * model.friction;
-        let quick = self.quick() * (model.friction - direction * state.drive);
-        let push = if quick > least { quick } else { least };
-        if direction * self.estimator.now().drive < HELD_MOST * model.friction {
-            return direction * push;
-        }
-        let slide = direction * self.slide(r, at_rest, heading_rate);
-        direction * if slide > push { slide } else { push }
-    }
-
     /// Rate of the drive while the axis slides.
     #[inline]
-    fn slide(&self, r: &Setpoint, at_rest: bool, heading_rate: f32) -> f32 {
+    pub(super) fn slide(&self, r: &Setpoint, at_rest: bool, heading_rate: f32) -> f32 {
         let model = self.estimator.model();
         let step = self.estimator.step();
         let state = self.estimator.ahead();
@@ -255,25 +176,6 @@ impl Controller {
     }
 }
 
-/// Rate over friction of a push whose hop is due when a reference that goes with `speed` has gone
-/// the distance that is `left` until as much is missing as a hop is long.
-///
-/// ```text
-/// rate = 2.5 speed / left,   at most 4 wc;   4 wc where a hop is due
-/// ```
-///
-/// Sooner, the hop leads past the reference, later the axis is behind it for nothing. A reference
-/// that turns back takes the push back.
-#[inline]
-fn due(left: f32, speed: f32, wc: f32) -> f32 {
-    let most = PUSH_MOST * wc;
-    if left > 0.0 && BREAKAWAY * speed < most * left {
-        BREAKAWAY * speed / left
-    } else {
-        most
-    }
-}
-
 /// The drive with which friction stops the axis at the target: `friction - v^2/(2 distance)` along
 /// the motion.
 #[inline]
@@ -302,4 +204,4 @@ fn stopping_drive(error: f32, velocity: f32, friction: f32) -> f32 {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

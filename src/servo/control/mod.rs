@@ -20,6 +20,7 @@ pub(crate) mod observer;
 mod oracle;
 pub(crate) mod place;
 pub(crate) mod poles;
+mod push;
 pub(crate) mod rest;
 mod room;
 pub(crate) mod sweep;

@@ -1,0 +1,114 @@
+//! The push by numbers that are worked out by hand, on the drive of the tests of the law.
+
+use super::*;
+use crate::servo::control::law::tests::{at, near, reference};
+
+#[test]
+fn a_push_is_quick_to_where_friction_lets_go_and_then_grows() {
+    for way in [1.0, -1.0] {
+        let push = |drive: f32, at_rest: bool| {
+            let r = reference(way, 0.0, 0.0);
+            way * at(0.0, way * drive).break_away(&r, at_rest, 0.0)
+        };
+        near(push(0.0, true), 300.0 * 800.0);
+        near(push(780.0, true), 300.0 * 20.0);
+        // A quarter of friction times bandwidth at least, sixteen times as much where a hop is due.
+        near(push(790.0, true), 0.25 * 800.0 * 16.0);
+        near(push(900.0, true), 0.25 * 800.0 * 16.0);
+        near(push(600.0, false), 300.0 * 200.0);
+        near(push(790.0, false), 4.0 * 800.0 * 16.0);
+        // At rest it grows by 0.3 per time constant for which the axis has been held: 11 ms.
+        for (at_rest, exact) in [(true, 3200.0 * 1.0528), (false, 51_200.0)] {
+            let mut held = at(0.0, way * 800.0);
+            for _ in 0..11 {
+                let _ = held.anchor.update(200.0, true);
+            }
+            let r = reference(way, 0.0, 0.0);
+            near(way * held.break_away(&r, at_rest, 0.0), exact);
+        }
+        // From four frictions on the error counts where it asks for more: k0 error - k2 drive.
+        let slid = |drive: f32, error: f32| {
+            let r = reference(way * error, 0.0, 0.0);
+            way * at(0.0, way * drive).break_away(&r, false, 0.0)
+        };
+        near(slid(3160.0, 14.0), 51_200.0);
+        near(slid(3176.0, 13.0), 51_200.0);
+        near(slid(3176.0, 14.0), 140_000.0 - 26.0 * 3176.0);
+    }
+    // What is quick is a part of the delay, where there is one.
+    let mut late = at(0.0, 0.0);
+    late.design.delay = 9e-3;
+    near(
+        late.break_away(&reference(1.0, 0.0, 0.0), true, 0.0),
+        100.0 * 800.0,
+    );
+}
+
+#[test]
+fn a_reference_that_comes_to_the_axis_is_awaited() {
+    for way in [1.0, -1.0] {
+        // 1.5/16 s later it is beyond the axis, or not, by more than a quarter of its way or not.
+        let rate = |drive: f32, error: f32, velocity: f32, acceleration: f32| {
+            let r = reference(way * error, way * velocity, way * acceleration);
+            way * at(0.0, way * drive).break_away(&r, false, 0.0)
+        };
+        near(rate(600.0, -1.0, 40.0, 0.0), 300.0 * (640.0 - 600.0));
+        near(rate(700.0, -1.0, 40.0, 0.0), 0.0);
+        near(rate(600.0, -0.9, 40.0, 0.0), 300.0 * 200.0);
+        // A way of 1.7578 by an acceleration alone, of which 0.4395 is not known.
+        near(rate(600.0, 0.0, 0.0, 400.0), 300.0 * 200.0);
+        near(rate(600.0, -1.3, 0.0, 400.0), 300.0 * 40.0);
+        near(rate(600.0, -1.33, 0.0, 400.0), 0.0);
+        near(rate(600.0, -0.9, 8.0, 0.0), 0.0);
+        // At rest the window alone.
+        let rest = |error: f32| {
+            let r = reference(way * error, 0.0, 0.0);
+            way * at(0.0, way * 600.0).break_away(&r, true, 0.0)
+        };
+        near(rest(0.045), 0.0);
+        near(rest(0.055), 300.0 * 200.0);
+    }
+}
+
+#[test]
+fn a_hop_that_is_longer_than_the_swing_of_its_reference_is_worth_half_of_it() {
+    let mut controller = at(0.0, 790.0);
+    // A hop of 4, and a reference that swings by 1.
+    controller.hop.ended(1.0, [1.0, -7.0], true);
+    for (place, velocity) in [(200.0, 1.0), (200.0, -1.0), (201.0, 1.0)] {
+        controller.hop.follow(place, velocity);
+    }
+    let rate = |error: f32, at_rest: bool| {
+        controller.break_away(&reference(error, 0.0, 0.0), at_rest, 0.0)
+    };
+    near(rate(1.5, false), 0.0);
+    near(rate(1.5, true), 3200.0);
+    // What was gathered for a reference that stands now is enough.
+    near(rate(2.5, false), 300.0 * 10.0);
+}
+
+#[test]
+fn a_push_is_due_when_as_much_is_missing_as_a_hop_is_long() {
+    for way in [1.0, -1.0] {
+        // Hops of 4, of which 2 are missing; of what comes in 1.5/16 s, half.
+        let rate = |velocity: f32, acceleration: f32| {
+            let mut controller = at(0.0, way * 1000.0);
+            controller.hop.ended(way, [way, -way * 7.0], true);
+            let r = reference(way * 2.0, way * velocity, way * acceleration);
+            way * controller.break_away(&r, false, 0.0)
+        };
+        // Until then 2.5 frictions.
+        near(rate(4.0, 0.0), 2000.0 * 4.0 / (2.0 - 0.1875));
+        // With the velocity half of 1.5/16 s later.
+        near(rate(4.0, 64.0), 2000.0 * 7.0 / (2.0 - 0.328_125));
+        // At once, and no faster than four frictions per 1/16 s.
+        near(rate(40.0, 0.0), 4.0 * 800.0 * 16.0);
+        // A reference that turns back takes it back.
+        near(rate(-4.0, 0.0), -2000.0 * 4.0 / (2.0 + 0.1875));
+    }
+    near(due(0.0, 1.0, 16.0), 64.0);
+    near(due(-1.0, 1.0, 16.0), 64.0);
+    near(due(1.0, 0.0, 16.0), 0.0);
+    near(due(1e-9, -1.0, 16.0), -2.5e9);
+    assert!(due(f32::NAN, 1.0, 16.0) == 64.0 && due(1.0, f32::NAN, 16.0) == 64.0);
+}
