@@ -5,11 +5,10 @@ use crate::servo::control::controller::Controller;
 use crate::servo::control::estimator::DRIVE_MAX_RATIO;
 use crate::servo::motion::Setpoint;
 
-/// Rate of the push over friction and bandwidth, at rest, with its growth per 1/wc, and the largest
-/// one behind a moving reference.
-const PUSH_AT_REST: f32 = 0.25;
-const PUSH_GROWTH: f32 = 0.3;
-const PUSH_MOST: f32 = 4.0;
+/// Rate of the push over friction and bandwidth, the largest one behind a moving reference and that
+/// at rest, and its growth per 1/wc for which the axis is held.
+const PUSH: [f32; 2] = [2.0, 0.25];
+const PUSH_GROWTH: [f32; 2] = [0.6, 0.3];
 /// Drive over friction that a push gathers until its hop is due: that of the largest breakaway.
 const BREAKAWAY: f32 = 2.5;
 /// Drive over friction that waits for a reference which comes to the axis: it holds, and little is
@@ -66,14 +65,19 @@ impl Controller {
             return if rate > 0.0 { direction * rate } else { 0.0 };
         }
         let wc = self.estimator.poles().bandwidth;
+        let stuck = self.design.estimator.sample_time * self.anchor.since() as f32;
+        let (share, growth) = (
+            PUSH[usize::from(at_rest)],
+            PUSH_GROWTH[usize::from(at_rest)],
+        );
+        let most = share * wc * (1.0 + growth * wc * stuck);
         let rate = if at_rest {
-            let stuck = self.design.estimator.sample_time * self.anchor.since() as f32;
-            PUSH_AT_REST * wc * (1.0 + PUSH_GROWTH * wc * stuck)
+            most
         } else {
             let speed = direction * (r.velocity + 0.5 * later * r.acceleration);
             // In the mean of now and when the push has moved the axis.
             let missing = direction * 0.5 * (error + coming);
-            due(self.hop.length(direction) - missing, speed, wc)
+            due(self.hop.length(direction) - missing, speed, most)
         };
         let least = rate * model.friction;
         let quick = self.quick() * (model.friction - direction * state.drive);
@@ -90,14 +94,13 @@ impl Controller {
 /// the distance that is `left` until as much is missing as a hop is long.
 ///
 /// ```text
-/// rate = 2.5 speed / left,   at most 4 wc;   4 wc where a hop is due
+/// rate = 2.5 speed / left,   at most `most`;   that one where a hop is due
 /// ```
 ///
 /// Sooner, the hop leads past the reference, later the axis is behind it for nothing. A reference
 /// that turns back takes the push back.
 #[inline]
-fn due(left: f32, speed: f32, wc: f32) -> f32 {
-    let most = PUSH_MOST * wc;
+fn due(left: f32, speed: f32, most: f32) -> f32 {
     if left > 0.0 && BREAKAWAY * speed < most * left {
         BREAKAWAY * speed / left
     } else {
