@@ -81,7 +81,12 @@ fn a_loop_that_adapts_is_no_worse_than_one_that_does_not() {
             ratios[0] < ratio_max && ratios[0] <= ratios[1],
             "{ratios:?}"
         );
-        assert!(steady[0] <= steady[1], "{steady:?}");
+        let steady_state = |run: &Changed| run.errors.steady_state_mm;
+        assert!(!is_worse([&adapts, &fixed], steady_state), "{steady:?}");
+        // A lighter load hardly moves where the axis rests.
+        if factor > 1.0 {
+            assert!(steady[0] <= steady[1], "{steady:?}");
+        }
         assert!(stopped[0] + calmed[0] <= stopped[1] + calmed[1]);
     }
 }

@@ -7,8 +7,8 @@ use crate::servo::motion::Setpoint;
 
 /// Rate of the push over friction and bandwidth, the largest one behind a moving reference and that
 /// at rest, and its growth per 1/wc for which the axis is held.
-const PUSH: [f32; 2] = [2.0, 0.25];
-const PUSH_GROWTH: [f32; 2] = [0.6, 0.3];
+const PUSH: [f32; 2] = [3.0, 0.25];
+const PUSH_GROWTH: f32 = 0.3;
 /// Drive over friction that a push gathers until its hop is due: that of the largest breakaway.
 const BREAKAWAY: f32 = 2.5;
 /// Drive over friction that waits for a reference which comes to the axis: it holds, and little is
@@ -66,11 +66,7 @@ impl Controller {
         }
         let wc = self.estimator.poles().bandwidth;
         let stuck = self.design.estimator.sample_time * self.anchor.since() as f32;
-        let (share, growth) = (
-            PUSH[usize::from(at_rest)],
-            PUSH_GROWTH[usize::from(at_rest)],
-        );
-        let most = share * wc * (1.0 + growth * wc * stuck);
+        let most = PUSH[usize::from(at_rest)] * wc * (1.0 + PUSH_GROWTH * wc * stuck);
         let rate = if at_rest {
             most
         } else {
