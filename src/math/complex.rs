@@ -32,6 +32,13 @@ impl Complex {
         }
     }
 
+    pub(crate) fn plus(self, other: Self) -> Self {
+        Self {
+            re: self.re + other.re,
+            im: self.im + other.im,
+        }
+    }
+
     pub(crate) fn minus(self, other: Self) -> Self {
         Self {
             re: self.re - other.re,

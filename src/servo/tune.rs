@@ -3,11 +3,10 @@
 use crate::hardware::{PositionSensor, Valve};
 use crate::servo::building::tuned;
 use crate::servo::commissioning::Found;
-use crate::servo::control::tuning::{Tuned, Tuning};
+use crate::servo::control::tuning::Tuned;
 use crate::servo::design::TuningDesign;
 use crate::servo::design::constants::DELAY_MAX;
 use crate::servo::error::Error;
-use crate::servo::model::Model;
 use crate::servo::servo_loop::ServoLoop;
 use crate::servo::store::Record;
 use crate::servo::supervision::event::Spare;
@@ -38,11 +37,7 @@ impl<S, V> ServoLoop<S, V> {
                 noise: self.config.noise.unwrap_or(found.noise),
                 bandwidth_max: settings.bandwidth.unwrap_or(f32::INFINITY),
             };
-            self.takeover.tuning = Some(Tuned {
-                model: found.model,
-                tuning: Tuning::new(&design, &found.model),
-                done: false,
-            });
+            self.takeover.tuning = Some(Tuned::new(&design, found.model));
             return false;
         }
         let Some(tuned) = &mut self.takeover.tuning else {
@@ -75,7 +70,8 @@ impl<S, V> ServoLoop<S, V> {
     /// natural frequency, which keeps their margins.
     pub(crate) fn refine_poles(&mut self) {
         if let Some(model) = self.takeover.unsearched.take() {
-            self.search_again(model);
+            let design = self.controller.tuning_design();
+            self.takeover.tuning = Some(Tuned::new(design, model));
             return;
         }
         let Some(tuned) = &mut self.takeover.tuning else {
@@ -94,15 +90,6 @@ impl<S, V> ServoLoop<S, V> {
             self.controller.replace_poles(poles, margins);
         }
         self.takeover.tuning = None;
-    }
-
-    /// Searches the poles for another model from now on.
-    fn search_again(&mut self, model: Model) {
-        self.takeover.tuning = Some(Tuned {
-            model,
-            tuning: Tuning::new(self.controller.tuning_design(), &model),
-            done: false,
-        });
     }
 
     /// Control from the next sample on with what an earlier commissioning found, at the actual

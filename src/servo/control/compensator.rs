@@ -32,10 +32,6 @@ const fn of(re: f32, im: f32) -> Complex {
     Complex { re, im }
 }
 
-fn plus(a: Complex, b: Complex) -> Complex {
-    of(a.re + b.re, a.im + b.im)
-}
-
 /// `j x a`.
 fn turned(a: Complex, x: f32) -> Complex {
     of(-x * a.im, x * a.re)
@@ -90,7 +86,7 @@ impl Compensator {
         let (square, over) = (w * w, 1.0 / w);
         let speed = of(g1 + g2 * a2, g2 * w);
         let late_of_d = g3 * l4 * over;
-        let g = plus(speed.times(of(l1, w)), of(g0 + g2 * l2, late_of_d));
+        let g = speed.times(of(l1, w)).plus(of(g0 + g2 * l2, late_of_d));
         let seen = g.times(self.observer(w));
         // The innovation.
         let numerator = of(
@@ -107,7 +103,7 @@ impl Compensator {
             .minus(of(k2 * bv, k0 * bx * over));
         let direct = turned(seen, w * b0);
         let passed = of(1.0 + b0 * forced.re, b0 * forced.im);
-        let denominator = plus(passed, direct.minus(then).times(late));
+        let denominator = passed.plus(direct.minus(then).times(late));
         through.times(denominator.inverse())
     }
 

@@ -3,14 +3,13 @@
 use crate::math::{sign, within};
 use crate::servo::control::controller::Controller;
 use crate::servo::control::estimator::DRIVE_MAX_RATIO;
+use crate::servo::design::constants::BREAKAWAY_RATIO;
 use crate::servo::motion::Setpoint;
 
 /// Rate of the push over friction and bandwidth, the largest one behind a moving reference and that
 /// at rest, and its growth per 1/wc for which the axis is held.
 const PUSH: [f32; 2] = [3.0, 0.25];
 const PUSH_GROWTH: f32 = 0.3;
-/// Drive over friction that a push gathers until its hop is due: that of the largest breakaway.
-const BREAKAWAY: f32 = 2.5;
 /// Drive over friction that waits for a reference which comes to the axis: it holds, and little is
 /// missing.
 const READY: f32 = 0.8;
@@ -93,12 +92,13 @@ impl Controller {
 /// rate = 2.5 speed / left,   at most `most`;   that one where a hop is due
 /// ```
 ///
-/// Sooner, the hop leads past the reference, later the axis is behind it for nothing. A reference
-/// that turns back takes the push back.
+/// Until then it gathers the drive of the largest breakaway. Sooner, the hop leads past the
+/// reference, later the axis is behind it for nothing. A reference that turns back takes the push
+/// back.
 #[inline]
 fn due(left: f32, speed: f32, most: f32) -> f32 {
-    if left > 0.0 && BREAKAWAY * speed < most * left {
-        BREAKAWAY * speed / left
+    if left > 0.0 && BREAKAWAY_RATIO * speed < most * left {
+        BREAKAWAY_RATIO * speed / left
     } else {
         most
     }

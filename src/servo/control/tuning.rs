@@ -270,3 +270,14 @@ pub(crate) struct Tuned {
     pub(crate) tuning: Tuning,
     pub(crate) done: bool,
 }
+
+impl Tuned {
+    /// A search that begins.
+    pub(crate) fn new(design: &TuningDesign, model: Model) -> Self {
+        Self {
+            model,
+            tuning: Tuning::new(design, &model),
+            done: false,
+        }
+    }
+}

@@ -24,6 +24,8 @@ pub(crate) const VELOCITY_RATIO: f32 = 2.0;
 pub(crate) const ACCELERATION_RATIO: f32 = 0.04;
 /// Least rest window over one code and two standard deviations: the mean of a rest is better known.
 pub(crate) const REST_WINDOW_GRAINS: f32 = 1.0;
+/// Largest breakaway over Coulomb friction.
+pub(crate) const BREAKAWAY_RATIO: f32 = 2.5;
 /// Time over 1/w in which the push of a sticking axis meets any breakaway and dead zone.
 pub(crate) const PUSH_TIME_RATIO: f32 = 10.0;
 /// Largest velocity gain over L, per s.

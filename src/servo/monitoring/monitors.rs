@@ -1,5 +1,6 @@
 //! All monitors behind one call per sample.
 
+use crate::servo::design::constants::BREAKAWAY_RATIO;
 use crate::servo::design::{MonitoringDesign, ObserverDesign};
 use crate::servo::model::Model;
 use crate::servo::monitoring::bounds::Bounds;
@@ -16,9 +17,6 @@ use crate::servo::monitoring::twin::Twin;
 use crate::servo::monitoring::unrest::Unrest;
 use crate::servo::motion::{Motion, Setpoint};
 use crate::servo::supervision::state::Reason;
-
-/// Largest breakaway over Coulomb friction.
-const BREAKAWAY: f32 = 2.5;
 
 /// One sample in control, as the monitors see it.
 #[derive(Debug, Clone, Copy)]
@@ -94,18 +92,9 @@ impl Monitors {
         observer: &ObserverDesign,
         model: Model,
     ) {
-        self.design = *design;
-        self.bounds = Bounds::new(design, &model);
-        self.twin = Twin::new(design, observer, model);
-        self.readings = Plausibility::new(design);
-        self.gaps = Gaps::new(design);
-        self.stuck = StuckCode::new(design);
-        self.obedience = Obedience::default();
-        self.following = Following::default();
-        self.saturation = Saturation::default();
-        self.travel = TravelMonitor::new(design.travel);
-        self.oscillation = Oscillation::new(design);
-        self.unrest = Unrest::new(design);
+        let counters = self.counters;
+        *self = Self::new(design, observer, model);
+        self.counters = counters;
     }
 
     /// Begins with a verified model, at a motion and with the command in force.
@@ -131,7 +120,7 @@ impl Monitors {
         self.bounds = Bounds::new(&self.design, &model);
         self.twin.tune(model, self.bounds.frequency);
         self.readings
-            .tune(self.bounds.gain * self.bounds.frequency + BREAKAWAY * model.friction);
+            .tune(self.bounds.gain * self.bounds.frequency + BREAKAWAY_RATIO * model.friction);
     }
 
     /// Goes on with another model in motion: its expectation begins at this motion, not where the

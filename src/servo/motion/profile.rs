@@ -47,7 +47,7 @@ impl Move {
 
     /// Whether no point of the move is outside of the travel.
     pub(crate) fn stays_within(&self, travel: &Travel) -> bool {
-        self.begins_within(travel, 0, 2) && self.begins_within(travel, 2, 3)
+        self.begins_within(travel, 0, 3)
     }
 
     /// Whether no point of the pieces `from` to `to`, of the first three, is outside of the travel,
