@@ -6,9 +6,10 @@ use crate::servo::control::estimator::DRIVE_MAX_RATIO;
 use crate::servo::design::constants::BREAKAWAY_RATIO;
 use crate::servo::motion::Setpoint;
 
-/// Rate of the push over friction and bandwidth, the largest one behind a moving reference and that
-/// at rest, and its growth per 1/wc for which the axis is held.
-const PUSH: [f32; 2] = [3.0, 0.25];
+/// Rate of the push over friction and bandwidth: the largest one behind a moving reference, that at
+/// rest, and the growth of both per 1/wc for which the axis is held.
+const PUSH_MOST: f32 = 3.0;
+const PUSH_AT_REST: f32 = 0.25;
 const PUSH_GROWTH: f32 = 0.3;
 /// Drive over friction that waits for a reference which comes to the axis: it holds, and little is
 /// missing.
@@ -29,7 +30,8 @@ impl Controller {
     /// the reference goes meanwhile. A push the wrong way would cost the whole hop.
     ///
     /// Behind a moving reference it grows so that the axis hops when as much is missing as a hop is
-    /// long: see [`due`]. At rest it begins slowly and grows with the time, so that a hop is as
+    /// long: see [`due`]. After a pause it may grow faster, by the time of it: a move that begins
+    /// there outruns the hop. At rest it begins slowly and grows with the time, so that a hop is as
     /// short as it can be, and comes.
     ///
     /// The drive of an axis that sticks is only integrated, up to a limit. Beyond it, a load is in
@@ -65,14 +67,14 @@ impl Controller {
         }
         let wc = self.estimator.poles().bandwidth;
         let stuck = self.design.estimator.sample_time * self.anchor.since() as f32;
-        let most = PUSH[usize::from(at_rest)] * wc * (1.0 + PUSH_GROWTH * wc * stuck);
+        let growth = PUSH_GROWTH * wc * stuck;
         let rate = if at_rest {
-            most
+            PUSH_AT_REST * wc * (1.0 + growth)
         } else {
             let speed = direction * (r.velocity + 0.5 * later * r.acceleration);
-            // In the mean of now and when the push has moved the axis.
-            let missing = direction * 0.5 * (error + coming);
-            due(self.hop.length(direction) - missing, speed, most)
+            let left = self.hop.length(direction) - direction * error;
+            let pause = if growth > 1.0 { growth } else { 1.0 };
+            due(left, speed, PUSH_MOST * wc * pause)
         };
         let least = rate * model.friction;
         let quick = self.quick() * (model.friction - direction * state.drive);
