@@ -73,6 +73,8 @@ pub struct Controller {
     pub(super) null: NullOffset,
     pub(super) holding: Holding,
     pub(super) hop: Hop,
+    /// Growth of the push in the pause of the reference before its motion.
+    pub(super) pause: f32,
     /// Error and reference at the last breakaway.
     pub(super) left: [f32; 2],
     pub(super) transfer: Transfer,
@@ -115,6 +117,7 @@ impl Controller {
             null: NullOffset::default(),
             holding: Holding::NONE,
             hop: Hop::default(),
+            pause: 0.0,
             left: [0.0; 2],
             transfer: Transfer::default(),
         };
@@ -143,6 +146,7 @@ impl Controller {
         let changes = self.head(&r);
         self.hop.follow(setpoint.position, setpoint.velocity);
         if rests {
+            self.pauses();
             let still = self.is_still();
             let error = setpoint.position - self.estimator.now().position;
             self.rest.update(error, still);

@@ -114,7 +114,8 @@ impl Controller {
             if error * before < 0.0 && still {
                 self.rest.overshot(error);
             }
-            self.hop.ended(sign(-hop), [before, error], still);
+            let counts = !self.resumed() && still;
+            self.hop.ended(sign(-hop), [before, error], counts);
             self.left[0] = 0.0;
         }
         let rests = self.rest.rests() && self.sticks();

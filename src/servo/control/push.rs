@@ -11,6 +11,8 @@ use crate::servo::motion::Setpoint;
 const PUSH_MOST: f32 = 3.0;
 const PUSH_AT_REST: f32 = 0.25;
 const PUSH_GROWTH: f32 = 0.3;
+/// Largest growth behind a reference that moves: half as much again.
+const GROWN: f32 = 1.5;
 /// Drive over friction that waits for a reference which comes to the axis: it holds, and little is
 /// missing.
 const READY: f32 = 0.8;
@@ -30,9 +32,9 @@ impl Controller {
     /// the reference goes meanwhile. A push the wrong way would cost the whole hop.
     ///
     /// Behind a moving reference it grows so that the axis hops when as much is missing as a hop is
-    /// long: see [`due`]. After a pause it may grow faster, by the time of it: a move that begins
-    /// there outruns the hop. At rest it begins slowly and grows with the time, so that a hop is as
-    /// short as it can be, and comes.
+    /// long: see [`due`]. After a pause of the reference it may grow faster, by the time of it: a
+    /// move that begins there outruns the hop, which says nothing about those to come. At rest it
+    /// begins slowly and grows with the time, so that a hop is as short as it can be, and comes.
     ///
     /// The drive of an axis that sticks is only integrated, up to a limit. Beyond it, a load is in
     /// the way or the drive is less than it seems: then the error counts, as for an axis that
@@ -66,15 +68,19 @@ impl Controller {
             return if rate > 0.0 { direction * rate } else { 0.0 };
         }
         let wc = self.estimator.poles().bandwidth;
-        let stuck = self.design.estimator.sample_time * self.anchor.since() as f32;
-        let growth = PUSH_GROWTH * wc * stuck;
+        let grown = 1.0 + self.growth();
         let rate = if at_rest {
-            PUSH_AT_REST * wc * (1.0 + growth)
+            PUSH_AT_REST * wc * grown
         } else {
             let speed = direction * (r.velocity + 0.5 * later * r.acceleration);
             let left = self.hop.length(direction) - direction * error;
-            let pause = if growth > 1.0 { growth } else { 1.0 };
-            due(left, speed, PUSH_MOST * wc * pause)
+            let grown = if grown < GROWN { grown } else { GROWN };
+            let most = if self.pause > grown {
+                self.pause
+            } else {
+                grown
+            };
+            due(left, speed, PUSH_MOST * wc * most)
         };
         let least = rate * model.friction;
         let quick = self.quick() * (model.friction - direction * state.drive);
@@ -84,6 +90,23 @@ impl Controller {
         }
         let slide = direction * self.slide(r, at_rest, heading_rate);
         direction * if slide > push { slide } else { push }
+    }
+
+    /// How much a push has grown while the axis was held.
+    fn growth(&self) -> f32 {
+        let stuck = self.design.estimator.sample_time * self.anchor.since() as f32;
+        PUSH_GROWTH * self.estimator.poles().bandwidth * stuck
+    }
+
+    /// One sample of a reference that rests.
+    #[inline]
+    pub(super) fn pauses(&mut self) {
+        self.pause = if self.sticks() { self.growth() } else { 0.0 };
+    }
+
+    /// Whether the motion that ends was pushed by the pause before it; it is none for the next one.
+    pub(super) fn resumed(&mut self) -> bool {
+        core::mem::take(&mut self.pause) > GROWN
     }
 }
 

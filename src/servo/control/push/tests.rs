@@ -17,15 +17,21 @@ fn a_push_is_quick_to_where_friction_lets_go_and_then_grows() {
         near(push(900.0, true), 0.25 * 800.0 * 16.0);
         near(push(600.0, false), 300.0 * 200.0);
         near(push(790.0, false), 3.0 * 800.0 * 16.0);
-        // At rest it grows by 0.3 per time constant for which the axis has been held, behind a
-        // moving reference it is those 0.3 from the fourth one on: 11 ms and half a second.
-        for (samples, rest, moving) in [(11, 1.0528, 1.0), (500, 3.4, 2.4)] {
+        // It grows by 0.3 per time constant for which the axis has been held, 11 ms and 687; by half
+        // at most behind a moving reference, or as far as in the pause before.
+        for (samples, rest, moving) in [(11, 1.0528, 1.0528), (750, 4.2976, 1.5)] {
             let mut held = at(0.0, way * 800.0);
             for _ in 0..samples {
                 let _ = held.anchor.update(200.0, true);
             }
             let r = reference(way, 0.0, 0.0);
             near(way * held.break_away(&r, true, 0.0), 3200.0 * rest);
+            near(way * held.break_away(&r, false, 0.0), 38_400.0 * moving);
+            held.pauses();
+            let most = if samples == 11 { moving } else { rest - 1.0 };
+            near(way * held.break_away(&r, false, 0.0), 38_400.0 * most);
+            // The next one is none that a pause has made.
+            assert!(held.resumed() == (samples == 750) && !held.resumed());
             near(way * held.break_away(&r, false, 0.0), 38_400.0 * moving);
         }
         // From four frictions on the error counts where it asks for more: k0 error - k2 drive.
