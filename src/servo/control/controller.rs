@@ -73,8 +73,8 @@ pub struct Controller {
     pub(super) null: NullOffset,
     pub(super) holding: Holding,
     pub(super) hop: Hop,
-    /// Growth of the push in the pause of the reference before its motion.
-    pub(super) pause: f32,
+    /// Samples for which the axis was held while the reference rested before its motion.
+    pub(super) pause: u32,
     /// Error and reference at the last breakaway.
     pub(super) left: [f32; 2],
     pub(super) transfer: Transfer,
@@ -117,7 +117,7 @@ impl Controller {
             null: NullOffset::default(),
             holding: Holding::NONE,
             hop: Hop::default(),
-            pause: 0.0,
+            pause: 0,
             left: [0.0; 2],
             transfer: Transfer::default(),
         };

@@ -68,18 +68,15 @@ impl Controller {
             return if rate > 0.0 { direction * rate } else { 0.0 };
         }
         let wc = self.estimator.poles().bandwidth;
-        let grown = 1.0 + self.growth();
+        let grown = 1.0 + self.growth(self.anchor.since());
         let rate = if at_rest {
             PUSH_AT_REST * wc * grown
         } else {
             let speed = direction * (r.velocity + 0.5 * later * r.acceleration);
             let left = self.hop.length(direction) - direction * error;
             let grown = if grown < GROWN { grown } else { GROWN };
-            let most = if self.pause > grown {
-                self.pause
-            } else {
-                grown
-            };
+            let pause = self.growth(self.pause);
+            let most = if pause > grown { pause } else { grown };
             due(left, speed, PUSH_MOST * wc * most)
         };
         let least = rate * model.friction;
@@ -92,21 +89,26 @@ impl Controller {
         direction * if slide > push { slide } else { push }
     }
 
-    /// How much a push has grown while the axis was held.
-    fn growth(&self) -> f32 {
-        let stuck = self.design.estimator.sample_time * self.anchor.since() as f32;
+    /// How much a push has grown while the axis was held for so many samples.
+    fn growth(&self, samples: u32) -> f32 {
+        let stuck = self.design.estimator.sample_time * samples as f32;
         PUSH_GROWTH * self.estimator.poles().bandwidth * stuck
     }
 
     /// One sample of a reference that rests.
     #[inline]
-    pub(super) fn pauses(&mut self) {
-        self.pause = if self.sticks() { self.growth() } else { 0.0 };
+    pub(super) const fn pauses(&mut self) {
+        self.pause = if self.sticks() {
+            self.anchor.since()
+        } else {
+            0
+        };
     }
 
     /// Whether the motion that ends was pushed by the pause before it; it is none for the next one.
     pub(super) fn resumed(&mut self) -> bool {
-        core::mem::take(&mut self.pause) > GROWN
+        let pause = core::mem::take(&mut self.pause);
+        self.growth(pause) > GROWN
     }
 }
 

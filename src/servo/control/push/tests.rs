@@ -17,8 +17,8 @@ fn a_push_is_quick_to_where_friction_lets_go_and_then_grows() {
         near(push(900.0, true), 0.25 * 800.0 * 16.0);
         near(push(600.0, false), 300.0 * 200.0);
         near(push(790.0, false), 3.0 * 800.0 * 16.0);
-        // It grows by 0.3 per time constant for which the axis has been held, 11 ms and 687; by half
-        // at most behind a moving reference, or as far as in the pause before.
+        // It grows by 0.3 per time constant for which the axis has been held, 11 ms and 687; by
+        // half at most behind a moving reference, or as far as in the pause before.
         for (samples, rest, moving) in [(11, 1.0528, 1.0528), (750, 4.2976, 1.5)] {
             let mut held = at(0.0, way * 800.0);
             for _ in 0..samples {
