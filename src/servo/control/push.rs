@@ -68,14 +68,15 @@ impl Controller {
             return if rate > 0.0 { direction * rate } else { 0.0 };
         }
         let wc = self.estimator.poles().bandwidth;
-        let grown = 1.0 + self.growth(self.anchor.since());
+        let growth = self.growth();
+        let grown = 1.0 + growth * self.anchor.since() as f32;
         let rate = if at_rest {
             PUSH_AT_REST * wc * grown
         } else {
             let speed = direction * (r.velocity + 0.5 * later * r.acceleration);
             let left = self.hop.length(direction) - direction * error;
             let grown = if grown < GROWN { grown } else { GROWN };
-            let pause = self.growth(self.pause);
+            let pause = growth * self.pause as f32;
             let most = if pause > grown { pause } else { grown };
             due(left, speed, PUSH_MOST * wc * most)
         };
@@ -89,10 +90,9 @@ impl Controller {
         direction * if slide > push { slide } else { push }
     }
 
-    /// How much a push has grown while the axis was held for so many samples.
-    fn growth(&self, samples: u32) -> f32 {
-        let stuck = self.design.estimator.sample_time * samples as f32;
-        PUSH_GROWTH * self.estimator.poles().bandwidth * stuck
+    /// Growth of the push in a sample.
+    fn growth(&self) -> f32 {
+        PUSH_GROWTH * self.estimator.poles().bandwidth * self.sample_time()
     }
 
     /// One sample of a reference that rests.
@@ -108,7 +108,7 @@ impl Controller {
     /// Whether the motion that ends was pushed by the pause before it; it is none for the next one.
     pub(super) fn resumed(&mut self) -> bool {
         let pause = core::mem::take(&mut self.pause);
-        self.growth(pause) > GROWN
+        self.growth() * pause as f32 > GROWN
     }
 }
 
