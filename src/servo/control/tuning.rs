@@ -62,6 +62,7 @@ pub(crate) struct Tuning {
 
 impl Tuning {
     /// A search for the poles of a model.
+    #[inline]
     pub(crate) fn new(design: &TuningDesign, model: &Model) -> Self {
         let w0 = sqrt(model.a1);
         let step = w0 * design.sample_time;
@@ -273,6 +274,7 @@ pub(crate) struct Tuned {
 
 impl Tuned {
     /// A search that begins.
+    #[inline]
     pub(crate) fn new(design: &TuningDesign, model: Model) -> Self {
         Self {
             model,
