@@ -15,8 +15,9 @@
 /// h is no longer than it. If h is too long, the hops that are made are shorter, and h comes back;
 /// if it is too short, they lead past the reference. The shares make h one of the longer hops: a
 /// hop too many costs all of it, one too few at most half. Ways along a reference that goes far
-/// itself are none. An axis that goes on as before is nearer to its breakaway than one that turns,
-/// and hops less: each has its length.
+/// itself are none, and one behind a pause of the reference is that of a quicker push. An axis that
+/// goes on as before is nearer to its breakaway than one that turns, and hops less: each has its
+/// length.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Hop {
     /// Lengths on in the direction of the motion before, and against it.
@@ -34,12 +35,12 @@ const SHARE: [f32; 2] = [0.5, 0.1];
 
 impl Hop {
     /// The axis sticks again after a motion in a direction, that led from one error to another;
-    /// `still`: the reference went less far than the axis.
-    pub(crate) fn ended(&mut self, direction: f32, [before, after]: [f32; 2], still: bool) {
+    /// `counts`: the reference went less far than the axis, and had not paused before.
+    pub(crate) fn ended(&mut self, direction: f32, [before, after]: [f32; 2], counts: bool) {
         let length = &mut self.lengths[usize::from(direction * self.last < 0.0)];
         self.last = direction;
         let (way, least) = (direction * (before - after), direction * before);
-        if !still || before == 0.0 || !(way > 0.0) {
+        if !counts || before == 0.0 || !(way > 0.0) {
             return;
         }
         let [longer, shorter] = SHARE;
