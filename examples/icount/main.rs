@@ -30,6 +30,7 @@ use position_loop::{Still, motion, servo};
 use trendid::instruments::Reading;
 use trendid::trends::{FilteredTrends, Scheme};
 use trendid_example_support::drive::SimulatedValve;
+use trendid_example_support::random::Random;
 use trendid_example_support::{record, rows};
 
 /// How often the record is run: 10 000 samples.
@@ -45,12 +46,9 @@ fn samples() -> impl Iterator<Item = (f32, f32)> {
 /// Regressors of independent numbers in -1..1 and what the parameters 1, 2, .. make of them, with
 /// noise.
 fn rows_of_numbers<const N: usize>() -> impl Iterator<Item = ([f32; N], f32)> {
-    let mut seed = 1u32;
+    let mut random = Random::new(1);
     (0..ROUNDS * record::SAMPLES).map(move |_| {
-        let mut number = || {
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (seed >> 8) as f32 * (2.0 / 16_777_216.0) - 1.0
-        };
+        let mut number = || 2.0 * random.unit() - 1.0;
         let phi: [f32; N] = core::array::from_fn(|_| number());
         let mut psi = 0.01 * number();
         for (j, x) in phi.iter().enumerate() {
@@ -218,12 +216,11 @@ fn debt(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     let mut identifier = rows::following()?;
     // The reference drive in steps of Euler, with a noise of 0.1 um; behind the rest with ten times
     // the gain.
-    let ([mut x, mut velocity, mut acceleration], mut seed) = ([0.0_f32; 3], 1_u32);
+    let ([mut x, mut velocity, mut acceleration], mut random) = ([0.0_f32; 3], Random::new(1));
     // Before the last two samples, these, and then those that follow.
     let (mut before, mut calls, mut seen) = ([None, None], [(0.0, 0.0); CALLED], 0);
     for k in 0..ENDS[2] {
-        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        let y = x + 1e-4 * ((seed >> 8) as f32 * (1.0 / 16_777_216.0) - 0.5);
+        let y = x + 1e-4 * (random.unit() - 0.5);
         let (u, gain) = match k {
             _ if k < ENDS[0] => ([-0.4, 0.4][(k / 50 * k / 50 % 7 % 2) as usize], 1e6),
             _ if k < ENDS[1] => (0.0, 1e6),

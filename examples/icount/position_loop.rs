@@ -4,6 +4,7 @@ use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
 use trendid::servo::{self, ServoLoop, Travel};
 
 use trendid_example_support::drive::{Drive, SimulatedValve};
+use trendid_example_support::random::Random;
 
 /// The whole position loop, from the code of the encoder to the command of the valve.
 pub(crate) type Servo<V> = ServoLoop<Code, V>;
@@ -67,11 +68,8 @@ pub(crate) fn motion(
     loads: bool,
 ) -> impl Iterator<Item = ((i32, Option<f32>), f32)> {
     let mut drive = Drive::new(ORIGIN);
-    let mut seed = 1_u32;
-    let mut draw = move || {
-        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (seed >> 8) as f32 / 16_777_216.0
-    };
+    let mut random = Random::new(1);
+    let mut draw = move || random.unit();
     let (mut pause, mut burst) = (1000.0_f32, 0.0_f32);
     (0..samples).map(move |k| {
         if loads && k % LOADED == LOADED - 1 {

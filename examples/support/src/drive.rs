@@ -5,6 +5,8 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use trendid::hardware::{PositionSensor, Valve};
 
+use crate::random::Random;
+
 /// Counts per mm.
 const COUNTS: f32 = 200.0;
 
@@ -28,7 +30,7 @@ pub struct Drive {
     position: f32,
     velocity: f32,
     acceleration: f32,
-    seed: u32,
+    noise: Random,
     /// a1 and b0.
     stiffness: f32,
     gain: f32,
@@ -44,7 +46,7 @@ impl Drive {
             position: 200.0,
             velocity: 0.0,
             acceleration: 0.0,
-            seed: 1,
+            noise: Random::new(1),
             stiffness: A1,
             gain: B0,
         }
@@ -77,11 +79,7 @@ impl PositionSensor for Drive {
             self.velocity += TIME * self.acceleration;
             self.position += TIME * self.velocity;
         }
-        self.seed = self
-            .seed
-            .wrapping_mul(1_664_525)
-            .wrapping_add(1_013_904_223);
-        let noise = (self.seed >> 24) as i32 % 5 - 2;
+        let noise = (self.noise.bits() >> 24) as i32 % 5 - 2;
         Ok(self.origin + (self.position * COUNTS) as i32 + noise)
     }
 }

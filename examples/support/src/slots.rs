@@ -51,6 +51,7 @@ impl Slots {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     const PERIOD: u32 = 84_000;
 
@@ -64,11 +65,10 @@ mod tests {
     #[test]
     fn a_call_in_every_slot_misses_none_over_many_turns_of_the_counter() {
         let mut slots = Slots::new(PERIOD);
-        let mut jitter = 1_u32;
+        let mut jitter = Random::new(1);
         let mut now = u32::MAX - 5 * PERIOD;
         for _ in 0..200_000 {
-            jitter = jitter.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let late = (jitter >> 8) % (9 * PERIOD / 10);
+            let late = (jitter.bits() >> 8) % (9 * PERIOD / 10);
             assert_eq!(slots.missed(now.wrapping_add(late % (PERIOD / 40))), 0);
             // Any lateness below a slot is none that is missing.
             now = now.wrapping_add(PERIOD);
