@@ -273,7 +273,7 @@ pub(crate) struct Tuned {
 }
 
 impl Tuned {
-    /// A search that begins.
+    /// A search that begins; inline, where it stays, without a copy.
     #[inline]
     pub(crate) fn new(design: &TuningDesign, model: Model) -> Self {
         Self {
