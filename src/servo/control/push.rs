@@ -11,7 +11,8 @@ use crate::servo::motion::Setpoint;
 const PUSH_MOST: f32 = 3.0;
 const PUSH_AT_REST: f32 = 0.25;
 const PUSH_GROWTH: f32 = 0.3;
-/// Largest growth behind a reference that moves: half as much again.
+/// Largest growth behind a reference that moves: a quicker push makes a longer hop than those whose
+/// length is known, and leads past a slow reference.
 const GROWN: f32 = 1.5;
 /// Drive over friction that waits for a reference which comes to the axis: it holds, and little is
 /// missing.
@@ -46,8 +47,10 @@ impl Controller {
         let error = r.position - state.position;
         // Where the reference will be when a push has moved the axis: a hop that overshoots it is
         // none.
-        let later = LATER / self.estimator.poles().bandwidth;
-        let coming = error + later * (r.velocity + 0.5 * later * r.acceleration);
+        let wc = self.estimator.poles().bandwidth;
+        let later = LATER / wc;
+        let velocity = r.velocity + 0.5 * later * r.acceleration;
+        let coming = error + later * velocity;
         let direction = sign(coming);
         let goes = later * (r.velocity.abs() + 0.5 * later * r.acceleration.abs());
         let (unknown, window) = (LATER_ERROR * goes, self.rest.window());
@@ -67,18 +70,16 @@ impl Controller {
             let rate = self.quick() * missing;
             return if rate > 0.0 { direction * rate } else { 0.0 };
         }
-        let wc = self.estimator.poles().bandwidth;
         let growth = self.growth();
         let grown = 1.0 + growth * self.anchor.since() as f32;
         let rate = if at_rest {
             PUSH_AT_REST * wc * grown
         } else {
-            let speed = direction * (r.velocity + 0.5 * later * r.acceleration);
             let left = self.hop.length(direction) - direction * error;
             let grown = if grown < GROWN { grown } else { GROWN };
             let pause = growth * self.pause as f32;
             let most = if pause > grown { pause } else { grown };
-            due(left, speed, PUSH_MOST * wc * most)
+            due(left, direction * velocity, PUSH_MOST * wc * most)
         };
         let least = rate * model.friction;
         let quick = self.quick() * (model.friction - direction * state.drive);
