@@ -2,7 +2,8 @@
 
 use crate::math::matrix::{self, backward, forward};
 use crate::math::sqrt;
-use crate::servo::commissioning::predictor::{PARAMETERS, Point, Theta, bounded, scales};
+use crate::servo::commissioning::predictor::{PARAMETERS, Point, Theta};
+use crate::servo::commissioning::range::{bounded, scales, usual};
 use crate::servo::commissioning::record::MotionRecord;
 use crate::servo::commissioning::sensitivity::Sensitivity;
 use crate::servo::commissioning::sums::{NO_SUMS, Sums};
@@ -13,11 +14,9 @@ use crate::servo::commissioning::view::{STEP_MAX, View};
 /// for, which costs no pass.
 const GAIN: f32 = 0.1;
 const GAIN_ADDED: f32 = 0.2;
-/// Place of the stiffening among the parameters, and what it is taken for: between 0, a drive of
-/// the same stiffness everywhere, and 3.2 of a usual cylinder, nearer to the cylinder, which
-/// strikes its end where its model is too soft.
+/// Places of loss and stiffening among the parameters.
+const LOSS: usize = 7;
 const STIFFENING: usize = 8;
-const STIFFENING_USUAL: f32 = 2.2;
 /// Points after a start in which the direction of the motion is uncertain.
 const STARTING: u32 = 3;
 
@@ -64,7 +63,7 @@ pub(crate) struct Fit {
     goes_on: bool,
     /// The best parameters with the step that the last sums ask for.
     moved: Theta,
-    /// Whether the stiffening is not searched.
+    /// Whether the stiffening, and with it the loss, is not searched.
     knows_stiffening: bool,
 }
 
@@ -169,7 +168,7 @@ impl Fit {
             if counts {
                 let (error, mut slope) = self.at.error(&point);
                 if self.knows_stiffening {
-                    slope[STIFFENING] = 0.0;
+                    (slope[LOSS], slope[STIFFENING]) = (0.0, 0.0);
                 }
                 self.sums.add(&slope, error);
             }
@@ -221,22 +220,14 @@ impl Fit {
     fn factor(&mut self) {
         let scale = scales(&self.best);
         let best = self.best.to_array();
+        let usual = usual(&self.best, self.knows_stiffening).to_array();
         let mut gradient = self.best_sums.gradient;
         let prior = self.best_sums.prior(&scale);
         let normal = &mut self.sums.normal;
         *normal = self.best_sums.normal;
         for j in 0..PARAMETERS {
             normal[j][j] += prior[j] + self.damping * (normal[j][j] + prior[j]);
-            if j > 4 && j != 6 {
-                // Friction and loss of flow are none unless they are seen; of the stiffness the
-                // mean of all drives is.
-                let usual = match j {
-                    STIFFENING if self.knows_stiffening => best[STIFFENING],
-                    STIFFENING => STIFFENING_USUAL,
-                    _ => 0.0,
-                };
-                gradient[j] -= prior[j] * (best[j] - usual);
-            }
+            gradient[j] -= prior[j] * (best[j] - usual[j]);
         }
         // A gradient of 0 leads nowhere.
         let solved = matrix::factor(normal);

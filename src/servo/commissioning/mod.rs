@@ -17,6 +17,7 @@ mod fit;
 mod oracle;
 mod predictor;
 mod probe;
+mod range;
 mod record;
 mod regression;
 mod relay;

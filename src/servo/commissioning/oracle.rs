@@ -38,7 +38,7 @@ impl Dice {
             offset: self.within(-0.05, 0.05),
             friction: self.within(0.0, 2.0),
             delay: self.within(0.0, 0.02),
-            kappa: self.within(0.0, 10.0),
+            kappa: gain * self.within(0.0, 4.0),
             stiffening: self.within(0.0, 3.0),
         }
     }

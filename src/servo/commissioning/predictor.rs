@@ -1,7 +1,6 @@
 //! The model of the fit: a drive of third order behind a delayed valve, corrected by the record as
 //! it goes.
 
-use crate::math::sqrt;
 use crate::servo::commissioning::record::MotionRecord;
 use crate::servo::commissioning::view::View;
 
@@ -11,12 +10,12 @@ pub(crate) const PARAMETERS: usize = 9;
 /// The parameters in the order of the fit; positions are in travels.
 ///
 /// ```text
-/// v' = p - a2 v - F s        p' = b0 f(u(t - tau)) - a1 v - kappa |f| p        f(u) = q(u + offset)
+/// v' = p - a2 v - F s     p' = k(x) (b0 f(u(t - tau)) - a1 v - kappa |f| p)     f(u) = q(u + offset)
 /// ```
 ///
 /// s is the direction of the measured motion; kappa is the loss of flow under load of an open
-/// valve. a1 and b0 are those of the middle of the travel: at a place both are k(x) times as large,
-/// see [`Place`](crate::servo::control::place::Place).
+/// valve. a1, b0 and kappa are those of the middle of the travel: at a place all three are k(x)
+/// times as large, see [`Place`](crate::servo::control::place::Place).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Theta {
     pub(crate) a1: f32,
@@ -145,6 +144,7 @@ impl Theta {
         Self {
             a1: k * self.a1,
             b0: k * self.b0,
+            kappa: k * self.kappa,
             ..*self
         }
     }
@@ -246,53 +246,6 @@ impl Theta {
         let l2 = 3.0 * rate * rate - self.a2 * l1 - self.a1;
         let l3 = rate * rate * rate - self.a2 * l2 - self.a1 * l1;
         [time * l1, time * l2, time * (l3 + self.a2 * l2)]
-    }
-}
-
-/// Largest e of k(x): a dead volume of 0.035.
-const STIFFENING_MAX: f32 = 3.5;
-
-/// What a parameter is varied by: itself, or a part of what it acts on.
-pub(crate) fn scales(theta: &Theta) -> [f32; PARAMETERS] {
-    let w = sqrt(theta.a1);
-    [
-        theta.a1,
-        theta.a2 + 0.1 * w,
-        theta.b0,
-        0.05,
-        0.05,
-        0.1 * theta.b0 / w,
-        0.1 / w,
-        0.5 * w,
-        1.0,
-    ]
-}
-
-/// Parameters that a drive can have.
-pub(crate) fn bounded(theta: [f32; PARAMETERS]) -> Theta {
-    let within = |x: f32, low: f32, high: f32| {
-        if x > high {
-            high
-        } else if x > low {
-            x
-        } else {
-            low
-        }
-    };
-    let free = Theta::from_array(theta);
-    let a1 = within(free.a1, 9.0, 9e4);
-    let w = sqrt(a1);
-    let b0 = within(free.b0, 1e-3 * a1, 50.0 * a1);
-    Theta {
-        a1,
-        a2: within(free.a2, 0.02 * w, 8.0 * w),
-        b0,
-        dead_zone: within(free.dead_zone, 0.0, 0.3),
-        offset: within(free.offset, -0.3, 0.3),
-        friction: within(free.friction, 0.0, b0 / w),
-        delay: within(free.delay, 0.0, 0.03),
-        kappa: within(free.kappa, 0.0, 2.0 * w),
-        stiffening: within(free.stiffening, 0.0, STIFFENING_MAX),
     }
 }
 

@@ -5,6 +5,7 @@ use crate::math::sqrt;
 use crate::servo::commissioning::predictor::{Point, Theta};
 use crate::servo::commissioning::record::MotionRecord;
 use crate::servo::commissioning::view::View;
+use crate::servo::control::load::loss_over_gain;
 
 /// Parameters: a1, a2, friction, constant, which have the same regressors under every delay; then
 /// b0, and b0 times the dead zone.
@@ -275,7 +276,7 @@ impl Regression {
             offset: (constant / gain).clamp(-0.3, 0.3),
             friction: (friction * rate * rate).max(0.0).min(b0 / w),
             delay,
-            kappa: 0.0,
+            kappa: loss_over_gain(self.stiffening) * b0 / a1,
             stiffening: self.stiffening,
         };
         Some((self.squares - explained, theta))

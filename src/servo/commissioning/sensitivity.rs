@@ -241,8 +241,8 @@ impl Sensitivity {
             gain * dead_zone,
             gain * offset,
             gain * delay,
-            -side * flow * p,
-            (self.theta.b0 * flow - self.theta.a1 * v) * slope,
+            -side * flow * p * k,
+            (self.theta.b0 * flow - self.theta.a1 * v - self.theta.kappa * side * flow * p) * slope,
         ]
     }
 

@@ -6,7 +6,7 @@ use crate::servo::commissioning::predictor::PARAMETERS;
 
 /// Standard deviations, in scales, with which the parameters are known beforehand: weak, so that
 /// nothing runs away.
-const PRIOR: [f32; PARAMETERS] = [5.0, 3.0, 5.0, 2.0, 2.0, 3.0, 5.0, 0.2, 2.4];
+const PRIOR: [f32; PARAMETERS] = [5.0, 3.0, 5.0, 2.0, 2.0, 3.0, 5.0, 0.7, 2.4];
 /// Largest correlation of neighbouring errors that counts.
 const CORRELATION_MAX: f32 = 0.8;
 

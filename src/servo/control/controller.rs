@@ -5,6 +5,7 @@ use crate::servo::control::anchor::Anchor;
 use crate::servo::control::estimator::StateEstimator;
 use crate::servo::control::holding::Holding;
 use crate::servo::control::hop::Hop;
+use crate::servo::control::load::Load;
 use crate::servo::control::margins::Margins;
 use crate::servo::control::null::NullOffset;
 use crate::servo::control::poles::Poles;
@@ -71,6 +72,7 @@ pub struct Controller {
     /// Filtered sign of the next motion of the reference.
     pub(super) heading: f32,
     pub(super) null: NullOffset,
+    pub(super) load: Load,
     pub(super) holding: Holding,
     pub(super) hop: Hop,
     /// Samples for which the axis was held while the reference rested before its motion.
@@ -115,6 +117,7 @@ impl Controller {
             sticky: false,
             heading: 0.0,
             null: NullOffset::default(),
+            load: Load::default(),
             holding: Holding::NONE,
             hop: Hop::default(),
             pause: 0,
@@ -144,6 +147,7 @@ impl Controller {
         self.observe(y, setpoint.position, frozen);
         let r = self.ahead(setpoint);
         let changes = self.head(&r);
+        self.bear(&r);
         self.hop.follow(setpoint.position, setpoint.velocity);
         if rests {
             self.pauses();
@@ -170,6 +174,7 @@ impl Controller {
             self.estimator.forget_disturbance();
             self.rest.forget();
         }
+        self.bear(&r);
         let changed = self.law(&r, rests, changes);
         self.transfer.keep(command, changed)
     }

@@ -4,10 +4,11 @@ use crate::error::positive;
 use crate::math::sqrt;
 use crate::servo::control::controller::Controller;
 use crate::servo::control::margins::Margins;
+use crate::servo::control::place::stiffening;
 use crate::servo::control::poles::Poles;
 use crate::servo::control::rest::RestDesign;
 use crate::servo::control::tuning::{OBSERVER_STEP, Tuning};
-use crate::servo::design::TuningDesign;
+use crate::servo::design::{EstimatorDesign, TuningDesign};
 use crate::servo::model::Model;
 
 /// Deflections `friction / a1` over resolution and noise from which friction counts as holding.
@@ -35,6 +36,13 @@ impl Controller {
             .on(self.frequency / self.found_for, self.frequency, fastest);
         self.estimator.tune(model, poles.derated(self.factor));
         self.anchor.tune(poles.observer);
+        let EstimatorDesign {
+            travel,
+            dead_volume,
+            ..
+        } = self.design.estimator;
+        self.load
+            .tune(model.a1, stiffening(dead_volume), travel.length());
         let deflection = model.friction / model.a1;
         let grain = self.design.grain;
         self.sticky = deflection > STICKY * grain;

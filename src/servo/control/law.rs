@@ -41,6 +41,8 @@ impl Controller {
         } = *self.estimator.ahead();
         let friction = model.friction * sign(v);
         let flow = (k2 * (friction - p) - k1 * v - d) / self.estimator.step().b0;
+        self.load.bear(self.steady());
+        let flow = flow / self.load.passes(flow);
         within(
             model.valve_command(flow, self.design.blend) - self.null.value(),
             1.0,
@@ -76,6 +78,24 @@ impl Controller {
         sign(r.velocity + time * r.acceleration)
     }
 
+    /// Bears the drive that the reference takes; of an axis that is held it takes none.
+    #[inline]
+    pub(super) fn bear(&mut self, r: &Setpoint) {
+        let drive = if self.sticks() {
+            0.0
+        } else {
+            let friction = self.estimator.model().friction * self.heading;
+            r.acceleration + self.estimator.step().a2 * r.velocity + friction
+        };
+        self.load.bear(drive);
+    }
+
+    /// The drive that the present motion takes where it is steady.
+    pub(super) fn steady(&self) -> f32 {
+        let velocity = self.estimator.now().velocity;
+        self.estimator.step().a2 * velocity + self.estimator.model().friction * sign(velocity)
+    }
+
     fn feedback(&self) -> Feedback {
         let (step, poles) = (self.estimator.step(), self.estimator.poles());
         let w = self.frequency * self.estimator.frequency_ratio();
@@ -98,6 +118,7 @@ impl Controller {
         };
         let flow = (rate - self.estimator.ahead().disturbance) / self.estimator.step().b0;
         let flow = self.with_room(flow, r);
+        let flow = flow / self.load.passes(flow);
         within(
             model.valve_command(flow, self.design.blend) - self.null.value(),
             1.0,

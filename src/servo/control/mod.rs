@@ -12,6 +12,7 @@ pub(crate) mod holding;
 mod hop;
 mod law;
 pub(crate) mod limiter;
+pub(crate) mod load;
 pub(crate) mod margins;
 pub(crate) mod null;
 mod observation;

@@ -60,6 +60,7 @@ impl Controller {
     /// One sample in which somebody else controls: the observer settles.
     pub(crate) fn watch(&mut self, y: f32, command: f32) {
         self.observe(y, y, false);
+        self.load.bear(self.steady());
         self.applied(command);
     }
 
@@ -77,7 +78,8 @@ impl Controller {
         let flow = if self.rest.rests() && !self.centres() {
             0.0
         } else {
-            self.believed(self.estimator.model(), command)
+            let flow = self.believed(self.estimator.model(), command);
+            flow * self.load.passes(flow)
         };
         self.estimator.applied(flow);
     }

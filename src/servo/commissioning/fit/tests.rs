@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::servo::commissioning::predictor::Prediction;
+use crate::servo::control::load::loss_over_gain;
 
 const TIME: f32 = 5e-3;
 /// Standard deviation of the position in travels.
@@ -194,7 +195,9 @@ fn what_must_be_seen_is_drawn_to_what_is_usual_and_the_delay_is_not() {
         let best = found.to_array();
         for (j, found) in gradient.into_iter().enumerate() {
             let exact = match j {
-                5 | 7 => 0.5 - prior[j] * best[j],
+                5 => 0.5 - prior[j] * best[j],
+                // The loss of a drive of this stiffening, over a gain of 2.
+                7 => 0.5 - prior[j] * (2.0 - 2.0 * loss_over_gain(1.0)),
                 8 => 0.5 - prior[j] * (1.0 - usual),
                 _ => 0.5,
             };
@@ -207,7 +210,7 @@ fn what_must_be_seen_is_drawn_to_what_is_usual_and_the_delay_is_not() {
 #[test]
 fn a_step_is_half_of_a_scale_at_most_or_a_whole_one() {
     let (_, view, _) = record(1, 40);
-    let best = Theta::from_array([900.0, 18.0, 1800.0, 0.1, 0.01, 10.0, 8e-3, 20.0, 1.5]);
+    let best = Theta::from_array([900.0, 18.0, 1800.0, 0.1, 0.01, 10.0, 8e-3, 5.0, 1.5]);
     for side in [1.0, -1.0] {
         let mut fit = Fit::new(true);
         fit.begin(view, best, 2.0);
@@ -225,5 +228,29 @@ fn a_step_is_half_of_a_scale_at_most_or_a_whole_one() {
             let most = if j < 3 { 0.5 } else { 1.0 };
             assert!((part - most).abs() < 1e-3, "{side} {j}: {part}");
         }
+    }
+}
+
+#[test]
+fn a_drive_that_is_known_loses_as_much_as_goes_with_its_stiffening() {
+    for (stiffening, lost) in [(0.0, 0.0), (3.2, 2.4)] {
+        let (record, view, truth) = record(3, 300);
+        let start = Theta {
+            kappa: 3.0,
+            stiffening,
+            ..truth
+        };
+        let [known, free] = [true, false].map(|knows| {
+            let mut fit = Fit::new(knows);
+            fit.begin(view, start, 2.0);
+            run(&mut fit, &record);
+            fit.found()
+        });
+        let found = known.kappa * known.a1 / known.b0;
+        assert!((found - lost).abs() < 0.05, "{found} of {lost}");
+        assert_eq!(known.stiffening, stiffening);
+        // What is not known is searched: this drive loses nothing.
+        let found = free.kappa * free.a1 / free.b0;
+        assert!((found - lost).abs() > 0.05, "{found}");
     }
 }

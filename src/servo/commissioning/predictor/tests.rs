@@ -1,6 +1,7 @@
 //! The series, the commands between two points, and the bounds of the model.
 
 use super::*;
+use crate::math::sqrt;
 use crate::servo::commissioning::oracle::{Dice, close, f64_of, moved};
 
 fn at(dice: &mut Dice, theta: &Theta) -> Prediction {
@@ -202,58 +203,6 @@ fn a_point_has_the_velocity_and_the_direction_of_its_interval() {
 }
 
 #[test]
-fn parameters_are_those_that_a_drive_can_have() {
-    let mut dice = Dice::new(6);
-    for _ in 0..50 {
-        let theta = dice.theta();
-        assert_eq!(bounded(theta.to_array()), theta, "inside nothing changes");
-        assert_eq!(Theta::from_array(theta.to_array()), theta);
-        let stiffer = theta.stiffer(1.5);
-        assert_eq!((stiffer.a1, stiffer.b0), (1.5 * theta.a1, 1.5 * theta.b0));
-        assert_eq!((stiffer.a2, stiffer.kappa), (theta.a2, theta.kappa));
-    }
-    let high = bounded([f32::INFINITY; PARAMETERS]);
-    let low = bounded([-f32::INFINITY; PARAMETERS]);
-    let nothing = bounded([f32::NAN; PARAMETERS]);
-    assert_eq!((high.a1, low.a1), (9e4, 9.0));
-    // Damping from 0.01 to 4, a gain from a thousandth of the travel per second to fifty of them.
-    assert_eq!((high.a2, low.a2), (8.0 * 300.0, 0.02 * 3.0));
-    assert_eq!((high.b0, low.b0), (50.0 * 9e4, 1e-3 * 9.0));
-    assert_eq!((high.friction, low.friction), (50.0 * 9e4 / 300.0, 0.0));
-    assert_eq!((high.kappa, low.kappa), (600.0, 0.0));
-    assert_eq!([high.dead_zone, high.offset, high.delay], [0.3, 0.3, 0.03]);
-    assert_eq!([low.dead_zone, low.offset, low.delay], [0.0, -0.3, 0.0]);
-    assert_eq!([high.stiffening, low.stiffening], [STIFFENING_MAX, 0.0]);
-    assert_eq!(nothing, low);
-}
-
-#[test]
-fn what_a_parameter_is_varied_by_has_its_unit() {
-    // The same drive with another unit of time.
-    let theta = Dice::new(7).theta();
-    let [s, square, cube] = [3.0_f32, 9.0, 27.0];
-    let quicker = Theta {
-        a1: square * theta.a1,
-        a2: s * theta.a2,
-        b0: cube * theta.b0,
-        ..theta
-    };
-    let units = [square, s, cube, 1.0, 1.0, square, 1.0 / s, s, 1.0];
-    for ((slow, quick), unit) in scales(&theta).iter().zip(scales(&quicker)).zip(units) {
-        assert!((quick / (slow * unit) - 1.0).abs() < 1e-5 && *slow > 0.0);
-    }
-    // A parameter that may be zero is varied all the same.
-    let none = Theta {
-        a2: 0.0,
-        friction: 0.0,
-        kappa: 0.0,
-        delay: 0.0,
-        ..theta
-    };
-    assert!(scales(&none).iter().all(|scale| *scale > 0.0));
-}
-
-#[test]
 fn a_slide_has_the_terms_of_its_series_to_the_fourth() {
     // A cosine of one rad: 1 - 1/2 + 1/24, and what it has integrated, 1 - 1/6 and 1/2 - 1/24.
     let theta = Theta::from_array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
@@ -265,5 +214,26 @@ fn a_slide_has_the_terms_of_its_series_to_the_fourth() {
     let exact = [0.5 - 1.0 / 24.0, 1.0 - 1.0 / 6.0, 0.5 + 1.0 / 24.0];
     for (found, exact) in [at.x, at.v, at.p].into_iter().zip(exact) {
         assert!((found - exact).abs() < 1e-6, "{found} {exact}");
+    }
+}
+
+#[test]
+fn what_chambers_do_grows_with_their_stiffness() {
+    let mut dice = Dice::new(6);
+    for _ in 0..50 {
+        let theta = dice.theta();
+        assert_eq!(Theta::from_array(theta.to_array()), theta);
+        let stiffer = theta.stiffer(1.5);
+        let [a1, b0, kappa] = [theta.a1, theta.b0, theta.kappa].map(|x| 1.5 * x);
+        assert_eq!((stiffer.a1, stiffer.b0, stiffer.kappa), (a1, b0, kappa));
+        assert_eq!(
+            Theta {
+                a1: theta.a1,
+                b0: theta.b0,
+                kappa: theta.kappa,
+                ..stiffer
+            },
+            theta
+        );
     }
 }

@@ -146,7 +146,7 @@ fn a_slope_is_what_a_small_change_of_the_parameter_does() {
         let theta = dice.theta();
         let gains = theta.gains(1.5 * crate::math::sqrt(theta.a1), TIME);
         let at = run(theta, gains);
-        let scale = crate::servo::commissioning::predictor::scales(&theta);
+        let scale = crate::servo::commissioning::range::scales(&theta);
         for j in 0..PARAMETERS {
             // The delay is in the share between two commands here, which are given.
             if j == 6 {

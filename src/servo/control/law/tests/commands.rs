@@ -112,3 +112,32 @@ fn a_flow_is_bounded_by_the_room_in_front_of_it_or_by_what_the_reference_takes()
         near(bounded(0.0, 0.0, -0.5, &rest), 0.0);
     }
 }
+
+#[test]
+fn what_the_load_takes_is_added_to_a_command_and_missing_in_its_flow() {
+    for way in [1.0, -1.0] {
+        let mut controller = at(way * 120.0, way * 900.0);
+        controller.heading = way;
+        let r = reference(way * 3.0, way * 100.0, way * 500.0);
+        let free = controller.law(&r, false, 0.0);
+        controller.load.tune(625.0, 3.2, 400.0);
+        controller.bear(&r);
+        // The reference takes 500 + 20 100 + 800 of the drive, by 0.75 3.2 / (625 400) each.
+        let passes = 1.0 - 3300.0 * 9.6e-6;
+        assert!(way * free > 0.0);
+        near(controller.law(&r, false, 0.0), free / passes);
+        controller.applied(way * 0.2);
+        near(controller.flow_in_force(), way * 0.2 * passes);
+        controller.applied(-way * 0.2);
+        near(controller.flow_in_force(), -way * 0.2 * (2.0 - passes));
+        // What brakes or is watched bears friction and damping; what is held bears nothing.
+        let _ = controller.brake(200.0);
+        let passes = 1.0 - controller.steady().abs() * 9.6e-6;
+        near(controller.load.passes(way), passes);
+        for _ in 0..100 {
+            let _ = controller.anchor.update(200.0, true);
+        }
+        controller.bear(&r);
+        assert_eq!(controller.load.passes(way), 1.0);
+    }
+}
