@@ -75,11 +75,11 @@ pub struct ControllerSettings {
     /// Least position error within which the valve rests at standstill, in units of y; default one
     /// code and two standard deviations of the noise. Hunting widens it.
     pub rest_window: Option<f32>,
-    /// Dead volume of a chamber over that of the stroke: how much stiffer the axis gets towards its
-    /// ends, and what a load takes from the flow of the valve. Infinite for a drive that is as
-    /// stiff everywhere. Default: what a commissioning finds, until then 0.06, a cylinder. To be stated
-    /// with a model that is installed: a stiff drive that is taken for a cylinder is controlled too
-    /// fast near its ends, and may swing there.
+    /// Dead volume of a chamber over that of the stroke: how much stiffer the axis gets towards
+    /// its ends, and what a load takes from the flow of the valve. Infinite for a drive that is
+    /// as stiff everywhere. Default: what a commissioning finds, until then 0.06, a cylinder. To
+    /// be stated with a model that is installed: a stiff drive that is taken for a cylinder is
+    /// controlled too fast near its ends, and may swing there.
     pub dead_volume: Option<f32>,
     /// Time in which the offset of a bumpless change of gains fades, in s; default 10 ms, what a
     /// valve takes.
