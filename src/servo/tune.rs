@@ -47,7 +47,11 @@ impl<S, V> ServoLoop<S, V> {
             if tuned.done || tuned.tuning.has_some() {
                 return true;
             }
-            tuned.done = tuned.done || tuned.tuning.step();
+            let begins = tuned.tuning.begins();
+            tuned.done = tuned.tuning.step();
+            if begins {
+                break;
+            }
         }
         tuned.done || tuned.tuning.has_some()
     }

@@ -16,7 +16,9 @@ const CALMING: f32 = 0.35;
 const SAFE: [f32; 2] = [0.05, 0.95];
 /// Least, first and largest amplitude of the flow.
 const AMPLITUDE: [f32; 3] = [0.07, 0.2, 0.4];
-/// Movement within two holds, in travels, below which the amplitude grows and above which it
+/// Least and longest hold over half a period of the axis.
+const HOLD: [f32; 2] = [0.2, 0.9];
+/// Movement within two half periods, in travels, below which the amplitude grows and above which it
 /// shrinks.
 const MOVEMENT: [f32; 2] = [0.025, 0.1];
 /// Growth and shrinking of the amplitude.
@@ -211,10 +213,11 @@ impl Sweep {
         } else {
             level
         };
-        self.left = self.half * (0.35 + 0.9 * self.draw());
+        let [least, most] = HOLD;
+        self.left = self.half * (least + (most - least) * self.draw());
     }
 
-    /// The amplitude follows the movement within two holds.
+    /// The amplitude follows the movement within two half periods.
     fn look(&mut self, y: f32, step: f32) {
         self.low = if y < self.low { y } else { self.low };
         self.high = if y > self.high { y } else { self.high };

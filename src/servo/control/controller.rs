@@ -173,8 +173,8 @@ impl Controller {
             // What the model before could not explain.
             self.estimator.forget_disturbance();
             self.rest.forget();
+            self.bear(&r);
         }
-        self.bear(&r);
         let changed = self.law(&r, rests, changes);
         self.transfer.keep(command, changed)
     }

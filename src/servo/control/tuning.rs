@@ -142,6 +142,11 @@ impl Tuning {
         }
     }
 
+    /// Whether the next piece begins something, which costs more than half of a frequency.
+    pub(crate) const fn begins(&self) -> bool {
+        self.sweep.is_none()
+    }
+
     /// A piece of the search: its frequencies, its drives, the gains of a controller, or half of a
     /// frequency of it; whether the search is over.
     pub(crate) fn step(&mut self) -> bool {

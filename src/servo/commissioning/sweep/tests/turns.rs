@@ -44,6 +44,6 @@ fn a_model_sets_time_and_valve_of_the_levels() {
         let flow = sign * (sweep.level + 0.02) - 0.1;
         assert!((0.05..=1.5 * 0.14).contains(&flow), "{flow}");
         let holds = sweep.left / 0.4;
-        assert!((0.35..=1.25).contains(&holds), "{holds}");
+        assert!((0.2..=0.9).contains(&holds), "{holds}");
     }
 }
