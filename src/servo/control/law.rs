@@ -79,7 +79,7 @@ impl Controller {
     }
 
     /// Bears the drive that the reference takes; of an axis that is held it takes none.
-    #[inline]
+    #[inline(always)]
     pub(super) fn bear(&mut self, r: &Setpoint) {
         let drive = if self.sticks() {
             0.0
@@ -103,7 +103,7 @@ impl Controller {
     }
 
     /// The control law at the present state, within the full command.
-    #[inline]
+    #[inline(always)]
     pub(super) fn law(&self, r: &Setpoint, at_rest: bool, heading_rate: f32) -> f32 {
         let model = self.estimator.model();
         if self.rest.rests() && !self.centres() {

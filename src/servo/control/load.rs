@@ -54,13 +54,13 @@ impl Load {
     }
 
     /// The drive that the motion takes from now on.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn bear(&mut self, drive: f32) {
         self.lost = within(self.per_drive * drive, LOST_MOST);
     }
 
     /// The part of a flow that arrives.
-    #[inline]
+    #[inline(always)]
     pub(crate) const fn passes(&self, flow: f32) -> f32 {
         if flow > 0.0 {
             1.0 - self.lost
