@@ -1,4 +1,4 @@
-//! The series, the commands between two points, and the bounds of the model.
+//! The series, the commands between two points, and what grows with the stiffness.
 
 use super::*;
 use crate::math::sqrt;
