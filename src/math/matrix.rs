@@ -51,26 +51,39 @@ pub(crate) fn cholesky<const N: usize>(matrix: &Matrix<N>) -> Option<Matrix<N>> 
 /// Puts L with L L' = `matrix` into its lower triangle, the only one that is read; whether it is
 /// clearly positive.
 pub(crate) fn factor<const N: usize>(matrix: &mut Matrix<N>) -> bool {
-    let l = matrix;
-    for j in 0..N {
-        let diagonal = l[j][j];
-        let mut pivot = diagonal;
-        for k in 0..j {
-            pivot -= l[j][k] * l[j][k];
-        }
-        if !(pivot > CLEAR * diagonal) {
+    factor_columns(matrix, 0, N)
+}
+
+/// The same for the columns from one up to another, when those before are done.
+pub(crate) fn factor_columns<const N: usize>(
+    matrix: &mut Matrix<N>,
+    from: usize,
+    to: usize,
+) -> bool {
+    for j in from..to.min(N) {
+        let (done, below) = matrix.split_at_mut(j + 1);
+        let Some(row) = done.last_mut() else {
+            return false;
+        };
+        let (own, rest) = row.split_at_mut(j);
+        let [diagonal, ..] = rest else {
+            return false;
+        };
+        let pivot = less(*diagonal, own, own);
+        if !(pivot > CLEAR * *diagonal) {
             return false;
         }
-        l[j][j] = sqrt(pivot);
-        for i in j + 1..N {
-            let mut sum = l[i][j];
-            for k in 0..j {
-                sum -= l[i][k] * l[j][k];
-            }
-            l[i][j] = sum / l[j][j];
+        *diagonal = sqrt(pivot);
+        for other in below {
+            other[j] = less(other[j], other, own) / *diagonal;
         }
     }
     true
+}
+
+/// `x - a' b` over the length of b.
+fn less(x: f32, a: &[f32], b: &[f32]) -> f32 {
+    a.iter().zip(b).fold(x, |x, (a, b)| x - a * b)
 }
 
 /// Lower triangle L with L L' = `matrix`, which has no negative direction; a column without a
@@ -136,6 +149,17 @@ pub(crate) fn transposed<const N: usize>(matrix: &Matrix<N>) -> Matrix<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_factor_in_parts_is_the_whole_one() {
+        let matrix = [[4.0, 0.0, 0.0], [2.0, 5.0, 0.0], [0.5, 2.0, 5.0]];
+        let whole = cholesky(&matrix).unwrap();
+        for middle in 0..=3 {
+            let mut parts = matrix;
+            assert!(factor_columns(&mut parts, 0, middle) && factor_columns(&mut parts, middle, 9));
+            assert_eq!(parts, whole, "{middle}");
+        }
+    }
 
     #[test]
     fn the_factors_solve() {

@@ -1,7 +1,8 @@
 //! A least-squares fit of the model to the record, a few points per sample.
 
-use crate::math::matrix::{self, backward, forward};
+use crate::math::matrix::{backward, factor_columns, forward};
 use crate::math::sqrt;
+use crate::servo::commissioning::fit::certainty::{Certainty, UNKNOWN};
 use crate::servo::commissioning::predictor::{PARAMETERS, Point, Theta};
 use crate::servo::commissioning::range::{bounded, scales, usual};
 use crate::servo::commissioning::record::MotionRecord;
@@ -24,10 +25,16 @@ const STARTING: u32 = 3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Ending {
     Judged,
-    /// The normal of the sums is the Cholesky factor of the normal equations; with the gradient of
-    /// the next step.
+    /// The normal of the sums is half of the Cholesky factor of the normal equations, or all of it;
+    /// with the gradient of the next step.
+    Halved([f32; PARAMETERS]),
     Factored([f32; PARAMETERS]),
 }
+
+/// A gradient that leads nowhere.
+const LEVEL: [f32; PARAMETERS] = [0.0; PARAMETERS];
+/// Columns of a factor that are worked out in a sample.
+const HALF: usize = PARAMETERS / 2;
 
 /// Levenberg-Marquardt on the errors of a prediction that is corrected with a fixed rate.
 ///
@@ -65,6 +72,8 @@ pub(crate) struct Fit {
     moved: Theta,
     /// Whether the stiffening, and with it the loss, is not searched.
     knows_stiffening: bool,
+    /// How certain what was found is.
+    certainty: Certainty,
 }
 
 impl Fit {
@@ -91,6 +100,7 @@ impl Fit {
             goes_on: false,
             moved: theta,
             knows_stiffening,
+            certainty: Certainty::Known(UNKNOWN),
         }
     }
 
@@ -180,13 +190,17 @@ impl Fit {
         false
     }
 
-    /// Ends a pass, in three samples: takes its parameters if they are better, factors the normal
-    /// equations, finds the parameters of the next one. Whether that is done. Cost: some 2000
+    /// Ends a pass, in four samples: takes its parameters if they are better, factors the normal
+    /// equations in two, finds the parameters of the next one. Whether that is done. Cost: some 2000
     /// instructions each.
     pub(crate) fn next_pass(&mut self) -> bool {
         match self.ending.take() {
             None => self.evaluate(),
             Some(Ending::Judged) => self.factor(),
+            Some(Ending::Halved(gradient)) => {
+                let solved = factor_columns(&mut self.sums.normal, HALF, PARAMETERS);
+                self.ending = Some(Ending::Factored(if solved { gradient } else { LEVEL }));
+            }
             Some(Ending::Factored(gradient)) => {
                 let (theta, gained) = self.step(gradient);
                 let worth = if self.goes_on { GAIN_ADDED } else { GAIN };
@@ -215,8 +229,8 @@ impl Fit {
         self.ending = Some(Ending::Judged);
     }
 
-    /// Factors the normal equations of the best parameters with what is known beforehand, in the
-    /// place of the sums of this pass.
+    /// Factors half of the normal equations of the best parameters with what is known beforehand, in
+    /// the place of the sums of this pass.
     fn factor(&mut self) {
         let scale = scales(&self.best);
         let best = self.best.to_array();
@@ -229,16 +243,14 @@ impl Fit {
             normal[j][j] += prior[j] + self.damping * (normal[j][j] + prior[j]);
             gradient[j] -= prior[j] * (best[j] - usual[j]);
         }
-        // A gradient of 0 leads nowhere.
-        let solved = matrix::factor(normal);
-        let gradient = if solved { gradient } else { [0.0; PARAMETERS] };
-        self.ending = Some(Ending::Factored(gradient));
+        let solved = factor_columns(normal, 0, HALF);
+        self.ending = Some(Ending::Halved(if solved { gradient } else { LEVEL }));
     }
 
     /// The best parameters, moved to where the factored normal equations lead under a gradient, and
     /// what they promise to take from the cost.
     fn step(&self, gradient: [f32; PARAMETERS]) -> (Theta, f32) {
-        if gradient == [0.0; PARAMETERS] {
+        if gradient == LEVEL {
             return (self.best, 0.0);
         }
         let scale = scales(&self.best);
@@ -258,11 +270,6 @@ impl Fit {
             *value += step;
         }
         (bounded(theta), gained)
-    }
-
-    /// Standard deviations of the best parameters: see [`Sums::std`].
-    pub(crate) fn std(&self) -> [f32; 4] {
-        self.best_sums.std(&scales(&self.best))
     }
 
     /// The parameters that were found: the best ones with the step that their sums ask for.
@@ -286,5 +293,6 @@ impl Fit {
     }
 }
 
+mod certainty;
 #[cfg(test)]
 mod tests;

@@ -88,8 +88,6 @@ pub(crate) struct Commissioning {
     known_sign: Option<f32>,
     time: f32,
     attempt: u32,
-    /// Attempts in a row that changed no code.
-    silent: u8,
     /// Time in s beyond the safe travel without coming back, the place where that began, and the
     /// outermost since then.
     outside: f32,
@@ -123,7 +121,6 @@ impl Commissioning {
             known_sign: None,
             time: 0.0,
             attempt: 0,
-            silent: 0,
             outside: 0.0,
             began: 0.0,
             outermost: 0.0,
@@ -189,7 +186,7 @@ impl Commissioning {
             Stage::Resting(mut rest) => {
                 if let Some(still) = rest.update(y, step, self.design.resolution) {
                     self.still = still;
-                    self.stage = Stage::Probing(Probe::new(self.silent));
+                    self.stage = Stage::Probing(Probe::default());
                 } else {
                     self.stage = Stage::Resting(rest);
                 }

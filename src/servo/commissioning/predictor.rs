@@ -5,16 +5,17 @@ use crate::servo::commissioning::record::MotionRecord;
 use crate::servo::commissioning::view::View;
 
 /// Number of parameters.
-pub(crate) const PARAMETERS: usize = 9;
+pub(crate) const PARAMETERS: usize = 10;
 
 /// The parameters in the order of the fit; positions are in travels.
 ///
 /// ```text
-/// v' = p - a2 v - F s     p' = k(x) (b0 f(u(t - tau)) - a1 v - kappa |f| p)     f(u) = q(u + offset)
+/// v' = p - a2 v - F s     p' = k(x) (b0 f(u(t - tau)) - a1 v - kappa |f| (p + g))     f(u) = q(u + offset)
 /// ```
 ///
 /// s is the direction of the measured motion; kappa is the loss of flow under load of an open
-/// valve. a1, b0 and kappa are those of the middle of the travel: at a place all three are k(x)
+/// valve. The chambers carry a constant load g beside p: one way it takes flow, the other way it
+/// gives some, which without it would count as an offset of the valve. a1, b0 and kappa are those of the middle of the travel: at a place all three are k(x)
 /// times as large, see [`Place`](crate::servo::control::place::Place).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Theta {
@@ -28,6 +29,8 @@ pub(crate) struct Theta {
     pub(crate) kappa: f32,
     /// How fast the stiffness grows towards the ends: e of k(x).
     pub(crate) stiffening: f32,
+    /// g of a constant load, which the drive p does not hold.
+    pub(crate) load: f32,
 }
 
 /// Position, velocity, drive.
@@ -107,9 +110,10 @@ impl Theta {
             delay,
             kappa,
             stiffening,
+            load,
         } = self;
         [
-            a1, a2, b0, dead_zone, offset, friction, delay, kappa, stiffening,
+            a1, a2, b0, dead_zone, offset, friction, delay, kappa, stiffening, load,
         ]
     }
 
@@ -124,6 +128,7 @@ impl Theta {
             delay,
             kappa,
             stiffening,
+            load,
         ] = theta;
         Self {
             a1,
@@ -135,6 +140,7 @@ impl Theta {
             delay,
             kappa,
             stiffening,
+            load,
         }
     }
 
@@ -220,7 +226,7 @@ impl Theta {
     /// The same at rest, where only the drive changes.
     #[inline]
     pub(crate) fn rest(&self, at: &mut Prediction, flow: f32, time: f32) {
-        at.p += time * (self.b0 * flow - self.loss(flow) * at.p);
+        at.p += time * (self.b0 * flow - self.loss(flow) * (at.p + self.load));
         at.v = 0.0;
     }
 
@@ -230,7 +236,10 @@ impl Theta {
         let k = self.loss(flow);
         let step = |v: f32, p: f32| (p - self.a2 * v, -self.a1 * v - k * p);
         let (dv, dp) = step(at.v, at.p);
-        let (v1, p1) = (dv - self.friction * direction, dp + self.b0 * flow);
+        let (v1, p1) = (
+            dv - self.friction * direction,
+            dp + self.b0 * flow - k * self.load,
+        );
         let (v2, p2) = step(v1, p1);
         let (v3, p3) = step(v2, p2);
         let (v4, p4) = step(v3, p3);

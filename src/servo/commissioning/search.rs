@@ -38,6 +38,8 @@ enum Phase {
     Trying(usize),
     Ranking(usize),
     Refining,
+    /// Until the certainty of what was found is known; with the numbers of what follows.
+    Weighing(usize, usize),
     /// Until the record has this many points; then those from the first number on are simulated.
     Holding(usize, usize),
     Validating,
@@ -49,19 +51,15 @@ pub(crate) struct Search {
     phase: Phase,
     regression: Regression,
     fit: Fit,
-    /// Standard deviations of what was found: see [`Fit::std`].
-    std: [f32; 4],
     simulation: Option<Simulation>,
     starts: [f32; STARTS.len() + 1],
     best: Option<(Theta, f32)>,
     previous: Option<Theta>,
     failures: u32,
-    /// Spacing, velocity of rest, sign of the valve, sigma of the position.
     view: View,
+    /// Of the noise of the position.
     variance: f32,
-    /// Dead zone of a start.
     dead_zone: f32,
-    /// Why estimates were not accepted.
     refusals: Refusals,
     latest: Option<Theta>,
     /// Result of the present start.
@@ -80,7 +78,6 @@ impl Search {
             phase: Phase::Waiting(usize::MAX),
             regression: Regression::new(delay, stiffening.unwrap_or(0.0)),
             fit: Fit::new(stiffening.is_some()),
-            std: [f32::INFINITY; 4],
             simulation: None,
             starts: [0.0; STARTS.len() + 1],
             best: None,
@@ -188,17 +185,21 @@ impl Search {
                 if self.fit.advance(record, self.pace[0]) && self.fit.next_pass() {
                     let (theta, from) = (self.fit.found(), self.fit.end());
                     if self.fit.is_done(REFINE_PASSES) {
-                        self.phase = Phase::Holding(from, from + self.points(&theta));
+                        self.phase = Phase::Weighing(from, from + self.points(&theta));
                     } else if self.fit.went_on() {
                         self.refine(record, theta);
                     }
+                }
+            }
+            Phase::Weighing(from, until) => {
+                if self.fit.weigh() {
+                    self.phase = Phase::Holding(from, until);
                 }
             }
             Phase::Holding(from, until) => {
                 if record.end() >= until {
                     let view = self.window(record);
                     self.simulate(record, view, self.fit.found(), from);
-                    self.std = self.fit.std();
                     self.phase = Phase::Validating;
                 }
             }
@@ -208,8 +209,7 @@ impl Search {
     }
 
     fn attempt(&mut self, record: &MotionRecord, k: usize) {
-        let view = self.window(record);
-        let rate = self.starts[k];
+        let (view, rate) = (self.window(record), self.starts[k]);
         self.regression.begin(record, view, rate, self.dead_zone);
         self.phase = Phase::Trying(k);
     }
@@ -269,7 +269,7 @@ impl Search {
     fn validate(&mut self, record: &MotionRecord, slack: f32) -> Option<Theta> {
         let seen @ [misfit, _] = self.misfit(record)?;
         let theta = self.fit.found();
-        let verdict = verdict(&theta, self.previous.as_ref(), self.std, seen, slack);
+        let verdict = verdict(&theta, self.previous.as_ref(), self.fit.std(), seen, slack);
         self.previous = Some(theta);
         match verdict {
             Ok(()) => return Some(theta),

@@ -107,7 +107,7 @@ struct Acts {
     side: f32,
     /// What dead zone, offset and delay do to the flow.
     bent: [f32; 3],
-    /// Mean velocity and drive.
+    /// Mean velocity, and mean drive with the constant load.
     v: f32,
     p: f32,
     /// Stiffness over that of the middle, and its slope by the stiffening.
@@ -196,12 +196,12 @@ impl Sensitivity {
             side,
             bent,
             v: 0.0,
-            p: self.at.p,
+            p: self.at.p + theta.load,
             stiffer: [k, k * k * off_middle(point.y)],
         };
         if point.rests {
             self.at.x = point.y;
-            self.at.p += point.time * (theta.b0 * flow - loss * self.at.p);
+            self.at.p += point.time * (theta.b0 * flow - loss * (self.at.p + theta.load));
             self.at.v = 0.0;
             self.follow_at_rest(&acts, loss, point.time);
         } else {
@@ -215,16 +215,17 @@ impl Sensitivity {
                 &transition.acceleration,
                 friction,
             );
-            act(&mut self.at, &transition.rate, theta.b0 * flow);
+            let rate = theta.b0 * flow - loss * theta.load;
+            act(&mut self.at, &transition.rate, rate);
             acts.v = 0.5 * (before.v + self.at.v);
-            acts.p = 0.5 * (before.p + self.at.p);
+            acts.p = 0.5 * (before.p + self.at.p) + theta.load;
             self.follow(&acts, &transition, gains, point.direction);
         }
     }
 
     /// Rates of the drive by which the parameters act on it: all but damping and friction.
     #[inline]
-    fn rates(&self, acts: &Acts) -> [f32; 7] {
+    fn rates(&self, acts: &Acts) -> [f32; 8] {
         let Acts {
             theta,
             flow,
@@ -243,6 +244,7 @@ impl Sensitivity {
             gain * delay,
             -side * flow * p * k,
             (self.theta.b0 * flow - self.theta.a1 * v - self.theta.kappa * side * flow * p) * slope,
+            -theta.kappa * side * flow,
         ]
     }
 
@@ -276,9 +278,20 @@ impl Sensitivity {
 
 /// The sensitivities on whose drive their parameters act, in the order of [`Sensitivity::rates`].
 #[inline]
-const fn driven(slopes: &mut [Prediction; PARAMETERS]) -> [&mut Prediction; 7] {
-    let [a1, _, b0, dead_zone, offset, _, delay, kappa, stiffening] = slopes;
-    [a1, b0, dead_zone, offset, delay, kappa, stiffening]
+const fn driven(slopes: &mut [Prediction; PARAMETERS]) -> [&mut Prediction; 8] {
+    let [
+        a1,
+        _,
+        b0,
+        dead_zone,
+        offset,
+        _,
+        delay,
+        kappa,
+        stiffening,
+        load,
+    ] = slopes;
+    [a1, b0, dead_zone, offset, delay, kappa, stiffening, load]
 }
 
 /// Direction of a flow, 0 for none.

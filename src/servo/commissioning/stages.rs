@@ -33,7 +33,6 @@ impl Commissioning {
                 Progress::Command(u)
             }
             Probed::Moved { sign, command } => {
-                self.silent = 0;
                 let place = self.still.place;
                 let side = if y > place { 1.0 } else { -1.0 };
                 let detection = self.still.detection;
@@ -48,10 +47,7 @@ impl Commissioning {
                     _ => Progress::Command(0.0),
                 }
             }
-            Probed::SameCode => {
-                self.silent = self.silent.saturating_add(1);
-                Progress::Failed(Reason::SensorStuck)
-            }
+            Probed::SameCode => Progress::Failed(Reason::SensorStuck),
             Probed::Still => Progress::Failed(Reason::Blocked),
         }
     }

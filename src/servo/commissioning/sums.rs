@@ -1,12 +1,12 @@
 //! Sums over a pass of a fit, and how certain they make the parameters.
 
-use crate::math::matrix::{Matrix, cholesky, forward};
+use crate::math::matrix::{Matrix, forward};
 use crate::math::sqrt;
 use crate::servo::commissioning::predictor::PARAMETERS;
 
 /// Standard deviations, in scales, with which the parameters are known beforehand: weak, so that
 /// nothing runs away.
-const PRIOR: [f32; PARAMETERS] = [5.0, 3.0, 5.0, 2.0, 2.0, 3.0, 5.0, 0.7, 2.4];
+const PRIOR: [f32; PARAMETERS] = [5.0, 3.0, 5.0, 2.0, 2.0, 3.0, 5.0, 0.7, 2.4, 1.0];
 /// Largest correlation of neighbouring errors that counts.
 const CORRELATION_MAX: f32 = 0.8;
 
@@ -52,7 +52,7 @@ impl Sums {
     #[inline]
     fn double(&mut self, slope: &[f32; PARAMETERS]) {
         let twice = slope.map(|s| s + s);
-        let [row0, row1, row2, row3, row4, row5, row6, row7, row8] = &mut self.normal;
+        let [row0, row1, row2, row3, row4, row5, row6, row7, row8, row9] = &mut self.normal;
         add::<1>(row0, slope, &twice);
         add::<2>(row1, slope, &twice);
         add::<3>(row2, slope, &twice);
@@ -62,6 +62,7 @@ impl Sums {
         add::<7>(row6, slope, &twice);
         add::<8>(row7, slope, &twice);
         add::<9>(row8, slope, &twice);
+        add::<10>(row9, slope, &twice);
     }
 
     /// Variance of an error that counts alone: neighbouring errors are alike.
@@ -88,14 +89,11 @@ impl Sums {
         })
     }
 
-    /// Standard deviations of a1, a2 and of the gain b0/a1, in the scales of a1, a2 and b0, and of
-    /// the dead zone in its scale; infinite when they are not known.
-    ///
-    /// With the parameters in reverse order these four are the last ones: the last rows of the
-    /// Cholesky factor are then that of the inverse of their own covariance. Cost: some 1300
-    /// instructions.
-    pub(crate) fn std(&self, scale: &[f32; PARAMETERS]) -> [f32; 4] {
-        let (variance, prior) = (self.variance(), self.prior(scale));
+    /// The normal equations with the parameters in reverse order, in these scales: those of the
+    /// standard deviations are the last ones, and the last rows of the Cholesky factor that of the
+    /// inverse of their own covariance.
+    pub(crate) fn reversed(&self, scale: &[f32; PARAMETERS]) -> Matrix<PARAMETERS> {
+        let prior = self.prior(scale);
         let last = PARAMETERS - 1;
         let mut reversed = [[0.0; PARAMETERS]; PARAMETERS];
         for (i, row) in reversed.iter_mut().enumerate() {
@@ -104,11 +102,15 @@ impl Sums {
             }
             row[i] += prior[last - i];
         }
-        let Some(factor) = cholesky(&reversed) else {
-            return [f32::INFINITY; 4];
-        };
+        reversed
+    }
+
+    /// Standard deviations of a1, a2 and of the gain b0/a1, in the scales of a1, a2 and b0, and of
+    /// the dead zone in its scale, by the Cholesky factor of [`Self::reversed`].
+    pub(crate) fn std(&self, factor: &Matrix<PARAMETERS>, scale: &[f32; PARAMETERS]) -> [f32; 4] {
+        let variance = self.variance();
         let [.., r4, r5, r6, r7] = factor;
-        let own = [r4, r5, r6, r7].map(|[.., dead_zone, b0, a2, a1]| [dead_zone, b0, a2, a1]);
+        let own = [r4, r5, r6, r7].map(|[.., dead_zone, b0, a2, a1]| [*dead_zone, *b0, *a2, *a1]);
         let [a1, a2, b0, dead_zone, ..] = scale.map(|s| 1.0 / s);
         let of = |direction: [f32; 4]| {
             let seen = forward(&own, direction);

@@ -205,7 +205,7 @@ fn a_point_has_the_velocity_and_the_direction_of_its_interval() {
 #[test]
 fn a_slide_has_the_terms_of_its_series_to_the_fourth() {
     // A cosine of one rad: 1 - 1/2 + 1/24, and what it has integrated, 1 - 1/6 and 1/2 - 1/24.
-    let theta = Theta::from_array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let theta = Theta::from_array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let mut at = Prediction {
         p: 1.0,
         ..Prediction::default()

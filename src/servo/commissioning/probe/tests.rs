@@ -15,8 +15,8 @@ fn still() -> Still {
 }
 
 /// The commands of all triangles on an axis that does not move; the codes change.
-fn commands(asked_again: u8, scale: f32) -> std::vec::Vec<f32> {
-    let mut probe = Probe::new(asked_again);
+fn commands(scale: f32) -> std::vec::Vec<f32> {
+    let mut probe = Probe::default();
     let mut found = std::vec::Vec::new();
     loop {
         match probe.update(0.5, false, &still(), STEP, scale) {
@@ -31,44 +31,37 @@ fn commands(asked_again: u8, scale: f32) -> std::vec::Vec<f32> {
 
 #[test]
 fn triangles_go_to_both_sides_and_their_peaks_grow() {
-    for (asked_again, first) in [(0, 0.25), (1, 0.35), (2, 0.45), (9, 0.45)] {
-        for scale in [1.0, 0.6] {
-            let commands = commands(asked_again, scale);
-            let mut peaks = std::vec::Vec::new();
-            for pair in commands.windows(3) {
-                let [a, b, c] = [pair[0].abs(), pair[1].abs(), pair[2].abs()];
-                if b > a && b >= c {
-                    peaks.push(pair[1]);
-                }
+    for scale in [1.0, 0.6] {
+        let commands = commands(scale);
+        let mut peaks = std::vec::Vec::new();
+        for pair in commands.windows(3) {
+            let [a, b, c] = [pair[0].abs(), pair[1].abs(), pair[2].abs()];
+            if b > a && b >= c {
+                peaks.push(pair[1]);
             }
-            let expected = [first, -first, 0.45, -0.45, 0.45, -0.45].map(|peak| scale * peak);
-            assert_eq!(peaks.len(), 6, "{peaks:?}");
-            for (peak, expected) in peaks.iter().zip(expected) {
-                assert!((peak - expected).abs() < 8e-3, "{peaks:?}");
-            }
-            // Slow where nothing was tried before: 1.5 per s; quicker, 6 per s, where it was.
-            let steps = commands
-                .windows(2)
-                .map(|pair| (pair[1] - pair[0]).abs() / STEP);
-            for step in steps {
-                assert!(step < 6.01, "{step}");
-            }
-            let time = commands.len() as f32 * STEP;
-            let slow = |peak: f32| 4.0 * scale * peak / 1.5;
-            let later = |tried: f32| 4.0 * scale * (tried / 6.0 + (0.45 - tried) / 1.5);
-            let expected = slow(first) + 2.0 * later(first);
-            assert!(
-                (time - expected).abs() < 0.02,
-                "{asked_again}: {time} {expected}"
-            );
         }
+        let expected = [0.45, -0.45, 0.65, -0.65].map(|peak| scale * peak);
+        assert_eq!(peaks.len(), 4, "{peaks:?}");
+        for (peak, expected) in peaks.iter().zip(expected) {
+            assert!((peak - expected).abs() < 8e-3, "{peaks:?}");
+        }
+        // Slow where nothing was tried before: 1.5 per s; quicker, 6 per s, where it was.
+        let steps = commands
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]).abs() / STEP);
+        for step in steps {
+            assert!(step < 6.01, "{step}");
+        }
+        let time = commands.len() as f32 * STEP;
+        let expected = 4.0 * scale * (0.45 / 1.5 + 0.45 / 6.0 + 0.2 / 1.5);
+        assert!((time - expected).abs() < 0.02, "{time} {expected}");
     }
 }
 
 #[test]
 fn an_axis_that_moves_has_a_sign_and_the_command_that_did_it() {
     for (side, below) in [(1.0_f32, false), (-1.0, false), (1.0, true), (-1.0, true)] {
-        let mut probe = Probe::new(0);
+        let mut probe = Probe::default();
         // It moves 20 ms behind a command of 0.15 on the upper or the lower side.
         let (mut y, mut wanted, mut found) = (0.5, None, None);
         let mut time = 0.0;
@@ -105,7 +98,7 @@ fn a_drift_is_no_movement_and_the_mean_of_three_decides() {
         since: 0.02,
         ..still()
     };
-    let mut probe = Probe::new(0);
+    let mut probe = Probe::default();
     for k in 0..600 {
         let y = 0.5 + 0.01 * (0.02 + STEP * k as f32);
         assert!(
@@ -117,7 +110,7 @@ fn a_drift_is_no_movement_and_the_mean_of_three_decides() {
         );
     }
     // One sample away is none, where three are.
-    let mut probe = Probe::new(0);
+    let mut probe = Probe::default();
     for _ in 0..100 {
         let _ = probe.update(0.5, false, &still(), STEP, 1.0);
     }
@@ -137,26 +130,24 @@ fn a_drift_is_no_movement_and_the_mean_of_three_decides() {
 }
 
 #[test]
-fn no_code_for_as_long_as_the_first_triangles_take_is_a_sensor_that_is_stuck() {
-    for (asked_again, first) in [(0, 0.25), (1, 0.35)] {
-        let mut probe = Probe::new(asked_again);
-        let count =
-            (0..5000).find(|_| probe.update(0.5, true, &still(), STEP, 1.0) == Probed::SameCode);
-        let time = STEP * count.unwrap_or(0) as f32;
-        assert!((time - 4.0 * first / 1.5).abs() < 5e-3, "{time}");
-        // A code that changes now and then is not.
-        let mut probe = Probe::new(asked_again);
-        for k in 0..1500 {
-            let found = probe.update(0.5, k % 300 != 0, &still(), STEP, 1.0);
-            assert_ne!(found, Probed::SameCode, "{k}");
-        }
+fn no_code_for_as_long_as_the_first_triangle_takes_is_a_sensor_that_is_stuck() {
+    let mut probe = Probe::default();
+    let count =
+        (0..5000).find(|_| probe.update(0.5, true, &still(), STEP, 1.0) == Probed::SameCode);
+    let time = STEP * count.unwrap_or(0) as f32;
+    assert!((time - 1.2).abs() < 5e-3, "{time}");
+    // A code that changes now and then is not.
+    let mut probe = Probe::default();
+    for k in 0..2000 {
+        let found = probe.update(0.5, k % 300 != 0, &still(), STEP, 1.0);
+        assert_ne!(found, Probed::SameCode, "{k}");
     }
 }
 
 #[test]
 fn an_axis_that_moves_at_once_is_moved_by_the_command_of_now() {
     // What came 20 ms before was none.
-    let mut probe = Probe::new(0);
+    let mut probe = Probe::default();
     for _ in 0..10 {
         let _ = probe.update(0.5, false, &still(), STEP, 1.0);
     }

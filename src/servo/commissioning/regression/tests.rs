@@ -97,6 +97,7 @@ fn a_drive_is_found_with_its_delay() {
             delay,
             kappa: 0.0,
             stiffening: 0.0,
+            load: 0.0,
         };
         let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
         let (record, view) = record(&truth, sign, &mut dice);

@@ -105,7 +105,7 @@ fn accepted(time: f32, change: f32) -> bool {
         b0: found.b0 / (1.0 + change),
         ..found
     });
-    search.std = [0.0; 4];
+    search.fit.know([0.0; 4]);
     let view = search.window(&commissioning.record);
     search.simulate(&commissioning.record, view, found, 200);
     search.phase = Phase::Validating;

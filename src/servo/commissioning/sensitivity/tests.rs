@@ -11,6 +11,7 @@ fn alone(theta: &Theta) -> Theta {
         b0: 1.0,
         kappa: 0.0,
         friction: 1.0,
+        load: 0.0,
         ..*theta
     }
 }

@@ -140,7 +140,7 @@ fn a_first_movement_is_braked_from_its_side_and_its_way_is_known_to_open() {
             detection: 1e-3,
             ..Still::default()
         };
-        commissioning.stage = Stage::Probing(Probe::new(0));
+        commissioning.stage = Stage::Probing(Probe::default());
         let mut progress = Progress::Command(0.0);
         for k in 1..=101 {
             let Stage::Probing(probe) = commissioning.stage else {
@@ -166,12 +166,12 @@ fn a_first_movement_is_braked_from_its_side_and_its_way_is_known_to_open() {
 
 #[test]
 fn triangles_are_as_large_as_twice_the_largest_command_allows() {
-    for (amplitude, peak) in [(0.1, 0.05), (0.3, 0.15), (0.5, 0.25), (0.9, 0.25)] {
+    for (amplitude, peak) in [(0.1, 0.09), (0.3, 0.27), (0.5, 0.45), (0.9, 0.45)] {
         let mut design = design();
         design.amplitude = amplitude;
         let mut commissioning = Commissioning::new(design);
         commissioning.still.detection = 1e-3;
-        commissioning.stage = Stage::Probing(Probe::new(0));
+        commissioning.stage = Stage::Probing(Probe::default());
         let (mut largest, mut before) = (0.0_f32, 0.0);
         while let Stage::Probing(probe) = commissioning.stage {
             let Progress::Command(command) = commissioning.probe(probe, 0.0, false) else {
