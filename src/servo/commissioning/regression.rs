@@ -4,6 +4,7 @@ use crate::math::matrix::{backward, cholesky, forward};
 use crate::math::sqrt;
 use crate::servo::commissioning::predictor::{Point, Theta};
 use crate::servo::commissioning::record::MotionRecord;
+use crate::servo::commissioning::regression::filter::{Filter, Spacing};
 use crate::servo::commissioning::view::View;
 use crate::servo::control::load::loss_over_gain;
 
@@ -19,35 +20,6 @@ const KEPT: usize = 32;
 /// Times over 1/rate in which the filters settle, at first and after a start of the axis.
 const SETTLED: f32 = 4.0;
 const STARTED: f32 = 1.2;
-
-/// A filter rate^3/(s + rate)^3 of a signal and its derivatives.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Filter {
-    state: [f32; 3],
-}
-
-impl Filter {
-    /// Third derivative of the output under an input.
-    #[inline]
-    fn highest([z, z1, z2]: [f32; 3], input: f32, rate: f32) -> f32 {
-        rate * (rate * (rate * (input - z) - 3.0 * z1) - 3.0 * z2)
-    }
-
-    /// One spacing on under a held input: Taylor series to the fifth derivative.
-    #[inline]
-    fn advance(&mut self, input: f32, rate: f32, time: f32) {
-        let [z, z1, z2] = self.state;
-        let z3 = Self::highest([z, z1, z2], input, rate);
-        let z4 = Self::highest([z1, z2, z3], 0.0, rate);
-        let z5 = Self::highest([z2, z3, z4], 0.0, rate);
-        let (h2, h3, h4) = (0.5 * time, time * (1.0 / 3.0), 0.25 * time);
-        self.state = [
-            z + time * (z1 + h2 * (z2 + h3 * (z3 + h4 * (z4 + 0.2 * time * z5)))),
-            z1 + time * (z2 + h2 * (z3 + h3 * (z4 + h4 * z5))),
-            z2 + time * (z3 + h2 * (z4 + h3 * z5)),
-        ];
-    }
-}
 
 /// Rows of the normal equations, up to their diagonals, of all delays or of one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,6 +66,7 @@ impl<const ROWS: usize, const COLUMNS: usize> Rows<ROWS, COLUMNS> {
 pub(crate) struct Regression {
     view: View,
     rate: f32,
+    spacing: Spacing,
     dead_zone: f32,
     position: Filter,
     active: Filter,
@@ -124,11 +97,12 @@ impl Regression {
             stiffening,
             view: View::EMPTY,
             rate: 1.0,
+            spacing: Spacing::NONE,
             dead_zone: 0.0,
-            position: Filter { state: [0.0; 3] },
-            active: Filter { state: [0.0; 3] },
-            sign: Filter { state: [0.0; 3] },
-            direction: Filter { state: [0.0; 3] },
+            position: Filter::AT_REST,
+            active: Filter::AT_REST,
+            sign: Filter::AT_REST,
+            direction: Filter::AT_REST,
             kept: [[0.0; 2]; KEPT],
             next: 0,
             moving: 0,
@@ -146,6 +120,7 @@ impl Regression {
     pub(crate) fn begin(&mut self, record: &MotionRecord, view: View, rate: f32, dead_zone: f32) {
         self.view = view;
         self.rate = rate.min(0.35 / view.time);
+        self.spacing = Spacing::new(self.rate, view.time);
         self.dead_zone = dead_zone;
         for filter in [
             &mut self.position,
@@ -153,7 +128,7 @@ impl Regression {
             &mut self.sign,
             &mut self.direction,
         ] {
-            *filter = Filter::default();
+            *filter = Filter::AT_REST;
         }
         self.kept = [[0.0; 2]; KEPT];
         self.next = view.begin;
@@ -196,10 +171,10 @@ impl Regression {
                 (0.0, 0.0)
             };
             let y = 0.5 * (point.y + record.y(i + 1)) - self.origin;
-            self.position.advance(y, self.rate, time);
-            self.active.advance(active, self.rate, time);
-            self.sign.advance(sign, self.rate, time);
-            self.direction.advance(point.direction, self.rate, time);
+            self.position.advance(y, &self.spacing);
+            self.active.advance(active, &self.spacing);
+            self.sign.advance(sign, &self.spacing);
+            self.direction.advance(point.direction, &self.spacing);
             self.next += 1;
         }
         false
@@ -284,5 +259,6 @@ impl Regression {
     }
 }
 
+mod filter;
 #[cfg(test)]
 mod tests;

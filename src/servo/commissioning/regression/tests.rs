@@ -6,34 +6,6 @@ use crate::servo::commissioning::predictor::Prediction;
 
 const TIME: f32 = 4e-3;
 
-#[test]
-fn a_filter_is_three_equal_poles() {
-    // Step response of rate^3/(s + rate)^3: 1 - e^-x (1 + x + x^2/2).
-    // A spacing of 0.06/rate: what the series leave out is 4e-5 of the second derivative.
-    let (rate, time) = (15.0, TIME);
-    let mut filter = Filter::default();
-    for k in 1..=200 {
-        filter.advance(2.0, rate, time);
-        let x = rate * time * k as f32;
-        let e = libm::expf(-x);
-        let expected = [
-            2.0 * (1.0 - e * (1.0 + x + 0.5 * x * x)),
-            2.0 * rate * e * 0.5 * x * x,
-            2.0 * rate * rate * e * (x - 0.5 * x * x),
-        ];
-        for (j, (found, expected)) in filter.state.iter().zip(expected).enumerate() {
-            let size = 2.0 * libm::powf(rate, j as f32);
-            assert!(
-                (found - expected).abs() < 1e-4 * size,
-                "{k} {j}: {found} {expected}"
-            );
-        }
-        let third = Filter::highest(filter.state, 2.0, rate);
-        let expected = 2.0 * rate * rate * rate * e * (1.0 - 2.0 * x + 0.5 * x * x);
-        assert!((third - expected).abs() < 1e-3 * 2.0 * rate * rate * rate);
-    }
-}
-
 /// A record of `truth` under steps of the command of 12 points, each another one.
 fn record(truth: &Theta, sign: f32, dice: &mut Dice) -> (MotionRecord, View) {
     let mut at = Prediction {
