@@ -41,9 +41,9 @@ pub(crate) struct Tuning {
     frequency: f32,
     /// The drive in its own time, in the middle of the travel.
     drive: Drive,
-    /// The drives there and near an end, with what they do over the delay; `None` before the second
-    /// piece.
-    places: Option<[(Drive, Responses); 2]>,
+    /// The drives there and near an end, with what they do over the delay; `None` before each is
+    /// tried for the first time.
+    places: [Option<(Drive, Responses)>; 2],
     step: f32,
     /// Ratio of two frequencies of a sweep; 0 before the first piece.
     ratio: f32,
@@ -76,7 +76,7 @@ impl Tuning {
                 delay: w0 * design.delay,
             },
             step,
-            places: None,
+            places: [None; 2],
             ratio: 0.0,
             noise: design.noise * w0 * model.a1 / model.b0,
             case: 0,
@@ -147,7 +147,7 @@ impl Tuning {
         self.sweep.is_none()
     }
 
-    /// A piece of the search: its frequencies, its drives, the gains of a controller, or half of a
+    /// A piece of the search: its frequencies, one of its drives, the gains of a controller, or half of a
     /// frequency of it; whether the search is over.
     pub(crate) fn step(&mut self) -> bool {
         if self.case >= CASES {
@@ -157,15 +157,15 @@ impl Tuning {
             self.ratio = ratio(self.step);
             return false;
         }
-        let Some([middle, end]) = &self.places else {
-            self.places = Some(self.drives());
-            return false;
-        };
         let Some(sweep) = &mut self.sweep else {
+            let place = usize::from(self.near_end);
+            let Some((drive, responses)) = &self.places[place] else {
+                self.places[place] = Some(self.drive());
+                return false;
+            };
             if self.bandwidth < BANDWIDTH_MIN {
                 return self.next_case();
             }
-            let (drive, responses) = if self.near_end { end } else { middle };
             let frequencies = [self.step, self.ratio];
             let poles = self.tried();
             self.sweep = Some(FrequencySweep::new(*drive, responses, poles, frequencies));
@@ -189,17 +189,19 @@ impl Tuning {
         false
     }
 
-    /// The drives in the middle and near an end.
-    fn drives(&self) -> [(Drive, Responses); 2] {
-        let near_end = stiffness(stiffening(self.design.dead_volume), NEAR_END);
-        [1.0, near_end].map(|stiffness| {
-            let drive = Drive {
-                a1: stiffness,
-                b0: stiffness,
-                ..self.drive
-            };
-            (drive, Responses::new(&drive))
-        })
+    /// The drive in the middle or near an end.
+    fn drive(&self) -> (Drive, Responses) {
+        let stiffness = if self.near_end {
+            stiffness(stiffening(self.design.dead_volume), NEAR_END)
+        } else {
+            1.0
+        };
+        let drive = Drive {
+            a1: stiffness,
+            b0: stiffness,
+            ..self.drive
+        };
+        (drive, Responses::new(&drive))
     }
 
     /// Variance of the flow in the middle, and of both places together near an end.
