@@ -13,8 +13,8 @@ const FIRST: u64 = 200_001;
 /// does not.
 fn both(family: Family, change: impl Fn(u64) -> Change) -> [Vec<Changed>; 2] {
     // Friction spreads the figures: medians of 40 axes that it holds differ by a fifth from set to
-    // set.
-    let axes = if family == Family::Linear { 40 } else { 120 };
+    // set, those of 120 by a tenth.
+    let axes = if family == Family::Linear { 80 } else { 240 };
     [true, false].map(|adaptive| {
         (FIRST..FIRST + axes)
             .filter_map(|seed| mass(&AxisDraw::new(family, true, seed), &change(seed), adaptive))
@@ -40,9 +40,10 @@ fn figures(runs: [&[Changed]; 2]) -> ([usize; 2], [f64; 2], [f64; 2]) {
     )
 }
 
-/// Whether the first loop of the same axes is worse more often than chance has it: by two standard
+/// Whether the first loop of the same axes is worse more often than chance has it: by three standard
 /// deviations of a coin over the axes that differ. Medians of axes that hardly change are in either
-/// order.
+/// order, and of the dozen comparisons of this file chance has one beyond two deviations in every
+/// fourth run.
 fn is_worse([first, second]: [&[Changed]; 2], of: impl Fn(&Changed) -> f64) -> bool {
     let (mut worse, mut better) = (0.0, 0.0);
     for (a, b) in first.iter().zip(second) {
@@ -51,7 +52,7 @@ fn is_worse([first, second]: [&[Changed]; 2], of: impl Fn(&Changed) -> f64) -> b
         worse += f64::from(u8::from(a > b));
         better += f64::from(u8::from(a < b));
     }
-    worse - better > 2.0 * f64::sqrt(worse + better)
+    worse - better > 3.0 * f64::sqrt(worse + better)
 }
 
 /// Error in the sine over that before the change.
@@ -62,7 +63,7 @@ fn ratio(run: &Changed) -> f64 {
 #[test]
 #[ignore = "long: cargo xtask statistics"]
 fn a_loop_that_adapts_is_no_worse_than_one_that_does_not() {
-    for (factor, ratio_max, stopped_max) in [(3.0, 2.0, 2), (1.0 / 3.0, 3.5, 1)] {
+    for (factor, ratio_max, stopped_max) in [(3.0, 2.0, 4), (1.0 / 3.0, 3.5, 2)] {
         let [adapts, fixed] = both(Family::Pneumatic, |_| Change::large(factor));
         let (stopped, ratios, steady) = figures([&adapts, &fixed]);
         let calmed = [&adapts, &fixed].map(|runs| count(runs, |run| run.course.oscillations > 0));
@@ -71,7 +72,7 @@ fn a_loop_that_adapts_is_no_worse_than_one_that_does_not() {
              stopped {stopped:?}, oscillating {calmed:?}",
             adapts.len()
         );
-        assert!(adapts.len() >= 108, "accepted: {}", adapts.len());
+        assert!(adapts.len() >= 216, "accepted: {}", adapts.len());
         assert!(
             adapts.iter().all(|run| run.course.blow_mm_s < 50.0),
             "an end stop"
@@ -113,7 +114,7 @@ fn adapts_where_no_friction_holds_the_axis(families: &[(Family, f64)]) {
                  {steady:.3?} mm, stopped {stopped:?}, with another model {learned:?}",
                 adapts.len()
             );
-            let axes = if family == Family::Linear { 36 } else { 108 };
+            let axes = if family == Family::Linear { 72 } else { 216 };
             assert!(adapts.len() >= axes, "accepted: {}", adapts.len());
             assert!(stopped[0] <= stopped[1], "{stopped:?}");
             assert!(!is_worse([&adapts, &fixed], ratio), "{ratios:?}");
