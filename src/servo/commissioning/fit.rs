@@ -191,8 +191,8 @@ impl Fit {
     }
 
     /// Ends a pass, in four samples: takes its parameters if they are better, factors the normal
-    /// equations in two, finds the parameters of the next one. Whether that is done. Cost: some 2000
-    /// instructions each.
+    /// equations in two, finds the parameters of the next one. Whether that is done. Cost: some
+    /// 2000 instructions each.
     pub(crate) fn next_pass(&mut self) -> bool {
         match self.ending.take() {
             None => self.evaluate(),
@@ -229,8 +229,8 @@ impl Fit {
         self.ending = Some(Ending::Judged);
     }
 
-    /// Factors half of the normal equations of the best parameters with what is known beforehand, in
-    /// the place of the sums of this pass.
+    /// Factors half of the normal equations of the best parameters with what is known beforehand,
+    /// in the place of the sums of this pass.
     fn factor(&mut self) {
         let scale = scales(&self.best);
         let best = self.best.to_array();

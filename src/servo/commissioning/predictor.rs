@@ -10,13 +10,14 @@ pub(crate) const PARAMETERS: usize = 10;
 /// The parameters in the order of the fit; positions are in travels.
 ///
 /// ```text
-/// v' = p - a2 v - F s     p' = k(x) (b0 f(u(t - tau)) - a1 v - kappa |f| (p + g))     f(u) = q(u + offset)
+/// v' = p - a2 v - F s   p' = k(x) (b0 f(u(t - tau)) - a1 v - kappa |f| (p + g))   f(u) = q(u + offset)
 /// ```
 ///
 /// s is the direction of the measured motion; kappa is the loss of flow under load of an open
 /// valve. The chambers carry a constant load g beside p: one way it takes flow, the other way it
-/// gives some, which without it would count as an offset of the valve. a1, b0 and kappa are those of the middle of the travel: at a place all three are k(x)
-/// times as large, see [`Place`](crate::servo::control::place::Place).
+/// gives some, which without it would count as an offset of the valve. a1, b0 and kappa are those
+/// of the middle of the travel: at a place all three are k(x) times as large, see
+/// [`Place`](crate::servo::control::place::Place).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Theta {
     pub(crate) a1: f32,

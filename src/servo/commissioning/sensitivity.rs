@@ -279,18 +279,8 @@ impl Sensitivity {
 /// The sensitivities on whose drive their parameters act, in the order of [`Sensitivity::rates`].
 #[inline]
 const fn driven(slopes: &mut [Prediction; PARAMETERS]) -> [&mut Prediction; 8] {
-    let [
-        a1,
-        _,
-        b0,
-        dead_zone,
-        offset,
-        _,
-        delay,
-        kappa,
-        stiffening,
-        load,
-    ] = slopes;
+    let [a1, _, b0, dead_zone, offset, _, others @ ..] = slopes;
+    let [delay, kappa, stiffening, load] = others;
     [a1, b0, dead_zone, offset, delay, kappa, stiffening, load]
 }
 
