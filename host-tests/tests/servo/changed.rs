@@ -41,9 +41,9 @@ fn figures(runs: [&[Changed]; 2]) -> ([usize; 2], [f64; 2], [f64; 2]) {
 }
 
 /// Whether the first loop of the same axes is worse more often than chance has it: by three
-/// standard deviations of a coin over the axes that differ. Medians of axes that hardly change are in either
-/// order, and of the dozen comparisons of this file chance has one beyond two deviations in every
-/// fourth run.
+/// standard deviations of a coin over the axes that differ. Medians of axes that hardly change are
+/// in either order, and of the dozen comparisons of this file chance has one beyond two deviations
+/// in every fourth run.
 fn is_worse([first, second]: [&[Changed]; 2], of: impl Fn(&Changed) -> f64) -> bool {
     let (mut worse, mut better) = (0.0, 0.0);
     for (a, b) in first.iter().zip(second) {

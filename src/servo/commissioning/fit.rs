@@ -2,12 +2,12 @@
 
 use crate::math::matrix::{backward, factor_columns, forward};
 use crate::math::sqrt;
-use crate::servo::commissioning::fit::certainty::{Certainty, UNKNOWN};
+use crate::servo::commissioning::fit::certainty::Certainty;
 use crate::servo::commissioning::predictor::{PARAMETERS, Point, Theta};
 use crate::servo::commissioning::range::{bounded, scales, usual};
 use crate::servo::commissioning::record::MotionRecord;
 use crate::servo::commissioning::sensitivity::Sensitivity;
-use crate::servo::commissioning::sums::{NO_SUMS, Sums};
+use crate::servo::commissioning::sums::{HALF, NO_SUMS, Sums};
 use crate::servo::commissioning::view::{STEP_MAX, View};
 
 /// Gain over the cost that is worth another pass; of points that are added to the sums of a pass,
@@ -33,8 +33,6 @@ enum Ending {
 
 /// A gradient that leads nowhere.
 const LEVEL: [f32; PARAMETERS] = [0.0; PARAMETERS];
-/// Columns of a factor that are worked out in a sample.
-const HALF: usize = PARAMETERS / 2;
 
 /// Levenberg-Marquardt on the errors of a prediction that is corrected with a fixed rate.
 ///
@@ -100,7 +98,7 @@ impl Fit {
             goes_on: false,
             moved: theta,
             knows_stiffening,
-            certainty: Certainty::Known(UNKNOWN),
+            certainty: Certainty::UNKNOWN,
         }
     }
 
@@ -296,3 +294,4 @@ impl Fit {
 mod certainty;
 #[cfg(test)]
 mod tests;
+mod weighing;

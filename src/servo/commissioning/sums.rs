@@ -22,6 +22,9 @@ pub(crate) struct Sums {
     pub(crate) count: u32,
 }
 
+/// Columns of a factor of the normal equations that are worked out in a sample.
+pub(crate) const HALF: usize = PARAMETERS / 2;
+
 /// No point yet.
 pub(crate) const NO_SUMS: Sums = Sums {
     normal: [[0.0; PARAMETERS]; PARAMETERS],

@@ -147,8 +147,8 @@ impl Tuning {
         self.sweep.is_none()
     }
 
-    /// A piece of the search: its frequencies, one of its drives, the gains of a controller, or half
-    /// of a frequency of it; whether the search is over.
+    /// A piece of the search: its frequencies, one of its drives, the gains of a controller, or
+    /// half of a frequency of it; whether the search is over.
     pub(crate) fn step(&mut self) -> bool {
         if self.case >= CASES {
             return true;
