@@ -40,10 +40,9 @@ fn figures(runs: [&[Changed]; 2]) -> ([usize; 2], [f64; 2], [f64; 2]) {
     )
 }
 
-/// Whether the first loop of the same axes is worse more often than chance has it: by three
-/// standard deviations of a coin over the axes that differ. Medians of axes that hardly change are
-/// in either order, and of the dozen comparisons of this file chance has one beyond two deviations
-/// in every fourth run.
+/// Whether the first loop of the same axes is worse more often than chance has it: by two standard
+/// deviations of a coin over the axes that differ. Medians of axes that hardly change are in either
+/// order.
 fn is_worse([first, second]: [&[Changed]; 2], of: impl Fn(&Changed) -> f64) -> bool {
     let (mut worse, mut better) = (0.0, 0.0);
     for (a, b) in first.iter().zip(second) {
@@ -52,7 +51,7 @@ fn is_worse([first, second]: [&[Changed]; 2], of: impl Fn(&Changed) -> f64) -> b
         worse += f64::from(u8::from(a > b));
         better += f64::from(u8::from(a < b));
     }
-    worse - better > 3.0 * f64::sqrt(worse + better)
+    worse - better > 2.0 * f64::sqrt(worse + better)
 }
 
 /// Error in the sine over that before the change.
@@ -63,7 +62,7 @@ fn ratio(run: &Changed) -> f64 {
 #[test]
 #[ignore = "long: cargo xtask statistics"]
 fn a_loop_that_adapts_is_no_worse_than_one_that_does_not() {
-    for (factor, ratio_max, stopped_max) in [(3.0, 2.0, 4), (1.0 / 3.0, 3.5, 2)] {
+    for (factor, ratio_max, stopped_max) in [(3.0, 2.0, 2), (1.0 / 3.0, 3.5, 1)] {
         let [adapts, fixed] = both(Family::Pneumatic, |_| Change::large(factor));
         let (stopped, ratios, steady) = figures([&adapts, &fixed]);
         let calmed = [&adapts, &fixed].map(|runs| count(runs, |run| run.course.oscillations > 0));
