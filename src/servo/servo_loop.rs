@@ -54,7 +54,7 @@ use crate::servo::supervision::supervisor::Supervisor;
 /// let mut servo = ServoLoop::try_new(&config, axis, Still, Nothing)?;
 /// servo.commission();
 /// let mut state = State::Idle;
-/// for _ in 0..1000 { state = servo.update().state; }
+/// for _ in 0..2000 { state = servo.update().state; }
 /// assert!(matches!(state, State::Failed(_)), "a sensor that never changes is found");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
