@@ -2,7 +2,8 @@
 //!
 //! The first byte chooses where a run begins: with settings from the bytes, or in one of the
 //! situations of a usual axis that take seconds to come to (`START`). Those are simulated once
-//! and copied, so that most bytes are spent on what happens there.
+//! and copied, so that most bytes are spent on what happens there. The second byte chooses how long
+//! it may take.
 
 use std::sync::LazyLock;
 
@@ -74,6 +75,13 @@ static START: LazyLock<Vec<Bench>> = LazyLock::new(|| {
     found
 });
 
+/// Of 256, executions that go on for as long as their bytes say; and the samples of the others.
+///
+/// From the situations above something happens within some dozen samples: thousands in every
+/// execution left the time for a tenth of the sequences.
+const LONG: u8 = 16;
+const SHORT: u32 = 80;
+
 /// Runs what the bytes say.
 ///
 /// # Panics
@@ -81,6 +89,7 @@ static START: LazyLock<Vec<Bench>> = LazyLock::new(|| {
 pub fn run(bytes: &[u8]) {
     let mut bytes = Bytes::new(bytes);
     let begin = usize::from(bytes.byte());
+    let most = if bytes.byte() < LONG { 20_000 } else { SHORT };
     // An eighth of the first bytes: with settings of their own.
     let mut bench = if begin < 32 {
         let (config, axis) = settings(&mut bytes);
@@ -92,7 +101,7 @@ pub fn run(bytes: &[u8]) {
         START[begin % START.len()].clone()
     };
     let mut samples = 0_u32;
-    while !bytes.is_empty() && samples < 20_000 {
+    while !bytes.is_empty() && samples < most {
         let mut fault = Fault::None;
         let count = match bytes.byte() {
             0..=79 => 1,
@@ -110,7 +119,7 @@ pub fn run(bytes: &[u8]) {
                 1
             }
         };
-        for _ in 0..count {
+        for _ in 0..count.min(most - samples) {
             samples += 1;
             bench.step(fault);
         }
