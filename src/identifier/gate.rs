@@ -29,7 +29,7 @@ const SHARE: f32 = 0.125;
 
 /// Kind of a sample of y.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Verdict {
+pub(crate) enum SampleKind {
     Plausible,
     /// To be replaced by its prediction.
     Implausible,
@@ -68,7 +68,7 @@ impl<T> Gate<T> {
         third: f32,
         noise: [f32; 2],
         pause: u32,
-    ) -> Verdict {
+    ) -> SampleKind {
         let jump = (innovation - self.mean) * (1.0 / INNOVATION);
         let third = third * third * (1.0 / (20.0 * THIRD * THIRD));
         let jump = jump * jump;
@@ -78,13 +78,13 @@ impl<T> Gate<T> {
             let mean = self.mean + SHARE * (innovation - self.mean);
             self.mean = if mean.is_finite() { mean } else { 0.0 };
             self.aside = None;
-            return Verdict::Plausible;
+            return SampleKind::Plausible;
         }
         if self.aside.is_some() {
             self.keep_open(pause);
-            return Verdict::Lasting;
+            return SampleKind::Lasting;
         }
-        Verdict::Implausible
+        SampleKind::Implausible
     }
 
     /// Takes the next `samples` as they are.

@@ -1,7 +1,7 @@
 //! One sample: u and y to a row of the equation, and that into the estimate.
 
 use crate::identifier::gaps::refused;
-use crate::identifier::gate::Verdict;
+use crate::identifier::gate::SampleKind;
 use crate::identifier::outcome::Outcome;
 use crate::identifier::plan::Plan;
 use crate::identifier::row::{Noise, Row};
@@ -96,13 +96,13 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let gate = &mut self.signals.gate;
         let allowed = [noise.allowed, plan.noise.gate];
         match gate.classify(row.innovation, third, allowed, plan.times.gate_pause) {
-            Verdict::Plausible => Ok((row, Some(third))),
-            Verdict::Implausible => {
+            SampleKind::Plausible => Ok((row, Some(third))),
+            SampleKind::Implausible => {
                 gate.aside = Some((y, before.clone()));
                 self.go_on(plan, before, others);
                 Err(row.innovation)
             }
-            Verdict::Lasting => Ok((self.row_of_two(plan, y, others), None)),
+            SampleKind::Lasting => Ok((self.row_of_two(plan, y, others), None)),
         }
     }
 

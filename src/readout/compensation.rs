@@ -32,7 +32,7 @@ mod correction;
 
 use crate::math::matrix::Matrix;
 use crate::math::sqrt;
-use crate::readout::compensation::correction::{Correction, Moments};
+use crate::readout::compensation::correction::{Correction, NoiseMoments};
 use crate::readout::source::ReadOut;
 
 /// Fuller's constant of the least mean square error.
@@ -43,7 +43,7 @@ const PLAUSIBLE: f32 = 1.3;
 
 /// White noise on y and its effect on the regression.
 struct Noise<const M: usize> {
-    moments: Moments<M>,
+    moments: NoiseMoments<M>,
     /// Variance of the residual per variance of the noise.
     spread: f32,
     /// Variance of the residual.
@@ -128,10 +128,10 @@ impl<const M: usize> Noise<M> {
 /// The moments of white noise on y, summed up over time `SUMS` times.
 fn moments<const SUMS: usize, const M: usize, const N: usize, const I: usize>(
     source: &ReadOut<'_, M, N, I>,
-) -> Moments<M> {
+) -> NoiseMoments<M> {
     let gain = &source.design.noise_gain;
     let (matrix, vector, top) = source.regressor.noise_moments::<SUMS>(gain);
-    Moments {
+    NoiseMoments {
         matrix,
         vector,
         top,

@@ -11,7 +11,7 @@ use crate::servo::model::Model;
 use crate::servo::motion::{Motion, Setpoint};
 use crate::servo::servo_loop::ServoLoop;
 use crate::servo::servo_loop::takeover::Fallback;
-use crate::servo::supervision::event::{Event, Observation, Spare};
+use crate::servo::supervision::event::{Event, LoopSample, Spare};
 use crate::servo::supervision::state::{Reason, State};
 use crate::servo::supervision::supervisor::Supervisor;
 use crate::servo::tune::PIECES_PER_SAMPLE;
@@ -29,7 +29,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     ) -> bool {
         let state = self.supervisor.state();
         let motion = self.motion();
-        let seen = Observation {
+        let seen = LoopSample {
             motion,
             y,
             flow: self.controller.flow_in_force(),

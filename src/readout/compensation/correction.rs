@@ -18,13 +18,13 @@ use crate::math::matrix::{Matrix, backward, dot, factor, forward, root};
 use crate::math::sqrt;
 
 /// M, m and the same of psi psi, per sample of noise of variance 1, of the parameters of y.
-pub(super) struct Moments<const M: usize> {
+pub(super) struct NoiseMoments<const M: usize> {
     pub(super) matrix: Matrix<M>,
     pub(super) vector: [f32; M],
     pub(super) top: f32,
 }
 
-impl<const M: usize> Moments<M> {
+impl<const M: usize> NoiseMoments<M> {
     /// Variance of the residual psi - phi' theta per variance of the noise.
     pub(super) fn spread<const N: usize>(&self, theta: &[f32; N]) -> f32 {
         let mut spread = self.top;
@@ -96,7 +96,7 @@ impl<const M: usize, const N: usize> Correction<M, N> {
     pub(super) fn of(
         bare: &[f32; N],
         p: &Matrix<N>,
-        noise: &Moments<M>,
+        noise: &NoiseMoments<M>,
         level: f32,
         largest: f32,
     ) -> Option<Self> {
@@ -139,7 +139,7 @@ impl<const M: usize, const N: usize> Correction<M, N> {
     }
 
     /// The bias by what the limit has left in.
-    pub(super) fn left(&self, p: &Matrix<N>, noise: &Moments<M>, level: f32) -> [f32; N] {
+    pub(super) fn left(&self, p: &Matrix<N>, noise: &NoiseMoments<M>, level: f32) -> [f32; N] {
         if self.share == 1.0 {
             return [0.0; N];
         }

@@ -10,7 +10,7 @@ const P: Matrix<3> = [
 
 fn noise(white: Option<f32>) -> Noise<2> {
     Noise {
-        moments: Moments {
+        moments: NoiseMoments {
             matrix: [[2.0, 0.3], [0.3, 1.0]],
             vector: [0.2, -0.1],
             top: 3.0,

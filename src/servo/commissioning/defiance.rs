@@ -76,7 +76,7 @@ impl Defiance {
 /// learnt, and its valve counts as stuck. But no axis goes on beyond its travel: where the reading
 /// does, the sensor counts the other way.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Closing {
+pub(crate) struct ValveClosing {
     /// Direction and speed in travels per s when it began, and the time in s that is left.
     direction: f32,
     speed: f32,
@@ -85,7 +85,7 @@ pub(crate) struct Closing {
     strikes: bool,
 }
 
-impl Closing {
+impl ValveClosing {
     /// After an axis with this half period moved at `velocity` against a flow.
     pub(crate) const fn new(velocity: f32, half: f32) -> Self {
         Self {

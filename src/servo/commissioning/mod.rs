@@ -35,7 +35,7 @@ mod view;
 
 pub(crate) use face::{CommissioningDesign, Found, Progress};
 
-use crate::servo::commissioning::defiance::Closing;
+use crate::servo::commissioning::defiance::ValveClosing;
 use crate::servo::commissioning::ends::at_end;
 use crate::servo::commissioning::predictor::Theta;
 use crate::servo::commissioning::probe::Probe;
@@ -72,7 +72,7 @@ enum Stage {
     Probing(Probe),
     Relaying(Relay),
     Sweeping(Sweep),
-    Closing(Closing),
+    Closing(ValveClosing),
 }
 
 /// The commissioning. Memory: 4 kB of record, some 3 kB of sums.

@@ -1,6 +1,6 @@
 //! One sample of each stage, and what leads from one to the next.
 
-use crate::servo::commissioning::defiance::Closing;
+use crate::servo::commissioning::defiance::ValveClosing;
 use crate::servo::commissioning::ends::at_end;
 use crate::servo::commissioning::probe::{Probe, Probed};
 use crate::servo::commissioning::relay::{Relay, Relayed};
@@ -160,7 +160,7 @@ impl Commissioning {
         }
         let mean = inward * (self.began - y) / RETURN_TIME;
         if mean > RETURN_SPEED && -inward * v > GOES_ON * mean {
-            self.stage = Stage::Closing(Closing::new(-inward * mean, half));
+            self.stage = Stage::Closing(ValveClosing::new(-inward * mean, half));
             return Some(Progress::Command(0.0));
         }
         // What stands is pushed until it moves, or nothing moves it.
@@ -185,7 +185,7 @@ impl Commissioning {
     }
 
     /// The valve is closed until it is known why the axis moves.
-    pub(crate) fn close(&mut self, mut closing: Closing, y: f32, v: f32) -> Progress {
+    pub(crate) fn close(&mut self, mut closing: ValveClosing, y: f32, v: f32) -> Progress {
         let reason = closing.update(y, v, self.design.sample_time);
         self.stage = Stage::Closing(closing);
         reason.map_or(Progress::Command(0.0), Progress::Failed)
@@ -198,7 +198,7 @@ impl Commissioning {
         else {
             return progress;
         };
-        self.stage = Stage::Closing(Closing::new(velocity, sweep.half()));
+        self.stage = Stage::Closing(ValveClosing::new(velocity, sweep.half()));
         Progress::Command(0.0)
     }
 

@@ -7,7 +7,7 @@ use crate::servo::control::poles::Poles;
 /// A drive `b0 e^(-s T) / (s (s^2 + a2 s + a1))`; in units of its own time 1/w0, a1 and b0 are 1 in
 /// the middle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Drive {
+pub(crate) struct ScaledDrive {
     pub(crate) a1: f32,
     pub(crate) a2: f32,
     pub(crate) b0: f32,
@@ -17,7 +17,7 @@ pub(crate) struct Drive {
 /// The controller of a drive: feedback over b0, observer, transition over the delay.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Compensator {
-    drive: Drive,
+    drive: ScaledDrive,
     poles: Poles,
     /// Gains of x, v, p and the disturbance, over b0.
     k: [f32; 4],
@@ -57,7 +57,12 @@ pub(crate) fn lag(angle: f32) -> Complex {
 impl Compensator {
     /// The controller with these poles for a drive of this natural frequency. `drive.delay` is
     /// predicted, with the responses of the drive.
-    pub(crate) fn new(drive: Drive, responses: &Responses, poles: Poles, frequency: f32) -> Self {
+    pub(crate) fn new(
+        drive: ScaledDrive,
+        responses: &Responses,
+        poles: Poles,
+        frequency: f32,
+    ) -> Self {
         let [k0, k1, k2] = poles.feedback(drive.a1, drive.a2, frequency).k;
         let k = [k0, k1, k2, 1.0].map(|k| k / drive.b0);
         Self {
@@ -78,7 +83,7 @@ impl Compensator {
     /// C = k Phi (s - A + L c)^-1 L / (1 + k Phi (s - A + L c)^-1 B e^(-s T) + k (s - A)^-1 (B - Phi B e^(-s T)))
     /// ```
     pub(crate) fn at(&self, w: f32, late: Complex) -> Complex {
-        let Drive { a1, a2, b0, .. } = self.drive;
+        let ScaledDrive { a1, a2, b0, .. } = self.drive;
         let [k0, k1, k2, _] = self.k;
         let [l1, l2, l3, l4] = self.l;
         let [g0, g1, g2, g3] = self.predicted;
@@ -149,7 +154,7 @@ impl Responses {
     /// ```
     ///
     /// Cost: some 120 instructions.
-    pub(crate) fn new(drive: &Drive) -> Self {
+    pub(crate) fn new(drive: &ScaledDrive) -> Self {
         let time = drive.delay;
         let (damped, stiff) = (drive.a2 * time, drive.a1 * time * time);
         // d_n T^(n+1) / (n+1)!, of n and of n - 1.
@@ -172,14 +177,14 @@ impl Responses {
     }
 
     /// `k e^(A T)` of x' = v, v' = p - a2 v, p' = -a1 v + d, d' = 0.
-    fn behind(&self, drive: &Drive, [k0, k1, k2, k3]: [f32; 4]) -> [f32; 4] {
+    fn behind(&self, drive: &ScaledDrive, [k0, k1, k2, k3]: [f32; 4]) -> [f32; 4] {
         let Self {
             changed,
             velocity,
             moved,
             area,
         } = *self;
-        let Drive { a1, a2, .. } = *drive;
+        let ScaledDrive { a1, a2, .. } = *drive;
         [
             k0,
             k0 * velocity + k1 * changed - k2 * a1 * velocity,
@@ -189,7 +194,7 @@ impl Responses {
     }
 
     /// `e^(A T) B` without the disturbance.
-    fn arrived(&self, drive: &Drive) -> [f32; 3] {
+    fn arrived(&self, drive: &ScaledDrive) -> [f32; 3] {
         [
             self.moved,
             self.velocity,

@@ -4,7 +4,7 @@
     reason = "an oracle must be able to disagree"
 )]
 
-use super::compensator::Drive;
+use super::compensator::ScaledDrive;
 use super::poles::Poles;
 
 /// A complex number.
@@ -60,7 +60,7 @@ pub(super) struct Oracle {
 
 impl Oracle {
     /// With gains that place these poles, found by comparing coefficients.
-    pub(super) fn new(drive: &Drive, poles: &Poles, frequency: f32) -> Self {
+    pub(super) fn new(drive: &ScaledDrive, poles: &Poles, frequency: f32) -> Self {
         let [a1, a2, b0, delay] = [drive.a1, drive.a2, drive.b0, drive.delay].map(f64::from);
         let [c, z, o, d] = [
             poles.bandwidth,
@@ -156,7 +156,7 @@ impl Oracle {
 }
 
 /// A drive with `late` more delay at `w`.
-pub(super) fn response(drive: &Drive, w: f64, late: f64) -> C {
+pub(super) fn response(drive: &ScaledDrive, w: f64, late: f64) -> C {
     let [a1, a2, b0, delay] = [drive.a1, drive.a2, drive.b0, drive.delay].map(f64::from);
     let own = times([0.0, w], [a1 - w * w, a2 * w]);
     over(times([b0, 0.0], turn(-w * (delay + late))), own)
@@ -172,8 +172,8 @@ impl Dice {
     }
 
     /// A drive in its own time, and poles for it.
-    pub(super) fn pair(&mut self) -> (Drive, Poles) {
-        let drive = Drive {
+    pub(super) fn pair(&mut self) -> (ScaledDrive, Poles) {
+        let drive = ScaledDrive {
             a1: self.within(0.8, 1.5),
             a2: self.within(0.2, 1.6),
             b0: self.within(0.5, 2.0),

@@ -4,7 +4,7 @@
 use crate::math::complex::Complex;
 use crate::math::{pow, sqrt};
 use crate::servo::control::compensator::{
-    Compensator, Drive, Responses, integrated, lag, receptance,
+    Compensator, Responses, ScaledDrive, integrated, lag, receptance,
 };
 use crate::servo::control::margins::Margins;
 use crate::servo::control::poles::Poles;
@@ -59,7 +59,7 @@ pub(crate) enum Swept {
 /// time.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FrequencySweep {
-    drive: Drive,
+    drive: ScaledDrive,
     compensator: Compensator,
     /// Sample time, and ratio of two frequencies.
     step: f32,
@@ -84,7 +84,7 @@ pub(crate) fn ratio(step: f32) -> f32 {
 impl FrequencySweep {
     /// The controller of these poles on its own drive. Cost: the gains, some 150 instructions.
     pub(crate) fn new(
-        drive: Drive,
+        drive: ScaledDrive,
         responses: &Responses,
         poles: Poles,
         [step, ratio]: [f32; 2],
@@ -136,7 +136,7 @@ impl FrequencySweep {
     /// The controller at the present frequency.
     fn reach(&mut self) -> Swept {
         let w = self.w;
-        let Drive { b0, delay, .. } = self.drive;
+        let ScaledDrive { b0, delay, .. } = self.drive;
         let late = lag(w * delay);
         let c = self.compensator.at(w, late);
         // Half a sample by the hold; in the corners one sample more.
@@ -157,7 +157,7 @@ impl FrequencySweep {
 
     /// Whether the margins hold on the drive itself.
     fn own_holds(&mut self, reached: &Reached) -> bool {
-        let Drive { a1, a2, .. } = self.drive;
+        let ScaledDrive { a1, a2, .. } = self.drive;
         let w = self.w;
         let closed = closed(reached.open[0].times(receptance(a1, a2, w)), 1.0);
         let holds = self.own.sees(closed, SENSITIVITY[0]);
@@ -173,7 +173,7 @@ impl FrequencySweep {
 
     /// Whether they hold on the drives that are off.
     fn corners_hold(&mut self, flow: Complex) -> bool {
-        let Drive { a1, a2, .. } = self.drive;
+        let ScaledDrive { a1, a2, .. } = self.drive;
         for (traces, off) in self.corners.iter_mut().zip(OFF) {
             let open = flow.times(receptance(off * a1, OFF_DAMPING * a2, self.w));
             for (trace, gain) in traces.iter_mut().zip(OFF) {

@@ -1,7 +1,7 @@
 //! The bandwidth as a result: the fastest poles whose margins hold.
 
 use crate::math::sqrt;
-use crate::servo::control::compensator::{Drive, Responses};
+use crate::servo::control::compensator::{Responses, ScaledDrive};
 use crate::servo::control::margins::Margins;
 use crate::servo::control::place::{stiffening, stiffness};
 use crate::servo::control::poles::Poles;
@@ -40,10 +40,10 @@ pub(crate) struct Tuning {
     /// Natural frequency.
     frequency: f32,
     /// The drive in its own time, in the middle of the travel.
-    drive: Drive,
+    drive: ScaledDrive,
     /// The drives there and near an end, with what they do over the delay; `None` before each is
     /// tried for the first time.
-    places: [Option<(Drive, Responses)>; 2],
+    places: [Option<(ScaledDrive, Responses)>; 2],
     step: f32,
     /// Ratio of two frequencies of a sweep; 0 before the first piece.
     ratio: f32,
@@ -69,7 +69,7 @@ impl Tuning {
         let mut tuning = Self {
             design: *design,
             frequency: w0,
-            drive: Drive {
+            drive: ScaledDrive {
                 a1: 1.0,
                 a2: model.a2 / w0,
                 b0: 1.0,
@@ -190,13 +190,13 @@ impl Tuning {
     }
 
     /// The drive in the middle or near an end.
-    fn drive(&self) -> (Drive, Responses) {
+    fn drive(&self) -> (ScaledDrive, Responses) {
         let stiffness = if self.near_end {
             stiffness(stiffening(self.design.dead_volume), NEAR_END)
         } else {
             1.0
         };
-        let drive = Drive {
+        let drive = ScaledDrive {
             a1: stiffness,
             b0: stiffness,
             ..self.drive

@@ -7,9 +7,9 @@ use crate::servo::monitoring::bounds::Bounds;
 use crate::servo::monitoring::counters::FaultCounters;
 use crate::servo::monitoring::following::Following;
 use crate::servo::monitoring::gaps::Gaps;
-use crate::servo::monitoring::obedience::{Found, Obedience};
+use crate::servo::monitoring::obedience::{Conduct, Obedience};
 use crate::servo::monitoring::oscillation::Oscillation;
-use crate::servo::monitoring::reading::{Plausibility, Verdict};
+use crate::servo::monitoring::reading::{Credibility, Plausibility};
 use crate::servo::monitoring::saturation::Saturation;
 use crate::servo::monitoring::stuck_code::StuckCode;
 use crate::servo::monitoring::travel::{End, TravelMonitor};
@@ -140,12 +140,12 @@ impl Monitors {
     /// find out why the axis moves against its commands, every reading counts: of such a motion the
     /// model expects nothing.
     #[inline]
-    pub(crate) fn classify(&mut self, y: f32, earlier: &Motion, missed: u32) -> Verdict {
+    pub(crate) fn classify(&mut self, y: f32, earlier: &Motion, missed: u32) -> Credibility {
         if self.obedience.is_closing() {
-            return Verdict::Good;
+            return Credibility::Good;
         }
         let verdict = self.readings.classify(y, earlier, missed);
-        if verdict != Verdict::Good {
+        if verdict != Credibility::Good {
             self.counters.implausible_readings =
                 self.counters.implausible_readings.saturating_add(1);
         }
@@ -188,20 +188,20 @@ impl Monitors {
         if self.saturation.is_full() {
             self.counters.saturated_samples = self.counters.saturated_samples.saturating_add(1);
         }
-        if found == Found::Nothing && ends == End::Lost {
+        if found == Conduct::Nothing && ends == End::Lost {
             found = self.obedience.at_end(&self.twin, seen.velocity, bounds);
         }
         let reason = match found {
             _ if stuck && !self.obedience.is_closing() => Some(Reason::SensorStuck),
             // An axis that stands shows its noise; a code that never changes is the sensor.
-            Found::Disobeys(Reason::Blocked) if self.stuck.run() > bounds.no_motion => {
+            Conduct::Disobeys(Reason::Blocked) if self.stuck.run() > bounds.no_motion => {
                 Some(Reason::SensorStuck)
             }
-            Found::Disobeys(reason) => Some(reason),
-            Found::Against => return Some(Alarm::Close),
-            Found::Nothing if lags => Some(Reason::FollowingError),
-            Found::Nothing if full => Some(Reason::Saturated),
-            Found::Nothing => None,
+            Conduct::Disobeys(reason) => Some(reason),
+            Conduct::Against => return Some(Alarm::Close),
+            Conduct::Nothing if lags => Some(Reason::FollowingError),
+            Conduct::Nothing if full => Some(Reason::Saturated),
+            Conduct::Nothing => None,
         };
         match reason {
             Some(reason) => Some(Alarm::Stop(reason)),

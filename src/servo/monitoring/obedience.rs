@@ -27,7 +27,7 @@ pub(crate) struct Obedience {
 
 /// What an axis is found to do.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Found {
+pub(crate) enum Conduct {
     /// What it is commanded, as far as is known.
     Nothing,
     /// It moves against its commands: the valve must close, which also shows why.
@@ -48,14 +48,14 @@ impl Obedience {
         velocity: f32,
         at_end: bool,
         bounds: &Bounds,
-    ) -> Found {
+    ) -> Conduct {
         let closing = self.closing.is_active();
         let weight = self.closing.weight(at_end);
         self.response.update(twin.flow(), velocity, weight, bounds);
         if closing {
             return match self.closing.update(velocity, &self.response) {
-                Some(reason) => Found::Disobeys(reason),
-                None => Found::Against,
+                Some(reason) => Conduct::Disobeys(reason),
+                None => Conduct::Against,
             };
         }
         let short =
@@ -69,10 +69,10 @@ impl Obedience {
             0
         };
         match short {
-            Some(Short::Standing) => Found::Disobeys(Reason::Blocked),
+            Some(Short::Standing) => Conduct::Disobeys(Reason::Blocked),
             Some(Short::Against) => self.against(velocity, bounds),
-            None if self.runaway > bounds.opposite => Found::Disobeys(Reason::ValveStuck),
-            None => Found::Nothing,
+            None if self.runaway > bounds.opposite => Conduct::Disobeys(Reason::ValveStuck),
+            None => Conduct::Nothing,
         }
     }
 
@@ -88,17 +88,17 @@ impl Obedience {
 
     /// What an axis does that runs to its end: when it is not its speed, it moves against its
     /// commands.
-    pub(crate) fn at_end(&mut self, twin: &Twin, velocity: f32, bounds: &Bounds) -> Found {
+    pub(crate) fn at_end(&mut self, twin: &Twin, velocity: f32, bounds: &Bounds) -> Conduct {
         if Shortfall::is_against(twin.velocity(), velocity, bounds) {
             self.against(velocity, bounds)
         } else {
-            Found::Disobeys(Reason::TravelEnd)
+            Conduct::Disobeys(Reason::TravelEnd)
         }
     }
 
-    fn against(&mut self, velocity: f32, bounds: &Bounds) -> Found {
+    fn against(&mut self, velocity: f32, bounds: &Bounds) -> Conduct {
         self.closing.begin(velocity, &self.response, bounds);
-        Found::Against
+        Conduct::Against
     }
 }
 

@@ -43,7 +43,7 @@ pub(crate) struct Plausibility {
 
 /// What becomes of a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Verdict {
+pub(crate) enum Credibility {
     /// It can be true.
     Good,
     /// It cannot; the expected position replaces it.
@@ -77,7 +77,7 @@ impl Plausibility {
     /// Classifies a reading beside the motion of the earlier ones; `missed`: samples in a row
     /// without any.
     #[inline]
-    pub(crate) fn classify(&mut self, y: f32, earlier: &Motion, missed: u32) -> Verdict {
+    pub(crate) fn classify(&mut self, y: f32, earlier: &Motion, missed: u32) -> Credibility {
         let samples = (self.bridged.saturating_add(missed).saturating_add(1)) as f32;
         let t = samples * self.sample_time;
         let speed = earlier.velocity.abs();
@@ -100,7 +100,7 @@ impl Plausibility {
             self.last = y;
             self.furthest = 0.0;
             self.residual += self.residual_share * (residual - self.residual);
-            return Verdict::Good;
+            return Credibility::Good;
         }
         self.bridged = self.bridged.saturating_add(1);
         let away = (y - self.last).abs();
@@ -108,10 +108,10 @@ impl Plausibility {
             self.furthest = away;
         }
         if self.bridged < self.longest {
-            return Verdict::Bridge;
+            return Credibility::Bridge;
         }
         self.bridged = 0;
-        Verdict::Lasting(if self.furthest > grain {
+        Credibility::Lasting(if self.furthest > grain {
             Reason::Implausible
         } else if self.furthest > 0.0 {
             Reason::Blocked
@@ -147,9 +147,9 @@ mod tests {
             };
             let y = if k < 100 { 0.3 * k as f32 } else { after(k) };
             match readings.classify(y, &motion, 0) {
-                Verdict::Good => assert!(k < 104, "sample {k}"),
-                Verdict::Bridge => assert!(k >= 100, "sample {k}"),
-                Verdict::Lasting(reason) => return Some(reason),
+                Credibility::Good => assert!(k < 104, "sample {k}"),
+                Credibility::Bridge => assert!(k >= 100, "sample {k}"),
+                Credibility::Lasting(reason) => return Some(reason),
             }
         }
         None

@@ -7,7 +7,7 @@ mod short;
 use super::bounds::{Bounds, example};
 use super::following::Following;
 use super::oscillation::Oscillation;
-use super::reading::{Plausibility, Verdict};
+use super::reading::{Credibility, Plausibility};
 use super::response::Response;
 use super::saturation::Saturation;
 use super::stuck_code::StuckCode;
@@ -254,8 +254,12 @@ fn a_reading_is_as_far_as_the_axis_can_have_moved() {
                 let y = next + side * share * gate;
                 readings.clone().classify(y, &motion, missed)
             };
-            assert_eq!(classify(0.99), Verdict::Good, "{acceleration} {missed}");
-            assert_eq!(classify(1.01), Verdict::Bridge, "{acceleration} {missed}");
+            assert_eq!(classify(0.99), Credibility::Good, "{acceleration} {missed}");
+            assert_eq!(
+                classify(1.01),
+                Credibility::Bridge,
+                "{acceleration} {missed}"
+            );
         }
     }
     // What is usual opens the gate by its own size: 1.25 of the mean residual is a deviation.
@@ -265,18 +269,18 @@ fn a_reading_is_as_far_as_the_axis_can_have_moved() {
     let usual = 4.0 * design.noise;
     for k in 0..20_000 {
         let y = 100.0 + if k % 2 == 0 { usual } else { -usual };
-        assert_eq!(readings.classify(y, &still, 0), Verdict::Good, "{k}");
+        assert_eq!(readings.classify(y, &still, 0), Credibility::Good, "{k}");
     }
     let gate = 8.0 * 1.25 * usual + 0.03;
-    for (share, found) in [(0.98, Verdict::Good), (1.02, Verdict::Bridge)] {
+    for (share, found) in [(0.98, Credibility::Good), (1.02, Credibility::Bridge)] {
         let mut other = readings.clone();
         assert_eq!(other.classify(100.0 + share * gate, &still, 0), found);
     }
     // Those that last are a jump after as many as the design says.
-    let mut found = Verdict::Good;
+    let mut found = Credibility::Good;
     for k in 1..=design.jump {
         found = readings.classify(300.0 + k as f32, &still, 0);
-        assert_eq!(found == Verdict::Bridge, k < design.jump, "{k}");
+        assert_eq!(found == Credibility::Bridge, k < design.jump, "{k}");
     }
-    assert_eq!(found, Verdict::Lasting(Reason::Implausible));
+    assert_eq!(found, Credibility::Lasting(Reason::Implausible));
 }

@@ -14,7 +14,7 @@ pub(crate) const PLANNING: u8 = 16;
 /// The velocity is the largest from which the axis still stops in time: 12 bits of it, one per
 /// sample; cruising makes up for the rest.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Search {
+pub(crate) struct ProfileSearch {
     start: Motion,
     target: f32,
     direction: f32,
@@ -26,7 +26,7 @@ pub(crate) struct Search {
     fits: bool,
 }
 
-impl Search {
+impl ProfileSearch {
     /// A search that will be finished after [`PLANNING`] steps, the last three for the move itself.
     pub(crate) const fn new(start: Motion, target: f32) -> Self {
         Self {

@@ -3,7 +3,7 @@
 use crate::servo::error::Error;
 use crate::servo::motion::profile::Move;
 use crate::servo::motion::run_out::RunOut;
-use crate::servo::motion::search::{PLANNING, Search};
+use crate::servo::motion::search::{PLANNING, ProfileSearch};
 use crate::servo::motion::sine::Sine;
 use crate::servo::motion::{Motion, MotionLimits, Setpoint, Travel};
 
@@ -18,7 +18,7 @@ const FREQUENCY_STEP_MAX: f32 = 0.1;
 
 /// Present activity of the generator.
 #[derive(Debug, Clone, PartialEq)]
-enum Plan {
+enum Activity {
     Rest,
     Move(Move),
     RunOut(RunOut),
@@ -41,9 +41,9 @@ pub(crate) struct Trajectory {
     travel: Travel,
     sample_time: f32,
     setpoint: Setpoint,
-    plan: Plan,
+    plan: Activity,
     /// A move that is being planned, the target that came meanwhile, and one that waits for rest.
-    search: Option<Search>,
+    search: Option<ProfileSearch>,
     next: Option<f32>,
     behind_rest: Option<f32>,
     /// Samples to come that plan nothing.
@@ -60,7 +60,7 @@ impl Trajectory {
             travel,
             sample_time,
             setpoint: Setpoint::at(travel.min),
-            plan: Plan::Rest,
+            plan: Activity::Rest,
             search: None,
             next: None,
             behind_rest: None,
@@ -72,11 +72,11 @@ impl Trajectory {
     /// Stands still at `position` from now on; a jump of the reference if it was elsewhere.
     pub(crate) fn hold(&mut self, position: f32) {
         self.setpoint = Setpoint::at(self.travel.nearest(position));
-        self.begin(Plan::Rest);
+        self.begin(Activity::Rest);
     }
 
     /// Replaces the plan, also a move that is being planned.
-    fn begin(&mut self, plan: Plan) {
+    fn begin(&mut self, plan: Activity) {
         self.plan = plan;
         self.search = None;
         self.next = None;
@@ -92,9 +92,9 @@ impl Trajectory {
         self.setpoint = Setpoint::of(&from, 0.0);
         let run_out = RunOut { rate };
         if run_out.stays_within(&from, &self.travel) && run_out.keeps(&from, &self.limits) {
-            self.begin(Plan::RunOut(run_out));
+            self.begin(Activity::RunOut(run_out));
         } else {
-            self.begin(Plan::Move(self.brake(from)));
+            self.begin(Activity::Move(self.brake(from)));
         }
     }
 
@@ -136,7 +136,7 @@ impl Trajectory {
     }
 
     fn search(&mut self, target: f32) {
-        self.search = Some(Search::new(self.ahead(), target));
+        self.search = Some(ProfileSearch::new(self.ahead(), target));
     }
 
     /// The motion of the present plan after the samples that planning takes.
@@ -144,10 +144,10 @@ impl Trajectory {
         const DOUBLINGS: u32 = PLANNING.trailing_zeros();
         let (now, step) = (self.setpoint.motion(), self.sample_time);
         let motion = match &self.plan {
-            Plan::Rest => now,
-            Plan::Move(planned) => planned.ahead(PLANNING, step).motion(),
-            Plan::RunOut(run_out) => run_out.after(&now, step, DOUBLINGS),
-            Plan::Sine(sine) => {
+            Activity::Rest => now,
+            Activity::Move(planned) => planned.ahead(PLANNING, step).motion(),
+            Activity::RunOut(run_out) => run_out.after(&now, step, DOUBLINGS),
+            Activity::Sine(sine) => {
                 let long = step * f32::from(PLANNING);
                 sine.clone().coarse(DOUBLINGS).next(long).motion()
             }
@@ -160,14 +160,14 @@ impl Trajectory {
 
     /// Whether a move is planned in the sample to come, or a target that waits is taken up.
     pub(crate) const fn is_planning(&self) -> bool {
-        let rested = self.behind_rest.is_some() && matches!(self.plan, Plan::Rest);
+        let rested = self.behind_rest.is_some() && matches!(self.plan, Activity::Rest);
         self.search.is_some() || self.pauses == 0 && (self.next.is_some() || rested)
     }
 
     /// One sample of planning; a move that is planned begins.
     fn plan(&mut self) {
         let Some(search) = &mut self.search else {
-            if matches!(self.plan, Plan::Rest)
+            if matches!(self.plan, Activity::Rest)
                 && let Some(target) = self.behind_rest.take()
             {
                 self.next = Some(target);
@@ -184,15 +184,15 @@ impl Trajectory {
         };
         let next = self.next;
         if fits {
-            self.begin(Plan::Move(planned));
+            self.begin(Activity::Move(planned));
             (self.next, self.pauses) = (next, if next.is_some() { PAUSES } else { 0 });
             return;
         }
         // A motion that was taken over may need a harder brake than the limits: it comes to rest
         // first.
         let target = next.unwrap_or(planned.target());
-        if matches!(self.plan, Plan::Sine(_)) {
-            self.begin(Plan::Move(self.brake(self.setpoint.motion())));
+        if matches!(self.plan, Activity::Sine(_)) {
+            self.begin(Activity::Move(self.brake(self.setpoint.motion())));
         }
         self.search = None;
         self.next = None;
@@ -221,9 +221,9 @@ impl Trajectory {
         Error::unless_within("amplitude", amplitude, -max, max)?;
         let sine = Sine::new(centre, amplitude, frequency, &self.limits, self.sample_time);
         if self.setpoint.is_rest() {
-            self.begin(Plan::Sine(sine));
+            self.begin(Activity::Sine(sine));
         } else {
-            self.begin(Plan::Move(stop));
+            self.begin(Activity::Move(stop));
             self.sine = Some(sine);
         }
         Ok(())
@@ -232,7 +232,7 @@ impl Trajectory {
     /// Whether the reference stands still.
     #[cfg(test)]
     pub(crate) fn is_finished(&self) -> bool {
-        matches!(self.plan, Plan::Rest)
+        matches!(self.plan, Activity::Rest)
             && self.search.is_none()
             && self.next.is_none()
             && self.behind_rest.is_none()
@@ -256,11 +256,11 @@ impl Trajectory {
     /// rounding.
     fn stop_at_end(&mut self) {
         let position = self.travel.nearest(self.setpoint.position);
-        if matches!(self.plan, Plan::Sine(_)) {
+        if matches!(self.plan, Activity::Sine(_)) {
             self.setpoint.position = position;
         } else {
             self.setpoint = Setpoint::at(position);
-            self.plan = Plan::Rest;
+            self.plan = Activity::Rest;
             // What is being planned begins where nothing will be.
             if let Some(search) = self.search.take() {
                 self.next = self.next.or(Some(search.target()));
@@ -272,14 +272,14 @@ impl Trajectory {
     fn advance(&mut self) -> Setpoint {
         let step = self.sample_time;
         let (next, ended) = match &mut self.plan {
-            Plan::Rest => (Setpoint::at(self.setpoint.position), false),
-            Plan::Move(planned) => planned.next(step),
-            Plan::RunOut(run_out) => run_out.next(&self.setpoint, step, &self.limits),
-            Plan::Sine(sine) => (sine.next(step), false),
+            Activity::Rest => (Setpoint::at(self.setpoint.position), false),
+            Activity::Move(planned) => planned.next(step),
+            Activity::RunOut(run_out) => run_out.next(&self.setpoint, step, &self.limits),
+            Activity::Sine(sine) => (sine.next(step), false),
         };
         self.setpoint = next;
         if ended {
-            self.plan = self.sine.take().map_or(Plan::Rest, Plan::Sine);
+            self.plan = self.sine.take().map_or(Activity::Rest, Activity::Sine);
         }
         if !self.travel.contains(next.position) {
             self.stop_at_end();

@@ -1,7 +1,7 @@
 //! The position of a sample: measured, expected, or missing; and the first one.
 
 use crate::hardware::{PositionSensor, Valve};
-use crate::servo::monitoring::reading::Verdict;
+use crate::servo::monitoring::reading::Credibility;
 use crate::servo::motion::{Motion, Setpoint};
 use crate::servo::report::Report;
 use crate::servo::servo_loop::ServoLoop;
@@ -30,14 +30,14 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         if self
             .guard
             .monitors
-            .count_reading(false, verdict != Verdict::Good)
+            .count_reading(false, verdict != Credibility::Good)
         {
             self.fail(Reason::SensorFault);
         }
         match verdict {
-            Verdict::Good => Some(y),
-            Verdict::Bridge => Some(self.expected()),
-            Verdict::Lasting(reason) => {
+            Credibility::Good => Some(y),
+            Credibility::Bridge => Some(self.expected()),
+            Credibility::Lasting(reason) => {
                 self.fail(reason);
                 Some(self.expected())
             }

@@ -71,7 +71,7 @@ pub struct ModelStore<F> {
 
 /// Where a record stands: sector 0 or 1, and its number in the sector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Place {
+struct RecordPlace {
     sector: u32,
     number: u32,
 }
@@ -173,8 +173,8 @@ impl<F: NorFlash> ModelStore<F> {
     }
 
     /// Erases the sector in which the newest record is not.
-    fn erased(&mut self, newest: Option<Place>) -> Result<Place, StoreError<F::Error>> {
-        let place = Place {
+    fn erased(&mut self, newest: Option<RecordPlace>) -> Result<RecordPlace, StoreError<F::Error>> {
+        let place = RecordPlace {
             sector: newest.map_or(0, |place| 1 - place.sector),
             number: 0,
         };
@@ -187,7 +187,10 @@ impl<F: NorFlash> ModelStore<F> {
 
     /// Where the next record goes: behind the newest one in its sector, else at the begin of the
     /// other when that is blank.
-    fn room(&mut self, newest: Option<Place>) -> Result<Option<Place>, StoreError<F::Error>> {
+    fn room(
+        &mut self,
+        newest: Option<RecordPlace>,
+    ) -> Result<Option<RecordPlace>, StoreError<F::Error>> {
         let (sector, after) = newest.map_or((0, 0), |place| (place.sector, place.number + 1));
         if let Some(place) = self.blank(sector, after)? {
             return Ok(Some(place));
@@ -197,11 +200,15 @@ impl<F: NorFlash> ModelStore<F> {
     }
 
     /// The first place of `sector`, from `after` on, from which on all is erased.
-    fn blank(&mut self, sector: u32, after: u32) -> Result<Option<Place>, StoreError<F::Error>> {
+    fn blank(
+        &mut self,
+        sector: u32,
+        after: u32,
+    ) -> Result<Option<RecordPlace>, StoreError<F::Error>> {
         let mut blank = None;
         // From the end: behind a blank place may be no other byte, as half an erase would leave it.
         for number in (after..self.places()).rev() {
-            let place = Place { sector, number };
+            let place = RecordPlace { sector, number };
             if self.read(place)? != [0xFF; RECORD_BYTES] {
                 break;
             }
@@ -218,7 +225,7 @@ impl<F: NorFlash> ModelStore<F> {
         };
         for sector in 0..2 {
             for number in 0..self.places() {
-                let place = Place { sector, number };
+                let place = RecordPlace { sector, number };
                 let bytes = self.read(place)?;
                 if bytes == [0xFF; RECORD_BYTES] {
                     continue;
@@ -240,11 +247,11 @@ impl<F: NorFlash> ModelStore<F> {
         self.sector / RECORD_BYTES as u32
     }
 
-    const fn address(&self, place: Place) -> u32 {
+    const fn address(&self, place: RecordPlace) -> u32 {
         self.begin + place.sector * self.sector + place.number * RECORD_BYTES as u32
     }
 
-    fn read(&mut self, place: Place) -> Result<[u8; RECORD_BYTES], StoreError<F::Error>> {
+    fn read(&mut self, place: RecordPlace) -> Result<[u8; RECORD_BYTES], StoreError<F::Error>> {
         let mut bytes = [0; RECORD_BYTES];
         let at = self.address(place) as usize;
         // The unit of reading divides that of writing.
@@ -258,7 +265,7 @@ impl<F: NorFlash> ModelStore<F> {
 /// Content of the sectors.
 struct Scan {
     /// Place, sequence number and bytes of the newest record.
-    newest: Option<(Place, u32, [u8; RECORD_BYTES])>,
+    newest: Option<(RecordPlace, u32, [u8; RECORD_BYTES])>,
     /// Places that are neither erased nor a record.
     damaged: u32,
 }

@@ -4,16 +4,16 @@ use crate::math::sqrt;
 use crate::servo::design::constants::UNKNOWN_PART;
 use crate::servo::model::Model;
 use crate::servo::supervision::comparison::Comparison;
-use crate::servo::supervision::event::{Event, Observation, Spare};
+use crate::servo::supervision::event::{Event, LoopSample, Spare};
 use crate::servo::supervision::evidence::Challenger;
 use crate::servo::supervision::state::State;
 use crate::servo::supervision::supervisor::Supervisor;
 #[cfg(test)]
-use crate::servo::supervision::validation::Window;
+use crate::servo::supervision::validation::ValidationWindow;
 
 impl Supervisor {
     /// One sample of [`State::Adapting`].
-    pub(crate) fn adapt(&mut self, seen: &Observation) -> Event {
+    pub(crate) fn adapt(&mut self, seen: &LoopSample) -> Event {
         let leak = self.design.peak_error_leak;
         for (peak, value) in [
             (&mut self.peak_error, seen.error.abs()),
@@ -54,7 +54,7 @@ impl Supervisor {
     }
 
     /// What this sample is for, of those that compare models.
-    pub(crate) fn compare(&mut self, seen: &Observation) -> Event {
+    pub(crate) fn compare(&mut self, seen: &LoopSample) -> Event {
         let Some(used) = self.verified_model else {
             return Event::None;
         };
@@ -111,7 +111,7 @@ impl Supervisor {
 
     /// The window that goes on.
     #[cfg(test)]
-    pub(crate) fn running(&self) -> Option<&Window> {
+    pub(crate) fn running(&self) -> Option<&ValidationWindow> {
         (self.comparison == Comparison::Runs).then_some(&self.window)
     }
 

@@ -97,7 +97,7 @@ struct Least {
 
 /// A factor of a list, and the errors below, at and above it; none beyond the ends.
 #[derive(Clone, Copy)]
-struct Place {
+struct Bracket {
     factor: f32,
     errors: [f32; 3],
 }
@@ -105,7 +105,7 @@ struct Place {
 fn least(factors: &[f32; 5], step: f32, errors: [f32; 5]) -> Least {
     const NONE: f32 = f32::INFINITY;
     let ([p, q, r, s, t], [a, b, c, d, e]) = (*factors, errors);
-    let place = |factor, errors| Place { factor, errors };
+    let place = |factor, errors| Bracket { factor, errors };
     let middle = place(r, [b, c, d]);
     let others = [
         place(p, [NONE, a, b]),
@@ -119,7 +119,7 @@ fn least(factors: &[f32; 5], step: f32, errors: [f32; 5]) -> Least {
             best = other;
         }
     }
-    let Place {
+    let Bracket {
         factor,
         errors: [left, nearest, right],
     } = best;

@@ -6,7 +6,7 @@ use crate::servo::design::ChangeDesign;
 ///
 /// Known as: variance-ratio test, a one-sided change detector (Basseville and Nikiforov 1993).
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ChangeDetector {
+pub(crate) struct VarianceRatio {
     design: ChangeDesign,
     /// Recent variance, and the usual one.
     fast: f32,
@@ -15,7 +15,7 @@ pub(crate) struct ChangeDetector {
     pause: u32,
 }
 
-impl ChangeDetector {
+impl VarianceRatio {
     pub(crate) const fn new(design: &ChangeDesign) -> Self {
         Self {
             design: *design,

@@ -5,7 +5,7 @@ use crate::servo::motion::Motion;
 
 /// One sample, as the supervisor sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Observation {
+pub(crate) struct LoopSample {
     /// The motion, measured or observed.
     pub(crate) motion: Motion,
     /// Measured position.

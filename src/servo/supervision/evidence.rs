@@ -5,7 +5,7 @@ use crate::servo::model::Model;
 use crate::servo::supervision::bank;
 use crate::servo::supervision::screening::{Candidate, UNKNOWN};
 use crate::servo::supervision::state::Reason;
-use crate::servo::supervision::validation::Sums;
+use crate::servo::supervision::validation::WindowSums;
 
 /// Part of earlier windows that a whole new one makes forgotten: those of some seconds decide, not
 /// those of an hour ago.
@@ -171,7 +171,7 @@ impl Evidence {
     }
 
     /// Adds the shares of a window. Cost: about 250 instructions.
-    pub(crate) fn add(&mut self, window: &Sums) {
+    pub(crate) fn add(&mut self, window: &WindowSums) {
         let window = window.shares();
         let kept = 1.0 - FORGOTTEN * window.weight;
         self.moved = kept * self.moved + window.moved;

@@ -2,13 +2,13 @@
 
 use crate::servo::design::SupervisionDesign;
 use crate::servo::model::Model;
-use crate::servo::supervision::change::ChangeDetector;
+use crate::servo::supervision::change::VarianceRatio;
 use crate::servo::supervision::comparison::Comparison;
-use crate::servo::supervision::event::{Event, Observation};
+use crate::servo::supervision::event::{Event, LoopSample};
 use crate::servo::supervision::evidence::Evidence;
 use crate::servo::supervision::screening::{Candidate, UNKNOWN};
 use crate::servo::supervision::state::{Reason, State};
-use crate::servo::supervision::validation::{FitReport, Window};
+use crate::servo::supervision::validation::{FitReport, ValidationWindow};
 
 /// Decides from samples and candidates of the identifier which model the controller may use.
 ///
@@ -27,10 +27,10 @@ pub struct Supervisor {
     pub(crate) ticks: u32,
     /// Samples since the last look at the estimate.
     since_look: u32,
-    pub(crate) change: ChangeDetector,
+    pub(crate) change: VarianceRatio,
     pub(crate) comparison: Comparison,
     /// The latest window.
-    pub(super) window: Window,
+    pub(super) window: ValidationWindow,
     pub(crate) evidence: Evidence,
     pub(super) report: FitReport,
     pub(super) refusal: Option<Reason>,
@@ -54,9 +54,9 @@ impl Supervisor {
             variances: UNKNOWN,
             ticks: 0,
             since_look: 0,
-            change: ChangeDetector::new(&design.change),
+            change: VarianceRatio::new(&design.change),
             comparison: Comparison::Rests,
-            window: Window::none(&design.validation),
+            window: ValidationWindow::none(&design.validation),
             evidence: Evidence::NONE,
             report: FitReport::default(),
             refusal: None,
@@ -199,7 +199,7 @@ impl Supervisor {
     }
 
     /// Takes one sample. Cost: see the table of instruction counts.
-    pub(crate) fn update(&mut self, seen: &Observation) -> Event {
+    pub(crate) fn update(&mut self, seen: &LoopSample) -> Event {
         self.ticks = self.ticks.saturating_add(1);
         self.since_look = self.since_look.saturating_add(1);
         let (velocity, min_speed) = (seen.motion.velocity, self.design.min_speed);
@@ -256,7 +256,7 @@ impl Supervisor {
 
     /// Goes on with other numbers.
     pub(crate) fn redesign(&mut self, design: SupervisionDesign) {
-        self.change = ChangeDetector::new(&design.change);
+        self.change = VarianceRatio::new(&design.change);
         self.design = design;
     }
 

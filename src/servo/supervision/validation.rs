@@ -82,7 +82,7 @@ impl Runner {
 /// Known as: hold-out validation, cross-validation by simulation (Ljung 1999, chapter 16), of a
 /// bank of models (multiple-model estimation, Li and Bar-Shalom 1996).
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Window {
+pub(crate) struct ValidationWindow {
     bank: [Runner; bank::SIZE],
     challenger: Option<Runner>,
     unknown: UnknownFlow,
@@ -100,7 +100,7 @@ pub(crate) struct Window {
 
 /// Sums of squares of a window.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Sums {
+pub(crate) struct WindowSums {
     /// Errors of the bank and of the challenger, beyond what needs no other model.
     pub(crate) bank: [f32; bank::SIZE],
     pub(crate) challenger: Option<f32>,
@@ -110,7 +110,7 @@ pub(crate) struct Sums {
     pub(crate) weight: f32,
 }
 
-impl Sums {
+impl WindowSums {
     /// Shares of the errors in errors and movement, times the weight: 0 is right, the weight is
     /// astray.
     pub(crate) fn shares(&self) -> Self {
@@ -132,7 +132,7 @@ impl Sums {
     }
 }
 
-impl Window {
+impl ValidationWindow {
     /// No window: one that is over.
     pub(crate) fn none(design: &ValidationDesign) -> Self {
         let nothing = Model::linear(0.0, 0.0, 0.0);
@@ -199,7 +199,7 @@ impl Window {
 
     /// What it showed; `None` when the axis moved by less than `least` about its mean. One that
     /// moved by `whole` or more is a whole window; errors of `grain` rms say nothing.
-    pub(crate) fn sums(&self, least: f32, whole: f32, grain: f32) -> Option<Sums> {
+    pub(crate) fn sums(&self, least: f32, whole: f32, grain: f32) -> Option<WindowSums> {
         let count = self.samples as f32;
         let moved = self.squares - self.sum * self.sum / count;
         let part = moved / (whole * whole * count);
@@ -209,7 +209,7 @@ impl Window {
             // NaN stays: such a model is astray.
             if left < 0.0 { 0.0 } else { left }
         };
-        (moved > least * least * count).then(|| Sums {
+        (moved > least * least * count).then(|| WindowSums {
             bank: self.bank.each_ref().map(beyond),
             challenger: self.challenger.as_ref().map(beyond),
             moved,
@@ -218,7 +218,7 @@ impl Window {
     }
 
     /// How well the challenger has followed, or the model in use where there is none.
-    pub(crate) fn report(&self, sums: &Sums) -> FitReport {
+    pub(crate) fn report(&self, sums: &WindowSums) -> FitReport {
         let used = &self.bank[bank::USED];
         FitReport {
             sse: self.challenger.as_ref().unwrap_or(used).errors.squares,

@@ -8,14 +8,14 @@ const P: Matrix<3> = [
     [0.01, 0.09, -0.02],
     [0.005, -0.02, 0.25],
 ];
-const NOISE: Moments<2> = Moments {
+const NOISE: NoiseMoments<2> = NoiseMoments {
     matrix: [[2.0, 0.3], [0.3, 1.0]],
     vector: [0.2, -0.1],
     top: 3.0,
 };
 
 /// M and m of all parameters.
-fn wide(noise: &Moments<2>) -> (Matrix<3>, [f32; 3]) {
+fn wide(noise: &NoiseMoments<2>) -> (Matrix<3>, [f32; 3]) {
     let [[a, b], [c, d]] = noise.matrix;
     let [e, f] = noise.vector;
     ([[a, b, 0.0], [c, d, 0.0], [0.0; 3]], [e, f, 0.0])
@@ -128,7 +128,7 @@ fn nothing_drawn_makes_a_covariance_smaller_or_an_estimate_infinite() {
         let p = product_transposed(&root, &root);
         let root: Matrix<2> =
             core::array::from_fn(|i| core::array::from_fn(|_| sizes[3 + i] * draw()));
-        let noise = Moments {
+        let noise = NoiseMoments {
             matrix: product_transposed(&root, &root),
             vector: [sizes[3] * draw(), sizes[4] * draw()],
             top: 0.0,

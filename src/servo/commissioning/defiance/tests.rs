@@ -79,7 +79,7 @@ fn drive_and_time_must_both_be_used_up() {
 fn a_closed_valve_says_why() {
     for direction in [1.0, -1.0] {
         let after = |share: f32, place: f32| {
-            let mut closing = Closing::new(0.2 * direction, 0.1);
+            let mut closing = ValveClosing::new(0.2 * direction, 0.1);
             (0..1000).find_map(|k| {
                 let v = direction * 0.2 * if k < 50 { 1.0 } else { share };
                 let reason = closing.update(place, v, STEP);
@@ -98,7 +98,7 @@ fn a_closed_valve_says_why() {
         // An end stops everything: what was seen until then counts.
         takes(after(0.0, end), Reason::ValveStuck);
         // What has slowed down comes to it.
-        let mut slow = Closing::new(0.2 * direction, 0.1);
+        let mut slow = ValveClosing::new(0.2 * direction, 0.1);
         assert_eq!(slow.update(0.5, 0.08 * direction, STEP), None);
         assert_eq!(
             slow.update(end, 0.08 * direction, STEP),

@@ -26,7 +26,7 @@ fn swept(sweep: &mut FrequencySweep) -> (Swept, usize, f32) {
 
 /// Sensitivity of a controller on a drive at `w`, with half a sample by the hold and `late` more;
 /// and 1 + L.
-fn closed(exact: &Oracle, drive: &Drive, w: f64, late: f64) -> oracle::C {
+fn closed(exact: &Oracle, drive: &ScaledDrive, w: f64, late: f64) -> oracle::C {
     let open = oracle::times(
         exact.at(w),
         oracle::response(drive, w, f64::from(STEP) * (0.5 + late)),
@@ -66,7 +66,7 @@ fn a_sweep_holds_where_every_frequency_of_every_drive_does() {
             let off = if k == 0 {
                 drive
             } else {
-                Drive {
+                ScaledDrive {
                     a1: OFF[(k - 1) / 2],
                     a2: OFF_DAMPING * drive.a2,
                     b0: OFF[(k - 1) % 2],
@@ -114,7 +114,7 @@ fn judged(
     sweep: &FrequencySweep,
     begun: f32,
     exact: &Oracle,
-    drive: &Drive,
+    drive: &ScaledDrive,
     frequencies: impl Iterator<Item = f64>,
 ) {
     let (mut variance, mut sensitivity) = (0.0, 0.0_f64);

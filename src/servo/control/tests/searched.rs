@@ -1,7 +1,7 @@
 //! The search for poles: what it ends with holds, and nothing faster does.
 
 use super::*;
-use crate::servo::control::compensator::{Drive, Responses};
+use crate::servo::control::compensator::{Responses, ScaledDrive};
 use crate::servo::control::sweep::{FrequencySweep, Swept, ratio};
 use crate::servo::control::tuning::Tuning;
 use crate::servo::design::TuningDesign;
@@ -32,7 +32,7 @@ fn swept(
     stiffness: f32,
 ) -> Option<(FrequencySweep, f32)> {
     let w = libm::sqrtf(model.a1);
-    let drive = Drive {
+    let drive = ScaledDrive {
         a1: stiffness,
         a2: model.a2 / w,
         b0: stiffness,

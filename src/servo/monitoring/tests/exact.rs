@@ -3,7 +3,7 @@
 use super::*;
 use crate::servo::monitoring::gaps::Gaps;
 use crate::servo::monitoring::monitors::Monitors;
-use crate::servo::monitoring::obedience::{Found, Obedience};
+use crate::servo::monitoring::obedience::{Conduct, Obedience};
 
 #[test]
 fn half_of_the_readings_may_be_missing() {
@@ -96,11 +96,11 @@ fn a_valve_is_open_by_itself_beyond_three_expectations_and_twice_the_slack() {
     let observer = &design().supervision.validation.observer;
     let model = Model::linear(400.0, 20.0, 1e6);
     let bounds = Bounds::new(&monitoring(), &model);
-    let open = Found::Disobeys(Reason::ValveStuck);
+    let open = Conduct::Disobeys(Reason::ValveStuck);
     for command in [0.3_f32, -0.3] {
         // What a steady motion displaces within the window that forgets.
         let expected = 1e-3 * bounds.gain * command.abs() / bounds.share;
-        for (share, found) in [(0.9, Found::Nothing), (1.1, open)] {
+        for (share, found) in [(0.9, Conduct::Nothing), (1.1, open)] {
             let faster = 3.0 + share * 2.0 * bounds.slack / expected;
             let mut twin = Twin::new(&monitoring(), observer, model);
             twin.place(Motion::at(0.0), 0.0);
@@ -110,9 +110,9 @@ fn a_valve_is_open_by_itself_beyond_three_expectations_and_twice_the_slack() {
                 let velocity = faster * twin.velocity();
                 y += 1e-3 * velocity;
                 let found = obedience.update(&twin, velocity, false, &bounds);
-                (found != Found::Nothing).then_some(found)
+                (found != Conduct::Nothing).then_some(found)
             });
-            assert_eq!(ends.unwrap_or(Found::Nothing), found, "{command} {share}");
+            assert_eq!(ends.unwrap_or(Conduct::Nothing), found, "{command} {share}");
         }
     }
 }

@@ -12,13 +12,13 @@ use crate::servo::supervision::state::Reason;
 use crate::servo::supervision::supervisor::tests::{MODEL, OTHER, at, certain, installed};
 
 /// A sample of `drive` under a flow that changes its sign four times per second.
-fn step(motion: &mut Motion, drive: &Model, k: u32) -> Observation {
+fn step(motion: &mut Motion, drive: &Model, k: u32) -> LoopSample {
     let flow = if (k / 250).is_multiple_of(2) {
         0.3
     } else {
         -0.3
     };
-    let seen = Observation {
+    let seen = LoopSample {
         motion: *motion,
         y: motion.position,
         flow,
@@ -161,7 +161,7 @@ fn a_winner_that_may_not_control_is_refused() -> Result<(), Error> {
 fn a_change_of_the_drive_ends_a_window_and_what_came_before_and_a_stick_the_window()
 -> Result<(), Error> {
     let mut supervisor = installed()?;
-    let quiet = Observation {
+    let quiet = LoopSample {
         innovation: Some(0.01),
         ..at(100.0)
     };
@@ -172,7 +172,7 @@ fn a_change_of_the_drive_ends_a_window_and_what_came_before_and_a_stick_the_wind
     assert_eq!(supervisor.submit(&certain(OTHER)), Event::None);
     assert_eq!(supervisor.update(&quiet), Event::None);
     assert!(supervisor.running().is_some());
-    let sticks = Observation {
+    let sticks = LoopSample {
         sticks: true,
         ..quiet
     };
@@ -180,7 +180,7 @@ fn a_change_of_the_drive_ends_a_window_and_what_came_before_and_a_stick_the_wind
     assert_eq!(supervisor.comparison, Comparison::Rests);
     assert_eq!(supervisor.evidence.challenger(), Some(OTHER));
     assert_eq!(supervisor.submit(&certain(OTHER)), Event::None);
-    let changed = Observation {
+    let changed = LoopSample {
         innovation: Some(1.0),
         ..quiet
     };
@@ -196,7 +196,7 @@ fn a_change_of_the_drive_ends_a_window_and_what_came_before_and_a_stick_the_wind
 fn a_change_right_after_the_state_began_is_its_transient() -> Result<(), Error> {
     let mut supervisor = installed()?;
     supervisor.enter(State::Adapting);
-    let sample = |innovation| Observation {
+    let sample = |innovation| LoopSample {
         innovation: Some(innovation),
         ..at(100.0)
     };
@@ -211,7 +211,7 @@ fn a_change_right_after_the_state_began_is_its_transient() -> Result<(), Error> 
 fn the_largest_error_is_remembered_and_forgotten() -> Result<(), Error> {
     let mut supervisor = installed()?;
     supervisor.enter(State::Adapting);
-    let sample = |error| Observation { error, ..at(100.0) };
+    let sample = |error| LoopSample { error, ..at(100.0) };
     for error in [-3.0, 1.0] {
         let _ = supervisor.update(&sample(error));
     }

@@ -10,15 +10,15 @@ const DESIGN: ChangeDesign = ChangeDesign {
 };
 
 /// Samples until an alarm, of a detector that knows innovations of 1.
-fn until(detector: &mut ChangeDetector, innovation: f32, settled: bool) -> Option<usize> {
+fn until(detector: &mut VarianceRatio, innovation: f32, settled: bool) -> Option<usize> {
     (0..20_000).position(|k| {
         let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
         detector.update(sign * innovation, settled)
     })
 }
 
-fn usual() -> ChangeDetector {
-    let mut detector = ChangeDetector::new(&DESIGN);
+fn usual() -> VarianceRatio {
+    let mut detector = VarianceRatio::new(&DESIGN);
     assert_eq!(until(&mut detector, 1.0, true), None, "no change, no alarm");
     assert!((detector.fast - 1.0).abs() < 1e-3 && (detector.usual - 1.0).abs() < 1e-3);
     detector
@@ -62,10 +62,10 @@ fn an_alarm_is_followed_by_a_pause_and_by_another_usual_variance() {
 fn nothing_is_an_alarm_before_the_loop_is_settled_or_a_variance_known() {
     assert_eq!(until(&mut usual(), 10.0, false), None);
     // The first innovation is the usual one, however large.
-    let mut detector = ChangeDetector::new(&DESIGN);
+    let mut detector = VarianceRatio::new(&DESIGN);
     assert_eq!(until(&mut detector, 100.0, true), None);
     // No innovation is no change, nor is the first one after it.
-    let mut silent = ChangeDetector::new(&DESIGN);
+    let mut silent = VarianceRatio::new(&DESIGN);
     assert_eq!(until(&mut silent, 0.0, true), None);
     assert_eq!(until(&mut silent, 1.0, true), None);
     detector.restart();

@@ -40,8 +40,8 @@ fn of_share(share: f32) -> f32 {
 }
 
 /// A window in which the axis moved by 100 and the bank and the challenger left such shares.
-fn window(bank: [f32; bank::SIZE], challenger: f32) -> Sums {
-    Sums {
+fn window(bank: [f32; bank::SIZE], challenger: f32) -> WindowSums {
+    WindowSums {
         bank: bank.map(of_share),
         challenger: Some(of_share(challenger)),
         moved: 100.0,
@@ -50,8 +50,8 @@ fn window(bank: [f32; bank::SIZE], challenger: f32) -> Sums {
 }
 
 /// The same window without a challenger.
-fn alone(bank: [f32; bank::SIZE]) -> Sums {
-    Sums {
+fn alone(bank: [f32; bank::SIZE]) -> WindowSums {
+    WindowSums {
         challenger: None,
         ..window(bank, 0.0)
     }
@@ -69,7 +69,7 @@ const GOOD: [f32; bank::SIZE] = [0.7, 0.7, 0.0, 0.7, 0.7, 0.7, 0.7, 0.7, 0.7];
 fn after(
     evidence: &mut Evidence,
     design: &SupervisionDesign,
-    window: &Sums,
+    window: &WindowSums,
 ) -> Result<Option<(Model, [f32; 3])>, Reason> {
     evidence.add(window);
     let verdict = evidence.verdict(design, &USED)?;
@@ -119,7 +119,7 @@ fn no_window_decides_alone_however_much_it_shows() -> Result<(), Error> {
     let design = design()?;
     for large in [1.0, 1e3, 1e30, f32::INFINITY, f32::NAN] {
         // All but one of the bank and the challenger leave all bounds.
-        let astray = Sums {
+        let astray = WindowSums {
             bank: core::array::from_fn(|k| if k == 3 { 0.0 } else { 10_000.0 * large }),
             ..window(GOOD, 0.0)
         };

@@ -22,8 +22,8 @@ pub(crate) fn installed() -> Result<Supervisor, Error> {
 }
 
 /// A sample of an axis with this velocity, behind its reference.
-pub(crate) fn at(velocity: f32) -> Observation {
-    Observation {
+pub(crate) fn at(velocity: f32) -> LoopSample {
+    LoopSample {
         motion: Motion {
             velocity,
             ..Motion::default()
@@ -126,7 +126,7 @@ fn states_that_pass_last_as_long_as_designed() -> Result<(), Error> {
 }
 
 /// How often an estimate is looked at in so many samples.
-fn looks(supervisor: &mut Supervisor, seen: &Observation, samples: u32) -> usize {
+fn looks(supervisor: &mut Supervisor, seen: &LoopSample, samples: u32) -> usize {
     (0..samples)
         .filter(|_| {
             let _ = supervisor.update(seen);
@@ -179,7 +179,7 @@ fn an_error_counts_beyond_the_dead_band_and_in_a_slow_motion_by_its_time() -> Re
         (-2.0 * design.error_deadband, 0.0, 10),
     ] {
         // A reference that is followed asks for nothing.
-        let mut seen = Observation {
+        let mut seen = LoopSample {
             error: 0.0,
             ..at(100.0)
         };

@@ -8,7 +8,11 @@ use crate::servo::motion::Travel;
 const USED: Model = Model::linear(900.0, 15.0, 9e5);
 
 /// A window on a drive under a flow that changes its sign so often per second.
-fn seen(drive: &Model, challenger: Option<Model>, per_second: f32) -> Result<Window, Error> {
+fn seen(
+    drive: &Model,
+    challenger: Option<Model>,
+    per_second: f32,
+) -> Result<ValidationWindow, Error> {
     seen_by(&USED, drive, challenger, per_second, 0.0)
 }
 
@@ -19,14 +23,14 @@ fn seen_by(
     challenger: Option<Model>,
     per_second: f32,
     unknown: f32,
-) -> Result<Window, Error> {
+) -> Result<ValidationWindow, Error> {
     let travel = Travel {
         min: 0.0,
         max: 400.0,
     };
     let design = Config::new(1e-3, 30.0, travel).resolve()?.supervision;
     let mut motion = Motion::at(200.0);
-    let mut window = Window::none(&design.validation);
+    let mut window = ValidationWindow::none(&design.validation);
     window.begin(&design.validation, used, challenger, motion, 0.0);
     let mut samples = 0;
     while !window.is_over() {
@@ -44,7 +48,7 @@ fn seen_by(
 }
 
 /// Root mean square of what moved.
-fn rms(window: &Window) -> f32 {
+fn rms(window: &ValidationWindow) -> f32 {
     let moved = window.sums(0.0, 1.0, 0.0).map_or(0.0, |sums| sums.moved);
     sqrt(moved / window.samples as f32)
 }
@@ -53,7 +57,7 @@ fn rms(window: &Window) -> f32 {
 fn the_model_of_the_drive_leaves_least_whatever_it_is() -> Result<(), Error> {
     for (k, drive) in bank::about(&USED).into_iter().enumerate() {
         let window = seen(&drive, None, 4.0)?;
-        let sums = window.sums(0.0, 1.0, 0.0).unwrap_or(Sums {
+        let sums = window.sums(0.0, 1.0, 0.0).unwrap_or(WindowSums {
             bank: [f32::NAN; bank::SIZE],
             challenger: None,
             weight: f32::NAN,
@@ -81,7 +85,7 @@ fn a_challenger_runs_beside_them_and_is_reported() -> Result<(), Error> {
     assert_eq!((report.sst, report.samples), (sums.moved, window.window));
     // Without one the report is that of the model in use.
     let window = seen(&drive, None, 3.0)?;
-    let report = window.report(&Sums {
+    let report = window.report(&WindowSums {
         challenger: None,
         ..sums
     });
@@ -157,14 +161,14 @@ fn a_window_counts_by_its_motion_up_to_a_whole_one() -> Result<(), Error> {
 
 #[test]
 fn a_share_is_the_weight_at_most_whatever_the_errors() {
-    let sums = Sums {
+    let sums = WindowSums {
         bank: core::array::from_fn(|k| [0.0, 1.0, 3.0, 1e38, f32::INFINITY][k.min(4)]),
         challenger: Some(f32::NAN),
         moved: 1.0,
         weight: 1.0,
     };
     for weight in [1.0, 0.5, 0.125] {
-        let shares = Sums { weight, ..sums }.shares();
+        let shares = WindowSums { weight, ..sums }.shares();
         assert_eq!(shares.bank[..3], [0.0, 0.5 * weight, 0.75 * weight]);
         assert!(shares.bank[3..].iter().all(|share| *share == weight));
         assert_eq!((shares.challenger, shares.moved), (Some(weight), weight));

@@ -22,7 +22,7 @@ fn a_part_of_a_window_counts_and_forgets_by_its_weight() {
     // Four quarters that show the same are one window, but for what the first ones forget.
     let mut evidence = Evidence::NONE;
     evidence.add(&alone(GOOD));
-    let quarter = Sums {
+    let quarter = WindowSums {
         weight: 0.25,
         ..alone(POOR)
     };
@@ -45,7 +45,7 @@ fn a_challenger_wins_by_as_many_parts_as_make_its_windows() -> Result<(), Error>
     for (weight, parts) in [(1.0, 2), (0.5, 4), (0.25, 8), (0.125, 16)] {
         let mut evidence = Evidence::NONE;
         evidence.propose(&estimate(2.0));
-        let part = Sums {
+        let part = WindowSums {
             weight,
             ..window(POOR, 0.01)
         };
@@ -60,7 +60,7 @@ fn a_challenger_wins_by_as_many_parts_as_make_its_windows() -> Result<(), Error>
 
 #[test]
 fn a_share_of_the_windows_is_that_of_the_errors_in_errors_and_motion() {
-    let window = Sums {
+    let window = WindowSums {
         bank: [
             0.0,
             25.0,

@@ -3,7 +3,7 @@
 use super::*;
 
 /// The window of a kind by which an estimate of twice the load has won, of the first nine.
-fn wins_by(design: &SupervisionDesign, window: &Sums) -> Option<u32> {
+fn wins_by(design: &SupervisionDesign, window: &WindowSums) -> Option<u32> {
     let mut evidence = Evidence::NONE;
     evidence.propose(&estimate(2.0));
     (1..10).find(|_| after(&mut evidence, design, window).is_ok_and(|winner| winner.is_some()))
