@@ -28,6 +28,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             command,
             same_code,
             pushes: self.controller.pushes(),
+            hunts: self.controller.hunts(),
         };
         match self.guard.monitors.update(&seen) {
             None => false,

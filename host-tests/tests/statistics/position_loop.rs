@@ -1,6 +1,7 @@
 //! The adaptive position loop over many seeds: faults, changes in motion, readings that fail.
 
-use trendid_host_tests::servo::bridging::assert_failing_readings_are_bridged;
+use trendid_host_tests::servo::bridging::error_with_failing_readings;
+use trendid_host_tests::servo::population::summary::quantile;
 use trendid_host_tests::servo::run::{Options, run};
 use trendid_host_tests::servo::scenario::Scenario;
 
@@ -50,8 +51,18 @@ fn changes_in_motion_are_survived_in_every_run() {
     assert!(steady < 1.0 && sine < 5.0, "{steady} mm, {sine} mm");
 }
 
+/// Median, 90 % and 99 % of the sine of 0.5 Hz in mm: within the limits of a sensor that never
+/// fails (`nominal` of the tests of the servo). The worst of some draws says more of how many they
+/// are: of 400 draws 2 % are beyond 1.05 mm.
 #[test]
 #[ignore = "long: cargo xtask statistics"]
 fn readings_that_fail_now_and_then_are_bridged() {
-    (2001..=2020).for_each(assert_failing_readings_are_bridged);
+    let sines: Vec<f64> = (2001..=2200).map(error_with_failing_readings).collect();
+    let found = [0.5, 0.9, 0.99].map(|part| quantile(&sines, part));
+    println!("0.5 Hz {found:.3?} mm");
+    let within = found
+        .iter()
+        .zip([0.75, 1.02, 1.2])
+        .all(|(x, most)| *x <= most);
+    assert!(within, "{found:?} mm");
 }

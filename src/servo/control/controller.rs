@@ -108,6 +108,7 @@ impl Controller {
             rest: RestWindow::new(&RestDesign {
                 least: design.rest_window,
                 most: design.rest_window,
+                sticky: false,
             }),
             poles,
             found_for: sqrt(model.a1),
@@ -198,6 +199,11 @@ impl Controller {
     /// Whether friction holds the axis and the push that shall move it still grows.
     pub(crate) fn pushes(&self) -> bool {
         self.estimator.pushes()
+    }
+
+    /// Whether friction holds the axis, and a hunt still widens the window in which it rests.
+    pub(crate) fn hunts(&self) -> bool {
+        self.sticks() && self.rest.can_widen()
     }
 
     /// Samples since the axis began to stick, or to slide; without friction it has always slid.

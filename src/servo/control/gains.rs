@@ -62,6 +62,7 @@ impl Controller {
         self.rest.redesign(&RestDesign {
             least,
             most: if most > least { most } else { least },
+            sticky: self.sticky,
         });
     }
 

@@ -7,14 +7,21 @@ pub(crate) struct RestDesign {
     pub(crate) least: f32,
     /// Largest window, from the model; at least the smallest.
     pub(crate) most: f32,
+    /// Whether friction can hold the axis: an approach ends where it stands.
+    pub(crate) sticky: bool,
 }
 
 /// A window that hunting widens.
 ///
 /// A hop of stick-slip of length h, with integral action, is a limit cycle exactly when it exceeds
-/// the window on both sides. Each hunt - through the window to the other side, or out of the rest -
-/// widens it by 1.25: the cycle ends after `log(h / 2 W) / log 1.25` hops. A stop at the first
-/// attempt narrows it again. It is kept from target to target.
+/// the window on both sides. Each hunt - a hop past the target and out of the window, or a second
+/// way through it without a stop - widens it by 1.25: the cycle ends after
+/// `log(h / 2 W) / log 1.25` hops. A stop at the first attempt narrows it again. It is kept from
+/// target to target.
+///
+/// What no window ends widens none: where friction ends an approach, the first way through is its
+/// overshoot, and an axis that slips from its rest was moved by what drifts, see
+/// [`Holding`](crate::servo::control::holding::Holding).
 ///
 /// Known as: hunting of stiction and integral action (Armstrong-Helouvry, Dupont and Canudas de
 /// Wit 1994).
@@ -23,9 +30,10 @@ pub(crate) struct RestWindow {
     design: RestDesign,
     window: f32,
     resting: bool,
-    /// Side of the target where the axis was beyond the window last; 0 since the reference came to
-    /// rest.
+    /// Side of the target where the axis was beyond the window last, and whether it has gone to the
+    /// other one before; 0 since the reference came to rest or the axis stood.
     side: f32,
+    crossed: bool,
     hunts: u16,
     stopped: bool,
 }
@@ -44,6 +52,7 @@ impl RestWindow {
             window: design.least,
             resting: false,
             side: 0.0,
+            crossed: !design.sticky,
             hunts: 0,
             stopped: false,
         }
@@ -74,9 +83,15 @@ impl RestWindow {
     /// The valve no longer rests.
     pub(crate) const fn wake(&mut self) {
         self.resting = false;
-        self.side = 0.0;
+        self.stands();
         self.hunts = 0;
         self.stopped = false;
+    }
+
+    /// What comes now is another motion.
+    const fn stands(&mut self) {
+        self.side = 0.0;
+        self.crossed = !self.design.sticky;
     }
 
     fn hunt(&mut self) {
@@ -89,7 +104,6 @@ impl RestWindow {
     pub(crate) fn overshot(&mut self, error: f32) {
         if error.abs() > self.window {
             self.hunt();
-            self.side = 0.0;
         }
     }
 
@@ -98,16 +112,19 @@ impl RestWindow {
     pub(crate) fn update(&mut self, error: f32, still: bool) {
         let size = error.abs();
         if self.resting {
-            if size > WAKE * self.window {
-                self.resting = false;
-                self.hunt();
-            }
+            self.resting = size <= WAKE * self.window;
             return;
+        }
+        if still {
+            self.stands();
         }
         if size > self.window {
             let side = if error > 0.0 { 1.0 } else { -1.0 };
             if self.side * side < 0.0 {
-                self.hunt();
+                if self.crossed {
+                    self.hunt();
+                }
+                self.crossed = true;
             }
             self.side = side;
         } else if still {
@@ -122,6 +139,11 @@ impl RestWindow {
             }
             self.stopped = true;
         }
+    }
+
+    /// Whether a hunt would widen the window.
+    pub(crate) fn can_widen(&self) -> bool {
+        self.window < self.design.most
     }
 
     pub(crate) const fn rests(&self) -> bool {

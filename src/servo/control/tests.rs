@@ -93,6 +93,7 @@ fn a_window_widens_with_each_hunt_and_narrows_with_a_stop_at_once() {
     let design = RestDesign {
         least: 0.01,
         most: 0.1,
+        sticky: true,
     };
     let fresh = RestWindow::new(&design);
     assert_eq!((fresh.window(), fresh.rests()), (0.01, false));
@@ -108,15 +109,16 @@ fn a_window_widens_with_each_hunt_and_narrows_with_a_stop_at_once() {
     assert!(window.rests());
     window.update(-0.0131, true);
     assert!(!window.rests());
-    assert!((window.window() - 0.0125).abs() < 1e-7);
-    // From one side beyond it to the other: a hunt, once per crossing.
+    assert_eq!(window.window(), 0.01, "a slip from the rest is no hunt");
+    // From one side beyond it to the other: the overshoot of an approach, then hunts.
     let mut window = fresh.clone();
     for (error, hunts) in [
         (0.02, 0),
         (0.03, 0),
-        (-0.02, 1),
-        (-0.02, 1),
-        (0.02, 2),
+        (-0.02, 0),
+        (-0.02, 0),
+        (0.02, 1),
+        (-0.02, 2),
         (0.0, 2),
     ] {
         window.update(error, false);
@@ -127,9 +129,25 @@ fn a_window_widens_with_each_hunt_and_narrows_with_a_stop_at_once() {
             window.window()
         );
     }
-    // A reference that moves begins anew; the window is kept.
-    window.wake();
-    window.update(-0.05, false);
+    // An axis that friction cannot hold has no other end of its approach.
+    let mut free = RestWindow::new(&RestDesign {
+        sticky: false,
+        ..design
+    });
+    free.update(0.02, false);
+    free.update(-0.02, false);
+    assert!((free.window() - 0.0125).abs() < 1e-7);
+    // A reference that moves and an axis that stands begin anew; the window is kept.
+    for stands in [false, true] {
+        for error in [0.02, -0.02, 0.02, -0.02] {
+            if stands {
+                window.update(error, true);
+            } else {
+                window.wake();
+            }
+            window.update(error, false);
+        }
+    }
     assert!((window.window() - 0.01 * 1.25 * 1.25).abs() < 1e-6);
     // A stop at the first attempt narrows it by a fifth, but not below where it stands.
     let mut wide = window.clone();
@@ -147,6 +165,7 @@ fn a_hop_past_the_target_is_a_hunt_within_the_limits_of_the_window() {
     let design = RestDesign {
         least: 0.01,
         most: 0.1,
+        sticky: true,
     };
     let mut hopped = RestWindow::new(&design);
     // A hop past the target is a hunt where it is beyond the window.
@@ -161,11 +180,13 @@ fn a_hop_past_the_target_is_a_hunt_within_the_limits_of_the_window() {
     hopped.redesign(&RestDesign {
         least: 0.01,
         most: 0.05,
+        sticky: true,
     });
     assert_eq!(hopped.window(), 0.05);
     hopped.redesign(&RestDesign {
         least: 0.2,
         most: 0.3,
+        sticky: true,
     });
     assert_eq!(hopped.window(), 0.2);
 }

@@ -31,6 +31,8 @@ pub(crate) struct Seen<'a> {
     pub(crate) same_code: bool,
     /// Whether friction holds the axis and the push that shall move it still grows.
     pub(crate) pushes: bool,
+    /// Whether friction holds the axis in a hunt that the window of its rest still answers.
+    pub(crate) hunts: bool,
 }
 
 /// What the loop must do.
@@ -181,7 +183,7 @@ impl Monitors {
         let swing = self.obedience.swing();
         let velocity = self.twin.velocity();
         let stuck = self.stuck.update(seen.same_code, velocity, swing, bounds);
-        let oscillates = self.oscillation.update(seen.setpoint, seen.y);
+        let oscillates = self.oscillation.update(seen.setpoint, seen.y, seen.hunts);
         if self.unrest.update(seen.setpoint, seen.y) {
             self.counters.moves_at_rest = self.counters.moves_at_rest.saturating_add(1);
         }

@@ -8,7 +8,9 @@ use crate::servo::motion::Setpoint;
 /// Noise of 8 sigma and two resolutions do not count, and neither does an axis that comes to rest:
 /// after 4 reversals, each within the longest pause after the one before, a loop with damping is at
 /// rest. Friction that sticks makes slow cycles, so that the pause is seconds and not periods of
-/// the drive. Cost: about 20 instructions.
+/// the drive. As long as the window in which the axis rests can widen, it ends those, and less
+/// bandwidth would be kept for nothing: they count from where it is as wide as it may be. Cost:
+/// about 20 instructions.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Oscillation {
     band: f32,
@@ -40,9 +42,10 @@ impl Oscillation {
         }
     }
 
-    /// One sample; whether an oscillation is noticed in it. The count then begins again.
+    /// One sample; whether an oscillation is noticed in it. The count then begins again. `hunts`:
+    /// friction holds the axis, and the window can still widen.
     #[inline]
-    pub(crate) fn update(&mut self, r: &Setpoint, y: f32) -> bool {
+    pub(crate) fn update(&mut self, r: &Setpoint, y: f32, hunts: bool) -> bool {
         if !r.is_rest() {
             self.rest = 0;
             return false;
@@ -56,7 +59,7 @@ impl Oscillation {
             return false;
         }
         self.since = self.since.saturating_add(1);
-        if self.since > self.pause {
+        if hunts || self.since > self.pause {
             self.reversals = 0;
         }
         let from = y - self.extreme;

@@ -192,7 +192,8 @@ fn four_reversals_beyond_the_band_within_their_pause_are_an_oscillation() {
         let mut monitor = Oscillation::new(&design);
         let found = (0..60 * half).find(|k| {
             let phase = core::f32::consts::PI * *k as f32 / half as f32;
-            monitor.update(&Setpoint::at(200.0), 200.0 + amplitude * libm::sinf(phase))
+            let y = 200.0 + amplitude * libm::sinf(phase);
+            monitor.update(&Setpoint::at(200.0), y, false)
         });
         found.map(|k| (k.saturating_sub(design.cycle_settling)) / half)
     };
@@ -225,7 +226,7 @@ fn four_reversals_beyond_the_band_within_their_pause_are_an_oscillation() {
         } else {
             &moves
         };
-        notices += u32::from(monitor.update(r, y));
+        notices += u32::from(monitor.update(r, y, false));
     }
     let halves = (10_000 - design.cycle_settling) / 40;
     assert!(notices.abs_diff(halves / 4) <= 1, "{notices} of {halves}");

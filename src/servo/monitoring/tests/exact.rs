@@ -56,7 +56,7 @@ fn four_reversals_are_an_oscillation_whichever_way_it_begins() {
         let mut monitor = Oscillation::new(&design);
         // Away in steps that are no reversals, then to and fro by more than the band.
         let places = [0.0, 2.0, 3.5, 5.0, 3.5, 5.0, 3.5, 5.0];
-        let found = places.map(|y| monitor.update(&Setpoint::at(0.0), way * y));
+        let found = places.map(|y| monitor.update(&Setpoint::at(0.0), way * y, false));
         assert_eq!(
             found,
             [false, false, false, false, false, false, false, true]
@@ -65,7 +65,13 @@ fn four_reversals_are_an_oscillation_whichever_way_it_begins() {
         let mut monitor = Oscillation::new(&design);
         for k in 0..40 {
             let y = [2.0, 2.9][k % 2];
-            assert!(!monitor.update(&Setpoint::at(0.0), way * y));
+            assert!(!monitor.update(&Setpoint::at(0.0), way * y, false));
+        }
+        // Nor where friction holds the axis at one of the ends and the window can widen.
+        let mut monitor = Oscillation::new(&design);
+        for k in 0..40 {
+            let y = [0.0, 3.0][k % 2];
+            assert!(!monitor.update(&Setpoint::at(0.0), way * y, k % 3 == 2));
         }
     }
 }
