@@ -122,3 +122,20 @@ fn what_has_decayed_becomes_zero() {
         ([0.0, -1e-14], [0.0, 1e-29])
     );
 }
+
+#[test]
+fn the_former_drive_is_all_there_is_until_a_row_of_the_new_one() {
+    let mut detector = ChangeDetector::new(LAMBDA, 0);
+    let behind = |alone: bool, rows: f32| Former::behind(alone, rows, 1.0 - LAMBDA);
+    assert_eq!(detector.former(LAMBDA), Former::NONE, "no change was found");
+    for settling in [0, 1, 30] {
+        detector.answer(LAMBDA, settling, 0);
+        assert_eq!(detector.former(LAMBDA), behind(settling > 0, 0.0));
+    }
+    detector.begin();
+    assert_eq!(
+        detector.former(LAMBDA),
+        Former::NONE,
+        "values of no drive before"
+    );
+}

@@ -182,6 +182,12 @@ mod tests {
     fn a_travel_has_a_length_and_ends_that_are_numbers() {
         let is_one = |min: f32, max: f32| Travel { min, max }.check().is_ok();
         assert!(is_one(-100.0, 300.0) && is_one(300.0, 300.5));
+        let inner = Travel {
+            min: -100.0,
+            max: 300.0,
+        }
+        .inner();
+        assert_eq!((inner.min, inner.max), (-60.0, 260.0));
         for (min, max) in [
             (300.0, 300.0),
             (300.0, -100.0),

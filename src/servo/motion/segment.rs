@@ -110,3 +110,25 @@ pub(crate) fn end(start: &Motion, segments: &[Segment]) -> Motion {
     }
     motion
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn braking_takes_half_the_time_for_as_long_as_the_jerk_needs() {
+        let limits = MotionLimits {
+            velocity: 10.0,
+            acceleration: 2.0,
+            jerk: 1.0,
+        };
+        // Below a^2 / j without a flat piece; from there on with v / a + a / j.
+        for (velocity, time) in [(1.0_f32, 2.0), (2.25, 3.0), (4.0, 4.0), (6.0, 5.0)] {
+            let found = braking(velocity, &limits);
+            assert!(
+                (found - 0.5 * velocity * time).abs() < 1e-5,
+                "{velocity}: {found}"
+            );
+        }
+    }
+}

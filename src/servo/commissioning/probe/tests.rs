@@ -131,11 +131,13 @@ fn a_drift_is_no_movement_and_the_mean_of_three_decides() {
 
 #[test]
 fn no_code_for_as_long_as_the_first_triangle_takes_is_a_sensor_that_is_stuck() {
-    let mut probe = Probe::default();
-    let count =
-        (0..5000).find(|_| probe.update(0.5, true, &still(), STEP, 1.0) == Probed::SameCode);
-    let time = STEP * count.unwrap_or(0) as f32;
-    assert!((time - 1.2).abs() < 5e-3, "{time}");
+    for scale in [1.0, 0.5] {
+        let mut probe = Probe::default();
+        let count =
+            (0..5000).find(|_| probe.update(0.5, true, &still(), STEP, scale) == Probed::SameCode);
+        let time = STEP * count.unwrap_or(0) as f32;
+        assert!((time - scale * 1.2).abs() < 5e-3, "{time}");
+    }
     // A code that changes now and then is not.
     let mut probe = Probe::default();
     for k in 0..2000 {

@@ -138,3 +138,24 @@ fn a_reference_is_foreseen_by_its_series_and_its_direction_by_the_observer() {
         40.0 * (-1.0 - 0.0384),
     );
 }
+
+#[test]
+fn a_steady_motion_takes_its_damping_and_friction() {
+    for velocity in [40.0, -3.0] {
+        near(
+            at(velocity, 0.0).steady(),
+            20.0 * velocity + sign(velocity) * 800.0,
+        );
+    }
+}
+
+#[test]
+fn friction_brakes_with_what_the_way_needs_up_to_three_of_it() {
+    // v^2 / (2 distance) of a friction of 2: beyond 5, and 6 at most.
+    for way in [1.0, -1.0] {
+        for (square, need) in [(11.0_f32, 5.5), (13.0, 6.0), (0.5, 0.0), (0.7, 0.35)] {
+            let velocity = way * libm::sqrtf(square);
+            near(stopping_drive(way, velocity, 2.0), way * (2.0 - need));
+        }
+    }
+}

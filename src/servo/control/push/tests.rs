@@ -32,6 +32,9 @@ fn a_push_is_quick_to_where_friction_lets_go_and_then_grows() {
             near(way * held.break_away(&r, false, 0.0), 38_400.0 * most);
             // The next one is none that a pause has made.
             assert!(held.resumed() == (samples == 750) && !held.resumed());
+            // Of ten samples no push has grown.
+            held.pause = 10;
+            assert!(!held.resumed());
             near(way * held.break_away(&r, false, 0.0), 38_400.0 * moving);
         }
         // From four frictions on the error counts where it asks for more: k0 error - k2 drive.
@@ -119,4 +122,12 @@ fn a_push_is_due_when_as_much_is_missing_as_a_hop_is_long() {
     near(due(1.0, 0.0, 16.0), 0.0);
     near(due(1e-9, -1.0, 16.0), -2.5e9);
     assert!(due(f32::NAN, 1.0, 16.0) == 16.0 && due(1.0, f32::NAN, 16.0) == 16.0);
+}
+
+#[test]
+fn a_hop_is_due_when_its_reference_has_gone_what_is_left() {
+    near(due(2.0, 0.4, 3.0), 0.5);
+    for (left, speed) in [(0.1, 0.2), (0.0, 1.0), (0.0, -1.0), (-1.0, 1.0)] {
+        near(due(left, speed, 3.0), 3.0);
+    }
 }
