@@ -23,8 +23,8 @@ fn faults_are_refused_for_the_right_reason_and_the_gains_are_kept() {
 }
 
 /// Four changes, 25 seeds of each. Wanted after a change is what `Figures::outside` lists: one and
-/// a half times the figures of the nominal axis, within 2 s. Forty-seven of these 100 runs reach all
-/// of it, so that it is printed and not demanded; demanded is that no run is given up, and that
+/// a half times the figures of the nominal axis, within 2 s. Forty-seven of these 100 runs reach
+/// all of it, so that it is printed and not demanded; demanded is that no run is given up, and that
 /// each stands where it should in the end, and follows.
 #[test]
 #[ignore = "long: cargo xtask statistics"]
