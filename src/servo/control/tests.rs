@@ -117,9 +117,18 @@ fn a_window_rests_the_axis_and_narrows_with_a_stop_at_once() {
     let mut wide = window.clone();
     wide.update(0.001, true);
     assert!((wide.window() - 0.8 * window.window()).abs() < 1e-6 && wide.rests());
-    let mut held = window;
+    let mut held = window.clone();
     held.update(0.015, true);
     assert!((held.window() - 0.015).abs() < 1e-7);
+    // Neither a stop behind a slip from the rest narrows it nor one behind a hunt.
+    let before = wide.window();
+    wide.update(0.05, true);
+    wide.update(0.001, true);
+    assert_eq!((wide.window(), wide.rests()), (before, true));
+    window.overshot(0.05);
+    let before = window.window();
+    window.update(0.001, true);
+    assert_eq!((window.window(), window.rests()), (before, true));
 }
 
 #[test]
@@ -183,9 +192,11 @@ fn a_hop_past_the_target_is_a_hunt_within_the_limits_of_the_window() {
     assert_eq!(hopped.window(), 0.01);
     hopped.overshot(-0.011);
     assert!((hopped.window() - 0.0125).abs() < 1e-7);
+    assert!(hopped.can_widen());
     for _ in 0..50 {
         hopped.overshot(1.0);
     }
+    assert!(!hopped.can_widen());
     assert_eq!(hopped.window(), 0.1);
     hopped.redesign(&RestDesign {
         least: 0.01,
