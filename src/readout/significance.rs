@@ -164,6 +164,18 @@ mod tests {
     }
 
     #[test]
+    fn the_limit_grows_with_the_root_of_residual_and_variance() {
+        let p: Matrix<2> = [[2.0, 0.1], [0.1, 0.25]];
+        // sigma_c = 1: nothing is withdrawn from 4 on.
+        for (constant, goes) in [(3.9, true), (4.1, false)] {
+            let theta = [10.0, constant];
+            let found =
+                Withdrawal::of(&COLUMNS, &theta, |i| p.get(i).copied(), &[1.0; 2], 4.0, 2.0);
+            assert_eq!(found.is_some(), goes, "{constant}");
+        }
+    }
+
+    #[test]
     fn the_covariance_is_that_without_the_constant_and_a_part_of_it() {
         let mut covariance = P;
         withdrawal(3.0)

@@ -75,6 +75,17 @@ fn every_length_of_a_design_scales_with_the_unit_and_nothing_else_does() {
 }
 
 #[test]
+fn the_lag_of_a_quicker_axis_is_shorter() {
+    let lag = |bandwidth: f32| {
+        let travel = stated(1.0, 1e-3).travel;
+        design(&Config::new(1e-3, bandwidth, travel))
+            .supervision
+            .lag
+    };
+    assert!((lag(20.0) / lag(40.0) - 2.0).abs() < 1e-4);
+}
+
+#[test]
 fn shares_of_a_sample_and_numbers_of_samples_follow_the_sample_time() {
     let (slow, quick) = (design(&stated(1.0, 1e-3)), design(&stated(1.0, 2.5e-4)));
     let (a, b) = (&slow.monitoring, &quick.monitoring);
