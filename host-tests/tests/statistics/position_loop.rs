@@ -1,6 +1,6 @@
 //! The adaptive position loop over many seeds: faults, changes in motion, readings that fail.
 
-use trendid_host_tests::servo::bridging::error_with_failing_readings;
+use trendid_host_tests::servo::bridging::{SINE_MAX_MM, error_with_failing_readings};
 use trendid_host_tests::servo::population::summary::quantile;
 use trendid_host_tests::servo::run::{Options, run};
 use trendid_host_tests::servo::scenario::Scenario;
@@ -60,9 +60,6 @@ fn readings_that_fail_now_and_then_are_bridged() {
     let sines: Vec<f64> = (2001..=2200).map(error_with_failing_readings).collect();
     let found = [0.5, 0.9, 0.99].map(|part| quantile(&sines, part));
     println!("0.5 Hz {found:.3?} mm");
-    let within = found
-        .iter()
-        .zip([0.75, 1.02, 1.2])
-        .all(|(x, most)| *x <= most);
+    let within = found.iter().zip(SINE_MAX_MM).all(|(x, most)| *x <= most);
     assert!(within, "{found:?} mm");
 }

@@ -88,14 +88,15 @@ fn friction_sticks_where_the_velocity_turns_and_lets_go_at_the_breakaway() {
     assert!(none.sticks());
 }
 
+const WINDOW: RestDesign = RestDesign {
+    least: 0.01,
+    most: 0.1,
+    sticky: true,
+};
+
 #[test]
 fn a_window_rests_the_axis_and_narrows_with_a_stop_at_once() {
-    let design = RestDesign {
-        least: 0.01,
-        most: 0.1,
-        sticky: true,
-    };
-    let fresh = RestWindow::new(&design);
+    let fresh = RestWindow::new(&WINDOW);
     assert_eq!((fresh.window(), fresh.rests()), (0.01, false));
     // It rests where it stands within the window, and goes on where it leaves 1.3 of it.
     let mut window = fresh.clone();
@@ -133,13 +134,8 @@ fn a_window_rests_the_axis_and_narrows_with_a_stop_at_once() {
 
 #[test]
 fn a_window_widens_with_each_hunt() {
-    let design = RestDesign {
-        least: 0.01,
-        most: 0.1,
-        sticky: true,
-    };
     // From one side beyond it to the other: the overshoot of an approach, then hunts.
-    let mut window = RestWindow::new(&design);
+    let mut window = RestWindow::new(&WINDOW);
     for (error, hunts) in [
         (0.02, 0),
         (0.03, 0),
@@ -160,7 +156,7 @@ fn a_window_widens_with_each_hunt() {
     // An axis that friction cannot hold has no other end of its approach.
     let mut free = RestWindow::new(&RestDesign {
         sticky: false,
-        ..design
+        ..WINDOW
     });
     free.update(0.02, false);
     free.update(-0.02, false);
@@ -181,12 +177,7 @@ fn a_window_widens_with_each_hunt() {
 
 #[test]
 fn a_hop_past_the_target_is_a_hunt_within_the_limits_of_the_window() {
-    let design = RestDesign {
-        least: 0.01,
-        most: 0.1,
-        sticky: true,
-    };
-    let mut hopped = RestWindow::new(&design);
+    let mut hopped = RestWindow::new(&WINDOW);
     // A hop past the target is a hunt where it is beyond the window.
     hopped.overshot(0.009);
     assert_eq!(hopped.window(), 0.01);
@@ -199,9 +190,8 @@ fn a_hop_past_the_target_is_a_hunt_within_the_limits_of_the_window() {
     assert!(!hopped.can_widen());
     assert_eq!(hopped.window(), 0.1);
     hopped.redesign(&RestDesign {
-        least: 0.01,
         most: 0.05,
-        sticky: true,
+        ..WINDOW
     });
     assert_eq!(hopped.window(), 0.05);
     hopped.redesign(&RestDesign {
