@@ -99,10 +99,11 @@ fn slope<const M: usize, const N: usize, const I: usize>(
     let parameters = structure.parameters();
     let rate = largest_rate(&structure.denominator(theta));
     for (j, parameter) in parameters.into_iter().enumerate() {
-        let step = match parameter {
+        let size = match parameter {
             Parameter::Output { power } => STEP * pow(rate, (M - power) as f32),
             _ => theta[j].abs(),
         };
+        let step = if size > 0.0 { size } else { 1.0 };
         let (mut up, mut down) = (*theta, *theta);
         up[j] += step;
         down[j] -= step;
@@ -111,13 +112,7 @@ fn slope<const M: usize, const N: usize, const I: usize>(
             theta_in_s_plane(&down, structure, design),
         );
         for i in 0..N {
-            slope[i][j] = if step > 0.0 {
-                (up[i] - down[i]) / (2.0 * step)
-            } else if i == j {
-                1.0
-            } else {
-                0.0
-            };
+            slope[i][j] = (up[i] - down[i]) / (2.0 * step);
         }
     }
     slope

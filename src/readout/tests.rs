@@ -197,13 +197,13 @@ fn a_position_far_away_is_rounded_and_that_is_no_white_noise() {
     }
 }
 
-#[test]
-fn a_covariance_goes_through_the_slope_of_the_map_to_the_s_plane() {
+/// Whether the covariance about theta, which is of the size of `scale`, goes through the slope of
+/// the map.
+fn goes_through_the_slope(theta: [f32; 3], scale: [f32; 3]) {
     // Trends of 20 ms samples: the map is no identity.
     let trends = crate::trends::ExactTrends::<3>::for_bandwidth(2e-2, BANDWIDTH).expect("a filter");
     let design = trends.design().clone();
     let structure = Structure::<3, 3, 1>::INTEGRATING;
-    let theta = [400.0, 20.0, 1e6];
     let found = Estimate {
         structure,
         theta,
@@ -216,7 +216,7 @@ fn a_covariance_goes_through_the_slope_of_the_map_to_the_s_plane() {
         mapped.theta
     );
     let slope: [[f32; 3]; 3] = core::array::from_fn(|j| {
-        let step = [2.0, 0.1, 1e4][j];
+        let step = 5e-3 * scale[j];
         let at = |sign: f32| {
             let mut theta = theta;
             theta[j] += sign * step;
@@ -245,4 +245,14 @@ fn a_covariance_goes_through_the_slope_of_the_map_to_the_s_plane() {
     // And back.
     let back = s_plane::theta_in_trend_plane(&mapped.theta, &structure, &design);
     assert!((0..3).all(|j| close(back[j], theta[j], 1e-3)), "{back:?}");
+}
+
+#[test]
+fn a_covariance_goes_through_the_slope_of_the_map_to_the_s_plane() {
+    goes_through_the_slope([400.0, 20.0, 1e6], [400.0, 20.0, 1e6]);
+}
+
+#[test]
+fn a_numerator_of_0_is_known_by_the_slope_of_any_other() {
+    goes_through_the_slope([400.0, 20.0, 0.0], [400.0, 20.0, 1e6]);
 }

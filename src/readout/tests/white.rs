@@ -126,6 +126,31 @@ fn what_few_rows_leave_of_a_bias_is_uncertain() {
 }
 
 #[test]
+fn a_bias_that_is_left_is_that_of_the_noise_in_the_rows() {
+    // White noise is all of the residual: no drift adds to the bias.
+    let parts = blind(2e-3, 0.999);
+    let read = parts.read();
+    let p = read.covariance();
+    let found = compensate(&read, &p, true);
+    assert!(found.share() < 1e-4, "nothing is taken out");
+    let white = parts.noise.variance().expect("a level");
+    // n s / (1 + 4/nu) of a hundred rows, two of which tell something new.
+    let level = 100.0 * white * 2.0 / (2.0 + 4.0);
+    let gain = &parts.design.noise_gain;
+    let (matrix, vector, _) = parts.regressor.noise_moments::<0>(gain);
+    let (theta, units) = (parts.estimator.theta(), parts.regressor.units());
+    for i in 0..2 {
+        let along: f32 = (0..3).map(|j| matrix[i][j] * theta[j]).sum();
+        let exact = units[i] * p[i][i] * level * (along - vector[i]);
+        assert!(
+            close(found.left[i], exact, 1e-3),
+            "{i}: {exact} {:?}",
+            found.left
+        );
+    }
+}
+
+#[test]
 fn white_noise_counts_by_its_spectrum_behind_the_filter_and_rounding_in_the_band() {
     // All of the residual is white, and hardly anything is left but rounding.
     for (error, share) in [(2e-3, 0.999), (1e-8, 9.0)] {

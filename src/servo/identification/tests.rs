@@ -95,6 +95,21 @@ fn nothing_is_certain_before_the_noise_is_known() {
 }
 
 #[test]
+fn an_identification_goes_on_from_a_model_that_is_known_to_a_share() {
+    let mut identifier = trained();
+    reopen(&mut identifier, &USED, 0.1);
+    let found = identifier.recursion();
+    let Model { a1, a2, b0, .. } = USED;
+    let theta = [a1, a2, b0, 0.0, -1.0, 0.0];
+    let std = [0.1 * a1, 0.1 * a2, 0.1 * b0, 0.0, 0.1, 0.0];
+    for j in 0..6 {
+        let size = 1e-4 * theta[j].abs();
+        assert!((found.theta()[j] - theta[j]).abs() <= size, "{j}");
+        assert!((found.std()[j] - std[j]).abs() <= size, "{j}");
+    }
+}
+
+#[test]
 fn what_the_loop_has_learnt_of_the_valve_stays_and_friction_follows_the_mass() {
     let used = Model { a1: 1200.0, ..USED };
     let found = candidate(&look(&trained()), &used).model;

@@ -93,6 +93,22 @@ fn a_start_is_ranked_by_the_last_two_fifths_of_what_it_was_fitted_to() {
     assert_eq!(search.simulation, expected.simulation);
 }
 
+#[test]
+fn a_model_is_held_out_from_points_behind_its_fit() {
+    let record = driven();
+    let mut search = Search::new(1e-3, 0.0, Some(0.0));
+    search.begin(0, View::of(4e-3, 1e-5, 1.0), 1e-5, [20.0, 0.03]);
+    for _ in 0..100_000 {
+        assert_eq!(search.update(&record, 1.0), None);
+        if let Phase::Holding(from, until) = search.phase {
+            assert_eq!(from, search.fit.end());
+            assert_eq!(until, from + search.points(&search.fit.found()));
+            return;
+        }
+    }
+    panic!("a fit has an end");
+}
+
 /// Whether an estimate is accepted so many s after the begin that changed its gain by a share.
 fn accepted(time: f32, change: f32) -> bool {
     let mut commissioning = Commissioning::new(design());
