@@ -198,6 +198,10 @@ mod tests {
         // everywhere, counts by 5^2, half as much again.
         let wanted = [[41.5, 37.5], [37.5, 37.5]];
         assert_eq!(sandwich(&t, &p, &parameters), wanted);
+        // The same in a unit of the constant that is half as large.
+        let (t, p) = ([[2.0, 1.5], [0.0, 5.0]], [[2.0, 2.0], [2.0, 4.0]]);
+        let wanted = [[41.5, 75.0], [75.0, 150.0]];
+        assert_eq!(sandwich(&t, &p, &parameters), wanted);
         // A known constant adds nothing, and neither does one that is not there.
         let p = [[2.0, 0.0], [0.0, 0.0]];
         assert_eq!(sandwich(&t, &p, &parameters), [[8.0, 0.0], [0.0, 0.0]]);

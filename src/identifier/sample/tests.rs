@@ -56,7 +56,7 @@ fn long_after(memory: Option<f32>, adapts: bool, moves: bool) -> Servo3 {
     let (mut servo, mut drive) = trained(&config, 1500);
     servo.adapt(adapts);
     let rest = drive.at[0];
-    for k in 1500..36_000 {
+    for k in 1500..300_000 {
         let y = if moves { drive.sample(k)[1] } else { rest };
         let _ = servo.update(0.0, y);
     }
@@ -75,6 +75,12 @@ fn what_has_decayed_ends_at_zero_however_samples_are_taken() {
                     (!moves, true),
                     "{memory:?} {adapts} {moves}"
                 );
+                if !moves {
+                    // Nor is anything left that would be flushed.
+                    let mut flushed = servo.state.clone();
+                    (0..8).for_each(|part| flushed.flush(part));
+                    assert_eq!(servo.state, flushed, "{memory:?} {adapts}");
+                }
             }
         }
     }

@@ -31,6 +31,14 @@ fn a_warm_start_begins_from_what_it_is_given() {
         }
         assert_eq!(state.estimator.samples(), 0.0);
         assert_eq!((state.learns, state.postponed.is_owed()), (adapts, false));
+        // And returns to that when data that supported it are forgotten.
+        servo.state.forgetting.set_nominal_std(&[0.0; 3]);
+        for j in 0..3 {
+            let relative = std[j] / (units[j] * servo.plan.noise.prior);
+            let (unsupported, variance) = servo.state.forgetting.own_variances()[j];
+            assert!(!unsupported);
+            near(variance, relative * relative);
+        }
     }
 }
 

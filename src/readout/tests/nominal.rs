@@ -45,10 +45,10 @@ fn what_a_prior_says_is_added_where_it_counted_for_more_than_the_noise_that_was_
     assert_eq!(parts.read().estimate().covariance, none.covariance);
 }
 
-#[test]
-fn scores_know_nothing_of_nominal_values_which_are_added() {
-    let mut parts = Parts::new(filtered(), [1e2; 4], 0.999, 400);
-    parts.forgetting.set_nominal_std(&[3e4, 0.0, 0.0, 0.0]);
+/// What is added where scores say nothing, of so many rows and a nominal value known to `std`.
+fn adds_what_nominal_values_leave(rows: u32, std: f32) {
+    let mut parts = Parts::new(filtered(), [1e2; 4], 0.999, rows);
+    parts.forgetting.set_nominal_std(&[std, 0.0, 0.0, 0.0]);
     let (p, units) = (parts.estimator.covariances(), *parts.regressor.units());
     let scores = [[0.0; 4]; 4];
     let found = parts.read().under(|theta, gain| {
@@ -86,6 +86,13 @@ fn scores_know_nothing_of_nominal_values_which_are_added() {
     let normalised = parts.read().normalised_theta();
     assert!((0..4).all(|j| close(normalised[j], parts.estimator.theta()[j], 1e-5)));
     assert_eq!(parts.read().known(), [false; 4]);
+}
+
+#[test]
+fn scores_know_nothing_of_nominal_values_which_are_added() {
+    adds_what_nominal_values_leave(400, 3e4);
+    // Without rows a nominal value is all that is known.
+    adds_what_nominal_values_leave(0, 1e2);
 }
 
 #[test]

@@ -126,27 +126,37 @@ fn what_few_rows_leave_of_a_bias_is_uncertain() {
 }
 
 #[test]
-fn a_bias_that_is_left_is_that_of_the_noise_in_the_rows() {
-    // White noise is all of the residual: no drift adds to the bias.
-    let parts = blind(2e-3, 0.999);
-    let read = parts.read();
-    let p = read.covariance();
-    let found = compensate(&read, &p, true);
-    assert!(found.share() < 1e-4, "nothing is taken out");
-    let white = parts.noise.variance().expect("a level");
-    // n s / (1 + 4/nu) of a hundred rows, two of which tell something new.
-    let level = 100.0 * white * 2.0 / (2.0 + 4.0);
-    let gain = &parts.design.noise_gain;
-    let (matrix, vector, _) = parts.regressor.noise_moments::<0>(gain);
-    let (theta, units) = (parts.estimator.theta(), parts.regressor.units());
-    for i in 0..2 {
-        let along: f32 = (0..3).map(|j| matrix[i][j] * theta[j]).sum();
-        let exact = units[i] * p[i][i] * level * (along - vector[i]);
-        assert!(
-            close(found.left[i], exact, 1e-3),
-            "{i}: {exact} {:?}",
-            found.left
-        );
+fn a_bias_that_is_left_is_that_of_the_noise_in_the_rows_and_of_drift() {
+    for share in [0.999_f32, 0.5] {
+        let parts = blind(2e-3, share);
+        let read = parts.read();
+        let p = read.covariance();
+        let found = compensate(&read, &p, true);
+        assert!(found.share() < 1e-4, "nothing is taken out");
+        let white = parts.noise.variance().expect("a level");
+        // n s / (1 + 4/nu) of a hundred rows, two of which tell something new.
+        let level = 100.0 * white * 2.0 / (2.0 + 4.0);
+        let (theta, units) = (parts.estimator.theta(), parts.regressor.units());
+        // Q (M theta - m) of a parameter, and t - 2 theta' m + theta' M theta.
+        let of = |(matrix, vector, top): (Matrix<3>, [f32; 3], f32)| {
+            let along = |i: usize| (0..3).map(|j| matrix[i][j] * theta[j]).sum::<f32>();
+            let bias = core::array::from_fn::<_, 2, _>(|i| p[i][i] * (along(i) - vector[i]));
+            let spread = (0..3).fold(top, |sum, i| sum + theta[i] * (along(i) - 2.0 * vector[i]));
+            (bias, spread)
+        };
+        let gain = &parts.design.noise_gain;
+        let (bias, _) = of(parts.regressor.noise_moments::<0>(gain));
+        let (drift, spread) = of(parts.regressor.noise_moments::<1>(gain));
+        let chance = 4.0 * libm::sqrtf(2.0 / 100.0);
+        let rest = (1.0 - share * (1.0 + chance)).max(0.0) * read.residual();
+        for i in 0..2 {
+            let exact = units[i] * (level * bias[i] + 100.0 * rest / spread * drift[i]);
+            let error = (found.left[i] - exact).abs();
+            assert!(
+                error <= 3e-3 * exact.abs(),
+                "{share} {i}: {error} of {exact}"
+            );
+        }
     }
 }
 
