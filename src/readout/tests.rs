@@ -256,3 +256,26 @@ fn a_covariance_goes_through_the_slope_of_the_map_to_the_s_plane() {
 fn a_numerator_of_0_is_known_by_the_slope_of_any_other() {
     goes_through_the_slope([400.0, 20.0, 0.0], [400.0, 20.0, 1e6]);
 }
+
+#[test]
+fn of_what_a_drive_has_just_become_nothing_is_known() {
+    let mut parts = Parts::new(filtered(), [1e2; 4], 0.999, 400);
+    assert!(
+        parts
+            .read()
+            .estimate()
+            .std()
+            .iter()
+            .all(|std| std.is_finite())
+    );
+    parts.former = Former::behind(true, 0.0, 1e-3);
+    let found = parts.read().estimate();
+    for i in 0..4 {
+        assert_eq!(found.covariance[i][i], f32::INFINITY, "{i}");
+    }
+    // As little without a residual and a parameter to err by.
+    let mut parts = Parts::new(raw(), [1e2; 4], 1.0, 0);
+    parts.prior_noise = 0.0;
+    let found = parts.read().estimate();
+    assert_eq!(found.covariance[3][3], f32::INFINITY);
+}

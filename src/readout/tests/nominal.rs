@@ -89,6 +89,26 @@ fn adds_what_nominal_values_leave(rows: u32, std: f32) {
 }
 
 #[test]
+fn a_nominal_value_counts_for_a_part_of_the_bound_where_the_data_say_more() {
+    let mut parts = Parts::new(filtered(), [1e2; 4], 0.999, 400);
+    let bound = parts.forgetting.bound();
+    parts.forgetting.set_own([bound; 4]);
+    let mut p = [[0.0; 4]; 4];
+    let small = 1e-3 * bound;
+    p[0][0] = small;
+    let mut found = [[0.0; 4]; 4];
+    parts.read().add_nominal_values(&p, &mut found);
+    // An eighth of the bound.
+    let whole = 0.125 * bound;
+    let missing = bound * parts.prior_noise * parts.prior_noise - whole * parts.read().residual();
+    let exact = small / whole * (small / whole) * missing;
+    assert!(
+        missing > 0.0 && close(found[0][0], exact, 1e-3),
+        "{found:?} {exact}"
+    );
+}
+
+#[test]
 fn scores_know_nothing_of_nominal_values_which_are_added() {
     adds_what_nominal_values_leave(400, 3e4);
     // Without rows a nominal value is all that is known.

@@ -161,6 +161,14 @@ fn a_window_widens_with_each_hunt() {
     free.update(0.02, false);
     free.update(-0.02, false);
     assert!((free.window() - 0.0125).abs() < 1e-7);
+    // Neither has it one in the next motion, where an axis that friction holds has.
+    for (other, hunts) in [(&mut free, 2), (&mut window.clone(), 2)] {
+        other.wake();
+        other.update(0.02, false);
+        other.update(-0.02, false);
+        let expected = 0.01 * f32::powi(1.25, hunts);
+        assert!((other.window() - expected).abs() < 1e-6);
+    }
     // A reference that moves and an axis that stands begin anew; the window is kept.
     for stands in [false, true] {
         for error in [0.02, -0.02, 0.02, -0.02] {

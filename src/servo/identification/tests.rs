@@ -111,8 +111,13 @@ fn an_identification_goes_on_from_a_model_that_is_known_to_a_share() {
 
 #[test]
 fn what_the_loop_has_learnt_of_the_valve_stays_and_friction_follows_the_mass() {
-    let used = Model { a1: 1200.0, ..USED };
+    let used = Model {
+        a1: 1200.0,
+        b0: 0.7 * USED.b0,
+        ..USED
+    };
     let found = candidate(&look(&trained()), &used).model;
+    assert!((found.b0 / USED.b0 - 1.0).abs() < 0.1, "{}", found.b0);
     // A force that is the same deflection at another a1.
     let wanted = Model {
         friction: 2000.0 * found.a1 / 1200.0,

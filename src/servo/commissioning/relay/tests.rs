@@ -276,5 +276,19 @@ fn an_axis_that_gains_speed_for_ever_keeps_its_sign_for_a_fifth_of_a_second() {
             assert!(soon || !turns, "{side} {growth}: {turned:?}");
             assert_eq!(turned.is_some(), turns, "{side} {growth}");
         }
+        // In each of them: one that gains more in two and loses speed between keeps its sign.
+        for (loses, turns) in [(-0.01, false), (0.0, false), (0.01, true)] {
+            let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
+            let mut speed = 0.0;
+            let turned = (1..=260).any(|k| {
+                speed += match k {
+                    150 | 210 => 0.02,
+                    180 => loses,
+                    _ => 0.0,
+                };
+                reverses(&mut relay, 0.5 + 0.04 * side, side * speed)
+            });
+            assert_eq!(turned, turns, "{side} {loses}");
+        }
     }
 }

@@ -115,6 +115,20 @@ fn small_advantages_have_to_add_up() -> Result<(), Error> {
 }
 
 #[test]
+fn an_estimate_that_fits_poorly_and_is_better_by_far_needs_one_window_more() -> Result<(), Error> {
+    let design = design()?;
+    // 0.06 of the movement is more than may be left, and less than a quarter of 1.5.
+    let far = window(POOR.map(|share| share.min(0.6)), 0.06);
+    let mut evidence = Evidence::NONE;
+    evidence.propose(&estimate(2.0));
+    for _ in 0..2 {
+        assert_eq!(after(&mut evidence, &design, &far), Ok(None));
+    }
+    assert!(after(&mut evidence, &design, &far).is_ok_and(|won| won.is_some()));
+    Ok(())
+}
+
+#[test]
 fn no_window_decides_alone_however_much_it_shows() -> Result<(), Error> {
     let design = design()?;
     for large in [1.0, 1e3, 1e30, f32::INFINITY, f32::NAN] {
