@@ -84,9 +84,9 @@ fn steps() -> impl Strategy<Value = Steps> {
         )
 }
 
-/// Width with its standard deviation, and errors of C, omega0, xi \[%\] after 4 s, from the
-/// width 0.
-fn found(steps: &Steps) -> (f64, f64, [f64; 3]) {
+/// Width, and errors of C, omega0, xi \[%\] after 4 s, from the width 0; each with its standard
+/// deviation.
+fn found(steps: &Steps) -> ([f64; 2], [[f64; 2]; 3]) {
     let range = steps.range * steps.levels()[0] as f32;
     let mut servo = ValveServo::new(DT, 20.0, range, 50.0, steps.memory).unwrap();
     let mut valve = DeadZone::new(0.0, 0.2, 300);
@@ -96,7 +96,12 @@ fn found(steps: &Steps) -> (f64, f64, [f64; 3]) {
     let [a1, a2, b0, ..] = servo.theta().map(f64::from);
     let model = Servo::from_coefficients(a1, a2, b0);
     let errors = model.map_or([f64::INFINITY; 3], |model| model.error_pct(&REFERENCE));
-    (f64::from(valve.delta()), f64::from(valve.std()), errors)
+    let estimate = servo.estimate();
+    let reading = estimate.physical();
+    let values = [reading.gain, reading.omega0, reading.damping].map(|v| v.unwrap_or(f32::NAN));
+    let std = estimate.physical_std().unwrap_or([f32::NAN; 3]);
+    let relative = core::array::from_fn(|i| [errors[i], f64::from(100.0 * std[i] / values[i])]);
+    ([f64::from(valve.delta()), f64::from(valve.std())], relative)
 }
 
 proptest! {
@@ -106,9 +111,12 @@ proptest! {
     /// even above a later command.
     #[test]
     fn the_width_is_found_from_any_steps(steps in steps()) {
-        let (width, std, errors) = found(&steps);
+        let ([width, std], errors) = found(&steps);
         prop_assert!((width - steps.width).abs() < 5.0 * std, "{width} +- {std}");
         prop_assert!(std < 1e-4, "{std}");
-        prop_assert!(errors.iter().all(|error| error.abs() < 0.1), "{errors:?}");
+        for [error, std] in errors {
+            prop_assert!(error.abs() < 5.0 * std, "{errors:?}");
+            prop_assert!(std < 0.15, "{errors:?}");
+        }
     }
 }
