@@ -67,6 +67,9 @@
 //! for a column whose f_j is 0 changes nothing. So D > 0, no P_jj is larger than before, P_ii lies
 //! between what it was and what it will be, and theta is still the one before.
 //!
+//! The initial state of a structure that has one begins again with the trends, behind a standstill
+//! or a change: P_ii of that parameter is then the one of the prior, and t counts from there.
+//!
 //! # What does not hold
 //! Bounded is not right: rows that contradict the model move theta as far as the bound allows, and
 //! P knows nothing of it. After a change of the drive, directions without excitation keep the old

@@ -13,6 +13,10 @@ pub const RECOVERED_PCT: f64 = 0.1;
 /// Largest allowed error in standard deviations.
 pub const LIMIT_SIGMA: f64 = 4.0;
 
+/// Least share of the samples in which the estimate is held while a command that acts does not move
+/// the axis: all but what the gate needs to see it.
+pub const HELD_LEAST: f64 = 0.9;
+
 /// What came out of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
@@ -87,6 +91,8 @@ impl Found {
             Some(format!("error above {LIMIT_SIGMA} sigma"))
         } else if !(self.over_bound <= 1.01) {
             Some("covariance above its bound".into())
+        } else if case.must_hold() && self.held < HELD_LEAST {
+            Some(format!("held in {:.1} % only", 100.0 * self.held))
         } else {
             None
         }

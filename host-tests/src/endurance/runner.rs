@@ -170,7 +170,14 @@ impl<'a, A: Axis> Runner<'a, A> {
             && estimator.theta().iter().all(|t| t.is_finite())
             && identifier.theta().iter().all(|t| t.is_finite());
         for (j, prior) in prior.iter().enumerate() {
-            let share = f64::from(estimator.covariance(j, j) / bound.unwrap_or(*prior));
+            // The initial state is as uncertain as at the start whenever the trends begin anew.
+            let begins = j + 1 == N && identifier.structure().initial_state();
+            let limit = match bound {
+                Some(bound) if begins => bound.max(*prior),
+                Some(bound) => bound,
+                None => *prior,
+            };
+            let share = f64::from(estimator.covariance(j, j) / limit);
             self.found.over_bound = self.found.over_bound.max(share);
         }
     }

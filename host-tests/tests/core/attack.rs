@@ -51,7 +51,7 @@ fn setting() -> impl Strategy<Value = Setting> {
         ])
     };
     (
-        logarithmic(60.0, 1e6),
+        logarithmic(3.0, 1e6),
         logarithmic(1.1e-4, 0.9),
         logarithmic(1e-6, 1.0),
         prop::option::of(logarithmic(1e-3, 1e3)),

@@ -1,10 +1,13 @@
 //! What holds for hours: every limit, no subnormal number, a filter that follows the plant.
 
+use std::hint::black_box;
+use std::time::Instant;
+
 use rand::RngExt;
 use trendid::trends::{FilteredTrends, Scheme};
 use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::endurance::run::run;
-use trendid_host_tests::endurance::scenario::{MEMORIES, SCENARIOS, cases};
+use trendid_host_tests::endurance::scenario::{MEMORIES, SCENARIOS, Setup, cases};
 use trendid_host_tests::plants::servo::Servo;
 use trendid_host_tests::signals::noise::{Stream, generator};
 
@@ -63,7 +66,7 @@ fn a_bandwidth_that_drifts_is_followed_by_retuning() {
 }
 
 /// A million samples of each scenario with each memory, on the drive of the table.
-/// `trendid endurance` runs all structures, bandwidths and noises that long.
+/// `cargo xtask soak` runs all structures, bandwidths and noises that long.
 #[test]
 #[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn a_million_samples_of_each_scenario_keep_every_limit() {
@@ -73,7 +76,9 @@ fn a_million_samples_of_each_scenario_keep_every_limit() {
             scope.spawn(move || {
                 let all = cases().into_iter().enumerate();
                 let mine: Vec<_> = all
-                    .filter(|(_, case)| case.has_limits() && !case.trusted && case.memory == memory)
+                    .filter(|(_, case)| {
+                        case.setup == Setup::DEFAULT && !case.trusted && case.memory == memory
+                    })
                     .collect();
                 assert_eq!(mine.len(), SCENARIOS.len());
                 let broken = mine.into_iter().filter_map(|(index, case)| {
@@ -140,5 +145,35 @@ fn a_long_rest_leaves_no_subnormal_number() {
             found.is_empty(),
             "memory {memory:?}, noise {noise}: {found:?}"
         );
+        // So an update costs there what it costs in motion.
+        let rest = vec![(0.0, plant.output() as f32); 5000];
+        let bits = (0..5000).map(|k| if (k / 50) * 7919 % 13 < 6 { 0.4 } else { -0.4 });
+        let motion: Vec<_> = bits
+            .map(|u| {
+                plant.step(&[u]);
+                (u as f32, plant.output() as f32)
+            })
+            .collect();
+        let (still, moving) = (time_of(&identifier, &rest), time_of(&identifier, &motion));
+        println!(
+            "memory {memory:?}, noise {noise}: rest costs {:.2} of motion",
+            still / moving
+        );
+        assert!(
+            still < 1.2 * moving,
+            "{memory:?}, {noise}: {still} {moving}"
+        );
     }
+}
+
+/// The shortest time in s of several in which the samples are taken.
+fn time_of(identifier: &Identifier<FilteredTrends<3>, 3, 5>, samples: &[(f32, f32)]) -> f64 {
+    (0..40).fold(f64::INFINITY, |shortest, _| {
+        let mut identifier = identifier.clone();
+        let begin = Instant::now();
+        for (u, y) in samples {
+            let _ = black_box(identifier.update(*u, *y));
+        }
+        shortest.min(begin.elapsed().as_secs_f64())
+    })
 }

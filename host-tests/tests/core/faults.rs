@@ -110,6 +110,11 @@ fn a_lasting_change_is_followed() {
     }
     println!("after a lasting shift {replaced} samples were called implausible");
     assert!(replaced <= 5, "{replaced}");
+    // Three memories later nothing is left of it.
+    let found = identifier.estimate().physical();
+    let (gain, omega0) = (found.gain.unwrap(), found.omega0.unwrap());
+    assert!((gain / 2500.0 - 1.0).abs() < 1e-3, "{gain}");
+    assert!((omega0 / 20.0 - 1.0).abs() < 1e-3, "{omega0}");
 }
 
 #[test]
