@@ -6,6 +6,7 @@
 //! prefiltering: Steiglitz and McBride 1965; Young and Jakeman 1980), where it simulates better.
 
 use crate::error::{Error, Weakness};
+use crate::estimate::Estimate;
 use crate::folds::{Folds, Refitted};
 use crate::instruments::{Fit, Method};
 use crate::problem::Problem;
@@ -26,6 +27,9 @@ const BETTER: f64 = 0.995;
 /// squares: by so many standard errors, and so many times the error.
 const BEHIND: f64 = 2.0;
 const WORSE: f64 = 1.1;
+
+/// Standard deviations that another filter moves a parameter by beyond which it is not by chance.
+const FAR: f64 = 3.0;
 
 /// A fit with its folds.
 pub struct Judged<'a> {
@@ -149,24 +153,63 @@ fn own_filter<'a>(problem: &'a Problem<'a>, judged: &Judged) -> Option<Judged<'a
     })
 }
 
-/// How far the first parameter moves behind filter poles at half and at twice `pole`, in the
-/// standard deviations of both estimates together; not finite where one of them gives no model.
+/// What filters at half and at twice the pole make of an estimate.
+pub struct Elsewhere {
+    /// How far they move the first parameter, in the standard deviations of both estimates
+    /// together; not finite where one of them gives no model.
+    pub shifts: [f64; 2],
+    /// How far they move every parameter.
+    moves: Vec<Vec<f64>>,
+}
+
+impl Elsewhere {
+    /// The estimate with what its structure does not hold.
+    ///
+    /// Its error is the same in every block, so that no deviation of theirs contains it. Where the
+    /// moves are not by chance they are its size: a compromise that is another one an octave away.
+    pub fn contained_in(&self, problem: &Problem, estimate: Estimate) -> Estimate {
+        match far(self.shifts) {
+            Some(_) => problem.widened(&estimate, &self.moves),
+            None => estimate,
+        }
+    }
+}
+
+/// The larger one of two shifts, where that is more than chance; one that is no number counts for
+/// nothing.
+pub fn far(shifts: [f64; 2]) -> Option<f64> {
+    let far = shifts.iter().map(|shift| shift.abs()).fold(0.0, f64::max);
+    (far > FAR && far.is_finite()).then_some(far)
+}
+
+/// What filter poles at half and at twice `pole` make of a fit.
 ///
-/// Known as: Hausman's specification test. What the structure does not hold is no noise, so no
-/// deviation contains it; but its compromise changes with the frequencies that the filter weighs.
-pub fn shifts(problem: &Problem, fit: &Fit, pole: f64) -> Option<[f64; 2]> {
+/// Known as: Hausman's specification test. What the structure does not hold is no noise; but its
+/// compromise changes with the frequencies that the filter weighs.
+pub fn elsewhere(problem: &Problem, fit: &Fit, pole: f64) -> Option<Elsewhere> {
     let here = fit.found().ok()?.estimate;
     let (delay, method) = (fit.delay(), fit.method());
-    let shifts = side_by_side(&[0.5, 2.0], |factor| {
+    let there = side_by_side(&[0.5, 2.0], |factor| {
         let filter: Vec<f64> = binomial(pole * factor, problem.structure.order)
             .into_iter()
             .map(f64::from)
             .collect();
         let fit = Fit::new(problem, &filter, delay, method).ok()?;
-        let there = fit.refined().ok()?.found().ok()?.estimate;
-        Some((there.theta[0] - here.theta[0]) / there.sigma[0].hypot(here.sigma[0]))
+        Some(fit.refined().ok()?.found().ok()?.estimate)
     });
-    Some([0, 1].map(|i| shifts[i].unwrap_or(f64::NAN)))
+    let shift = |there: &Option<Estimate>| {
+        there.as_ref().map_or(f64::NAN, |there| {
+            (there.theta[0] - here.theta[0]) / there.sigma[0].hypot(here.sigma[0])
+        })
+    };
+    let moved = |there: &Estimate| -> Vec<f64> {
+        let pairs = there.theta.iter().zip(&here.theta);
+        pairs.map(|(there, here)| there - here).collect()
+    };
+    Some(Elsewhere {
+        shifts: [shift(&there[0]), shift(&there[1])],
+        moves: there.iter().flatten().map(moved).collect(),
+    })
 }
 
 /// Falls back to least squares where the instruments are weak: where its model simulates the folds

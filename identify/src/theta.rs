@@ -51,6 +51,17 @@ impl Problem<'_> {
         estimate
     }
 
+    /// The estimate with an error in the direction and of the size of each of these moves.
+    pub(crate) fn widened(&self, estimate: &Estimate, moves: &[Vec<f64>]) -> Estimate {
+        let n = estimate.theta.len();
+        let covariance = DMatrix::from_fn(n, n, |i, j| {
+            let moved: f64 = moves.iter().map(|moved| moved[i] * moved[j]).sum();
+            estimate.covariance[i][j] + moved
+        });
+        let theta = estimate.theta.clone();
+        self.estimate_of(self.polynomials(&theta), theta, &covariance)
+    }
+
     /// Standard deviations of gain, natural frequency and damping, by differences.
     fn reading_sigma(&self, estimate: &Estimate) -> [f64; 3] {
         let integrators = usize::from(self.structure.integrator);

@@ -11,9 +11,6 @@ const POOR: f64 = 50.0;
 /// From this fit on it says most.
 const GOOD: f64 = 80.0;
 
-/// Standard deviations that another filter moves a parameter by beyond which it is not by chance.
-const FAR: f64 = 3.0;
-
 impl Report<'_> {
     /// One line on what the model is worth, by both fits.
     pub(super) fn verdict(&self) -> String {
@@ -38,22 +35,14 @@ impl Report<'_> {
         if still > 0.0 {
             verdict += &format!("; standstill removed: {} s", significant(still, 3));
         }
-        if let Some(far) = self.far_shift() {
+        if let Some(far) = self.found.filter_dependence() {
             verdict += &format!(
-                "; {} depends on the filter ({} standard deviations)",
+                "; {} depends on the filter ({} standard deviations; +- contains it)",
                 self.first(),
                 significant(far, 2)
             );
         }
         verdict
-    }
-
-    /// The larger one of what filters at half and twice the pole move the first parameter by, where
-    /// that is more than chance; one that gives no model counts for nothing.
-    fn far_shift(&self) -> Option<f64> {
-        let shifts = self.found.filter_shifts?;
-        let far = shifts.iter().map(|shift| shift.abs()).fold(0.0, f64::max);
-        (far > FAR && far.is_finite()).then_some(far)
     }
 
     fn first(&self) -> String {
@@ -89,9 +78,9 @@ impl Report<'_> {
                 "it fits only with the constant refitted: the record has an offset or a drift that the model does not hold",
             );
         }
-        if self.far_shift().is_some() {
+        if self.found.filter_dependence().is_some() {
             remarks.push(
-                "filter poles at half or twice give another value of it: the structure does not hold all of the drive, which no deviation contains",
+                "filter poles at half or twice give another value of it: the structure does not hold all of the drive, and the deviations contain how far it moves",
             );
         }
         match self.found.way {

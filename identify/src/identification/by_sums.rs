@@ -4,7 +4,7 @@ use super::model::Way;
 use crate::delay_choice::{Delays, LONGEST_DELAY, between_samples};
 use crate::error::Error;
 use crate::estimate::Estimate;
-use crate::filter_choice::{self, Judged, choose, guarded, with_own_filter};
+use crate::filter_choice::{self, Elsewhere, Judged, choose, guarded, with_own_filter};
 use crate::instruments::{Fit, Found, Method};
 use crate::problem::Problem;
 use crate::search::{Choice, Freedom, Progress};
@@ -144,15 +144,15 @@ pub(super) fn sharp(
     })
 }
 
-/// How far another filter moves the first parameter, in a long record over a part of it.
-pub(super) fn filter_shifts(problem: &Problem, sharp: &Sharp) -> Option<[f64; 2]> {
+/// What other filters make of the model, in a long record over a part of it.
+pub(super) fn elsewhere(problem: &Problem, sharp: &Sharp) -> Option<Elsewhere> {
     let window = match problem.samples() > LONGEST_SEARCH {
         true => window(problem.signals),
         false => problem.signals.clone(),
     };
     let part = Problem::new(&window, problem.structure, problem.options).ok()?;
     let fit = Fit::new(&part, &sharp.filter, sharp.delay, sharp.method);
-    filter_choice::shifts(&part, &fit.ok()?.refined().ok()?, sharp.pole)
+    filter_choice::elsewhere(&part, &fit.ok()?.refined().ok()?, sharp.pole)
 }
 
 impl Sharp {

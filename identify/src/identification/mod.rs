@@ -9,7 +9,7 @@ mod tests;
 
 use trendid::trends::Scheme;
 
-use by_sums::{filter_shifts, given, sharp};
+use by_sums::{elsewhere, given, sharp};
 pub use model::{Identification, Way};
 use recursion::{inseparable, recursion, recursive_errors};
 
@@ -49,8 +49,8 @@ pub fn identify(
     problem.check(&sharp.found.estimate)?;
     let tuning = sharp.tuning(problem);
     let (errors, trace) = recursive_errors(problem, tuning, trace_points).unwrap_or_default();
-    let filter_shifts = match freedom.pole {
-        Choice::Auto => filter_shifts(problem, &sharp),
+    let elsewhere = match freedom.pole {
+        Choice::Auto => elsewhere(problem, &sharp),
         Choice::Given(_) => None,
     };
     let n = problem.samples();
@@ -62,7 +62,7 @@ pub fn identify(
     Ok(Identification {
         way: sharp.way,
         pole: Some(sharp.pole),
-        filter_shifts,
+        filter_shifts: elsewhere.as_ref().map(|elsewhere| elsewhere.shifts),
         own_filter: sharp.own_filter,
         delay: sharp.delay,
         delay_at_end: sharp.at_end,
@@ -72,7 +72,10 @@ pub fn identify(
         errors,
         trace,
         effective_blocks: Some(sharp.found.effective_blocks),
-        estimate: sharp.found.estimate,
+        estimate: match elsewhere {
+            Some(elsewhere) => elsewhere.contained_in(problem, sharp.found.estimate),
+            None => sharp.found.estimate,
+        },
         least_squares: sharp.least_squares,
     })
 }

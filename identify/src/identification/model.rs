@@ -1,6 +1,7 @@
 //! A model with what speaks for it.
 
 use crate::estimate::Estimate;
+use crate::filter_choice::far;
 use crate::free_run::FreeRun;
 use crate::run::{PredictionErrors, Trace};
 
@@ -27,6 +28,9 @@ pub struct Identification {
     pub own_filter: Option<Vec<f64>>,
     /// How far the first parameter moves behind filter poles at half and at twice the automatic
     /// one, in the standard deviations of both estimates together; `None` where the pole was given.
+    ///
+    /// Where that is more than chance the standard deviations of `estimate` contain the moves of
+    /// all parameters.
     pub filter_shifts: Option<[f64; 2]>,
     /// Delay in samples.
     pub delay: f64,
@@ -51,4 +55,12 @@ pub struct Identification {
     pub held_out: bool,
     /// The course of the parameters in the recursion.
     pub trace: Trace,
+}
+
+impl Identification {
+    /// The larger one of `filter_shifts`, where it is more than chance: the model depends on the
+    /// filter.
+    pub fn filter_dependence(&self) -> Option<f64> {
+        self.filter_shifts.and_then(far)
+    }
 }

@@ -196,3 +196,36 @@ fn a_structure_that_does_not_hold_all_depends_on_the_filter() {
     let (poor, right) = (shifts(1), shifts(2));
     assert!(poor > 3.0 && right < 1.0, "{poor} {right}");
 }
+
+#[test]
+fn deviations_contain_what_other_filters_move_a_compromise_by() {
+    let [u, y] = two_lags();
+    let signals = Signals::held(0.01, &u, &y);
+    let structure = Structure { order: 1, ..LAG };
+    let problem = Problem::new(&signals, structure, Options::default()).expect("a problem");
+    let here = identify(&problem, Freedom::default(), 0, &()).expect("a model");
+    let pole = here.pole.expect("an automatic filter");
+    let mut sum = vec![0.0; here.estimate.theta.len()];
+    for factor in [0.5, 2.0] {
+        let freedom = Freedom {
+            pole: Choice::Given(Some(factor * pole)),
+            ..Freedom::default()
+        };
+        let there = identify(&problem, freedom, 0, &()).expect("a model");
+        for (sum, (there, here)) in sum
+            .iter_mut()
+            .zip(there.estimate.theta.iter().zip(&here.estimate.theta))
+        {
+            *sum += (there - here).powi(2);
+        }
+    }
+    let moved = |j: usize| f64::sqrt(sum[j]) / here.estimate.sigma[j];
+    assert!((0..sum.len()).all(|j| moved(j) <= 1.0));
+    // The blocks alone spread the first one far less.
+    assert!(moved(0) > 0.8, "{}", moved(0));
+    let gain = here
+        .estimate
+        .reading_sigma
+        .expect("deviations of a reading")[0];
+    assert!(gain.is_finite() && gain > 0.0);
+}
