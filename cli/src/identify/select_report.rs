@@ -65,6 +65,14 @@ impl SelectReport<'_> {
                 best.fit_x0c - c.fit_x0c
             ));
         }
+        if let Some((dropped, shorter)) = s.lag() {
+            let (structure, delay) = (dropped.structure, shorter.delay);
+            doubts.push(format!(
+                "in doubt: the delay may stand for a lag; {} simulates about as well ({:.2} %), with a parameter that is not significant",
+                describe_at(structure, delay),
+                shorter.fit_x0c
+            ));
+        }
         if c.delay_at_end {
             doubts.push("the delay is the longest that was tried".to_owned());
         }
@@ -201,12 +209,15 @@ fn structure_cells(s: Structure) -> [String; 3] {
 }
 
 fn describe(c: &Candidate) -> String {
-    let s = c.structure;
+    describe_at(c.structure, c.delay)
+}
+
+fn describe_at(s: Structure, delay: usize) -> String {
     format!(
         "order {}{}, {}, delay {}",
         s.order,
         if s.integrator { " with integrator" } else { "" },
         counted(s.zeros, "zero"),
-        counted(c.delay, "sample")
+        counted(delay, "sample")
     )
 }

@@ -138,6 +138,26 @@ fn dryer_has_its_static_gain_and_delay() {
     assert!((found["delay_s"].as_f64().unwrap() - 0.157).abs() < 0.02);
 }
 
+/// Of one record a delay of 0.1 s simulates as well as the lag, whose parameter then is not
+/// significant.
+#[test]
+#[ignore = "needs the records: TRENDID_RECORDS=DIRECTORY"]
+fn a_delay_in_the_place_of_a_lag_is_in_doubt() {
+    for (name, doubted) in [("eha_2_1", true), ("eha_1_4", false)] {
+        let file = record(&format!("{name}.csv"));
+        let inputs = ["--input", "u1", "--input", "u2", "--hold", "foh", "--json"];
+        let value = json(&[&["select", &file], &inputs[..]].concat());
+        let doubts = value["doubts"].as_array().expect("a list");
+        let says = |doubt: &serde_json::Value| {
+            doubt
+                .as_str()
+                .is_some_and(|doubt| doubt.contains("may stand for a lag"))
+        };
+        println!("{name}: {doubts:?}");
+        assert_eq!(doubts.iter().any(says), doubted, "{name}");
+    }
+}
+
 /// Reference: output error, asymmetric gains of extending and retracting; seven records of one rig.
 #[test]
 #[ignore = "needs the records: TRENDID_RECORDS=DIRECTORY"]

@@ -7,8 +7,11 @@
 //! from a pole, is dropped and says why. Among those that simulate about as well as the best, the
 //! one with the fewest parameters is recommended.
 
+mod alike;
 mod drop;
 
+pub use alike::Shorter;
+use alike::{Missing, fit_x0c, simulates_alike};
 pub use drop::Drop;
 use drop::{cancels, rests_on};
 
@@ -21,15 +24,6 @@ use crate::problem::{Options, Problem, Structure};
 use crate::search::{Choice, Freedom, Progress};
 use crate::side_by_side::side_by_side;
 use crate::signals::Signals;
-
-/// Standard errors over the folds within which two structures simulate alike.
-const ALIKE: f64 = 3.0;
-
-/// And the error over that of the best, up to which they do.
-const ALIKE_ERROR: f64 = 1.5;
-
-/// Error over that of the best that is alike in any case.
-const ALIKE_AT_ONCE: f64 = 1.03;
 
 /// Errors of simulation up to this share of the movement say nothing about the structure where
 /// friction is an input: it enters as a sign, which turns at once, and that of a drive takes some
@@ -65,6 +59,8 @@ pub struct Dropped {
     pub structure: Structure,
     /// Why.
     pub reason: Drop,
+    /// The same at the delay of any loop, where the reason is a parameter there, too.
+    pub shorter: Option<Box<Shorter>>,
 }
 
 /// All structures and the recommended one.
@@ -80,6 +76,26 @@ pub struct Selection {
     pub smallest: usize,
     /// Indices of all candidates that simulate about as well as the best.
     pub alike: Vec<usize>,
+}
+
+impl Selection {
+    /// The structure with a lag in the place of the recommended one's delay: one order more, at the
+    /// delay of any loop, which simulates about as well but for a parameter that is not
+    /// significant.
+    pub fn lag(&self) -> Option<(&Dropped, &Shorter)> {
+        let recommended = &self.candidates[self.recommended];
+        let structure = recommended.structure;
+        let one_more = |dropped: &&Dropped| {
+            dropped.structure.order == structure.order + 1
+                && dropped.structure.integrator == structure.integrator
+        };
+        let mut dropped = self.dropped.iter().filter(one_more);
+        dropped.find_map(|dropped| {
+            let shorter = dropped.shorter.as_deref()?;
+            let alike = simulates_alike(&shorter.folds, &recommended.folds);
+            (recommended.delay >= DELAYS && alike).then_some((dropped, shorter))
+        })
+    }
 }
 
 /// The structures that are compared.
@@ -134,7 +150,11 @@ pub fn select(
     let tried: Vec<Result<Candidate, Dropped>> = side_by_side(&structures, |&structure| {
         let tried = candidate(signals, structure, options, freedom);
         progress.step();
-        tried.map_err(|reason| Dropped { structure, reason })
+        tried.map_err(|Missing { reason, shorter }| Dropped {
+            structure,
+            reason,
+            shorter,
+        })
     });
     let (mut candidates, mut dropped) = (Vec::new(), Vec::new());
     for one in tried {
@@ -171,14 +191,8 @@ fn alike(candidates: &[Candidate], friction: bool) -> Option<(usize, Vec<usize>)
     let smallest = (0..candidates.len()).min_by(|i, j| error(i).total_cmp(&error(j)))?;
     let best = &candidates[smallest].folds;
     let alike = |k: &usize| {
-        let ratio = (error(k) / error(&smallest)).sqrt();
-        ratio <= ALIKE_AT_ONCE
-            || (friction && candidates[*k].fit_x0c >= 100.0 * (1.0 - OF_FRICTION))
-            || (ratio <= ALIKE_ERROR
-                && candidates[*k]
-                    .folds
-                    .behind(best, Refitted::StateAndConstant)
-                    <= ALIKE)
+        (friction && candidates[*k].fit_x0c >= 100.0 * (1.0 - OF_FRICTION))
+            || simulates_alike(&candidates[*k].folds, best)
     };
     Some((smallest, (0..candidates.len()).filter(alike).collect()))
 }
@@ -188,7 +202,7 @@ fn candidate(
     structure: Structure,
     options: Options,
     freedom: Freedom,
-) -> Result<Candidate, Drop> {
+) -> Result<Candidate, Missing> {
     let problem = Problem::new(signals, structure, options).map_err(Drop::Failed)?;
     let poles = match freedom.pole {
         Choice::Given(Some(pole)) => vec![pole],
@@ -217,14 +231,24 @@ fn candidate(
         filter_choice::choose(&problem, &near, delay as f64, &())
     };
     let Ok(best) = around(delays[0]) else {
-        return passed(&problem, first);
+        return Ok(passed(&problem, first)?);
     };
     // A long delay takes the place of a lag, which then is not significant: that says nothing
     // against the structure at the delay of any loop. Whether it simulates as well is judged later.
     passed(&problem, best).or_else(|reason| {
-        let mut shorter = delays.windows(2).filter(|pair| pair[1] < pair[0]);
-        let found = shorter.find_map(|pair| passed(&problem, around(pair[1]).ok()?).ok());
-        found.ok_or(reason)
+        let mut shorter = None;
+        for pair in delays.windows(2).filter(|pair| pair[1] < pair[0]) {
+            let Ok(judged) = around(pair[1]) else {
+                continue;
+            };
+            let beside = Shorter::of(&problem, &judged);
+            match passed(&problem, judged) {
+                Ok(found) => return Ok(found),
+                Err(Drop::Insignificant { .. }) => shorter = Some(Box::new(beside)),
+                Err(_) => {}
+            }
+        }
+        Err(Missing { reason, shorter })
     })
 }
 
@@ -238,8 +262,6 @@ fn passed(problem: &Problem, judged: Judged) -> Result<Candidate, Drop> {
     }
     rests_on(problem, &found, &judged.folds)?;
     cancels(problem, &model, &judged.folds)?;
-    let spread: f64 = spread(problem.signals);
-    let error = judged.folds.total(Refitted::StateAndConstant);
     let delay = judged.fit.delay() as usize;
     Ok(Candidate {
         structure,
@@ -247,15 +269,11 @@ fn passed(problem: &Problem, judged: Judged) -> Result<Candidate, Drop> {
         delay_at_end: delay == LONGEST_DELAY,
         pole: judged.pole,
         names: problem.parameter_names(),
-        fit_x0c: 100.0 * (1.0 - (error / spread).sqrt()),
+        fit_x0c: fit_x0c(problem, &judged.folds),
         found,
         folds: judged.folds,
     })
 }
 
-/// Sum of the squared distance of the output from its mean.
-fn spread(signals: &Signals) -> f64 {
-    let y = signals.output;
-    let mean = y.iter().sum::<f64>() / y.len() as f64;
-    y.iter().map(|y| (y - mean).powi(2)).sum()
-}
+#[cfg(test)]
+mod tests;
