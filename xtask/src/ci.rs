@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use crate::printed::Task;
 use crate::process::{self, Done, M0, M4F, cargo};
-use crate::{deny, docs, edges, python, setup};
+use crate::{deny, docs, edges, python, setup, soak};
 
 /// The examples that are firmware; the others need an operating system.
 const FIRMWARE_EXAMPLES: [&str; 5] = ["selftest", "icount", "footprint", "servo", "pil"];
@@ -96,7 +96,8 @@ pub(crate) fn statistics() -> Done {
         eprintln!("without the records of real drives: TRENDID_RECORDS names no directory");
         command.args(["--skip", "records::", "--skip", "records_spread::"]);
     }
-    process::run(command)
+    process::run(command)?;
+    soak::minute()
 }
 
 /// Formatting and lints.

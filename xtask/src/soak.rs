@@ -18,6 +18,9 @@ pub(crate) struct Options {
     /// Only scenarios of the identifier with this memory in s, or "none", and no axis.
     #[arg(long, value_name = "S")]
     memory: Option<String>,
+    /// Only the axes of the loop.
+    #[arg(long, conflicts_with_all = ["only", "memory", "first_seed"])]
+    axes: bool,
     /// Seed of the first run of the table of the identifier, for other draws than those of before.
     #[arg(long, value_name = "N")]
     first_seed: Option<String>,
@@ -30,6 +33,15 @@ pub(crate) struct Options {
 const SHORT: u32 = 1000;
 
 const PAGE: &str = "docs/soak.md";
+
+/// A minute of the loop on its axes, which shows that the task runs.
+pub(crate) fn minute() -> Done {
+    run(&Options {
+        seconds: 60,
+        axes: true,
+        ..Options::default()
+    })
+}
 
 /// Runs every scenario of `trendid endurance` and a working day of the loop, each on all cores;
 /// fails when either does.
@@ -46,7 +58,10 @@ pub(crate) fn run(options: &Options) -> Done {
     }
     let program = ["run", "-q", "--release", "-p", "trendid-cli", "--"];
     let heading = dated::heading(&format!("{} s", options.seconds))?;
-    let mut parts = vec![part("trendid", &program, &endurance)?];
+    let mut parts = Vec::new();
+    if !options.axes {
+        parts.push(part("trendid", &program, &endurance)?);
+    }
     if options.only.is_none() && options.memory.is_none() {
         let example = [
             "run",
