@@ -251,6 +251,22 @@ fn a_model_of_the_bank_needs_no_estimate_but_one_window_more() -> Result<(), Err
 }
 
 #[test]
+fn a_verified_model_that_fits_poorly_and_is_not_better_by_far_needs_three_windows()
+-> Result<(), Error> {
+    let design = design()?;
+    // More than a quarter of what the model in use leaves, which is as poor as any other.
+    let poor = window([0.9; bank::SIZE], 0.24);
+    let mut evidence = Evidence::NONE;
+    evidence.reconsider(estimate(3.0).model);
+    for _ in 0..2 {
+        assert_eq!(after(&mut evidence, &design, &poor), Ok(None));
+    }
+    let verdict = after(&mut evidence, &design, &poor);
+    assert_eq!(verdict, Ok(Some((estimate(3.0).model, UNKNOWN))));
+    Ok(())
+}
+
+#[test]
 fn windows_that_speak_for_the_model_in_use_count_against_a_bank() -> Result<(), Error> {
     let design = design()?;
     // Of two kinds of windows by turns the better half does not decide.
