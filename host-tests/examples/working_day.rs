@@ -10,7 +10,7 @@ use trendid_host_tests::servo::population::family::Family;
 /// First seed of each family; claims are made on seeds above 200000.
 const FIRST: u64 = 200_001;
 
-/// Two pneumatic axes, and one of each family whose loops are quick to simulate.
+/// How many axes of each family.
 const AXES: [(Family, usize); 3] = [
     (Family::Pneumatic, 2),
     (Family::Linear, 2),
