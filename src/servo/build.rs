@@ -21,7 +21,7 @@ use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
 use crate::servo::motion::trajectory::Trajectory;
 use crate::servo::servo_loop::ServoLoop;
 use crate::servo::servo_loop::drive::Drive;
-use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
+use crate::servo::servo_loop::learning::Learning;
 use crate::servo::supervision::state::Reason;
 
 impl<S, V> ServoLoop<S, V> {
@@ -100,10 +100,9 @@ impl<S, V> ServoLoop<S, V> {
         };
         let motion = self.commissioning.motion();
         self.moves.run_out_rate = design.run_out_rate;
-        self.settled = design.identification.settled;
         self.moves.trajectory = Trajectory::new(design.motion, design.travel, design.sample_time);
         self.moves.trajectory.hold(motion.position);
-        self.monitor = ExcitationMonitor::new(&design.monitor);
+        self.learning = Learning::new(design);
         let supervision = design.supervision.clone();
         self.supervisor
             .redesign(supervision.with_resolution(resolution(&self.axis)));

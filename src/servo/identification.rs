@@ -1,5 +1,7 @@
 //! The identifier of the loop, its inputs, and the candidates that it gives.
 
+pub(crate) mod mean_stiffness;
+
 use crate::estimation::structure::Structure;
 use crate::estimation::terms::Terms;
 use crate::identifier::{Config, Identifier};
@@ -78,12 +80,14 @@ pub(crate) fn inputs_of_known(controller: &Controller) -> [f32; 3] {
     [controller.flow_in_force(), 0.0, controller.friction_force()]
 }
 
-/// Identifies on from `model` with `share` of a1, a2, b0 and friction as standard deviation.
+/// Identifies on from `model`, at this stiffness over that in the middle, with `share` of a1, a2,
+/// b0 and friction as standard deviation.
 ///
 /// Dead zone and offset stay as they are: they enter by the inputs. In closed loop, on slow motion,
 /// six parameters cannot be told apart.
-pub(crate) fn reopen(identifier: &mut LoopIdentifier, model: &Model, share: f32) {
+pub(crate) fn reopen(identifier: &mut LoopIdentifier, model: &Model, share: f32, stiffness: f32) {
     let Model { a1, a2, b0, .. } = *model;
+    let (a1, b0) = (stiffness * a1, stiffness * b0);
     let theta = [a1, a2, b0, 0.0, -1.0, 0.0];
     let std = [share * a1, share * a2, share * b0, 0.0, share, 0.0];
     // The model was verified, so every number is finite and this cannot be refused.
@@ -117,8 +121,8 @@ pub(crate) fn look(identifier: &LoopIdentifier) -> Looked {
     }
 }
 
-/// An estimate with its relative variances, to first order and as the recursion has them;
-/// valve and delay are those of the model in use.
+/// An estimate at this stiffness as a model of the middle, with its relative variances, to first
+/// order and as the recursion has them; valve and delay are those of the model in use.
 ///
 /// ```text
 /// x = a1, a2, b0, friction over those of the model in use,   x2 - x1 ~ N(0, (0.5 x1)^2),   x4 - x1 ~ N(0, (0.35 x1)^2)
@@ -135,14 +139,14 @@ pub(crate) fn look(identifier: &LoopIdentifier) -> Looked {
 /// The friction itself follows a1: a friction that stayed as an acceleration would be three times
 /// too large under three times the mass, and a loop that stops by friction would hunt. What the
 /// samples say of it, between two reversals, is too little for that.
-pub(crate) fn candidate(looked: &Looked, used: &Model) -> Candidate {
+pub(crate) fn candidate(looked: &Looked, used: &Model, stiffness: f32) -> Candidate {
     let Looked {
         theta: mut x,
         covariance: mut p,
         known,
     } = *looked;
     // The model in use was verified: its numbers are above 0.
-    let scales = [used.a1, used.a2, used.b0, -1.0];
+    let scales = [stiffness * used.a1, used.a2, stiffness * used.b0, -1.0];
     for ((x, row), scale) in x.iter_mut().zip(&mut p).zip(scales) {
         *x /= scale;
         for (value, other) in row.iter_mut().zip(scales) {

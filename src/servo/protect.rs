@@ -2,7 +2,6 @@
 
 use crate::hardware::{PositionSensor, Valve};
 use crate::servo::design::constants::{DERATING, DERATING_MIN, REOPENED_STD};
-use crate::servo::identification::reopen;
 use crate::servo::model::Model;
 use crate::servo::monitoring::{Alarm, Seen};
 use crate::servo::motion::Setpoint;
@@ -93,7 +92,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         if !self.supervisor.goes_back(model) {
             return false;
         }
-        reopen(&mut self.identifier, &model, REOPENED_STD);
+        self.identify_from(&model, REOPENED_STD);
         self.retune(model);
         self.guard.monitors.waits_again();
         self.fallback.went_back = true;

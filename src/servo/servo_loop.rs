@@ -4,6 +4,7 @@ mod begin;
 pub(crate) mod commands;
 pub(crate) mod drive;
 mod guard;
+pub(crate) mod learning;
 mod moves;
 mod reading;
 mod requests;
@@ -23,10 +24,10 @@ use crate::servo::report::Report;
 use crate::servo::servo_loop::commands::Commands;
 use crate::servo::servo_loop::drive::Drive;
 use crate::servo::servo_loop::guard::Guard;
+use crate::servo::servo_loop::learning::Learning;
 use crate::servo::servo_loop::moves::Moves;
 use crate::servo::servo_loop::sensed::Sensed;
 use crate::servo::servo_loop::takeover::{Fallback, Takeover};
-use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
 use crate::servo::supervision::state::Reason;
 use crate::servo::supervision::supervisor::Supervisor;
 
@@ -65,6 +66,7 @@ pub struct ServoLoop<S, V> {
     pub(crate) axis: Axis,
     pub(crate) config: Config,
     pub(crate) identifier: LoopIdentifier,
+    pub(crate) learning: Learning,
     pub(crate) supervisor: Supervisor,
     pub(crate) controller: Controller,
     pub(crate) commissioning: Commissioning,
@@ -76,10 +78,7 @@ pub struct ServoLoop<S, V> {
     pub(crate) limiter: CommandLimiter,
     pub(crate) commands: Commands,
     pub(crate) sensed: Sensed,
-    pub(crate) monitor: ExcitationMonitor,
     pub(crate) guard: Guard,
-    /// Samples after a breakaway in which the filtered signals still contain friction.
-    pub(crate) settled: u32,
     pub(crate) takeover: Takeover,
     pub(crate) fallback: Fallback,
     start_requested: bool,
@@ -117,7 +116,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let along = self.drive.sign * command;
         self.controller.applied(along);
         let inputs = inputs_of_known(&self.controller);
-        self.monitor.update(along);
+        self.learning.monitor.update(along);
         let outcome = self.identifier.update_inputs(inputs, y);
         let retuned = if self.is_stopped(&setpoint, y, along, same_code) {
             false

@@ -5,6 +5,7 @@ use crate::identifier::Outcome;
 use crate::servo::commissioning::{Found, Progress};
 use crate::servo::control::controller::Controller;
 use crate::servo::control::margins::Margins;
+use crate::servo::control::place::PlacedFlow;
 use crate::servo::design::constants::{CHANGED_STD, REOPENED_STD};
 use crate::servo::identification::{LoopIdentifier, candidate, look, reopen};
 use crate::servo::model::Model;
@@ -32,7 +33,10 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let seen = LoopSample {
             motion,
             y,
-            flow: self.controller.flow_in_force(),
+            flow: PlacedFlow {
+                flow: self.controller.flow_in_force(),
+                stiffness: self.controller.stiffness(),
+            },
             same_code,
             sticks: state.is_controlling() && self.controller.sticks(),
             error: setpoint.position - motion.position,
@@ -47,7 +51,12 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         } else if spare == Spare::Thought {
             event = self.think();
         }
-        self.identifier.adapt(self.learns());
+        let learns = self.learns();
+        self.identifier.adapt(learns);
+        if learns {
+            let learning = &mut self.learning;
+            learning.stiffness.add(seen.flow.stiffness, motion.velocity);
+        }
         self.follow(event, state)
     }
 
@@ -63,7 +72,11 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             {
                 self.supervisor.evidence.reconsider(model);
             }
-            let candidate = candidate(&looked, self.controller.model());
+            let candidate = candidate(
+                &looked,
+                self.controller.model(),
+                self.learning.stiffness.mean(),
+            );
             return self.supervisor.submit(&candidate);
         }
         if self.config.adaptive && self.supervisor.looks() {
@@ -74,18 +87,25 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         Event::None
     }
 
+    /// The identifier goes on from a model, known to `share`, where the axis is.
+    pub(crate) fn identify_from(&mut self, model: &Model, share: f32) {
+        let stiffness = self.controller.stiffness();
+        self.learning.stiffness.begin(stiffness);
+        reopen(&mut self.identifier, model, share, stiffness);
+    }
+
     /// Whether the identifier learns from this sample.
     fn learns(&self) -> bool {
         let state = self.supervisor.state();
         self.config.adaptive
             && state == State::Adapting
-            && self.monitor.is_exciting()
+            && self.learning.monitor.is_exciting()
             && self.slides()
     }
 
     /// Whether the axis has slid for a while: a start shows more of friction than of the model.
     fn slides(&self) -> bool {
-        !self.controller.sticks() && self.controller.since() > self.settled
+        !self.controller.sticks() && self.controller.since() > self.learning.settled
     }
 
     /// Carries out what the supervisor decided; whether a model reached the controller.
@@ -94,7 +114,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             Event::None | Event::Stopped => false,
             Event::Accepted(model) => {
                 if before.is_commissioning() {
-                    reopen(&mut self.identifier, &model, REOPENED_STD);
+                    self.identify_from(&model, REOPENED_STD);
                     self.controller.engage();
                     self.engage(model, self.controller.motion());
                 } else {
@@ -107,19 +127,19 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             }
             Event::Restored(model) => {
                 self.stop_building();
-                reopen(&mut self.identifier, &model, REOPENED_STD);
                 if before.is_commissioning() {
                     self.take_over(model, self.commissioning.motion());
                 } else {
                     self.retune(model);
                 }
+                self.identify_from(&model, REOPENED_STD);
                 true
             }
             Event::Changed => {
                 if self.config.adaptive
                     && let Some(model) = self.supervisor.verified_model()
                 {
-                    reopen(&mut self.identifier, &model, CHANGED_STD);
+                    self.identify_from(&model, CHANGED_STD);
                 }
                 false
             }

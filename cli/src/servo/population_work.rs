@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
-use trendid_host_tests::servo::faults::normal::{NormalRun, controlled, work};
+use trendid_host_tests::servo::faults::normal::{FAR, NormalRun, controlled, work};
 use trendid_host_tests::servo::population::family::Family;
 
 use crate::format::significant;
@@ -21,6 +21,10 @@ struct Worked {
     alarms: BTreeMap<String, usize>,
     implausible: u64,
     oscillations: u64,
+    models: u64,
+    /// Time with a model of another natural frequency, and of another velocity gain, over all
+    /// \[%\].
+    far_pct: [f64; 2],
 }
 
 /// Lets axes work, the first that a model near the truth controls, and prints.
@@ -64,6 +68,11 @@ impl Worked {
             hours: runs.iter().map(|run| run.worked_s).sum::<f64>() / 3600.0,
             implausible: runs.iter().map(|run| u64::from(run.implausible)).sum(),
             oscillations: runs.iter().map(|run| u64::from(run.oscillations)).sum(),
+            models: runs.iter().map(|run| u64::from(run.models)).sum(),
+            far_pct: [0, 1].map(|k| {
+                let far: f64 = runs.iter().map(|run| run.far_s[k]).sum();
+                100.0 * far / runs.iter().map(|run| run.worked_s).sum::<f64>()
+            }),
             alarms,
             runs,
         }
@@ -83,6 +92,9 @@ impl Worked {
             "stopped_seeds": self.stopped(),
             "implausible_readings": self.implausible,
             "oscillations": self.oscillations,
+            "models": self.models,
+            "frequency_far_pct": number(self.far_pct[0]),
+            "gain_far_pct": number(self.far_pct[1]),
         })
     }
 
@@ -112,6 +124,16 @@ impl Worked {
             self.implausible
         );
         text += &format!("| oscillations noticed | {} |\n", self.oscillations);
+        text += &format!("| models that replaced another | {} |\n", self.models);
+        for (what, far) in ["natural frequency", "velocity gain"]
+            .iter()
+            .zip(self.far_pct)
+        {
+            text += &format!(
+                "| time on a model whose {what} is off by more than a factor of {FAR} [%] | {} |\n",
+                significant(far, 2)
+            );
+        }
         text
     }
 }

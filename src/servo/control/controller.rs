@@ -82,7 +82,8 @@ pub struct Controller {
     pub(super) transfer: Transfer,
 }
 
-/// Integral action is frozen at rest within so many windows.
+/// Integral action is frozen at rest within so many windows, where friction holds the axis: a push
+/// moves that one. Nothing else moves one that does not stick, whose is frozen within one.
 const FROZEN: f32 = 1.5;
 
 impl Controller {
@@ -141,7 +142,8 @@ impl Controller {
         let rests = setpoint.is_rest();
         let error = setpoint.position - self.estimator.now().position;
         let frozen = if rests {
-            within(error, FROZEN * self.rest.window()) == error
+            let share = if self.sticky { FROZEN } else { 1.0 };
+            within(error, share * self.rest.window()) == error
         } else {
             self.starts()
         };
@@ -189,6 +191,11 @@ impl Controller {
     /// The flow that the axis feels from now on, behind the delay.
     pub(crate) fn flow_in_force(&self) -> f32 {
         self.estimator.flow_in_force()
+    }
+
+    /// Stiffness of the axis where it is over that in the middle.
+    pub(crate) const fn stiffness(&self) -> f32 {
+        self.estimator.stiffness()
     }
 
     /// Whether friction holds the axis.

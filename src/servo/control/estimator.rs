@@ -235,6 +235,11 @@ impl StateEstimator {
         self.place.frequency()
     }
 
+    /// Stiffness at the present place over that in the middle.
+    pub(crate) const fn stiffness(&self) -> f32 {
+        self.place.stiffness()
+    }
+
     pub(crate) const fn model(&self) -> &Model {
         &self.model
     }

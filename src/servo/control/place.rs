@@ -32,6 +32,35 @@ pub(crate) fn stiffness(stiffening: f32, share: f32) -> f32 {
     1.0 / (1.0 - stiffening * off_middle(share))
 }
 
+/// A flow, and the stiffness of the axis where it acts over that in the middle, which models are
+/// of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PlacedFlow {
+    pub(crate) flow: f32,
+    pub(crate) stiffness: f32,
+}
+
+impl PlacedFlow {
+    /// A flow of an axis that is as stiff as in the middle.
+    pub(crate) const fn in_the_middle(flow: f32) -> Self {
+        Self {
+            flow,
+            stiffness: 1.0,
+        }
+    }
+
+    /// The flow under which a drive as it is in the middle goes on like the one at this place, from
+    /// a velocity; `inverse_gain` is 1/C.
+    ///
+    /// ```text
+    /// x''' + a2 x'' = k (b0 flow - a1 x') = b0 moved - a1 x',   moved = flow + (k - 1) (flow - x'/C)
+    /// ```
+    #[inline]
+    pub(crate) fn moved(&self, velocity: f32, inverse_gain: f32) -> f32 {
+        self.flow + (self.stiffness - 1.0) * (self.flow - velocity * inverse_gain)
+    }
+}
+
 /// Stiffness of a cylinder over that in the middle of its travel.
 ///
 /// ```text
@@ -93,6 +122,32 @@ impl Place {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::servo::model::Model;
+    use crate::servo::motion::Motion;
+
+    #[test]
+    fn a_drive_of_the_middle_goes_on_like_the_stiffer_one_under_the_moved_flow() {
+        let middle = Model::linear(900.0, 15.0, 9e5);
+        for stiffness in [1.0_f32, 1.4, 2.2, 3.0] {
+            let (a1, b0) = (stiffness * middle.a1, stiffness * middle.b0);
+            let there = Model { a1, b0, ..middle };
+            let (mut own, mut like) = (Motion::default(), Motion::default());
+            let mut apart = 0.0_f32;
+            for k in 0..2000 {
+                let flow = if (k / 150) % 2 == 0 { 0.3 } else { -0.2 };
+                let at = PlacedFlow { flow, stiffness };
+                there.advance(&mut own, flow, 1e-3);
+                let moved = at.moved(like.velocity, middle.a1 / middle.b0);
+                middle.advance(&mut like, moved, 1e-3);
+                apart = apart.max((own.velocity - like.velocity).abs());
+            }
+            // Of some 300: the velocity is held for a sample.
+            assert!(
+                apart < 15.0 * (stiffness - 1.0) + 1e-3,
+                "{stiffness}: {apart}"
+            );
+        }
+    }
 
     #[test]
     fn the_middle_is_one_and_the_ends_are_stiffer() {

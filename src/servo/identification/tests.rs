@@ -45,7 +45,7 @@ const USED: Model = Model {
 #[test]
 fn relative_variances_are_those_of_gain_frequency_and_damping() {
     let identifier = trained();
-    let found = candidate(&look(&identifier), &USED);
+    let found = candidate(&look(&identifier), &USED, 1.0);
     let estimate = identifier.recursion();
     let (theta, covariance) = (estimate.theta(), estimate.covariance());
     let [a1, a2, b0, ..] = theta;
@@ -86,8 +86,8 @@ fn relative_variances_are_those_of_gain_frequency_and_damping() {
 fn nothing_is_certain_before_the_noise_is_known() {
     let mut identifier = trained();
     identifier.reset();
-    reopen(&mut identifier, &USED, 0.1);
-    let found = candidate(&look(&identifier), &USED);
+    reopen(&mut identifier, &USED, 0.1, 1.0);
+    let found = candidate(&look(&identifier), &USED, 1.0);
     assert!(found.variances.iter().all(|variance| !variance.is_finite()));
     assert!(!found.has_certain_sign());
     // The model is the one that it was given.
@@ -95,9 +95,47 @@ fn nothing_is_certain_before_the_noise_is_known() {
 }
 
 #[test]
+fn a_candidate_is_of_the_middle_wherever_the_identifier_has_learnt() {
+    let mut identifier = trained();
+    for stiffness in [1.0, 1.7, 3.0] {
+        // The same samples, of an axis that is so much softer in the middle.
+        let found = candidate(&look(&identifier), &USED, 1.0);
+        let (a1, b0) = (USED.a1 / stiffness, USED.b0 / stiffness);
+        let friction = USED.friction / stiffness;
+        let softer = Model {
+            a1,
+            b0,
+            friction,
+            ..USED
+        };
+        let there = candidate(&look(&identifier), &softer, stiffness);
+        let ratios = [
+            there.model.a1 * stiffness / found.model.a1,
+            there.model.a2 / found.model.a2,
+            there.model.b0 * stiffness / found.model.b0,
+            there.frequency_variance / found.frequency_variance,
+        ];
+        for ratio in ratios {
+            assert!((ratio - 1.0).abs() < 2e-2, "{stiffness}: {ratios:?}");
+        }
+    }
+    for stiffness in [1.0, 1.7, 3.0] {
+        reopen(&mut identifier, &USED, 0.1, stiffness);
+        let model = candidate(&look(&identifier), &USED, stiffness).model;
+        let pairs = model.parameters().into_iter().zip(USED.parameters());
+        for (is, was) in pairs {
+            assert!(
+                (is - was).abs() <= 1e-5 * was.abs(),
+                "{stiffness}: {is} {was}"
+            );
+        }
+    }
+}
+
+#[test]
 fn an_identification_goes_on_from_a_model_that_is_known_to_a_share() {
     let mut identifier = trained();
-    reopen(&mut identifier, &USED, 0.1);
+    reopen(&mut identifier, &USED, 0.1, 1.0);
     let found = identifier.recursion();
     let Model { a1, a2, b0, .. } = USED;
     let theta = [a1, a2, b0, 0.0, -1.0, 0.0];
@@ -116,7 +154,7 @@ fn what_the_loop_has_learnt_of_the_valve_stays_and_friction_follows_the_mass() {
         b0: 0.7 * USED.b0,
         ..USED
     };
-    let found = candidate(&look(&trained()), &used).model;
+    let found = candidate(&look(&trained()), &used, 1.0).model;
     assert!((found.b0 / USED.b0 - 1.0).abs() < 0.1, "{}", found.b0);
     // A force that is the same deflection at another a1.
     let wanted = Model {

@@ -16,10 +16,10 @@ use crate::servo::servo_loop::ServoLoop;
 use crate::servo::servo_loop::commands::Commands;
 use crate::servo::servo_loop::drive::Drive;
 use crate::servo::servo_loop::guard::Guard;
+use crate::servo::servo_loop::learning::Learning;
 use crate::servo::servo_loop::moves::Moves;
 use crate::servo::servo_loop::sensed::Sensed;
 use crate::servo::servo_loop::takeover::{Fallback, Takeover};
-use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
 use crate::servo::supervision::supervisor::Supervisor;
 
 /// Both ways to begin from one list: what follows from settings, axis and design, of every field
@@ -68,6 +68,7 @@ fields! { of config, axis, design:
     ),
     commissioning: Commissioning::new(commissioning(config, &axis)),
     progress: Progress::Command(0.0),
+    learning: Learning::new(design),
     drive: Drive {
         sign: if config.reversed == Some(true) { -1.0 } else { 1.0 },
         delay: config.delay,
@@ -82,7 +83,6 @@ fields! { of config, axis, design:
     limiter: CommandLimiter::new(&design.limiter),
     commands: Commands::new(),
     sensed: Sensed::new(design.sensor_errors),
-    monitor: ExcitationMonitor::new(&design.monitor),
     guard: Guard {
         monitors: Monitors::new(
             &design.monitoring.with_resolution(axis.scale.units(1).abs()),
@@ -92,7 +92,6 @@ fields! { of config, axis, design:
         alarm: None,
         stop: Stop::default(),
     },
-    settled: design.identification.settled,
     takeover: Takeover::default(),
     fallback: Fallback::new(None),
     start_requested: false,

@@ -3,7 +3,6 @@
 use crate::hardware::{PositionSensor, Valve};
 use crate::servo::design::constants::REOPENED_STD;
 use crate::servo::error::Error;
-use crate::servo::identification::reopen;
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
 use crate::servo::servo_loop::ServoLoop;
@@ -22,10 +21,10 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     pub fn install(&mut self, model: Model) -> Result<(), Error> {
         self.supervisor.install(model).map_err(Error::Model)?;
         self.stop_building();
-        reopen(&mut self.identifier, &model, REOPENED_STD);
         self.start_requested = false;
         self.controller.search(&model);
         self.take_over(model, Motion::at(self.sensed.position));
+        self.identify_from(&model, REOPENED_STD);
         Ok(())
     }
 

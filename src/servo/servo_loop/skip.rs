@@ -46,7 +46,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let along = self.drive.sign * command;
         self.commands.push(command);
         self.controller.applied(along);
-        self.monitor.update(along);
+        self.learning.monitor.update(along);
         self.identifier.skip(1);
         let outcome = Outcome::Replaced { innovation: 0.0 };
         if !self.is_stopped(&setpoint, y, along, true) {

@@ -8,6 +8,7 @@ use crate::servo::supervision::event::{Event, LoopSample, Spare};
 use crate::servo::supervision::evidence::Challenger;
 use crate::servo::supervision::state::State;
 use crate::servo::supervision::supervisor::Supervisor;
+use crate::servo::supervision::unknown_flow::unknown_flow;
 #[cfg(test)]
 use crate::servo::supervision::validation::ValidationWindow;
 
@@ -134,8 +135,8 @@ impl Supervisor {
 /// friction and of the dead zone that nobody knows, as what the one holds against the stiffness and
 /// the flow of the other moves within 1/w0.
 fn unknown(model: &Model) -> f32 {
-    let held = model.friction + model.b0 * model.dead_zone / sqrt(model.a1);
-    UNKNOWN_PART * held / model.a1
+    let friction = UNKNOWN_PART * model.friction;
+    (friction + model.b0 * unknown_flow(model) / sqrt(model.a1)) / model.a1
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Input and output of the supervisor.
 
+use crate::servo::control::place::PlacedFlow;
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
 
@@ -11,7 +12,7 @@ pub(crate) struct LoopSample {
     /// Measured position.
     pub(crate) y: f32,
     /// The flow that the axis feels from now on.
-    pub(crate) flow: f32,
+    pub(crate) flow: PlacedFlow,
     /// Whether the position code is the same as in the sample before.
     pub(crate) same_code: bool,
     /// Whether the axis sticks: then no model can be validated.

@@ -1,9 +1,20 @@
 //! What a dead zone that is not quite known moves: the nuisance parameter of a window.
 
 use crate::math::within;
-use crate::servo::design::constants::UNKNOWN_PART;
+use crate::servo::control::place::PlacedFlow;
+use crate::servo::design::constants::{UNKNOWN_FLOW, UNKNOWN_PART};
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
+
+/// The flow by which the dead zone of a verified model may be wrong.
+pub(crate) fn unknown_flow(model: &Model) -> f32 {
+    let part = UNKNOWN_PART * model.dead_zone;
+    if part > UNKNOWN_FLOW {
+        part
+    } else {
+        UNKNOWN_FLOW
+    }
+}
 
 /// Errors of a model in free simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -32,7 +43,7 @@ impl Errors {
 /// ```text
 /// s        response of the model in use to the sign of the flow, from where it runs freely
 /// e        errors of a model in free simulation
-/// left     min over |c| <= half of the dead zone of  Sum (e - c s)^2
+/// left     min over |c| <= the larger of half of the dead zone and 0.04 of  Sum (e - c s)^2
 /// c        Sum e s / Sum s^2 within the bound, since the sum is a parabola in c
 /// ```
 ///
@@ -62,18 +73,25 @@ impl UnknownFlow {
         }
     }
 
-    /// The response after another sample of free simulation, `time` long. Cost: about 40
+    /// The response after another sample of free simulation, `time` long, under the flow
+    /// that was in force. Cost: about 40
     /// instructions.
     #[inline]
-    pub(crate) fn update(&mut self, flow: f32, time: f32) -> f32 {
-        let direction = if flow > 0.0 {
+    pub(crate) fn update(&mut self, at: PlacedFlow, time: f32) -> f32 {
+        let direction = if at.flow > 0.0 {
             1.0
-        } else if flow < 0.0 {
+        } else if at.flow < 0.0 {
             -1.0
         } else {
             0.0
         };
-        self.model.advance(&mut self.motion, direction, time);
+        let Model { a1, b0, .. } = self.model;
+        let unknown = PlacedFlow {
+            flow: direction,
+            ..at
+        };
+        let moved = unknown.moved(self.motion.velocity, a1 / b0);
+        self.model.advance(&mut self.motion, moved, time);
         let response = self.motion.position;
         self.squares += response * response;
         response
@@ -85,7 +103,7 @@ impl UnknownFlow {
         if !(self.squares > 0.0) {
             return squares;
         }
-        let flow = within(along / self.squares, UNKNOWN_PART * self.model.dead_zone);
+        let flow = within(along / self.squares, unknown_flow(&self.model));
         squares - flow * (2.0 * along - flow * self.squares)
     }
 }

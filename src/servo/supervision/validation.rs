@@ -2,6 +2,7 @@
 
 use crate::math::sqrt;
 use crate::servo::control::observer::Observer;
+use crate::servo::control::place::PlacedFlow;
 use crate::servo::design::ValidationDesign;
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
@@ -42,6 +43,8 @@ impl FitReport {
 #[derive(Debug, Clone, PartialEq)]
 struct Runner {
     observer: Observer,
+    /// 1/C.
+    inverse_gain: f32,
     errors: Errors,
 }
 
@@ -51,21 +54,22 @@ impl Runner {
         observer.place(motion);
         Self {
             observer,
+            inverse_gain: model.a1 / model.b0,
             errors: Errors::default(),
         }
     }
 
-    /// One sample under the flow that was in force, observed with the position at its end.
+    /// One sample on under the flow that was in force.
     #[inline]
-    fn observe(&mut self, flow: f32, y: f32) {
-        self.observer.predict(flow);
-        self.observer.correct(y);
+    fn predict(&mut self, flow: PlacedFlow) {
+        let velocity = self.observer.motion().velocity;
+        self.observer
+            .predict(flow.moved(velocity, self.inverse_gain));
     }
 
-    /// One sample of free simulation, with the response to the unknown flow.
+    /// The end of a sample of free simulation, with the response to the unknown flow.
     #[inline]
-    fn simulate(&mut self, flow: f32, y: f32, response: f32) {
-        self.observer.predict(flow);
+    fn simulate(&mut self, y: f32, response: f32) {
         self.errors
             .add(y - self.observer.motion().position, response);
     }
@@ -77,7 +81,9 @@ impl Runner {
 /// All get the same samples, newer than any of them. In the first phase an observer finds position,
 /// velocity and acceleration; in the second the models run on the commands alone and the squared
 /// errors of the position are summed, but for what explains them without another model: a flow that
-/// the model in use may not know, and a grain at the begin.
+/// the model in use may not know, and a grain at the begin. Models are of the middle of the travel;
+/// they run at the stiffness that the axis has where it is, or a motion near an end would speak for
+/// a model that is too stiff for the middle.
 ///
 /// Known as: hold-out validation, cross-validation by simulation (Ljung 1999, chapter 16), of a
 /// bank of models (multiple-model estimation, Li and Bar-Shalom 1996).
@@ -88,7 +94,7 @@ pub(crate) struct ValidationWindow {
     unknown: UnknownFlow,
     sample_time: f32,
     /// The flow in force until the next sample.
-    flow: f32,
+    flow: PlacedFlow,
     /// Samples of observation that are left, and of free simulation in all and so far.
     observe: u32,
     window: u32,
@@ -135,14 +141,14 @@ impl WindowSums {
 impl ValidationWindow {
     /// No window: one that is over.
     pub(crate) fn none(design: &ValidationDesign) -> Self {
-        let nothing = Model::linear(0.0, 0.0, 0.0);
+        let nothing = Model::linear(0.0, 0.0, 1.0);
         let runner = Runner::new(design, nothing, Motion::default());
         Self {
             bank: core::array::from_fn(|_| runner.clone()),
             challenger: None,
             unknown: UnknownFlow::new(&nothing),
             sample_time: design.observer.sample_time,
-            flow: 0.0,
+            flow: PlacedFlow::in_the_middle(0.0),
             observe: 0,
             window: 0,
             samples: 0,
@@ -159,7 +165,7 @@ impl ValidationWindow {
         used: &Model,
         challenger: Option<Model>,
         motion: Motion,
-        flow: f32,
+        flow: PlacedFlow,
     ) {
         for (runner, model) in self.bank.iter_mut().zip(bank::about(used)) {
             *runner = Runner::new(design, model, motion);
@@ -176,16 +182,22 @@ impl ValidationWindow {
     /// Takes the position y(k) and the flow in force from now on.
     ///
     /// Cost: about 60 instructions per model.
-    pub(crate) fn update(&mut self, flow: f32, y: f32) {
+    pub(crate) fn update(&mut self, flow: PlacedFlow, y: f32) {
         let before = core::mem::replace(&mut self.flow, flow);
         let runners = self.bank.iter_mut().chain(&mut self.challenger);
         if self.observe > 0 {
-            runners.for_each(|run| run.observe(before, y));
+            for run in runners {
+                run.predict(before);
+                run.observer.correct(y);
+            }
             self.observe -= 1;
             return;
         }
         let response = self.unknown.update(before, self.sample_time);
-        runners.for_each(|run| run.simulate(before, y, response));
+        for run in runners {
+            run.predict(before);
+            run.simulate(y, response);
+        }
         let moved = y - self.origin;
         self.sum += moved;
         self.squares += moved * moved;

@@ -58,7 +58,7 @@ fn designed(servo: &bench::Loop, record: &Record) {
     let design = building::tuned(&config, &found)
         .resolve()
         .expect("settings");
-    assert_eq!(servo.settled, design.identification.settled);
+    assert_eq!(servo.learning.settled, design.identification.settled);
     // A code of the sensor is what the axis says.
     let supervision = design.supervision.with_resolution(bench::SCALE);
     assert_eq!(servo.supervisor.design.drift, supervision.drift);

@@ -1,7 +1,7 @@
 //! Work without a fault, in which an alarm is a false one.
 
 use rand::RngExt;
-use trendid::servo::{Reason, State};
+use trendid::servo::{Model, Reason, State};
 
 use crate::servo::faults::machine::Machine;
 use crate::servo::population::draw::AxisDraw;
@@ -28,6 +28,22 @@ pub struct NormalRun {
     pub implausible: u32,
     /// Oscillations at rest that were noticed.
     pub oscillations: u32,
+    /// Models that replaced the one before.
+    pub models: u32,
+    /// Time with a model whose natural frequency, and whose velocity gain, is off by more than a
+    /// factor of [`FAR`] from those of the axis in the middle \[s\].
+    pub far_s: [f64; 2],
+}
+
+/// Factor on a natural frequency or a velocity gain beyond which a model is far from its axis.
+pub const FAR: f64 = 1.3;
+
+/// Whether the natural frequency and the velocity gain of a model in use are far from those of its
+/// axis.
+fn far(axis: &AxisDraw, model: &Model) -> [bool; 2] {
+    let [gain, omega0, _] = axis.truth(0.5 * axis.stroke_mm());
+    let (a1, b0) = (f64::from(model.a1), f64::from(model.b0));
+    [a1.sqrt() / omega0, b0 / a1 / gain].map(|ratio| !(1.0 / FAR..=FAR).contains(&ratio))
 }
 
 /// The first axes of a family, from a seed on, that the loop controls with a model near the truth:
@@ -101,6 +117,7 @@ pub fn work(axis: &AxisDraw, seconds: f64) -> Option<NormalRun> {
     let mut worst = 0.0_f64;
     let mut implausible = 0;
     let mut oscillations = 0;
+    let mut far_s = [0.0; 2];
     while stopped.is_none() && machine.bench.time() < seconds {
         let lasts = match random.random_range(0..5_u32) {
             0 | 1 => {
@@ -127,6 +144,10 @@ pub fn work(axis: &AxisDraw, seconds: f64) -> Option<NormalRun> {
             let report = machine.step();
             implausible = report.faults.implausible_readings;
             oscillations = report.faults.oscillations;
+            let far = far(axis, machine.servo.controller().model());
+            for (time, far) in far_s.iter_mut().zip(far) {
+                *time += f64::from(u8::from(far)) * axis.sample_time;
+            }
             if let State::Failed(reason) = report.state {
                 stopped = Some((reason, machine.bench.time()));
                 break;
@@ -142,5 +163,7 @@ pub fn work(axis: &AxisDraw, seconds: f64) -> Option<NormalRun> {
         worst,
         implausible,
         oscillations,
+        models: machine.servo.supervisor().counts().0,
+        far_s,
     })
 }

@@ -3,6 +3,7 @@
 mod hidden;
 
 use super::*;
+use crate::servo::control::place::PlacedFlow;
 use crate::servo::error::Error;
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
@@ -21,7 +22,7 @@ fn step(motion: &mut Motion, drive: &Model, k: u32) -> LoopSample {
     let seen = LoopSample {
         motion: *motion,
         y: motion.position,
-        flow,
+        flow: PlacedFlow::in_the_middle(flow),
         ..at(motion.velocity)
     };
     drive.advance(motion, flow, 1e-3);

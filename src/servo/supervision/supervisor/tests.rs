@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::servo::config::Config;
+use crate::servo::control::place::PlacedFlow;
 use crate::servo::error::Error;
 use crate::servo::motion::{Motion, Travel};
 use crate::servo::supervision::event::Spare;
@@ -29,7 +30,7 @@ pub(crate) fn at(velocity: f32) -> LoopSample {
             ..Motion::default()
         },
         y: 0.0,
-        flow: 0.0,
+        flow: PlacedFlow::in_the_middle(0.0),
         same_code: false,
         sticks: false,
         speed: 0.0,

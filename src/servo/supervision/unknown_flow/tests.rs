@@ -26,7 +26,7 @@ fn window(turns: usize, error: impl Fn(usize, f32) -> f32) -> (UnknownFlow, Erro
     let mut unknown = UnknownFlow::new(&MODEL);
     let mut errors = Errors::default();
     let responses = core::array::from_fn(|k| {
-        let response = unknown.update(flow(turns, k), 1e-3);
+        let response = unknown.update(PlacedFlow::in_the_middle(flow(turns, k)), 1e-3);
         errors.add(error(k, response), response);
         response
     });
@@ -55,7 +55,7 @@ fn without_flow_there_is_no_response_and_all_errors_are_left() {
     let mut unknown = UnknownFlow::new(&MODEL);
     let mut errors = Errors::default();
     for _ in 0..60 {
-        let response = unknown.update(0.0, 1e-3);
+        let response = unknown.update(PlacedFlow::in_the_middle(0.0), 1e-3);
         assert_eq!(response, 0.0);
         errors.add(2.0, response);
     }
@@ -80,6 +80,14 @@ fn of_more_than_the_bound_the_rest_is_left() {
         let exact = rest * rest * unknown.squares;
         let left = unknown.left(&errors);
         assert!((left / exact - 1.0).abs() < 1e-3, "{wrong}: {left}");
+    }
+}
+
+#[test]
+fn a_narrow_dead_zone_may_be_wrong_by_more_than_its_half() {
+    for (dead_zone, bound) in [(0.0, 0.04), (0.06, 0.04), (0.08, 0.04), (0.15, 0.075)] {
+        let found = unknown_flow(&Model { dead_zone, ..MODEL });
+        assert!((found - bound).abs() < 1e-6, "{dead_zone}: {found}");
     }
 }
 
