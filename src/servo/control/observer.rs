@@ -101,7 +101,7 @@ impl Observer {
 /// What velocity, acceleration and flow at the begin of a sample add to position, velocity and
 /// acceleration until its end: those of [`Model::advance`] as a matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Transition {
+pub(crate) struct Transition {
     position: [f32; 3],
     velocity: [f32; 3],
     acceleration: [f32; 3],
@@ -109,7 +109,7 @@ struct Transition {
 
 impl Transition {
     /// Cost: some 40 instructions.
-    fn new(model: &Model, time: f32) -> Self {
+    pub(crate) fn new(model: &Model, time: f32) -> Self {
         let Model { a1, a2, b0, .. } = *model;
         let (half, third) = (0.5 * time, time * (1.0 / 3.0));
         let square = time * half;
@@ -134,7 +134,7 @@ impl Transition {
 
     /// One sample on under a held flow. Cost: about 25 instructions.
     #[inline]
-    fn advance(&self, motion: &mut Motion, flow: f32) {
+    pub(crate) fn advance(&self, motion: &mut Motion, flow: f32) {
         let (v, a) = (motion.velocity, motion.acceleration);
         let sum = |[of_v, of_a, of_flow]: [f32; 3]| of_v * v + of_a * a + of_flow * flow;
         motion.position += sum(self.position);

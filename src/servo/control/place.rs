@@ -49,15 +49,33 @@ impl PlacedFlow {
         }
     }
 
-    /// The flow under which a drive as it is in the middle goes on like the one at this place, from
-    /// a velocity; `inverse_gain` is 1/C.
-    ///
-    /// ```text
-    /// x''' + a2 x'' = k (b0 flow - a1 x') = b0 moved - a1 x',   moved = flow + (k - 1) (flow - x'/C)
-    /// ```
+    /// What moves a drive of the middle like the one at this place.
     #[inline]
-    pub(crate) fn moved(&self, velocity: f32, inverse_gain: f32) -> f32 {
-        self.flow + (self.stiffness - 1.0) * (self.flow - velocity * inverse_gain)
+    pub(crate) const fn moved(&self) -> MovedFlow {
+        MovedFlow {
+            flow: self.stiffness * self.flow,
+            slope: self.stiffness - 1.0,
+        }
+    }
+}
+
+/// The flow under which a drive as it is in the middle goes on like one that is k times as stiff.
+///
+/// ```text
+/// x''' + a2 x'' = k (b0 flow - a1 x') = b0 moved - a1 x',   moved = k flow - (k - 1) x'/C
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct MovedFlow {
+    flow: f32,
+    /// k - 1.
+    slope: f32,
+}
+
+impl MovedFlow {
+    /// At a velocity of a drive with this 1/C.
+    #[inline]
+    pub(crate) fn at(&self, velocity: f32, inverse_gain: f32) -> f32 {
+        self.flow - self.slope * (velocity * inverse_gain)
     }
 }
 
@@ -137,7 +155,7 @@ mod tests {
                 let flow = if (k / 150) % 2 == 0 { 0.3 } else { -0.2 };
                 let at = PlacedFlow { flow, stiffness };
                 there.advance(&mut own, flow, 1e-3);
-                let moved = at.moved(like.velocity, middle.a1 / middle.b0);
+                let moved = at.moved().at(like.velocity, middle.a1 / middle.b0);
                 middle.advance(&mut like, moved, 1e-3);
                 apart = apart.max((own.velocity - like.velocity).abs());
             }

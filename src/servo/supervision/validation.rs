@@ -2,7 +2,7 @@
 
 use crate::math::sqrt;
 use crate::servo::control::observer::Observer;
-use crate::servo::control::place::PlacedFlow;
+use crate::servo::control::place::{MovedFlow, PlacedFlow};
 use crate::servo::design::ValidationDesign;
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
@@ -61,10 +61,9 @@ impl Runner {
 
     /// One sample on under the flow that was in force.
     #[inline]
-    fn predict(&mut self, flow: PlacedFlow) {
+    fn predict(&mut self, flow: MovedFlow) {
         let velocity = self.observer.motion().velocity;
-        self.observer
-            .predict(flow.moved(velocity, self.inverse_gain));
+        self.observer.predict(flow.at(velocity, self.inverse_gain));
     }
 
     /// The end of a sample of free simulation, with the response to the unknown flow.
@@ -92,7 +91,6 @@ pub(crate) struct ValidationWindow {
     bank: [Runner; bank::SIZE],
     challenger: Option<Runner>,
     unknown: UnknownFlow,
-    sample_time: f32,
     /// The flow in force until the next sample.
     flow: PlacedFlow,
     /// Samples of observation that are left, and of free simulation in all and so far.
@@ -146,8 +144,7 @@ impl ValidationWindow {
         Self {
             bank: core::array::from_fn(|_| runner.clone()),
             challenger: None,
-            unknown: UnknownFlow::new(&nothing),
-            sample_time: design.observer.sample_time,
+            unknown: UnknownFlow::new(&nothing, design.observer.sample_time),
             flow: PlacedFlow::in_the_middle(0.0),
             observe: 0,
             window: 0,
@@ -171,8 +168,7 @@ impl ValidationWindow {
             *runner = Runner::new(design, model, motion);
         }
         self.challenger = challenger.map(|model| Runner::new(design, model, motion));
-        self.unknown = UnknownFlow::new(used);
-        self.sample_time = design.observer.sample_time;
+        self.unknown = UnknownFlow::new(used, design.observer.sample_time);
         self.flow = flow;
         (self.observe, self.window, self.samples) = (design.observe, design.window, 0);
         self.origin = motion.position;
@@ -184,20 +180,21 @@ impl ValidationWindow {
     /// Cost: about 60 instructions per model.
     pub(crate) fn update(&mut self, flow: PlacedFlow, y: f32) {
         let before = core::mem::replace(&mut self.flow, flow);
+        let moved = before.moved();
         let runners = self.bank.iter_mut().chain(&mut self.challenger);
         if self.observe > 0 {
-            for run in runners {
-                run.predict(before);
+            runners.for_each(|run| {
+                run.predict(moved);
                 run.observer.correct(y);
-            }
+            });
             self.observe -= 1;
             return;
         }
-        let response = self.unknown.update(before, self.sample_time);
-        for run in runners {
-            run.predict(before);
+        let response = self.unknown.update(before);
+        runners.for_each(|run| {
+            run.predict(moved);
             run.simulate(y, response);
-        }
+        });
         let moved = y - self.origin;
         self.sum += moved;
         self.squares += moved * moved;

@@ -23,10 +23,10 @@ fn flow(turns: usize, k: usize) -> f32 {
 
 /// What errors of each sample and its response come to: the flow, their sums, and the responses.
 fn window(turns: usize, error: impl Fn(usize, f32) -> f32) -> (UnknownFlow, Errors, [f32; FREE]) {
-    let mut unknown = UnknownFlow::new(&MODEL);
+    let mut unknown = UnknownFlow::new(&MODEL, 1e-3);
     let mut errors = Errors::default();
     let responses = core::array::from_fn(|k| {
-        let response = unknown.update(PlacedFlow::in_the_middle(flow(turns, k)), 1e-3);
+        let response = unknown.update(PlacedFlow::in_the_middle(flow(turns, k)));
         errors.add(error(k, response), response);
         response
     });
@@ -52,10 +52,10 @@ fn a_response_is_how_far_a_dead_zone_moves_that_is_wrong_by_one() {
 
 #[test]
 fn without_flow_there_is_no_response_and_all_errors_are_left() {
-    let mut unknown = UnknownFlow::new(&MODEL);
+    let mut unknown = UnknownFlow::new(&MODEL, 1e-3);
     let mut errors = Errors::default();
     for _ in 0..60 {
-        let response = unknown.update(PlacedFlow::in_the_middle(0.0), 1e-3);
+        let response = unknown.update(PlacedFlow::in_the_middle(0.0));
         assert_eq!(response, 0.0);
         errors.add(2.0, response);
     }
