@@ -116,12 +116,13 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let along = self.drive.sign * command;
         self.controller.applied(along);
         let inputs = inputs_of_known(&self.controller);
+        let [flow, ..] = inputs;
         self.learning.monitor.update(along);
         let outcome = self.identifier.update_inputs(inputs, y);
         let retuned = if self.is_stopped(&setpoint, y, along, same_code) {
             false
         } else {
-            self.supervise(&setpoint, y, same_code, outcome, spare)
+            self.supervise(&setpoint, y, same_code, flow, outcome, spare)
         };
         let went_back = core::mem::take(&mut self.fallback.went_back);
         self.report(

@@ -25,6 +25,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         setpoint: &Setpoint,
         y: f32,
         same_code: bool,
+        flow: f32,
         outcome: Outcome,
         spare: Spare,
     ) -> bool {
@@ -34,7 +35,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             motion,
             y,
             flow: PlacedFlow {
-                flow: self.controller.flow_in_force(),
+                flow,
                 stiffness: self.controller.stiffness(),
             },
             same_code,

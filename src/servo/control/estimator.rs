@@ -176,8 +176,14 @@ impl StateEstimator {
     #[inline]
     fn foresee(&mut self) {
         let mut ahead = self.now;
-        for age in (1..=self.design.delay).rev() {
-            let flow = self.flow_of(age);
+        let length = self.flows.len();
+        let mut at = self.next + length - self.design.delay;
+        for _ in 0..self.design.delay {
+            if at >= length {
+                at -= length;
+            }
+            let flow = self.flows.get(at).copied().unwrap_or(0.0);
+            at += 1;
             if self.held {
                 ahead.hold(flow, &self.step);
             } else {

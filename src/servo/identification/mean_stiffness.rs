@@ -14,7 +14,10 @@ use crate::servo::design::IdentificationDesign;
 /// since a sample weighs with the square of what a1 multiplies, the velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct MeanStiffness {
-    mean: f32,
+    /// Where the identifier began: the mean before it has learnt.
+    first: f32,
+    /// Both sums.
+    stiffness: f32,
     weight: f32,
     /// lambda.
     kept: f32,
@@ -24,7 +27,8 @@ impl MeanStiffness {
     /// Of an axis in the middle.
     pub(crate) fn new(design: &IdentificationDesign, sample_time: f32) -> Self {
         Self {
-            mean: 1.0,
+            first: 1.0,
+            stiffness: 0.0,
             weight: 0.0,
             kept: 1.0 - sample_time / design.memory,
         }
@@ -32,23 +36,27 @@ impl MeanStiffness {
 
     /// The identifier begins at this stiffness.
     pub(crate) const fn begin(&mut self, stiffness: f32) {
-        (self.mean, self.weight) = (stiffness, 0.0);
+        (self.first, self.stiffness, self.weight) = (stiffness, 0.0, 0.0);
     }
 
-    /// A sample that the identifier learns from.
+    /// A sample that the identifier learns from. Cost: about 15 instructions.
     #[inline]
     pub(crate) fn add(&mut self, stiffness: f32, velocity: f32) {
         let square = velocity * velocity;
-        let weight = self.kept * self.weight + square;
-        if weight > 0.0 && weight < f32::INFINITY {
-            self.weight = weight;
-            self.mean += square / weight * (stiffness - self.mean);
+        let sum = self.kept * self.stiffness + square * stiffness;
+        if sum < f32::INFINITY {
+            self.stiffness = sum;
+            self.weight = self.kept * self.weight + square;
         }
     }
 
     /// The mean; a1 and b0 of the identifier over those in the middle.
-    pub(crate) const fn mean(&self) -> f32 {
-        self.mean
+    pub(crate) fn mean(&self) -> f32 {
+        if self.weight > f32::MIN_POSITIVE {
+            self.stiffness / self.weight
+        } else {
+            self.first
+        }
     }
 }
 

@@ -51,7 +51,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let outcome = Outcome::Replaced { innovation: 0.0 };
         if !self.is_stopped(&setpoint, y, along, true) {
             // Several of them may come in one slot: what can wait does.
-            self.supervise(&setpoint, y, true, outcome, Spare::Nothing);
+            let flow = self.controller.flow_in_force();
+            self.supervise(&setpoint, y, true, flow, outcome, Spare::Nothing);
         }
     }
 }

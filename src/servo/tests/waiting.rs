@@ -66,7 +66,7 @@ fn a_look_at_what_is_no_longer_makes_no_candidate() {
         let y = bench.motion.position;
         let _ = bench
             .servo
-            .supervise(&Setpoint::at(y), y, false, outcome, Spare::Nothing);
+            .supervise(&Setpoint::at(y), y, false, 0.0, outcome, Spare::Nothing);
     }
     assert_eq!(bench.servo.takeover.looked, None);
 }
