@@ -82,8 +82,7 @@ pub struct Controller {
     pub(super) transfer: Transfer,
 }
 
-/// Integral action is frozen at rest within so many windows, where friction holds the axis: a push
-/// moves that one. Nothing else moves one that does not stick, whose is frozen within one.
+/// Integral action is frozen at rest within so many windows.
 const FROZEN: f32 = 1.5;
 
 impl Controller {
@@ -142,8 +141,7 @@ impl Controller {
         let rests = setpoint.is_rest();
         let error = setpoint.position - self.estimator.now().position;
         let frozen = if rests {
-            let share = if self.sticky { FROZEN } else { 1.0 };
-            within(error, share * self.rest.window()) == error
+            within(error, FROZEN * self.rest.window()) == error
         } else {
             self.starts()
         };
