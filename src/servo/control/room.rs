@@ -1,7 +1,6 @@
 //! How much flow an axis may be given on its way to an end of its travel.
 
 use crate::servo::control::controller::Controller;
-use crate::servo::design::constants::BREAKAWAY_RATIO;
 use crate::servo::motion::Setpoint;
 
 /// Speed of a flow over the one that takes the room to an end within 1/w: what swings runs ahead of
@@ -59,7 +58,7 @@ impl Controller {
             (-1.0, state.position - travel.min)
         };
         let velocity = way * state.velocity;
-        let drive = self.true_drive(way) - model.friction;
+        let drive = way * state.drive - model.friction;
         let approach = Approach {
             distance,
             velocity,
@@ -71,19 +70,6 @@ impl Controller {
         let most = approach.speed() * model.a1 / model.b0;
         let most = if most > own { most } else { own };
         if way * flow > most { way * most } else { flow }
-    }
-
-    /// The drive in a direction; where friction holds the axis no more than it can hold: what is
-    /// integrated beyond that has not passed the valve, and would keep the axis from being moved.
-    #[inline]
-    fn true_drive(&self, way: f32) -> f32 {
-        let drive = way * self.estimator.ahead().drive;
-        let most = BREAKAWAY_RATIO * self.estimator.model().friction;
-        if self.sticks() && drive > most {
-            most
-        } else {
-            drive
-        }
     }
 }
 
