@@ -64,14 +64,15 @@ impl Worked {
         for (reason, _) in runs.iter().filter_map(|run| run.stopped) {
             *alarms.entry(format!("{reason:?}")).or_insert(0) += 1;
         }
+        let worked_s: f64 = runs.iter().map(|run| run.worked_s).sum();
         Self {
-            hours: runs.iter().map(|run| run.worked_s).sum::<f64>() / 3600.0,
+            hours: worked_s / 3600.0,
             implausible: runs.iter().map(|run| u64::from(run.implausible)).sum(),
             oscillations: runs.iter().map(|run| u64::from(run.oscillations)).sum(),
             models: runs.iter().map(|run| u64::from(run.models)).sum(),
             far_pct: [0, 1].map(|k| {
                 let far: f64 = runs.iter().map(|run| run.far_s[k]).sum();
-                100.0 * far / runs.iter().map(|run| run.worked_s).sum::<f64>()
+                100.0 * far / worked_s
             }),
             alarms,
             runs,

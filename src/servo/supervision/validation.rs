@@ -180,11 +180,11 @@ impl ValidationWindow {
     /// Cost: about 60 instructions per model.
     pub(crate) fn update(&mut self, flow: PlacedFlow, y: f32) {
         let before = core::mem::replace(&mut self.flow, flow);
-        let moved = before.moved();
+        let driving = before.moved();
         let runners = self.bank.iter_mut().chain(&mut self.challenger);
         if self.observe > 0 {
             runners.for_each(|run| {
-                run.predict(moved);
+                run.predict(driving);
                 run.observer.correct(y);
             });
             self.observe -= 1;
@@ -192,7 +192,7 @@ impl ValidationWindow {
         }
         let response = self.unknown.update(before);
         runners.for_each(|run| {
-            run.predict(moved);
+            run.predict(driving);
             run.simulate(y, response);
         });
         let moved = y - self.origin;

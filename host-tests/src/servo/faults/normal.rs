@@ -39,9 +39,8 @@ pub struct NormalRun {
 pub const FAR: f64 = 1.3;
 
 /// Whether the natural frequency and the velocity gain of a model in use are far from those of its
-/// axis.
-fn far(axis: &AxisDraw, model: &Model) -> [bool; 2] {
-    let [gain, omega0, _] = axis.truth(0.5 * axis.stroke_mm());
+/// axis in the middle.
+fn far([gain, omega0, _]: [f64; 3], model: &Model) -> [bool; 2] {
     let (a1, b0) = (f64::from(model.a1), f64::from(model.b0));
     [a1.sqrt() / omega0, b0 / a1 / gain].map(|ratio| !(1.0 / FAR..=FAR).contains(&ratio))
 }
@@ -113,6 +112,7 @@ pub fn work(axis: &AxisDraw, seconds: f64) -> Option<NormalRun> {
     let mut machine = Machine::new(axis, true, true)?;
     let mut random = stream(axis.seed, Purpose::Sequence);
     let length = axis.stroke_mm();
+    let middle = axis.truth(0.5 * length);
     let mut stopped = None;
     let mut worst = 0.0_f64;
     let mut implausible = 0;
@@ -144,7 +144,7 @@ pub fn work(axis: &AxisDraw, seconds: f64) -> Option<NormalRun> {
             let report = machine.step();
             implausible = report.faults.implausible_readings;
             oscillations = report.faults.oscillations;
-            let far = far(axis, machine.servo.controller().model());
+            let far = far(middle, machine.servo.controller().model());
             for (time, far) in far_s.iter_mut().zip(far) {
                 *time += f64::from(u8::from(far)) * axis.sample_time;
             }

@@ -16,11 +16,6 @@ fn seen(
     seen_by(&USED, drive, challenger, per_second, 0.0)
 }
 
-/// The same where the drive is so many times as stiff as in the middle.
-fn seen_at(stiffness: f32, drive: &Model, per_second: f32) -> Result<ValidationWindow, Error> {
-    seen_there(stiffness, &USED, drive, None, per_second, 0.0)
-}
-
 /// The same with another model in use, of whose dead zone so much is not known.
 fn seen_by(
     used: &Model,
@@ -32,6 +27,7 @@ fn seen_by(
     seen_there(1.0, used, drive, challenger, per_second, unknown)
 }
 
+/// The same where the drive is so many times as stiff as in the middle.
 fn seen_there(
     stiffness: f32,
     used: &Model,
@@ -95,7 +91,7 @@ fn near_an_end_the_model_of_the_middle_leaves_least_not_one_as_stiff_as_the_axis
 -> Result<(), Error> {
     for stiffness in [1.3_f32, 1.732, 2.5] {
         for (k, drive) in bank::about(&USED).into_iter().enumerate() {
-            let window = seen_at(stiffness, &drive, 4.0)?;
+            let window = seen_there(stiffness, &USED, &drive, None, 4.0, 0.0)?;
             let sums = window.sums(0.0, 1.0, 0.0).expect("it moves");
             let own = sums.bank[k];
             // The velocity that the place acts on is held for a sample.
