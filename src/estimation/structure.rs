@@ -203,6 +203,15 @@ impl<const M: usize, const N: usize, const I: usize> Structure<M, N, I> {
         count
     }
 
+    /// Whether theta has a b_i beyond b_0 of an input; one that is known to be 0 is none.
+    pub(crate) fn zeros(&self, theta: &[f32; N]) -> bool {
+        let beyond = |terms: &Terms| terms.highest() > Some(0);
+        self.inputs.iter().any(beyond)
+            && (self.parameters().into_iter().zip(theta)).any(|(parameter, value)| {
+                matches!(parameter, Parameter::Input { power, .. } if power > 0) && *value != 0.0
+            })
+    }
+
     /// The meaning of each entry of theta.
     #[doc(alias = "columns")]
     pub const fn parameters(&self) -> [Parameter; N] {

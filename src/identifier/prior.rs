@@ -24,7 +24,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
         let mut prior = match config.prior_std {
             Some(std) => self.prior_of(&config.initial, &std)?,
             None => Prior {
-                theta: self.normalised(&config.initial)?,
+                theta: self.normalised(&config.initial, &config.known)?,
                 std: self.default_std(),
             },
         };
@@ -46,19 +46,20 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
         std: &[f32; N],
     ) -> Result<Prior<N>, ConfigError> {
         check_std(std)?;
-        let theta = self.normalised(theta)?;
+        let theta = self.normalised(theta, &std.map(|std| std == 0.0))?;
         let units = self.regressor.units();
         let std = core::array::from_fn(|j| bounded(std[j] / (units[j] * self.noise.prior)));
         Ok(Prior { theta, std })
     }
 
     /// Parameters of the s plane in the user's units as the recursion has them.
-    fn normalised(&self, theta: &[f32; N]) -> Result<[f32; N], ConfigError> {
+    fn normalised(&self, theta: &[f32; N], known: &[bool; N]) -> Result<[f32; N], ConfigError> {
         // No parameters are none in every plane.
         if *theta == [0.0; N] {
             return Ok(*theta);
         }
-        let given = theta_in_trend_plane(theta, &self.structure, self.trends.design());
+        let design = self.trends.design();
+        let given = theta_in_trend_plane(theta, &self.structure, design, known);
         let units = self.regressor.units();
         let theta: [f32; N] = core::array::from_fn(|j| given[j] / units[j]);
         match theta.iter().position(|value| !acceptable(*value, REACH)) {

@@ -46,8 +46,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let scale = INFLATION * if positive(scale) { scale } else { 1.0 };
         let units = plan.regressor.units();
         let moved = |theta: &[f32; N]| {
-            let s_plane = theta_in_s_plane(theta, &plan.structure, old);
-            let theta = theta_in_trend_plane(&s_plane, &plan.structure, new);
+            if old.shares_plane(new) {
+                return from_fn(|j| theta[j] / units[j]);
+            }
+            let s_plane = theta_in_s_plane(theta, &plan.structure, old, &[false; N]);
+            let theta = theta_in_trend_plane(&s_plane, &plan.structure, new, &[false; N]);
             from_fn(|j| theta[j] / units[j])
         };
         theta = moved(&theta);

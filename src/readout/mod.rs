@@ -52,7 +52,7 @@ use crate::readout::significance::Withdrawal;
 /// Measured without noise at 1 and 5 ms: 0.17 to 0.24 of every a_i and b_i of servos with damping
 /// 0.2 to 1, -0.08 of a lag, 0.1 to 0.22 of an oscillator. All parameters of a model share it to a
 /// tenth, so a gain `b_0/a_nu` hardly has it, unless friction turns with the velocity
-/// (`ReadOut::common`).
+/// (`ReadOut::common`). Times what the trends leave of it (`Design::discretisation_share`).
 const DISCRETE: f32 = 0.2;
 
 /// Error of f32, relative to a parameter.
@@ -104,7 +104,8 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
 
     /// The parameters of the s plane, in the user's units.
     pub(crate) fn theta(&self) -> [f32; N] {
-        theta_in_s_plane(&self.trend_theta(), self.structure, self.design)
+        let known = self.known();
+        theta_in_s_plane(&self.trend_theta(), self.structure, self.design, &known)
     }
 
     /// Parameters and covariance in the user's units.
@@ -172,7 +173,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             slowest: (1.0 - self.design.slow_mode) / sample_time,
         };
         let angle = spectrum.natural * sample_time;
-        let floor = self.floor(spectrum.natural, &denominator);
+        let floor = self.floor(spectrum.natural, &denominator, &found.theta);
         let (r, s) = spectrum.sums();
         let in_band = match transform(r, s, core::array::from_fn(|j| p[j][j] > 0.0)) {
             Some(t) => sandwich(&t, &covariance, &parameters),
@@ -207,9 +208,11 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     }
 
     /// Error relative to a parameter that no residual shows and all parameters share.
-    fn floor(&self, natural: f32, denominator: &[f32; M]) -> f32 {
+    fn floor(&self, natural: f32, denominator: &[f32; M], theta: &[f32; N]) -> f32 {
         let angle = natural * self.design.sample_time;
-        ARITHMETIC + DISCRETE * angle * angle * self.design.discretisation_share(denominator)
+        let zeros = self.structure.zeros(theta);
+        let share = self.design.discretisation_share(denominator, zeros);
+        ARITHMETIC + DISCRETE * share * angle * angle
     }
 
     /// The recursion as it stands in the user's units, its covariance that of a white residual.
@@ -218,7 +221,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         self.in_s_plane(theta, covariance)
     }
 
-    /// The same in the plane of the trends: that of s for trends through a filter.
+    /// The same in the plane of the trends.
     pub(crate) fn recursion_of_trends(&self) -> ([f32; N], Matrix<N>) {
         let units = self.regressor.units();
         let bare = self.estimator.theta();
@@ -238,7 +241,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             theta,
             covariance,
         };
-        estimate_in_s_plane(found, self.design)
+        estimate_in_s_plane(found, self.design, &self.known())
     }
 }
 

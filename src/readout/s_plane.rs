@@ -14,18 +14,26 @@ use crate::trends::{Design, Mapped};
 /// stands for.
 const STEP: f32 = 0.01;
 
-/// Theta with its denominator and numerators replaced by those of `image` of the denominator.
+/// Theta with its denominator and numerators replaced by those of `image` of the denominator; where
+/// that is one factor known values are kept.
 fn replaced<const M: usize, const N: usize, const I: usize>(
     theta: &[f32; N],
     structure: &Structure<M, N, I>,
-    image: impl Fn(&[f32; M], usize) -> Option<Mapped<M>>,
+    design: &Design<M>,
+    known: &[bool; N],
+    image: fn(&Design<M>, &[f32; M], usize, bool) -> Option<Mapped<M>>,
 ) -> [f32; N] {
+    if design.is_of_s_plane() {
+        return *theta;
+    }
     let columns = structure.parameters();
     let a = structure.denominator(theta);
+    let image = image(design, &a, structure.integrators(), structure.zeros(theta));
     let mut theta = *theta;
-    if let Some(image) = image(&a, structure.integrators()) {
-        for (column, value) in columns.iter().zip(&mut theta) {
+    if let Some(image) = image {
+        for ((column, value), known) in columns.iter().zip(&mut theta).zip(known) {
             match *column {
+                _ if *known && !design.curves() => {}
                 Parameter::Output { power } => *value = image.a.get(power).copied().unwrap_or(0.0),
                 Parameter::Input { .. } | Parameter::Constant => *value *= image.numerator,
                 Parameter::InitialState => {}
@@ -38,15 +46,15 @@ fn replaced<const M: usize, const N: usize, const I: usize>(
 /// Parameters of the trends as parameters of the s plane, in the user's units.
 ///
 /// Where there is none (a pole beyond the sampling) they stay as they are. A term that is not in
-/// the structure stays 0; it would be of the size of `(omega Delta)^2`.
+/// the structure stays 0; it would be of the size of `(omega Delta)^2`. So would be what `known`
+/// values are bent by: they stay what they were told to be.
 pub(crate) fn theta_in_s_plane<const M: usize, const N: usize, const I: usize>(
     theta: &[f32; N],
     structure: &Structure<M, N, I>,
     design: &Design<M>,
+    known: &[bool; N],
 ) -> [f32; N] {
-    replaced(theta, structure, |a, integrators| {
-        design.to_s_plane(a, integrators)
-    })
+    replaced(theta, structure, design, known, Design::to_s_plane)
 }
 
 /// The way back from [`theta_in_s_plane`].
@@ -54,21 +62,25 @@ pub(crate) fn theta_in_trend_plane<const M: usize, const N: usize, const I: usiz
     theta: &[f32; N],
     structure: &Structure<M, N, I>,
     design: &Design<M>,
+    known: &[bool; N],
 ) -> [f32; N] {
-    replaced(theta, structure, |a, integrators| {
-        design.to_gamma_plane(a, integrators)
-    })
+    replaced(theta, structure, design, known, Design::to_trend_plane)
 }
 
-/// The estimate in the s plane, the covariance through the slope of the map.
+/// The estimate in the s plane, the covariance through the slope of the map; one factor of all
+/// coefficients is within a few percent of 1, and leaves it as it is.
 pub(crate) fn estimate_in_s_plane<const M: usize, const N: usize, const I: usize>(
     found: Estimate<M, N, I>,
     design: &Design<M>,
+    known: &[bool; N],
 ) -> Estimate<M, N, I> {
     let structure = found.structure;
-    let theta = theta_in_s_plane(&found.theta, &structure, design);
+    let theta = theta_in_s_plane(&found.theta, &structure, design, known);
     if theta == found.theta {
         return found;
+    }
+    if !design.curves() {
+        return Estimate { theta, ..found };
     }
     let slope = slope(&found.theta, &structure, design);
     let mut covariance = [[0.0; N]; N];
@@ -108,8 +120,8 @@ fn slope<const M: usize, const N: usize, const I: usize>(
         up[j] += step;
         down[j] -= step;
         let (up, down) = (
-            theta_in_s_plane(&up, structure, design),
-            theta_in_s_plane(&down, structure, design),
+            theta_in_s_plane(&up, structure, design, &[false; N]),
+            theta_in_s_plane(&down, structure, design, &[false; N]),
         );
         for i in 0..N {
             slope[i][j] = (up[i] - down[i]) / (2.0 * step);

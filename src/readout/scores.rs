@@ -99,7 +99,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     ) {
         let denominator = self.structure.denominator(theta);
         let natural = natural_frequency(&denominator, self.bandwidth);
-        let floor = self.floor(natural, &denominator);
+        let floor = self.floor(natural, &denominator, theta);
         let parameters = self.structure.parameters();
         let errs = |i: usize| {
             !matches!(parameters[i], Parameter::Constant | Parameter::InitialState) && !known(i)

@@ -135,7 +135,9 @@ fn the_error_of_trends_is_common_to_all_coefficients_and_no_known_one_has_it() {
     parts.estimator = Estimator::new(*parts.estimator.theta(), [1e-9, 0.0, 1e-9, 1e-9], 1.0);
     let found = parts.read().estimate();
     let angle = 20.0 * 1e-3;
-    let share = parts.design.discretisation_share(&[0.0, 400.0, 20.0]);
+    let share = parts
+        .design
+        .discretisation_share(&[0.0, 400.0, 20.0], false);
     let floor = ARITHMETIC + DISCRETE * angle * angle * share;
     let [a1, a2, b0, constant] = [0, 1, 2, 3].map(|i| found.covariance[i]);
     assert!(
@@ -209,7 +211,7 @@ fn goes_through_the_slope(theta: [f32; 3], scale: [f32; 3]) {
         theta,
         covariance: [[900.0, 20.0, 1e5], [20.0, 4.0, 1e3], [1e5, 1e3, 1e9]],
     };
-    let mapped = estimate_in_s_plane(found.clone(), &design);
+    let mapped = estimate_in_s_plane(found.clone(), &design, &[false; 3]);
     assert!(
         !close(mapped.theta[1], theta[1], 0.01),
         "{:?}",
@@ -220,7 +222,7 @@ fn goes_through_the_slope(theta: [f32; 3], scale: [f32; 3]) {
         let at = |sign: f32| {
             let mut theta = theta;
             theta[j] += sign * step;
-            theta_in_s_plane(&theta, &structure, &design)
+            theta_in_s_plane(&theta, &structure, &design, &[false; 3])
         };
         let (up, down) = (at(1.0), at(-1.0));
         core::array::from_fn(|i| (up[i] - down[i]) / (2.0 * step))
@@ -243,7 +245,7 @@ fn goes_through_the_slope(theta: [f32; 3], scale: [f32; 3]) {
         }
     }
     // And back.
-    let back = s_plane::theta_in_trend_plane(&mapped.theta, &structure, &design);
+    let back = s_plane::theta_in_trend_plane(&mapped.theta, &structure, &design, &[false; 3]);
     assert!((0..3).all(|j| close(back[j], theta[j], 1e-3)), "{back:?}");
 }
 

@@ -12,6 +12,7 @@ use crate::servo::error::Error;
 use crate::servo::model::Model;
 use crate::servo::supervision::screening::Candidate;
 use crate::trends::Scheme;
+use crate::trends::design::Plane;
 use crate::trends::filtered::FilteredTrends;
 
 /// The identifier of the loop: order 3, theta = (a1, a2, b0 of u, b0 of sgn u, b1 of sgn v,
@@ -28,12 +29,16 @@ const STRUCTURE: Structure<3, 6, 3> = crate::structure!(
 );
 
 /// The trends of an identifier for this axis.
+///
+/// Read as they are found: what trapezoids bend, 0.2 of `(omega Delta)^2`, is less than the windows
+/// of free simulation can tell, and a sample has no time for the way back.
 pub(crate) fn trends(
     design: &IdentificationDesign,
     sample_time: f32,
 ) -> Result<FilteredTrends<3>, Error> {
     let rates = [design.trends_rate; 3];
-    Ok(FilteredTrends::try_new(Scheme::Tustin, sample_time, rates)?)
+    let trends = FilteredTrends::try_new(Scheme::Tustin, sample_time, rates)?;
+    Ok(trends.with_plane(Plane::S))
 }
 
 /// The settings of an identifier for this axis.

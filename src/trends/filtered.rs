@@ -111,7 +111,10 @@ impl<const M: usize> FilteredTrends<M> {
                 slow_mode: (1.0 - pole * behind) / (1.0 + pole * ahead),
                 warm_up: 1,
                 size: Size::Unit,
-                plane: Plane::S,
+                plane: match scheme {
+                    Scheme::Goodwin => Plane::S,
+                    Scheme::Tustin => Plane::Bent,
+                },
             },
             integrators,
         })

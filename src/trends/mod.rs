@@ -34,6 +34,7 @@ pub(crate) mod integral;
 pub(crate) mod noise_gain;
 pub(crate) mod operator;
 pub(crate) mod raw;
+mod trapezoids;
 
 pub use any::{AnyMemory, AnyTrends};
 pub use chain::Chain;

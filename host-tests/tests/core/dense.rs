@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
-use trendid::estimation::{StabilisedForgetting, Terms};
-use trendid::trends::{AnyTrends, TrendOperator};
-use trendid::{Config, Identifier, Outcome};
+use trendid::estimation::{Parameter, StabilisedForgetting, Terms};
+use trendid::trends::{AnyTrends, Design, TrendOperator};
+use trendid::{Config, Identifier, Outcome, Structure};
 use trendid_host_tests::oracles::forgetting::{Forgetting, Kind};
 use trendid_host_tests::oracles::least_squares::{self, InputTerms, recursive_equivalent};
 use trendid_host_tests::oracles::trends::{Hold, Scheme, filter_denominator, output_trend};
@@ -120,6 +120,32 @@ fn forgotten<const N: usize>(
     (0..N).map(|j| units[j] * theta[j]).collect()
 }
 
+/// Parameters of the trends in the s plane, as the core has them.
+fn in_s_plane<const M: usize, const N: usize, const I: usize>(
+    theta: &[f64],
+    structure: &Structure<M, N, I>,
+    design: &Design<M>,
+) -> Vec<f64> {
+    let (mut a, mut zeros) = ([0.0; M], false);
+    for (parameter, value) in structure.parameters().into_iter().zip(theta) {
+        match parameter {
+            Parameter::Output { power } => a[power] = *value as f32,
+            Parameter::Input { power, .. } => zeros |= power > 0,
+            Parameter::Constant | Parameter::InitialState => {}
+        }
+    }
+    let Some(image) = design.to_s_plane(&a, structure.integrators(), zeros) else {
+        return theta.to_vec();
+    };
+    let mapped = structure.parameters().into_iter().zip(theta);
+    let mapped = mapped.map(|(parameter, value)| match parameter {
+        Parameter::Output { power } => f64::from(image.a[power]),
+        Parameter::InitialState => *value,
+        Parameter::Input { .. } | Parameter::Constant => value * f64::from(image.numerator),
+    });
+    mapped.collect()
+}
+
 /// Largest distance between core and batch, relative to the parameter (or to a thousandth of its
 /// design size).
 fn gap<const M: usize, const N: usize, const I: usize>(
@@ -174,6 +200,7 @@ fn gap<const M: usize, const N: usize, const I: usize>(
             forgotten(memory, prior, units, scale, (&phi, &target))
         }
     };
+    let batch = in_s_plane(&batch, &config.structure, &design);
     (0..N).fold(0.0, |worst: f64, j| {
         // The start is some 1e-4 mm beside strokes of 100 mm: judged by its design size, like any
         // small parameter.

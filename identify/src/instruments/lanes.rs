@@ -25,8 +25,9 @@ pub(crate) trait Design: Send {
     /// f_0 .. f_{m-1} of the filter in the plane of the trends.
     fn filter(&self) -> Vec<f64>;
     /// A model in the plane of the trends as one of the s plane: its denominator, and the factor
-    /// from the numerators found to those of s. `None` where a pole is too fast for the sampling.
-    fn to_s_plane(&self, a: &[f64], integrators: usize) -> Option<(Vec<f64>, f64)>;
+    /// from the numerators found to those of s; `zeros` states whether an input has a b_i beyond
+    /// b_0. `None` where a pole is too fast for the sampling of exact trends.
+    fn to_s_plane(&self, a: &[f64], integrators: usize, zeros: bool) -> Option<(Vec<f64>, f64)>;
 }
 
 struct Operator<const M: usize>(AnyTrends<M>);
@@ -106,13 +107,16 @@ impl<const M: usize> Design for Operator<M> {
         filter.iter().copied().map(f64::from).collect()
     }
 
-    fn to_s_plane(&self, a: &[f64], integrators: usize) -> Option<(Vec<f64>, f64)> {
-        if !matches!(self.0, AnyTrends::Exact(_)) {
-            return Some((a.to_vec(), 1.0));
+    fn to_s_plane(&self, a: &[f64], integrators: usize, zeros: bool) -> Option<(Vec<f64>, f64)> {
+        let design = self.0.design();
+        match design.to_s_plane(&narrow(a), integrators, zeros) {
+            Some(mapped) => {
+                let a = mapped.a.iter().copied().map(f64::from).collect();
+                Some((a, f64::from(mapped.numerator)))
+            }
+            None if matches!(self.0, AnyTrends::Exact(_)) => None,
+            None => Some((a.to_vec(), 1.0)),
         }
-        let mapped = self.0.design().to_s_plane(&narrow(a), integrators)?;
-        let a = mapped.a.iter().copied().map(f64::from).collect();
-        Some((a, f64::from(mapped.numerator)))
     }
 }
 

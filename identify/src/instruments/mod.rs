@@ -196,7 +196,9 @@ impl<'a> Fit<'a> {
         let q = layout.outputs();
         let mut found = vec![0.0; layout.order];
         found[layout.first..].copy_from_slice(&theta[..q]);
-        let (a, numerator) = self.sums.design.to_s_plane(&found, layout.first)?;
+        let zeros = layout.terms.iter().any(|terms| *terms > 1);
+        let design = &self.sums.design;
+        let (a, numerator) = design.to_s_plane(&found, layout.first, zeros)?;
         let mut mapped = a[layout.first..].to_vec();
         mapped.extend(theta[q..].iter().map(|b| b * numerator));
         if layout.constant && layout.first == 0 {

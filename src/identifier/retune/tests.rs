@@ -35,8 +35,9 @@ fn the_model_stays_and_its_covariance_goes_with_the_noise_behind_the_filter() {
     let (mut servo, _) = trained(&config(), 3000);
     let before = servo.clone();
     servo.retune(trends(35.0), 0.0).expect("a filter");
-    let (old, new) = (before.read_out().trend_theta(), servo.recursion());
-    for (found, exact) in new.theta().iter().zip(old) {
+    let old = before.read_out().trend_theta();
+    let exact = before.read_out().theta();
+    for (found, exact) in servo.recursion().theta().iter().zip(exact) {
         near(*found, exact, 1e-5);
     }
     let a = [0.0, old[0], old[1]];
