@@ -161,7 +161,7 @@ impl<const M: usize> TrendOperator<M> for FilteredTrends<M> {
     fn output(&self, memory: &mut Chain<M>, y: f32, form: Form) -> Trends<M> {
         let (states, pending) = (&mut memory.states, &mut memory.pending);
         match form {
-            Form::Position => self.integrators.step(states, pending, y, 0.0),
+            Form::Position => self.integrators.step(states, &mut pending[0], y, 0.0),
             Form::Increment => {
                 let increment = y - memory.last;
                 memory.last = y;
@@ -182,7 +182,9 @@ impl<const M: usize> TrendOperator<M> for FilteredTrends<M> {
                 (0.0, 0.0)
             }
         };
-        self.integrators.step(states, pending, direct, held).lower
+        self.integrators
+            .step(states, &mut pending[0], direct, held)
+            .lower
     }
 
     fn withdraw(&self, memory: &mut Chain<M>, u: f32) {

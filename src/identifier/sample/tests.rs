@@ -22,7 +22,7 @@ fn each_eighth_part_flushes_what_is_its_own() {
     let tiny = Chain {
         states: [1e-30; 3],
         last: 0.0,
-        pending: 0.0,
+        pending: [0.0; 2],
     };
     for round in [0, 8, 16] {
         for part in 0..8 {
