@@ -21,7 +21,7 @@ motion that follow. The last three columns are other ways to forget, in f64, on 
 The command fails when a limit is broken: 4 sigma where the data obey the model, the covariance within its bound, every
 number finite, the estimate held in 90 % of the samples in which a command does not move the axis. And, while a digit of
 the position in f32 is no larger than its noise (to 84 m), 0.15/0.1/0.3 % for C/omega0/xi where the data obey the model
-and 0.1 % ten seconds behind those that did not; but for more than 10 um of noise, friction, and 100 rad/s with 0.2 s.")]
+and 0.1 % ten seconds behind those that did not; but for more than 10 um of noise, friction, and 0.2 s at 5 and 100 rad/s.")]
 pub(crate) struct EnduranceArgs {
     /// Length of each scenario in s, at 1 kHz
     #[arg(long, value_name = "S", default_value_t = 1000.0)]

@@ -182,10 +182,11 @@ impl Case {
     /// Whether the errors of the default at 10 um apply.
     ///
     /// Not with more noise, nor where so much is left by 10 um: with friction to be found, and of a
-    /// memory of 0.2 s at 100 rad/s, whose small steps show little.
+    /// memory of 0.2 s at 5 rad/s, which is that of one radian, and at 100 rad/s, whose small steps
+    /// show little.
     pub fn has_limits(&self) -> bool {
         let shows = self.setup.drive != Drive::Coulomb;
-        let short = self.setup.bandwidth > 20.0 && self.memory == Some(0.2);
+        let short = self.setup.bandwidth != 20.0 && self.memory == Some(0.2);
         shows && !short && self.setup.noise_um <= 10.0
     }
 
