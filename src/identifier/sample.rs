@@ -31,8 +31,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             self.noise.settle(settled);
             witness.begin();
         }
-        let reference = self.signals.reference;
-        let y = y - reference;
+        let position = y;
+        let y = y - self.signals.reference;
         self.signals.gap = 0;
         self.signals.turn = self.signals.turn.wrapping_add(1);
         let turn = self.signals.turn;
@@ -53,7 +53,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             self.signals.enter_output(plan, y);
             self.signals.remaining -= 1;
             self.signals.find_start(plan, y, self.noise.known());
-            self.prediction = y + reference;
+            self.prediction = position;
             return Outcome::WarmingUp {
                 remaining: self.signals.remaining,
             };
@@ -68,12 +68,12 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.noise
             .take(y, third.unwrap_or_else(|| self.noise.third_difference(y)));
         let innovation = row.innovation;
-        self.prediction = y - innovation + reference;
+        self.prediction = position - innovation;
         self.errors.update(innovation);
         match lasting {
             // Two samples have entered the trends at once: the rest of this one is left out.
             true => Outcome::Held { innovation },
-            false => self.learn(plan, &mut row, &others, y, noise, witness),
+            false => self.learn(plan, &mut row, &others, [y, position], noise, witness),
         }
     }
 
@@ -106,14 +106,14 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
     }
 
-    /// Takes the row in, unless the estimate is held.
+    /// Takes the row of y in, from its zero and as it was given, unless the estimate is held.
     #[inline(always)]
     fn learn(
         &mut self,
         plan: &Plan<T, M, N, I>,
         row: &mut Row<N>,
         others: &Others<M, I>,
-        y: f32,
+        [y, position]: [f32; 2],
         noise: Noise,
         witness: &mut impl Witness<M, N, I>,
     ) -> Outcome {
@@ -136,10 +136,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
                 }
                 return Outcome::Held { innovation };
             }
-            row.weigh(y + self.signals.reference, plan.noise.coarse);
+            row.weigh(position, plan.noise.coarse);
             self.remember(plan, row, y, witness);
         } else if obeys {
-            row.weigh(y + self.signals.reference, plan.noise.coarse);
+            row.weigh(position, plan.noise.coarse);
             let _ = self.estimator.fold(&row.phi, row.error);
             witness.row(&row.phi, row.psi, &self.estimator, true);
         } else {
