@@ -94,6 +94,9 @@ pub(crate) struct Integrators<const M: usize> {
     pub(crate) behind: f32,
     /// 1 / (1 + sum f_i ahead^(m-i)): solves the loop that the trapezoids close within one sample.
     loop_gain: f32,
+    /// Weight of the trend of order 1 in the highest one, of increments: f_1 + f_0 `ahead`; 0 for
+    /// m = 1.
+    damping: f32,
 }
 
 impl<const M: usize> Integrators<M> {
@@ -110,6 +113,7 @@ impl<const M: usize> Integrators<M> {
             ahead,
             behind,
             loop_gain: 1.0 / sum,
+            damping: filter.get(1).map_or(0.0, |f| f + filter[0] * ahead),
         }
     }
 
@@ -225,11 +229,7 @@ impl<const M: usize> Integrators<M> {
         let rest = change - (left - states[0]);
         let mut top = left;
         for i in 1..M {
-            let weight = if i == 1 {
-                self.filter[1] + self.filter[0] * self.ahead
-            } else {
-                self.filter[i]
-            };
+            let weight = if i == 1 { self.damping } else { self.filter[i] };
             top -= weight * known[i];
         }
         top *= self.loop_gain;
