@@ -34,7 +34,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             false => last,
         };
         self.signals.output = before;
-        let _ = self.signals.output_trends(plan, predicted);
+        self.signals.enter_output(plan, predicted);
         self.signals.last = predicted;
         self.noise.pass(predicted);
         self.prediction = predicted + self.signals.reference;

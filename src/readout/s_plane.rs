@@ -8,27 +8,39 @@ use crate::math::matrix::Matrix;
 use crate::math::polynomial::largest_rate;
 use crate::math::pow;
 use crate::readout::estimate::Estimate;
-use crate::trends::{Design, Mapped};
+use crate::trends::Design;
 
 /// Step of a difference quotient, relative to the power of the largest rate that a coefficient
 /// stands for.
 const STEP: f32 = 0.01;
 
-/// Theta with its denominator and numerators replaced by those of `image` of the denominator; where
-/// that is one factor known values are kept.
+/// The plane to go to.
+#[derive(Clone, Copy)]
+enum To {
+    S,
+    Trends,
+}
+
+/// Theta with its denominator and numerators replaced by those of another plane; where that is one
+/// factor away known values are kept.
+#[inline(never)]
 fn replaced<const M: usize, const N: usize, const I: usize>(
     theta: &[f32; N],
     structure: &Structure<M, N, I>,
     design: &Design<M>,
     known: &[bool; N],
-    image: fn(&Design<M>, &[f32; M], usize, bool) -> Option<Mapped<M>>,
+    to: To,
 ) -> [f32; N] {
     if design.is_of_s_plane() {
         return *theta;
     }
     let columns = structure.parameters();
     let a = structure.denominator(theta);
-    let image = image(design, &a, structure.integrators(), structure.zeros(theta));
+    let (integrators, zeros) = (structure.integrators(), structure.zeros(theta));
+    let image = match to {
+        To::S => design.to_s_plane(&a, integrators, zeros),
+        To::Trends => design.to_trend_plane(&a, integrators, zeros),
+    };
     let mut theta = *theta;
     if let Some(image) = image {
         for ((column, value), known) in columns.iter().zip(&mut theta).zip(known) {
@@ -54,7 +66,7 @@ pub(crate) fn theta_in_s_plane<const M: usize, const N: usize, const I: usize>(
     design: &Design<M>,
     known: &[bool; N],
 ) -> [f32; N] {
-    replaced(theta, structure, design, known, Design::to_s_plane)
+    replaced(theta, structure, design, known, To::S)
 }
 
 /// The way back from [`theta_in_s_plane`].
@@ -64,7 +76,7 @@ pub(crate) fn theta_in_trend_plane<const M: usize, const N: usize, const I: usiz
     design: &Design<M>,
     known: &[bool; N],
 ) -> [f32; N] {
-    replaced(theta, structure, design, known, Design::to_trend_plane)
+    replaced(theta, structure, design, known, To::Trends)
 }
 
 /// The estimate in the s plane, the covariance through the slope of the map; one factor of all
