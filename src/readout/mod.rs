@@ -17,8 +17,8 @@
 //! trends in place of derivatives and the rounding of f32; beside it stand the bias that a limited
 //! w leaves, and the one that drift of y may make.
 //! Behind a change that was followed what is left of the old drive is added (`former`).
-//! Then an insignificant constant is withdrawn (`significance`), and trends that have a plane of
-//! their own are mapped to the s plane (`s_plane`).
+//! Then an insignificant constant is withdrawn (`significance`), and parameters of the plane of the
+//! trends become those of the s plane (`s_plane`).
 //!
 //! Known as: bias-compensated least squares with sandwich covariance and a pre-test; sources in the
 //! files.
