@@ -33,8 +33,8 @@ use crate::trends::operator::{Form, Hold, TrendOperator, sealed};
 /// | Delta | `sample_time` | s |
 /// | p_i, `A_f = prod (s + p_i)` | `poles` | rad/s, positive |
 ///
-/// Most of what trapezoids bend of an oscillator and of an integrating drive of order 3 is taken out
-/// when the model is read (`trapezoids`).
+/// Most of what trapezoids bend of an oscillator and of an integrating drive of order 3 is taken
+/// out when the model is read (`trapezoids`).
 ///
 /// Best poles: 1 to 1.5 times the natural frequency of the plant.
 ///
