@@ -35,7 +35,7 @@ fn run(record: &Record, mut servo: Servo) -> Servo {
     servo
 }
 
-/// a1, a2, b0 and the constant in the s plane; the initial state, which is in none, is not looked at.
+/// a1, a2, b0 and the constant in the s plane; the initial state is not looked at.
 fn in_s_plane(found: [f64; 5]) -> [f64; 5] {
     let trends = FilteredTrends::<3>::for_bandwidth(Scheme::Tustin, 1e-3, 20.0).unwrap();
     let a = [0.0, found[0] as f32, found[1] as f32];
