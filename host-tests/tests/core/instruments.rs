@@ -2,7 +2,7 @@
 
 use rand::{RngExt, SeedableRng};
 use trendid::instruments::{self, Instrumented, Reading, Way};
-use trendid::trends::{FilteredTrends, Hold, Scheme, TrendOperator};
+use trendid::trends::{FilteredTrends, Hold, Scheme};
 use trendid::{Config, Identifier, Outcome, Structure};
 use trendid_host_tests::plants::linear::{Input, LinearPlant};
 use trendid_host_tests::random::Random;
@@ -12,7 +12,7 @@ use trendid_host_tests::signals::noise::Condition;
 
 use crate::common::long_experiment;
 
-use in_f64::in_f64;
+use in_f64::{in_f64, in_s_plane};
 
 mod in_f64;
 
@@ -33,14 +33,6 @@ fn run(record: &Record, mut servo: Servo) -> Servo {
         let _ = servo.update(sample.u as f32, sample.y as f32);
     }
     servo
-}
-
-/// a1, a2, b0 and the constant in the s plane; the initial state is not looked at.
-fn in_s_plane(found: [f64; 5]) -> [f64; 5] {
-    let trends = FilteredTrends::<3>::for_bandwidth(Scheme::Tustin, 1e-3, 20.0).unwrap();
-    let a = [0.0, found[0] as f32, found[1] as f32];
-    let image = trends.design().to_s_plane(&a, 1, false).expect("a model");
-    found.map(|value| f64::from(image.numerator) * value)
 }
 
 #[test]
