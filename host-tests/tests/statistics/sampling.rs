@@ -87,10 +87,11 @@ fn the_row_at_5_ms_is_as_good_as_the_row_at_1_ms() {
         each(found.expect("a row").condition)
     };
     let [[fast, ..], [default, exact, own]] = [row(1.0), row(5.0)];
-    for i in 0..3 {
-        // The same commands and drifts; white noise and rounding weigh little in these rows.
+    // The same commands and drifts. White noise and rounding, which a fifth of the samples average,
+    // weigh little in C and xi and are all of omega0.
+    for (i, most) in [(0, 1.1), (1, 5.0_f64.sqrt()), (2, 1.1)] {
         assert!(
-            own.rms[i] < 1.1 * fast.rms[i],
+            own.rms[i] < most * fast.rms[i],
             "{:?} {:?}",
             own.rms,
             fast.rms
