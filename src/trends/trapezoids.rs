@@ -18,10 +18,10 @@
 //!
 //! What is left, `a_m-1 c gamma^{m+1} y` and the term of u, acts as the motion weighs it. Without
 //! noise, for dampings of 0.1 to 1.5 and filters of 0.6 to 1.7 times the frequency, errors of 0.11
-//! to 0.23 of `(omega Delta)^2` become -0.06 to 0.07, and for inputs on straight lines 0.04 to 0.24
-//! become -0.12 to 0.08. Of a drive of order 3 on a spring and of order 4 more is left than was
-//! taken out; where an input has a numerator of higher power, the regression takes other terms in.
-//! These stay as they are found, and so does a lag.
+//! to 0.23 of `(omega Delta)^2` become -0.05 to 0.06, and for inputs on straight lines 0.04 to 0.22
+//! become -0.12 to 0.05 (`--test core trapezoids` prints them). Of a drive of order 3 on a spring
+//! and of order 4 more is left than was taken out; where an input has a numerator of higher power,
+//! the regression takes other terms in. These stay as they are found, and so does a lag.
 
 /// h lies between this and its inverse: rates of the model are below 1.7/Delta.
 const LEAST: f32 = 0.5;

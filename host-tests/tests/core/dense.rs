@@ -121,7 +121,7 @@ fn forgotten<const N: usize>(
 }
 
 /// Parameters of the trends in the s plane, as the core has them.
-fn in_s_plane<const M: usize, const N: usize, const I: usize>(
+pub(crate) fn in_s_plane<const M: usize, const N: usize, const I: usize>(
     theta: &[f64],
     structure: &Structure<M, N, I>,
     design: &Design<M>,

@@ -2,7 +2,7 @@
 
 use rand::{RngExt, SeedableRng};
 use trendid::instruments::{self, Instrumented, Reading, Way};
-use trendid::trends::{FilteredTrends, Hold, Scheme};
+use trendid::trends::{FilteredTrends, Hold, Scheme, TrendOperator};
 use trendid::{Config, Identifier, Outcome, Structure};
 use trendid_host_tests::plants::linear::{Input, LinearPlant};
 use trendid_host_tests::random::Random;
@@ -11,8 +11,9 @@ use trendid_host_tests::signals::experiment::{Experiment, Record};
 use trendid_host_tests::signals::noise::Condition;
 
 use crate::common::long_experiment;
+use crate::dense::in_s_plane;
 
-use in_f64::{in_f64, in_s_plane};
+use in_f64::in_f64;
 
 mod in_f64;
 
@@ -43,7 +44,8 @@ fn the_sums_in_f32_are_those_of_f64_over_a_million_samples() {
         let servo = run(&record, servo(|config| config.offset_significance = 0.0));
         let found = servo.estimate();
         assert_eq!(found.way, Way::Instruments);
-        let oracle = in_s_plane(in_f64(&record));
+        let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 1e-3, 20.0).unwrap();
+        let oracle = in_s_plane(&in_f64(&record), &SERVO, trends.design());
         let (theta, std) = (found.estimate.theta(), found.estimate.std());
         for j in 0..4 {
             let off = (f64::from(theta[j]) - oracle[j]).abs();

@@ -1,7 +1,6 @@
 //! The equations of the instruments in f64.
 
 use nalgebra::{DMatrix, DVector};
-use trendid::trends::{FilteredTrends, Scheme, TrendOperator};
 use trendid_host_tests::oracles::trends::{self as oracle, applied};
 use trendid_host_tests::plants::polynomial::{difference_equation, power, product, scaled, sum};
 use trendid_host_tests::signals::experiment::Record;
@@ -57,12 +56,4 @@ pub(crate) fn in_f64(record: &Record) -> [f64; 5] {
         theta = solved(&z);
     }
     core::array::from_fn(|j| theta[j])
-}
-
-/// a1, a2, b0 and the constant in the s plane; the initial state is not looked at.
-pub(crate) fn in_s_plane(found: [f64; 5]) -> [f64; 5] {
-    let trends = FilteredTrends::<3>::for_bandwidth(Scheme::Tustin, 1e-3, 20.0).unwrap();
-    let a = [0.0, found[0] as f32, found[1] as f32];
-    let image = trends.design().to_s_plane(&a, 1, false).expect("a model");
-    found.map(|value| f64::from(image.numerator) * value)
 }
