@@ -176,6 +176,15 @@ impl<const N: usize> Factors<N> {
         }
     }
 
+    /// P becomes the diagonal matrix of these `variances`; a known parameter stays known.
+    pub(crate) fn begin_again(&mut self, variances: &[f32; N]) {
+        let before = self.diagonal;
+        *self = Self::independent(&[0.0; N]);
+        for ((d, before), variance) in self.diagonal.iter_mut().zip(before).zip(variances) {
+            *d = if before > 0.0 { *variance } else { 0.0 };
+        }
+    }
+
     /// Multiplies P by `scale`; no D_j grows beyond the one in `limit`, or beyond itself where it
     /// is larger already.
     pub(crate) fn grow_within(&mut self, scale: f32, limit: &[f32; N]) {

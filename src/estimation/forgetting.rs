@@ -178,7 +178,7 @@ impl<const N: usize> StabilisedForgetting<N> {
     #[inline(always)]
     pub(crate) fn turn(&mut self, estimator: &mut Estimator<N>, brings: bool) -> Option<u32> {
         let (turn, observes) = (self.turn / 2, !self.turn.is_multiple_of(2));
-        self.advance(1);
+        self.advance();
         if !observes {
             return None;
         }
@@ -217,26 +217,9 @@ impl<const N: usize> StabilisedForgetting<N> {
     }
 
     #[inline(always)]
-    fn advance(&mut self, samples: usize) {
-        let next = self.turn + samples;
+    fn advance(&mut self) {
+        let next = self.turn + 1;
         self.turn = if next < 2 * N { next } else { 0 };
-    }
-
-    /// After a sample whose row was left out on purpose: parameter i in turn is observed at its own
-    /// value.
-    ///
-    /// Whatever P was, after N such samples every P_ii is at most N r_i eps, what it is right after
-    /// a turn without data, and the bound holds from there on; theta stays.
-    #[inline(never)]
-    pub(crate) fn hold(&mut self, estimator: &mut Estimator<N>) {
-        let turn = self.turn / 2;
-        self.advance(2);
-        if let (Some(own), Some(unsupported)) = (
-            estimator.theta().get(turn).copied(),
-            self.unsupported.get(turn).copied(),
-        ) {
-            estimator.observe_parameter(turn, own, self.left_of(unsupported), 0.0);
-        }
     }
 
     /// Sets the nominal values, to which the estimate returns where nothing is excited.

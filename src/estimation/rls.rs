@@ -283,6 +283,15 @@ impl<const N: usize> Estimator<N> {
         self.samples
     }
 
+    /// Nothing counts any more but theta, each parameter known with one of these `variances`,
+    /// relative to the noise of psi; what is known stays known. Samples and noise count anew.
+    pub(crate) fn begin_again(&mut self, variances: &[f32; N]) {
+        self.finish_observation();
+        self.factors.begin_again(variances);
+        self.residual = MeanSquare::new(self.forgetting);
+        self.samples = 0.0;
+    }
+
     /// Goes on from `theta` with `scale` times the covariance, and counts samples and noise anew.
     ///
     /// No D_j grows beyond the one in `limit`, or beyond itself where it is larger already.

@@ -16,28 +16,28 @@
 //! times the mean with a probability below 1e-30 per 4/omega: false alarms come from drives that
 //! the model does not describe. They cost accuracy for one memory, nothing else.
 //!
-//! Then everything learnt counts as much as one sample of the memory: `P <- n P`, no D beyond the
-//! prior. The rows are left out while the filter carries both drives, for three time constants of
-//! its pair; what its slow pole carries on is an initial state, which becomes uncertain again. The
-//! rows behind that are weighed against so little that the memory plays no part: it is as long as
-//! the time since, until that is as long as the memory.
-//!
-//! # The bound
-//! `n P` may exceed the bound of [`forgetting`](crate::estimation::forgetting). In the first N
-//! samples without rows each parameter is observed once at its own value, so that theta stays, with
-//! the variance that the bound leaves right after a turn: behind them the bound holds again, and no
-//! row is folded in before that. Each observation more would count as much again as all that is to
-//! be forgotten: at a memory of 10 s forty of them kept the old drive for a second. The initial
-//! state alone is as uncertain as at the start.
+//! Then nothing learnt counts any more: P becomes what the observations of nominal values alone
+//! leave, [`StabilisedForgetting`](crate::estimation::StabilisedForgetting), with theta as their
+//! value. So the bound of P holds, and how large the rows of the old drive were does not matter: one
+//! of them left in could outweigh all those of a slower drive. The rows are left out while the
+//! filter carries both drives: for three time constants of its pair, and on until e^-3 of a row is
+//! left of the old one, `S(change) e^(-2t/tau) <= e^-6 psi^2`, or less than noise. What the slow
+//! pole carries on is an initial state, which becomes uncertain again, as at the start. The rows
+//! behind that are weighed against so little that the memory plays no part: it is as long as the time since, until
+//! that is as long as the memory.
 //!
 //! P with the usual noise says nothing of values that are wrong: the read-out adds what is left of
 //! the old drive, and knows nothing before the first row of the new one.
 
 use crate::estimation::mean_square::{MeanSquare, flush};
 use crate::readout::Former;
+use crate::trends::filter::settling_time;
 
 /// Share of the motion beyond which a change matters, squared.
 const MATTERS: f32 = 0.01;
+
+/// Share of the motion that the filter may carry of the old drive, squared: e^-3.
+const FADED: f32 = 0.002_48;
 
 /// How much larger than usual the innovation is.
 const UNUSUAL: f32 = 12.0;
@@ -47,7 +47,7 @@ const UNUSUAL: f32 = 12.0;
 pub(crate) struct ChangeDetector {
     /// e_f and psi_f.
     lagged: [f32; 2],
-    /// E and S.
+    /// E and S; while rows are left out 0, and the square of what the filter carries.
     power: [f32; 2],
     /// L.
     usual: MeanSquare,
@@ -59,11 +59,13 @@ pub(crate) struct ChangeDetector {
     answered: bool,
 }
 
-/// Shares of the newest sample in the lag and in the mean squares, and what is always allowed for.
+/// Shares of the newest sample in the lag and in the mean squares, what the filter still carries of
+/// a square in the next one, and what is always allowed for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Shares {
     pub(crate) lag: f32,
     pub(crate) power: f32,
+    pub(crate) carried: f32,
     /// A variance of the innovation that is always allowed for.
     pub(crate) least: f32,
 }
@@ -75,6 +77,7 @@ impl Shares {
         Self {
             lag: 2.0 * angle / (1.0 + 2.0 * angle),
             power: 0.25 * angle / (1.0 + 0.25 * angle),
+            carried: 1.0 / (1.0 + 6.0 * angle / settling_time(1.0)),
             least,
         }
     }
@@ -120,11 +123,29 @@ impl ChangeDetector {
             && self.usual.exceeded_by(error / (UNUSUAL * (1.0 + spread())))
     }
 
-    /// Begins anew behind a change: `settling` samples without rows, and blind for `blind` samples.
+    /// Begins anew behind a change: at least `settling` samples without rows, and blind for `blind`
+    /// samples.
     pub(crate) const fn answer(&mut self, forgetting: f32, settling: u32, blind: u32) {
+        let [_, whole] = self.power;
         *self = Self::new(forgetting, blind);
+        self.power = [0.0, whole];
         self.settling = settling;
         self.answered = true;
+    }
+
+    /// A sample while the filter carries the old drive, with the left-hand side of its row.
+    ///
+    /// Ends in a bounded time, whatever the new drive does: what is carried falls below what is
+    /// always allowed for.
+    pub(crate) fn settle(&mut self, psi: f32, shares: Shares) {
+        let [_, carried] = &mut self.power;
+        *carried *= shares.carried;
+        if self.settling > 1 || *carried <= FADED * psi * psi || *carried <= shares.least {
+            self.settling -= 1;
+        }
+        if self.settling == 0 {
+            *carried = 0.0;
+        }
     }
 
     /// The estimate begins from values that are not of any drive before.

@@ -24,10 +24,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     ) -> bool {
         let change = &mut self.change;
         if change.settling > 0 {
-            change.settling -= 1;
-            if change.settling + N as u32 >= plan.times.change_settling {
-                self.forgetting.hold(&mut self.estimator);
-            }
+            change.settle(row.psi, plan.change_shares);
             if change.settling == 0 {
                 self.lose_initial_state(plan);
                 witness.widened();
@@ -45,10 +42,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             plan.times.change_blind,
         );
         self.remain_known();
-        let limit = plan.prior.std.map(|std| std * std);
-        let one_sample = self.estimator.samples().max(1.0);
-        let theta = *self.estimator.theta();
-        self.estimator.resume(theta, one_sample, &limit);
+        self.estimator.begin_again(&self.forgetting.left());
         self.estimator.forget(true);
         self.postponed = Postponed::new(plan.forgetting);
         self.postponed.suspect();

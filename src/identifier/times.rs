@@ -50,7 +50,7 @@ impl Times {
             },
             after_step: (2.0 / angle) as u32,
             longest_gap: (5.0 / angle) as u32,
-            change_settling: (settling_time(bandwidth) / sample_time) as u32 + N as u32,
+            change_settling: (settling_time(bandwidth) / sample_time) as u32,
             change_blind: (10.0 / angle) as u32,
             known_rows: match config.supervised || config.prior_std.is_some() {
                 true => 0.0,

@@ -1,17 +1,18 @@
 //! What an estimate still has of another drive: the one before a change that was followed.
 //!
-//! The estimate begins again with the information of one row, and of nominal values, of the old
-//! values both; after t rows lambda^t of it is left. If the drive has changed by Delta,
+//! The estimate begins again with the old values as nominal ones; after t rows lambda^t of them is
+//! left. And the first rows carry e^-3 of what the filter had of the old drive, which goes with the
+//! time constant of its pair.
 //!
 //! ```text
-//! theta - theta_new = P lambda^t Omega_0 (theta_old - theta_new)           Omega_0: one row + diag(1 / left_k)
+//! theta - theta_new = P lambda^t (diag(1 / left_k) + R_0) (theta_old - theta_new)
 //! Sigma <- Sigma + lambda^2t sum over k: (P e_k / left_k) (P e_k / left_k)'  +  (lambda^t / (1 + q t))^2 I
 //! ```
 //!
 //! with every coefficient off by its design size, one in normalised quantities. `left_k` is what a
-//! nominal value alone leaves of P_kk. The one row was the mean of many and holds every direction;
-//! those behind the change tell something new once in 1/(4 omega) only, q = 4 omega Delta. P says
-//! what noise of the present size would do, and nothing of values that are wrong.
+//! nominal value alone leaves of P_kk. Rows tell something new once in 1/(4 omega) only, q = 4 omega
+//! Delta; what the first of them carry, R_0, is less than one that does, in whatever direction. P
+//! says what noise of the present size would do, and nothing of values that are wrong.
 
 use crate::math::matrix::Matrix;
 

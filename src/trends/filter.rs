@@ -7,7 +7,7 @@ const CORNER: f32 = 1.1;
 const DAMPING: f32 = 0.7;
 
 /// Three time constants of the pair of the default filter, in s.
-pub(crate) fn settling_time(bandwidth: f32) -> f32 {
+pub(crate) const fn settling_time(bandwidth: f32) -> f32 {
     3.0 / (DAMPING * CORNER * bandwidth)
 }
 

@@ -31,11 +31,11 @@ struct Run {
     late_over_sigma: f64,
 }
 
-fn run(seed: u64, noise_mm: f64, memory: f32, follow: bool, changed: Servo) -> Run {
+fn run(seed: u64, noise_mm: f64, memory: f32, follow: bool, [before, changed]: [Servo; 2]) -> Run {
     let mut identifier = identifier(memory, follow);
     let mut noise = generator(seed, Stream::White);
     let mut eta = || (noise.random::<f64>() - 0.5) * noise_mm;
-    let mut plant = REFERENCE.plant(DT);
+    let mut plant = before.plant(DT);
     for u in Excitation::ABSOLUTE.sequence(6000, DT, seed) {
         let _ = identifier.update(u as f32, (plant.output() + eta()) as f32);
         plant.step(&[u]);
@@ -122,7 +122,7 @@ fn followed_within_a_second(seeds: std::ops::Range<u64>) {
             let runs = |follow| -> Vec<Run> {
                 seeds
                     .clone()
-                    .map(|seed| run(seed, noise, memory, follow, changed))
+                    .map(|seed| run(seed, noise, memory, follow, [REFERENCE, changed]))
                     .collect()
             };
             let percentiles = |runs: &[Run]| {
@@ -152,6 +152,27 @@ fn followed_within_a_second(seeds: std::ops::Range<u64>) {
 #[test]
 fn a_change_in_motion_is_followed_within_a_second() {
     followed_within_a_second(232_000..232_008);
+}
+
+/// A drive that moved three to sixty times as far before: beyond that what the slow pole of the
+/// filter carries on is more than the initial state allows for.
+#[test]
+fn what_a_faster_drive_was_does_not_count_any_more() {
+    for (seed, memory) in (234_000..234_024).zip([2.0, 10.0, 60.0].into_iter().cycle()) {
+        let mut random = generator(seed, Stream::Other);
+        let before = Servo {
+            c: REFERENCE.c * 10.0_f64.powf(random.random_range(0.5..1.8)),
+            omega0: REFERENCE.omega0 * random.random_range(0.7..1.4),
+            ..REFERENCE
+        };
+        let run = run(seed, 0.01, memory, true, [before, REFERENCE]);
+        println!(
+            "C {:.0} before, memory {memory} s: back after {} ms, error {:.1} sigma at most, found {}",
+            before.c, run.back, run.over_sigma, run.found
+        );
+        assert!(run.found > 0, "{before:?}");
+        assert!(run.over_sigma <= 4.0, "{before:?}: {}", run.over_sigma);
+    }
 }
 
 #[test]

@@ -54,6 +54,15 @@ fn covariance_is_the_inverse_of_the_information() {
 }
 
 #[test]
+fn of_a_beginning_again_variances_are_left_and_what_is_known() {
+    let mut factors = Factors::independent(&[2.0, 0.0, 10.0]);
+    factors.fold(&[1.0, 2.0, -1.0], 0.99, 1.0 / 0.99);
+    assert!(factors.covariance(0, 2) != 0.0);
+    factors.begin_again(&[4.0, 9.0, 16.0]);
+    assert_eq!(factors, Factors::independent(&[2.0, 0.0, 4.0]));
+}
+
+#[test]
 fn a_covariance_grows_up_to_its_limits() {
     let before = Factors::independent(&[2.0, 3.0, 10.0]);
     let limit = [100.0, 20.0, 50.0];

@@ -57,25 +57,6 @@ fn the_variances_of_a_prior_are_kept_with_a_memory_and_without_one() {
     }
 }
 
-#[test]
-fn rows_that_are_left_out_hold_every_parameter_where_it_is() {
-    let forgetting = 0.999;
-    let mut estimator = Estimator::<3>::new([1.0, -2.0, 3.0], [1e6; 3], forgetting);
-    let mut stabilised = StabilisedForgetting::new([0.0; 3], forgetting);
-    let [left, ..] = stabilised.left();
-    assert!(estimator.covariance(0, 0) > 1e3 * left);
-    for k in 1..=3 {
-        stabilised.hold(&mut estimator);
-        estimator.finish_observation();
-        // One after the other, each to what its observation alone leaves.
-        for i in 0..3 {
-            let held = estimator.covariance(i, i) <= 1.001 * left;
-            assert_eq!(held, i < k, "{k} {i}");
-        }
-        assert_eq!(estimator.theta(), &[1.0, -2.0, 3.0]);
-    }
-}
-
 /// N r eps lambda^-2N of one parameter with lambda = 0.99.
 const BOUND: f32 = 2.0 * 16_384.0 * 0.01 / (0.99 * 0.99);
 

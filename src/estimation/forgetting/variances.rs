@@ -36,11 +36,6 @@ impl<const N: usize> StabilisedForgetting<N> {
 
     /// P_ii that each nominal value alone leaves.
     pub(crate) fn left(&self) -> [f32; N] {
-        self.unsupported.map(|own| self.left_of(own))
-    }
-
-    /// That of one whose variance without support is `own`.
-    pub(super) const fn left_of(&self, own: f32) -> f32 {
-        if own > self.left { own } else { self.left }
+        (self.unsupported).map(|own| if own > self.left { own } else { self.left })
     }
 }

@@ -73,6 +73,7 @@ fn a_change_is_unusual_it_matters_and_it_is_more_than_noise_and_ignorance() {
 fn what_is_unusual_is_twelve_times_what_noise_and_ignorance_make() {
     // Without a share of the newest row the mean squares stay what they are put to.
     let still = Shares {
+        carried: 1.0,
         lag: 0.0,
         power: 0.0,
         least: 0.0,
@@ -108,6 +109,31 @@ fn shares_are_those_of_their_time_constants() {
         assert!((share - 1.0 / (1.0 + samples)).abs() < 1e-6);
     }
     assert_eq!(shares.least, 3.0);
+}
+
+#[test]
+fn rows_are_left_out_until_little_of_the_old_drive_is_carried() {
+    let shares = Shares::new(0.02, 1e-9);
+    let settling = 195; // three time constants of 1/(0.77 omega)
+    let left_out = |before: f32, psi: f32| {
+        let mut detector = ChangeDetector::new(LAMBDA, 0);
+        detector.power = [0.1, before * before];
+        detector.answer(LAMBDA, settling, 0);
+        let mut samples = 0;
+        while detector.settling > 0 {
+            detector.settle(psi, shares);
+            samples += 1;
+        }
+        assert_eq!(detector.power, [0.0; 2]);
+        samples
+    };
+    assert_eq!(left_out(1.0, 1.1), settling);
+    // ln(100) time constants of 65 samples more.
+    let longer = left_out(100.0, 1.0) - settling;
+    assert!((295..315).contains(&longer), "{longer}");
+    // Whatever the new drive does: until the square is below what is always allowed for.
+    let longest = left_out(100.0, 0.0);
+    assert!((970..1000).contains(&longest), "{longest}");
 }
 
 #[test]

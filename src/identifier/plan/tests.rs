@@ -219,7 +219,7 @@ fn times_are_in_proportion_to_one_over_the_bandwidth() {
         about(times.longest_gap, 5.0 * unit);
         about(times.change_blind, 10.0 * unit);
         // Three time constants of a pair of 1.1 times the bandwidth and a damping of 0.7.
-        about(times.change_settling, 3.0 / 0.77 * unit + 3.0);
+        about(times.change_settling, 3.0 / 0.77 * unit);
         // Three of the slow pole, a tenth of that; or with an initial state twelve of the drive.
         about(times.settled, 3.0 / 0.11 * unit + 1.5);
         // As many rows that tell something new as there are parameters, or half of a memory.
