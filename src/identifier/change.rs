@@ -18,13 +18,13 @@
 //!
 //! Then nothing learnt counts any more: P becomes what the observations of nominal values alone
 //! leave, [`StabilisedForgetting`](crate::estimation::StabilisedForgetting), with theta as their
-//! value. So the bound of P holds, and how large the rows of the old drive were does not matter: one
-//! of them left in could outweigh all those of a slower drive. The rows are left out while the
+//! value. So the bound of P holds, and how large the rows of the old drive were does not matter:
+//! one of them left in could outweigh all those of a slower drive. The rows are left out while the
 //! filter carries both drives: for three time constants of its pair, and on until e^-3 of a row is
 //! left of the old one, `S(change) e^(-2t/tau) <= e^-6 psi^2`, or less than noise. What the slow
 //! pole carries on is an initial state, which becomes uncertain again, as at the start. The rows
-//! behind that are weighed against so little that the memory plays no part: it is as long as the time since, until
-//! that is as long as the memory.
+//! behind that are weighed against so little that the memory plays no part: it is as long as the
+//! time since, until that is as long as the memory.
 //!
 //! P with the usual noise says nothing of values that are wrong: the read-out adds what is left of
 //! the old drive, and knows nothing before the first row of the new one.

@@ -52,8 +52,9 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     /// A change is what lets the innovation, within the bandwidth, grow beyond what noise and
     /// uncertainty explain and beyond a tenth of the motion itself. What was learnt before hardly
     /// counts then, and the estimate is held while the filter carries both drives; so long the
-    /// standard deviations are infinite, and behind it they contain what is left of the old drive. [`Identifier::changes`](crate::Identifier::changes) counts. A drive with friction or
-    /// a dead zone that the model leaves out shows itself as a change now and then.
+    /// standard deviations are infinite, and behind it they contain what is left of the old drive.
+    /// [`Identifier::changes`](crate::Identifier::changes) counts. A drive with friction or a dead
+    /// zone that the model leaves out shows itself as a change now and then.
     pub follow_changes: bool,
     /// Which input is the sign of the velocity ([`inputs::coulomb`](crate::inputs::coulomb)), if
     /// one is; default `None`.

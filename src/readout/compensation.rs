@@ -51,18 +51,26 @@ struct Noise<const M: usize> {
     /// Variance of the noise; `None` where it is unknown or no filter stands in front of the
     /// estimator.
     white: Option<f32>,
+    /// Whether the residual is less than the third difference makes of it, as few rows may leave by
+    /// chance.
+    lucky: bool,
 }
 
 impl<const M: usize> Noise<M> {
-    fn of<const N: usize, const I: usize>(source: &ReadOut<'_, M, N, I>) -> Self {
+    /// Of so many independent `rows`.
+    fn of<const N: usize, const I: usize>(source: &ReadOut<'_, M, N, I>, rows: f32) -> Self {
         let moments = moments::<0, M, N, I>(source);
         let spread = moments.spread(source.estimator.theta());
         let residual = source.residual();
         let allowed = if spread > 0.0 { residual / spread } else { 0.0 };
         // A third difference that the residual cannot explain is that of the signal: nothing is
         // compensated.
-        let white = match (source.design.filter, source.noise.variance()) {
-            (Some(_), Some(white)) if white <= PLAUSIBLE * allowed => {
+        let known = match (source.design.filter, source.noise.variance()) {
+            (Some(_), Some(white)) if spread > 0.0 => Some(white),
+            _ => None,
+        };
+        let white = match known {
+            Some(white) if white <= PLAUSIBLE * allowed => {
                 Some(if white < allowed { white } else { allowed })
             }
             _ => None,
@@ -72,6 +80,8 @@ impl<const M: usize> Noise<M> {
             spread,
             residual,
             white,
+            lucky: white.is_none()
+                && known.is_some_and(|white| white * (1.0 - 4.0 * sqrt(2.0 / rows)) <= allowed),
         }
     }
 
@@ -106,13 +116,16 @@ impl<const M: usize> Noise<M> {
     /// Splits the residual into the part that white noise explains and the rest.
     ///
     /// The rest is slow (drift, friction, a wrong model): about `2/(omega Delta)` samples count as
-    /// one; `angle` is omega Delta.
+    /// one; `angle` is omega Delta. So does all of a residual that is small by chance: where the
+    /// filter is slower than the drive, white noise has few independent values there.
     fn split(&self, top_scale: f32, samples: f32, angle: f32) -> Residual {
         let Some(white) = self.white else {
+            let dependent = if self.lucky { 2.0 / angle } else { 1.0 };
+            let whole = self.residual * dependent;
             return Residual {
                 shaped: 0.0,
-                even: self.residual,
-                significance: self.residual,
+                even: whole,
+                significance: whole,
             };
         };
         // The significance of a constant allows for chance.
@@ -208,8 +221,8 @@ pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
     let bare = source.estimator.theta();
     let samples = source.estimator.samples();
     let angle = source.bandwidth * source.design.sample_time;
-    let noise = Noise::of(source);
     let rows = samples * angle;
+    let noise = Noise::of(source, rows.max(1.0));
     let level = samples * noise.white.unwrap_or(0.0) * (rows / (rows + FULLER));
     let correction = match noise.white {
         Some(_) => Correction::of(bare, p, &noise.moments, level, known_share(rows)),

@@ -10,9 +10,9 @@
 //! ```
 //!
 //! with every coefficient off by its design size, one in normalised quantities. `left_k` is what a
-//! nominal value alone leaves of P_kk. Rows tell something new once in 1/(4 omega) only, q = 4 omega
-//! Delta; what the first of them carry, R_0, is less than one that does, in whatever direction. P
-//! says what noise of the present size would do, and nothing of values that are wrong.
+//! nominal value alone leaves of P_kk. Rows tell something new once in 1/(4 omega) only,
+//! q = 4 omega Delta; what the first of them carry, R_0, is less than one that does, in whatever
+//! direction. P says what noise of the present size would do, and nothing of values that are wrong.
 
 use crate::math::matrix::Matrix;
 

@@ -67,6 +67,12 @@ const ARITHMETIC: f32 = 2e-5;
 /// whatever their order and sign.
 const ROUNDING: f32 = 0.25 * f32::EPSILON;
 
+/// Whether trends in place of derivatives bend a parameter: a constant as b_0, with which it
+/// stands.
+pub(super) const fn errs_by_the_trends(parameter: Parameter) -> bool {
+    !matches!(parameter, Parameter::InitialState)
+}
+
 impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// The estimate without its noise bias, an insignificant constant withdrawn from theta.
     #[inline(always)]
@@ -88,6 +94,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
                 self.significance,
             )
         });
+        let withdrawal = withdrawal.map(|found| found.unseen(self.unseen_constant(p)));
         if let Some(withdrawal) = &withdrawal {
             withdrawal.apply(&mut found.theta);
         }
@@ -121,13 +128,14 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             |i: usize| !matches!(parameters[i], Parameter::Constant | Parameter::InitialState);
         let angle = self.bandwidth * self.design.sample_time;
         let coefficients = core::array::from_fn(|i| coefficient(i) && !known(i));
+        let errs = |i: usize| errs_by_the_trends(parameters[i]) && !known(i);
         let left = || self.forgetting.left();
         (self.former).add(coefficients, left, angle, &p, &mut covariance);
         for i in 0..N {
             for j in 0..N {
                 covariance[i][j] *= units[i] * units[j];
                 covariance[i][j] += found.left[i] * found.left[j];
-                if coefficient(i) && coefficient(j) && !known(i) && !known(j) {
+                if errs(i) && errs(j) {
                     covariance[i][j] +=
                         self.common(i == j) * (floor * found.theta[i]) * (floor * found.theta[j]);
                 }

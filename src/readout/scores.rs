@@ -3,6 +3,7 @@
 use crate::estimation::terms::{Parameter, index_of};
 use crate::math::matrix::Matrix;
 use crate::readout::compensation::compensate;
+use crate::readout::errs_by_the_trends;
 use crate::readout::estimate::Estimate;
 use crate::readout::residual_spectrum::natural_frequency;
 use crate::readout::significance::Withdrawal;
@@ -81,13 +82,15 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         }
     }
 
-    /// Variance by which the recursion judges its constant, normalised; 0 without one.
-    pub(crate) fn constant_variance(&self) -> f32 {
+    /// Variance by which the recursion judges its constant, normalised, 0 without one; and the
+    /// share of it that is the prior's.
+    pub(crate) fn constant_variance(&self) -> [f32; 2] {
         let p = self.covariance();
         let found = compensate(self, &p, false);
         let variance = index_of(&self.structure.parameters(), Parameter::Constant)
             .and_then(|index| found.covariance_row(&p, index)?.get(index).copied());
-        variance.unwrap_or(0.0) * found.residual.significance
+        let variance = variance.unwrap_or(0.0) * found.residual.significance;
+        [variance, self.unseen_constant(&p)]
     }
 
     /// Adds the error that no residual shows; everything in the user's units.
@@ -101,9 +104,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         let natural = natural_frequency(&denominator, self.bandwidth);
         let floor = self.floor(natural, &denominator, theta);
         let parameters = self.structure.parameters();
-        let errs = |i: usize| {
-            !matches!(parameters[i], Parameter::Constant | Parameter::InitialState) && !known(i)
-        };
+        let errs = |i: usize| errs_by_the_trends(parameters[i]) && !known(i);
         for i in 0..N {
             for j in 0..N {
                 if errs(i) && errs(j) {
@@ -119,13 +120,13 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     ///
     /// `direction` is the change of theta per change of the equation of the constant: along it
     /// theta is the solution without a constant. The constant counts as significant where it is so
-    /// by its own variance and by that `of_recursion`, which few blocks do not make uncertain.
+    /// by its own variance and by that of the recursion, which few blocks do not make uncertain.
     pub(crate) fn with_covariance(
         &self,
         theta: &[f32; N],
         covariance: &Matrix<N>,
         direction: Option<[f32; N]>,
-        of_recursion: f32,
+        [of_recursion, unseen]: [f32; 2],
     ) -> Estimate<M, N, I> {
         let units = self.regressor.units();
         let parameters = self.structure.parameters();
@@ -148,6 +149,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
                 self.significance,
             )
         });
+        let withdrawal = withdrawal.map(|found| found.unseen(unseen));
         if let Some(withdrawal) = &withdrawal {
             withdrawal.apply(&mut theta);
         }

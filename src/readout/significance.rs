@@ -16,6 +16,12 @@
 //! ```
 //!
 //! The recursion is not changed by it, and nothing jumps when an offset shows itself.
+//!
+//! That a constant is insignificant speaks for none as far as the data show it. While a command
+//! has had one level only, gain and constant are not told apart, and theta_c is the mean of the
+//! prior. So of P_cc the square of its share in the variance of the prior stays in the deviations:
+//! a constant as large as the prior's deviation is off by 2.3 of them at most, and what the data
+//! show of it stands in theta_c.
 
 use crate::estimation::terms::{Parameter, index_of};
 use crate::math::matrix::Matrix;
@@ -30,6 +36,8 @@ pub(crate) struct Withdrawal<const N: usize> {
     value: f32,
     /// g in the user's units: change of each parameter per unit of the constant.
     direction: [f32; N],
+    /// Share of the variance of the constant that is the prior's, in [0, 1].
+    unseen: f32,
 }
 
 impl<const N: usize> Withdrawal<N> {
@@ -59,7 +67,13 @@ impl<const N: usize> Withdrawal<N> {
             ratio: value.abs() / limit,
             value,
             direction: core::array::from_fn(|j| row[j] / variance * (units[j] / unit)),
+            unseen: 0.0,
         })
+    }
+
+    /// With the share of the variance of the constant that no data have made smaller.
+    pub(crate) fn unseen(self, unseen: f32) -> Self {
+        Self { unseen, ..self }
     }
 
     /// s, in (0, 1].
@@ -94,7 +108,8 @@ impl<const N: usize> Withdrawal<N> {
         // Part of the withdrawn value stays as variance. The factor 0.6 keeps 3-sigma coverage
         // above 90 % for offsets of one sigma, and 1-sigma coverage below 75 % for none.
         let depth = self.ratio.min(1.0);
-        let left = own + 0.6 * depth * (1.0 + depth) * self.value * self.value;
+        let seen = own + 0.6 * depth * (1.0 + depth) * self.value * self.value;
+        let left = seen + self.unseen * (self.unseen * own);
         for i in 0..N {
             for j in 0..N {
                 covariance[i][j] += left * g[i] * g[j] - g[i] * row[j] - g[j] * row[i];
@@ -225,5 +240,18 @@ mod tests {
         assert!((theta[0] - (10.0 - 12.0 * 6.0)).abs() < 1e-4 && theta[1].abs() < 1e-5);
         found.undo(&mut theta);
         assert!((theta[0] - 10.0).abs() < 1e-4 && (theta[1] - 12.0).abs() < 1e-4);
+    }
+    #[test]
+    fn what_no_data_show_of_a_constant_stays_in_the_covariance() {
+        let of = |unseen: f32| {
+            let mut covariance = P;
+            let found = withdrawal(0.0).unwrap().unseen(unseen);
+            found.apply_to_covariance(&mut covariance);
+            covariance
+        };
+        // All of it is the prior's: as before the withdrawal.
+        assert_eq!(of(1.0), P);
+        assert_eq!(of(0.0)[0][0], P[0][0] - P[0][1]);
+        assert_eq!(of(0.5)[0][0], P[0][0] - P[0][1] + 0.25);
     }
 }

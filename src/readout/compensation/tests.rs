@@ -18,6 +18,7 @@ fn noise(white: Option<f32>) -> Noise<2> {
         spread: 3.0,
         residual: 0.5,
         white,
+        lucky: false,
     }
 }
 
@@ -85,6 +86,13 @@ fn the_residual_is_split_into_noise_and_the_rest() {
     let (rest, chance) = (0.2, 0.3 * 4.0 * libm::sqrtf(2.0 / 3200.0));
     assert!((found.even - (rest - chance) * 40.0).abs() < 1e-4);
     assert!((found.significance - (0.5 + rest * 40.0)).abs() < 1e-4);
+    // What is less than white noise makes is so by chance.
+    let lucky = Noise {
+        lucky: true,
+        ..noise(None)
+    };
+    let found = lucky.split(top, 3200.0, angle);
+    assert_eq!((found.shaped, found.even), (0.0, 0.5 * 40.0));
     // What noise explains leaves nothing; few samples leave nothing that is not chance.
     let found = split(0.2, 3200.0);
     assert_eq!((found.even, found.significance), (0.0, 0.5));

@@ -65,11 +65,8 @@ fn adds_what_nominal_values_leave(rows: u32, std: f32) {
     let floor = parts.read().floor(20.0, &[0.0, 400.0, 20.0], &THETA);
     let variances = parts.forgetting.nominal_variances();
     for i in 0..4 {
-        let mut exact = if i < 3 {
-            1.01 * floor * floor * THETA[i] * THETA[i]
-        } else {
-            0.0
-        };
+        let errs = floor * found.theta[i];
+        let mut exact = 1.01 * errs * errs;
         for (k, (whole, own)) in variances.into_iter().enumerate() {
             let noise = if own > 0.0 { own * 1e-4 } else { whole * seen };
             let weight = p[i][k] / whole * units[i];
@@ -141,25 +138,24 @@ fn a_constant_that_is_withdrawn_takes_its_share_of_everything_along() {
     }
     // An estimate that comes with its covariance: the same withdrawal.
     let direction = known.map(|row| row[3]);
-    let other = read.with_covariance(parts.estimator.theta(), &known, Some(direction), 0.0);
+    let other = read.with_covariance(parts.estimator.theta(), &known, Some(direction), [0.0; 2]);
     for i in 0..3 {
         assert!(close(other.theta[i], found.theta[i], 1e-3), "{i}");
     }
     assert!(other.theta[3].abs() < 1e-3 * THETA[3]);
     parts.significance = 0.0;
-    let kept = parts
-        .read()
-        .with_covariance(parts.estimator.theta(), &known, Some(direction), 0.0);
+    let kept =
+        parts
+            .read()
+            .with_covariance(parts.estimator.theta(), &known, Some(direction), [0.0; 2]);
     assert!(close(
         kept.theta[3],
         units[3] * parts.estimator.theta()[3],
         1e-4
     ));
-    assert!(close(
-        kept.covariance[3][3],
-        known[3][3] * units[3] * units[3],
-        1e-4
-    ));
+    let floor = parts.read().floor(20.0, &[0.0, 400.0, 20.0], &THETA) * kept.theta[3];
+    let exact = known[3][3] * units[3] * units[3] + 1.01 * floor * floor;
+    assert!(close(kept.covariance[3][3], exact, 1e-4));
 }
 
 #[test]
@@ -198,5 +194,6 @@ fn the_variance_of_a_constant_is_that_of_the_recursion_without_a_filter() {
     let parts = Parts::new(raw(), [1e2; 4], 1.0, 400);
     let read = parts.read();
     let exact = parts.estimator.covariance(3, 3) * read.residual();
-    assert!(exact > 0.0 && close(read.constant_variance(), exact, 1e-5));
+    assert!(exact > 0.0 && close(read.constant_variance()[0], exact, 1e-5));
+    assert_eq!(read.constant_variance()[1], 0.0);
 }

@@ -57,7 +57,9 @@ fn white_noise_is_what_the_residual_can_explain_and_none_beyond() {
         let exact = top * top * white * all;
         let error = (found.residual.shaped - exact).abs();
         assert!(error <= 2e-3 * exact, "{share}: {error} of {exact}");
-        assert_eq!(found.residual.even == residual, white == 0.0, "{share}");
+        // What white noise cannot be may be slow: 2/(omega Delta) samples count as one.
+        let slow = close(found.residual.even, residual * 100.0, 1e-3);
+        assert_eq!(slow, white == 0.0, "{share}");
     }
     // Before the level is known, and without a filter, nothing is.
     parts.noise = NoiseLevel::new(1.0);
