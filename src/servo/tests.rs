@@ -2,6 +2,7 @@
 
 pub(super) mod bench;
 mod missing;
+mod resumed;
 mod waiting;
 mod whole;
 

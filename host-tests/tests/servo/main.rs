@@ -13,6 +13,7 @@ mod pneumatic_linear;
 mod population;
 mod position_loop;
 mod reconfigured;
+mod resumed;
 mod settings;
 mod shadow;
 mod skipped;
