@@ -2,6 +2,7 @@
 
 pub(super) mod bench;
 mod missing;
+mod patterns;
 mod resumed;
 mod waiting;
 mod whole;

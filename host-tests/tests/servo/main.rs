@@ -5,8 +5,10 @@
 
 mod changed;
 mod faults;
+mod gaps;
 mod handling;
 mod linearised;
+mod machine;
 mod nominal;
 mod pneumatic;
 mod pneumatic_linear;

@@ -1,56 +1,9 @@
 //! Control that begins with a record on axes of the population that stand anywhere on their travel.
 
-use trendid::hardware::{Axis, Scale};
-use trendid::servo::store::Record;
-use trendid::servo::{Report, ServoLoop};
-use trendid_host_tests::servo::population::adaptive::stated;
-use trendid_host_tests::servo::population::bench::Bench;
 use trendid_host_tests::servo::population::draw::{AxisDraw, Mechanics};
 use trendid_host_tests::servo::population::family::Family;
-use trendid_host_tests::servo::population::range::Purpose;
-use trendid_host_tests::servo::rig::{SimulatedSensor, SimulatedValve};
 
-/// The unit of the positions in mm.
-const UNIT_MM: f64 = 100.0;
-
-/// A loop on an axis, from power-up.
-struct Machine {
-    bench: Bench,
-    servo: ServoLoop<SimulatedSensor, SimulatedValve>,
-}
-
-impl Machine {
-    fn new(axis: &AxisDraw) -> Self {
-        let scale = Scale::new((axis.resolution_mm / UNIT_MM) as f32).expect("scale");
-        let sensor = Axis {
-            scale,
-            reference: 0,
-        };
-        let config = stated(axis, UNIT_MM);
-        let servo = ServoLoop::try_new(&config, sensor, SimulatedSensor::default(), SimulatedValve);
-        Self {
-            bench: Bench::new(axis, Purpose::Disturbance),
-            servo: servo.expect("settings"),
-        }
-    }
-
-    fn step(&mut self) -> Report {
-        self.servo.sensor_mut().code = Some(self.bench.code());
-        let report = self.servo.update();
-        self.bench.hold(f64::from(report.command));
-        report
-    }
-
-    fn record(&mut self) -> Option<Record> {
-        self.servo.commission();
-        while self.bench.time() < 6.0 {
-            if self.step().state.is_controlling() {
-                return self.servo.record();
-            }
-        }
-        None
-    }
-}
+use crate::machine::Machine;
 
 fn placed(axis: &AxisDraw, place: f64) -> AxisDraw {
     let mut axis = *axis;
