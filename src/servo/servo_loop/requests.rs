@@ -28,7 +28,14 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         Ok(())
     }
 
-    /// Commissions the axis with the next sample, around the position it then has.
+    /// Commissions the axis with the next sample, around the position it then has; this
+    /// acknowledges a fault before.
+    ///
+    /// While the sensor is lost there is no such position: the request does not wait for the
+    /// sensor, it ends in [`State::Failed`](crate::servo::State::Failed) with
+    /// [`Reason::SensorFault`](crate::servo::Reason::SensorFault), counted in
+    /// [`FaultCounters::stops`](crate::servo::FaultCounters::stops). So does one whose sample finds
+    /// a fault, with the reason of that.
     pub fn commission(&mut self) {
         self.start_requested = true;
     }

@@ -121,3 +121,56 @@ fn readings_that_are_good_again_let_a_commissioning_begin() {
         }
     }
 }
+
+/// A loop that was asked for a commissioning while its sensor was lost, and what it reported.
+fn asked_without_a_sensor(mut bench: Bench) -> (Bench, Report) {
+    bench.is_mute = true;
+    for _ in 0..100 {
+        let _ = bench.step();
+    }
+    bench.servo.commission();
+    let (report, _) = bench.step();
+    (bench, report)
+}
+
+#[test]
+fn a_commissioning_that_is_asked_for_without_a_sensor_does_not_wait_for_it() {
+    let mut behind = Bench::new(MODEL);
+    behind.servo.fail(Reason::TravelEnd);
+    for bench in [Bench::without_a_model(MODEL, &Bench::config()), behind] {
+        let stops = bench.servo.guard.monitors.counters().stops;
+        let (mut bench, report) = asked_without_a_sensor(bench);
+        assert_eq!(report.state, State::Failed(Reason::SensorFault));
+        assert!(report.faults.stops > stops);
+        let refused = report.faults.stops;
+        bench.is_mute = false;
+        for _ in 0..1000 {
+            let (report, _) = bench.step();
+            assert_eq!(report.state, State::Failed(Reason::SensorFault));
+            assert_eq!((report.command, report.faults.stops), (0.0, refused));
+        }
+        bench.servo.commission();
+        let _ = bench.step();
+        assert!(bench.step().0.state.is_commissioning());
+    }
+    // One reading that fails is bridged.
+    let mut bench = Bench::without_a_model(MODEL, &Bench::config());
+    bench.servo.commission();
+    bench.is_mute = true;
+    assert!(bench.step().0.state.is_commissioning());
+}
+
+#[test]
+fn a_commissioning_does_not_begin_in_the_sample_of_a_fault() {
+    let mut bench = Bench::new(MODEL);
+    let _ = bench.worst(1500);
+    // The third reading in a row that fails.
+    bench.is_mute = true;
+    for _ in 0..2 {
+        assert!(bench.step().0.state.is_controlling());
+    }
+    bench.servo.commission();
+    assert_eq!(bench.step().0.state, State::Failed(Reason::SensorFault));
+    bench.is_mute = false;
+    assert_eq!(bench.step().0.state, State::Failed(Reason::SensorFault));
+}
