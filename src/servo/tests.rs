@@ -4,6 +4,7 @@ pub(super) mod bench;
 mod missing;
 mod patterns;
 mod resumed;
+mod stopped;
 mod waiting;
 mod whole;
 

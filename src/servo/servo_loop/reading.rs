@@ -73,6 +73,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
         if self.start_requested {
             self.start_requested = false;
+            self.guard.release();
             self.supervisor.begin();
             self.takeover.watching = 0;
             self.stop_building();
