@@ -52,8 +52,11 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// called in any sample, in motion too: it begins where the motion then is.
     ///
     /// # Errors
-    /// [`Error::Setting`] for NaN and infinity; the reference goes on as before.
+    /// [`Error::NotControlling`] outside of control, and between [`install`](Self::install) or
+    /// [`resume`](Self::resume) and the first position; [`Error::Setting`] for NaN and infinity. The
+    /// reference goes on as before.
     pub fn move_to(&mut self, target: f32) -> Result<(), Error> {
+        self.is_under_control()?;
         self.moves.trajectory.move_to(target)
     }
 
@@ -62,9 +65,20 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// limits of motion require it.
     ///
     /// # Errors
-    /// [`Error::Setting`], with the largest amplitude or frequency for which travel and limits of
-    /// motion have room; the reference goes on as before.
+    /// [`Error::NotControlling`] as [`move_to`](Self::move_to); [`Error::Setting`], with the largest
+    /// amplitude or frequency for which travel and limits of motion have room. The reference goes
+    /// on as before.
     pub fn oscillate(&mut self, amplitude: f32, frequency: f32) -> Result<(), Error> {
+        self.is_under_control()?;
         self.moves.trajectory.oscillate(amplitude, frequency)
+    }
+
+    /// What control begins with replaces every reference before.
+    const fn is_under_control(&self) -> Result<(), Error> {
+        if self.sensed.begun && self.supervisor.state().is_controlling() {
+            Ok(())
+        } else {
+            Err(Error::NotControlling)
+        }
     }
 }

@@ -1,8 +1,10 @@
 //! Control that begins with a record, while the position is measured already.
 
 use super::bench::{self, Bench, DELAY, MODEL};
+use crate::servo::error::Error;
 use crate::servo::motion::Motion;
 use crate::servo::store::Record;
+use crate::servo::supervision::state::Reason;
 
 /// What a commissioning of this drive finds.
 const RECORD: Record = Record {
@@ -46,10 +48,26 @@ fn a_record_before_the_first_reading_begins_at_that_reading() {
     let servo = bench::Loop::try_new(&Bench::config(), axis, sensor, bench::Spool(0.0));
     let mut servo = servo.expect("settings");
     servo.resume(&RECORD).expect("a record");
+    assert_eq!(servo.move_to(100.0), Err(Error::NotControlling));
     for _ in 0..100 {
         let report = servo.update();
         assert!((report.setpoint.position - 300.0).abs() < 1e-3);
         assert!(report.command.abs() < 0.02, "{}", report.command);
     }
     assert_eq!(servo.moves.tracking.motion().velocity, 0.0);
+}
+
+#[test]
+fn a_motion_that_nothing_would_come_of_is_refused() {
+    let asked = |bench: &mut Bench| [bench.servo.move_to(100.0), bench.servo.oscillate(10.0, 1.0)];
+    let refused = [Err(Error::NotControlling); 2];
+    let mut bench = Bench::without_a_model(MODEL, &Bench::config());
+    assert_eq!(asked(&mut bench), refused);
+    bench.servo.commission();
+    let _ = bench.step();
+    assert_eq!(asked(&mut bench), refused);
+    bench.servo.fail(Reason::TravelEnd);
+    assert_eq!(asked(&mut bench), refused);
+    bench.servo.install(MODEL).expect("a model");
+    assert_eq!(asked(&mut bench), [Ok(()); 2]);
 }
