@@ -149,6 +149,8 @@ enum trendid_error
   TRENDID_ERROR_NO_DEAD_ZONE = 21,
   // An error that this version of the interface does not name.
   TRENDID_ERROR_OTHER = 22,
+  // A motion was requested while the controller does not have the axis, or has not seen it yet.
+  TRENDID_ERROR_NOT_CONTROLLING = 23,
 };
 #ifndef __cplusplus
 typedef int32_t trendid_error;

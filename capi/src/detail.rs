@@ -139,6 +139,7 @@ impl From<LoopError> for Detail {
                 reason: crate::servo::reason_code(Some(reason)),
                 ..Self::of(Error::ModelRefused)
             },
+            LoopError::NotControlling => Self::of(Error::NotControlling),
             _ => Self::of(Error::Other),
         }
     }

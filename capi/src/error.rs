@@ -54,6 +54,8 @@ pub enum Error {
     NoDeadZone = 21,
     /// An error that this version of the interface does not name.
     Other = 22,
+    /// A motion was requested while the controller does not have the axis, or has not seen it yet.
+    NotControlling = 23,
 }
 
 impl Error {
@@ -82,13 +84,14 @@ impl Error {
             Self::RecordPlant => c"the record belongs to another machine",
             Self::RecordSettings => c"the record was made under another sample time, delay or travel",
             Self::NoDeadZone => c"the object has no dead zone",
+            Self::NotControlling => c"the axis is not under control",
             Self::Other => c"an error that this version of the interface does not name",
         }
     }
 }
 
 /// Every code, by its number.
-const ALL: [Error; 23] = [
+const ALL: [Error; 24] = [
     Error::Ok,
     Error::Null,
     Error::Misaligned,
@@ -112,6 +115,7 @@ const ALL: [Error; 23] = [
     Error::RecordSettings,
     Error::NoDeadZone,
     Error::Other,
+    Error::NotControlling,
 ];
 
 /// One sentence on a code, in static memory; of another number that it is none.

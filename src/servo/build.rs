@@ -93,12 +93,14 @@ impl<S, V> ServoLoop<S, V> {
         self.drive = Drive::of(found);
     }
 
-    /// Supervisor, reference, and the motion by the measured positions alone.
+    /// Supervisor, reference, and the motion by the measured positions alone: another rate, and on
+    /// from what was measured so far, in every state. Begun elsewhere, the filter takes the first
+    /// reading for a jump, and what it gets over within a time constant brakes an axis at rest.
     fn supervise_on(&mut self) {
         let Some(Building { design, .. }) = &self.takeover.building else {
             return;
         };
-        let motion = self.commissioning.motion();
+        let motion = self.moves.tracking.motion();
         self.moves.run_out_rate = design.run_out_rate;
         self.moves.trajectory = Trajectory::new(design.motion, design.travel, design.sample_time);
         self.moves.trajectory.hold(motion.position);

@@ -1,12 +1,12 @@
-//! Errors of the settings of a servo loop.
+//! Errors of the settings and requests of a servo loop.
 
 use core::fmt;
 
 use crate::error::{ConfigError, check_positive, check_range};
 use crate::servo::supervision::state::Reason;
 
-/// A configuration of the servo loop that cannot work; names the setting, its value and the
-/// expected values.
+/// A configuration of the servo loop that cannot work, with the setting, its value and the expected
+/// values; or a request that cannot be carried out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -24,6 +24,8 @@ pub enum Error {
     Model(Reason),
     /// The settings of the identifier.
     Identifier(ConfigError),
+    /// A motion was requested while the controller does not have the axis, or has not seen it yet.
+    NotControlling,
 }
 
 impl Error {
@@ -53,6 +55,9 @@ impl fmt::Display for Error {
             ),
             Self::Model(reason) => write!(f, "the model may not control: {reason}"),
             Self::Identifier(error) => write!(f, "identifier: {error}"),
+            Self::NotControlling => f.write_str(
+                "the axis is not under control: commission it, or install or resume a model, and wait for the next sample",
+            ),
         }
     }
 }

@@ -52,8 +52,13 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     }
 
     /// A fault of the machine: the axis stops and the verified model is kept.
+    ///
+    /// The first reason stays until somebody acknowledges it, as the request for a commissioning
+    /// does; one that waits for its sample is refused for the fault. It would begin when the fault
+    /// is gone, and with it somebody who is at the plug.
     pub(crate) fn fail(&mut self, reason: Reason) {
-        if matches!(self.supervisor.state(), State::Failed(_)) {
+        let requested = core::mem::take(&mut self.start_requested);
+        if matches!(self.supervisor.state(), State::Failed(_)) && !requested {
             return;
         }
         if self.supervisor.state().is_controlling() {

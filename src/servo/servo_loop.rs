@@ -81,7 +81,7 @@ pub struct ServoLoop<S, V> {
     pub(crate) guard: Guard,
     pub(crate) takeover: Takeover,
     pub(crate) fallback: Fallback,
-    start_requested: bool,
+    pub(crate) start_requested: bool,
 }
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {

@@ -162,6 +162,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// Control begins at a motion of the controller, and lets it run out.
     fn engage(&mut self, model: Model, motion: Motion) {
         let along = self.drive.sign * self.limiter.last();
+        self.guard.release();
         self.guard.monitors.begin(model, motion, along);
         self.derate(1.0);
         self.fallback = Fallback::new(Some(model));

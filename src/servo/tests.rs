@@ -2,6 +2,9 @@
 
 pub(super) mod bench;
 mod missing;
+mod patterns;
+mod resumed;
+mod stopped;
 mod waiting;
 mod whole;
 

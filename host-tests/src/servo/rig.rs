@@ -51,7 +51,7 @@ pub enum Request {
 }
 
 impl Request {
-    /// Passes the request to a loop.
+    /// Passes the request to a loop; one that a fault has stopped moves no more, and says so.
     ///
     /// # Panics
     /// When the loop refuses it: no scenario requests what the axis has no room for.
@@ -71,8 +71,9 @@ impl Request {
                 frequency,
             } => servo.oscillate(amplitude, frequency),
         };
-        if let Err(error) = done {
-            panic!("{self:?}: {error}");
+        match done {
+            Ok(()) | Err(servo::Error::NotControlling) => {}
+            Err(error) => panic!("{self:?}: {error}"),
         }
     }
 }

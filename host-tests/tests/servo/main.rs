@@ -5,14 +5,17 @@
 
 mod changed;
 mod faults;
+mod gaps;
 mod handling;
 mod linearised;
+mod machine;
 mod nominal;
 mod pneumatic;
 mod pneumatic_linear;
 mod population;
 mod position_loop;
 mod reconfigured;
+mod resumed;
 mod settings;
 mod shadow;
 mod skipped;

@@ -46,9 +46,6 @@ pub fn operate<S: PositionSensor, V: Valve>(
             servo.abort();
             Ok(())
         }
-        Request::Move(_) | Request::Oscillate { .. } if !state.is_controlling() => {
-            Err(Refusal::NotControlling)
-        }
         Request::Move(target) => servo.move_to(target).map_err(Refusal::from),
         Request::Oscillate {
             amplitude,
@@ -69,6 +66,7 @@ impl From<Error> for Refusal {
         match error {
             Error::Setting(error) | Error::Identifier(error) => error.into(),
             Error::Model(reason) => Self::Model(reason as u8),
+            Error::NotControlling => Self::NotControlling,
             _ => Self::Setting(text("unit of the position")),
         }
     }

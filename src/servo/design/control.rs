@@ -55,7 +55,8 @@ impl Config {
             grain: 0.0,
             delay: predicted,
             blend: settings.blend,
-            fade: self.sample_time / settings.transition,
+            // All of it within a sample, and no more: a larger share would come back the other way.
+            fade: (self.sample_time / settings.transition).min(1.0),
             transition_step: clock.step(c::TRANSITION_RATE_MAX),
         };
         Ok(design.with_resolution(0.0))

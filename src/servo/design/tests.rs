@@ -221,3 +221,17 @@ fn what_a_grain_makes_of_a_simulation_is_its_velocity_over_the_window() {
         assert!((drift / exact - 1.0).abs() < 0.01, "{drift}, not {exact}");
     }
 }
+
+#[test]
+fn a_transition_within_a_sample_leaves_nothing_of_a_change_and_no_more() {
+    let travel = Travel {
+        min: 0.0,
+        max: 400.0,
+    };
+    for (transition, fade) in [(0.01, 0.1), (1e-3, 1.0), (4e-4, 1.0), (1e-30, 1.0)] {
+        let mut config = Config::new(1e-3, 25.0, travel);
+        config.controller.transition = transition;
+        let design = config.resolve().expect("settings");
+        assert!((design.controller.fade - fade).abs() < 1e-6, "{transition}");
+    }
+}

@@ -17,7 +17,7 @@ use crate::servo::servo_loop::commands::Commands;
 use crate::servo::servo_loop::drive::Drive;
 use crate::servo::servo_loop::guard::Guard;
 use crate::servo::servo_loop::learning::Learning;
-use crate::servo::servo_loop::moves::Moves;
+use crate::servo::servo_loop::moves::{Gap, Moves};
 use crate::servo::servo_loop::sensed::Sensed;
 use crate::servo::servo_loop::takeover::{Fallback, Takeover};
 use crate::servo::supervision::supervisor::Supervisor;
@@ -79,6 +79,7 @@ fields! { of config, axis, design:
         trajectory: Trajectory::new(design.motion, design.travel, design.sample_time),
         run_out_rate: design.run_out_rate,
         tracking: AlphaBetaGamma::new(design.tracking_rate, design.sample_time),
+        gap: Gap::default(),
     },
     limiter: CommandLimiter::new(&design.limiter),
     commands: Commands::new(),

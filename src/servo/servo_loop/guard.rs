@@ -11,3 +11,11 @@ pub(crate) struct Guard {
     /// The way to standstill after a fault.
     pub(crate) stop: Stop,
 }
+
+impl Guard {
+    /// Nothing is left of a fault before: control, a commissioning or the user has the axis.
+    pub(crate) fn release(&mut self) {
+        self.alarm = None;
+        self.stop = Stop::default();
+    }
+}

@@ -11,4 +11,36 @@ pub(crate) struct Moves {
     pub(crate) run_out_rate: f32,
     /// The motion from the positions alone.
     pub(crate) tracking: AlphaBetaGamma,
+    /// What it takes while readings fail.
+    pub(crate) gap: Gap,
+}
+
+/// Samples in a row without a measured position.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Gap {
+    samples: u32,
+    /// The position before them; `None` where the observer of the controller bridged some.
+    before: Option<f32>,
+}
+
+impl Gap {
+    /// One sample more; `before`: the position of the sample before it, measured or expected.
+    pub(crate) const fn grow(&mut self, before: Option<f32>) {
+        if self.samples == 0 || before.is_none() {
+            self.before = before;
+        }
+        self.samples = self.samples.saturating_add(1);
+    }
+
+    /// Whether the newest sample is one of them.
+    #[inline]
+    pub(crate) const fn is_open(&self) -> bool {
+        self.samples > 0
+    }
+
+    /// The gap ends with a reading: the mean speed since the reading before it, per sample.
+    pub(crate) fn end(&mut self, y: f32) -> Option<f32> {
+        let Self { samples, before } = core::mem::take(self);
+        before.map(|before| (y - before) / (samples as f32 + 1.0))
+    }
 }

@@ -1,4 +1,12 @@
 //! The position of a sample: measured, expected, or missing; and the first one.
+//!
+//! What is expected goes into the filter of the measured positions, and must not make it diverge.
+//! In control it comes from the observer of the controller: the filter stays a stable filter of
+//! bounded positions. The observer itself is corrected once for a gap, by the gains of one sample:
+//! with its poles at 0.3 per sample at most it bears every other sample missing, and more end in
+//! [`Reason::SensorFault`]. Outside of control the filter expects by itself. Its poles are up to a
+//! half per sample, with which the gains of one sample diverge over two: behind a gap it begins
+//! again by the reading and the one before the gap, and nothing of what it expected is left.
 
 use crate::hardware::{PositionSensor, Valve};
 use crate::servo::monitoring::reading::Credibility;
@@ -21,7 +29,9 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         };
         let y = self.axis.position(code);
         if !(self.sensed.begun && self.is_active()) {
-            return Some(y);
+            // Whether readings fail again and again is known when a commissioning begins.
+            let _ = self.guard.monitors.count_reading(false, false);
+            return Some(self.measured(y, missed));
         }
         let verdict = self
             .guard
@@ -35,7 +45,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             self.fail(Reason::SensorFault);
         }
         match verdict {
-            Credibility::Good => Some(y),
+            Credibility::Good => Some(self.measured(y, missed)),
             Credibility::Bridge => Some(self.expected()),
             Credibility::Lasting(reason) => {
                 self.fail(reason);
@@ -63,6 +73,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
         if self.start_requested {
             self.start_requested = false;
+            self.guard.release();
             self.supervisor.begin();
             self.takeover.watching = 0;
             self.stop_building();
@@ -83,8 +94,36 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
     }
 
+    /// A reading that counts; behind a gap outside of control the measured motion begins with it.
+    #[inline]
+    fn measured(&mut self, y: f32, missed: u32) -> f32 {
+        if self.moves.gap.is_open() || missed > 0 {
+            self.rejoin(y, missed);
+        }
+        y
+    }
+
+    /// The measured motion behind a gap: the mean speed over it; at rest where it was longer than
+    /// what is bridged, as then nothing is known of the motion.
+    fn rejoin(&mut self, y: f32, missed: u32) {
+        let mean = self.moves.gap.end(y);
+        if self.supervisor.state().is_controlling() {
+            return;
+        }
+        let known = missed < self.sensed.errors_max;
+        let step = mean.filter(|_| known).unwrap_or(0.0);
+        // A sample ago: the filter then takes the reading itself.
+        self.moves.tracking.begin(Motion {
+            position: y - step,
+            velocity: step / self.config.sample_time,
+            acceleration: 0.0,
+        });
+    }
+
     /// Predicted position, which replaces a failed reading.
-    pub(super) fn expected(&self) -> f32 {
+    pub(super) fn expected(&mut self) -> f32 {
+        let before = (!self.supervisor.state().is_controlling()).then_some(self.sensed.position);
+        self.moves.gap.grow(before);
         let (m, t) = (self.motion(), self.config.sample_time);
         m.position + t * (m.velocity + 0.5 * t * m.acceleration)
     }

@@ -28,15 +28,23 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         Ok(())
     }
 
-    /// Commissions the axis with the next sample, around the position it then has.
+    /// Commissions the axis with the next sample, around the position it then has; this
+    /// acknowledges a fault before.
+    ///
+    /// While the sensor is lost there is no such position: the request does not wait for the
+    /// sensor, it ends in [`State::Failed`](crate::servo::State::Failed) with
+    /// [`Reason::SensorFault`](crate::servo::Reason::SensorFault), counted in
+    /// [`FaultCounters::stops`](crate::servo::FaultCounters::stops). So does one whose sample finds
+    /// a fault, with the reason of that.
     pub fn commission(&mut self) {
         self.start_requested = true;
     }
 
-    /// Stops commissioning or control: the command goes to zero at its rate limit, the verified
-    /// model is kept.
+    /// Stops commissioning or control, or the brake behind a fault: the command goes to zero at its
+    /// rate limit, the verified model is kept.
     pub fn abort(&mut self) {
         self.start_requested = false;
+        self.guard.release();
         self.supervisor.abort();
     }
 
@@ -44,8 +52,11 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// called in any sample, in motion too: it begins where the motion then is.
     ///
     /// # Errors
-    /// [`Error::Setting`] for NaN and infinity; the reference goes on as before.
+    /// [`Error::NotControlling`] outside of control, and between [`install`](Self::install) or
+    /// [`resume`](Self::resume) and the first position; [`Error::Setting`] for NaN and infinity. The
+    /// reference goes on as before.
     pub fn move_to(&mut self, target: f32) -> Result<(), Error> {
+        self.is_under_control()?;
         self.moves.trajectory.move_to(target)
     }
 
@@ -54,9 +65,20 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// limits of motion require it.
     ///
     /// # Errors
-    /// [`Error::Setting`], with the largest amplitude or frequency for which travel and limits of
-    /// motion have room; the reference goes on as before.
+    /// [`Error::NotControlling`] as [`move_to`](Self::move_to); [`Error::Setting`], with the largest
+    /// amplitude or frequency for which travel and limits of motion have room. The reference goes
+    /// on as before.
     pub fn oscillate(&mut self, amplitude: f32, frequency: f32) -> Result<(), Error> {
+        self.is_under_control()?;
         self.moves.trajectory.oscillate(amplitude, frequency)
+    }
+
+    /// What control begins with replaces every reference before.
+    const fn is_under_control(&self) -> Result<(), Error> {
+        if self.sensed.begun && self.supervisor.state().is_controlling() {
+            Ok(())
+        } else {
+            Err(Error::NotControlling)
+        }
     }
 }

@@ -35,6 +35,14 @@ impl Valve for Spool {
     }
 }
 
+/// Position 0 at code 0.
+pub(in crate::servo) fn axis() -> Axis {
+    Axis {
+        scale: Scale::new(SCALE).expect("a scale"),
+        reference: 0,
+    }
+}
+
 pub(in crate::servo) type Loop = ServoLoop<Code, Spool>;
 
 pub(in crate::servo) const MODEL: Model = Model::linear(625.0, 20.0, 1e6);
@@ -91,13 +99,8 @@ impl Bench {
 
     /// Stands at 200 of 400, and nothing is known of the drive.
     pub(in crate::servo) fn without_a_model(model: Model, config: &Config) -> Self {
-        let scale = Scale::new(SCALE).expect("a scale");
-        let axis = Axis {
-            scale,
-            reference: 0,
-        };
         let code = (200.0 / SCALE) as i32;
-        let servo = Loop::try_new(config, axis, Code(code), Spool(0.0));
+        let servo = Loop::try_new(config, axis(), Code(code), Spool(0.0));
         let mut servo = servo.expect("settings");
         let _ = servo.update();
         Self {

@@ -43,11 +43,7 @@ fn a_setpoint_goes_on_through_slots_and_readings_that_are_missing() {
 fn before_the_first_reading_no_slot_is_missing() {
     let mut config = Bench::config();
     config.adaptive = true;
-    let axis = crate::hardware::Axis {
-        scale: crate::hardware::Scale::new(bench::SCALE).expect("a scale"),
-        reference: 0,
-    };
-    let servo = bench::Loop::try_new(&config, axis, bench::Code(0), bench::Spool(0.0));
+    let servo = bench::Loop::try_new(&config, bench::axis(), bench::Code(0), bench::Spool(0.0));
     let mut servo = servo.expect("settings");
     servo.skip(10_000);
     assert_eq!(servo.sensed.errors, 0);
