@@ -858,8 +858,7 @@ trendid_error trendid_loop_valve_fault(struct trendid_loop *servo);
 // Commissions the axis with the next sample, around the position it then has. The axis moves.
 trendid_error trendid_loop_commission(struct trendid_loop *servo);
 
-// Stops commissioning or control: the command goes to zero at its rate limit, the verified model
-// is kept.
+// Stops commissioning or control: the valve closes at its rate limit, the verified model is kept.
 trendid_error trendid_loop_abort(struct trendid_loop *servo);
 
 // Moves to `target`, in the unit of y, limited to the travel, as fast as the limits of motion

@@ -135,21 +135,22 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
     }
 
-    /// The command at which a valve of the verified model is closed. Of a valve that is stuck
-    /// nothing is known, of one with the wrong sign what the
+    /// The command at which a valve of the verified model is closed, why ever it closes. Of a valve
+    /// that was found stuck nothing is known, of one with the wrong sign what the
     /// [`Stop`](crate::servo::monitoring::stop::Stop) finds.
     pub(crate) fn centre(&self) -> f32 {
-        match (self.supervisor.state(), self.supervisor.verified_model()) {
-            (State::Failed(Reason::ValveStuck), _) => 0.0,
+        let closes = matches!(self.supervisor.state(), State::Idle | State::Failed(_));
+        let Some(model) = self.supervisor.verified_model().filter(|_| closes) else {
+            return 0.0;
+        };
+        match self.supervisor.fault() {
+            Some(Reason::ValveStuck) => 0.0,
             // Within the dead zone, zero is closed whatever the sign.
-            (State::Failed(Reason::WrongSign), Some(model))
-                if model.offset.abs() > model.dead_zone =>
-            {
+            Some(Reason::WrongSign) if model.offset.abs() > model.dead_zone => {
                 self.drive.sign * self.guard.stop.creeps() * model.offset.abs()
             }
-            (State::Failed(Reason::WrongSign), _) => 0.0,
-            (State::Failed(_), Some(model)) => -self.drive.sign * model.offset,
-            _ => 0.0,
+            Some(Reason::WrongSign) => 0.0,
+            _ => -self.drive.sign * model.offset,
         }
     }
 }

@@ -127,8 +127,7 @@ pub unsafe extern "C" fn trendid_loop_commission(servo: *mut Loop) -> Error {
     code(unsafe { body(servo) }.map(|body| body.servo.commission()))
 }
 
-/// Stops commissioning or control: the command goes to zero at its rate limit, the verified model
-/// is kept.
+/// Stops commissioning or control: the valve closes at its rate limit, the verified model is kept.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_loop_abort(servo: *mut Loop) -> Error {
     // SAFETY: by the contract of the header.

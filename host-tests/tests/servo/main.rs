@@ -4,6 +4,7 @@
 //! `cargo xtask host`, which has the feature `thorough`.
 
 mod changed;
+mod ends;
 mod faults;
 mod gaps;
 mod handling;

@@ -64,6 +64,12 @@ impl Probe {
         None
     }
 
+    /// Whether one direction has moved nothing: that of an axis at an end leads into it, and its
+    /// drive has grown all the same.
+    pub(crate) fn has_turned(&self, scale: f32) -> bool {
+        self.time > 2.0 * scale * PEAKS[0] / RATE
+    }
+
     /// Takes a position. `scale` is 1 or less and shrinks the triangles.
     pub(crate) fn update(
         &mut self,

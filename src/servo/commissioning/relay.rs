@@ -1,6 +1,12 @@
 //! Stage 1b: a relay about the start, which is brake, test of the sign and first time scale at
 //! once.
+//!
+//! A swing goes as far to one side of the place of the relay as to the other. Near an end of the
+//! travel the place is therefore further inwards: as far as an excitation goes, and as what the
+//! axis has swung needs. A flow inwards never brings an oscillation nearer to the end, so that the
+//! way there is safe, whatever swing a stop has let go.
 
+use crate::servo::commissioning::ends::at_end;
 use crate::servo::commissioning::standstill::Standing;
 
 /// Time in s by which the velocity leads the position.
@@ -33,6 +39,11 @@ const FAST_SPEED: f32 = 0.25;
 /// per s.
 const LATE_TIME: f32 = 0.2;
 const LATE_SPEED: f32 = 0.02;
+/// Room to an end over what the axis has swung on the other side of the place: a relay that drives
+/// an oscillation makes the next swing larger. The least room, in travels, that of
+/// [`inner`](crate::servo::motion::Travel::inner).
+const ROOM: f32 = 2.0;
+const ROOM_MIN: f32 = 0.1;
 /// Changes of the sign that are one too many.
 const FLIPS_MAX: u32 = 3;
 
@@ -50,11 +61,17 @@ pub(crate) enum Relayed {
 /// The relay.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Relay {
+    /// Where the axis stood, and the place about which it is driven.
+    start: f32,
     place: f32,
+    /// Whether it has come off an end: only a flow inwards does that, and the sign is known.
+    came_off: bool,
     /// Hysteresis, and command at the first movement.
     hysteresis: f32,
     command: f32,
     sign: f32,
+    /// The largest command so far.
+    largest: f32,
     time: f32,
     /// Time since the last switch and the interval before it.
     since: f32,
@@ -63,6 +80,8 @@ pub(crate) struct Relay {
     flips: u32,
     /// Side of the axis that is braked: 1 above, -1 below.
     side: f32,
+    /// Where it was when that began.
+    braked: f32,
     /// -1 while an axis that stays is driven the other way.
     turned: f32,
     /// Outward speed at the begin or the last switch, some 30 ms ago, and the time since.
@@ -74,10 +93,21 @@ pub(crate) struct Relay {
 }
 
 impl Relay {
-    /// A relay about `place`, after a `command` moved the axis to `side` of it.
-    pub(crate) fn new(place: f32, detection: f32, command: f32, sign: f32, side: f32) -> Self {
+    /// A relay about `start`, or the place nearest to it with room to the ends, after a `command`
+    /// moved the axis to `side` of it.
+    pub(crate) fn new(start: f32, detection: f32, command: f32, sign: f32, side: f32) -> Self {
         let command = RATIO * command;
+        let came_off = at_end(start) && (side > 0.0) == (start < 0.5);
+        let (place, side) = if start < ROOM_MIN {
+            (ROOM_MIN, -1.0)
+        } else if start > 1.0 - ROOM_MIN {
+            (1.0 - ROOM_MIN, 1.0)
+        } else {
+            (start, side)
+        };
         Self {
+            start,
+            came_off,
             place,
             hysteresis: 0.5 * detection,
             command: if command > COMMAND_MIN {
@@ -86,12 +116,14 @@ impl Relay {
                 COMMAND_MIN
             },
             sign,
+            largest: 0.0,
             time: 0.0,
             since: 0.0,
             half: 0.0,
             switches: 1,
             flips: 0,
             side,
+            braked: place,
             turned: 1.0,
             first: 0.0,
             before: 0.0,
@@ -115,7 +147,12 @@ impl Relay {
 
     /// Whether the axis is so far from where it began that it has moved.
     pub(crate) const fn is_away(&self, y: f32) -> bool {
-        (y - self.place).abs() > SIGN_DISTANCE
+        (y - self.start).abs() > SIGN_DISTANCE
+    }
+
+    /// The command that surely moves the axis, as one at a first movement.
+    pub(crate) fn moving(&self) -> f32 {
+        self.largest / RATIO
     }
 
     /// Takes a position and a velocity.
@@ -123,9 +160,11 @@ impl Relay {
         self.time += step;
         self.since += step;
         self.looked += step;
+        self.leave_room(y, v);
         let ahead = y + LEAD * v - self.place;
         if ahead * self.side < -self.hysteresis {
             self.side = -self.side;
+            self.braked = y;
             self.half = self.since;
             self.since = 0.0;
             self.looked = 0.0;
@@ -165,9 +204,39 @@ impl Relay {
             return Relayed::Disobeys;
         }
         let size = self.size(amplitude);
+        self.largest = self.largest.max(size);
         Relayed::Command {
             command: -self.turned * self.sign * self.side * size,
             sign: self.sign,
+        }
+    }
+
+    /// The place leaves room to the nearer end of the travel for what the axis has swung inwards
+    /// while it was braked; an axis that has turned nearer to the end goes inwards from there, as
+    /// at the begin.
+    fn leave_room(&mut self, y: f32, v: f32) {
+        let (inward, end) = if self.place < 0.5 {
+            (1.0, 0.0)
+        } else {
+            (-1.0, 1.0)
+        };
+        if self.side != inward || inward * v > 0.0 {
+            return;
+        }
+        let swing = inward * (y - self.braked);
+        let place = end + inward * ROOM * swing;
+        if inward * (place - self.place) > 0.0 {
+            self.place = place;
+            if inward * (place - y) > 0.0 {
+                self.side = -inward;
+                self.switches = 1;
+                self.since = 0.0;
+                self.half = 0.0;
+                self.looked = 0.0;
+                self.before = 0.0;
+                self.first = 0.0;
+                self.gains = [0.0; 2];
+            }
         }
     }
 
@@ -179,6 +248,9 @@ impl Relay {
         self.gains = [gained, last];
         self.before = outward;
         self.looked = 0.0;
+        if self.came_off && self.switches == 1 {
+            return false;
+        }
         let out = self.side * (y - self.place) > SIGN_DISTANCE;
         let slowly = self.since > SIGN_TIME && out;
         let fast = self.since > FAST_TIME
@@ -187,7 +259,7 @@ impl Relay {
             && self.switches == 1;
         let steadily = gained > 0.0 && last > 0.0 && before > 0.0;
         let ever = self.since > LATE_TIME && out && steadily && gained + last + before > LATE_SPEED;
-        ((slowly || fast) && gained > SIGN_SPEED) || ever
+        outward > 0.0 && ((slowly || fast) && gained > SIGN_SPEED || ever)
     }
 
     /// The size of the command: it grows while the axis stays on one side.

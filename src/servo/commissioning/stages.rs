@@ -36,12 +36,15 @@ impl Commissioning {
                 let place = self.still.place;
                 let side = if y > place { 1.0 } else { -1.0 };
                 let detection = self.still.detection;
-                let mut relay = Relay::new(place, detection, command, sign, side);
+                // What a stop has held must go before anything moves: this command is too large.
+                let winds = at_end(place) && probe.has_turned(scale);
+                let tried = if winds { 0.0 } else { command };
+                let mut relay = Relay::new(place, detection, tried, sign, side);
                 let v = self.tracking.motion().velocity;
                 let first = relay.update(y, v, self.design.sample_time, self.design.amplitude);
                 self.stage = Stage::Relaying(relay);
                 self.standstill = Standstill::new(y, detection, command, side > 0.0);
-                self.still.since = command;
+                self.still.since = tried;
                 match first {
                     Relayed::Command { command, .. } => Progress::Command(command),
                     _ => Progress::Command(0.0),
@@ -66,6 +69,9 @@ impl Commissioning {
                 self.sign = sign;
                 if self.known_sign.is_some_and(|known| known != sign) {
                     return Progress::Failed(Reason::WrongSign);
+                }
+                if self.still.since == 0.0 {
+                    self.still.since = relay.moving();
                 }
                 self.begin_search(half, y)
             }

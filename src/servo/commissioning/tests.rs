@@ -5,6 +5,7 @@ mod plant;
 use super::*;
 use crate::servo::commissioning::tests::plant::{COUNT, Plant, STEP, TRAVEL};
 use crate::servo::model::Model;
+use crate::servo::motion::Motion;
 
 pub(super) fn design() -> CommissioningDesign {
     CommissioningDesign {
@@ -120,6 +121,29 @@ fn drives_are_found_from_rest_whatever_their_sign_and_delay() {
             ended.samples
         );
         assert!(ended.waited > 0 && ended.busy > 0);
+    }
+}
+
+#[test]
+fn an_axis_on_a_stop_comes_off_it_without_a_blow() {
+    for (w, damping, gain) in [
+        (20.0, 0.4, 1000.0),
+        (60.0, 0.1, 1500.0),
+        (30.0, 0.7, 1500.0),
+    ] {
+        let model = Model::linear(w * w, 2.0 * damping * w, gain * w * w);
+        for end in [TRAVEL.min, TRAVEL.max] {
+            for sign in [1.0, -1.0] {
+                let mut plant = Plant::new(model, sign, 1);
+                plant.motion = Motion::at(end);
+                let ended = commissioned(design(), &mut plant, None);
+                let Progress::Found(found, _) = ended.progress else {
+                    panic!("{w} {end}: {:?}", ended.progress);
+                };
+                assert_eq!(found.sign, sign, "{w} {end}");
+                assert!(plant.blow < 5.0, "{w} {end} {sign}: {}", plant.blow);
+            }
+        }
     }
 }
 

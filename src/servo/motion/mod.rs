@@ -1,6 +1,7 @@
 //! The requested motion: setpoints, profiles, and the filter that follows a measured motion.
 
 pub(crate) mod alpha_beta_gamma;
+pub(crate) mod brake;
 pub(crate) mod profile;
 pub(crate) mod run_out;
 pub(crate) mod search;

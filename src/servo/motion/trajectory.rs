@@ -1,14 +1,12 @@
 //! Jerk-limited trajectory: a standstill, moves, a run-out, a sine.
 
 use crate::servo::error::Error;
+use crate::servo::motion::brake::brake;
 use crate::servo::motion::profile::Move;
 use crate::servo::motion::run_out::RunOut;
 use crate::servo::motion::search::{PLANNING, ProfileSearch};
 use crate::servo::motion::sine::Sine;
 use crate::servo::motion::{Motion, MotionLimits, Setpoint, Travel};
-
-/// How often the acceleration of a brake is doubled, at most, to come to rest within the travel.
-const BRAKE_DOUBLINGS: u8 = 6;
 
 /// Samples between two plannings: targets in every sample leave time for what waits for it.
 const PAUSES: u8 = 2;
@@ -100,17 +98,7 @@ impl Trajectory {
 
     /// To rest at the limits, and harder only where the travel ends sooner.
     fn brake(&self, from: Motion) -> Move {
-        let mut limits = self.limits;
-        let mut stop = Move::stop(from, &limits);
-        for _ in 0..BRAKE_DOUBLINGS {
-            if stop.stays_within(&self.travel) {
-                break;
-            }
-            limits.acceleration *= 2.0;
-            limits.jerk *= 4.0;
-            stop = Move::stop(from, &limits);
-        }
-        stop
+        brake(from, &self.limits, &self.travel)
     }
 
     /// Moves to rest at `target`, limited to the travel, as fast as the limits allow, beginning 17

@@ -40,8 +40,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.start_requested = true;
     }
 
-    /// Stops commissioning or control, or the brake behind a fault: the command goes to zero at its
-    /// rate limit, the verified model is kept.
+    /// Stops commissioning or control, or the brake behind a fault: the valve closes at its rate
+    /// limit, the verified model is kept.
     pub fn abort(&mut self) {
         self.start_requested = false;
         self.guard.release();

@@ -34,6 +34,8 @@ pub struct Supervisor {
     pub(crate) evidence: Evidence,
     pub(super) report: FitReport,
     pub(super) refusal: Option<Reason>,
+    /// The latest fault since a verified model took over.
+    fault: Option<Reason>,
     pub(super) accepted: u32,
     refused: u32,
     /// Samples without motion.
@@ -60,6 +62,7 @@ impl Supervisor {
             evidence: Evidence::NONE,
             report: FitReport::default(),
             refusal: None,
+            fault: None,
             accepted: 0,
             refused: 0,
             still_for: 0,
@@ -82,6 +85,11 @@ impl Supervisor {
     /// Why the last candidate was refused.
     pub const fn refusal(&self) -> Option<Reason> {
         self.refusal
+    }
+
+    /// The latest fault since a verified model took over; an abort leaves it.
+    pub(crate) const fn fault(&self) -> Option<Reason> {
+        self.fault
     }
 
     /// How many models were accepted and refused so far.
@@ -118,7 +126,7 @@ impl Supervisor {
         self.enter(State::Idle);
     }
 
-    /// A fault of the machine: the valve goes to zero and the verified model is kept.
+    /// A fault of the machine: the valve closes and the verified model is kept.
     pub(crate) fn fail(&mut self, reason: Reason) {
         self.refusal = Some(reason);
         self.enter(State::Failed(reason));
@@ -139,6 +147,11 @@ impl Supervisor {
 
     pub(crate) fn enter(&mut self, state: State) {
         self.state = state;
+        if let State::Failed(reason) = state {
+            self.fault = Some(reason);
+        } else if state.is_controlling() {
+            self.fault = None;
+        }
         self.ticks = 0;
         self.since_look = 0;
         self.comparison = Comparison::Rests;

@@ -97,6 +97,16 @@ impl AxisDraw {
         draw
     }
 
+    /// The same axis with another place at the start, over the travel.
+    pub fn starting_at(mut self, share: f64) -> Self {
+        let start = share * self.stroke_mm();
+        match &mut self.mechanics {
+            Mechanics::Pneumatic(p) => p.start_mm = start,
+            Mechanics::ThirdOrder(p) => p.start = start,
+        }
+        self
+    }
+
     /// Travel \[mm\].
     pub fn stroke_mm(&self) -> f64 {
         match &self.mechanics {

@@ -147,6 +147,19 @@ fn no_code_for_as_long_as_the_first_triangle_takes_is_a_sensor_that_is_stuck() {
 }
 
 #[test]
+fn one_direction_has_moved_nothing_behind_its_triangle() {
+    for scale in [1.0, 0.5] {
+        let mut probe = Probe::default();
+        let turned = (1..2000).find(|_| {
+            let _ = probe.update(0.5, false, &still(), STEP, scale);
+            probe.has_turned(scale)
+        });
+        let time = STEP * turned.unwrap_or(0) as f32;
+        assert!((time - 0.6 * scale).abs() < 3e-3, "{time}");
+    }
+}
+
+#[test]
 fn an_axis_that_moves_at_once_is_moved_by_the_command_of_now() {
     // What came 20 ms before was none.
     let mut probe = Probe::default();

@@ -1,5 +1,7 @@
 //! The relay on drives that obey, that do not, and that obey the other sign.
 
+mod ends;
+
 use super::*;
 
 const STEP: f32 = 1e-3;

@@ -23,6 +23,8 @@ pub(super) struct Plant {
     /// What stands in the way, and a sensor that says nothing new.
     pub(super) walls: [f32; 2],
     pub(super) is_deaf: bool,
+    /// The hardest blow to what stands in the way.
+    pub(super) blow: f32,
     /// The command at which the spool sticks.
     pub(super) stuck: Option<f32>,
     state: u32,
@@ -39,6 +41,7 @@ impl Plant {
             motion: Motion::at(280.0),
             walls: [TRAVEL.min, TRAVEL.max],
             is_deaf: false,
+            blow: 0.0,
             stuck: None,
             state: 1,
             code: 0,
@@ -60,9 +63,14 @@ impl Plant {
         self.commands.rotate_right(1);
         self.commands[0] = self.stuck.unwrap_or(command);
         let flow = self.model.valve_flow(self.sign * self.commands[self.delay]);
+        let before = self.motion.position;
         self.model.advance(&mut self.motion, flow, STEP);
         let [low, high] = self.walls;
+        let inside = before > low && before < high;
         if self.motion.position < low || self.motion.position > high {
+            if inside {
+                self.blow = self.blow.max(self.motion.velocity.abs());
+            }
             self.motion = Motion::at(self.motion.position.clamp(low, high));
         }
     }

@@ -40,3 +40,39 @@ fn a_brake_is_as_much_harder_as_the_end_of_the_travel_needs() {
         }
     }
 }
+
+#[test]
+fn slow_limits_do_not_keep_a_brake_from_ending_within_the_travel() {
+    let travel = Travel {
+        min: -1000.0,
+        max: 1000.0,
+    };
+    for share in [1e-3, 3e-4, 1e-6] {
+        let slow = MotionLimits {
+            acceleration: share * LIMITS.acceleration,
+            jerk: share * LIMITS.jerk,
+            ..LIMITS
+        };
+        for way in [1.0, -1.0_f32] {
+            for (room, gains) in [(300.0, 0.0), (30.0, 0.0), (3.0, 0.0), (100.0, 500.0)] {
+                let mut trajectory = Trajectory::new(slow, travel, 1e-3);
+                let start = Motion {
+                    position: way * (1000.0 - room),
+                    velocity: 200.0 * way,
+                    acceleration: gains * way,
+                };
+                trajectory.run_out(start, 10.0);
+                let (mut last, mut hardest) = (start.velocity, 0.0_f32);
+                for _ in 0..20_000 {
+                    let next = trajectory.update().velocity;
+                    hardest = hardest.max((next - last).abs());
+                    last = next;
+                }
+                // v^2 / 2 room is the least that any brake needs.
+                let needed = 200.0 * 200.0 / (2.0 * room) * 1e-3;
+                assert!(hardest < 6.0 * needed, "{share} {room}: {hardest} {needed}");
+                assert!(trajectory.is_finished());
+            }
+        }
+    }
+}

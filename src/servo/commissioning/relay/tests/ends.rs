@@ -1,0 +1,75 @@
+//! The relay near an end of the travel.
+
+use super::*;
+
+#[test]
+fn near_an_end_the_place_is_as_far_inwards_as_an_excitation_goes() {
+    for (start, side, place, driven) in [
+        (0.0, 1.0, 0.1, 1.0),
+        (0.05, 1.0, 0.1, 1.0),
+        (0.05, -1.0, 0.1, 1.0),
+        (0.2, 1.0, 0.2, -1.0),
+        (0.8, -1.0, 0.8, 1.0),
+        (0.97, -1.0, 0.9, -1.0),
+        (1.0, -1.0, 0.9, -1.0),
+    ] {
+        let mut relay = Relay::new(start, 1e-3, 0.1, 1.0, side);
+        assert_eq!(relay.place, place, "{start}");
+        let found = relay.update(start + 2e-3 * side, 0.0, STEP, AMPLITUDE);
+        let Relayed::Command { command, .. } = found else {
+            panic!("{found:?}");
+        };
+        assert_eq!(command.signum(), driven, "{start}");
+        assert!(!relay.is_away(start) && relay.is_away(start + 0.04 * side));
+    }
+}
+
+#[test]
+fn what_the_axis_has_swung_inwards_has_twice_the_room_to_the_end() {
+    for (end, inward) in [(0.0, 1.0), (1.0, -1.0)] {
+        let at = |share: f32| end + inward * share;
+        for (swing, place, goes_in) in [(0.04, 0.1, false), (0.08, 0.16, false), (0.15, 0.3, true)]
+        {
+            let mut relay = Relay::new(at(0.12), 1e-3, 0.1, 1.0, inward);
+            relay.place = at(0.1);
+            relay.braked = at(0.12);
+            // It still moves inwards, and then it turns.
+            let _ = relay.update(at(0.12 + 0.9 * swing), 0.5 * inward, STEP, AMPLITUDE);
+            assert_eq!(relay.place, at(0.1));
+            let _ = relay.update(at(0.12 + swing), 0.0, STEP, AMPLITUDE);
+            assert!(
+                (relay.place - at(place)).abs() < 1e-5,
+                "{swing}: {}",
+                relay.place
+            );
+            assert_eq!(relay.side == -inward, goes_in, "{swing}");
+            assert_eq!(relay.switches, 1);
+        }
+    }
+}
+
+#[test]
+fn an_axis_that_has_come_off_an_end_keeps_its_sign_on_the_way_inwards() {
+    for (start, turns) in [(0.0, false), (0.02, true)] {
+        // It swings back at 0.4 per s, 70 ms behind the first movement.
+        let mut relay = Relay::new(start, 1e-3, 0.1, 1.0, 1.0);
+        let turned = (1..=140).any(|k| {
+            let v = if k < 70 { 0.0 } else { -0.4 };
+            reverses(&mut relay, 0.04, v)
+        });
+        assert_eq!(turned, turns, "{start}");
+    }
+}
+
+#[test]
+fn a_command_that_was_unknown_grows_until_it_moves_the_axis() {
+    let mut relay = Relay::new(0.0, 1e-3, 0.0, 1.0, 1.0);
+    for _ in 0..150 {
+        let _ = relay.update(1e-3, 0.0, STEP, AMPLITUDE);
+    }
+    assert!(
+        (relay.moving() - 0.18 / 1.5).abs() < 2e-3,
+        "{}",
+        relay.moving()
+    );
+}
