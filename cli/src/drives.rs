@@ -96,8 +96,8 @@ pub(crate) fn run(args: &DrivesArgs) -> Result<(), Refusal> {
         }
     }
     match args.json {
-        true => emit_json(&rows.iter().map(Row::json).collect()),
-        false => emit(&text(&rows, args)),
+        true => emit_json(&rows.iter().map(Row::json).collect())?,
+        false => emit(&text(&rows, args))?,
     }
     Ok(())
 }

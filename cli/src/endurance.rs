@@ -88,9 +88,9 @@ pub(crate) fn run_all(args: &EnduranceArgs) -> Result<(), Refusal> {
         .zip(&found)
         .collect();
     if args.json {
-        emit_json(&runs.iter().map(|(case, found)| row(case, found)).collect());
+        emit_json(&runs.iter().map(|(case, found)| row(case, found)).collect())?;
     } else {
-        emit(&text(&runs, args.seconds, [*first, *last]));
+        emit(&text(&runs, args.seconds, [*first, *last]))?;
     }
     let broken: Vec<String> = runs
         .iter()

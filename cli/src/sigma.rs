@@ -87,8 +87,8 @@ pub(crate) fn run(args: &SigmaArgs) -> Result<(), Refusal> {
     }
     bar.finish_and_clear();
     match args.json {
-        true => emit_json(&rows.iter().map(Cell::json).collect()),
-        false => emit(&text(&rows, args)),
+        true => emit_json(&rows.iter().map(Cell::json).collect())?,
+        false => emit(&text(&rows, args))?,
     }
     Ok(())
 }

@@ -64,8 +64,8 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Refusal> {
     if let Some(plants) = args.simulated {
         let simulated = Simulated::run(plants, args.first_seed);
         match args.json {
-            true => emit_json(&simulated.json()),
-            false => emit(&simulated.text()),
+            true => emit_json(&simulated.json())?,
+            false => emit(&simulated.text())?,
         }
         return Ok(());
     }
@@ -104,8 +104,8 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Refusal> {
         selection: &selection,
     };
     match args.json {
-        true => emit_json(&report.json()),
-        false => emit(&report.text()),
+        true => emit_json(&report.json())?,
+        false => emit(&report.text())?,
     }
     Ok(())
 }

@@ -62,9 +62,9 @@ pub(crate) fn run(args: &OptionsArgs) -> Result<(), Refusal> {
                 })
             })
             .collect();
-        emit_json(&json!({"first_seed": args.first_seed, "seeds": args.seeds, "options": list}));
+        emit_json(&json!({"first_seed": args.first_seed, "seeds": args.seeds, "options": list}))?;
     } else {
-        emit(&text(&rows, &seeds));
+        emit(&text(&rows, &seeds))?;
     }
     Ok(())
 }

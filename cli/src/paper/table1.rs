@@ -33,7 +33,7 @@ pub(super) fn run(args: &Table1Args) -> Result<(), Refusal> {
             text += &format!("wrote {}\n", path.display());
         }
     }
-    output::emit(&text);
+    output::emit(&text)?;
     Ok(())
 }
 

@@ -29,11 +29,11 @@ pub(super) fn run(args: &Table2Args) -> Result<(), Refusal> {
     check(args.seeds, Some(args.duration))?;
     let found = all(args)?;
     if args.csv {
-        output::emit(&csv(args, &found));
+        output::emit(&csv(args, &found))?;
     } else if args.json {
-        output::emit_json(&as_json(args, &found));
+        output::emit_json(&as_json(args, &found))?;
     } else {
-        output::emit(&plain(args, &found));
+        output::emit(&plain(args, &found))?;
     }
     Ok(())
 }

@@ -37,14 +37,14 @@ pub(super) fn run(args: &LinearArgs) -> Result<(), Refusal> {
     if args.json {
         let mut value = json_of(&courses, core.as_ref());
         value["pictures"] = json!([picture.display().to_string()]);
-        emit_json(&value);
+        emit_json(&value)?;
         return Ok(());
     }
-    emit(&text(&courses, core.as_ref(), args));
+    emit(&text(&courses, core.as_ref(), args))?;
     emit(&format!(
         "\nPicture of the transients: {}\n",
         picture.display()
-    ));
+    ))?;
     Ok(())
 }
 

@@ -70,8 +70,7 @@ pub(super) fn run(args: &PopulationArgs, axes: u64, first: u64, json: bool) -> R
         return population_work::run(family, args.usual, axes, first, seconds, json);
     }
     if args.commission {
-        commission(family, args.usual, first..end, json);
-        return Ok(());
+        return commission(family, args.usual, first..end, json);
     }
     let bar = progress(axes, "axes");
     let seeds: Vec<u64> = (first..end).collect();
@@ -85,12 +84,12 @@ pub(super) fn run(args: &PopulationArgs, axes: u64, first: u64, json: bool) -> R
         if let (Some(faults), Value::Object(top)) = (&faults, &mut value) {
             faults.insert_into(top);
         }
-        emit_json(&value);
+        emit_json(&value)?;
     } else {
         let head = head(family, args.usual, &(first..end));
         let faults = faults.as_ref().map(FaultTables::markdown);
         let faults = faults.unwrap_or_default();
-        emit(&(head + &markdown(&summary) + &faults + &sentences(&worst)));
+        emit(&(head + &markdown(&summary) + &faults + &sentences(&worst)))?;
     }
     Ok(())
 }
@@ -107,7 +106,7 @@ fn head(family: Family, usual: bool, seeds: &Range<u64>) -> String {
 }
 
 /// Commissions the axes and prints what came of it.
-fn commission(family: Family, usual: bool, seeds: Range<u64>, json: bool) {
+fn commission(family: Family, usual: bool, seeds: Range<u64>, json: bool) -> Result<(), Refusal> {
     let bar = progress(seeds.end - seeds.start, "axes");
     let all: Vec<u64> = seeds.clone().collect();
     let runs = under(&bar, &all, |seed| commissioned(family, usual, *seed));
@@ -118,10 +117,11 @@ fn commission(family: Family, usual: bool, seeds: Range<u64>, json: bool) {
         let mut top = Map::new();
         top.insert("axes".into(), json!(runs.len()));
         insert(&figures, &mut top);
-        emit_json(&Value::Object(top));
+        emit_json(&Value::Object(top))?;
     } else {
-        emit(&(head(family, usual, &seeds) + &commissioning_table(&figures)));
+        emit(&(head(family, usual, &seeds) + &commissioning_table(&figures)))?;
     }
+    Ok(())
 }
 
 fn insert(figures: &CommissioningFigures, top: &mut Map<String, Value>) {

@@ -97,10 +97,10 @@ pub(crate) fn run(args: &LoopArgs) -> Result<(), Refusal> {
             .chain(adaptive)
             .flat_map(|(runs, fixed)| runs.iter().map(move |f| json_of(f, fixed)))
             .collect();
-        emit_json(&json!(values));
+        emit_json(&json!(values))?;
         return Ok(());
     }
-    emit(&markdown(args, &moved, &refused));
+    emit(&markdown(args, &moved, &refused))?;
     Ok(())
 }
 

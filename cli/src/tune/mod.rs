@@ -152,14 +152,14 @@ pub(crate) fn run(args: &TuneArgs) -> Result<(), Refusal> {
         tuned: &tuned,
     };
     match wanted.json {
-        true => emit_json(&report.json()),
-        false => emit(&report.text()),
+        true => emit_json(&report.json())?,
+        false => emit(&report.text())?,
     }
     if let Some(dir) = &wanted.plot {
         let written = figures::save(dir, &tuned)?;
         if !wanted.json {
             let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
-            emit(&format!("\nPictures: {}\n", names.join(", ")));
+            emit(&format!("\nPictures: {}\n", names.join(", ")))?;
         }
     }
     Ok(())
