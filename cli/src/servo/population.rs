@@ -11,6 +11,7 @@ use trendid_host_tests::servo::population::trial::{LoopRun, Trial, commissioned}
 
 use crate::format::significant;
 use crate::output::{Refusal, emit, emit_json, number, progress, under};
+use crate::seeds::seeds;
 use crate::servo::population_faults::{self, FaultTables};
 use crate::servo::population_rows::{COMMISSIONING, ROWS, columns};
 use crate::servo::population_work;
@@ -62,9 +63,8 @@ pub(super) fn run(args: &PopulationArgs, axes: u64, first: u64, json: bool) -> R
             "--population {axes} is not between 1 and {AXES_MAX}"
         )));
     }
-    let Some(end) = first.checked_add(axes) else {
-        return Err(Refusal::new("--first-seed is too large for so many axes"));
-    };
+    let seeds = seeds("--population", axes, first)?;
+    let end = first + axes;
     let family = Family::from_name(&args.family).unwrap_or(Family::Pneumatic);
     if let Some(seconds) = args.work {
         return population_work::run(family, args.usual, axes, first, seconds, json);
@@ -73,7 +73,6 @@ pub(super) fn run(args: &PopulationArgs, axes: u64, first: u64, json: bool) -> R
         return commission(family, args.usual, first..end, json);
     }
     let bar = progress(axes, "axes");
-    let seeds: Vec<u64> = (first..end).collect();
     let trials = under(&bar, &seeds, |seed| Trial::run(family, args.usual, *seed));
     bar.finish_and_clear();
     let summary = Summary::new(&trials);

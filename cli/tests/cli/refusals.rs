@@ -265,3 +265,32 @@ fn options_of_the_processor_in_the_loop_that_make_no_sense() {
         assert!(said.contains(bad[0]) && said.contains(bad[1]), "{said}");
     }
 }
+
+#[test]
+fn seeds_that_are_too_large_and_runs_that_are_too_many() {
+    let last = "18446744073709551615";
+    for (command, count) in [
+        (&["loop"][..], "--seeds"),
+        (&["loop", "--json"], "--seeds"),
+        (&["loop"], "--population"),
+        (&["drives"], "--drives"),
+        (&["sigma"], "--seeds"),
+        (&["options"], "--seeds"),
+        (&["select"], "--simulated"),
+        (&["paper", "table1"], "--seeds"),
+        (&["paper", "table2"], "--seeds"),
+    ] {
+        let said = |first: &str, n: &str| {
+            let more = [count, n, "--first-seed", first];
+            sentence(&[command, &more].concat())
+        };
+        assert_eq!(
+            said(last, "1"),
+            format!("--first-seed {last} is too large: at most 9223372036854775807 for 1 seed"),
+            "{command:?}"
+        );
+        let many = said("1", last);
+        let expected = format!("{count} {last} is not between 1 and 1000");
+        assert!(many.starts_with(&expected), "{command:?}: {many}");
+    }
+}
