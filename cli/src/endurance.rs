@@ -60,7 +60,7 @@ const OTHERS: u64 = 1_000_000;
 ///
 /// # Errors
 ///
-/// No seconds, a seed that makes no sense, no such scenario, or a limit that is broken, after the table.
+/// No seconds, too large a seed, no such scenario, or a limit that is broken, after the table.
 pub(crate) fn run_all(args: &EnduranceArgs) -> Result<(), Refusal> {
     if !(args.seconds >= 1.0 && args.seconds <= 1e9) {
         return Err(Refusal::new(format!(
