@@ -40,6 +40,7 @@ mod state_feedback;
 use nalgebra::DVector;
 
 use crate::error::Error;
+use state_feedback::IDLE;
 
 pub use controller::{Cascade, Controller, Pid};
 pub use margins::Margins;
@@ -231,8 +232,7 @@ fn judged(
         let pid = shaping::pid(plant, bandwidth).ok_or("no gain at this bandwidth")?;
         (Gains::Pid(pid), pid.controller(dt))
     } else {
-        let (gains, controller) =
-            state_feedback::design(plant, model, bandwidth).ok_or("its poles cannot be placed")?;
+        let (gains, controller) = state_feedback::design(plant, model, bandwidth)?;
         (Gains::StateFeedback(gains), controller)
     };
     let nominal = margins::margins(plant, &controller);
@@ -281,6 +281,9 @@ fn fastest_robust(
                     }
                 }
                 return Ok(best);
+            }
+            Err(why) if why == IDLE && !reason.is_empty() && reason != IDLE => {
+                return Err(format!("{reason} and is above a pole of the plant"));
             }
             Err(why) => reason = why,
         }
