@@ -101,6 +101,8 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Refusal> {
     let report = SelectReport {
         file: &record.file,
         signals: &signals,
+        granted: loaded.granted.as_deref(),
+        jitter: loaded.jitter,
         selection: &selection,
     };
     match args.json {
