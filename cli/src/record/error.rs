@@ -65,6 +65,21 @@ pub(crate) enum RecordError {
         column: String,
         value: String,
     },
+    /// A cell holds a number that no f32 carries.
+    #[error("line {line}, column `{column}`: `{value}` is too large (expected less than 3.4e38)")]
+    TooLarge {
+        line: u64,
+        column: String,
+        value: String,
+    },
+    /// The time stamps stay or go back.
+    #[error("line {line}: time does not advance, from {before} to {found} s (column `{column}`)")]
+    NoAdvance {
+        line: u64,
+        column: String,
+        before: f64,
+        found: f64,
+    },
     /// The time stamps are not equally spaced.
     #[error(
         "line {line}: irregular time stamps, a step of {} s where {} s was expected (column `{column}`); --dt S takes the rows as equally spaced",
