@@ -57,8 +57,9 @@ pub const SENSITIVITY: f64 = 1.7;
 const TRIED: usize = 24;
 const SHARPENED: usize = 5;
 
-/// Longest delay in samples.
-const LONGEST_DELAY: f64 = 1000.0;
+/// Longest delay in samples: the cost of a loop grows with its third power, and a slower controller
+/// does as well.
+const LONGEST_DELAY: f64 = 100.0;
 
 /// What the loops are for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -178,7 +179,9 @@ pub fn tune(model: &Model, around: &[Model], goal: Goal) -> Result<Tuned, Error>
         return Err(Error::SampleTime(dt));
     }
     if !(model.delay <= LONGEST_DELAY * dt) {
-        let what = format!("its delay is longer than {LONGEST_DELAY} samples");
+        let what = format!(
+            "its delay is longer than {LONGEST_DELAY} samples: a controller with a longer sample time does as well"
+        );
         return Err(Error::Model(what));
     }
     let fastest = 0.5 / dt;

@@ -245,7 +245,7 @@ fn what_cannot_be_tuned_is_refused() {
             "finite",
         ),
         (servo(-1.0), "delay is -1"),
-        (servo(10.0), "longer than 1000 samples"),
+        (servo(0.101), "longer than 100 samples"),
     ] {
         let error = tune(&model, &[], goal).expect_err(part).to_string();
         assert!(error.contains(part), "{error}");
