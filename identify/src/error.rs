@@ -50,7 +50,9 @@ pub enum Error {
     #[error("the structure has {0} parameters, at most {PARAMETERS} are possible")]
     Parameters(usize),
     /// Fewer than ten samples for each parameter.
-    #[error("too few samples: {found} for {parameters} parameters, at least {needed} are needed")]
+    #[error(
+        "too few samples: {found} for {parameters} parameter{}, at least {needed} are needed", plural(*parameters)
+    )]
     TooFewSamples {
         /// Samples of the record.
         found: usize,
@@ -88,7 +90,7 @@ pub enum Error {
     Disproportionate(usize),
     /// The samples do not separate the parameters of a structure.
     #[error(
-        "the data cannot carry a model of order {order} with {parameters} parameters: {weakness}"
+        "the data cannot carry a model of order {order} with {parameters} parameter{}: {weakness}", plural(*parameters)
     )]
     CannotCarry {
         /// Order of the model.
@@ -132,6 +134,14 @@ pub enum Error {
     /// The core's own refusal.
     #[error(transparent)]
     Core(#[from] ConfigError),
+}
+
+/// What the word for more than one ends with.
+const fn plural(count: usize) -> &'static str {
+    match count {
+        1 => "",
+        _ => "s",
+    }
 }
 
 /// The order that so many zeros need.

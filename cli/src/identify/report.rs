@@ -116,8 +116,8 @@ impl Report<'_> {
             self.file.display(),
             p.samples(),
             significant(p.signals.dt, 5),
-            significant(self.start, 6),
-            significant(end, 6),
+            stamp(self.start),
+            stamp(end),
             found.delay,
         )
     }
@@ -279,6 +279,14 @@ pub(crate) fn notes(granted: Option<&str>, jitter: Option<f64>) -> String {
         )
     });
     granted + &jitter
+}
+
+/// A time stamp: with milliseconds where six digits would not tell it from another.
+fn stamp(seconds: f64) -> String {
+    match seconds.abs() < 1e6 {
+        true => significant(seconds, 6),
+        false => format!("{seconds:.3}"),
+    }
 }
 
 /// A monic polynomial from its lower coefficients.

@@ -4,7 +4,16 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::cells::TIME;
 use crate::format::{counted, significant};
+
+/// How to do without the usual column of the time stamps.
+fn by_time(wanted: &str) -> &'static str {
+    match wanted {
+        TIME => " (--time COL names the time stamps, --dt S does without)",
+        _ => "",
+    }
+}
 
 /// An error of a record, as one sentence with its place.
 #[derive(Debug, Error, PartialEq)]
@@ -16,7 +25,10 @@ pub(crate) enum RecordError {
     #[error("`{path}` holds no header line with column names")]
     NoHeader { path: PathBuf },
     /// A wanted column is absent.
-    #[error("`{path}` has no column `{wanted}`; it has {present}")]
+    #[error(
+        "`{path}` has no column `{wanted}`; it has {present}{}",
+        by_time(wanted)
+    )]
     MissingColumn {
         path: PathBuf,
         wanted: String,

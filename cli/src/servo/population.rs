@@ -30,9 +30,9 @@ pub(super) struct PopulationArgs {
     /// So many axes drawn at random instead of one axis
     #[arg(long, value_name = "N")]
     pub population: Option<u64>,
-    /// Family of the axes
-    #[arg(long, value_name = "NAME", default_value = "pneumatic", requires = "population", value_parser = family_names())]
-    family: String,
+    /// Family of the axes; pneumatic without
+    #[arg(long, value_name = "NAME", requires = "population", value_parser = family_names())]
+    family: Option<String>,
     /// Draw from the half of each range about an ordinary machine
     #[arg(long, requires = "population")]
     usual: bool,
@@ -48,8 +48,31 @@ pub(super) struct PopulationArgs {
     work: Option<f64>,
     /// Break so many axes, the first that a model near the truth controls, in every way and every
     /// state
-    #[arg(long, value_name = "N", default_value_t = 0, requires = "population")]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        requires = "population",
+        conflicts_with = "commission"
+    )]
     faults: u64,
+}
+
+impl PopulationArgs {
+    /// An option that says nothing without a population. (clap asks for none beside an argument
+    /// that excludes one.)
+    pub(super) fn idle(&self) -> Option<&'static str> {
+        let given = [
+            ("--family", self.family.is_some()),
+            ("--usual", self.usual),
+            ("--commission", self.commission),
+            ("--worst", self.worst),
+            ("--work", self.work.is_some()),
+            ("--faults", self.faults > 0),
+        ];
+        let mut given = given.into_iter().filter(|(_, given)| *given);
+        given.next().map(|(name, _)| name)
+    }
 }
 
 /// Runs the axes and prints.
@@ -65,7 +88,8 @@ pub(super) fn run(args: &PopulationArgs, axes: u64, first: u64, json: bool) -> R
     }
     let seeds = seeds("--population", axes, first)?;
     let end = first + axes;
-    let family = Family::from_name(&args.family).unwrap_or(Family::Pneumatic);
+    let family = args.family.as_deref().and_then(Family::from_name);
+    let family = family.unwrap_or(Family::Pneumatic);
     if let Some(seconds) = args.work {
         return population_work::run(family, args.usual, axes, first, seconds, json);
     }

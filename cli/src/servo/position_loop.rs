@@ -45,7 +45,7 @@ pub(crate) struct LoopArgs {
     /// pneumatic axis
     #[arg(long, conflicts_with = "population")]
     linear: bool,
-    /// One JSON object per run, or one of the population
+    /// A JSON list with an object for each run, or one object of the population
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -70,6 +70,9 @@ const MOTION: [Scenario; 6] = [
 pub(crate) fn run(args: &LoopArgs) -> Result<(), Refusal> {
     if let Some(axes) = args.population.population {
         return population::run(&args.population, axes, args.first_seed, args.json);
+    }
+    if let Some(option) = args.population.idle() {
+        return Err(Refusal::new(format!("{option} needs --population N")));
     }
     let seeds = seeds("--seeds", args.seeds, args.first_seed)?;
     let faults: Vec<Scenario> = Scenario::ALL

@@ -1,6 +1,6 @@
 //! Seeds, time stamps and cells that are none, and records that no structure holds.
 
-use crate::common::Scratch;
+use crate::common::{Scratch, trendid};
 use crate::refusals::{identified, sentence, table};
 
 #[test]
@@ -83,4 +83,40 @@ fn structures_of_which_none_holds() {
         "{said}"
     );
     assert!(said.ends_with("standard deviations)"), "{said}");
+}
+
+#[test]
+fn a_record_without_the_usual_time_stamps() {
+    let text = "time,u,y\n0,1,2\n1,0,3\n";
+    assert_eq!(
+        identified("no-t", text, &[]),
+        "`r.csv` has no column `t`; it has `time`, `u`, `y` (--time COL names the time stamps, --dt S does without)"
+    );
+    let dir = Scratch::new("wide");
+    let wide = dir.path("r.csv");
+    std::fs::write(&wide, b"\xff\xfet\0,\0u\0").unwrap();
+    let said = sentence(&["identify", &wide, "--order", "1"]);
+    assert!(said.ends_with("it is UTF-16 (expected UTF-8)"), "{said}");
+}
+
+#[test]
+fn options_that_would_do_nothing() {
+    for more in [
+        &["--linear", "--family", "hydraulic"][..],
+        &["--linear", "--usual"],
+    ] {
+        let said = sentence(&[&["loop"], more].concat());
+        assert_eq!(said, format!("{} needs --population N", more[1]));
+    }
+    for args in [
+        &["loop", "--family", "hydraulic"][..],
+        &["loop", "--population", "1", "--faults", "1", "--commission"],
+        &[
+            "identify", "x.csv", "--order", "1", "--dt", "1", "--time", "s",
+        ],
+    ] {
+        let out = trendid(args);
+        assert_eq!(out.status.code(), Some(2), "{args:?}");
+        assert!(out.stdout.is_empty(), "{args:?}");
+    }
 }
