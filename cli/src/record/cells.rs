@@ -2,10 +2,7 @@
 
 use std::path::Path;
 
-use super::error::RecordError;
-
-/// The column of the time stamps unless another one is named.
-pub(super) const TIME: &str = "t";
+use super::error::{RecordError, TIME};
 
 /// Largest departure of a time step from the sampling interval, relative to
 /// the interval; time stamps are often rounded in the file.

@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::cells::TIME;
 use crate::format::{counted, significant};
+
+/// The column of the time stamps unless another one is named.
+pub(super) const TIME: &str = "t";
 
 /// How to do without the usual column of the time stamps.
 fn by_time(wanted: &str) -> &'static str {

@@ -1,6 +1,6 @@
 //! What is read and what is refused.
 
-use super::cells::TIME;
+use super::error::TIME;
 use super::*;
 
 const SECONDS: Clock = Clock {

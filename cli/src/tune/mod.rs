@@ -1,17 +1,19 @@
 //! `trendid tune`: gains for the loop that a user already has.
 
+mod args;
 mod figures;
+mod plant;
 mod record;
 mod report;
-
-use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use trendid_identify::Choice;
 use trendid_identify::tune::{Goal, Model, tune};
 
 use crate::output::{Refusal, emit, emit_json};
-use crate::tune::record::{OfRecord, RecordArgs};
+use crate::tune::args::LoopArgs;
+use crate::tune::plant::Plant;
+use crate::tune::record::RecordArgs;
 use crate::tune::report::Report;
 
 const EXAMPLE: &str = "\
@@ -44,20 +46,6 @@ enum Source {
     Model(ModelArgs),
 }
 
-/// What a loop is asked for.
-#[derive(Debug, Args)]
-struct LoopArgs {
-    /// Bandwidth in rad/s, or the largest robust one
-    #[arg(long, value_name = "W|auto", default_value = "auto", value_parser = parse_bandwidth)]
-    bandwidth: Choice<f64>,
-    /// Write pictures of the step and of the open loop (SVG) into this directory
-    #[arg(long, value_name = "DIR")]
-    plot: Option<PathBuf>,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
-}
-
 #[derive(Debug, Args)]
 struct ModelArgs {
     /// Numerator, highest power of s first
@@ -86,27 +74,6 @@ struct ModelArgs {
     sample_time: f64,
     #[command(flatten)]
     wanted: LoopArgs,
-}
-
-/// `--bandwidth W|auto` for clap.
-fn parse_bandwidth(text: &str) -> Result<Choice<f64>, String> {
-    match (text, text.parse::<f64>()) {
-        ("auto", _) => Ok(Choice::Auto),
-        (_, Ok(bandwidth)) if bandwidth > 0.0 && bandwidth.is_finite() => {
-            Ok(Choice::Given(bandwidth))
-        }
-        _ => Err("expected a number of rad/s above 0, or `auto`".into()),
-    }
-}
-
-/// The plant that gains are for.
-struct Plant {
-    model: Model,
-    /// What the margins hold for, too.
-    around: Vec<Model>,
-    /// Of the controller \[s\].
-    sample_time: f64,
-    record: Option<OfRecord>,
 }
 
 /// Runs the command.

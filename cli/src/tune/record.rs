@@ -1,7 +1,6 @@
 //! The plant of `trendid tune record`: a model, and what speaks against it.
 
 use clap::Args;
-use serde_json::{Value, json};
 use trendid_identify::tune::Model;
 use trendid_identify::{Choice, Freedom, Identification, Options, Problem, Structure, identify};
 
@@ -9,11 +8,9 @@ use crate::format::significant;
 use crate::identify::parse::{delay, filter};
 use crate::identify::report::{self, notes};
 use crate::identify::signals::{Loaded, SignalArgs};
-use crate::output::{Bar, Refusal, number};
-use crate::tune::{LoopArgs, Plant};
-
-/// A bandwidth so many times the rate of the filter is one at which the record says little.
-const FAR: f64 = 10.0;
+use crate::output::{Bar, Refusal};
+use crate::tune::args::LoopArgs;
+use crate::tune::plant::{OfRecord, Plant};
 
 #[derive(Debug, Args)]
 pub(super) struct RecordArgs {
@@ -39,67 +36,6 @@ pub(super) struct RecordArgs {
     sample_time: Option<f64>,
     #[command(flatten)]
     pub(super) wanted: LoopArgs,
-}
-
-/// What the record says of its model.
-pub(super) struct OfRecord {
-    /// Name of the input that the controller moves.
-    pub(super) input: String,
-    pub(super) output: String,
-    /// Rate of the filter that the model was found behind \[rad/s\].
-    rate: Option<f64>,
-    fits: [f64; 2],
-    verdict: String,
-    /// Why the gains may not be for the drive.
-    doubt: Option<String>,
-    /// Objections to the model, and what became of the other inputs.
-    remarks: Vec<String>,
-    /// Of the time stamps, in lines.
-    notes: String,
-}
-
-impl OfRecord {
-    /// Lines above the gains.
-    pub(super) fn text(&self) -> String {
-        let [x0, x0c] = self.fits;
-        let mut text = format!(
-            "{}fit {x0:.2} % (x0), {x0c:.2} % (x0+c), verdict: {}\n",
-            self.notes, self.verdict
-        );
-        for remark in &self.remarks {
-            text += &format!("  {remark}\n");
-        }
-        if let Some(doubt) = &self.doubt {
-            text += &format!(
-                "WARNING: the model {doubt}: these gains are for it, and hardly for the drive\n"
-            );
-        }
-        text
-    }
-
-    /// What a bandwidth has against it.
-    pub(super) fn warning(&self, bandwidth: f64) -> Option<String> {
-        let rate = self.rate?;
-        (bandwidth > FAR * rate).then(|| {
-            format!(
-                "{} times the rate of the filter ({} rad/s) that the model was found behind: the record says little of the drive there",
-                significant(bandwidth / rate, 2),
-                significant(rate, 3)
-            )
-        })
-    }
-
-    pub(super) fn json(&self) -> Value {
-        json!({
-            "input": self.input,
-            "filter_rate": self.rate.map(number),
-            "fit_pct": number(self.fits[0]),
-            "fit_x0c_pct": number(self.fits[1]),
-            "verdict": self.verdict,
-            "doubt": self.doubt,
-            "remarks": self.remarks,
-        })
-    }
 }
 
 impl RecordArgs {

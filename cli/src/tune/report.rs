@@ -5,8 +5,7 @@ use trendid_identify::tune::{Gains, Goal, Margins, Tuned, TunedLoop};
 
 use crate::format::{counted, significant, transfer_function};
 use crate::output::number;
-use crate::tune::Plant;
-use crate::tune::record::OfRecord;
+use crate::tune::plant::{OfRecord, Plant};
 
 /// Significant digits of a gain.
 const DIGITS: usize = 6;

@@ -33,9 +33,9 @@ impl Model {
         }
     }
 
-    /// The models of the other delayed inputs that may be the same actuator, as where each direction
-    /// has a column: those whose gain has the sign of the first one's and at most three times or at
-    /// least a third of its size. With each the index of its input.
+    /// The models of the other delayed inputs that may be the same actuator, as where each
+    /// direction has a column: those whose gain has the sign of the first one's, and at least a
+    /// third and at most three times its size. With each the index of its input.
     pub fn others(problem: &Problem, estimate: &Estimate, delay: f64) -> Vec<(usize, Self)> {
         let inputs = problem.signals.inputs.iter().enumerate().skip(1);
         let alike = |c: &usize| {
