@@ -9,6 +9,7 @@ use trendid_identify::side_by_side;
 
 use crate::format::{significant, table};
 use crate::output::{Refusal, emit, emit_json, number};
+use crate::seeds::seeds;
 
 /// Errors and standard deviations over servo drives drawn at random, and settings too
 #[derive(Debug, Args)]
@@ -73,12 +74,9 @@ struct Row {
 ///
 /// # Errors
 ///
-/// No drive.
+/// A number of drives or a seed that makes no sense.
 pub(crate) fn run(args: &DrivesArgs) -> Result<(), Refusal> {
-    if args.drives == 0 {
-        return Err(Refusal::new("--drives is 0: at least one is needed"));
-    }
-    let seeds: Vec<u64> = (args.first_seed..args.first_seed + args.drives).collect();
+    let seeds = seeds("--drives", args.drives, args.first_seed)?;
     let found = side_by_side(&seeds, |seed| {
         let drawn = Drawn::of(*seed);
         let scores = drawn.scores(*seed);
@@ -96,8 +94,8 @@ pub(crate) fn run(args: &DrivesArgs) -> Result<(), Refusal> {
         }
     }
     match args.json {
-        true => emit_json(&rows.iter().map(Row::json).collect()),
-        false => emit(&text(&rows, args)),
+        true => emit_json(&rows.iter().map(Row::json).collect())?,
+        false => emit(&text(&rows, args))?,
     }
     Ok(())
 }

@@ -8,6 +8,7 @@ use trendid_host_tests::endurance::scenario::{Case, MEMORIES, cases};
 
 use crate::format::significant;
 use crate::output::{Refusal, emit, emit_json, number, progress, under};
+use crate::seeds::seeds;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -59,7 +60,7 @@ const OTHERS: u64 = 1_000_000;
 ///
 /// # Errors
 ///
-/// No seconds, no such scenario, or a limit that is broken, after the table.
+/// No seconds, too large a seed, no such scenario, or a limit that is broken, after the table.
 pub(crate) fn run_all(args: &EnduranceArgs) -> Result<(), Refusal> {
     if !(args.seconds >= 1.0 && args.seconds <= 1e9) {
         return Err(Refusal::new(format!(
@@ -71,7 +72,9 @@ pub(crate) fn run_all(args: &EnduranceArgs) -> Result<(), Refusal> {
         let name = args.only.as_deref().unwrap_or_default();
         case.name().contains(name) && args.memory.is_none_or(|Memory(m)| m == case.memory)
     };
-    let mut numbered: Vec<_> = (args.first_seed..).zip(cases()).collect();
+    let cases = cases();
+    let seeds = seeds("the table", cases.len() as u64, args.first_seed)?;
+    let mut numbered: Vec<_> = seeds.into_iter().zip(cases).collect();
     numbered.retain(|(_, case)| wanted(case));
     let (Some((first, _)), Some((last, _))) = (numbered.first(), numbered.last()) else {
         return Err(Refusal::new("--only leaves no scenario"));
@@ -88,9 +91,9 @@ pub(crate) fn run_all(args: &EnduranceArgs) -> Result<(), Refusal> {
         .zip(&found)
         .collect();
     if args.json {
-        emit_json(&runs.iter().map(|(case, found)| row(case, found)).collect());
+        emit_json(&runs.iter().map(|(case, found)| row(case, found)).collect())?;
     } else {
-        emit(&text(&runs, args.seconds, [*first, *last]));
+        emit(&text(&runs, args.seconds, [*first, *last]))?;
     }
     let broken: Vec<String> = runs
         .iter()

@@ -12,6 +12,7 @@ mod paper;
 mod pil;
 mod plot;
 mod record;
+mod seeds;
 mod servo;
 mod sigma;
 mod simulate;

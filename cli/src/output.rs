@@ -1,7 +1,7 @@
 //! What leaves the program: text on standard output, progress and one-sentence
 //! refusals on standard error.
 
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -44,14 +44,27 @@ impl From<trendid::ConfigError> for Refusal {
 }
 
 /// Writes to standard output; a reader that has gone away is no error.
-pub(crate) fn emit(text: &str) {
+///
+/// # Errors
+///
+/// What the system says of a write that failed.
+pub(crate) fn emit(text: &str) -> Result<(), Refusal> {
     let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Refusal::new(format!(
+            "cannot write to standard output: {error}"
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// Writes a JSON value on one line.
-pub(crate) fn emit_json(value: &serde_json::Value) {
-    emit(&format!("{value}\n"));
+///
+/// # Errors
+///
+/// As [`emit`].
+pub(crate) fn emit_json(value: &serde_json::Value) -> Result<(), Refusal> {
+    emit(&format!("{value}\n"))
 }
 
 /// A number for JSON; what is not finite becomes null.

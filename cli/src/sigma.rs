@@ -7,6 +7,7 @@ use trendid_identify::side_by_side;
 
 use crate::format::{significant, table};
 use crate::output::{Refusal, emit, emit_json, number, progress};
+use crate::seeds::seeds;
 
 /// Coverage of the standard deviations over noises and lengths of a record
 #[derive(Debug, Args)]
@@ -54,11 +55,9 @@ struct Cell {
 ///
 /// # Errors
 ///
-/// No record, or a length that no record has.
+/// A number of records, a seed or a length that makes no sense.
 pub(crate) fn run(args: &SigmaArgs) -> Result<(), Refusal> {
-    if args.seeds == 0 {
-        return Err(Refusal::new("--seeds is 0: at least one record is needed"));
-    }
+    let seeds = seeds("--seeds", args.seeds, args.first_seed)?;
     if let Some(wrong) = args.seconds.iter().find(|s| !(**s >= 0.1 && **s <= 1e4)) {
         return Err(Refusal::new(format!(
             "--seconds has {wrong}: from 0.1 to 10000 can be run"
@@ -69,7 +68,6 @@ pub(crate) fn run(args: &SigmaArgs) -> Result<(), Refusal> {
         .flat_map(|noise| args.seconds.iter().map(move |s| (noise, *s)))
         .collect();
     let bar = progress(cells.len() as u64, "sigma");
-    let seeds: Vec<u64> = (args.first_seed..args.first_seed + args.seeds).collect();
     let mut rows = Vec::new();
     for (noise, seconds) in cells {
         let found = side_by_side(&seeds, |seed| scores(noise, seconds, *seed));
@@ -87,8 +85,8 @@ pub(crate) fn run(args: &SigmaArgs) -> Result<(), Refusal> {
     }
     bar.finish_and_clear();
     match args.json {
-        true => emit_json(&rows.iter().map(Cell::json).collect()),
-        false => emit(&text(&rows, args)),
+        true => emit_json(&rows.iter().map(Cell::json).collect())?,
+        false => emit(&text(&rows, args))?,
     }
     Ok(())
 }

@@ -63,14 +63,14 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<(), Refusal> {
             "dt": number(record.dt),
             "a": REFERENCE.a(),
             "b0": REFERENCE.b0(),
-        }));
+        }))?;
     } else {
         emit(&format!(
             "{}: {} samples every {} s, the truth is in the header\n",
             args.out.display(),
             record.len(),
             record.dt
-        ));
+        ))?;
     }
     Ok(())
 }

@@ -36,7 +36,7 @@ pub enum Error {
     #[error("the order {0} is not one of 1, 2, 3, 4")]
     Order(usize),
     /// As many zeros as poles, or more.
-    #[error("{zeros} zeros need an order of at least {}, not {order}", zeros + 1)]
+    #[error("{}, not {order}", needing(*zeros))]
     Zeros {
         /// Zeros asked for.
         zeros: usize,
@@ -50,7 +50,9 @@ pub enum Error {
     #[error("the structure has {0} parameters, at most {PARAMETERS} are possible")]
     Parameters(usize),
     /// Fewer than ten samples for each parameter.
-    #[error("too few samples: {found} for {parameters} parameters, at least {needed} are needed")]
+    #[error(
+        "too few samples: {found} for {parameters} parameter{}, at least {needed} are needed", plural(*parameters)
+    )]
     TooFewSamples {
         /// Samples of the record.
         found: usize,
@@ -88,7 +90,7 @@ pub enum Error {
     Disproportionate(usize),
     /// The samples do not separate the parameters of a structure.
     #[error(
-        "the data cannot carry a model of order {order} with {parameters} parameters: {weakness}"
+        "the data cannot carry a model of order {order} with {parameters} parameter{}: {weakness}", plural(*parameters)
     )]
     CannotCarry {
         /// Order of the model.
@@ -99,19 +101,19 @@ pub enum Error {
         weakness: Weakness,
     },
     /// No structure passed.
-    #[error(
-        "the data cannot carry any structure of order 1 to {max_order}: the first half of the record excites too little"
-    )]
+    #[error("no structure of order 1 to {max_order} holds; {why}")]
     NoStructure {
         /// Highest order tried.
         max_order: usize,
+        /// The commonest reason, with the number of structures.
+        why: String,
     },
     /// A model that no controller is designed for.
     #[error("no controller for this model: {0}")]
     Model(String),
     /// Filter poles that the sampling does not carry.
     #[error(
-        "filter poles at {pole} rad/s were asked for; up to {fastest:.4} rad/s, half of the sampling rate, are possible"
+        "filter poles at {pole} rad/s were asked for; below {fastest:.4} rad/s, half of the sampling frequency, are possible"
     )]
     Filter {
         /// Asked for \[rad/s\].
@@ -121,7 +123,7 @@ pub enum Error {
     },
     /// A bandwidth that the sampling does not carry.
     #[error(
-        "a bandwidth of {bandwidth} rad/s was asked for; above 0 and up to {fastest} rad/s, half of the sampling rate, is possible"
+        "a bandwidth of {bandwidth} rad/s was asked for; above 0 and up to {fastest:.4} rad/s, half a radian per sample, is possible"
     )]
     Bandwidth {
         /// Asked for \[rad/s\].
@@ -132,6 +134,23 @@ pub enum Error {
     /// The core's own refusal.
     #[error(transparent)]
     Core(#[from] ConfigError),
+}
+
+/// What the word for more than one ends with.
+const fn plural(count: usize) -> &'static str {
+    match count {
+        1 => "",
+        _ => "s",
+    }
+}
+
+/// The order that so many zeros need.
+fn needing(zeros: usize) -> String {
+    match zeros {
+        1 => "1 zero needs an order of at least 2".into(),
+        2 | 3 => format!("{zeros} zeros need an order of at least {}", zeros + 1),
+        _ => format!("{zeros} zeros need a higher order than 4, the highest that is possible"),
+    }
 }
 
 /// How a structure fails on a record.
@@ -153,7 +172,9 @@ pub enum Weakness {
     #[error("{} cannot be told apart", .0.join(", "))]
     Inseparable(Vec<String>),
     /// No model of the search can be simulated.
-    #[error("none that can be simulated was found")]
+    #[error(
+        "each one, or one without an eighth of the record, is unstable: try --integrator, or `trendid select`"
+    )]
     NoSimulation,
     /// The prediction of held-out samples is not finite.
     #[error("its prediction of the second half is not finite")]

@@ -24,7 +24,10 @@ pub struct Freedom {
 
 impl Freedom {
     /// Refuses filter poles that the sampling does not carry.
-    pub(crate) fn check(&self, dt: f64) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// [`Error::Filter`].
+    pub fn check(&self, dt: f64) -> Result<(), Error> {
         let fastest = PI / dt;
         match self.pole {
             Choice::Given(Some(pole)) if pole >= fastest => Err(Error::Filter { pole, fastest }),

@@ -74,7 +74,7 @@ pub(crate) struct Args {
     #[command(flatten)]
     pub outputs: OutputArgs,
     /// Ends after so many seconds and prints what was received and lost
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub seconds: Option<f64>,
 }
 
@@ -121,6 +121,16 @@ fn speed(factor: &str) -> Result<f64, String> {
     }
 }
 
+/// Longest session that is asked for \[s\]: three years.
+const LONGEST: f64 = 1e8;
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(seconds) if seconds > 0.0 && seconds <= LONGEST => Ok(seconds),
+        _ => Err(format!("expected a number above 0 and up to {LONGEST}")),
+    }
+}
+
 /// Shortest token that is taken.
 const TOKEN: usize = 16;
 
@@ -148,6 +158,10 @@ mod tests {
         assert!(parse("m --axis 1 --family steam").is_err());
         assert!(parse("m --axis 1 --rtt").is_err() && parse("m --emulator --rtt").is_ok());
         assert!(parse("m --axis 1 --image x").is_err() && parse("m --emulator --image x").is_ok());
+        for seconds in ["nan", "inf", "1e9999", "0", "-1", "x"] {
+            assert!(parse(&format!("m --axis 1 --seconds={seconds}")).is_err());
+        }
+        assert!(parse("m --axis 1 --seconds 0.5").is_ok());
         assert!(
             parse("m --axis 1 --speed -1").is_err() && parse("m --axis 1 --speed nan").is_err()
         );

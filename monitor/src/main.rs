@@ -8,6 +8,7 @@
 #![allow(missing_docs)] // a program: its documentation is `--help`
 
 mod args;
+mod claimed;
 mod hub;
 #[cfg(feature = "mcap")]
 mod mcap;
@@ -16,6 +17,7 @@ mod record;
 mod server;
 mod source;
 
+use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize};
@@ -75,13 +77,24 @@ async fn run(args: Args) -> Result<(), String> {
         next: AtomicU64::new(1),
         open: AtomicUsize::new(0),
     });
-    println!("http://{address}/?token={token}");
+    print(&format!("http://{address}/?token={token}\n"))?;
     let serving = tokio::spawn(async move { axum::serve(listener, router(server)).await });
     let end = args.seconds.map(Duration::from_secs_f64);
     let summary = hub.run(from_pages, end).await;
     serving.abort();
-    print!("{}", summary.text());
-    Ok(())
+    print(&summary.text())?;
+    summary.check(args.seconds)
+}
+
+/// Writes to standard output; a reader that has gone away is no error.
+fn print(text: &str) -> Result<(), String> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(format!("cannot write to standard output: {error}"))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn random_token() -> Result<String, String> {

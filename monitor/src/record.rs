@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use trendid_link::code;
 use trendid_link::telemetry::{Identity, Sample};
 
+use crate::claimed::Claimed;
+
 /// Header of a record.
 const COLUMNS: &str = "t,u,y,r,v,e,state,reason,tick";
 
@@ -24,13 +26,11 @@ pub(crate) struct Recorder {
 }
 
 impl Recorder {
-    /// Begins a record of the machine.
-    pub(crate) fn create(path: PathBuf, identity: &Identity) -> Result<Self, String> {
+    /// Begins a record of the machine in a file of its own.
+    pub(crate) fn begin(claimed: Claimed, identity: &Identity) -> Result<Self, String> {
+        let Claimed { path, file } = claimed;
         let named = |error: std::io::Error| format!("{}: {error}", path.display());
-        if let Some(folder) = path.parent() {
-            fs::create_dir_all(folder).map_err(named)?;
-        }
-        let mut file = BufWriter::new(File::create_new(&path).map_err(named)?);
+        let mut file = BufWriter::new(file);
         let Identity {
             name,
             unit,
@@ -236,7 +236,8 @@ mod tests {
             unit: "mm".try_into().unwrap(),
             ..Identity::default()
         };
-        let mut recorder = Recorder::create(path.clone(), &identity).unwrap();
+        let claimed = Claimed::create(path.clone()).unwrap();
+        let mut recorder = Recorder::begin(claimed, &identity).unwrap();
         for tick in 100..200 {
             recorder.take(&sample(tick)).unwrap();
         }
@@ -253,7 +254,7 @@ mod tests {
         );
         assert_eq!(back.rows[51].innovation, None);
         // A file that is there is not overwritten.
-        assert!(Recorder::create(path, &identity).is_err());
+        assert!(Claimed::create(path).is_err());
         fs::remove_dir_all(folder).unwrap();
     }
 

@@ -211,7 +211,7 @@ def identify(
     order : 1 to 4, the integrator included
     integrator : the drive integrates, ``a0 = 0``
     zeros : ``b0 .. b_zeros`` of each input are estimated
-    constant : an offset; it comes out as 0 as long as the record does not show one
+    constant : an offset; its standard deviation says whether the record shows one
     coulomb : adds sgn(v); True takes v from the filtered output, an array is the measured velocity
     delay : of the inputs in samples, or ``'auto'``: the best of 0 to 6, and of longer ones up to 200 for as long as the longest wins
     pole : filter poles [rad/s], ``'auto'`` (by folds of the record that the model has not seen), or None for raw trends

@@ -47,7 +47,11 @@ def sampling(t: Any) -> Tuple[float, float]:
         raise Refusal(f"t[{bad[0]}] is {stamps[bad[0]]}, expected a finite number of seconds")
     steps = np.diff(stamps)
     median = float(np.sort(steps)[len(steps) // 2])
-    wrong = steps <= 0.0 if median <= 0.0 else np.abs(steps - median) > _STEP_TOLERANCE * median
+    back = np.flatnonzero(steps <= 0.0)
+    if len(back):
+        k = int(back[0])
+        raise Refusal(f"t[{k + 1}] is {stamps[k + 1]} after {stamps[k]}: time does not advance")
+    wrong = np.abs(steps - median) > _STEP_TOLERANCE * median
     if wrong.any():
         k = int(np.flatnonzero(wrong)[0])
         raise Refusal(

@@ -116,15 +116,15 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<(), Refusal> {
         found: &found,
     };
     if args.json {
-        emit_json(&report.json());
+        emit_json(&report.json())?;
     } else {
-        emit(&report.text());
+        emit(&report.text())?;
     }
     if let Some(dir) = &args.plot {
         let written = figures::save(dir, &problem, &found, loaded.start)?;
         if !args.json {
             let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
-            emit(&format!("\nPictures: {}\n", names.join(", ")));
+            emit(&format!("\nPictures: {}\n", names.join(", ")))?;
         }
     }
     Ok(())

@@ -4,7 +4,7 @@ pub(crate) mod command;
 mod figures;
 pub(crate) mod names;
 pub(crate) mod parse;
-mod report;
+pub(crate) mod report;
 mod report_json;
 pub(crate) mod select;
 mod select_report;

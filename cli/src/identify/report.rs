@@ -8,8 +8,12 @@ use trendid_identify::{Choice, Freedom, Identification, Problem, Way};
 
 use crate::format::{polynomial, significant, table, transfer_function, with_sigma};
 
+/// Squared errors of prediction, over those of the mean of the output, beyond which the recursion
+/// has diverged; of noise alone it predicts somewhat worse than the mean, too.
+const DIVERGED: f64 = 100.0;
+
 /// Everything that is printed.
-pub(super) struct Report<'a> {
+pub(crate) struct Report<'a> {
     pub file: &'a Path,
     /// Name of the output column.
     pub output: &'a str,
@@ -31,7 +35,7 @@ impl Report<'_> {
         self.found.delay * self.problem.signals.dt
     }
 
-    pub(super) fn fits(&self) -> [f64; 2] {
+    pub(crate) fn fits(&self) -> [f64; 2] {
         let free_run = self.found.free_run.as_ref();
         free_run.map_or([f64::NAN; 2], |f| [f.fit_x0, f.fit_x0c])
     }
@@ -106,22 +110,14 @@ impl Report<'_> {
             _ => String::new(),
         };
         let plural = if found.delay == 1.0 { "" } else { "s" };
-        let granted = self
-            .granted
-            .map_or(String::new(), |granted| format!("{granted}\n"));
-        let jitter = self.jitter.map_or(String::new(), |jitter| {
-            format!(
-                "time steps vary by up to {} %: moved to equal intervals\n",
-                significant(100.0 * jitter, 2)
-            )
-        });
+        let notes = notes(self.granted, self.jitter);
         format!(
-            "{}: {} samples every {} s, t = {} .. {} s\n{granted}{jitter}{zone}{filter}, delay {} sample{plural}{at_end}, {memory}\n\n",
+            "{}: {} samples every {} s, t = {} .. {} s\n{notes}{zone}{filter}, delay {} sample{plural}{at_end}, {memory}\n\n",
             self.file.display(),
             p.samples(),
             significant(p.signals.dt, 5),
-            significant(self.start, 6),
-            significant(end, 6),
+            stamp(self.start),
+            stamp(end),
             found.delay,
         )
     }
@@ -153,6 +149,14 @@ impl Report<'_> {
         text
     }
 
+    /// Whether the recursion predicts the output far worse than its mean does.
+    pub(super) fn diverged(&self) -> bool {
+        let (errors, y) = (self.found.errors, self.problem.signals.output);
+        let mean = y.iter().sum::<f64>() / y.len() as f64;
+        let spread = y.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / y.len() as f64;
+        errors.samples > 0 && !(errors.ise <= DIVERGED * spread * errors.samples as f64)
+    }
+
     /// The fits and what they say.
     fn conclusion(&self) -> String {
         let [x0, x0c] = self.fits();
@@ -167,7 +171,7 @@ impl Report<'_> {
         };
         let mut text = format!("\n  free simulation of the second half ({model}):{fit}\n");
         let errors = self.found.errors;
-        if errors.samples > 0 {
+        if errors.samples > 0 && !self.diverged() {
             text += &format!(
                 "  one-step prediction of the recursion: ISE {}, IAE {} over {} samples\n",
                 significant(errors.ise, 4),
@@ -262,6 +266,26 @@ impl Report<'_> {
             .filter(|(c, input)| input.delayed && !(*c == 1 && behind_zone))
             .map(|(c, input)| (input.name, self.problem.gain(&self.found.estimate, c)))
             .collect()
+    }
+}
+
+/// What was taken for granted of the time stamps, and by how much they vary, in lines.
+pub(crate) fn notes(granted: Option<&str>, jitter: Option<f64>) -> String {
+    let granted = granted.map_or(String::new(), |granted| format!("{granted}\n"));
+    let jitter = jitter.map_or(String::new(), |jitter| {
+        format!(
+            "time steps vary by up to {} %: moved to equal intervals\n",
+            significant(100.0 * jitter, 2)
+        )
+    });
+    granted + &jitter
+}
+
+/// A time stamp: with milliseconds where six digits would not tell it from another.
+fn stamp(seconds: f64) -> String {
+    match seconds.abs() < 1e6 {
+        true => significant(seconds, 6),
+        false => format!("{seconds:.3}"),
     }
 }
 

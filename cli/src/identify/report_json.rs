@@ -27,6 +27,10 @@ impl Report<'_> {
             Way::Recursion => "recursion",
         };
         let least_squares = found.least_squares.as_ref();
+        let predicted = |sum: f64| match self.diverged() {
+            true => Value::Null,
+            false => number(sum),
+        };
         json!({
             "a": list(&e.a),
             "inputs": inputs,
@@ -47,8 +51,8 @@ impl Report<'_> {
             "fit_x0c_pct": number(x0c),
             "fit_held_out": self.found.held_out,
             "remarks": self.remarks(),
-            "ise": number(errors.ise),
-            "iae": number(errors.iae),
+            "ise": predicted(errors.ise),
+            "iae": predicted(errors.iae),
             "samples": p.samples(),
             "jitter": self.jitter.map(number),
             "granted": self.granted,

@@ -46,7 +46,7 @@ pub(crate) struct SelectArgs {
     filter: Choice<Option<f64>>,
     /// Without a record: how often the structure of so many simulated plants is found
     #[arg(long, value_name = "N", conflicts_with = "file")]
-    simulated: Option<usize>,
+    simulated: Option<u64>,
     /// Seed of the first simulated plant
     #[arg(long, value_name = "S", default_value_t = 1, requires = "simulated")]
     first_seed: u64,
@@ -62,10 +62,10 @@ pub(crate) struct SelectArgs {
 /// One sentence on what is wrong with the record, or that no structure fits it.
 pub(crate) fn run(args: &SelectArgs) -> Result<(), Refusal> {
     if let Some(plants) = args.simulated {
-        let simulated = Simulated::run(plants, args.first_seed);
+        let simulated = Simulated::run(plants, args.first_seed)?;
         match args.json {
-            true => emit_json(&simulated.json()),
-            false => emit(&simulated.text()),
+            true => emit_json(&simulated.json())?,
+            false => emit(&simulated.text())?,
         }
         return Ok(());
     }
@@ -101,11 +101,13 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Refusal> {
     let report = SelectReport {
         file: &record.file,
         signals: &signals,
+        granted: loaded.granted.as_deref(),
+        jitter: loaded.jitter,
         selection: &selection,
     };
     match args.json {
-        true => emit_json(&report.json()),
-        false => emit(&report.text()),
+        true => emit_json(&report.json())?,
+        false => emit(&report.text())?,
     }
     Ok(())
 }

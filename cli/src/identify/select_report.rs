@@ -7,6 +7,7 @@ use trendid_identify::structure_choice::{Candidate, Dropped, Selection};
 use trendid_identify::{Signals, Structure};
 
 use crate::format::{counted, significant, table, with_sigma};
+use crate::identify::report::notes;
 use crate::output::number;
 
 /// Fewer points of fit than this between the recommended structure and the best say that they are
@@ -17,6 +18,10 @@ const DOUBT: f64 = 2.0;
 pub(crate) struct SelectReport<'a> {
     pub(crate) file: &'a Path,
     pub(crate) signals: &'a Signals<'a>,
+    /// What was taken for granted of the time stamps.
+    pub(crate) granted: Option<&'a str>,
+    /// Largest departure of a time step where the samples were moved to equal intervals.
+    pub(crate) jitter: Option<f64>,
     pub(crate) selection: &'a Selection,
 }
 
@@ -32,11 +37,11 @@ impl SelectReport<'_> {
             "the smallest error of simulation, and none with fewer parameters comes near".to_owned()
         } else {
             format!(
-                "the fewest parameters ({}) among those that simulate about as well as the best ({}: {:.2} % with {} parameters)",
-                c.names.len(),
+                "the fewest parameters ({}) among those that simulate about as well as the best ({}: {:.2} % with {})",
+                parameters(c),
                 describe(best),
                 best.fit_x0c,
-                best.names.len()
+                counted(best.parameters(), "parameter")
             )
         }
     }
@@ -48,7 +53,7 @@ impl SelectReport<'_> {
         let mut doubts = Vec::new();
         for k in &s.alike {
             let other = &s.candidates[*k];
-            if *k == s.recommended || other.names.len() > c.names.len() {
+            if *k == s.recommended || other.parameters() > c.parameters() {
                 continue;
             }
             doubts.push(format!(
@@ -73,6 +78,13 @@ impl SelectReport<'_> {
                 shorter.fit_x0c
             ));
         }
+        if let Some(far) = c.filter_dependence() {
+            doubts.push(format!(
+                "{} depends on the filter ({} standard deviations; +- contains it): the structure does not hold all of the drive",
+                c.names[0],
+                significant(far, 2)
+            ));
+        }
         if c.delay_at_end {
             doubts.push("the delay is the longest that was tried".to_owned());
         }
@@ -86,10 +98,11 @@ impl SelectReport<'_> {
     /// The report for people.
     pub(crate) fn text(&self) -> String {
         let mut text = format!(
-            "{}: {} samples every {} s; each eighth simulated by the model of the rest\n\n",
+            "{}: {} samples every {} s; each eighth simulated by the model of the rest\n{}\n",
             self.file.display(),
             self.signals.output.len(),
-            significant(self.signals.dt, 5)
+            significant(self.signals.dt, 5),
+            notes(self.granted, self.jitter)
         );
         text += &self.candidates();
         text += &self.dropped();
@@ -138,7 +151,7 @@ impl SelectReport<'_> {
             row.extend([
                 c.delay.to_string(),
                 significant(c.pole, 3),
-                c.names.len().to_string(),
+                c.parameters().to_string(),
                 format!("{:.2} %", c.fit_x0c),
                 mark.to_owned(),
             ]);
@@ -176,6 +189,8 @@ impl SelectReport<'_> {
                 "delay_at_end": c.delay_at_end,
                 "filter_pole": number(c.pole),
                 "parameters": c.names,
+                "counted_parameters": c.parameters(),
+                "filter_shifts": c.filter_shifts.map(|shifts| numbers(&shifts)),
                 "theta": numbers(&c.found.estimate.theta),
                 "sigma": numbers(&c.found.estimate.sigma),
                 "fit_x0c_pct": number(c.fit_x0c),
@@ -196,7 +211,17 @@ impl SelectReport<'_> {
             "alike": s.alike,
             "reason": self.reason(),
             "doubts": self.doubts(),
+            "granted": self.granted,
+            "jitter": self.jitter.map(number),
         })
+    }
+}
+
+/// `4`, `5, with its delay`.
+fn parameters(c: &Candidate) -> String {
+    match c.long_delay() {
+        true => format!("{}, with its delay", c.parameters()),
+        false => c.parameters().to_string(),
     }
 }
 

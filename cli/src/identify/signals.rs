@@ -26,7 +26,7 @@ pub(crate) struct SignalArgs {
     #[arg(long, value_enum)]
     pub time_unit: Option<TimeUnit>,
     /// Sampling interval in s; the time stamps are then not read
-    #[arg(long, value_name = "S", value_parser = interval)]
+    #[arg(long, value_name = "S", value_parser = interval, conflicts_with_all = ["time", "time_unit"])]
     pub dt: Option<f64>,
     /// Input column, or COL^K for its K-th power; may be repeated
     #[arg(long, value_name = "COL", default_value = "u")]
@@ -38,9 +38,9 @@ pub(crate) struct SignalArgs {
     /// taken as 0, and sgn of those outside is a further input; or `auto`, the width and
     /// the centre whose model simulates eighths of the record that it has not seen best (only for
     /// `identify`)
-    #[arg(long, value_name = "WIDTH|auto", value_parser = width)]
+    #[arg(long, value_name = "WIDTH|auto", value_parser = width, allow_negative_numbers = true)]
     pub dead_zone: Option<Choice<f64>>,
-    /// Add a constant input (offset); it comes out as 0 as long as the record does not show one
+    /// Add a constant input (offset); its standard deviation says whether the record shows one
     #[arg(long)]
     pub constant: bool,
     /// Add sgn(v) as an input, v from COL or from the filtered position

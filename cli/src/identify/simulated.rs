@@ -8,6 +8,8 @@ use trendid_identify::structure_choice::{Range, Selection, select};
 use trendid_identify::{Choice, Freedom, Options, Signals, Structure, side_by_side};
 
 use crate::format::table;
+use crate::output::Refusal;
+use crate::seeds::seeds;
 
 /// Result of one plant.
 struct Trial {
@@ -93,10 +95,14 @@ fn name(s: Structure) -> String {
 
 impl Simulated {
     /// Draws so many plants from a seed on and chooses the structure of each.
-    pub(crate) fn run(plants: usize, first_seed: u64) -> Self {
-        let seeds: Vec<u64> = (first_seed..first_seed + plants as u64).collect();
+    ///
+    /// # Errors
+    ///
+    /// A number of plants or a seed that makes no sense.
+    pub(crate) fn run(plants: u64, first_seed: u64) -> Result<Self, Refusal> {
+        let seeds = seeds("--simulated", plants, first_seed)?;
         let trials = side_by_side(&seeds, |seed| trial(*seed));
-        Self { first_seed, trials }
+        Ok(Self { first_seed, trials })
     }
 
     fn count(&self, which: impl Fn(&Trial) -> bool) -> Count {

@@ -13,7 +13,7 @@ const GOOD: f64 = 80.0;
 
 impl Report<'_> {
     /// One line on what the model is worth, by both fits.
-    pub(super) fn verdict(&self) -> String {
+    pub(crate) fn verdict(&self) -> String {
         let [x0, x0c] = self.fits();
         let worth = if !self.found.estimate.reading.stable {
             "unstable"
@@ -62,8 +62,26 @@ impl Report<'_> {
             .collect()
     }
 
+    /// Why a controller for the model may not be one for the drive.
+    pub(crate) fn doubt(&self) -> Option<String> {
+        let mut doubts = Vec::new();
+        if !self.found.estimate.reading.stable {
+            doubts.push("is unstable".to_owned());
+        }
+        if !(self.fits()[1] >= POOR) {
+            doubts.push("is poor".to_owned());
+        }
+        // An offset and friction that are none are no doubt.
+        let mut insignificant = self.insignificant();
+        insignificant.retain(|name| name != "constant" && !name.ends_with("[sgn(v)]"));
+        if !insignificant.is_empty() {
+            doubts.push(format!("does not tell {} from 0", insignificant.join(", ")));
+        }
+        (!doubts.is_empty()).then(|| doubts.join(" and "))
+    }
+
     /// Objections to the model.
-    pub(super) fn remarks(&self) -> Vec<&'static str> {
+    pub(crate) fn remarks(&self) -> Vec<&'static str> {
         let [x0, x0c] = self.fits();
         let mut remarks = Vec::new();
         if !self.found.estimate.reading.stable {
@@ -81,6 +99,11 @@ impl Report<'_> {
         if self.found.filter_dependence().is_some() {
             remarks.push(
                 "filter poles at half or twice give another value of it: the structure does not hold all of the drive, and the deviations contain how far it moves",
+            );
+        }
+        if self.diverged() {
+            remarks.push(
+                "the recursion diverged behind this filter: its errors of prediction are more than ten times those of the mean of the output, and say nothing of the model",
             );
         }
         match self.found.way {

@@ -10,6 +10,7 @@ use crate::format::significant;
 use crate::options::cost::{COUNTS, Cost, instructions};
 use crate::options::gains::{Gain, gains};
 use crate::output::{Refusal, emit, emit_json, number, progress};
+use crate::seeds::seeds;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -32,14 +33,12 @@ pub(crate) struct OptionsArgs {
 ///
 /// # Errors
 ///
-/// No seeds, or counts that lack a row.
+/// Seeds that make no sense, or counts that lack a row.
 pub(crate) fn run(args: &OptionsArgs) -> Result<(), Refusal> {
-    if args.seeds == 0 {
-        return Err(Refusal::new("--seeds is 0: there is nothing to run"));
-    }
+    let all = seeds("--seeds", args.seeds, args.first_seed)?;
     let counts: Value = serde_json::from_str(COUNTS)
         .map_err(|error| Refusal::new(format!("the counts of instructions: {error}")))?;
-    let seeds = args.first_seed..args.first_seed.saturating_add(args.seeds);
+    let seeds = args.first_seed..args.first_seed + all.len() as u64;
     let bar = progress(0, "options");
     let gains = gains(&seeds, &bar);
     bar.finish_and_clear();
@@ -62,9 +61,9 @@ pub(crate) fn run(args: &OptionsArgs) -> Result<(), Refusal> {
                 })
             })
             .collect();
-        emit_json(&json!({"first_seed": args.first_seed, "seeds": args.seeds, "options": list}));
+        emit_json(&json!({"first_seed": args.first_seed, "seeds": args.seeds, "options": list}))?;
     } else {
-        emit(&text(&rows, &seeds));
+        emit(&text(&rows, &seeds))?;
     }
     Ok(())
 }

@@ -119,15 +119,12 @@ impl Block {
     }
 }
 
-/// Refuses a table of nothing.
+/// Refuses a length of the records that is out of bounds.
 ///
 /// # Errors
 ///
-/// No seeds, or a length of the records out of bounds.
-pub(super) fn check(seeds: u64, duration: Option<f64>) -> Result<(), Refusal> {
-    if seeds == 0 {
-        return Err(Refusal::new("--seeds must be at least 1"));
-    }
+/// The length and the bounds.
+pub(super) fn check(duration: Option<f64>) -> Result<(), Refusal> {
     match duration {
         Some(duration) if !(0.3..=60.0).contains(&duration) => Err(Refusal::new(format!(
             "--duration is {duration} s, not between 0.3 and 60"

@@ -92,7 +92,7 @@ pub(super) fn run(args: &Fig1Args) -> Result<(), Refusal> {
                 .collect();
             text += &format!("{:.3},{}\n", p.t, cells.join(","));
         }
-        output::emit(&text);
+        output::emit(&text)?;
         return Ok(());
     }
     if args.json {
@@ -102,15 +102,15 @@ pub(super) fn run(args: &Fig1Args) -> Result<(), Refusal> {
             .collect();
         output::emit_json(&json!({
             "seed": args.first_seed, "order": ["a1", "a2", "b0"], "settled_ms": settled, "points": curves,
-        }));
+        }))?;
         return Ok(());
     }
     let path = figure(args, &points).save(&args.plot, "fig1")?;
-    output::emit(&format!("wrote {}\n", path.display()));
+    output::emit(&format!("wrote {}\n", path.display()))?;
     output::emit(&match settled {
         Some(ms) => format!("all three within 5 % of the truth from {ms:.0} ms on\n"),
         None => "not within 5 % of the truth at the end\n".to_owned(),
-    });
+    })?;
     Ok(())
 }
 

@@ -7,15 +7,17 @@ use trendid_host_tests::paper::trial::{Method, Setting, Trial, trial};
 use crate::output::{self, Refusal};
 use crate::paper::args::{ReadingName, Table1Args, check};
 use crate::paper::{table1_picture as picture, table1_text as text};
+use crate::seeds::seeds;
 
 /// Runs the trials and prints them.
 pub(super) fn run(args: &Table1Args) -> Result<(), Refusal> {
-    check(args.seeds, args.duration)?;
+    check(args.duration)?;
+    let seeds = seeds("--seeds", args.seeds, args.first_seed)?;
     let settings = settings(args);
     if args.plot.is_some() && !settings.iter().any(|s| s.vary == "white") {
         return Err(Refusal::new("--plot needs the block white"));
     }
-    let lines = lines(args, &settings);
+    let lines = lines(args, &settings, &seeds);
     let mut text = if args.csv {
         let rows: Vec<String> = lines.iter().map(Line::csv).collect();
         format!("{COLUMNS}\n{}\n", rows.join("\n"))
@@ -33,7 +35,7 @@ pub(super) fn run(args: &Table1Args) -> Result<(), Refusal> {
             text += &format!("wrote {}\n", path.display());
         }
     }
-    output::emit(&text);
+    output::emit(&text)?;
     Ok(())
 }
 
@@ -46,7 +48,7 @@ fn settings(args: &Table1Args) -> Vec<Setting> {
         .collect()
 }
 
-fn lines(args: &Table1Args, settings: &[Setting]) -> Vec<Line> {
+fn lines(args: &Table1Args, settings: &[Setting], seeds: &[u64]) -> Vec<Line> {
     let mut methods = Method::all();
     if args.brief {
         methods = vec![Method::OutputError, Method::Kalman, Method::DEFAULT];
@@ -60,12 +62,11 @@ fn lines(args: &Table1Args, settings: &[Setting]) -> Vec<Line> {
         });
     }
     let bar = output::progress(args.seeds * settings.len() as u64, "records");
-    let seeds: Vec<u64> = (args.first_seed..args.first_seed + args.seeds).collect();
     let lines = settings
         .iter()
         .flat_map(|setting| {
             let duration = args.duration.unwrap_or_else(|| setting.usual_duration());
-            let trials: Vec<Trial> = output::under(&bar, &seeds, |seed| {
+            let trials: Vec<Trial> = output::under(&bar, seeds, |seed| {
                 trial(setting, duration, *seed, &methods)
             });
             summary(setting, duration, &methods, &trials)

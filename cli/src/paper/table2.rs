@@ -19,6 +19,7 @@ use crate::output::{self, Refusal};
 use crate::paper::args::{Table2Args, check};
 use crate::paper::found::{Found, NO, SIZES, Size};
 use crate::paper::table2_text::{as_json, csv, plain};
+use crate::seeds::seeds;
 
 /// Rough design values, all that the identifier gets: rad/s, and mm of movement.
 const BANDWIDTH: f32 = 20.0;
@@ -26,19 +27,20 @@ const MOVEMENT: f32 = 50.0;
 
 /// Identifies every structure and prints the table.
 pub(super) fn run(args: &Table2Args) -> Result<(), Refusal> {
-    check(args.seeds, Some(args.duration))?;
-    let found = all(args)?;
+    check(Some(args.duration))?;
+    let seeds = seeds("--seeds", args.seeds, args.first_seed)?;
+    let found = all(args, &seeds)?;
     if args.csv {
-        output::emit(&csv(args, &found));
+        output::emit(&csv(args, &found))?;
     } else if args.json {
-        output::emit_json(&as_json(args, &found));
+        output::emit_json(&as_json(args, &found))?;
     } else {
-        output::emit(&plain(args, &found));
+        output::emit(&plain(args, &found))?;
     }
     Ok(())
 }
 
-fn all(args: &Table2Args) -> Result<Vec<Found>, Refusal> {
+fn all(args: &Table2Args, seeds: &[u64]) -> Result<Vec<Found>, Refusal> {
     let condition = Condition {
         w_um: 100.0,
         eta_um: 10.0,
@@ -57,8 +59,7 @@ fn all(args: &Table2Args) -> Result<Vec<Found>, Refusal> {
         }
     }
     let bar = output::progress(args.seeds, "records");
-    let seeds: Vec<u64> = (args.first_seed..args.first_seed + args.seeds).collect();
-    let values = output::under(&bar, &seeds, |seed| {
+    let values = output::under(&bar, seeds, |seed| {
         let record = experiment.record(*seed);
         let fresh = experiment.record(seed + 500_000);
         kinds

@@ -52,14 +52,14 @@ pub(crate) fn run(args: &PilArgs) -> Result<(), Refusal> {
     let figures = run_with_shadow(scenario, &options, &mut target, &mut |_, _| {});
     drop(emulator);
     target.finish();
-    report(args, &name, &target, &figures);
+    report(args, &name, &target, &figures)?;
     match target.trouble {
         None => Ok(()),
         Some(trouble) => Err(Refusal::new(trouble)),
     }
 }
 
-fn report(args: &PilArgs, name: &str, target: &Target, figures: &Figures) {
+fn report(args: &PilArgs, name: &str, target: &Target, figures: &Figures) -> Result<(), Refusal> {
     let last = target.last.as_ref();
     let by_target = last.map(|reply| reply.counters).unwrap_or_default();
     let by_host = target.counters();
@@ -70,10 +70,9 @@ fn report(args: &PilArgs, name: &str, target: &Target, figures: &Figures) {
         value["fixed"] = args.fixed.into();
         value["seen_by_target"] = counters(&by_target);
         value["seen_by_host"] = counters(&by_host);
-        output::emit_json(&value);
-        return;
+        return output::emit_json(&value);
     }
-    output::emit(&text(name, target, figures, model));
+    output::emit(&text(name, target, figures, model))?;
     let row = |who: &str, c: &Counters| {
         format!(
             "{who}: {} corrupt, {} lost, {} repeated\n",
@@ -87,6 +86,7 @@ fn report(args: &PilArgs, name: &str, target: &Target, figures: &Figures) {
         row("seen by the target", &by_target),
         row("seen by the host", &by_host)
     );
+    Ok(())
 }
 
 fn counters(c: &Counters) -> Value {

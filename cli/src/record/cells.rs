@@ -2,10 +2,7 @@
 
 use std::path::Path;
 
-use super::error::RecordError;
-
-/// The column of the time stamps unless another one is named.
-pub(super) const TIME: &str = "t";
+use super::error::{RecordError, TIME};
 
 /// Largest departure of a time step from the sampling interval, relative to
 /// the interval; time stamps are often rounded in the file.
@@ -20,6 +17,9 @@ const NAMED: usize = 20;
 
 /// Characters of a cell that a refusal repeats at most.
 const REPEATED: usize = 40;
+
+/// The largest number that the core can carry.
+const LARGEST: f64 = f32::MAX as f64;
 
 /// A cell as a terminal can show it, whatever bytes the file holds.
 pub(super) fn printable(text: &str) -> String {
@@ -124,6 +124,11 @@ pub(super) fn cell(
         });
     };
     match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value.abs() > LARGEST => Err(RecordError::TooLarge {
+            line,
+            column,
+            value: printable(text),
+        }),
         Ok(value) if value.is_finite() => Ok(value),
         Ok(_) => Err(RecordError::NotFinite {
             line,
@@ -192,9 +197,13 @@ pub(super) fn timing(stamps: &[f64], lines: &[u64], column: &str) -> Result<Timi
         expected,
     };
     // A step that does not advance is wrong even when most of them are so.
-    if median <= 0.0 {
-        let k = steps.iter().position(|&s| s <= 0.0).unwrap_or(0);
-        return Err(irregular(k, steps.iter().copied().fold(0.0, f64::max)));
+    if let Some(k) = steps.iter().position(|&s| s <= 0.0) {
+        return Err(RecordError::NoAdvance {
+            line: lines[k + 1],
+            column: column.to_owned(),
+            before: stamps[k],
+            found: stamps[k + 1],
+        });
     }
     if let Some(k) = steps
         .iter()

@@ -6,6 +6,17 @@ use thiserror::Error;
 
 use crate::format::{counted, significant};
 
+/// The column of the time stamps unless another one is named.
+pub(super) const TIME: &str = "t";
+
+/// How to do without the usual column of the time stamps.
+fn by_time(wanted: &str) -> &'static str {
+    match wanted {
+        TIME => " (--time COL names the time stamps, --dt S does without)",
+        _ => "",
+    }
+}
+
 /// An error of a record, as one sentence with its place.
 #[derive(Debug, Error, PartialEq)]
 pub(crate) enum RecordError {
@@ -16,7 +27,10 @@ pub(crate) enum RecordError {
     #[error("`{path}` holds no header line with column names")]
     NoHeader { path: PathBuf },
     /// A wanted column is absent.
-    #[error("`{path}` has no column `{wanted}`; it has {present}")]
+    #[error(
+        "`{path}` has no column `{wanted}`; it has {present}{}",
+        by_time(wanted)
+    )]
     MissingColumn {
         path: PathBuf,
         wanted: String,
@@ -64,6 +78,21 @@ pub(crate) enum RecordError {
         line: u64,
         column: String,
         value: String,
+    },
+    /// A cell holds a number that no f32 carries.
+    #[error("line {line}, column `{column}`: `{value}` is too large (expected less than 3.4e38)")]
+    TooLarge {
+        line: u64,
+        column: String,
+        value: String,
+    },
+    /// The time stamps stay or go back.
+    #[error("line {line}: time does not advance, from {before} to {found} s (column `{column}`)")]
+    NoAdvance {
+        line: u64,
+        column: String,
+        before: f64,
+        found: f64,
     },
     /// The time stamps are not equally spaced.
     #[error(

@@ -80,6 +80,12 @@ impl Record {
         clock: Clock,
         signals: &[String],
     ) -> Result<Self, RecordError> {
+        if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+            return Err(RecordError::Unreadable {
+                path: path.to_owned(),
+                reason: "it is UTF-16 (expected UTF-8)".into(),
+            });
+        }
         let text = String::from_utf8_lossy(bytes);
         let lines = Lines::of(text.trim_start_matches('\u{feff}'));
         if let Some(dt) = clock.dt {

@@ -1,6 +1,6 @@
 //! What is read and what is refused.
 
-use super::cells::TIME;
+use super::error::TIME;
 use super::*;
 
 const SECONDS: Clock = Clock {
@@ -102,8 +102,8 @@ fn the_first_irregular_step_is_named() {
         refusal(text),
         "line 5: irregular time stamps, a step of 0.1500 s where 0.1000 s was expected (column `t`); --dt S takes the rows as equally spaced"
     );
-    assert!(refusal("t,u,y\n0,1,2\n0,3,4\n0,3,4\n").starts_with("line 3: irregular time stamps"));
-    assert!(refusal("t,u,y\n2,1,2\n1,3,4\n0,3,4\n").starts_with("line 3: irregular time stamps"));
+    assert!(refusal("t,u,y\n0,1,2\n0,3,4\n0,3,4\n").starts_with("line 3: time does not advance"));
+    assert!(refusal("t,u,y\n2,1,2\n1,3,4\n0,3,4\n").starts_with("line 3: time does not advance"));
     // A step within one percent is the rounding of the file.
     assert!(parse("t,u,y\n0,1,2\n0.1004,3,4\n0.2,3,4\n", &["u"]).is_ok());
 }

@@ -55,11 +55,11 @@ pub(super) fn run(task: &Task) -> Result<(), Refusal> {
         let stopped = shown.run.stopped.map(|reason| format!("{reason:?}"));
         top.insert("stopped".into(), json!(stopped));
         top.insert("pictures".into(), json!([picture.display().to_string()]));
-        emit_json(&Value::Object(top));
+        emit_json(&Value::Object(top))?;
         return Ok(());
     }
-    emit(&format!("{title}.\n\n{}", text(&axis, &shown)));
-    emit(&format!("\nPicture: {}\n", picture.display()));
+    emit(&format!("{title}.\n\n{}", text(&axis, &shown)))?;
+    emit(&format!("\nPicture: {}\n", picture.display()))?;
     Ok(())
 }
 

@@ -96,12 +96,12 @@ pub(super) fn run(task: &Task) -> Result<(), Refusal> {
         let mut values: Vec<Value> = runs.iter().map(|f| json_of(f, task.fixed)).collect();
         values[0]["pictures"] = json!([picture.display().to_string()]);
         for value in &values {
-            emit_json(value);
+            emit_json(value)?;
         }
         return Ok(());
     }
-    emit(&text(task, &course, &runs));
-    emit(&format!("\nPicture: {}\n", picture.display()));
+    emit(&text(task, &course, &runs))?;
+    emit(&format!("\nPicture: {}\n", picture.display()))?;
     Ok(())
 }
 

@@ -5,9 +5,9 @@ use trendid::Outcome;
 use trendid::estimation::Terms;
 use trendid::trends::{FilteredTrends, Scheme};
 use trendid_host_tests::signals::experiment::Record;
-use trendid_identify::Choice;
 use trendid_identify::dynamic::{Filter, Setup, settings};
 use trendid_identify::tuning::binomial;
+use trendid_identify::{Choice, Freedom};
 
 use crate::output::{Refusal, emit, emit_json};
 use crate::servo::linear_args::LinearArgs;
@@ -37,19 +37,24 @@ pub(super) fn run(args: &LinearArgs) -> Result<(), Refusal> {
     if args.json {
         let mut value = json_of(&courses, core.as_ref());
         value["pictures"] = json!([picture.display().to_string()]);
-        emit_json(&value);
+        emit_json(&value)?;
         return Ok(());
     }
-    emit(&text(&courses, core.as_ref(), args));
+    emit(&text(&courses, core.as_ref(), args))?;
     emit(&format!(
         "\nPicture of the transients: {}\n",
         picture.display()
-    ));
+    ))?;
     Ok(())
 }
 
 /// The default of the core, or a filter of one pole without constant and initial state.
 fn setup(record: &Record, scheme: Scheme, choice: Choice<Option<f64>>) -> Result<Setup, Refusal> {
+    let freedom = Freedom {
+        pole: choice,
+        ..Freedom::default()
+    };
+    freedom.check(record.dt)?;
     let filter = match choice {
         Choice::Auto => {
             let default =

@@ -8,9 +8,12 @@ use trendid_host_tests::signals::experiment::{Experiment, Record};
 use trendid_host_tests::signals::noise::{Condition, Reading};
 use trendid_identify::Choice;
 
-use crate::format::transfer_function;
+use crate::format::{significant, transfer_function};
 use crate::identify::names::SchemeName;
 use crate::output::Refusal;
+
+/// Widest noise \[um\]: a metre, of an axis that moves by tenths of it.
+const WIDEST: f64 = 1e6;
 
 /// Measurement of the simulated position.
 #[derive(Debug, Clone, Args)]
@@ -40,9 +43,10 @@ impl NoiseArgs {
     /// The first value that makes no sense.
     pub(crate) fn record(&self) -> Result<Record, Refusal> {
         for (name, width) in [("eta", self.eta), ("w", self.w), ("eps", self.eps)] {
-            if !(width.is_finite() && width >= 0.0) {
+            if !(0.0..=WIDEST).contains(&width) {
                 return Err(Refusal::new(format!(
-                    "--{name} {width} is not a width of 0 um or more"
+                    "--{name} {} is not a width from 0 to {WIDEST} um",
+                    significant(width, 3)
                 )));
             }
         }

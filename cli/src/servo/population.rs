@@ -11,6 +11,7 @@ use trendid_host_tests::servo::population::trial::{LoopRun, Trial, commissioned}
 
 use crate::format::significant;
 use crate::output::{Refusal, emit, emit_json, number, progress, under};
+use crate::seeds::seeds;
 use crate::servo::population_faults::{self, FaultTables};
 use crate::servo::population_rows::{COMMISSIONING, ROWS, columns};
 use crate::servo::population_work;
@@ -29,9 +30,9 @@ pub(super) struct PopulationArgs {
     /// So many axes drawn at random instead of one axis
     #[arg(long, value_name = "N")]
     pub population: Option<u64>,
-    /// Family of the axes
-    #[arg(long, value_name = "NAME", default_value = "pneumatic", requires = "population", value_parser = family_names())]
-    family: String,
+    /// Family of the axes; pneumatic without
+    #[arg(long, value_name = "NAME", requires = "population", value_parser = family_names())]
+    family: Option<String>,
     /// Draw from the half of each range about an ordinary machine
     #[arg(long, requires = "population")]
     usual: bool,
@@ -47,8 +48,31 @@ pub(super) struct PopulationArgs {
     work: Option<f64>,
     /// Break so many axes, the first that a model near the truth controls, in every way and every
     /// state
-    #[arg(long, value_name = "N", default_value_t = 0, requires = "population")]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        requires = "population",
+        conflicts_with = "commission"
+    )]
     faults: u64,
+}
+
+impl PopulationArgs {
+    /// An option that says nothing without a population. (clap asks for none beside an argument
+    /// that excludes one.)
+    pub(super) fn idle(&self) -> Option<&'static str> {
+        let given = [
+            ("--family", self.family.is_some()),
+            ("--usual", self.usual),
+            ("--commission", self.commission),
+            ("--worst", self.worst),
+            ("--work", self.work.is_some()),
+            ("--faults", self.faults > 0),
+        ];
+        let mut given = given.into_iter().filter(|(_, given)| *given);
+        given.next().map(|(name, _)| name)
+    }
 }
 
 /// Runs the axes and prints.
@@ -62,19 +86,17 @@ pub(super) fn run(args: &PopulationArgs, axes: u64, first: u64, json: bool) -> R
             "--population {axes} is not between 1 and {AXES_MAX}"
         )));
     }
-    let Some(end) = first.checked_add(axes) else {
-        return Err(Refusal::new("--first-seed is too large for so many axes"));
-    };
-    let family = Family::from_name(&args.family).unwrap_or(Family::Pneumatic);
+    let seeds = seeds("--population", axes, first)?;
+    let end = first + axes;
+    let family = args.family.as_deref().and_then(Family::from_name);
+    let family = family.unwrap_or(Family::Pneumatic);
     if let Some(seconds) = args.work {
         return population_work::run(family, args.usual, axes, first, seconds, json);
     }
     if args.commission {
-        commission(family, args.usual, first..end, json);
-        return Ok(());
+        return commission(family, args.usual, first..end, json);
     }
     let bar = progress(axes, "axes");
-    let seeds: Vec<u64> = (first..end).collect();
     let trials = under(&bar, &seeds, |seed| Trial::run(family, args.usual, *seed));
     bar.finish_and_clear();
     let summary = Summary::new(&trials);
@@ -85,12 +107,12 @@ pub(super) fn run(args: &PopulationArgs, axes: u64, first: u64, json: bool) -> R
         if let (Some(faults), Value::Object(top)) = (&faults, &mut value) {
             faults.insert_into(top);
         }
-        emit_json(&value);
+        emit_json(&value)?;
     } else {
         let head = head(family, args.usual, &(first..end));
         let faults = faults.as_ref().map(FaultTables::markdown);
         let faults = faults.unwrap_or_default();
-        emit(&(head + &markdown(&summary) + &faults + &sentences(&worst)));
+        emit(&(head + &markdown(&summary) + &faults + &sentences(&worst)))?;
     }
     Ok(())
 }
@@ -107,7 +129,7 @@ fn head(family: Family, usual: bool, seeds: &Range<u64>) -> String {
 }
 
 /// Commissions the axes and prints what came of it.
-fn commission(family: Family, usual: bool, seeds: Range<u64>, json: bool) {
+fn commission(family: Family, usual: bool, seeds: Range<u64>, json: bool) -> Result<(), Refusal> {
     let bar = progress(seeds.end - seeds.start, "axes");
     let all: Vec<u64> = seeds.clone().collect();
     let runs = under(&bar, &all, |seed| commissioned(family, usual, *seed));
@@ -118,10 +140,11 @@ fn commission(family: Family, usual: bool, seeds: Range<u64>, json: bool) {
         let mut top = Map::new();
         top.insert("axes".into(), json!(runs.len()));
         insert(&figures, &mut top);
-        emit_json(&Value::Object(top));
+        emit_json(&Value::Object(top))?;
     } else {
-        emit(&(head(family, usual, &seeds) + &commissioning_table(&figures)));
+        emit(&(head(family, usual, &seeds) + &commissioning_table(&figures)))?;
     }
+    Ok(())
 }
 
 fn insert(figures: &CommissioningFigures, top: &mut Map<String, Value>) {

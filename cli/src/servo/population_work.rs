@@ -51,9 +51,9 @@ pub(super) fn run(
     bar.finish_and_clear();
     let worked = Worked::new(runs.into_iter().flatten().collect());
     if json {
-        emit_json(&worked.object());
+        emit_json(&worked.object())?;
     } else {
-        emit(&worked.markdown(family, usual));
+        emit(&worked.markdown(family, usual))?;
     }
     Ok(())
 }

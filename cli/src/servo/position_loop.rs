@@ -10,6 +10,7 @@ use trendid_host_tests::servo::scenario::Scenario;
 
 use crate::format::significant;
 use crate::output::{Refusal, emit, emit_json, progress, under};
+use crate::seeds::seeds;
 use crate::servo::demo_loop::{COLUMNS, Column, json_of};
 use crate::servo::population::{self, PopulationArgs};
 
@@ -44,7 +45,7 @@ pub(crate) struct LoopArgs {
     /// pneumatic axis
     #[arg(long, conflicts_with = "population")]
     linear: bool,
-    /// One JSON object per run, or one of the population
+    /// A JSON list with an object for each run, or one object of the population
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -65,14 +66,15 @@ const MOTION: [Scenario; 6] = [
 ///
 /// # Errors
 ///
-/// A sentence when no run is asked for.
+/// A sentence on a number of runs or a seed that makes no sense.
 pub(crate) fn run(args: &LoopArgs) -> Result<(), Refusal> {
     if let Some(axes) = args.population.population {
         return population::run(&args.population, axes, args.first_seed, args.json);
     }
-    if args.seeds == 0 {
-        return Err(Refusal::new("--seeds must be at least 1"));
+    if let Some(option) = args.population.idle() {
+        return Err(Refusal::new(format!("{option} needs --population N")));
     }
+    let seeds = seeds("--seeds", args.seeds, args.first_seed)?;
     let faults: Vec<Scenario> = Scenario::ALL
         .into_iter()
         .filter(|s| s.expected().is_some())
@@ -82,11 +84,11 @@ pub(crate) fn run(args: &LoopArgs) -> Result<(), Refusal> {
     let moved: Vec<(Vec<Figures>, bool)> = MOTION
         .into_iter()
         .flat_map(|scenario| [(scenario, false), (scenario, true)])
-        .map(|(scenario, fixed)| (runs(args, scenario, fixed, &bar), fixed))
+        .map(|(scenario, fixed)| (runs(args, &seeds, scenario, fixed, &bar), fixed))
         .collect();
     let refused: Vec<Vec<Figures>> = faults
         .into_iter()
-        .map(|scenario| runs(args, scenario, false, &bar))
+        .map(|scenario| runs(args, &seeds, scenario, false, &bar))
         .collect();
     bar.finish_and_clear();
     if args.json {
@@ -97,16 +99,21 @@ pub(crate) fn run(args: &LoopArgs) -> Result<(), Refusal> {
             .chain(adaptive)
             .flat_map(|(runs, fixed)| runs.iter().map(move |f| json_of(f, fixed)))
             .collect();
-        emit_json(&json!(values));
+        emit_json(&json!(values))?;
         return Ok(());
     }
-    emit(&markdown(args, &moved, &refused));
+    emit(&markdown(args, &moved, &refused))?;
     Ok(())
 }
 
-fn runs(args: &LoopArgs, scenario: Scenario, fixed: bool, bar: &ProgressBar) -> Vec<Figures> {
-    let seeds: Vec<u64> = (args.first_seed..args.first_seed + args.seeds).collect();
-    under(bar, &seeds, |seed| {
+fn runs(
+    args: &LoopArgs,
+    seeds: &[u64],
+    scenario: Scenario,
+    fixed: bool,
+    bar: &ProgressBar,
+) -> Vec<Figures> {
+    under(bar, seeds, |seed| {
         let options = Options {
             fixed,
             linear: args.linear,

@@ -1,17 +1,19 @@
 //! `trendid tune`: gains for the loop that a user already has.
 
+mod args;
 mod figures;
+mod plant;
+mod record;
 mod report;
 
-use std::path::PathBuf;
-
 use clap::{Args, Subcommand};
+use trendid_identify::Choice;
 use trendid_identify::tune::{Goal, Model, tune};
-use trendid_identify::{Choice, Freedom, Options, Problem, Structure, identify};
 
-use crate::identify::parse::{delay, filter};
-use crate::identify::signals::SignalArgs;
-use crate::output::{Bar, Refusal, emit, emit_json};
+use crate::output::{Refusal, emit, emit_json};
+use crate::tune::args::LoopArgs;
+use crate::tune::plant::Plant;
+use crate::tune::record::RecordArgs;
 use crate::tune::report::Report;
 
 const EXAMPLE: &str = "\
@@ -44,46 +46,6 @@ enum Source {
     Model(ModelArgs),
 }
 
-/// What a loop is asked for.
-#[derive(Debug, Args)]
-struct LoopArgs {
-    /// Bandwidth in rad/s, or the largest robust one
-    #[arg(long, value_name = "W|auto", default_value = "auto", value_parser = parse_bandwidth)]
-    bandwidth: Choice<f64>,
-    /// Write pictures of the step and of the open loop (SVG) into this directory
-    #[arg(long, value_name = "DIR")]
-    plot: Option<PathBuf>,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
-}
-
-#[derive(Debug, Args)]
-struct RecordArgs {
-    #[command(flatten)]
-    signals: SignalArgs,
-    /// Order of the model, 1 to 4, the integrator included
-    #[arg(long, value_name = "M")]
-    order: usize,
-    /// The plant integrates: a0 = 0
-    #[arg(long)]
-    integrator: bool,
-    /// Number of zeros
-    #[arg(long, value_name = "K", default_value_t = 0)]
-    zeros: usize,
-    /// Delay of the plant in samples of the record, or the best
-    #[arg(long, value_name = "D|auto", default_value = "auto", value_parser = delay)]
-    delay: Choice<usize>,
-    /// Filter poles in rad/s, or `auto`
-    #[arg(long, value_name = "POLE|auto", default_value = "auto", value_parser = filter, allow_negative_numbers = true)]
-    filter: Choice<Option<f64>>,
-    /// Sample time of the controller in s; that of the record without
-    #[arg(long, value_name = "S")]
-    sample_time: Option<f64>,
-    #[command(flatten)]
-    wanted: LoopArgs,
-}
-
 #[derive(Debug, Args)]
 struct ModelArgs {
     /// Numerator, highest power of s first
@@ -114,59 +76,45 @@ struct ModelArgs {
     wanted: LoopArgs,
 }
 
-/// `--bandwidth W|auto` for clap.
-fn parse_bandwidth(text: &str) -> Result<Choice<f64>, String> {
-    match (text, text.parse::<f64>()) {
-        ("auto", _) => Ok(Choice::Auto),
-        (_, Ok(bandwidth)) if bandwidth > 0.0 && bandwidth.is_finite() => {
-            Ok(Choice::Given(bandwidth))
-        }
-        _ => Err("expected a number of rad/s above 0, or `auto`".into()),
-    }
-}
-
 /// Runs the command.
 ///
 /// # Errors
 ///
 /// One sentence on what is wrong with the record, the model or the wishes.
 pub(crate) fn run(args: &TuneArgs) -> Result<(), Refusal> {
-    let (model, around, sample_time, wanted) = match &args.source {
-        Source::Model(args) => (args.model()?, Vec::new(), args.sample_time, &args.wanted),
-        Source::Record(args) => {
-            let (model, around, dt) = args.model()?;
-            (model, around, args.sample_time.unwrap_or(dt), &args.wanted)
-        }
+    let (plant, wanted) = match &args.source {
+        Source::Model(args) => (args.plant()?, &args.wanted),
+        Source::Record(args) => (args.plant()?, &args.wanted),
     };
     let goal = Goal {
-        sample_time,
+        sample_time: plant.sample_time,
         bandwidth: match wanted.bandwidth {
             Choice::Given(bandwidth) => Some(bandwidth),
             Choice::Auto => None,
         },
     };
-    let tuned = tune(&model, &around, goal)?;
+    let tuned = tune(&plant.model, &plant.around, goal)?;
     let report = Report {
-        model: &model,
+        plant: &plant,
         goal,
         tuned: &tuned,
     };
     match wanted.json {
-        true => emit_json(&report.json()),
-        false => emit(&report.text()),
+        true => emit_json(&report.json())?,
+        false => emit(&report.text())?,
     }
     if let Some(dir) = &wanted.plot {
         let written = figures::save(dir, &tuned)?;
         if !wanted.json {
             let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
-            emit(&format!("\nPictures: {}\n", names.join(", ")));
+            emit(&format!("\nPictures: {}\n", names.join(", ")))?;
         }
     }
     Ok(())
 }
 
 impl ModelArgs {
-    fn model(&self) -> Result<Model, Refusal> {
+    fn plant(&self) -> Result<Plant, Refusal> {
         let Some((leading, lower)) = self.denominator.split_first() else {
             return Err(Refusal::new("the denominator has no coefficients"));
         };
@@ -178,39 +126,15 @@ impl ModelArgs {
         let monic = |coefficients: &[f64]| -> Vec<f64> {
             coefficients.iter().rev().map(|c| c / leading).collect()
         };
-        Ok(Model {
-            a: monic(lower),
-            b: monic(&self.numerator),
-            delay: self.delay * self.sample_time,
+        Ok(Plant {
+            model: Model {
+                a: monic(lower),
+                b: monic(&self.numerator),
+                delay: self.delay * self.sample_time,
+            },
+            around: Vec::new(),
+            sample_time: self.sample_time,
+            record: None,
         })
-    }
-}
-
-impl RecordArgs {
-    /// The model, those within two standard deviations, and the sample time of the record.
-    fn model(&self) -> Result<(Model, Vec<Model>, f64), Refusal> {
-        let loaded = self.signals.load()?;
-        let signals = loaded.signals();
-        let structure = Structure {
-            order: self.order,
-            integrator: self.integrator,
-            zeros: self.zeros,
-            constant: self.signals.constant,
-        };
-        let options = Options {
-            scheme: self.signals.scheme.into(),
-            memory: None,
-        };
-        let problem = Problem::new(&signals, structure, options)?;
-        let freedom = Freedom {
-            pole: self.filter,
-            delay: self.delay,
-        };
-        let bar = Bar::new("choosing filter and delay");
-        let found = identify(&problem, freedom, 0, &bar)?;
-        bar.finish();
-        let delay = found.delay * loaded.dt;
-        let around = Model::around(&problem, &found.estimate, delay);
-        Ok((Model::of(&found.estimate, delay), around, loaded.dt))
     }
 }

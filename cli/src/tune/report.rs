@@ -1,16 +1,17 @@
 //! What `trendid tune` prints.
 
 use serde_json::{Value, json};
-use trendid_identify::tune::{Gains, Goal, Margins, Model, Tuned, TunedLoop};
+use trendid_identify::tune::{Gains, Goal, Margins, Tuned, TunedLoop};
 
 use crate::format::{counted, significant, transfer_function};
 use crate::output::number;
+use crate::tune::plant::{OfRecord, Plant};
 
 /// Significant digits of a gain.
 const DIGITS: usize = 6;
 
 pub(super) struct Report<'a> {
-    pub(super) model: &'a Model,
+    pub(super) plant: &'a Plant,
     pub(super) goal: Goal,
     pub(super) tuned: &'a Tuned,
 }
@@ -45,14 +46,17 @@ fn margins(what: &str, m: &Margins) -> String {
 impl Report<'_> {
     /// The report for people.
     pub(super) fn text(&self) -> String {
-        let Self { model, goal, tuned } = self;
+        let Self { plant, goal, tuned } = self;
+        let (model, record) = (&plant.model, plant.record.as_ref());
+        let (output, input) = record.map_or(("y", "u"), |r| (&r.output, &r.input));
         let samples = model.delay / goal.sample_time;
         let samples = match samples == 1.0 {
             true => "1 sample".into(),
             false => format!("{} samples", significant(samples, 3)),
         };
-        let mut text = format!(
-            "y / u = {}\ncontroller every {} s, delay of the plant {samples}\n",
+        let mut text = record.map_or(String::new(), OfRecord::text);
+        text += &format!(
+            "{output} / {input} = {}\ncontroller every {} s, delay of the plant {samples}\n",
             transfer_function(&model.b, &model.a, model.delay),
             goal.sample_time
         );
@@ -67,6 +71,9 @@ impl Report<'_> {
                     ""
                 }
             );
+            if let Some(warning) = record.and_then(|record| record.warning(found.bandwidth)) {
+                text += &format!("  WARNING: {warning}\n");
+            }
             text += &self.gains(&found.gains);
             text += &margins("margins", &found.margins);
             if let Some(worst) = &found.worst {
@@ -164,7 +171,8 @@ impl Report<'_> {
 
     /// The report for machines.
     pub(super) fn json(&self) -> Value {
-        let Self { model, goal, tuned } = self;
+        let Self { plant, goal, tuned } = self;
+        let (model, record) = (&plant.model, plant.record.as_ref());
         let list = |values: &[f64]| -> Vec<Value> { values.iter().map(|v| number(*v)).collect() };
         let margins = |m: &Margins| {
             json!({
@@ -189,6 +197,7 @@ impl Report<'_> {
                 json!({
                     "kind": found.gains.name(),
                     "bandwidth": number(found.bandwidth),
+                    "warning": record.and_then(|record| record.warning(found.bandwidth)),
                     "gains": gains(&found.gains),
                     "margins": margins(&found.margins),
                     "within_2_sigma": found.worst.as_ref().map(margins),
@@ -203,6 +212,7 @@ impl Report<'_> {
         json!({
             "a": list(&model.a), "b": list(&model.b), "delay_s": number(model.delay),
             "sample_time": number(goal.sample_time),
+            "record": record.map(OfRecord::json),
             "loops": loops, "refused": refused, "feedforward": list(&tuned.feedforward),
         })
     }

@@ -202,3 +202,28 @@ fn structures_of_simulated_plants_are_found() {
             .is_some_and(|rows| !rows.is_empty())
     );
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_table_that_cannot_be_written_is_an_error() {
+    use std::process::{Command, Stdio};
+    let record = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/data/servo.csv");
+    let run = |to: Stdio| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_trendid"));
+        command.args(["identify", record, "--order", "3", "--integrator"]);
+        command.stdout(to).stderr(Stdio::piped()).spawn().unwrap()
+    };
+    let full = std::fs::File::create("/dev/full").unwrap();
+    let out = run(full.into()).wait_with_output().unwrap();
+    assert_eq!(out.status.code(), Some(2));
+    let said = String::from_utf8(out.stderr).unwrap();
+    assert!(
+        said.starts_with("error: cannot write to standard output: "),
+        "{said}"
+    );
+    // A reader that has gone away has what it wanted.
+    let mut gone = run(Stdio::piped());
+    drop(gone.stdout.take());
+    let out = gone.wait_with_output().unwrap();
+    assert!(out.status.success() && out.stderr.is_empty());
+}

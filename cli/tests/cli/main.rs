@@ -8,5 +8,7 @@ mod paper;
 mod records;
 mod records_spread;
 mod refusals;
+mod refusals_of_values;
 mod reports;
 mod simulated;
+mod tuned;

@@ -4,7 +4,7 @@
 use crate::common::{Scratch, trendid};
 
 /// The sentence of a refusal, after its exit code and its shape were checked.
-fn sentence(args: &[&str]) -> String {
+pub(crate) fn sentence(args: &[&str]) -> String {
     let out = trendid(args);
     let text = String::from_utf8(out.stderr).unwrap();
     assert_eq!(out.status.code(), Some(2), "{args:?}: {text}");
@@ -17,7 +17,7 @@ fn sentence(args: &[&str]) -> String {
 }
 
 /// `identify` over a table with a first-order structure.
-fn identified(name: &str, table: &str, more: &[&str]) -> String {
+pub(crate) fn identified(name: &str, table: &str, more: &[&str]) -> String {
     let dir = Scratch::new(name);
     let file = dir.file("r.csv", table);
     let mut args = vec!["identify", file.as_str(), "--order", "1"];
@@ -25,7 +25,7 @@ fn identified(name: &str, table: &str, more: &[&str]) -> String {
     sentence(&args).replace(&file, "r.csv")
 }
 
-fn table(rows: usize, row: impl Fn(usize) -> String) -> String {
+pub(crate) fn table(rows: usize, row: impl Fn(usize) -> String) -> String {
     let lines: Vec<String> = (0..rows).map(row).collect();
     format!("# [V] and [mm]\nt,u,y\n{}\n", lines.join("\n"))
 }
@@ -207,7 +207,15 @@ fn structures_that_are_none() {
 fn options_that_make_no_sense() {
     assert_eq!(
         sentence(&["demo", "--linear", "--eta=-1"]),
-        "--eta -1 is not a width of 0 um or more"
+        "--eta -1.00 is not a width from 0 to 1000000 um"
+    );
+    assert_eq!(
+        sentence(&["simulate", "--out", "x.csv", "--eta", "1e300"]),
+        "--eta 1.00e300 is not a width from 0 to 1000000 um"
+    );
+    assert_eq!(
+        sentence(&["demo", "--linear", "--filter", "3142"]),
+        "filter poles at 3142 rad/s were asked for; below 3141.5927 rad/s, half of the sampling frequency, are possible"
     );
     assert_eq!(
         sentence(&["demo", "--linear", "--seconds", "0"]),

@@ -10,9 +10,6 @@ use crate::polynomials::Polynomials;
 use crate::problem::Problem;
 use crate::sampled::{Force, Sampled};
 
-/// Singular values of the columns, each of length one, that count as zero.
-const DEPENDENT: f64 = 1e-6;
-
 /// A model run on the inputs alone against a measured output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FreeRun {
@@ -96,7 +93,9 @@ impl Problem<'_> {
         let mut columns: Vec<DVector<f64>> = states.iter().cloned().map(counted).collect();
         let (weights, x0) = refit(&columns, &error)?;
         columns.push(offset);
+        // With one column more nothing is further away, whatever is cut off.
         let (_, x0c) = refit(&columns, &error)?;
+        let x0c = x0c.min(x0);
         let mut y = forced;
         for (state, weight) in states.iter().zip(&weights) {
             y.axpy(*weight, state, 1.0);
@@ -162,6 +161,10 @@ impl Problem<'_> {
 
 /// The weights of the combination of `columns` nearest to `error` in the sense of least squares,
 /// and the sum of the squares of what remains. Dependent columns share their weight.
+///
+/// Dependent are those within rounding: singular values below as many units of it as there are
+/// samples, each of which is one step of the simulation (Golub and Van Loan, Matrix Computations,
+/// section 5.5: numerical rank).
 fn refit(columns: &[DVector<f64>], error: &DVector<f64>) -> Option<(Vec<f64>, f64)> {
     // Columns of length one, so that the bound has no unit.
     let lengths: Vec<f64> = columns
@@ -170,14 +173,15 @@ fn refit(columns: &[DVector<f64>], error: &DVector<f64>) -> Option<(Vec<f64>, f6
         .collect();
     let unit: Vec<DVector<f64>> = columns.iter().zip(&lengths).map(|(c, l)| c / *l).collect();
     let qr = DMatrix::from_columns(&unit).qr();
-    let weights = qr
-        .r()
-        .svd(true, true)
-        .solve(&qr.q().tr_mul(error), DEPENDENT)
-        .ok()?;
+    let (q, svd) = (qr.q(), qr.r().svd(true, true));
+    let dependent = error.len() as f64 * f64::EPSILON * svd.singular_values.max();
+    let within = q.tr_mul(error);
+    let weights = svd.solve(&within, dependent).ok()?;
+    // By the directions and not by the weights, whose rounding is larger by what they cancel.
     let mut left = error.clone();
-    for (column, weight) in unit.iter().zip(weights.iter()) {
-        left.axpy(-*weight, column, 1.0);
+    let directions = svd.u.as_ref()?.column_iter().zip(&svd.singular_values);
+    for (direction, _) in directions.filter(|(_, value)| **value > dependent) {
+        left.gemv(-direction.dot(&within), &q, &direction, 1.0);
     }
     let squares = left.norm_squared();
     let weights = weights.iter().zip(&lengths).map(|(w, l)| w / l).collect();

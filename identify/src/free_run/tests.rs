@@ -117,3 +117,18 @@ fn the_refit_is_a_projection_whatever_the_columns() {
     assert!((left.norm_squared() / squares - 1.0).abs() < 1e-9);
     assert!(left.dot(&one).abs() < 1e-9 && left.dot(&t).abs() < 1e-7);
 }
+
+#[test]
+fn columns_that_differ_by_little_are_two() {
+    // A slow pole beside a constant: their difference, a ramp, is 1e-8 of either.
+    let one = DVector::from_element(2000, 1.0);
+    let ramp = DVector::from_fn(2000, |k, _| k as f64 / 2000.0 - 0.5);
+    let slow = &one + &ramp * 1e-8;
+    let (_, alone) = refit(std::slice::from_ref(&one), &ramp).expect("a fit");
+    let (weights, both) = refit(&[one.clone(), slow.clone()], &ramp).expect("a fit");
+    assert!(alone > 0.99 * ramp.norm_squared());
+    // Of the ramp eight digits are in the columns.
+    assert!(both < 1e-10 * alone, "{both} {alone}");
+    let found = one * weights[0] + slow * weights[1];
+    assert!((found - ramp).amax() < 1e-4);
+}

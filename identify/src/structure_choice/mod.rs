@@ -8,18 +8,19 @@
 //! one with the fewest parameters is recommended.
 
 mod alike;
+mod candidate;
 mod drop;
 
 pub use alike::Shorter;
 use alike::{Missing, fit_x0c, simulates_alike};
+pub use candidate::Candidate;
 pub use drop::Drop;
 use drop::{cancels, rests_on};
 
 use crate::delay_choice::{DELAYS, Delays, LONGEST_DELAY};
 use crate::error::Error;
 use crate::filter_choice::{self, Judged};
-use crate::folds::{Folds, Refitted};
-use crate::instruments::Found;
+use crate::folds::Refitted;
 use crate::problem::{Options, Problem, Structure};
 use crate::search::{Choice, Freedom, Progress};
 use crate::side_by_side::side_by_side;
@@ -29,28 +30,6 @@ use crate::signals::Signals;
 /// friction is an input: it enters as a sign, which turns at once, and that of a drive takes some
 /// way. A zero that lets the command lead the sign is found in any record that is clean enough.
 const OF_FRICTION: f64 = 2e-3;
-
-/// One structure at its best filter and delay.
-#[derive(Debug, Clone)]
-pub struct Candidate {
-    /// The structure.
-    pub structure: Structure,
-    /// Delay in samples.
-    pub delay: usize,
-    /// Whether the longest delay that was tried is the best.
-    pub delay_at_end: bool,
-    /// Filter pole \[rad/s\].
-    pub pole: f64,
-    /// Names of its parameters.
-    pub names: Vec<String>,
-    /// The model of the whole record.
-    pub found: Found,
-    /// Errors of the folds left out.
-    pub folds: Folds,
-    /// Free simulation of all folds, each by the model without it, initial state and constant
-    /// refitted \[%\].
-    pub fit_x0c: f64,
-}
 
 /// A structure that is no candidate.
 #[derive(Debug, Clone)]
@@ -164,16 +143,16 @@ pub fn select(
         }
     }
     let friction = signals.inputs.iter().any(|input| !input.delayed);
-    let (smallest, alike) = alike(&candidates, friction).ok_or(Error::NoStructure {
+    let (smallest, alike) = alike(&candidates, friction).ok_or_else(|| Error::NoStructure {
         max_order: range.max_order,
+        why: commonest(&dropped),
     })?;
     let error = |k: &usize| candidates[*k].folds.total(Refitted::StateAndConstant);
     // Every loop has a delay of some samples; one longer than those tried first is a parameter, and
     // of two structures with as many parameters the one without it describes a lag as a lag.
-    let long = |k: &usize| candidates[*k].delay >= DELAYS;
-    let count = |k: &usize| candidates[*k].names.len() + usize::from(long(k));
+    let count = |k: &usize| (candidates[*k].parameters(), candidates[*k].long_delay());
     let simplest = alike.iter().copied().min_by(|i, j| {
-        let counts = (count(i), long(i)).cmp(&(count(j), long(j)));
+        let counts = count(i).cmp(&count(j));
         counts.then(error(i).total_cmp(&error(j)))
     });
     Ok(Selection {
@@ -182,6 +161,16 @@ pub fn select(
         dropped,
         smallest,
         alike,
+    })
+}
+
+/// What most of the structures were dropped for, and how many of how many.
+fn commonest(dropped: &[Dropped]) -> String {
+    let kind = |d: &Dropped| std::mem::discriminant(&d.reason);
+    let count = |d: &Dropped| dropped.iter().filter(|e| kind(e) == kind(d)).count();
+    let most = dropped.iter().rev().max_by_key(|d| count(d));
+    most.map_or(String::new(), |d| {
+        format!("{} of {}: {}", count(d), dropped.len(), d.reason)
     })
 }
 
@@ -211,7 +200,7 @@ fn candidate(
     let at = |delay: usize| filter_choice::choose(&problem, &poles, delay as f64, &());
     let first = match freedom.delay {
         Choice::Given(delay) => {
-            let candidate = passed(&problem, at(delay).map_err(|_| Drop::Unstable)?)?;
+            let candidate = passed(&problem, at(delay).map_err(|_| Drop::Unstable)?, freedom)?;
             return Ok(Candidate {
                 delay_at_end: false,
                 ..candidate
@@ -231,18 +220,18 @@ fn candidate(
         filter_choice::choose(&problem, &near, delay as f64, &())
     };
     let Ok(best) = around(delays[0]) else {
-        return Ok(passed(&problem, first)?);
+        return Ok(passed(&problem, first, freedom)?);
     };
     // A long delay takes the place of a lag, which then is not significant: that says nothing
     // against the structure at the delay of any loop. Whether it simulates as well is judged later.
-    passed(&problem, best).or_else(|reason| {
+    passed(&problem, best, freedom).or_else(|reason| {
         let mut shorter = None;
         for pair in delays.windows(2).filter(|pair| pair[1] < pair[0]) {
             let Ok(judged) = around(pair[1]) else {
                 continue;
             };
             let beside = Shorter::of(&problem, &judged);
-            match passed(&problem, judged) {
+            match passed(&problem, judged, freedom) {
                 Ok(found) => return Ok(found),
                 Err(Drop::Insignificant { .. }) => shorter = Some(Box::new(beside)),
                 Err(_) => {}
@@ -253,15 +242,24 @@ fn candidate(
 }
 
 /// A fit as a candidate, or why it is none.
-fn passed(problem: &Problem, judged: Judged) -> Result<Candidate, Drop> {
+fn passed(problem: &Problem, judged: Judged, freedom: Freedom) -> Result<Candidate, Drop> {
     let structure = problem.structure;
-    let found = judged.fit.found().map_err(Drop::Failed)?;
+    let mut found = judged.fit.found().map_err(Drop::Failed)?;
     let model = judged.fit.model().ok_or(Drop::Unstable)?;
     if !model.is_stable(usize::from(structure.integrator)) {
         return Err(Drop::Unstable);
     }
     rests_on(problem, &found, &judged.folds)?;
     cancels(problem, &model, &judged.folds)?;
+    // What it rests on is judged by blocks and folds; what other filters move is said of it.
+    let elsewhere = match freedom.pole {
+        Choice::Auto => filter_choice::elsewhere(problem, &judged.fit, judged.pole),
+        Choice::Given(_) => None,
+    };
+    let filter_shifts = elsewhere.as_ref().map(|elsewhere| elsewhere.shifts);
+    if let Some(elsewhere) = elsewhere {
+        found.estimate = elsewhere.contained_in(problem, found.estimate);
+    }
     let delay = judged.fit.delay() as usize;
     Ok(Candidate {
         structure,
@@ -271,6 +269,7 @@ fn passed(problem: &Problem, judged: Judged) -> Result<Candidate, Drop> {
         names: problem.parameter_names(),
         fit_x0c: fit_x0c(problem, &judged.folds),
         found,
+        filter_shifts,
         folds: judged.folds,
     })
 }

@@ -40,6 +40,7 @@ mod state_feedback;
 use nalgebra::DVector;
 
 use crate::error::Error;
+use state_feedback::IDLE;
 
 pub use controller::{Cascade, Controller, Pid};
 pub use margins::Margins;
@@ -56,8 +57,9 @@ pub const SENSITIVITY: f64 = 1.7;
 const TRIED: usize = 24;
 const SHARPENED: usize = 5;
 
-/// Longest delay in samples.
-const LONGEST_DELAY: f64 = 1000.0;
+/// Longest delay in samples: the cost of a loop grows with its third power, and a slower controller
+/// does as well.
+const LONGEST_DELAY: f64 = 100.0;
 
 /// What the loops are for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -177,7 +179,9 @@ pub fn tune(model: &Model, around: &[Model], goal: Goal) -> Result<Tuned, Error>
         return Err(Error::SampleTime(dt));
     }
     if !(model.delay <= LONGEST_DELAY * dt) {
-        let what = format!("its delay is longer than {LONGEST_DELAY} samples");
+        let what = format!(
+            "its delay is longer than {LONGEST_DELAY} samples: a controller with a longer sample time does as well"
+        );
         return Err(Error::Model(what));
     }
     let fastest = 0.5 / dt;
@@ -231,8 +235,7 @@ fn judged(
         let pid = shaping::pid(plant, bandwidth).ok_or("no gain at this bandwidth")?;
         (Gains::Pid(pid), pid.controller(dt))
     } else {
-        let (gains, controller) =
-            state_feedback::design(plant, model, bandwidth).ok_or("its poles cannot be placed")?;
+        let (gains, controller) = state_feedback::design(plant, model, bandwidth)?;
         (Gains::StateFeedback(gains), controller)
     };
     let nominal = margins::margins(plant, &controller);
@@ -281,6 +284,9 @@ fn fastest_robust(
                     }
                 }
                 return Ok(best);
+            }
+            Err(why) if why == IDLE && !reason.is_empty() && reason != IDLE => {
+                return Err(format!("{reason} and is above a pole of the plant"));
             }
             Err(why) => reason = why,
         }

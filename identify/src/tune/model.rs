@@ -9,6 +9,9 @@ use crate::problem::Problem;
 /// Standard deviations by which the model is varied.
 const VARIED: f64 = 2.0;
 
+/// Gains within this factor may be those of one actuator in its two directions.
+const ALIKE: f64 = 3.0;
+
 /// `B(s)/A(s) e^(-s delay)` of one input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
@@ -28,6 +31,24 @@ impl Model {
             b: estimate.b[0].clone(),
             delay,
         }
+    }
+
+    /// The models of the other delayed inputs that may be the same actuator, as where each
+    /// direction has a column: those whose gain has the sign of the first one's, and at least a
+    /// third and at most three times its size. With each the index of its input.
+    pub fn others(problem: &Problem, estimate: &Estimate, delay: f64) -> Vec<(usize, Self)> {
+        let inputs = problem.signals.inputs.iter().enumerate().skip(1);
+        let alike = |c: &usize| {
+            let ratio = estimate.b[*c][0] / estimate.b[0][0];
+            (1.0 / ALIKE..=ALIKE).contains(&ratio)
+        };
+        let delayed = inputs.filter(|(_, input)| input.delayed).map(|(c, _)| c);
+        let model = |c: usize| Self {
+            a: estimate.a.clone(),
+            b: estimate.b[c].clone(),
+            delay,
+        };
+        delayed.filter(alike).map(|c| (c, model(c))).collect()
     }
 
     /// Two standard deviations to both sides along each principal axis of the covariance.

@@ -19,6 +19,9 @@ use super::placement::{circle, equal, gains};
 use super::plant::SampledPlant;
 use crate::polynomials::roots;
 
+/// Where the input does not reach all states, or the output does not show them.
+const UNPLACED: &str = "its poles cannot be placed";
+
 /// The observer is so many times faster than the feedback.
 const OBSERVER: f64 = 3.0;
 
@@ -38,18 +41,38 @@ pub struct StateFeedback {
     pub derivatives: bool,
 }
 
-/// The gains and the controller for a bandwidth \[rad/s\]; `None` where the poles cannot be placed.
+/// Why a bandwidth is none of a state feedback.
+pub(super) const IDLE: &str =
+    "every pole of the plant is stable and at or above the bandwidth: nothing would be fed back";
+
+/// The gains and the controller for a bandwidth \[rad/s\].
+///
+/// # Errors
+/// [`IDLE`]; poles that cannot be placed.
 pub(super) fn design(
     plant: &SampledPlant,
     model: &Model,
     bandwidth: f64,
+) -> Result<(StateFeedback, Controller), &'static str> {
+    let own = roots(&model.a).ok_or(UNPLACED)?;
+    if kept(&own, bandwidth, plant.dt).1 == 0 {
+        return Err(IDLE);
+    }
+    placed(plant, model, bandwidth, &own).ok_or(UNPLACED)
+}
+
+/// Slower poles on the circle; `None` where they cannot be placed.
+fn placed(
+    plant: &SampledPlant,
+    model: &Model,
+    bandwidth: f64,
+    own: &[(f64, f64)],
 ) -> Option<(StateFeedback, Controller)> {
     let (m, b) = (plant.order(), &model.b);
-    let own = roots(&model.a)?;
     let both = &plant.b[0] + &plant.b[1];
     let between = plant.b[1].iter().any(|b| *b != 0.0);
     let step = plant.rate * plant.dt;
-    let (mut wanted, slow) = kept(&own, bandwidth, plant.dt);
+    let (mut wanted, slow) = kept(own, bandwidth, plant.dt);
     wanted.extend(circle(slow, bandwidth, plant.dt));
     let (k, k_input) = if between {
         // The input before is a state, its pole at 0.
@@ -73,7 +96,7 @@ pub(super) fn design(
     for i in 0..m {
         seen[i] = plant.c[i];
     }
-    let (mut fast, slow) = kept(&own, OBSERVER * bandwidth, plant.dt);
+    let (mut fast, slow) = kept(own, OBSERVER * bandwidth, plant.dt);
     fast.extend(equal(slow + 1, OBSERVER * bandwidth, plant.dt));
     let l = gains(&watched.transpose(), &seen, &fast, step)?.transpose();
     let n = reference_gain(plant, &both, &k, k_input)?;

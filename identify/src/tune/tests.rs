@@ -245,7 +245,7 @@ fn what_cannot_be_tuned_is_refused() {
             "finite",
         ),
         (servo(-1.0), "delay is -1"),
-        (servo(10.0), "longer than 1000 samples"),
+        (servo(0.101), "longer than 100 samples"),
     ] {
         let error = tune(&model, &[], goal).expect_err(part).to_string();
         assert!(error.contains(part), "{error}");
@@ -263,4 +263,23 @@ fn what_cannot_be_tuned_is_refused() {
         ..goal
     };
     assert_eq!(tune(&servo(0.0), &[], never), Err(Error::SampleTime(0.0)));
+}
+
+#[test]
+fn a_state_feedback_that_moves_no_pole_is_none() {
+    // A resonance above half a radian per sample, and one whose bandwidth is given below it.
+    let fast = Model {
+        a: vec![190_512.0, 41.73],
+        b: vec![190_485.0],
+        delay: 0.0,
+    };
+    for (sample_time, bandwidth) in [(1.6384e-3, None), (1e-4, Some(100.0))] {
+        let goal = Goal {
+            sample_time,
+            bandwidth,
+        };
+        let tuned = tune(&fast, &[], goal).expect("gains");
+        let refused = tuned.refused.iter().find(|(kind, _)| *kind == KINDS[2]);
+        assert_eq!(refused.map(|(_, why)| why.as_str()), Some(IDLE));
+    }
 }

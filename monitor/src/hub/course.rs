@@ -64,6 +64,8 @@ impl Course {
             seconds: self.begin.elapsed().as_secs_f64(),
             rates: self.rates,
             memory: [self.first, self.full, resident()],
+            unrecorded: None,
+            up: Ok(String::new()),
         }
     }
 }
@@ -77,9 +79,28 @@ pub(crate) struct Summary {
     pub rates: Option<[u64; 2]>,
     /// Resident memory in kB at the begin, after a minute and at the end.
     pub memory: [Option<u64>; 3],
+    /// Why a record does not hold all that was received.
+    pub unrecorded: Option<String>,
+    /// What the line leads to at the end, or why it is not there.
+    pub up: Result<String, String>,
 }
 
 impl Summary {
+    /// What a session of `asked` seconds, or one without an end, did not do.
+    ///
+    /// # Errors
+    /// A record that does not hold all, or nothing that was received.
+    pub(crate) fn check(&self, asked: Option<f64>) -> Result<(), String> {
+        if let Some(why) = &self.unrecorded {
+            return Err(why.clone());
+        }
+        match (asked, &self.up, self.tally.samples) {
+            (Some(seconds), Ok(line), 0) => Err(format!("{line}: no sample in {seconds} s")),
+            (Some(seconds), Err(why), 0) => Err(format!("no sample in {seconds} s: {why}")),
+            _ => Ok(()),
+        }
+    }
+
     /// For the terminal.
     pub(crate) fn text(&self) -> String {
         let (tally, losses) = (&self.tally, &self.losses);

@@ -26,6 +26,7 @@ use trendid_link::telemetry::settings::SETTINGS;
 use trendid_link::telemetry::{Client, Identity, Request, Sample};
 
 use crate::args::Args;
+use crate::claimed::Claimed;
 #[cfg(feature = "mcap")]
 use crate::mcap::Mcap;
 use crate::outputs::{Format, Output};
@@ -70,7 +71,9 @@ pub(crate) struct Hub {
     /// Orders whose answer a page waits for, with its words.
     orders: VecDeque<(u32, u64, String)>,
     recorder: Option<Recorder>,
-    wanted: Option<PathBuf>,
+    wanted: Option<Claimed>,
+    /// Why a record ended before its time, or never began.
+    unrecorded: Option<String>,
     outputs: Vec<Output>,
     #[cfg(feature = "mcap")]
     mcap: Option<Mcap>,
@@ -80,6 +83,8 @@ pub(crate) struct Hub {
 impl Hub {
     /// A hub with its source.
     pub(crate) fn new(args: &Args) -> Result<Self, String> {
+        let source = Source::start(args)?;
+        let wanted = args.outputs.csv.clone().map(Claimed::create).transpose()?;
         let mut outputs = Vec::new();
         if let Some(to) = args.outputs.teleplot {
             outputs.push(Output::new(to, Format::Teleplot)?);
@@ -91,7 +96,7 @@ impl Hub {
         getrandom::fill(&mut first).map_err(|error| format!("no random numbers: {error}"))?;
         let now = Instant::now();
         Ok(Self {
-            source: Source::start(args),
+            source,
             client: Client::new(u32::from_le_bytes(first)),
             begin: now,
             watchdog: args.watchdog,
@@ -109,7 +114,8 @@ impl Hub {
             in_control: None,
             orders: VecDeque::new(),
             recorder: None,
-            wanted: args.outputs.csv.clone(),
+            wanted,
+            unrecorded: None,
             outputs,
             #[cfg(feature = "mcap")]
             mcap: args.outputs.mcap.as_deref().map(Mcap::create).transpose()?,
@@ -156,12 +162,19 @@ impl Hub {
             self.send_orders();
         }
         self.outputs.iter_mut().for_each(Output::flush);
-        self.end_record("the monitor ends");
+        self.end_record("the monitor ends", false);
+        let never = self.wanted.take().map(Claimed::give_up);
+        never.into_iter().for_each(|why| self.unrecorded(why));
         #[cfg(feature = "mcap")]
         if let Some(Err(why)) = self.mcap.take().map(Mcap::finish) {
-            eprintln!("error: {why}");
+            self.unrecorded(why);
         }
-        self.course.finish(self.tally, self.client.losses())
+        let summary = self.course.finish(self.tally, self.client.losses());
+        Summary {
+            unrecorded: self.unrecorded,
+            up: self.known.up.ok_or(self.known.why),
+            ..summary
+        }
     }
 
     fn now(&self) -> u64 {
@@ -184,29 +197,48 @@ impl Hub {
         }
     }
 
-    fn begin_record(&mut self, path: PathBuf) {
+    /// Begins a record in a file, which is there already where it was asked for at the start.
+    fn begin_record(&mut self, file: Result<Claimed, String>) {
         let Some(identity) = &self.known.identity else {
             return;
         };
-        match Recorder::create(path, identity) {
+        match file.and_then(|file| Recorder::begin(file, identity)) {
             Ok(recorder) => {
                 let told = message::record(true, &recorder.path, 0, "");
                 self.recorder = Some(recorder);
                 self.tell(&told);
             }
-            Err(why) => self.tell(&message::record(false, Path::new(""), 0, &why)),
+            Err(why) => {
+                self.tell(&message::record(false, Path::new(""), 0, &why));
+                self.unrecorded(why);
+            }
         }
     }
 
-    fn end_record(&mut self, why: &str) {
+    /// Ends a record; `early` where nobody asked for it.
+    fn end_record(&mut self, why: &str, early: bool) {
         let Some(recorder) = self.recorder.take() else {
             return;
         };
         let told = match recorder.finish() {
-            Ok((path, rows)) => message::record(false, &path, rows, why),
-            Err(why) => message::record(false, Path::new(""), 0, &why),
+            Ok((path, rows)) => {
+                if early {
+                    self.unrecorded(format!("{}: after {rows} samples: {why}", path.display()));
+                }
+                message::record(false, &path, rows, why)
+            }
+            Err(why) => {
+                self.unrecorded(why.clone());
+                message::record(false, Path::new(""), 0, &why)
+            }
         };
         self.tell(&told);
+    }
+
+    /// Says at once what no record holds, and at the end again by the exit code.
+    fn unrecorded(&mut self, why: String) {
+        eprintln!("warning: {why}");
+        self.unrecorded = Some(why);
     }
 
     fn hello(&self) -> String {

@@ -4,6 +4,7 @@ use std::time::SystemTime;
 
 use trendid_link::telemetry::{Refusal, Request, Sample};
 
+use crate::claimed::Claimed;
 use crate::hub::page::Page;
 use crate::hub::page_request::{self, PageRequest};
 use crate::hub::{FromPage, Hub, message};
@@ -88,11 +89,12 @@ impl Hub {
             PageRequest::Record(true) if controls && self.recorder.is_none() => {
                 let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
                 let seconds = now.map_or(0, |since| since.as_millis());
-                self.begin_record(self.out.join(format!("record-{seconds}.csv")));
+                let path = self.out.join(format!("record-{seconds}.csv"));
+                self.begin_record(Claimed::create(path));
                 self.tell_one(id, &message::answer(text, Ok(())));
             }
             PageRequest::Record(false) if controls => {
-                self.end_record("");
+                self.end_record("", false);
                 self.tell_one(id, &message::answer(text, Ok(())));
             }
             PageRequest::Record(true) if controls => {

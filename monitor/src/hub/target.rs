@@ -33,11 +33,12 @@ impl Hub {
             Said::Down(why) => {
                 self.client.disconnect();
                 self.known.up = None;
+                eprintln!("line: {why}");
                 self.known.why = why;
                 for (id, ..) in std::mem::take(&mut self.orders) {
                     self.answered(id, Err("the line is lost".into()));
                 }
-                self.end_record("the line is lost");
+                self.end_record("the line is lost", true);
                 self.tell(&self.line());
             }
             Said::Bytes(bytes) => {
@@ -66,8 +67,8 @@ impl Hub {
                 self.known.identity = Some(identity);
                 let hello = self.hello();
                 self.tell(&hello);
-                if let Some(path) = self.wanted.take() {
-                    self.begin_record(path);
+                if let Some(file) = self.wanted.take() {
+                    self.begin_record(Ok(file));
                 }
             }
             Content::Sample(sample) => self.sample(sample),
@@ -125,7 +126,7 @@ impl Hub {
         if let Some(recorder) = &mut self.recorder
             && let Err(why) = recorder.take(&sample)
         {
-            self.end_record(&why);
+            self.end_record(&why, true);
         }
         let sample_time = self.known.identity.as_ref().map_or(1e-3, |i| i.sample_time);
         for output in &mut self.outputs {
@@ -137,7 +138,7 @@ impl Hub {
             .as_mut()
             .map(|file| file.take(&sample, sample_time))
         {
-            eprintln!("error: {why}");
+            self.unrecorded(why);
             self.mcap = None;
         }
         self.kept.sample(sample);

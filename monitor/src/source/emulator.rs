@@ -31,8 +31,7 @@ impl Drop for Emulator {
 
 pub(super) fn run(args: &Args, mut line: Line) {
     let image = match &args.image {
-        Some(image) if image.is_file() => image.clone(),
-        Some(image) => return line.say(Said::Down(format!("{}: no such file", image.display()))),
+        Some(image) => image.clone(),
         None => {
             line.say(Said::Down("builds the image for the emulator".into()));
             match build() {

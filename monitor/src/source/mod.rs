@@ -14,22 +14,32 @@ pub(crate) mod simulated;
 mod tests;
 
 use crate::args::Args;
+use crate::record;
 use channel::Line;
 pub(crate) use channel::{Said, Source};
 
 impl Source {
     /// Starts what the arguments name.
-    pub(crate) fn start(args: &Args) -> Self {
+    ///
+    /// # Errors
+    /// A file that is not there or is no record.
+    pub(crate) fn start(args: &Args) -> Result<Self, String> {
         let args = args.clone();
-        Self::of(move |line| run(&args, line))
+        if let Some(image) = args.image.as_ref().filter(|image| !image.is_file()) {
+            return Err(format!("{}: no such file", image.display()));
+        }
+        if let Some(file) = &args.replay {
+            let rows = record::read(file)?;
+            let name = file.display().to_string();
+            return Ok(Self::of(move |line| replay::run(&rows, &name, line)));
+        }
+        Ok(Self::of(move |line| run(&args, line)))
     }
 }
 
 fn run(args: &Args, line: Line) {
     if let Some(seed) = args.axis {
         axis::run(args, seed, line);
-    } else if let Some(file) = &args.replay {
-        replay::run(file, line);
     } else if let Some(device) = &args.port {
         line::over_port(device, args.baud, line);
     } else if let Some(address) = &args.tcp {

@@ -1,21 +1,16 @@
 //! A record that the monitor has written, in its own time: the same wire, and no request is carried
 //! out.
 
-use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant};
 
 use trendid_link::code;
 use trendid_link::telemetry::{Identity, Outcome, Refusal, Sample, Station};
 
-use crate::record;
+use crate::record::Rows;
 use crate::source::channel::{Line, Said};
 
-pub(super) fn run(file: &Path, mut line: Line) {
-    let rows = match record::read(file) {
-        Ok(rows) => rows,
-        Err(why) => return line.say(Said::Down(why)),
-    };
+pub(super) fn run(rows: &Rows, name: &str, mut line: Line) {
     let identity = Identity {
         name: "record".try_into().unwrap_or_default(),
         unit: rows.unit.as_str().try_into().unwrap_or_default(),
@@ -23,7 +18,7 @@ pub(super) fn run(file: &Path, mut line: Line) {
         travel: rows.travel,
         simulated: false,
     };
-    line.say(Said::Up(format!("record {}", file.display())));
+    line.say(Said::Up(format!("record {name}")));
     let mut station = Station::new(identity, std::process::id() as u16, 1);
     let (begin, mut bytes) = (Instant::now(), Vec::new());
     let mut rows_left = rows.rows.iter();

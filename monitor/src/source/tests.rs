@@ -52,7 +52,7 @@ impl Host {
         let args = Args::try_parse_from(["monitor"].iter().chain(words)).unwrap();
         let now = Instant::now();
         Self {
-            source: Source::start(&args),
+            source: Source::start(&args).unwrap(),
             client: Client::new(1),
             begin: now,
             alive: now,
@@ -282,7 +282,8 @@ fn recorded(path: &Path) -> Vec<record::Row> {
                 Some(Content::Identity(found)) => identity = Some(found),
                 Some(Content::Sample(sample)) => {
                     if let (None, Some(identity)) = (&recorder, &identity) {
-                        recorder = Some(Recorder::create(path.to_owned(), identity).unwrap());
+                        let file = crate::claimed::Claimed::create(path.to_owned());
+                        recorder = Recorder::begin(file.unwrap(), identity).ok();
                     }
                     if let Some(recorder) = &mut recorder {
                         recorder.take(&sample).unwrap();

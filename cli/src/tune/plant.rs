@@ -1,0 +1,81 @@
+//! The plant of `trendid tune`, and what speaks against its model.
+
+use serde_json::{Value, json};
+use trendid_identify::tune::Model;
+
+use crate::format::significant;
+use crate::output::number;
+
+/// A bandwidth so many times the rate of the filter is one at which the record says little.
+const FAR: f64 = 10.0;
+
+/// The plant that gains are for.
+pub(super) struct Plant {
+    pub(super) model: Model,
+    /// What the margins hold for, too.
+    pub(super) around: Vec<Model>,
+    /// Of the controller \[s\].
+    pub(super) sample_time: f64,
+    pub(super) record: Option<OfRecord>,
+}
+
+/// What the record says of its model.
+pub(super) struct OfRecord {
+    /// Name of the input that the controller moves.
+    pub(super) input: String,
+    pub(super) output: String,
+    /// Rate of the filter that the model was found behind \[rad/s\].
+    pub(super) rate: Option<f64>,
+    pub(super) fits: [f64; 2],
+    pub(super) verdict: String,
+    /// Why the gains may not be for the drive.
+    pub(super) doubt: Option<String>,
+    /// Objections to the model, and what became of the other inputs.
+    pub(super) remarks: Vec<String>,
+    /// Of the time stamps, in lines.
+    pub(super) notes: String,
+}
+
+impl OfRecord {
+    /// Lines above the gains.
+    pub(super) fn text(&self) -> String {
+        let [x0, x0c] = self.fits;
+        let mut text = format!(
+            "{}fit {x0:.2} % (x0), {x0c:.2} % (x0+c), verdict: {}\n",
+            self.notes, self.verdict
+        );
+        for remark in &self.remarks {
+            text += &format!("  {remark}\n");
+        }
+        if let Some(doubt) = &self.doubt {
+            text += &format!(
+                "WARNING: the model {doubt}: these gains are for it, and hardly for the drive\n"
+            );
+        }
+        text
+    }
+
+    /// What a bandwidth has against it.
+    pub(super) fn warning(&self, bandwidth: f64) -> Option<String> {
+        let rate = self.rate?;
+        (bandwidth > FAR * rate).then(|| {
+            format!(
+                "{} times the rate of the filter ({} rad/s) that the model was found behind: the record says little of the drive there",
+                significant(bandwidth / rate, 2),
+                significant(rate, 3)
+            )
+        })
+    }
+
+    pub(super) fn json(&self) -> Value {
+        json!({
+            "input": self.input,
+            "filter_rate": self.rate.map(number),
+            "fit_pct": number(self.fits[0]),
+            "fit_x0c_pct": number(self.fits[1]),
+            "verdict": self.verdict,
+            "doubt": self.doubt,
+            "remarks": self.remarks,
+        })
+    }
+}
