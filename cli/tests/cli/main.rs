@@ -10,3 +10,4 @@ mod records_spread;
 mod refusals;
 mod reports;
 mod simulated;
+mod users;
