@@ -17,6 +17,7 @@ mod servo;
 mod sigma;
 mod simulate;
 mod tune;
+mod users;
 
 use std::process::ExitCode;
 
@@ -51,6 +52,7 @@ enum Command {
     Endurance(endurance::EnduranceArgs),
     Sigma(sigma::SigmaArgs),
     Drives(drives::DrivesArgs),
+    Users(users::UsersArgs),
     /// The adaptive position loop in every scenario, with fixed gains beside
     Loop(servo::position_loop::LoopArgs),
     Monitor(monitor::MonitorArgs),
@@ -79,6 +81,7 @@ fn main() -> ExitCode {
         Command::Endurance(args) => endurance::run_all(args),
         Command::Sigma(args) => sigma::run(args),
         Command::Drives(args) => drives::run(args),
+        Command::Users(args) => users::run(args),
         Command::Loop(args) => servo::position_loop::run(args),
         Command::Monitor(args) => monitor::run(args),
         Command::Pil(args) => pil::run(args),

@@ -1,7 +1,7 @@
 //! Simulated drives, oracles and bounds in f64 against which the core is judged.
 //!
 //! Nothing here uses the core's arithmetic: an oracle that shared code could not disagree. Only
-//! [`paper`] and [`servo`] know the core, because they run it.
+//! [`paper`], [`servo`], [`endurance`] and [`users`] know the core, because they run it.
 //!
 //! | room | what |
 //! |---|---|
@@ -12,6 +12,7 @@
 //! | [`paper`] | the paper's Table 1: its conditions, one record through every method, statistics over many |
 //! | [`servo`] | the adaptive position loop of the core on simulated axes |
 //! | [`endurance`] | recursions over hours |
+//! | [`users`] | users of the identifier drawn at random |
 //! | [`settings`] | names of settings |
 //!
 //! A room uses only the rooms above it.
@@ -24,3 +25,4 @@ pub mod random;
 pub mod servo;
 pub mod settings;
 pub mod signals;
+pub mod users;

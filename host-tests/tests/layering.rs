@@ -48,6 +48,7 @@ const ORDERS: [(&str, &[&str]); 2] = [
             "paper",
             "servo",
             "endurance",
+            "users",
         ],
     ),
 ];

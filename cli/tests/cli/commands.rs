@@ -4,7 +4,7 @@ use crate::common::{Scratch, json, near, stdout};
 
 #[test]
 fn every_command_helps_with_an_example() {
-    for command in ["demo", "simulate", "identify", "select"] {
+    for command in ["demo", "simulate", "identify", "select", "users"] {
         let text = stdout(&[command, "--help"]);
         assert!(text.contains("Example"), "{command}");
         assert!(text.contains(&format!("trendid {command}")), "{command}");

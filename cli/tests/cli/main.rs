@@ -12,3 +12,4 @@ mod refusals_of_values;
 mod reports;
 mod simulated;
 mod tuned;
+mod users;

@@ -273,3 +273,16 @@ fn options_of_the_processor_in_the_loop_that_make_no_sense() {
         assert!(said.contains(bad[0]) && said.contains(bad[1]), "{said}");
     }
 }
+
+#[test]
+fn no_users_and_seeds_beyond_all() {
+    assert_eq!(
+        sentence(&["users", "--population", "0"]),
+        "--population 0 is not between 1 and 100000"
+    );
+    let last = u64::MAX.to_string();
+    assert_eq!(
+        sentence(&["users", "--first-seed", &last]),
+        "--first-seed is too large for so many users"
+    );
+}

@@ -84,6 +84,12 @@ impl ExtendedKalman {
 
     /// Takes the measured position `y(k)`, then the command `u(k)` held until `k+1`.
     pub fn update(&mut self, u: f64, y: f64) {
+        self.correct(y);
+        self.advance(u);
+    }
+
+    /// Takes a measured position.
+    pub fn correct(&mut self, y: f64) {
         let innovation = y - self.state[0];
         let gain = self.covariance.column(0) / (self.covariance[(0, 0)] + self.variance);
         self.state += gain * innovation;
@@ -94,7 +100,10 @@ impl ExtendedKalman {
         }
         self.covariance =
             keep * self.covariance * keep.transpose() + gain * gain.transpose() * self.variance;
+    }
 
+    /// Lets a sample time pass under the command `u`.
+    pub fn advance(&mut self, u: f64) {
         let mut flow = Flow::zeros();
         flow.fixed_view_mut::<3, 1>(0, 0)
             .copy_from(&self.state.fixed_rows::<3>(0));
