@@ -77,7 +77,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// Forgets the signals; the next `warm_up` samples are not estimated from.
     pub(crate) fn restart_signals(&mut self, plan: &Plan<T, M, N, I>, warm_up: u32) {
+        let last_inputs = self.signals.last_inputs;
         self.signals = Signals::new(plan, warm_up);
+        self.signals.last_inputs = last_inputs;
         self.standstill = Standstill::new();
     }
 
