@@ -42,6 +42,7 @@ impl Times {
     pub(crate) fn new<const M: usize, const N: usize, const I: usize>(
         config: &Config<M, N, I>,
         design: &Design<M>,
+        smooth: bool,
     ) -> Self {
         let (structure, bandwidth) = (&config.structure, config.bandwidth);
         let sample_time = design.sample_time;
@@ -77,7 +78,11 @@ impl Times {
                     config.memory.map(|memory| memory / sample_time),
                 ),
             },
-            start: StartPlan::new(config.output_range, angle, filtered && !config.supervised),
+            start: StartPlan::new(
+                config.output_range,
+                angle,
+                filtered && smooth && !config.supervised,
+            ),
         }
     }
 
