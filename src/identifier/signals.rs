@@ -68,8 +68,8 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         }
     }
 
-    /// Begins at the equilibrium of y(0) and the inputs before it, and looks for where y began; gives
-    /// y from its zero.
+    /// Begins at the equilibrium of y(0) and the inputs before it, and looks for where y began;
+    /// gives y from its zero.
     #[inline(never)]
     pub(crate) fn begin<const N: usize>(&mut self, plan: &Plan<T, M, N, I>, y: f32) -> f32 {
         // Behind an integrator only increments count; small numbers keep their digits.
