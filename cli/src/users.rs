@@ -9,6 +9,7 @@ use trendid_host_tests::users::trial::{Special, Trial};
 
 use crate::format::significant;
 use crate::output::{Refusal, emit, emit_json, number, progress, under};
+use crate::seeds::seeds;
 
 /// Errors in standard deviations over users drawn at random, with all that they tell wrong
 #[derive(Debug, Args)]
@@ -60,9 +61,6 @@ fn kind_names() -> PossibleValuesParser {
     PossibleValuesParser::new(Kind::ALL.map(Kind::name))
 }
 
-/// Most users of a run.
-const USERS_MAX: u64 = 100_000;
-
 /// How many users are named.
 const NAMED: usize = 10;
 
@@ -72,26 +70,16 @@ const NAMED: usize = 10;
 ///
 /// A sentence on a number of users that makes no sense.
 pub(crate) fn run(args: &UsersArgs) -> Result<(), Refusal> {
-    if !(1..=USERS_MAX).contains(&args.population) {
-        return Err(Refusal::new(format!(
-            "--population {} is not between 1 and {USERS_MAX}",
-            args.population
-        )));
-    }
-    let Some(end) = args.first_seed.checked_add(args.population) else {
-        return Err(Refusal::new("--first-seed is too large for so many users"));
-    };
+    let seeds = seeds("--population", args.population, args.first_seed)?;
     let kind = args.kind.as_deref().and_then(Kind::from_name);
-    let seeds: Vec<u64> = (args.first_seed..end).collect();
     let bar = progress(args.population, "users");
     let trials = under(&bar, &seeds, |seed| Trial::run(*seed, kind));
     bar.finish_and_clear();
     let found = Found::new(&trials, args.worst);
     match args.json {
         true => emit_json(&found.json()),
-        false => emit(&found.text(args.first_seed, end - 1)),
+        false => emit(&found.text(args.first_seed, args.first_seed + (args.population - 1))),
     }
-    Ok(())
 }
 
 /// What came of the users.

@@ -75,7 +75,12 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     /// Every other number is the same as if they were not in the model, but with a memory, which
     /// takes all parameters in turns.
     pub known: [bool; N],
-    /// Time after the first sample, in s, without estimation while the trends settle; default 0.
+    /// Time after the first sample, in s, without estimation while the trends settle; default 0,
+    /// for a drive at rest at the first sample.
+    ///
+    /// In motion, with an initial state (`SERVO`): three time constants of the filter's pair,
+    /// 4/bandwidth. Without one (`INTEGRATING`, `FULL`, `try_new`) the slow pole carries the motion
+    /// before: until that is below the noise, `ln(output_range / output_noise) / (0.11 bandwidth)`.
     pub settling: f32,
     /// Standard deviations below which a constant is insignificant and withdrawn from the reading,
     /// fading out at twice as many; default 2, 0 always keeps it.

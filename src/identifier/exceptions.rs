@@ -12,6 +12,24 @@ use crate::trends::TrendOperator;
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
     State<T, M, N, I, D>
 {
+    /// The first sample, or the first one behind trends that were forgotten: what the slow pole
+    /// carries of such a beginning is another initial state.
+    #[inline(never)]
+    pub(super) fn begin(
+        &mut self,
+        plan: &Plan<T, M, N, I>,
+        y: f32,
+        witness: &mut impl Witness<M, N, I>,
+    ) {
+        let settled = self.signals.begin(plan, y);
+        self.noise.settle(settled);
+        witness.begin();
+        if self.estimator.samples() > 0.0 {
+            self.lose_initial_state(plan);
+            witness.widened();
+        }
+    }
+
     /// Whether the drive has just changed, or the filter still carries what it was: the row is left
     /// out.
     #[inline(never)]
@@ -80,7 +98,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
                 let [size, _] = sample;
                 let contradicts = !(size <= noise)
                     && !(size <= noise + noise * self.estimator.spread(row.phi))
-                    && self.estimator.samples() >= self.known_rows
+                    && self.is_known()
                     && self.standstill.exceeds_digits(sample);
                 Some((sample, contradicts))
             }

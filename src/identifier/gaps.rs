@@ -1,4 +1,10 @@
 //! Sample times without y: the model bridges them.
+//!
+//! A model that is not known bridges nothing: as a share of the motion its prediction may be off by
+//! anything, and the trends carry that. The position stays instead, for as long as a drive of the
+//! design size moves the trends by less than the expected noise of its samples does, and for one
+//! sample always; behind a longer gap the trends begin anew, and the estimate with them:
+//! the few rows before hold the noise of y(0) above all.
 
 use crate::identifier::outcome::Refusal;
 use crate::identifier::plan::Plan;
@@ -28,7 +34,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.signals.output = before.clone();
         let row = self.row(plan, last, others);
         let predicted = last - (row.innovation - self.signals.gate.mean);
-        let settled = self.signals.remaining == 0 && plan.trends.design().filter.is_some();
+        let settled = self.signals.remaining == 0
+            && plan.trends.design().filter.is_some()
+            && (self.signals.gap == 0 || self.is_known());
         let predicted = match settled && acceptable(predicted, plan.output_limit) {
             true => predicted,
             false => last,
@@ -56,8 +64,17 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
         self.signals.gap = self.signals.gap.saturating_add(1);
         self.signals.start = None;
-        if self.signals.gap > plan.times.longest_gap {
-            self.restart_signals(plan, plan.warm_up);
+        let known = self.is_known();
+        let longest = match known {
+            true => plan.times.longest_gap,
+            false => plan.times.unknown_gap,
+        };
+        if self.signals.gap > longest {
+            self.restart(plan);
+            if !known {
+                self.unlearn(plan);
+                witness.changed();
+            }
             return;
         }
         let others = self.signals.other_trends_of_a_gap(plan, u);

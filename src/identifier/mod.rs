@@ -143,8 +143,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// Lets `samples` sample times pass without a measurement, under the newest inputs.
     ///
-    /// The model bridges a short gap (up to 5 over the bandwidth); after a longer one the trends
-    /// begin anew with the next sample, as by [`Identifier::restart_trends`].
+    /// The model bridges a short gap, up to 5 over the bandwidth once it is known; after a longer
+    /// one the trends begin anew with the next sample, as by [`Identifier::restart_trends`].
     pub fn skip(&mut self, samples: u32) {
         self.skip_seen(samples, &mut ());
     }
@@ -166,9 +166,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.state.changes
     }
 
-    /// Forgets the signals, after a long gap in the samples, and keeps the estimate.
+    /// Forgets the signals, after a long gap, and holds the estimate until the filter did so, too.
     pub fn restart_trends(&mut self) {
-        self.state.restart_signals(&self.plan, self.plan.warm_up);
+        self.state.restart(&self.plan);
     }
 
     /// Begins again from an estimate with its standard deviations, both in the user's units.

@@ -162,7 +162,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             offset_significance: config.offset_significance,
             has_gate: angle <= FINE && design.filter.is_some() && smooth(config),
             can_stand: config.structure.integrators() > 0,
-            times: Times::new(config, design),
+            times: Times::new(config, design, smooth(config)),
             warm_up: design.warm_up.max((config.settling / sample_time) as u32),
             follows_changes: config.follow_changes && config.memory.is_some(),
             change_shares: Shares::new(angle, 0.0),

@@ -20,6 +20,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// position; while its transient lasts, for `settling` seconds, the estimate is held, and the
     /// initial state becomes uncertain again. Three time constants of the slowest pole beside that
     /// of the initial state leave 5 % of the transient; no standard deviation contains this rest.
+    /// A structure without an initial state has no column for the slow pole: the estimate is held
+    /// until what the pole carries of a motion of `output_range` is below `output_noise`, 7 of its
+    /// time constants by default.
     /// Where the filter is the same and only the numerators are new, the signals go on and nothing
     /// is held. [`Identifier::reset`] leads back to the trends of the construction. Cost: about
     /// 9000 instructions for order 3, once; not for every sample.
@@ -77,8 +80,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             state.estimator.inflate_last(std * std);
         }
         let settling = (settling / sample_time) as u32;
-        let warm_up = self.plan.trends.design().warm_up;
-        state.restart_signals(&self.plan, warm_up.max(settling));
+        let design = self.plan.trends.design();
+        let fading = self.plan.times.fading(design);
+        state.restart_signals(&self.plan, design.warm_up.max(settling).max(fading));
         Ok(())
     }
 }

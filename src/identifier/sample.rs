@@ -27,9 +27,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             return Outcome::Refused(refusal);
         }
         if !self.signals.begun {
-            let settled = self.signals.begin(plan, y);
-            self.noise.settle(settled);
-            witness.begin();
+            self.begin(plan, y, witness);
         }
         let position = y;
         let y = y - self.signals.reference;

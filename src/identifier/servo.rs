@@ -138,7 +138,8 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize>
     /// Goes on with the default filter for a plant of the bandwidth `omega0` (rad/s), as
     /// [`Identifier::retune`].
     ///
-    /// The estimate is held for three time constants of the filter's pair.
+    /// The estimate is held for three time constants of the filter's pair; in a structure without
+    /// an initial state for those of the slow pole, as [`Identifier::retune`] says.
     ///
     /// # Examples
     /// ```

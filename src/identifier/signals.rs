@@ -68,15 +68,20 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         }
     }
 
-    /// Begins at the equilibrium of y(0) and the initial inputs, and looks for where y began; gives
-    /// y from its zero.
+    /// Begins at the equilibrium of y(0) and the inputs before it, and looks for where y began;
+    /// gives y from its zero.
     #[inline(never)]
     pub(crate) fn begin<const N: usize>(&mut self, plan: &Plan<T, M, N, I>, y: f32) -> f32 {
         // Behind an integrator only increments count; small numbers keep their digits.
         let integrates = plan.structure.integrators() > 0;
         self.reference = if integrates { y } else { 0.0 };
         let y = y - self.reference;
-        self.settle(plan, y);
+        // A drive that integrates is in equilibrium under the initial inputs alone.
+        let inputs = match integrates {
+            true => plan.inputs.initial,
+            false => self.last_inputs,
+        };
+        self.settle(plan, y, inputs);
         self.initial = if plan.structure.initial_state() {
             1.0
         } else {
@@ -91,13 +96,13 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         y
     }
 
-    /// All trends are those of an equilibrium at `y` with the initial inputs.
+    /// All trends are those of an equilibrium at `y` with these inputs.
     #[inline(never)]
-    fn settle<const N: usize>(&mut self, plan: &Plan<T, M, N, I>, y: f32) {
+    fn settle<const N: usize>(&mut self, plan: &Plan<T, M, N, I>, y: f32, inputs: [f32; I]) {
         let design = plan.trends.design();
         self.output = Memory::output_at_rest(design, plan.output_form, y);
         for c in 0..I {
-            let (hold, value) = (plan.inputs.holds[c], plan.inputs.initial[c]);
+            let (hold, value) = (plan.inputs.holds[c], inputs[c]);
             self.inputs[c] = Memory::input_at_rest(design, hold, value);
         }
         let integrates = plan.structure.integrators() > 0;
@@ -108,7 +113,7 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
     /// The trends begin again at rest at `y`; nothing of the initial state is left to be found.
     #[inline(never)]
     pub(crate) fn rest<const N: usize>(&mut self, plan: &Plan<T, M, N, I>, y: f32) {
-        self.settle(plan, y);
+        self.settle(plan, y, plan.inputs.initial);
         self.initial = 0.0;
         // The mean innovation and what was set aside belong to the trends of before.
         (self.start, self.gate.aside) = (None, None);

@@ -13,7 +13,8 @@
 //!
 //! Then the trends go on as if they had begun at y_0: they are linear in where they began. Where
 //! y(0) alone is the better one, as of a sensor without noise, it stays. The rows that are left out
-//! would have held the noise of y(0) above all.
+//! would have held the noise of y(0) above all. Where an input steps the velocity there is no line:
+//! the kink of the first command passes for noise in the third difference.
 //!
 //! # What does not hold
 //! What is left of the noise of y(0) after so many samples is still a step in the trends, and still

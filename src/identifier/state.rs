@@ -77,8 +77,17 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// Forgets the signals; the next `warm_up` samples are not estimated from.
     pub(crate) fn restart_signals(&mut self, plan: &Plan<T, M, N, I>, warm_up: u32) {
+        let last_inputs = self.signals.last_inputs;
         self.signals = Signals::new(plan, warm_up);
+        self.signals.last_inputs = last_inputs;
         self.standstill = Standstill::new();
+    }
+
+    /// Forgets the signals; rows wait until nothing of how they begin in motion is left.
+    #[inline(never)]
+    pub(crate) fn restart(&mut self, plan: &Plan<T, M, N, I>) {
+        let anew = plan.times.anew(plan.trends.design());
+        self.restart_signals(plan, plan.warm_up.max(anew));
     }
 
     /// Begins the recursion again from `prior`, whose mean becomes nominal.
@@ -93,11 +102,24 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.learns = self.adapting;
     }
 
+    /// Whether the model may say what the drive does.
+    pub(super) fn is_known(&self) -> bool {
+        self.estimator.samples() >= self.known_rows
+    }
+
     /// Before the rows are counted anew: what is known remains so.
     pub(super) fn remain_known(&mut self) {
-        if self.estimator.samples() >= self.known_rows {
+        if self.is_known() {
             self.known_rows = 0.0;
         }
+    }
+
+    /// Begins the recursion again as constructed.
+    #[inline(never)]
+    pub(super) fn unlearn(&mut self, plan: &Plan<T, M, N, I>) {
+        let known_rows = self.known_rows;
+        self.warm_start(plan, plan.prior.clone());
+        self.known_rows = known_rows;
     }
 
     /// Calls in what forgetting is owed, all at once. Not for the 1 ms path.

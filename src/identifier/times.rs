@@ -2,8 +2,9 @@
 
 use crate::identifier::config::Config;
 use crate::identifier::start::StartPlan;
+use crate::math::sqrt;
 use crate::trends::Design;
-use crate::trends::filter::settling_time;
+use crate::trends::filter::{settling_time, time_constant};
 
 /// Times in samples, all in proportion to one over the bandwidth.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,6 +21,12 @@ pub(crate) struct Times {
     pub(crate) after_step: u32,
     /// Without y that the model bridges; after more the trends begin anew.
     pub(crate) longest_gap: u32,
+    /// The same before a model is known.
+    pub(crate) unknown_gap: u32,
+    /// Without rows behind trends that begin anew, until the pair carries less than noise; and time
+    /// constants of the slow pole in which it does, 0 where an initial state stands for it.
+    pub(crate) anew: u32,
+    pub(crate) folds: f32,
     /// For which rows are left out behind a change of the drive.
     pub(crate) change_settling: u32,
     /// Without a look for changes at the start and behind one.
@@ -35,11 +42,13 @@ impl Times {
     pub(crate) fn new<const M: usize, const N: usize, const I: usize>(
         config: &Config<M, N, I>,
         design: &Design<M>,
+        smooth: bool,
     ) -> Self {
         let (structure, bandwidth) = (&config.structure, config.bandwidth);
         let sample_time = design.sample_time;
         let angle = bandwidth * sample_time;
         let filtered = design.filter.is_some();
+        let (noise, range) = (config.output_noise, config.output_range);
         Self {
             gate_open: (10.0 / angle) as u32,
             gate_pause: (0.5 / angle) as u32,
@@ -50,6 +59,15 @@ impl Times {
             },
             after_step: (2.0 / angle) as u32,
             longest_gap: (5.0 / angle) as u32,
+            unknown_gap: unknown_gap(noise / range, angle),
+            anew: match config.supervised {
+                true => 0,
+                false => (folds(range / noise) * time_constant(bandwidth) / sample_time) as u32,
+            },
+            folds: match config.supervised || structure.initial_state() {
+                true => 0.0,
+                false => folds(range / noise),
+            },
             change_settling: (settling_time(bandwidth) / sample_time) as u32,
             change_blind: (10.0 / angle) as u32,
             known_rows: match config.supervised || config.prior_std.is_some() {
@@ -60,9 +78,42 @@ impl Times {
                     config.memory.map(|memory| memory / sample_time),
                 ),
             },
-            start: StartPlan::new(config.output_range, angle, filtered && !config.supervised),
+            start: StartPlan::new(
+                config.output_range,
+                angle,
+                filtered && smooth && !config.supervised,
+            ),
         }
     }
+
+    /// Samples without rows behind trends that begin anew in motion: until what they carry of the
+    /// beginning is below noise, or an initial state stands for it.
+    pub(crate) fn anew<const M: usize>(&self, design: &Design<M>) -> u32 {
+        self.anew.max(self.fading(design))
+    }
+
+    /// Samples in which what the slow pole carries falls below noise, 0 where an initial state
+    /// stands for it.
+    pub(crate) fn fading<const M: usize>(&self, design: &Design<M>) -> u32 {
+        (self.folds / (1.0 - design.slow_mode)) as u32
+    }
+}
+
+/// Samples for which a drive of the design size moves the trends by less than white noise does:
+/// `(n omega Delta)^2 / 2 < sigma / R sqrt(omega Delta)`, and one in any case.
+fn unknown_gap(noise: f32, angle: f32) -> u32 {
+    ((sqrt(2.0 * noise * sqrt(angle)).min(5.0) / angle) as u32).max(1)
+}
+
+/// Time constants in which a motion falls below the noise, from three on; `ratio` is motion over
+/// noise.
+fn folds(ratio: f32) -> f32 {
+    let (mut left, mut folds) = (ratio, 0.0);
+    while left > 1.0 {
+        left *= core::f32::consts::E.recip();
+        folds += 1.0;
+    }
+    if folds > 3.0 { folds } else { 3.0 }
 }
 
 /// As many rows as there are `unknown` parameters, of which one in 1/(omega Delta) samples tells

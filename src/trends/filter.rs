@@ -6,7 +6,12 @@ use crate::math::polynomial::with_pole;
 const CORNER: f32 = 1.1;
 const DAMPING: f32 = 0.7;
 
-/// Three time constants of the pair of the default filter, in s.
+/// The time constant of the pair of the default filter, in s.
+pub(crate) const fn time_constant(bandwidth: f32) -> f32 {
+    1.0 / (DAMPING * CORNER * bandwidth)
+}
+
+/// Three of them.
 pub(crate) const fn settling_time(bandwidth: f32) -> f32 {
     3.0 / (DAMPING * CORNER * bandwidth)
 }

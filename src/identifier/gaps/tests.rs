@@ -101,12 +101,12 @@ fn before_there_is_a_model_the_position_stays() {
     );
     assert_eq!(servo.prediction(), 7.0 + y);
     // The trends settle meanwhile, but nothing is known yet.
-    servo.skip(3);
+    servo.skip(1);
     assert_eq!(servo.prediction(), 7.0 + y);
-    let [u, y] = drive.sample(24);
+    let [u, y] = drive.sample(22);
     assert_eq!(
         servo.update(u, 7.0 + y),
-        Outcome::WarmingUp { remaining: 25 }
+        Outcome::WarmingUp { remaining: 27 }
     );
     // Trends without a filter have no noise gain and no prediction that could be relied on.
     let raw = RawTrends::<3>::try_new(Scheme::Tustin, 1e-3).expect("trends");
@@ -120,6 +120,59 @@ fn before_there_is_a_model_the_position_stays() {
     }
     servo.skip(1);
     assert!((servo.prediction() - last).abs() < 1e-6);
+}
+
+#[test]
+fn a_model_that_is_not_known_bridges_nothing() {
+    let waits = |samples: u32, gap: u32| {
+        let (mut servo, drive) = trained(&config(), samples);
+        let y = drive.at[0];
+        let last = servo.state.signals.last;
+        servo.skip(gap);
+        let stayed = servo.prediction() == servo.state.signals.reference + last;
+        match servo.update(drive.u, y) {
+            Outcome::WarmingUp { remaining } => (remaining, stayed),
+            _ => (0, stayed),
+        }
+    };
+    // Three parameters in 50 samples each; the motion of one sample in any case.
+    let longest = trained(&config(), 1).0.plan.times.unknown_gap;
+    assert_eq!(longest, 1);
+    assert_eq!(waits(120, longest), (0, true));
+    let (remaining, _) = waits(120, longest + 1);
+    // The slow pole of 2.2 rad/s, e^-7 < 1/1000.
+    assert!((remaining as f32 - 7.0 / 2.2e-3).abs() < 8.0, "{remaining}");
+    assert_eq!(waits(160, 2 * longest), (0, false));
+}
+
+#[test]
+fn behind_a_gap_the_initial_state_is_another_one() {
+    let config = Config::new(
+        crate::estimation::Structure::<3, 5, 1>::SERVO,
+        20.0,
+        [0.4],
+        50.0,
+    );
+    let mut servo = Identifier::<_, 3, 5, 1, 0>::try_new(&config, trends(20.0)).expect("settings");
+    let prior = servo.estimator().diagonal()[4];
+    let mut drive = Drive::new(1e-4);
+    for k in 0..1000 {
+        let [u, y] = drive.sample(k);
+        let _ = servo.update(u, y);
+    }
+    let known = servo.estimator().diagonal()[4];
+    assert!(known < 0.01 * prior);
+    servo.skip(servo.plan.times.longest_gap + 1);
+    // e^-7 < 1/1000 of a pair of 15.4 rad/s.
+    let settling = servo.plan.times.anew;
+    assert!((settling as f32 - 7.0 / 15.4e-3).abs() < 2.0);
+    assert_eq!(
+        servo.update(drive.u, drive.at[0]),
+        Outcome::WarmingUp {
+            remaining: settling - 1
+        }
+    );
+    assert!((servo.estimator().diagonal()[4] / prior - 1.0).abs() < 1e-5);
 }
 
 #[test]

@@ -210,7 +210,7 @@ fn times_are_in_proportion_to_one_over_the_bandwidth() {
         let trends = trends(bandwidth);
         let integrating = Structure::<3, 3, 1>::INTEGRATING;
         let mut config: Config<3, 3, 1> = Config::new(integrating, bandwidth, [0.4], 50.0);
-        let times = Times::new(&config, trends.design());
+        let times = Times::new(&config, trends.design(), true);
         let unit = 1000.0 / bandwidth;
         about(times.gate_open, 10.0 * unit);
         about(times.gate_pause, 0.5 * unit);
@@ -227,15 +227,26 @@ fn times_are_in_proportion_to_one_over_the_bandwidth() {
         about(times.start.longest, unit);
         assert!((times.start.bend - 50.0 / (12.0 * unit * unit)).abs() < 1e-5);
         config.memory = Some(0.08);
-        let times = Times::new(&config, trends.design());
+        let times = Times::new(&config, trends.design(), true);
         assert!((times.known_rows - 40.0).abs() < 0.1);
         let config = Config::new(Structure::<3, 5, 1>::SERVO, bandwidth, [0.4], 50.0);
-        let times = Times::new(&config, trends.design());
+        let times = Times::new(&config, trends.design(), true);
         about(times.settled, 12.0 * unit);
     }
     // A filter that settles sooner than the drive.
     let quick = Trends::try_new(Scheme::Tustin, 1e-3, [100.0; 3]).expect("a filter");
     let config = Config::new(Structure::<3, 3, 1>::INTEGRATING, 20.0, [0.4], 50.0);
-    let times = Times::new(&config, quick.design());
+    let times = Times::new(&config, quick.design(), true);
     about(times.settled, 600.0);
+}
+
+#[test]
+fn no_line_is_laid_through_a_start_whose_velocity_has_steps() {
+    let plan = |inputs: Terms| {
+        let structure = Structure::<3, 4, 1>::try_new(Terms::of(&[1, 2]), [inputs], false);
+        let config = Config::new(structure.expect("a structure"), 20.0, [0.4], 50.0);
+        Plan::<Trends, 3, 4, 1>::new(&config, trends(20.0), 0).expect("settings")
+    };
+    assert!(plan(Terms::of(&[0, 1])).times.start.longest >= 49);
+    assert_eq!(plan(Terms::of(&[0, 2])).times.start.longest, 0);
 }

@@ -203,3 +203,47 @@ fn what_cannot_be_changes_nothing_and_a_reset_leads_back() {
     assert_eq!(servo, wanted);
     assert_eq!(servo.forgetting(), 1.0 - 1e-3 / 2.0);
 }
+
+#[test]
+fn without_an_initial_state_the_slow_pole_is_waited_for() {
+    let (mut servo, drive) = trained(&config(), 3000);
+    servo.retune(trends(35.0), 0.1).expect("a filter");
+    let Outcome::WarmingUp { remaining } = servo.update(drive.u, drive.at[0]) else {
+        panic!("rows at once");
+    };
+    // e^-7 < 1/1000 of the pole of 3.85 rad/s.
+    assert!(
+        (remaining as f32 - 7.0 / 3.85e-3).abs() < 10.0,
+        "{remaining}"
+    );
+}
+
+#[test]
+fn a_drive_that_does_not_integrate_goes_on_where_it_is() {
+    let structure = Structure::<2, 4, 1>::FULL;
+    let mut config = Config::new(structure, 20.0, [0.4], 50.0);
+    config.initial_input = [0.1];
+    let filter = |omega| {
+        crate::trends::FilteredTrends::<2>::for_bandwidth(Scheme::Tustin, 1e-3, omega)
+            .expect("a filter")
+    };
+    let mut lag = crate::identifier::Identifier::<_, 2, 4, 1, 0>::try_new(&config, filter(20.0))
+        .expect("settings");
+    for _ in 0..2000 {
+        let _ = lag.update(0.3, 40.0);
+    }
+    lag.retune(filter(25.0), 0.0).expect("a filter");
+    let _ = lag.update(0.3, 40.0);
+    let trend =
+        |lag: &crate::identifier::Identifier<crate::trends::FilteredTrends<2>, 2, 4, 1, 0>| {
+            let mut memory = lag.state.signals.inputs[0].clone();
+            lag.plan
+                .trends
+                .input(&mut memory, 0.3, crate::trends::Hold::Zero)[0]
+        };
+    let settled = trend(&lag);
+    for _ in 0..500 {
+        let _ = lag.update(0.3, 40.0);
+    }
+    near(trend(&lag), settled, 1e-4);
+}
