@@ -40,7 +40,7 @@
 #define TRENDID_DELAY_CANDIDATES (TRENDID_DELAY_MAX + 1)
 
 // Words of 8 bytes of a `trendid_delay_bank`.
-#define TRENDID_DELAY_BANK_WORDS 1376
+#define TRENDID_DELAY_BANK_WORDS 1384
 
 // Longest delay of an input in samples.
 #define TRENDID_DELAY_MAX 7
