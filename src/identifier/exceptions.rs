@@ -14,7 +14,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 {
     /// The first sample, or the first one behind trends that were forgotten: what the slow pole
     /// carries of such a beginning is another initial state.
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn begin(
         &mut self,
         plan: &Plan<T, M, N, I>,
@@ -177,6 +177,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     }
 
     /// The initial state is again as uncertain as at the start.
+    #[inline(never)]
     fn lose_initial_state(&mut self, plan: &Plan<T, M, N, I>) {
         if !plan.structure.initial_state() {
             return;

@@ -63,20 +63,20 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             return;
         }
         self.signals.gap = self.signals.gap.saturating_add(1);
-        self.signals.start = None;
         let known = self.is_known();
         let longest = match known {
             true => plan.times.longest_gap,
             false => plan.times.unknown_gap,
         };
         if self.signals.gap > longest {
-            self.restart(plan);
             if !known {
                 self.unlearn(plan);
                 witness.changed();
             }
+            self.restart(plan);
             return;
         }
+        self.signals.start = None;
         let others = self.signals.other_trends_of_a_gap(plan, u);
         witness.inputs(&others.inputs);
         let before = self.signals.output.clone();

@@ -126,6 +126,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             config.output_range,
         );
         let angle = config.bandwidth * sample_time;
+        let warm_up = design.warm_up.max((config.settling / sample_time) as u32);
+        let mut times = Times::new(config, design, smooth(config));
+        times.begin_anew(design, warm_up);
         Ok(Self {
             configured: None,
             structure: config.structure,
@@ -162,8 +165,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             offset_significance: config.offset_significance,
             has_gate: angle <= FINE && design.filter.is_some() && smooth(config),
             can_stand: config.structure.integrators() > 0,
-            times: Times::new(config, design, smooth(config)),
-            warm_up: design.warm_up.max((config.settling / sample_time) as u32),
+            times,
+            warm_up,
             follows_changes: config.follow_changes && config.memory.is_some(),
             change_shares: Shares::new(angle, 0.0),
             friction_input: config.friction_input,
@@ -243,7 +246,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
     }
 
     fn set_trends(&mut self, trends: T) {
-        self.regressor.set_feedthrough(&trends.design().feedthrough);
+        let design = trends.design();
+        self.regressor.set_feedthrough(&design.feedthrough);
+        self.times.begin_anew(design, self.warm_up);
         self.trends = trends;
         self.weigh_noise();
     }

@@ -78,8 +78,8 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         let y = y - self.reference;
         // A drive that integrates is in equilibrium under the initial inputs alone.
         let inputs = match integrates {
-            true => plan.inputs.initial,
-            false => self.last_inputs,
+            true => &plan.inputs.initial,
+            false => &{ self.last_inputs },
         };
         self.settle(plan, y, inputs);
         self.initial = if plan.structure.initial_state() {
@@ -98,7 +98,7 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
 
     /// All trends are those of an equilibrium at `y` with these inputs.
     #[inline(never)]
-    fn settle<const N: usize>(&mut self, plan: &Plan<T, M, N, I>, y: f32, inputs: [f32; I]) {
+    fn settle<const N: usize>(&mut self, plan: &Plan<T, M, N, I>, y: f32, inputs: &[f32; I]) {
         let design = plan.trends.design();
         self.output = Memory::output_at_rest(design, plan.output_form, y);
         for c in 0..I {
@@ -113,7 +113,7 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
     /// The trends begin again at rest at `y`; nothing of the initial state is left to be found.
     #[inline(never)]
     pub(crate) fn rest<const N: usize>(&mut self, plan: &Plan<T, M, N, I>, y: f32) {
-        self.settle(plan, y, plan.inputs.initial);
+        self.settle(plan, y, &plan.inputs.initial);
         self.initial = 0.0;
         // The mean innovation and what was set aside belong to the trends of before.
         (self.start, self.gate.aside) = (None, None);

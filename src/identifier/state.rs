@@ -84,10 +84,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     }
 
     /// Forgets the signals; rows wait until nothing of how they begin in motion is left.
-    #[inline(never)]
     pub(crate) fn restart(&mut self, plan: &Plan<T, M, N, I>) {
-        let anew = plan.times.anew(plan.trends.design());
-        self.restart_signals(plan, plan.warm_up.max(anew));
+        self.restart_signals(plan, plan.times.anew);
     }
 
     /// Begins the recursion again from `prior`, whose mean becomes nominal.
@@ -103,6 +101,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     }
 
     /// Whether the model may say what the drive does.
+    #[inline(always)]
     pub(super) fn is_known(&self) -> bool {
         self.estimator.samples() >= self.known_rows
     }
@@ -114,12 +113,12 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
     }
 
-    /// Begins the recursion again as constructed.
-    #[inline(never)]
+    /// Begins the recursion again at the first values.
     pub(super) fn unlearn(&mut self, plan: &Plan<T, M, N, I>) {
-        let known_rows = self.known_rows;
-        self.warm_start(plan, plan.prior.clone());
-        self.known_rows = known_rows;
+        let Prior { theta, std } = &plan.prior;
+        self.estimator.begin_again(&std.map(|std| std * std));
+        self.estimator.set_theta(*theta);
+        self.forgetting.replace_nominal(*theta);
     }
 
     /// Calls in what forgetting is owed, all at once. Not for the 1 ms path.

@@ -23,10 +23,13 @@ pub(crate) struct Times {
     pub(crate) longest_gap: u32,
     /// The same before a model is known.
     pub(crate) unknown_gap: u32,
-    /// Without rows behind trends that begin anew, until the pair carries less than noise; and time
-    /// constants of the slow pole in which it does, 0 where an initial state stands for it.
+    /// Until the pair of the filter carries less than noise; and time constants in which the slow
+    /// pole does, 0 where an initial state stands for it.
+    pair: u32,
+    folds: f32,
+    /// Without rows behind trends that begin anew in motion: until what they carry of the beginning
+    /// is below noise, or an initial state stands for it.
     pub(crate) anew: u32,
-    pub(crate) folds: f32,
     /// For which rows are left out behind a change of the drive.
     pub(crate) change_settling: u32,
     /// Without a look for changes at the start and behind one.
@@ -60,7 +63,7 @@ impl Times {
             after_step: (2.0 / angle) as u32,
             longest_gap: (5.0 / angle) as u32,
             unknown_gap: unknown_gap(noise / range, angle),
-            anew: match config.supervised {
+            pair: match config.supervised {
                 true => 0,
                 false => (folds(range / noise) * time_constant(bandwidth) / sample_time) as u32,
             },
@@ -68,6 +71,7 @@ impl Times {
                 true => 0.0,
                 false => folds(range / noise),
             },
+            anew: 0,
             change_settling: (settling_time(bandwidth) / sample_time) as u32,
             change_blind: (10.0 / angle) as u32,
             known_rows: match config.supervised || config.prior_std.is_some() {
@@ -86,10 +90,9 @@ impl Times {
         }
     }
 
-    /// Samples without rows behind trends that begin anew in motion: until what they carry of the
-    /// beginning is below noise, or an initial state stands for it.
-    pub(crate) fn anew<const M: usize>(&self, design: &Design<M>) -> u32 {
-        self.anew.max(self.fading(design))
+    /// Waits behind trends of this design that begin anew, for `warm_up` at least.
+    pub(crate) fn begin_anew<const M: usize>(&mut self, design: &Design<M>, warm_up: u32) {
+        self.anew = self.pair.max(self.fading(design)).max(warm_up);
     }
 
     /// Samples in which what the slow pole carries falls below noise, 0 where an initial state

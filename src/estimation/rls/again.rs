@@ -7,6 +7,7 @@ use crate::estimation::two_words::TwoWords;
 impl<const N: usize> Estimator<N> {
     /// Nothing counts any more but theta, each parameter known with one of these `variances`,
     /// relative to the noise of psi; what is known stays known. Samples and noise count anew.
+    #[inline(never)]
     pub(crate) fn begin_again(&mut self, variances: &[f32; N]) {
         self.finish_observation();
         self.factors.begin_again(variances);

@@ -3,8 +3,14 @@
 use crate::estimation::factors::Factors;
 use crate::estimation::inflation::Inflation;
 use crate::estimation::rls::Estimator;
+use crate::estimation::two_words::TwoWords;
 
 impl<const N: usize> Estimator<N> {
+    /// Other values, as well known as those before.
+    pub(crate) const fn set_theta(&mut self, theta: [f32; N]) {
+        self.theta = TwoWords::new(theta);
+    }
+
     /// Whether lambda is applied before the rows from now on; the noise level always is that of the
     /// newest rows.
     #[inline(always)]
