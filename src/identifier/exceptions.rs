@@ -14,7 +14,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 {
     /// The first sample, or the first one behind trends that were forgotten: what the slow pole
     /// carries of such a beginning is another initial state.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn begin(
         &mut self,
         plan: &Plan<T, M, N, I>,

@@ -152,10 +152,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// larger.
     #[inline(always)]
     fn is_moving(&mut self, plan: &Plan<T, M, N, I>, row: &Row<N>, noise: Noise) -> bool {
-        self.moving = match plan.moves(&row.phi, noise.known) {
-            true => plan.times.after_step.max(1),
-            false => self.moving.saturating_sub(1),
-        };
+        if plan.moves(&row.phi, noise.known) {
+            self.moving = plan.times.after_step;
+            return true;
+        }
+        self.moving = self.moving.saturating_sub(1);
         self.moving > 0
     }
 

@@ -60,7 +60,7 @@ impl Times {
                 true => (12.0 / angle) as u32,
                 false => (3.0 / (1.0 - design.slow_mode)).max(12.0 / angle) as u32,
             },
-            after_step: (2.0 / angle) as u32,
+            after_step: ((2.0 / angle) as u32).max(1),
             longest_gap: (5.0 / angle) as u32,
             unknown_gap: unknown_gap(noise / range, angle),
             pair: match config.supervised {
