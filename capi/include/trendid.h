@@ -40,7 +40,7 @@
 #define TRENDID_DELAY_CANDIDATES (TRENDID_DELAY_MAX + 1)
 
 // Words of 8 bytes of a `trendid_delay_bank`.
-#define TRENDID_DELAY_BANK_WORDS 1376
+#define TRENDID_DELAY_BANK_WORDS 1392
 
 // Longest delay of an input in samples.
 #define TRENDID_DELAY_MAX 7
@@ -64,7 +64,7 @@
 #define TRENDID_COULOMB2_WORDS 176
 
 // Words of 8 bytes of a `trendid_coulomb3`.
-#define TRENDID_COULOMB3_WORDS 200
+#define TRENDID_COULOMB3_WORDS 204
 
 // Words of 8 bytes of a `trendid_valve2`.
 #define TRENDID_VALVE2_WORDS 180
