@@ -40,7 +40,7 @@
 #define TRENDID_DELAY_CANDIDATES (TRENDID_DELAY_MAX + 1)
 
 // Words of 8 bytes of a `trendid_delay_bank`.
-#define TRENDID_DELAY_BANK_WORDS 1384
+#define TRENDID_DELAY_BANK_WORDS 1392
 
 // Longest delay of an input in samples.
 #define TRENDID_DELAY_MAX 7
@@ -64,7 +64,7 @@
 #define TRENDID_COULOMB2_WORDS 176
 
 // Words of 8 bytes of a `trendid_coulomb3`.
-#define TRENDID_COULOMB3_WORDS 200
+#define TRENDID_COULOMB3_WORDS 204
 
 // Words of 8 bytes of a `trendid_valve2`.
 #define TRENDID_VALVE2_WORDS 180
@@ -149,8 +149,6 @@ enum trendid_error
   TRENDID_ERROR_NO_DEAD_ZONE = 21,
   // An error that this version of the interface does not name.
   TRENDID_ERROR_OTHER = 22,
-  // A motion was requested while the controller does not have the axis, or has not seen it yet.
-  TRENDID_ERROR_NOT_CONTROLLING = 23,
 };
 #ifndef __cplusplus
 typedef int32_t trendid_error;
@@ -858,7 +856,8 @@ trendid_error trendid_loop_valve_fault(struct trendid_loop *servo);
 // Commissions the axis with the next sample, around the position it then has. The axis moves.
 trendid_error trendid_loop_commission(struct trendid_loop *servo);
 
-// Stops commissioning or control: the valve closes at its rate limit, the verified model is kept.
+// Stops commissioning or control: the command goes to zero at its rate limit, the verified model
+// is kept.
 trendid_error trendid_loop_abort(struct trendid_loop *servo);
 
 // Moves to `target`, in the unit of y, limited to the travel, as fast as the limits of motion

@@ -275,18 +275,18 @@ fn output_form<const M: usize, const N: usize, const I: usize>(
     }
 }
 
-/// Whether every input acts at least two integrations behind, its b_(m-1) known to be 0 if there
-/// is one: then the velocity has no steps, and a step of y is no motion.
+/// Whether every input acts at least two integrations behind, its b_(m-1) known to be 0, also by
+/// its standard deviation, if there is one: then the velocity has no steps, and a step of y is no
+/// motion.
 fn smooth<const M: usize, const N: usize, const I: usize>(config: &Config<M, N, I>) -> bool {
+    let absent = |j: usize| {
+        let known = config.known[j] || config.prior_std.is_some_and(|std| std[j] == 0.0);
+        known && config.initial[j] == 0.0
+    };
     let parameters = config.structure.parameters();
-    let mut values = config.known.iter().zip(&config.initial);
-    parameters
-        .iter()
-        .zip(&mut values)
-        .all(|(parameter, (known, initial))| {
-            !matches!(parameter, Parameter::Input { power, .. } if power + 1 == M)
-                || *known && *initial == 0.0
-        })
+    (parameters.iter().enumerate()).all(|(j, parameter)| {
+        !matches!(parameter, Parameter::Input { power, .. } if power + 1 == M) || absent(j)
+    })
 }
 
 #[cfg(test)]

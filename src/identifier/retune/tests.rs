@@ -236,7 +236,7 @@ fn a_drive_that_does_not_integrate_goes_on_where_it_is() {
     let _ = lag.update(0.3, 40.0);
     let trend =
         |lag: &crate::identifier::Identifier<crate::trends::FilteredTrends<2>, 2, 4, 1, 0>| {
-            let mut memory = lag.state.signals.inputs[0].clone();
+            let mut memory = lag.state.signals.inputs[0];
             lag.plan
                 .trends
                 .input(&mut memory, 0.3, crate::trends::Hold::Zero)[0]

@@ -107,7 +107,7 @@ pub unsafe extern "C" fn trendid_coulomb2_init(
 }
 
 /// Words of 8 bytes of a `trendid_coulomb3`.
-pub const COULOMB3_WORDS: usize = 200;
+pub const COULOMB3_WORDS: usize = 204;
 
 /// Memory of an identifier of `b0 / (s (s^2 + a2 s + a1)) with Coulomb friction`.
 ///
