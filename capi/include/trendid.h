@@ -149,6 +149,8 @@ enum trendid_error
   TRENDID_ERROR_NO_DEAD_ZONE = 21,
   // An error that this version of the interface does not name.
   TRENDID_ERROR_OTHER = 22,
+  // A motion was requested while the controller does not have the axis, or has not seen it yet.
+  TRENDID_ERROR_NOT_CONTROLLING = 23,
 };
 #ifndef __cplusplus
 typedef int32_t trendid_error;
@@ -856,8 +858,7 @@ trendid_error trendid_loop_valve_fault(struct trendid_loop *servo);
 // Commissions the axis with the next sample, around the position it then has. The axis moves.
 trendid_error trendid_loop_commission(struct trendid_loop *servo);
 
-// Stops commissioning or control: the command goes to zero at its rate limit, the verified model
-// is kept.
+// Stops commissioning or control: the valve closes at its rate limit, the verified model is kept.
 trendid_error trendid_loop_abort(struct trendid_loop *servo);
 
 // Moves to `target`, in the unit of y, limited to the travel, as fast as the limits of motion
