@@ -71,8 +71,10 @@ pub(crate) fn count(clock: &Clock, idle: f32) -> Result<(), servo::Error> {
             let Ok(code) = drive.counts();
             if k % 1000 == 999 {
                 let target = if k % 2000 == 999 { 250.0 } else { 150.0 };
-                let _ = native.move_to(target);
-                done(c::trendid_loop_move_to(memory, target, null_mut()));
+                // Both refuse while the commissioning lasts.
+                if native.move_to(target).is_ok() {
+                    done(c::trendid_loop_move_to(memory, target, null_mut()));
+                }
             }
             let rust = clock.ticks(|| rust_loop(&mut native, code));
             let edge = clock.ticks(|| update(memory, code, report.as_mut_ptr()));
