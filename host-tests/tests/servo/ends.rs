@@ -54,7 +54,11 @@ fn end(seed: u64) -> f64 {
 /// A place near one of the ends.
 fn near(seed: u64) -> f64 {
     let away = NEAR * Random::seed_from_u64(seed).random::<f64>();
-    if seed % 2 == 0 { away } else { 1.0 - away }
+    if seed.is_multiple_of(2) {
+        away
+    } else {
+        1.0 - away
+    }
 }
 
 fn from_the_stops(family: Family, axes: u64) {

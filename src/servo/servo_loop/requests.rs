@@ -53,8 +53,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     ///
     /// # Errors
     /// [`Error::NotControlling`] outside of control, and between [`install`](Self::install) or
-    /// [`resume`](Self::resume) and the first position; [`Error::Setting`] for NaN and infinity. The
-    /// reference goes on as before.
+    /// [`resume`](Self::resume) and the first position; [`Error::Setting`] for NaN and infinity.
+    /// The reference goes on as before.
     pub fn move_to(&mut self, target: f32) -> Result<(), Error> {
         self.is_under_control()?;
         self.moves.trajectory.move_to(target)
@@ -65,9 +65,9 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// limits of motion require it.
     ///
     /// # Errors
-    /// [`Error::NotControlling`] as [`move_to`](Self::move_to); [`Error::Setting`], with the largest
-    /// amplitude or frequency for which travel and limits of motion have room. The reference goes
-    /// on as before.
+    /// [`Error::NotControlling`] as [`move_to`](Self::move_to); [`Error::Setting`], with the
+    /// largest amplitude or frequency for which travel and limits of motion have room. The
+    /// reference goes on as before.
     pub fn oscillate(&mut self, amplitude: f32, frequency: f32) -> Result<(), Error> {
         self.is_under_control()?;
         self.moves.trajectory.oscillate(amplitude, frequency)
