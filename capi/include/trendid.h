@@ -627,7 +627,7 @@ typedef struct trendid_report {
   uint32_t saturated_samples;
   // Oscillations at rest that were noticed.
   uint32_t oscillations;
-  // Faults that stopped the axis.
+  // Faults that stopped the axis; a commissioning that gives up is none.
   uint32_t stops;
   // Factor on the bandwidth of the controller; 1 unless an oscillation was noticed.
   float derating;

@@ -151,7 +151,7 @@ pub struct Report {
     pub saturated_samples: u32,
     /// Oscillations at rest that were noticed.
     pub oscillations: u32,
-    /// Faults that stopped the axis.
+    /// Faults that stopped the axis; a commissioning that gives up is none.
     pub stops: u32,
     /// Factor on the bandwidth of the controller; 1 unless an oscillation was noticed.
     pub derating: f32,

@@ -134,7 +134,7 @@ pub struct Health {
     pub saturated_samples: u32,
     /// Oscillations at rest that were noticed.
     pub oscillations: u32,
-    /// Faults that stopped the axis.
+    /// Faults that stopped the axis; a commissioning that gives up is none.
     pub stops: u32,
     /// Departures from where the axis was while its reference rests.
     pub moves_at_rest: u32,
