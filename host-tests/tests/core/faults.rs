@@ -151,36 +151,35 @@ fn missing_samples_cost_little() {
 }
 
 /// Samples that are missing before anything is known: the largest error in standard deviations, of
-/// those of a1, a2 and b0.
+/// those of a1, a2 and b0, from a second on.
 fn off_after_an_early_gap<const N: usize>(structure: Structure<3, N, 1>, seed: u64) -> f64 {
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, DT as f32, 20.0).unwrap();
     let config = Config::new(structure, 20.0, [0.4], 50.0);
     let mut identifier: Identifier<_, 3, N> = Identifier::try_new(&config, trends).unwrap();
-    let from = 60 + (seed % 40) as usize;
-    for (k, (u, y)) in record(seed, 8000).into_iter().enumerate() {
-        let y = if (from..from + 60).contains(&k) {
-            f32::NAN
-        } else {
-            y
-        };
-        let _ = identifier.update(u, y);
-    }
-    let (theta, std) = (identifier.theta(), identifier.estimate().std());
     let [_, a1, a2] = REFERENCE.a();
     let exact = [a1, a2, REFERENCE.b0()];
-    (0..3).fold(0.0, |worst: f64, j| {
-        worst.max((f64::from(theta[j]) - exact[j]).abs() / f64::from(std[j]))
-    })
+    let from = 20 + (seed % 20) as usize;
+    let mut worst = 0.0_f64;
+    for (k, (u, y)) in record(seed, 8000).into_iter().enumerate() {
+        let missing = (from..from + 60).contains(&k);
+        let _ = identifier.update(u, if missing { f32::NAN } else { y });
+        if k % 1000 == 999 {
+            let estimate = identifier.estimate();
+            let found = estimate.theta().into_iter().zip(estimate.std()).zip(exact);
+            for ((theta, std), exact) in found {
+                worst = worst.max((f64::from(theta) - exact).abs() / f64::from(std));
+            }
+        }
+    }
+    worst
 }
 
 #[test]
 fn a_gap_before_the_model_is_known_is_in_the_standard_deviations() {
-    let seeds = 224_000..224_030;
-    let servo = seeds
-        .clone()
-        .map(|seed| off_after_an_early_gap(Structure::<3, 5, 1>::SERVO, seed));
-    let other = seeds.map(|seed| off_after_an_early_gap(Structure::<3, 3, 1>::INTEGRATING, seed));
-    let (servo, other) = (servo.fold(0.0, f64::max), other.fold(0.0, f64::max));
-    println!("60 samples missing at 60 to 100 ms: at most {servo:.1} and {other:.1} sigma at 8 s");
-    assert!(servo < 5.0 && other < 5.0, "{servo} {other}");
+    let worst = |of: &dyn Fn(u64) -> f64| (224_000..224_030).map(of).fold(0.0, f64::max);
+    let servo = worst(&|seed| off_after_an_early_gap(Structure::<3, 5, 1>::SERVO, seed));
+    let other = worst(&|seed| off_after_an_early_gap(Structure::<3, 3, 1>::INTEGRATING, seed));
+    println!("60 samples missing from 20 to 40 ms on: at most {servo:.1} and {other:.1} sigma");
+    // Bridged by what a few rows leave: 15 and 10.
+    assert!(servo < 8.0 && other < 4.0, "{servo} {other}");
 }
