@@ -20,8 +20,8 @@
 //! leave, [`StabilisedForgetting`](crate::estimation::StabilisedForgetting), with theta as their
 //! value. So the bound of P holds, and how large the rows of the old drive were does not matter:
 //! one of them left in could outweigh all those of a slower drive. The rows are left out while the
-//! filter carries both drives: for three time constants of its pair, and on until e^-3 of a row is
-//! left of the old one, `S(change) e^(-2t/tau) <= e^-6 psi^2`, or less than noise. What the slow
+//! filter carries both drives: for three time constants of its pair, and on until twice e^-3 of a
+//! row is the old one's, `S(change) e^(-2t/tau) <= 4 e^-6 psi^2`, or less than noise. What the slow
 //! pole carries on is an initial state, which becomes uncertain again, as at the start. The rows
 //! behind that are weighed against so little that the memory plays no part: it is as long as the
 //! time since, until that is as long as the memory.
@@ -36,8 +36,8 @@ use crate::trends::filter::settling_time;
 /// Share of the motion beyond which a change matters, squared.
 const MATTERS: f32 = 0.01;
 
-/// Share of the motion that the filter may carry of the old drive, squared: e^-3.
-const FADED: f32 = 0.002_48;
+/// Share of a row that the filter may carry of the old drive, squared: twice e^-3.
+const FADED: f32 = 0.009_92;
 
 /// How much larger than usual the innovation is.
 const UNUSUAL: f32 = 12.0;

@@ -128,9 +128,9 @@ fn rows_are_left_out_until_little_of_the_old_drive_is_carried() {
         samples
     };
     assert_eq!(left_out(1.0, 1.1), settling);
-    // ln(100) time constants of 65 samples more.
+    // ln(50) time constants of 65 samples more.
     let longer = left_out(100.0, 1.0) - settling;
-    assert!((295..315).contains(&longer), "{longer}");
+    assert!((250..270).contains(&longer), "{longer}");
     // Whatever the new drive does: until the square is below what is always allowed for.
     let longest = left_out(100.0, 0.0);
     assert!((970..1000).contains(&longest), "{longest}");
