@@ -1,7 +1,7 @@
 //! What an estimate still has of another drive: the one before a change that was followed.
 //!
 //! The estimate begins again with the old values as nominal ones; after t rows lambda^t of them is
-//! left. And the first rows carry some e^-3 of what the filter had of the old drive, which goes with the
+//! left. The first rows carry some e^-3 of what the filter had of the old drive, which goes with the
 //! time constant of its pair.
 //!
 //! ```text
