@@ -121,11 +121,10 @@ impl<const M: usize> Noise<M> {
     fn split(&self, top_scale: f32, samples: f32, angle: f32) -> Residual {
         let Some(white) = self.white else {
             let dependent = if self.lucky { 2.0 / angle } else { 1.0 };
-            let whole = self.residual * dependent;
             return Residual {
                 shaped: 0.0,
-                even: whole,
-                significance: whole,
+                even: self.residual * dependent,
+                significance: self.residual,
             };
         };
         // The significance of a constant allows for chance.
