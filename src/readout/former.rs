@@ -1,8 +1,8 @@
 //! What an estimate still has of another drive: the one before a change that was followed.
 //!
 //! The estimate begins again with the old values as nominal ones; after t rows lambda^t of them is
-//! left. The first rows carry some e^-3 of what the filter had of the old drive, which goes with the
-//! time constant of its pair.
+//! left. The first rows carry some e^-3 of what the filter had of the old drive, which goes with
+//! the time constant of its pair.
 //!
 //! ```text
 //! theta - theta_new = P lambda^t (diag(1 / left_k) + R_0) (theta_old - theta_new)

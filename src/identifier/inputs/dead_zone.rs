@@ -55,9 +55,9 @@ pub fn dead_zone(u: f32, delta: f32) -> [f32; 2] {
 ///
 /// # Limits
 /// Two levels of the command do not determine gain, width and constant; three do if each of them
-/// lasts long enough, some 3 / bandwidth. Until then [`DeadZone::std`] is large. A smooth command, a
-/// sine or a triangle, is for a part of the time between the width in the inputs and the true one;
-/// such rows contradict the model, and width and deviations stay wrong.
+/// lasts long enough, some 3 / bandwidth. Until then [`DeadZone::std`] is large. A smooth command,
+/// a sine or a triangle, is for a part of the time between the width in the inputs and the true
+/// one; such rows contradict the model, and width and deviations stay wrong.
 ///
 /// | symbol | argument | unit |
 /// |---|---|---|
