@@ -10,7 +10,6 @@ use trendid_identify::{
 
 use crate::identify::figures;
 use crate::identify::parse::{delay, filter};
-use crate::identify::report::Report;
 use crate::identify::signals::SignalArgs;
 use crate::output::{Bar, Refusal, emit, emit_json};
 
@@ -104,17 +103,7 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<(), Refusal> {
         hold_out(&mut found, identify(&half, freedom, 0, &()));
     }
     bar.finish();
-    let report = Report {
-        file: &args.signals.file,
-        output: &args.signals.output,
-        start: loaded.start,
-        jitter: loaded.jitter,
-        granted: loaded.granted.as_deref(),
-        dead_zone: loaded.dead_zone,
-        problem: &problem,
-        freedom,
-        found: &found,
-    };
+    let report = args.signals.report(&loaded, &problem, freedom, &found);
     if args.json {
         emit_json(&report.json())?;
     } else {

@@ -6,10 +6,14 @@ use clap::Args;
 use trendid_identify::dead_zone::DeadZone;
 use trendid_identify::derived::{COULOMB, sign_of};
 use trendid_identify::dynamic::INPUTS;
-use trendid_identify::{Choice, Error, Hold, Input, Signals, coulomb_input, standstill};
+use trendid_identify::{
+    Choice, Error, Freedom, Hold, Identification, Input, Problem, Signals, coulomb_input,
+    standstill,
+};
 
 use crate::identify::names::{HoldName, SchemeName, TimeUnit};
 use crate::identify::parse::{interval, power, width};
+use crate::identify::report::Report;
 use crate::output::Refusal;
 use crate::record::{Clock, Record};
 
@@ -119,6 +123,27 @@ impl Loaded {
 }
 
 impl SignalArgs {
+    /// The report of what was found in the record.
+    pub(crate) fn report<'a>(
+        &'a self,
+        loaded: &'a Loaded,
+        problem: &'a Problem<'a>,
+        freedom: Freedom,
+        found: &'a Identification,
+    ) -> Report<'a> {
+        Report {
+            file: &self.file,
+            output: &self.output,
+            start: loaded.start,
+            jitter: loaded.jitter,
+            granted: loaded.granted.as_deref(),
+            dead_zone: loaded.dead_zone,
+            problem,
+            freedom,
+            found,
+        }
+    }
+
     /// Reads the record and cuts out the span asked for.
     ///
     /// # Errors

@@ -6,7 +6,7 @@ use trendid_identify::{Choice, Freedom, Identification, Options, Problem, Struct
 
 use crate::format::significant;
 use crate::identify::parse::{delay, filter};
-use crate::identify::report::{self, notes};
+use crate::identify::report::notes;
 use crate::identify::signals::{Loaded, SignalArgs};
 use crate::output::{Bar, Refusal};
 use crate::tune::args::LoopArgs;
@@ -104,17 +104,7 @@ impl RecordArgs {
         freedom: Freedom,
         found: &Identification,
     ) -> OfRecord {
-        let report = report::Report {
-            file: &self.signals.file,
-            output: &self.signals.output,
-            start: loaded.start,
-            jitter: loaded.jitter,
-            granted: loaded.granted.as_deref(),
-            dead_zone: loaded.dead_zone,
-            problem,
-            freedom,
-            found,
-        };
+        let report = self.signals.report(loaded, problem, freedom, found);
         OfRecord {
             input: problem.signals.inputs[0].name.to_owned(),
             output: self.signals.output.clone(),
