@@ -67,10 +67,11 @@ fn bode(tuned: &Tuned) -> Figure {
             (found.bandwidth * 10f64.powf(decades)).log10()
         };
         let (mut gain, mut phase) = (Vec::new(), Vec::new());
+        let open = found.open(&tuned.plant);
         let mut before: Option<f64> = None;
         for k in 0..POINTS {
             let x = at(k);
-            let open = found.open(&tuned.plant, 10f64.powf(x));
+            let open = open(10f64.powf(x));
             gain.push((x, 20.0 * open.norm().log10()));
             // Without jumps by a whole turn.
             let mut degrees = open.arg().to_degrees();

@@ -1,9 +1,7 @@
 //! Controllers as state equations of the samples: the one form that is simulated, judged and
 //! printed from.
 
-use nalgebra::{Complex, DMatrix, DVector, RowDVector};
-
-use super::plant::solve;
+use nalgebra::{DMatrix, DVector, RowDVector};
 
 /// `x(k+1) = A x(k) + B_r r(k) + B_y y(k)`, `u(k) = C x(k) + D_r r(k) + D_y y(k)`.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,16 +15,6 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// From minus the output to the command at `omega` \[rad/s\]: what stands before the plant in
-    /// the loop.
-    pub fn response(&self, omega: f64, dt: f64) -> Complex<f64> {
-        let z = Complex::new(0.0, omega * dt).exp();
-        let b = self.b[1].map(|b| Complex::new(b, 0.0));
-        let x = solve(&self.a, z, b);
-        let through: Complex<f64> = self.c.iter().zip(x.iter()).map(|(c, x)| x * *c).sum();
-        -(through + self.d[1])
-    }
-
     /// One sample: the command for a reference and an output; `state` begins with zeros.
     pub fn step(&self, state: &mut DVector<f64>, r: f64, y: f64) -> f64 {
         let u = (&self.c * &*state)[0] + self.d[0] * r + self.d[1] * y;
@@ -133,30 +121,5 @@ fn from_rows(rows: &[[f64; 5]; 3], u: &[f64; 5]) -> Controller {
         b: [3, 4].map(|j| DVector::from_fn(3, |i, _| rows[i][j])),
         c: RowDVector::from_fn(3, |_, j| u[j]),
         d: [u[3], u[4]],
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn state_equations_and_difference_equation_are_the_same_controller() {
-        let pid = Pid {
-            kp: 2.0,
-            ti: 0.3,
-            td: 0.05,
-            tf: 0.004,
-        };
-        let (dt, omega) = (1e-3, 37.0);
-        let (b, a) = pid.difference_equation(dt);
-        let q = Complex::new(0.0, -omega * dt).exp();
-        let direct = (q * q * b[2] + q * b[1] + b[0]) / (q * q * a[1] + q * a[0] + 1.0);
-        let found = pid.controller(dt).response(omega, dt);
-        assert!((found - direct).norm() < 1e-9 * direct.norm());
-        // Kp (1 + 1/(Ti s) + Td s/(1 + Tf s)), up to the sampling.
-        let s = Complex::new(0.0, omega);
-        let continuous = (s * pid.td / (s * pid.tf + 1.0) + (s * pid.ti).inv() + 1.0) * pid.kp;
-        assert!((found - continuous).norm() < 0.02 * continuous.norm());
     }
 }

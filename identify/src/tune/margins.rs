@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::{Complex, DMatrix};
 
 use super::controller::Controller;
+use super::frequency_response::FrequencyResponse;
 use super::plant::SampledPlant;
 
 /// Frequencies of a sweep.
@@ -55,10 +56,27 @@ pub(super) fn frequencies(dt: f64) -> Vec<f64> {
     (0..FREQUENCIES).map(at).collect()
 }
 
-/// The margins of a controller with a plant.
-pub(super) fn margins(plant: &SampledPlant, controller: &Controller) -> Margins {
+/// The margins of a controller with a plant; `None` where the sensitivity exceeds a limit.
+///
+/// The poles of the closed loop are found last, as their cost grows with the third power of the
+/// delay.
+pub(super) fn margins(
+    plant: &SampledPlant,
+    controller: &Controller,
+    limit: f64,
+) -> Option<Margins> {
+    let found = of_frequencies(plant, controller);
+    (found.max_sensitivity <= limit).then(|| Margins {
+        stable: is_stable(plant, controller),
+        ..found
+    })
+}
+
+/// What the frequency response shows, which does not tell whether the loop is stable.
+fn of_frequencies(plant: &SampledPlant, controller: &Controller) -> Margins {
     let dt = plant.dt;
-    let open = |omega: f64| plant.response(omega) * controller.response(omega, dt);
+    let response = FrequencyResponse::new(controller, dt);
+    let open = |omega: f64| plant.response(omega) * response.at(omega);
     let grid = frequencies(dt);
     let values: Vec<Complex<f64>> = grid.iter().map(|omega| open(*omega)).collect();
     let mut found = Margins {
@@ -67,7 +85,7 @@ pub(super) fn margins(plant: &SampledPlant, controller: &Controller) -> Margins 
         delay: f64::INFINITY,
         max_sensitivity: 0.0,
         crossover: 0.0,
-        stable: is_stable(plant, controller),
+        stable: false,
     };
     let sensitivity = |l: Complex<f64>| 1.0 / (l + 1.0).norm();
     for k in 0..grid.len() {

@@ -30,6 +30,7 @@
 //! ```
 
 mod controller;
+mod frequency_response;
 mod margins;
 mod model;
 mod placement;
@@ -39,7 +40,9 @@ mod state_feedback;
 
 use nalgebra::DVector;
 
+use crate::delay_choice::LONGEST_DELAY;
 use crate::error::Error;
+use frequency_response::FrequencyResponse;
 use state_feedback::IDLE;
 
 pub use controller::{Cascade, Controller, Pid};
@@ -56,10 +59,6 @@ pub const SENSITIVITY: f64 = 1.7;
 /// choice.
 const TRIED: usize = 24;
 const SHARPENED: usize = 5;
-
-/// Longest delay in samples: the cost of a loop grows with its third power, and a slower controller
-/// does as well.
-const LONGEST_DELAY: f64 = 100.0;
 
 /// What the loops are for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -159,9 +158,10 @@ impl TunedLoop {
         course
     }
 
-    /// The open loop, broken at the input of the plant, at `omega` \[rad/s\].
-    pub fn open(&self, plant: &SampledPlant, omega: f64) -> nalgebra::Complex<f64> {
-        plant.response(omega) * self.controller.response(omega, plant.dt)
+    /// The open loop, broken at the input of the plant, over the frequency \[rad/s\].
+    pub fn open(&self, plant: &SampledPlant) -> impl Fn(f64) -> nalgebra::Complex<f64> {
+        let controller = FrequencyResponse::new(&self.controller, plant.dt);
+        move |omega| plant.response(omega) * controller.at(omega)
     }
 }
 
@@ -178,7 +178,7 @@ pub fn tune(model: &Model, around: &[Model], goal: Goal) -> Result<Tuned, Error>
     if !(dt > 0.0 && dt.is_finite()) {
         return Err(Error::SampleTime(dt));
     }
-    if !(model.delay <= LONGEST_DELAY * dt) {
+    if !(model.delay <= LONGEST_DELAY as f64 * dt) {
         let what = format!(
             "its delay is longer than {LONGEST_DELAY} samples: a controller with a longer sample time does as well"
         );
@@ -198,10 +198,11 @@ pub fn tune(model: &Model, around: &[Model], goal: Goal) -> Result<Tuned, Error>
         .collect();
     let (mut loops, mut refused) = (Vec::new(), Vec::new());
     for kind in KINDS {
-        let at = |bandwidth: f64| judged(kind, model, &plant, &others, bandwidth);
+        let at =
+            |bandwidth: f64, limit: f64| judged(kind, model, (&plant, &others), bandwidth, limit);
         let found = match goal.bandwidth {
-            Some(bandwidth) => at(bandwidth),
-            None => fastest_robust(&plant, at),
+            Some(bandwidth) => at(bandwidth, f64::INFINITY),
+            None => fastest_robust(&plant, |bandwidth| at(bandwidth, SENSITIVITY)),
         };
         match found {
             Ok(found) => loops.push(found),
@@ -216,13 +217,14 @@ pub fn tune(model: &Model, around: &[Model], goal: Goal) -> Result<Tuned, Error>
     })
 }
 
-/// A loop of a kind at a bandwidth with its margins.
+/// A loop of a kind at a bandwidth with its margins, those of a plant and of others around it; an
+/// error where the sensitivity with one of them exceeds `limit`.
 fn judged(
     kind: &str,
     model: &Model,
-    plant: &SampledPlant,
-    others: &[SampledPlant],
+    (plant, others): (&SampledPlant, &[SampledPlant]),
     bandwidth: f64,
+    limit: f64,
 ) -> Result<TunedLoop, String> {
     let dt = plant.dt;
     let (gains, controller) = if kind == KINDS[0] {
@@ -238,11 +240,14 @@ fn judged(
         let (gains, controller) = state_feedback::design(plant, model, bandwidth)?;
         (Gains::StateFeedback(gains), controller)
     };
-    let nominal = margins::margins(plant, &controller);
-    let worst = others
-        .iter()
-        .map(|plant| margins::margins(plant, &controller))
-        .fold(nominal, Margins::worse);
+    let margins = |plant| {
+        margins::margins(plant, &controller, limit)
+            .ok_or_else(|| format!("no bandwidth keeps the sensitivity below {limit}"))
+    };
+    let nominal = margins(plant)?;
+    let worst = others.iter().try_fold(nominal, |worst, plant| {
+        Ok::<_, String>(worst.worse(margins(plant)?))
+    })?;
     Ok(TunedLoop {
         gains,
         bandwidth,
@@ -252,7 +257,8 @@ fn judged(
     })
 }
 
-/// The loop with the largest bandwidth whose sensitivity stays below its limit.
+/// The loop with the largest bandwidth that is stable, of those whose sensitivity stays below its
+/// limit.
 fn fastest_robust(
     plant: &SampledPlant,
     at: impl Fn(f64) -> Result<TunedLoop, String>,
@@ -260,11 +266,9 @@ fn fastest_robust(
     let robust = |bandwidth: f64| -> Result<TunedLoop, String> {
         let found = at(bandwidth)?;
         let judged = found.worst.unwrap_or(found.margins);
-        match judged.stable && judged.max_sensitivity <= SENSITIVITY {
+        match judged.stable {
             true => Ok(found),
-            false => Err(format!(
-                "no bandwidth keeps the sensitivity below {SENSITIVITY}"
-            )),
+            false => Err("no bandwidth leaves the loop stable".into()),
         }
     };
     let fastest = (0.5 / plant.dt).min(100.0 * plant.rate);
