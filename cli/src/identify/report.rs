@@ -6,7 +6,8 @@ use trendid_identify::dead_zone::DeadZone;
 use trendid_identify::derived::Quantity;
 use trendid_identify::{Choice, Freedom, Identification, Problem, Way};
 
-use crate::format::{polynomial, significant, table, transfer_function, with_sigma};
+use crate::format::{counted, polynomial, significant, table, transfer_function, with_sigma};
+use crate::record::Resampling;
 
 /// Squared errors of prediction, over those of the mean of the output, beyond which the recursion
 /// has diverged; of noise alone it predicts somewhat worse than the mean, too.
@@ -19,8 +20,8 @@ pub(crate) struct Report<'a> {
     pub output: &'a str,
     /// First time stamp \[s\].
     pub start: f64,
-    /// Largest departure of a time step where the samples were moved to equal intervals.
-    pub jitter: Option<f64>,
+    /// What was done to have equal intervals.
+    pub resampling: Resampling,
     /// What was taken for granted of the time stamps.
     pub granted: Option<&'a str>,
     /// The dead zone that the first inputs are behind.
@@ -110,7 +111,7 @@ impl Report<'_> {
             _ => String::new(),
         };
         let plural = if found.delay == 1.0 { "" } else { "s" };
-        let notes = notes(self.granted, self.jitter);
+        let notes = notes(self.granted, self.resampling);
         format!(
             "{}: {} samples every {} s, t = {} .. {} s\n{notes}{zone}{filter}, delay {} sample{plural}{at_end}, {memory}\n\n",
             self.file.display(),
@@ -269,16 +270,18 @@ impl Report<'_> {
     }
 }
 
-/// What was taken for granted of the time stamps, and by how much they vary, in lines.
-pub(crate) fn notes(granted: Option<&str>, jitter: Option<f64>) -> String {
-    let granted = granted.map_or(String::new(), |granted| format!("{granted}\n"));
-    let jitter = jitter.map_or(String::new(), |jitter| {
-        format!(
-            "time steps vary by up to {} %: moved to equal intervals\n",
-            significant(100.0 * jitter, 2)
-        )
-    });
-    granted + &jitter
+/// What was taken for granted of the time stamps, and what was done to them, in lines.
+pub(crate) fn notes(granted: Option<&str>, resampling: Resampling) -> String {
+    let mut text = granted.map_or(String::new(), |granted| format!("{granted}\n"));
+    if let Some(jitter) = resampling.jitter {
+        let percent = significant(100.0 * jitter, 2);
+        text += &format!("time steps vary by up to {percent} %: moved to equal intervals\n");
+    }
+    if resampling.filled > 0 {
+        let filled = counted(resampling.filled, "sample");
+        text += &format!("{filled} missing: filled from the samples around\n");
+    }
+    text
 }
 
 /// A time stamp: with milliseconds where six digits would not tell it from another.

@@ -102,7 +102,7 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Refusal> {
         file: &record.file,
         signals: &signals,
         granted: loaded.granted.as_deref(),
-        jitter: loaded.jitter,
+        resampling: loaded.resampling,
         selection: &selection,
     };
     match args.json {

@@ -9,6 +9,7 @@ use trendid_identify::{Signals, Structure};
 use crate::format::{counted, significant, table, with_sigma};
 use crate::identify::report::notes;
 use crate::output::number;
+use crate::record::Resampling;
 
 /// Fewer points of fit than this between the recommended structure and the best say that they are
 /// alike.
@@ -20,8 +21,8 @@ pub(crate) struct SelectReport<'a> {
     pub(crate) signals: &'a Signals<'a>,
     /// What was taken for granted of the time stamps.
     pub(crate) granted: Option<&'a str>,
-    /// Largest departure of a time step where the samples were moved to equal intervals.
-    pub(crate) jitter: Option<f64>,
+    /// What was done to have equal intervals.
+    pub(crate) resampling: Resampling,
     pub(crate) selection: &'a Selection,
 }
 
@@ -102,7 +103,7 @@ impl SelectReport<'_> {
             self.file.display(),
             self.signals.output.len(),
             significant(self.signals.dt, 5),
-            notes(self.granted, self.jitter)
+            notes(self.granted, self.resampling)
         );
         text += &self.candidates();
         text += &self.dropped();
@@ -212,7 +213,8 @@ impl SelectReport<'_> {
             "reason": self.reason(),
             "doubts": self.doubts(),
             "granted": self.granted,
-            "jitter": self.jitter.map(number),
+            "jitter": self.resampling.jitter.map(number),
+            "filled": self.resampling.filled,
         })
     }
 }

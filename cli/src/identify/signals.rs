@@ -15,7 +15,7 @@ use crate::identify::names::{HoldName, SchemeName, TimeUnit};
 use crate::identify::parse::{interval, power, width};
 use crate::identify::report::Report;
 use crate::output::Refusal;
-use crate::record::{Clock, Record};
+use crate::record::{Clock, Record, Resampling};
 
 /// Record, columns and span.
 #[derive(Debug, Args)]
@@ -70,9 +70,8 @@ pub(crate) struct Loaded {
     pub start: f64,
     /// Sampling interval \[s\].
     pub dt: f64,
-    /// The largest departure of a time step, relative to the interval, where the samples were moved
-    /// to equal intervals.
-    pub jitter: Option<f64>,
+    /// What was done to have equal intervals.
+    pub resampling: Resampling,
     /// What was taken for granted of the time stamps.
     pub granted: Option<String>,
     y: Vec<f64>,
@@ -135,7 +134,7 @@ impl SignalArgs {
             file: &self.file,
             output: &self.output,
             start: loaded.start,
-            jitter: loaded.jitter,
+            resampling: loaded.resampling,
             granted: loaded.granted.as_deref(),
             dead_zone: loaded.dead_zone,
             problem,
@@ -240,7 +239,7 @@ impl SignalArgs {
             standstill: still,
             start: record.start,
             dt: record.dt,
-            jitter: record.jitter,
+            resampling: record.resampling,
             granted: record.granted.clone(),
             y,
             dead_zone: zone,
@@ -277,6 +276,7 @@ impl SignalArgs {
             unit: self.time_unit.map(TimeUnit::seconds),
             dt: self.dt,
             held: self.hold == HoldName::Zoh,
+            span: [self.from, self.to],
         };
         Ok(Record::read(&self.file, clock, &columns)?.window(self.from, self.to, 2)?)
     }

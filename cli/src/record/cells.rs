@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use super::error::{RecordError, TIME};
+use super::resample::{LONGEST_GAP, RARE, Resampling};
 
 /// Largest departure of a time step from the sampling interval, relative to
 /// the interval; time stamps are often rounded in the file.
 const STEP_TOLERANCE: f64 = 0.01;
 
-/// Departures below this are jitter, and the samples are moved; from half a step on a sample may be
-/// missing.
+/// Departures below this are jitter, and the samples are moved; from half a step on nothing says to
+/// which sample a stamp belongs.
 const JITTER: f64 = 1.0 / 3.0;
 
 /// Columns that a refusal names at most.
@@ -167,17 +168,36 @@ pub(super) fn surplus(
     }
 }
 
-/// What the time stamps are.
-pub(super) enum Timing {
-    /// Equally spaced, up to the rounding in the file.
-    Regular(f64),
-    /// Around equal intervals: the mean interval and the largest departure of a step, relative to
-    /// it.
-    Jitter { dt: f64, largest: f64 },
+/// The rows whose stamps lie in a span, half a step of slack included; all where those are less
+/// than two.
+pub(super) fn within(stamps: &[f64], [from, to]: [Option<f64>; 2]) -> Vec<usize> {
+    let mut steps: Vec<f64> = stamps.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
+    steps.sort_by(f64::total_cmp);
+    let slack = 0.5 * steps.get(steps.len() / 2).copied().unwrap_or(0.0);
+    let is_in = |stamp: f64| {
+        from.is_none_or(|from| stamp >= from - slack) && to.is_none_or(|to| stamp <= to + slack)
+    };
+    let rows: Vec<usize> = (0..stamps.len())
+        .filter(|row| is_in(stamps[*row]))
+        .collect();
+    match rows.len() < 2 {
+        true => (0..stamps.len()).collect(),
+        false => rows,
+    }
 }
 
-/// The sampling interval of the stamps: their median step decides what is irregular, their whole
-/// span gives the figure.
+/// What the time stamps are.
+pub(super) struct Timing {
+    /// The sampling interval.
+    pub dt: f64,
+    /// How many samples there would be at equal intervals.
+    pub samples: usize,
+    /// What they lack of equal intervals.
+    pub resampling: Resampling,
+}
+
+/// The sampling interval of the stamps: their median step decides what is irregular and what is
+/// missing, their whole span gives the figure.
 pub(super) fn timing(stamps: &[f64], lines: &[u64], column: &str) -> Result<Timing, RecordError> {
     if stamps.len() < 2 {
         return Err(RecordError::TooFewSamples {
@@ -187,15 +207,6 @@ pub(super) fn timing(stamps: &[f64], lines: &[u64], column: &str) -> Result<Timi
         });
     }
     let steps: Vec<f64> = stamps.windows(2).map(|w| w[1] - w[0]).collect();
-    let mut sorted = steps.clone();
-    sorted.sort_by(f64::total_cmp);
-    let median = sorted[sorted.len() / 2];
-    let irregular = |k: usize, expected: f64| RecordError::IrregularTime {
-        line: lines[k + 1],
-        column: column.to_owned(),
-        found: steps[k],
-        expected,
-    };
     // A step that does not advance is wrong even when most of them are so.
     if let Some(k) = steps.iter().position(|&s| s <= 0.0) {
         return Err(RecordError::NoAdvance {
@@ -205,17 +216,43 @@ pub(super) fn timing(stamps: &[f64], lines: &[u64], column: &str) -> Result<Timi
             found: stamps[k + 1],
         });
     }
-    if let Some(k) = steps
-        .iter()
-        .position(|s| (s - median).abs() > JITTER * median)
-    {
-        return Err(irregular(k, median));
+    let mut sorted = steps.clone();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted[sorted.len() / 2];
+    let intervals = |step: f64| (step / median).round().max(1.0);
+    let departure = |step: f64| (step / median - intervals(step)).abs();
+    if let Some(k) = steps.iter().position(|s| departure(*s) > JITTER) {
+        return Err(RecordError::IrregularTime {
+            line: lines[k + 1],
+            column: column.to_owned(),
+            found: steps[k],
+            expected: median,
+        });
     }
-    let dt = (stamps[stamps.len() - 1] - stamps[0]) / steps.len() as f64;
-    let largest = steps.iter().map(|s| (s - median).abs() / median);
+    let all: f64 = steps.iter().map(|step| intervals(*step)).sum();
+    let filled = all as usize - steps.len();
+    let long = |step: &f64| intervals(*step) > (LONGEST_GAP + 1) as f64;
+    let gap = steps.iter().position(long).or_else(|| {
+        let first = steps.iter().position(|step| intervals(*step) > 1.0);
+        first.filter(|_| filled * RARE > stamps.len())
+    });
+    if let Some(k) = gap {
+        return Err(RecordError::Missing {
+            line: lines[k + 1],
+            column: column.to_owned(),
+            samples: intervals(steps[k]) as u64 - 1,
+            all: filled,
+            of: stamps.len() + filled,
+        });
+    }
+    let largest = steps.iter().map(|step| departure(*step));
     let largest = largest.fold(0.0, f64::max);
-    Ok(match largest > STEP_TOLERANCE {
-        true => Timing::Jitter { dt, largest },
-        false => Timing::Regular(dt),
+    Ok(Timing {
+        dt: (stamps[stamps.len() - 1] - stamps[0]) / all,
+        samples: stamps.len() + filled,
+        resampling: Resampling {
+            jitter: (largest > STEP_TOLERANCE).then_some(largest),
+            filled,
+        },
     })
 }

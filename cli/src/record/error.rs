@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::resample::{LONGEST_GAP, RARE};
 use crate::format::{counted, significant};
 
 /// The column of the time stamps unless another one is named.
@@ -104,6 +105,18 @@ pub(crate) enum RecordError {
         column: String,
         found: f64,
         expected: f64,
+    },
+    /// Samples are missing, more than can be filled.
+    #[error(
+        "line {line}: {} missing before it (column `{column}`), {all} of {of} in all; {LONGEST_GAP} in a row and {} % of all are filled at most: --from and --to choose a part without",
+        counted(*samples as usize, "sample"), 100 / RARE
+    )]
+    Missing {
+        line: u64,
+        column: String,
+        samples: u64,
+        all: usize,
+        of: usize,
     },
     /// The record or the chosen part of it is too short.
     #[error("only {} {part}, but at least {needed} are needed", counted(*found, "sample"))]

@@ -12,6 +12,7 @@ use std::path::Path;
 
 use cells::{Timing, cell, position, surplus, time_position, timing, unit_of};
 pub(crate) use error::RecordError;
+pub(crate) use resample::Resampling;
 
 /// The column of the time stamps.
 #[derive(Debug, Clone, Copy)]
@@ -24,6 +25,8 @@ pub(crate) struct Clock<'a> {
     /// Whether the signals after the first are held between their samples, not straight: how jitter
     /// is taken out.
     pub held: bool,
+    /// First and last time stamp in s; those outside are not judged.
+    pub span: [Option<f64>; 2],
 }
 
 /// Equally sampled signals read from one file.
@@ -35,9 +38,8 @@ pub(crate) struct Record {
     pub start: f64,
     /// Sampling interval in s.
     pub dt: f64,
-    /// The largest departure of a time step from the interval, relative to it, where the samples
-    /// were therefore moved to equal intervals.
-    pub jitter: Option<f64>,
+    /// What was done to have equal intervals.
+    pub resampling: Resampling,
     /// What was taken for granted of the time stamps, in one sentence.
     pub granted: Option<String>,
     /// The signals in the order in which they were asked for.
@@ -51,7 +53,8 @@ impl Record {
     /// Lines starting with `#` are comments; cells are separated by commas, or
     /// by semicolons or tabs when the header has no comma. Quoted cells, CRLF
     /// and a byte order mark are understood. Columns that are not asked for
-    /// need not hold numbers.
+    /// need not hold numbers. Stamps with jitter are moved to equal intervals, and
+    /// few missing samples filled on straight lines.
     ///
     /// # Errors
     ///
@@ -94,7 +97,7 @@ impl Record {
                 comments: lines.comments,
                 start: 0.0,
                 dt,
-                jitter: None,
+                resampling: Resampling::default(),
                 granted: None,
                 signals: columns,
             });
@@ -114,20 +117,25 @@ impl Record {
             (None, None) => cells::whole_seconds(&counts, &time),
         };
         let stamps: Vec<f64> = counts.iter().map(|t| unit * t).collect();
-        let timing = timing(&stamps, &table.numbers, &time)?;
-        let mut signals: Vec<Vec<f64>> = columns.collect();
-        let (dt, jitter) = match timing {
-            Timing::Regular(dt) => (dt, None),
-            Timing::Jitter { dt, largest } => {
-                signals = resample::resampled(&stamps, dt, &signals, clock.held);
-                (dt, Some(largest))
-            }
-        };
+        let rows = cells::within(&stamps, clock.span);
+        let kept = |column: Vec<f64>| rows.iter().map(|row| column[*row]).collect::<Vec<_>>();
+        let mut signals: Vec<Vec<f64>> = columns.map(kept).collect();
+        let numbers: Vec<u64> = rows.iter().map(|row| table.numbers[*row]).collect();
+        let stamps: Vec<f64> = rows.iter().map(|row| stamps[*row]).collect();
+        let timing = timing(&stamps, &numbers, &time)?;
+        let Timing {
+            dt,
+            samples,
+            resampling,
+        } = timing;
+        if resampling.is_any() {
+            signals = resample::resampled(&stamps, (dt, samples), &signals, clock.held);
+        }
         Ok(Self {
             comments: lines.comments,
             start: stamps[0],
             dt,
-            jitter,
+            resampling,
             granted,
             signals,
         })
@@ -179,7 +187,7 @@ impl Record {
             comments: self.comments.clone(),
             start: self.start + first as f64 * self.dt,
             dt: self.dt,
-            jitter: self.jitter,
+            resampling: self.resampling,
             granted: self.granted.clone(),
             signals: self
                 .signals

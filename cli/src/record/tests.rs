@@ -8,6 +8,7 @@ const SECONDS: Clock = Clock {
     unit: None,
     dt: None,
     held: true,
+    span: [None; 2],
 };
 
 fn parse(text: &str, signals: &[&str]) -> Result<Record, RecordError> {
@@ -174,10 +175,10 @@ fn the_unit_of_a_clock_is_in_its_name() {
 
 #[test]
 fn fast_steps_are_told_apart() {
-    let text = "t,u,y\n0,1,2\n1e-7,3,4\n2e-7,3,4\n4e-7,3,4\n";
+    let text = "t,u,y\n0,1,2\n1e-7,3,4\n2e-7,3,4\n3.5e-7,3,4\n";
     assert_eq!(
         refusal(text),
-        "line 5: irregular time stamps, a step of 2.000e-7 s where 1.000e-7 s was expected (column `t`); --dt S takes the rows as equally spaced"
+        "line 5: irregular time stamps, a step of 1.500e-7 s where 1.000e-7 s was expected (column `t`); --dt S takes the rows as equally spaced"
     );
 }
 
@@ -207,12 +208,67 @@ fn jitter_is_moved_to_equal_intervals_and_said() {
     let found = parse(text, &["y", "u"]).unwrap();
     assert_eq!((found.dt, found.signals[0].len()), (1.0, 5));
     // The median step is 1.1, the others 0.9.
-    assert!((found.jitter.unwrap() - 0.2 / 1.1).abs() < 1e-12);
+    assert!((found.resampling.jitter.unwrap() - 0.2 / 1.1).abs() < 1e-12);
     for (k, y) in found.signals[0].iter().enumerate() {
         assert!((y - 2.0 * k as f64).abs() < 1e-12);
     }
     let regular = parse("t,u\n0,1\n1,2\n2,3\n", &["u"]).unwrap();
-    assert_eq!(regular.jitter, None);
+    assert_eq!(regular.resampling, Resampling::default());
+}
+
+/// A ramp of 2 in y under steps of the input, without the rows of some samples.
+fn without(missing: &[usize], samples: usize) -> String {
+    let rows = (0..samples).filter(|k| !missing.contains(k));
+    let row = |k: usize| format!("{},{},{}\n", 0.5 * k as f64, 2 * k, usize::from(k > 150));
+    "t,y,u\n".to_owned() + &rows.map(row).collect::<String>()
+}
+
+#[test]
+fn missing_samples_are_filled_and_said() {
+    let found = parse(&without(&[7, 150, 151], 400), &["y", "u"]).unwrap();
+    assert_eq!((found.dt, found.len()), (0.5, 400));
+    assert_eq!(
+        (found.resampling.filled, found.resampling.jitter),
+        (3, None)
+    );
+    for (k, (y, u)) in found.signals[0].iter().zip(&found.signals[1]).enumerate() {
+        assert!((y - 2.0 * k as f64).abs() < 1e-9, "{k}: {y}");
+        // Held through the gap.
+        assert_eq!(*u, f64::from(u8::from(k > 151)), "{k}");
+    }
+}
+
+#[test]
+fn more_missing_samples_than_can_be_filled_are_refused() {
+    assert_eq!(
+        refusal(&without(&[7, 200, 201, 202, 203], 1000)),
+        "line 201: 4 samples missing before it (column `t`), 5 of 1000 in all; 3 in a row and 1 % of all are filled at most: --from and --to choose a part without"
+    );
+    let said = refusal(&without(&[7, 9, 11], 200));
+    assert!(
+        said.starts_with("line 9: 1 sample missing before it"),
+        "{said}"
+    );
+    let share = |missing| parse(&without(missing, 202), &["y", "u"]);
+    assert!(share(&[7, 9]).is_ok() && share(&[7, 9, 11]).is_err());
+}
+
+#[test]
+fn stamps_outside_of_the_span_are_not_judged() {
+    let text = without(&[7, 300, 301, 302, 303], 400);
+    let clock = Clock {
+        span: [Some(5.0), Some(149.0)],
+        ..SECONDS
+    };
+    let found = Record::parse(
+        Path::new("x.csv"),
+        text.as_bytes(),
+        clock,
+        &["y".to_owned()],
+    );
+    let found = found.unwrap().window(Some(5.0), Some(149.0), 2).unwrap();
+    assert_eq!((found.start, found.len()), (5.0, 289));
+    assert!(!found.resampling.is_any());
 }
 
 #[test]

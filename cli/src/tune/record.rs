@@ -116,7 +116,7 @@ impl RecordArgs {
             verdict: report.verdict(),
             doubt: report.doubt(),
             remarks: report.remarks().into_iter().map(str::to_owned).collect(),
-            notes: notes(loaded.granted.as_deref(), loaded.jitter),
+            notes: notes(loaded.granted.as_deref(), loaded.resampling),
         }
     }
 }
