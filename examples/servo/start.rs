@@ -12,6 +12,7 @@ use trendid::servo::ServoLoop;
 use trendid_example_support::brown_out::set_brown_out_level;
 use trendid_example_support::machine::{config, servo_loop};
 use trendid_example_support::reset::Causes;
+use trendid_example_support::watchdog::{at_least, set_period};
 use trendid_link::telemetry::Event;
 
 use crate::emulated::{self, Script};
@@ -31,8 +32,15 @@ const SLOTS_PER_S: u64 = 1000;
 /// Time for crystal, ports and construction; a crystal that does not start ends in a restart.
 const START_MS: u32 = 100;
 
-/// Time for the stored model, when a sector of flash must be erased: 2 s at most (data sheet).
-const KEEP_MS: u32 = 4000;
+/// Time for the option bytes and for the stored model, when a sector of flash must be erased.
+const KEEP_MS: u32 = 10_000;
+
+/// Longest time for both (data sheet): the HAL erases with a parallelism of one byte, 0.8 s for the
+/// option bytes as for a sector of 16 KiB, and 4 s for one of 128 KiB, 2 s as a rule.
+const ERASE_MS: u32 = 4800;
+
+// In the flash no code runs meanwhile that could feed.
+const _: () = assert!(at_least(KEEP_MS) > ERASE_MS);
 
 /// Priority of the slot: below that of the line, whose interrupt takes one byte.
 const SLOT_PRIORITY: u8 = 0x10;
@@ -61,8 +69,8 @@ type Idle = (
 fn begin() -> Idle {
     let chip = pac::Peripherals::take().unwrap();
     let mut core = cortex_m::Peripherals::take().unwrap();
-    let mut watchdog = IndependentWatchdog::new(chip.IWDG);
-    watchdog.start(START_MS.millis());
+    let watchdog = IndependentWatchdog::new(chip.IWDG);
+    set_period(&mut Chip, START_MS);
     // The flags collect until they are cleared.
     let causes = Causes::from_csr(chip.RCC.csr().read().bits());
     chip.RCC.csr().modify(|_, word| word.rmvf().set_bit());
@@ -103,7 +111,9 @@ fn begin() -> Idle {
     }
     let period = run_on(chip.TIM5);
     let stopped = survivor.fault().is_some();
-    watchdog.start(KEEP_MS.millis());
+    if !set_period(&mut Chip, KEEP_MS) {
+        defmt::error!("the watchdog does not take its period");
+    }
     // Nothing moves yet: option bytes may be written, as a sector may be erased.
     let brown_out = (!emulated).then(|| set_brown_out_level(&mut Chip, BROWN_OUT));
     log::start(&survivor, causes, brown_out);
@@ -119,7 +129,7 @@ fn begin() -> Idle {
     }
     let queue = cortex_m::singleton!(: Queue<Snapshot, 32> = Queue::new()).unwrap();
     let (producer, consumer) = queue.split();
-    watchdog.start(WATCHDOG_MS.millis());
+    set_period(&mut Chip, WATCHDOG_MS);
     let panel = (panel, wire);
     slot::hand_over(Slot::new(
         servo, slots, period, watchdog, panel, producer, stopped,

@@ -7,15 +7,15 @@
 
 use core::sync::atomic::{AtomicU8, Ordering};
 
-use stm32f4xx_hal::prelude::*;
 use trendid::servo::{Config, MotionLimits, ServoLoop};
 use trendid_example_support::button::Request;
 use trendid_example_support::machine::AXIS;
 use trendid_example_support::slots::Slots;
+use trendid_example_support::watchdog::set_period;
 use trendid_link::telemetry::{self, Refusal, SettingValue, operate, settings};
 
 use crate::slot::{Slot, WATCHDOG_MS};
-use crate::wiring::{Output, Panel, Sensor};
+use crate::wiring::{Chip, Output, Panel, Sensor};
 use crate::{live, survival};
 
 /// Time in ms for a request that takes many slots.
@@ -119,6 +119,8 @@ impl Slot {
                 self.now.store = false;
                 return Ok(None);
             }
+            // In motion no slot has time for it, and none for the refusal either.
+            Request::Install(_) if self.moves() => return Err(Refusal::Moving),
             Request::Install(_) => {
                 self.unhurried(|slot| operate(&mut slot.servo, request))?;
                 self.guided = true;
@@ -131,9 +133,15 @@ impl Slot {
         Ok(Some(()))
     }
 
+    /// Whether the loop commissions or controls.
+    fn moves(&self) -> bool {
+        let state = self.servo.supervisor().state();
+        state.is_commissioning() || state.is_controlling()
+    }
+
     /// A loop with other settings, idle; what was found before is forgotten.
     fn configure(&mut self, config: Config) -> Result<(), Refusal> {
-        if self.now.state.is_commissioning() || self.now.state.is_controlling() {
+        if self.moves() {
             return Err(Refusal::Moving);
         }
         self.unhurried(|slot| {
@@ -151,11 +159,11 @@ impl Slot {
         &mut self,
         act: impl FnOnce(&mut Self) -> Result<(), Refusal>,
     ) -> Result<(), Refusal> {
-        self.watchdog.start(LONG_MS.millis());
+        set_period(&mut Chip, LONG_MS);
         let done = act(self);
         let _ = self.timer.wait();
         self.slots = Slots::new(self.period);
-        self.watchdog.start(WATCHDOG_MS.millis());
+        set_period(&mut Chip, WATCHDOG_MS);
         done
     }
 }

@@ -19,6 +19,7 @@ pub mod rtt;
 pub mod safe_output;
 pub mod slots;
 pub mod survivor;
+pub mod watchdog;
 
 #[cfg(target_os = "none")]
 pub mod board;
