@@ -111,11 +111,12 @@ impl Slot {
         let begin = count();
         // Ends the request, so that the next one shows whether this slot was too long.
         let _ = self.timer.wait();
-        let now = match self.panel {
-            Panel::Button(..) => running(),
-            Panel::Emulated => emulated::counter(self.period),
+        // The counter of the chip begins again with each slot, that of the emulator runs on.
+        let (now, since) = match self.panel {
+            Panel::Button(..) => (running(), begin),
+            Panel::Emulated => (emulated::counter(self.period), 0),
         };
-        let missed = self.slots.missed(now);
+        let missed = self.slots.missed(now, since);
         self.now.missed = self.now.missed.saturating_add(missed);
         self.now.tick += 1 + u64::from(missed);
         if let Some(request) = self.panel.request() {
@@ -197,7 +198,6 @@ impl Slot {
             return;
         }
         let end = count();
-        // The counter of the chip begins again with each slot, that of the emulator runs on.
         let ticks = if end >= begin {
             end - begin
         } else {

@@ -1,7 +1,8 @@
 //! Slots of the control loop that passed without a call, by a counter that runs on and wraps
 //! around.
 
-/// Share of a slot by which the first call may be late; every later one has the rest of a slot.
+/// Share of a slot by which a call may come before the first one of later slots; a later one has the
+/// rest of a slot.
 const MARGIN: u32 = 32;
 
 /// The slots of a periodic interrupt.
@@ -22,7 +23,7 @@ pub struct Slots {
 }
 
 impl Slots {
-    /// Slots of `period` counts; the first call begins the first one.
+    /// Slots of `period` counts; the first call lies in the first one.
     #[must_use]
     pub const fn new(period: u32) -> Self {
         Self {
@@ -34,10 +35,14 @@ impl Slots {
     }
 
     /// Takes the counter at a call; how many slots passed without one since the call before.
-    pub const fn missed(&mut self, now: u32) -> u32 {
+    ///
+    /// `since`: counts since the present slot began. The first call alone looks at it: that of an
+    /// interrupt which waited to be let in comes anywhere in its slot, and every later one would
+    /// seem early.
+    pub const fn missed(&mut self, now: u32, since: u32) -> u32 {
         if !self.started {
             self.started = true;
-            self.begin = now.wrapping_sub(self.period / MARGIN);
+            self.begin = now.wrapping_sub(since % self.period + self.period / MARGIN);
             return 0;
         }
         let slots = now.wrapping_sub(self.begin) / self.period;
@@ -58,8 +63,8 @@ mod tests {
     /// Missed slots, seen at calls so many counts after the first one.
     fn missed<const N: usize>(first: u32, calls: [u32; N]) -> [u32; N] {
         let mut slots = Slots::new(PERIOD);
-        assert_eq!(slots.missed(first), 0);
-        calls.map(|after| slots.missed(first.wrapping_add(after)))
+        assert_eq!(slots.missed(first, 0), 0);
+        calls.map(|after| slots.missed(first.wrapping_add(after), 0))
     }
 
     #[test]
@@ -69,10 +74,10 @@ mod tests {
         let mut now = u32::MAX - 5 * PERIOD;
         for _ in 0..200_000 {
             let late = (jitter.bits() >> 8) % (9 * PERIOD / 10);
-            assert_eq!(slots.missed(now.wrapping_add(late % (PERIOD / 40))), 0);
+            assert_eq!(slots.missed(now.wrapping_add(late % (PERIOD / 40)), 0), 0);
             // Any lateness below a slot is none that is missing.
             now = now.wrapping_add(PERIOD);
-            assert_eq!(slots.missed(now.wrapping_add(late)), 0);
+            assert_eq!(slots.missed(now.wrapping_add(late), 0), 0);
             now = now.wrapping_add(PERIOD);
         }
     }
@@ -97,9 +102,40 @@ mod tests {
     }
 
     #[test]
+    fn what_an_interrupt_misses_is_counted_wherever_it_is_let_in() {
+        let mut dice = Random::new(3);
+        for _ in 0..2000 {
+            let mut draw = |most: u32| u64::from((dice.bits() >> 4) % most);
+            let (origin, mut time) = (draw(u32::MAX), draw(PERIOD));
+            let mut slots = Slots::new(PERIOD);
+            let mut newest = None;
+            for _ in 0..50 {
+                // One request waits, however many slots have begun.
+                let slot = time / u64::from(PERIOD);
+                if newest == Some(slot) {
+                    time = (slot + 1) * u64::from(PERIOD);
+                    continue;
+                }
+                let since = (time % u64::from(PERIOD)) as u32;
+                let missed = slots.missed((origin + time) as u32, since);
+                let expected = newest.map_or(0, |before| slot - before - 1);
+                // A call just before the end of its slot may count as that of the next.
+                if since < PERIOD / MARGIN * (MARGIN - 1) {
+                    assert_eq!(u64::from(missed), expected, "{time}");
+                    newest = Some(slot);
+                    let long = draw(4) == 0;
+                    time += draw(if long { 4 * PERIOD } else { PERIOD / 2 });
+                } else {
+                    break;
+                }
+            }
+        }
+    }
+
+    #[test]
     fn a_period_of_zero_divides_nothing() {
         let mut slots = Slots::new(0);
-        assert_eq!(slots.missed(5), 0);
-        assert_eq!(slots.missed(8), 2);
+        assert_eq!(slots.missed(5, 7), 0);
+        assert_eq!(slots.missed(8, 0), 2);
     }
 }
