@@ -32,7 +32,9 @@ impl Keep {
         let identity = Identity::new(PLANT, &config());
         let loaded = ModelStore::new(flash.unlocked(), BEGIN, SECTOR).and_then(|mut store| {
             let loaded = store.load(&identity);
-            store.make_room()?;
+            if store.make_room().is_err() {
+                defmt::error!("the flash has no room for another model");
+            }
             loaded
         });
         let record = match loaded {
@@ -58,7 +60,7 @@ impl Keep {
         (keep, record)
     }
 
-    /// Saves a verified model that is worth it, a byte at a time, which delays a slot by 16 us at
+    /// Saves a verified model that is worth it, a byte at a time, which delays a slot by 100 us at
     /// most.
     ///
     /// A sector that is full is erased at the next start: here it would stop the chip for longer
@@ -71,19 +73,21 @@ impl Keep {
 
     /// The same for one that somebody asked for; whether it was saved.
     pub(crate) fn store(&mut self, record: &Record, seconds: u32) -> bool {
-        let Ok(mut store) = ModelStore::new(self.flash.unlocked(), BEGIN, SECTOR) else {
-            return false;
-        };
-        if !matches!(store.must_erase(), Ok(false)) {
-            return false;
-        }
-        let saved = store.save(&self.identity, record).is_ok();
+        let saved = self.save(record).is_some();
         if saved {
             self.keeper.saved(&record.model, seconds);
             defmt::info!("model stored");
         } else {
+            self.keeper.failed(seconds);
             defmt::error!("the model could not be stored");
         }
         saved
+    }
+
+    /// Saves a record where no sector must be erased for it.
+    fn save(&mut self, record: &Record) -> Option<()> {
+        let mut store = ModelStore::new(self.flash.unlocked(), BEGIN, SECTOR).ok()?;
+        let full = store.must_erase().ok()?;
+        (!full).then(|| store.save(&self.identity, record).ok())?
     }
 }

@@ -15,7 +15,8 @@ const COMMAND: f32 = 0.002;
 /// keeps its model writes none.
 const PAUSE: u32 = 60;
 
-/// Decides when to save: a change of more than 2 %, and not within a minute of the last record.
+/// Decides when to save: a change of more than 2 %, and not within a minute of the last record or
+/// attempt.
 ///
 /// # Examples
 /// ```
@@ -29,7 +30,7 @@ const PAUSE: u32 = 60;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Keeper {
     kept: Option<Model>,
-    /// Time of the last record, in s.
+    /// Time of the last record or attempt, in s.
     last: Option<u32>,
 }
 
@@ -48,6 +49,12 @@ impl Keeper {
     /// Notes that `model` was saved at the time `now` in s.
     pub const fn saved(&mut self, model: &Model, now: u32) {
         self.kept = Some(*model);
+        self.last = Some(now);
+    }
+
+    /// Notes that nothing could be saved at the time `now` in s: another attempt waits as long as
+    /// another record, since a flash that fails would else be written in every one.
+    pub const fn failed(&mut self, now: u32) {
         self.last = Some(now);
     }
 }

@@ -21,9 +21,11 @@
 //! # Where the time goes
 //! Never call [`ModelStore::save`] in the path of a sample. On an STM32F405 programming one record
 //! stalls reads of the same bank for about 0.4 ms, erasing a sector of 16 KiB for 0.25 s and of 128
-//! KiB for 1 s (typical figures of the data sheet, tables of flash programming), in which no code
-//! runs from flash and no watchdog is fed. [`ModelStore::must_erase`] is true beforehand;
-//! [`ModelStore::make_room`] does it where the time is, at the start before anything moves.
+//! KiB for 1 s (typical figures of the data sheet for words of 32 bits, tables of flash
+//! programming), in which no code runs from flash and no watchdog is fed. A driver that writes
+//! bytes, such as that of stm32f4xx-hal, takes 1.5 ms, 0.4 s and 2 s, and 4 s at most.
+//! [`ModelStore::must_erase`] is true beforehand; [`ModelStore::make_room`] does it where the time
+//! is, at the start before anything moves.
 //! [`Keeper`] decides when a model is worth a record.
 //!
 //! Not a general file system: one kind of record, two sectors. A log-structured map as in

@@ -202,3 +202,18 @@ fn a_keeper_waits_a_minute_and_for_two_percent() {
     assert!(!keeper.is_due(&model, 49) && keeper.is_due(&model, 50));
     assert!(!keeper.is_due(&changed(1.1), 50));
 }
+
+#[test]
+fn a_save_that_fails_is_not_tried_again_within_the_minute() {
+    let model = record(0).model;
+    for begin in [0, u32::MAX - 9] {
+        let mut keeper = Keeper::new(None);
+        assert!(keeper.is_due(&model, begin));
+        keeper.failed(begin);
+        for second in 0..60 {
+            assert!(!keeper.is_due(&model, begin.wrapping_add(second)));
+        }
+        // It is still worth a record.
+        assert!(keeper.is_due(&model, begin.wrapping_add(60)));
+    }
+}
