@@ -33,7 +33,8 @@ pub struct SsiFormat {
 pub enum SsiError<E> {
     /// The bus failed.
     Bus(E),
-    /// The data line was low before the frame: the encoder is still in its pause, or not connected.
+    /// The data line was low before the frame, since the encoder is still in its pause or not
+    /// connected; or high in every bit, as that of a receiver without a signal.
     NotReady,
     /// The encoder reports a fault.
     Alarm,
@@ -76,7 +77,9 @@ impl<SPI: SpiDevice> PositionSensor for SsiEncoder<SPI> {
             .transaction(&mut [Operation::Read(&mut bytes)])
             .map_err(SsiError::Bus)?;
         let frame = u32::from_be_bytes(bytes);
-        if frame >> 31 == 0 {
+        // An encoder takes the line down behind its last bit; receivers of RS-422 take it up where
+        // no encoder is, and ones pass for a position without an alarm bit, and for even parity.
+        if frame >> 31 == 0 || frame == u32::MAX {
             return Err(SsiError::NotReady);
         }
         let SsiFormat {
@@ -201,6 +204,33 @@ mod tests {
                 "bit {bit}"
             );
         }
+    }
+
+    #[test]
+    fn a_line_that_stands_still_is_no_position_in_any_format() {
+        for bits in 1..=29 {
+            for (alarm, parity) in [(false, false), (false, true), (true, false), (true, true)] {
+                for code in [SsiCode::Binary, SsiCode::Gray] {
+                    let format = SsiFormat {
+                        bits,
+                        code,
+                        alarm,
+                        parity,
+                    };
+                    for line in [0, u32::MAX] {
+                        assert_eq!(read(format, line), Err(SsiError::NotReady), "{format:?}");
+                    }
+                }
+            }
+        }
+        // The last position of a travel is one.
+        let plain = SsiFormat {
+            alarm: false,
+            parity: false,
+            code: SsiCode::Binary,
+            ..LINEAR
+        };
+        assert_eq!(read(plain, 0xFFFF_FF80), Ok(0xFF_FFFF));
     }
 
     #[test]
