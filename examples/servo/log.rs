@@ -75,6 +75,7 @@ pub(crate) fn words(fault: &Fault) -> telemetry::Text {
         Fault::HardFault { .. } => "hard fault",
         Fault::StackOverflow { .. } => "the stack overflowed",
         Fault::Exception { .. } => "an exception has no handler",
+        Fault::Forgotten => "the record of faults was damaged",
     })
 }
 
@@ -103,5 +104,6 @@ pub(crate) fn fault(fault: Option<Fault>) {
         Some(Fault::Exception { number }) => {
             defmt::error!("fault: exception {=i32} has no handler", number);
         }
+        Some(Fault::Forgotten) => defmt::error!("fault: the record of faults was damaged"),
     }
 }

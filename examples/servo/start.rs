@@ -74,7 +74,7 @@ fn begin() -> Idle {
     // The flags collect until they are cleared.
     let causes = Causes::from_csr(chip.RCC.csr().read().bits());
     chip.RCC.csr().modify(|_, word| word.rmvf().set_bit());
-    let survivor = survival::update(|survivor| survivor.start(causes));
+    let survivor = survival::begin(causes);
 
     // The internal oscillator runs after reset on every chip; a clock control that does not know it
     // is QEMU's.

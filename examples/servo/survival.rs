@@ -8,6 +8,7 @@ use core::mem::MaybeUninit;
 use cortex_m::interrupt::free;
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::exception;
+use trendid_example_support::reset::Causes;
 use trendid_example_support::survivor::{Fault, Survivor, Text, WORDS};
 
 use crate::wiring;
@@ -24,26 +25,40 @@ unsafe impl Sync for Memory {}
 #[unsafe(link_section = ".uninit.survivor")]
 static MEMORY: Memory = Memory(UnsafeCell::new(MaybeUninit::uninit()));
 
-/// The record; an empty one where the memory holds none.
-pub(crate) fn load() -> Survivor {
-    let words = free(|_| {
+/// The words of the memory.
+fn read() -> [u32; WORDS] {
+    free(|_| {
         // SAFETY: interrupts are off; memory that came up by chance is a number too, and the check
         // tells it from a record.
         unsafe { MEMORY.0.get().cast::<[u32; WORDS]>().read_volatile() }
-    });
-    Survivor::from_words(&words).unwrap_or_default()
+    })
 }
 
-/// Changes the record.
-pub(crate) fn update(change: impl FnOnce(&mut Survivor)) -> Survivor {
-    let mut survivor = load();
-    change(&mut survivor);
+fn write(survivor: &Survivor) {
     let words = survivor.words();
     free(|_| {
         // SAFETY: interrupts are off, so that nobody else reads or writes.
         unsafe { MEMORY.0.get().cast::<[u32; WORDS]>().write_volatile(words) };
     });
+}
+
+/// The record at the start.
+pub(crate) fn begin(causes: Causes) -> Survivor {
+    let survivor = Survivor::at_start(&read(), causes);
+    write(&survivor);
     survivor
+}
+
+/// The record; an empty one where the memory holds none.
+pub(crate) fn load() -> Survivor {
+    Survivor::from_words(&read()).unwrap_or_default()
+}
+
+/// Changes the record.
+pub(crate) fn update(change: impl FnOnce(&mut Survivor)) {
+    let mut survivor = load();
+    change(&mut survivor);
+    write(&survivor);
 }
 
 /// Restarts the chip.

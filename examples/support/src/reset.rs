@@ -93,6 +93,12 @@ impl Causes {
         self.contains(Cause::IndependentWatchdog) || self.contains(Cause::WindowWatchdog)
     }
 
+    /// Whether there is a cause, and none that says that power was away.
+    #[must_use]
+    pub const fn kept_power(self) -> bool {
+        self.0 != 0 && !self.contains(Cause::PowerOn) && !self.contains(Cause::BrownOut)
+    }
+
     /// The cause behind the flags.
     ///
     /// Every reset pulls the pin and sets its flag, and a power-on sets that of the brown-out, so

@@ -83,6 +83,8 @@ pub enum Fault {
         /// Number of the interrupt, negative for an exception of the core.
         number: i32,
     },
+    /// The record was damaged while power was there: what it held is not known.
+    Forgotten,
 }
 
 /// Words of a fault: kind, two numbers, text.
@@ -99,6 +101,7 @@ impl Fault {
             Some(Self::HardFault { pc, lr }) => (4, *pc, *lr, &EMPTY),
             Some(Self::Exception { number }) => (5, number.cast_unsigned(), 0, &EMPTY),
             Some(Self::StackOverflow { sp }) => (6, *sp, 0, &EMPTY),
+            Some(Self::Forgotten) => (7, 0, 0, &EMPTY),
         };
         let [a, b, c, d, e, f, g, h] = text.words();
         [kind, first, second, a, b, c, d, e, f, g, h]
@@ -124,6 +127,7 @@ impl Fault {
                 number: first.cast_signed(),
             }),
             6 => Some(Self::StackOverflow { sp: first }),
+            7 => Some(Self::Forgotten),
             _ => return None,
         })
     }
@@ -179,6 +183,21 @@ impl Survivor {
         let [body @ .., low, high] = &mut words;
         [*low, *high] = check(body);
         words
+    }
+
+    /// The record at a start for these causes, which is counted.
+    ///
+    /// Memory that holds none is as it must be where power came, and where no cause is known; else
+    /// a fault may have been in it.
+    #[must_use]
+    pub fn at_start(words: &[u32; WORDS], causes: Causes) -> Self {
+        let found = Self::from_words(words);
+        let mut survivor = found.unwrap_or_default();
+        survivor.start(causes);
+        if found.is_none() && causes.kept_power() {
+            survivor.latch(Fault::Forgotten);
+        }
+        survivor
     }
 
     /// Counts a start; a watchdog among its causes is a fault.

@@ -3,7 +3,7 @@ use super::*;
 const WATCHDOG: Causes = Causes::from_csr(0x2400_0000);
 const SOFTWARE: Causes = Causes::from_csr(0x1400_0000);
 
-fn faults() -> [Option<Fault>; 7] {
+fn faults() -> [Option<Fault>; 8] {
     [
         None,
         Some(Fault::Stopped {
@@ -20,6 +20,7 @@ fn faults() -> [Option<Fault>; 7] {
         }),
         Some(Fault::Exception { number: -4 }),
         Some(Fault::StackOverflow { sp: 0x1FFF_FFF8 }),
+        Some(Fault::Forgotten),
     ]
 }
 
@@ -77,7 +78,7 @@ fn memory_after_power_on_is_no_record() {
 
 #[test]
 fn another_layout_or_kind_is_no_record() {
-    for (place, word) in [(0, MAGIC + 1), (2 + COUNTERS, 7)] {
+    for (place, word) in [(0, MAGIC + 1), (2 + COUNTERS, 8)] {
         let mut words = survivor(None).words();
         words[place] = word;
         let [body @ .., low, high] = &mut words;
@@ -96,6 +97,29 @@ fn a_watchdog_stays_a_fault_until_it_is_acknowledged() {
     survivor.start(SOFTWARE);
     assert_eq!(survivor.fault(), None);
     assert_eq!(survivor.resets(Cause::IndependentWatchdog), 1);
+}
+
+#[test]
+fn a_record_that_is_damaged_while_power_is_there_is_a_fault() {
+    let latched = survivor(Some(Fault::HardFault { pc: 1, lr: 2 })).words();
+    let mut damaged = latched;
+    damaged[5] ^= 1 << 9;
+    let fault = |words, csr| Survivor::at_start(&words, Causes::from_csr(csr)).fault();
+    for csr in [0x0400_0000, 0x1400_0000, 0x4400_0000, 0x8400_0000] {
+        let kept = Some(Fault::HardFault { pc: 1, lr: 2 });
+        assert_eq!(fault(latched, csr), kept);
+    }
+    for csr in [0x0400_0000, 0x1400_0000, 0x8400_0000] {
+        assert_eq!(fault(damaged, csr), Some(Fault::Forgotten), "{csr:x}");
+    }
+    // A watchdog says more.
+    assert_eq!(fault(damaged, 0x2400_0000), Some(Fault::Watchdog));
+    // Power came, after which memory holds anything; and the emulator.
+    for csr in [0x0E00_0000, 0x0600_0000, 0x1E00_0000, 0] {
+        assert_eq!(fault(damaged, csr), None, "{csr:x}");
+    }
+    let again = Survivor::at_start(&damaged, SOFTWARE);
+    assert_eq!((again.starts(), again.resets(Cause::Software)), (1, 1));
 }
 
 #[test]
