@@ -63,12 +63,16 @@ static trendid_error requests(struct object *object, const struct values *values
     if (error == TRENDID_ERROR_OK && stop && !object->abort) {
         error = trendid_loop_abort(&object->loop);
     }
-    if (error == TRENDID_ERROR_OK && target != object->target) {
-        error = trendid_loop_move_to(&object->loop, (float)target, NULL);
-    }
     object->commission = commission;
     object->abort = stop;
-    object->target = target;
+    if (error == TRENDID_ERROR_OK && target != object->target) {
+        error = trendid_loop_move_to(&object->loop, (float)target, NULL);
+        if (error == TRENDID_ERROR_NOT_CONTROLLING) {
+            /* It stays a new value, and is a move where control begins. */
+            return TRENDID_ERROR_OK;
+        }
+        object->target = target;
+    }
     return error;
 }
 

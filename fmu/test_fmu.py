@@ -140,6 +140,21 @@ def control(path):
     print(f"loop-fmu {number.value:016x}")
 
 
+def wait(path):
+    """A target that comes before control is a move when control begins, and no end of the simulation."""
+    unit = Unit(path, reference_code=8_000_000, bandwidth=20.0)
+    drive, command = Drive(), 0.0
+    for k in range(5000):
+        unit.set(code=drive.move(command), commission=k == 10)
+        if k < 300:
+            unit.set(target=float(k))
+        unit.step(k)
+        command = unit.get("command")
+    assert 3 <= unit.get("state") <= 6, unit.get("state")
+    assert abs(unit.get("position") - 299) < 1, unit.get("position")
+    unit.end()
+
+
 def refuse(path):
     for wrong in [{"bandwidth": 5000.0}, {"delay": 8}, {"sample_time": 0.0}, {"y_range": float("nan")}]:
         try:
@@ -159,6 +174,7 @@ def refuse(path):
 if __name__ == "__main__":
     identify(sys.argv[1], sys.argv[3])
     control(sys.argv[2])
+    wait(sys.argv[2])
     # What the units say of it goes to the terminal.
     with contextlib.redirect_stdout(io.StringIO()) as said:
         refuse(sys.argv[1])
