@@ -27,7 +27,7 @@ pub struct Losses {
 }
 
 /// The host's end: numbers orders, sends one at a time until it is answered, acknowledges events,
-/// counts losses.
+/// counts losses. A stop goes before all that waits.
 #[derive(Clone, Debug)]
 pub struct Client {
     receiver: Receiver<Notice>,
@@ -41,7 +41,7 @@ pub struct Client {
     sent: Option<(u64, u32)>,
     bytes: Deque<u8, { 2 * MAX_WIRE }>,
     losses: Losses,
-    given_up: Option<u32>,
+    given_up: Deque<u32, WAITING>,
 }
 
 impl Client {
@@ -62,12 +62,19 @@ impl Client {
                 corrupt: 0,
                 unanswered: 0,
             },
-            given_up: None,
+            given_up: Deque::new(),
         }
     }
 
     /// Asks for something; gives the number of the order, `None` when too many wait.
+    ///
+    /// A [`Request::Stop`] is sent at once, since what waits may wait for a line that brings no
+    /// answers, and is never one too many; one that waits already is the same order. What was asked
+    /// before it and moves the axis is given up, and what must not be done twice.
     pub fn ask(&mut self, request: Request) -> Option<u32> {
+        if request == Request::Stop {
+            return Some(self.stop());
+        }
         let id = self.next_id;
         let order = Order {
             id,
@@ -77,6 +84,49 @@ impl Client {
         self.waiting.push_back(order).ok()?;
         self.next_id = id.wrapping_add(1);
         Some(id)
+    }
+
+    fn stop(&mut self) -> u32 {
+        let is_stop = |order: &Order| order.request == Request::Stop;
+        let known = self.waiting.iter().find(|order| is_stop(order));
+        let id = known.map_or(self.next_id, |order| order.id);
+        if known.is_none() {
+            self.next_id = id.wrapping_add(1);
+            // What is on its way is sent again behind the stop.
+            self.sent = None;
+        }
+        let mut kept = Deque::new();
+        // There is room: the stop takes no place but its own, and the last one makes it.
+        let _ = kept.push_back(Order {
+            id,
+            seen: self.seen,
+            request: Request::Stop,
+        });
+        while let Some(order) = self.waiting.pop_front() {
+            let number = order.id;
+            let again = !order.request.moves()
+                && !matches!(order.request, Request::Acknowledge | Request::Store);
+            if !is_stop(&order) && !(again && kept.push_back(order).is_ok()) {
+                self.give_up(number);
+            }
+        }
+        self.waiting = kept;
+        id
+    }
+
+    fn give_up(&mut self, order: u32) {
+        self.losses.unanswered = self.losses.unanswered.saturating_add(1);
+        // Nobody asked for the oldest ones.
+        if self.given_up.is_full() {
+            let _ = self.given_up.pop_front();
+        }
+        let _ = self.given_up.push_back(order);
+    }
+
+    /// Whether no order waits: then [`Request::Alive`] says what any order does.
+    #[must_use]
+    pub fn is_quiet(&self) -> bool {
+        self.waiting.is_empty()
     }
 
     /// Takes a byte of the line; gives what is new.
@@ -165,9 +215,9 @@ impl Client {
         let attempts = match self.sent {
             Some((at, _)) if now_ms.saturating_sub(at) < AGAIN_MS => return,
             Some((_, ATTEMPTS..)) => {
-                let given_up = self.waiting.pop_front();
-                self.given_up = given_up.map(|order| order.id);
-                self.losses.unanswered = self.losses.unanswered.saturating_add(1);
+                if let Some(order) = self.waiting.pop_front() {
+                    self.give_up(order.id);
+                }
                 0
             }
             Some((_, attempts)) => attempts,
@@ -183,9 +233,9 @@ impl Client {
         self.sent = Some((now_ms, attempts + 1));
     }
 
-    /// The number of an order that was never answered, once.
+    /// The number of an order that was never answered, or not sent because of a stop; each once.
     pub fn given_up(&mut self) -> Option<u32> {
-        self.given_up.take()
+        self.given_up.pop_front()
     }
 
     /// Forgets the line: nothing that waited is sent later.

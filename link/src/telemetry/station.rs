@@ -130,9 +130,10 @@ impl Station {
         None
     }
 
-    /// Answers the last order that [`push`](Self::push) gave.
+    /// Answers the last order that [`push`](Self::push) gave; nothing where that is answered, as for
+    /// a machine that took its time for one before.
     pub fn answer(&mut self, outcome: Outcome) {
-        if let Some((id, answered)) = &mut self.last {
+        if let Some((id, answered @ None)) = &mut self.last {
             *answered = Some(outcome.clone());
             let id = *id;
             self.send(Answer { id, outcome });

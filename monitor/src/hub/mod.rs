@@ -153,7 +153,7 @@ impl Hub {
                     None => break,
                 },
                 _ = redraw.tick() => self.redraw(),
-                _ = alive.tick() => if self.known.up.is_some() {
+                _ = alive.tick() => if self.known.up.is_some() && self.client.is_quiet() {
                     let _ = self.client.ask(Request::Alive);
                 },
                 () = &mut over => break,

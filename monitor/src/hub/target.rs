@@ -15,8 +15,9 @@ impl Hub {
             // up.
             let _ = self.source.asked.try_send(bytes);
         }
-        if let Some(id) = self.client.given_up() {
-            self.answered(id, Err("the target does not answer".into()));
+        while let Some(id) = self.client.given_up() {
+            let why = "the target does not answer, or a stop came before";
+            self.answered(id, Err(why.into()));
         }
     }
 
@@ -145,11 +146,11 @@ impl Hub {
     }
 
     pub(super) fn answered(&mut self, order: u32, outcome: Result<(), String>) {
-        let Some(place) = self.orders.iter().position(|(id, ..)| *id == order) else {
-            return;
-        };
-        if let Some((_, page, text)) = self.orders.remove(place) {
-            let outcome = outcome.as_ref().copied().map_err(String::as_str);
+        let outcome = outcome.as_ref().copied().map_err(String::as_str);
+        // Stops that wait together are one order.
+        while let Some(place) = self.orders.iter().position(|(id, ..)| *id == order)
+            && let Some((_, page, text)) = self.orders.remove(place)
+        {
             self.tell_one(page, &message::answer(&text, outcome));
         }
     }

@@ -158,7 +158,7 @@ fn what_moves_is_refused_when_its_sender_saw_nothing_recent() {
 fn a_client_gives_an_order_up_and_sends_nothing_after_a_disconnection() {
     let mut client = Client::new(1);
     client.ask(Request::Commission);
-    client.ask(Request::Stop);
+    client.ask(Request::Get(0));
     let mut frames = 0;
     let mut bytes = |client: &mut Client, now| {
         let count = std::iter::from_fn(|| client.next_byte(now)).count();
