@@ -121,7 +121,7 @@ fn begin() -> Idle {
     let keep = (!emulated).then(|| kept(chip.FLASH, &mut servo, RESUME && !stopped));
 
     let identity = wire::identity(&config(), emulated);
-    let begun = (survivor.starts(), causes.main().name());
+    let begun = (&survivor, causes.main().name());
     let over = asked.unwrap_or(TELEMETRY);
     let (mut wire, pump) = wire::begin(over, chip.USART1, pins, &mut rcc, identity, begun);
     if let (Some(wire), Some(fault)) = (&mut wire, survivor.fault()) {

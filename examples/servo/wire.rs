@@ -19,6 +19,7 @@ use stm32f4xx_hal::pac::USART1;
 use stm32f4xx_hal::rcc::Rcc;
 use trendid::hardware::{PositionSensor, Valve};
 use trendid::servo::{Config, Report, ServoLoop};
+use trendid_example_support::survivor::Survivor;
 use trendid_link::telemetry::{
     Event, Health, Identity, Learned, Outcome, Request, Sample, SettingValue, Station, text,
 };
@@ -75,7 +76,7 @@ pub(crate) fn begin(
     pins: (PA9, PA10),
     rcc: &mut Rcc,
     identity: Identity,
-    (start, cause): (u32, &str),
+    (survivor, cause): (&Survivor, &str),
 ) -> (Option<Wire>, Option<Pump>) {
     let (line, pump) = match over {
         Over::Usart => usart::begin(usart, pins, rcc).unzip(),
@@ -85,10 +86,10 @@ pub(crate) fn begin(
         Over::Usart => line.map(Chosen::Usart),
         Over::Rtt => Some(Chosen::Rtt(Rtt)),
     };
-    let mut station = Station::new(identity, start as u16, 0);
+    let mut station = Station::new(identity, survivor.number(), 0);
     station.event(Event::Start {
         cause: text(cause),
-        starts: start,
+        starts: survivor.starts(),
     });
     let wire = line.map(|line| Wire {
         station,

@@ -133,17 +133,19 @@ impl Fault {
     }
 }
 
-/// Words of the record: magic word, starts, counters, fault, check of 64 bits.
-pub const WORDS: usize = 2 + COUNTERS + FAULT + 2;
+/// Words of the record: magic word, lot, starts, counters, fault, check of 64 bits.
+pub const WORDS: usize = 3 + COUNTERS + FAULT + 2;
 
 const COUNTERS: usize = Cause::ALL.len();
 
 /// Begins every record; another layout gets another word.
-const MAGIC: u32 = 0x7472_4E01;
+const MAGIC: u32 = 0x7472_4E02;
 
 /// What survives a reset.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Survivor {
+    /// What the memory held by chance when power came.
+    lot: u32,
     starts: u32,
     resets: [u32; COUNTERS],
     fault: Option<Fault>,
@@ -157,12 +159,13 @@ impl Survivor {
         if [*low, *high] != check(body) {
             return None;
         }
-        let [magic, starts, rest @ ..] = body;
+        let [magic, lot, starts, rest @ ..] = body;
         let (resets, fault) = rest.split_first_chunk::<COUNTERS>()?;
         if *magic != MAGIC {
             return None;
         }
         Some(Self {
+            lot: *lot,
             starts: *starts,
             resets: *resets,
             fault: Fault::from_words(fault.first_chunk()?)?,
@@ -173,7 +176,7 @@ impl Survivor {
     #[must_use]
     pub fn words(&self) -> [u32; WORDS] {
         let mut words = [0; WORDS];
-        let body = [MAGIC, self.starts]
+        let body = [MAGIC, self.lot, self.starts]
             .into_iter()
             .chain(self.resets)
             .chain(Fault::words(self.fault.as_ref()));
@@ -192,7 +195,10 @@ impl Survivor {
     #[must_use]
     pub fn at_start(words: &[u32; WORDS], causes: Causes) -> Self {
         let found = Self::from_words(words);
-        let mut survivor = found.unwrap_or_default();
+        let mut survivor = found.unwrap_or_else(|| Self {
+            lot: check(words)[0],
+            ..Self::default()
+        });
         survivor.start(causes);
         if found.is_none() && causes.kept_power() {
             survivor.latch(Fault::Forgotten);
@@ -231,6 +237,13 @@ impl Survivor {
     #[must_use]
     pub const fn starts(&self) -> u32 {
         self.starts
+    }
+
+    /// A number that is another one from start to start, over a loss of power too, after which the
+    /// starts are counted anew.
+    #[must_use]
+    pub const fn number(&self) -> u16 {
+        self.lot.wrapping_add(self.starts) as u16
     }
 
     /// Starts since power came that had this cause.

@@ -72,8 +72,8 @@ pub struct Station {
 impl Station {
     /// A station that sends a sample every `every` samples; 0 for none before it is asked for.
     ///
-    /// `start` should differ from start to start, e.g. their number: it tells events of this start
-    /// from those of another.
+    /// `start` should differ from start to start, over a loss of power too: it tells events of this
+    /// start from those of another, which a client takes for the same ones otherwise.
     #[must_use]
     pub fn new(identity: Identity, start: u16, every: u16) -> Self {
         let per_ms = 1e-3 / identity.sample_time;

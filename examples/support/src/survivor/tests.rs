@@ -1,4 +1,5 @@
 use super::*;
+use crate::random::Random;
 
 const WATCHDOG: Causes = Causes::from_csr(0x2400_0000);
 const SOFTWARE: Causes = Causes::from_csr(0x1400_0000);
@@ -78,7 +79,7 @@ fn memory_after_power_on_is_no_record() {
 
 #[test]
 fn another_layout_or_kind_is_no_record() {
-    for (place, word) in [(0, MAGIC + 1), (2 + COUNTERS, 8)] {
+    for (place, word) in [(0, MAGIC + 1), (3 + COUNTERS, 8)] {
         let mut words = survivor(None).words();
         words[place] = word;
         let [body @ .., low, high] = &mut words;
@@ -123,6 +124,30 @@ fn a_record_that_is_damaged_while_power_is_there_is_a_fault() {
 }
 
 #[test]
+fn no_start_has_the_number_of_the_one_before() {
+    let mut dice = Random::new(5);
+    let (mut words, mut before, mut alike) = ([0; WORDS], None, 0);
+    for start in 0..3000 {
+        let away = dice.bits() >> 30 == 0;
+        if away {
+            // Most cells come up as ever, some by chance.
+            words = core::array::from_fn(|place| {
+                let noise = (0..4).fold(u32::MAX, |noise, _| noise & dice.bits());
+                (place as u32).wrapping_mul(0x9E37_79B9) ^ noise
+            });
+        }
+        let causes = if away { 0x0E00_0000 } else { 0x1400_0000 };
+        let survivor = Survivor::at_start(&words, Causes::from_csr(causes));
+        words = survivor.words();
+        let number = Some(survivor.number());
+        assert!(away || number != before, "start {start}");
+        alike += u32::from(number == before);
+        before = number;
+    }
+    assert!(alike < 3, "{alike} of some 750 losses of power");
+}
+
+#[test]
 fn the_first_fault_is_kept() {
     let first = Fault::HardFault { pc: 1, lr: 2 };
     let mut survivor = Survivor::default();
@@ -136,7 +161,7 @@ fn counters_stand_at_their_end() {
     let mut survivor = Survivor {
         starts: u32::MAX,
         resets: [u32::MAX; COUNTERS],
-        fault: None,
+        ..Survivor::default()
     };
     survivor.start(SOFTWARE);
     assert_eq!(survivor.starts(), u32::MAX);
