@@ -18,6 +18,7 @@ use trendid_example_support::bus::Device;
 use trendid_example_support::button::{Button, Request};
 use trendid_example_support::drive::{Drive, SimulatedValve};
 use trendid_example_support::machine::ORIGIN;
+use trendid_example_support::pulse::PromptZero;
 use trendid_example_support::registers::Registers;
 use trendid_example_support::safe_output;
 
@@ -55,7 +56,7 @@ pub(crate) static FRESH: AtomicBool = AtomicBool::new(false);
 type NoPin = PB7<PinOutput<PushPull>>;
 type EncoderBus = Device<Spi<pac::SPI2>, NoPin>;
 type DacBus = Device<Spi<pac::SPI3>, PA15<PinOutput<PushPull>>>;
-type Pulse = PwmChannel<pac::TIM4, 0>;
+type Pulse = PromptZero<PwmChannel<pac::TIM4, 0>, Chip>;
 
 /// The transducer, or the simulated one.
 pub(crate) enum Sensor {
@@ -191,6 +192,7 @@ pub(crate) fn wired(ports: Ports, rcc: &mut Rcc) -> Connected {
         let mut pulse = channel.with(pins_b.pb6);
         let _ = pulse.set_duty_cycle(0);
         pulse.enable();
+        let pulse = PromptZero::new(pulse, Chip);
         Output::Pwm(PwmValve::new(pulse, pins_b.pb7.into_push_pull_output()))
     } else {
         let bus = ports.dac.spi(

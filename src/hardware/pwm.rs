@@ -20,7 +20,9 @@ pub enum PwmError<P, D> {
 ///
 /// The command is rounded to the steps of the timer and the rounded value is returned, so that the
 /// identifier sees the command that was set. The pulse is taken to zero before the direction
-/// changes: no pulse ever has the wrong sign.
+/// changes: no pulse ever has the wrong sign, where a width of zero counts when it is set. A timer
+/// that takes a width over at the end of its period keeps the old one until then; `examples/servo`
+/// ends that period (`examples/support/src/pulse.rs`).
 #[derive(Debug)]
 pub struct PwmValve<P, D> {
     pulse: P,

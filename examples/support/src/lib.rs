@@ -8,6 +8,7 @@ pub mod drive;
 pub mod guard;
 pub mod hash;
 pub mod machine;
+pub mod pulse;
 pub mod random;
 pub mod record;
 pub mod registers;
