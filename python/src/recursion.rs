@@ -37,8 +37,8 @@ pub(crate) struct Question {
     reference: f64,
 }
 
-/// Outcomes as numbers: `WarmingUp`, `Refused`, `Held`, `Estimated`.
-const OUTCOMES: [&str; 4] = ["warming up", "refused", "held", "estimated"];
+/// Outcomes as numbers: `WarmingUp`, `Refused`, `Held`, `Estimated`, `Replaced`.
+const OUTCOMES: [&str; 5] = ["warming up", "refused", "held", "estimated", "replaced"];
 
 /// The core with what turns positions into its numbers.
 #[pyclass(module = "trendid._trendid")]
@@ -286,6 +286,7 @@ fn number(outcome: Outcome) -> u8 {
         Outcome::WarmingUp { .. } => 0,
         Outcome::Held { .. } => 2,
         Outcome::Estimated { .. } => 3,
+        Outcome::Replaced { .. } => 4,
         _ => 1,
     }
 }

@@ -75,6 +75,18 @@ def test_samples_and_arrays_say_the_same(record):
     assert np.array_equal(parts.theta, whole.theta)
 
 
+def test_numbers_of_any_type_are_numbers(record):
+    u, y = np.round(record["u"][:600], 1), record["y"][:600]
+    plain = trendid.Identifier(0.001, **STRUCTURE)
+    innovations = [plain.update(float(a), float(b)) for a, b in zip(u, y)]
+    assert any(innovations)
+    for kind in (np.float32, np.float64, np.array, lambda x: [x], lambda x: np.array([x])):
+        other = trendid.Identifier(0.001, **STRUCTURE)
+        assert [other.update(kind(a), float(b)) for a, b in zip(u, y)] == innovations
+    integers = trendid.Identifier(0.001, **STRUCTURE)
+    assert integers.update(np.int64(1), np.int32(3)) is None
+
+
 def test_the_truth_is_within_its_deviations(record):
     identifier = trendid.Identifier(0.001, **STRUCTURE)
     identifier.run(record["u"], record["y"], every=0)
@@ -98,6 +110,10 @@ def test_what_is_not_finite_leaves_no_trace(record):
     outcome = trendid.Identifier(0.001, **STRUCTURE).run(u, y).outcome
     assert trendid.Identifier.OUTCOMES[outcome[100]] == "refused"
     assert trendid.Identifier.OUTCOMES[outcome[-1]] == "estimated"
+    # A spike is bridged by its prediction, and no part of the record.
+    y[3000] += 50.0
+    run = trendid.Identifier(0.001, **STRUCTURE).run(u, y)
+    assert trendid.Identifier.OUTCOMES[run.outcome[3000]] == "replaced" and np.isnan(run.innovation[3000])
 
 
 def test_a_far_reference_costs_no_digits(record):
@@ -152,9 +168,12 @@ def test_other_threads_run_meanwhile():
 
 REFUSALS = [
     (dict(order=0), "order is 0"),
+    (dict(order=None), "order is None"),
+    (dict(delay=float("nan")), "delay is nan"),
     (dict(bandwidth=-1.0), "-1"),
     (dict(bandwidth=float("nan")), "NaN"),
     (dict(memory=0.0), "memory"),
+    (dict(reference=float("nan")), "reference is nan"),
     (dict(delay=513), "delay is 513"),
     (dict(filter="none"), "filter is 'none'"),
     (dict(filter=[1.0, 1.0]), "2"),

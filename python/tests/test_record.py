@@ -178,6 +178,11 @@ REFUSALS = [
     (dict(order=2, scheme="euler"), "scheme is 'euler', expected 'tustin' or 'goodwin'"),
     (dict(order=2, memory=1e-4), "a memory of 0.0001 s is not longer than two samples"),
     (dict(order=2, names=["a", "b"]), "2 names for 1 inputs"),
+    (dict(order=float("nan")), "order is nan, expected a whole number from 1 to 4"),
+    (dict(order="3"), "order is '3', expected a whole number"),
+    (dict(order=2, zeros=[0, 1]), "zeros is [0, 1], expected a whole number"),
+    (dict(order=2, delay=float("inf")), "delay is inf, expected a number of samples from 0 to 512"),
+    (dict(order=2, delay=None), "delay is None, expected a number of samples from 0 to 512"),
     (dict(order=2, coulomb=[1.0]), "`coulomb` has 1 samples, y 4000"),
 ]
 
@@ -211,6 +216,7 @@ def test_samples_are_refused_by_place_and_value(record):
         ((t[:20], u[:20], y[:20]), "too few samples: 20"),
         ((t, u, np.zeros((4000, 2))), "y has the shape (4000, 2), expected one dimension"),
         ((t, ["a"] * 4000, y), "the input 'u' is no array of numbers"),
+        ((t, {1: u, "1": np.roll(u, 9)}, y), "two inputs have the name '1'"),
     ]
     for arguments, sentence in cases:
         with pytest.raises(trendid.Refusal) as refused:

@@ -118,6 +118,8 @@ class Identifier:
     ) -> None:
         if isinstance(filter, str) and filter != "raw":
             raise Refusal(f"filter is {filter!r}, expected coefficients, None or 'raw'")
+        if not np.isfinite(reference):
+            raise Refusal(f"reference is {reference!r}, expected a finite number")
         raw = isinstance(filter, str)
         ranges = np.atleast_1d(np.asarray(input_range, dtype=float))
         self._core = _trendid.Recursion(
@@ -148,7 +150,9 @@ class Identifier:
 
         A sample that is not finite is refused and leaves no trace: :meth:`run` tells by its outcomes.
         """
-        values = [float(u)] if isinstance(u, (int, float)) else [float(one) for one in u]
+        # The scalars of numpy are neither numbers of Python nor sequences.
+        single = isinstance(u, (int, float)) or np.ndim(u) == 0
+        values = [float(u)] if single else [float(one) for one in u]  # type: ignore[arg-type, union-attr]
         return self._core.update(values, float(y))[1]
 
     def run(self, u: ArrayLike, y: ArrayLike, *, every: int = 1) -> Pass:

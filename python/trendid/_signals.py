@@ -75,6 +75,10 @@ def inputs(u: Any, names: Optional[List[str]]) -> List[Tuple[str, Array]]:
         if len(names) != len(columns):
             raise Refusal(f"{len(names)} names for {len(columns)} inputs")
         columns = list(zip(names, (values for _, values in columns)))
+    # Results stand under the names: a second one would take the place of the first.
+    for k, (name, _) in enumerate(columns):
+        if name in (other for other, _ in columns[:k]):
+            raise Refusal(f"two inputs have the name {name!r}")
     return [(name, column(values, f"the input {name!r}")) for name, values in columns]
 
 
@@ -127,13 +131,24 @@ def delay_of(delay: Union[str, int]) -> Optional[int]:
         if delay == "auto":
             return None
         raise Refusal(f"delay is {delay!r}, expected a number of samples from 0 to 512, or 'auto'")
-    if int(delay) != delay or not 0 <= delay <= 512:
+    whole = _whole(delay)
+    if whole is None or not 0 <= whole <= 512:
         raise Refusal(f"delay is {delay}, expected a number of samples from 0 to 512, or 'auto'")
-    return int(delay)
+    return whole
+
+
+def _whole(value: Any) -> Optional[int]:
+    """A whole number, whatever its type; None for everything else."""
+    try:
+        whole = int(value)
+        return whole if not isinstance(value, (str, bytes)) and bool(whole == value) else None
+    except (TypeError, ValueError, OverflowError):
+        return None
 
 
 def count_of(value: Any, name: str, low: int, high: int) -> int:
     """A whole number within limits."""
-    if isinstance(value, (bool, np.bool_)) or int(value) != value or not low <= value <= high:
+    whole = _whole(value)
+    if isinstance(value, (bool, np.bool_)) or whole is None or not low <= whole <= high:
         raise Refusal(f"{name} is {value!r}, expected a whole number from {low} to {high}")
-    return int(value)
+    return whole
