@@ -8,7 +8,7 @@ use crate::detail::Detail;
 use crate::error::{Error, code};
 use crate::identifier::{DELAY_MAX, Identifier, OfServo3, Outcome, Servo3, begin};
 use crate::memory::{
-    Inside, Object, blank, list_mut, make, object, object_mut, shared, write_if_wanted,
+    Inside, Object, blank, list_mut, make, object, object_mut, shared, wanted, write_if_wanted,
 };
 use crate::settings::Settings;
 
@@ -75,7 +75,8 @@ pub unsafe extern "C" fn trendid_delay_bank_update(
     outcome: *mut Outcome,
 ) -> Error {
     // SAFETY: by the contract of the header.
-    match unsafe { object_mut(at(bank).cast_mut()) } {
+    let found = unsafe { object_mut(at(bank).cast_mut()) };
+    match found.and_then(|bank| wanted(outcome).map(|()| bank)) {
         Ok(bank) => {
             let done = bank.update_inputs([u], y);
             // SAFETY: by the contract of the header.
@@ -97,6 +98,8 @@ pub unsafe extern "C" fn trendid_delay_bank_best(
 ) -> Error {
     // SAFETY: by the contract of the header.
     let found = unsafe { object(at(bank)) }.and_then(|bank| {
+        wanted(delay)?;
+        wanted(margin)?;
         Ok((
             bank.best().ok_or(Error::NotYet)?,
             bank.margin().ok_or(Error::NotYet)?,

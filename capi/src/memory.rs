@@ -68,6 +68,17 @@ pub(crate) unsafe fn write<T>(pointer: *mut T, value: T) -> Result<(), Error> {
     Ok(())
 }
 
+/// An error unless a pointer that may be NULL for nothing is aligned; asked before anything is done.
+#[inline(always)]
+pub(crate) fn wanted<T>(pointer: *const T) -> Result<(), Error> {
+    // NULL is aligned.
+    if pointer.is_aligned() {
+        Ok(())
+    } else {
+        Err(refused(Error::Misaligned))
+    }
+}
+
 /// As [`write`], of a pointer that may be NULL for nothing.
 ///
 /// # Safety
@@ -192,7 +203,8 @@ pub(crate) unsafe fn make<W, T: Inside>(
         );
         assert!(align_of::<Object<T>>() <= align_of::<W>());
     }
-    let done = check(memory).map_err(Detail::from).and_then(|()| {
+    let pointers = check(memory).and_then(|()| wanted(detail));
+    let done = pointers.map_err(Detail::from).and_then(|()| {
         let object = memory.cast::<Object<T>>();
         // SAFETY: not NULL, aligned for `W` and so for the object, and by the assertion above large
         // enough.

@@ -179,3 +179,51 @@ fn what_is_no_structure_is_refused_by_name() {
     assert_eq!(found.0, c::Error::NoInput);
     assert_eq!(made(&good, &mut no_detail()).0, c::Error::Ok);
 }
+
+#[test]
+fn memory_that_is_refused_anew_holds_no_object() {
+    let good = c::Structure {
+        order: 2,
+        inputs: 1,
+        output_terms: 0b10,
+        input_terms: [1, 0],
+        constant: 0,
+        initial_state: 0,
+    };
+    for bad in [
+        c::Structure { order: 9, ..good },
+        c::Structure { inputs: 0, ..good },
+        c::Structure {
+            order: 4,
+            output_terms: 0b1111,
+            input_terms: [0b1111, 0],
+            ..good
+        },
+        c::Structure {
+            output_terms: 0b100,
+            ..good
+        },
+    ] {
+        let (error, mut memory) = made(&good, &mut no_detail());
+        assert_eq!(error, c::Error::Ok);
+        let mut settings = MaybeUninit::uninit();
+        let handle = memory.as_mut_ptr().cast::<c::Identifier>();
+        // SAFETY: every pointer is to a value of this function.
+        let found = unsafe {
+            assert_eq!(
+                c::trendid_settings_init(settings.as_mut_ptr(), 0.001, 20.0, 1.0, 50.0),
+                c::Error::Ok
+            );
+            let again = c::trendid_any_init(
+                memory.as_mut_ptr(),
+                settings.as_ptr(),
+                &bad,
+                null_mut(),
+                null_mut(),
+            );
+            assert_ne!(again, c::Error::Ok);
+            c::trendid_identifier_update(handle, 0.0, 0.0, null_mut())
+        };
+        assert_eq!(found, c::Error::NotInitialised, "{bad:?}");
+    }
+}

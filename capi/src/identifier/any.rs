@@ -10,7 +10,7 @@ use crate::detail::Detail;
 use crate::error::Error;
 use crate::identifier::Identifier;
 use crate::identifier::ORDER_MAX;
-use crate::identifier::body::begin;
+use crate::identifier::body::{Head, begin};
 use crate::identifier::kind::Plain;
 use crate::identifier::kinds::{ANY_DELAY_MAX, ANY_PARAMETERS_MAX, Any, of};
 use crate::settings::{INPUTS_MAX, Settings, Structure};
@@ -37,8 +37,17 @@ pub unsafe extern "C" fn trendid_any_init(
             any(memory, settings, structure, identifier, detail)
         },
         // SAFETY: by the contract of the header.
-        Err(refused) => unsafe { crate::memory::tell(Err(refused), detail) },
+        Err(refused) => unsafe { refuse(memory, refused, detail) },
     }
+}
+
+/// A refusal before the sizes are known: no object is left, as by every other one.
+///
+/// # Safety
+/// As [`begin`].
+unsafe fn refuse(memory: *mut Any, refused: Detail, detail: *mut Detail) -> Error {
+    // SAFETY: by the contract of this function; nothing is made.
+    unsafe { crate::memory::make::<Any, Head>(memory, |_| Err(refused), detail) }
 }
 
 /// A kind of these sizes; inputs that the structure does not have are not used.
@@ -75,7 +84,7 @@ unsafe fn any(
                     let expected = ANY_PARAMETERS_MAX;
                     let refused = ConfigError::ParameterCount { found, expected }.into();
                     // SAFETY: by the contract of this function.
-                    unsafe { crate::memory::tell(Err(refused), detail) }
+                    unsafe { refuse(memory, refused, detail) }
                 }
             }
         };

@@ -6,7 +6,7 @@ use crate::identifier::Identifier;
 use crate::identifier::kind::Kind;
 use crate::identifier::outputs::{Estimate, Outcome, Parameter, Status};
 use crate::identifier::recursion::{Change, Recursion};
-use crate::memory::{Inside, Object, blank, check, make, object, write, write_if_wanted};
+use crate::memory::{Inside, Object, blank, check, make, object, wanted, write, write_if_wanted};
 
 /// What every handle can do. The functions take a handle of the kind that the table belongs to.
 pub(crate) struct Methods {
@@ -67,6 +67,7 @@ pub(crate) unsafe fn begin<W, K: Kind>(
         assert!(align_of::<Body<K>>() == align_of::<Head>());
     }
     let fill = |body: *mut Body<K>| {
+        wanted(handle)?;
         // SAFETY: memory for a body, by the contract of `make`.
         unsafe {
             configure(blank(&raw mut (*body).kind))?;
@@ -151,6 +152,9 @@ impl<K: Kind> Table<K> {
         y: f32,
         outcome: *mut Outcome,
     ) -> Error {
+        if let Err(error) = wanted(outcome) {
+            return error;
+        }
         // SAFETY: the handle is initialised and of this kind, and nobody else uses it.
         let kind = unsafe { kind_mut::<K>(identifier) };
         match kind.update(u, y) {

@@ -6,7 +6,7 @@ use crate::identifier::Identifier;
 use crate::identifier::body::{Methods, methods};
 use crate::identifier::outputs::{Estimate, Outcome, Parameter, Status};
 use crate::identifier::recursion::Change;
-use crate::memory::{list, list_mut};
+use crate::memory::{list, list_mut, wanted};
 
 /// Takes the command u, in force from now until the next sample, and the position y, for a kind
 /// with one input.
@@ -57,13 +57,12 @@ pub unsafe extern "C" fn trendid_identifier_update_inputs(
 /// The contract of the header.
 unsafe fn change(identifier: *mut Identifier, change: Change<'_>, detail: *mut Detail) -> Error {
     // SAFETY: by the contract of the header.
-    let done = unsafe { methods(identifier) }
-        .map_err(Detail::from)
-        .and_then(|methods| {
-            // SAFETY: the table belongs to the kind of the handle; the rest by the contract of the
-            // header.
-            unsafe { (methods.change)(identifier, change) }
-        });
+    let found = unsafe { methods(identifier) }.and_then(|of| wanted(detail).map(|()| of));
+    let done = found.map_err(Detail::from).and_then(|methods| {
+        // SAFETY: the table belongs to the kind of the handle; the rest by the contract of the
+        // header.
+        unsafe { (methods.change)(identifier, change) }
+    });
     // SAFETY: by the contract of the header.
     unsafe { crate::memory::tell(done, detail) }
 }

@@ -5,7 +5,8 @@ use trendid::servo::store::{Identity, RECORD_BYTES as CORE_RECORD_BYTES, Record}
 use crate::detail::Detail;
 use crate::error::{Error, code};
 use crate::memory::{
-    Object, blank, list, list_mut, make, object, object_mut, shared, tell, write, write_if_wanted,
+    Object, blank, list, list_mut, make, object, object_mut, shared, tell, wanted, write,
+    write_if_wanted,
 };
 use crate::servo::edge::{Body, Code, Output};
 use crate::servo::report::{Model, Report};
@@ -144,9 +145,8 @@ unsafe fn attempt(
     attempt: impl FnOnce(&mut Body) -> Result<(), Detail>,
 ) -> Error {
     // SAFETY: by the contract of the header.
-    let done = unsafe { body(servo) }
-        .map_err(Detail::from)
-        .and_then(attempt);
+    let found = unsafe { body(servo) }.and_then(|body| wanted(detail).map(|()| body));
+    let done = found.map_err(Detail::from).and_then(attempt);
     // SAFETY: by the contract of the header.
     unsafe { tell(done, detail) }
 }
@@ -261,6 +261,7 @@ pub unsafe extern "C" fn trendid_loop_load(
     let bytes = unsafe { list(bytes, count) };
     let load = |body: &mut Body| {
         let bytes = bytes?.try_into().map_err(|_| Error::Length)?;
+        wanted(sequence)?;
         let identity = Identity {
             plant,
             ..body.identity

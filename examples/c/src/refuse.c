@@ -30,6 +30,21 @@ static bool pointers(trendid_identifier *identifier)
     char *bytes = (char *)identifier + 1;
     good = expect("misaligned", trendid_identifier_theta((trendid_identifier *)(void *)bytes, theta, 5),
                   TRENDID_ERROR_MISALIGNED) && good;
+    /* What is optional, too. */
+    static union {
+        trendid_outcome outcome;
+        trendid_detail detail;
+        char bytes[sizeof(trendid_detail) + 1];
+    } place;
+    void *odd = place.bytes + 1;
+    good = expect("outcome", trendid_identifier_update(identifier, 0.0f, 1.0f, (trendid_outcome *)odd),
+                  TRENDID_ERROR_MISALIGNED) && good;
+    good = expect("detail", trendid_identifier_retune(identifier, 25.0f, (trendid_detail *)odd),
+                  TRENDID_ERROR_MISALIGNED) && good;
+    good = expect("detail of a loop", trendid_loop_init(&loop, NULL, (trendid_detail *)odd),
+                  TRENDID_ERROR_MISALIGNED) && good;
+    good = expect("handle", trendid_servo3_init(&other, NULL, (trendid_identifier **)odd, NULL),
+                  TRENDID_ERROR_MISALIGNED) && good;
     good = expect("length", trendid_identifier_theta(identifier, theta, 4), TRENDID_ERROR_LENGTH) && good;
     good = expect("two inputs", trendid_identifier_update_inputs(identifier, theta, 2, 0.0f, NULL),
                   TRENDID_ERROR_LENGTH) && good;
