@@ -103,10 +103,13 @@ impl Client {
             request: Request::Stop,
         });
         while let Some(order) = self.waiting.pop_front() {
+            if is_stop(&order) {
+                continue;
+            }
             let number = order.id;
             let again = !order.request.moves()
                 && !matches!(order.request, Request::Acknowledge | Request::Store);
-            if !is_stop(&order) && !(again && kept.push_back(order).is_ok()) {
+            if !again || kept.push_back(order).is_err() {
                 self.give_up(number);
             }
         }
