@@ -7,7 +7,7 @@
 //! | valve by pulse width, 20 kHz, and direction | TIM4 channel 1: PB6; direction PB7 |
 //! | valve by voltage instead (`OUTPUT` in `wiring.rs`), DAC8551 | SPI3: clock PC10, data PC12; select PA15 |
 //! | time slot of 1 ms; slots that are missing | TIM2; TIM5 |
-//! | button: short press runs or stops, two seconds acknowledge a fault | PA0, high when pressed |
+//! | button: any press stops, a short one runs, two seconds acknowledge a fault | PA0, high when pressed |
 //! | watchdog | independent watchdog, 10 ms |
 //! | log | defmt over RTT (probe-rs) or semihosting (emulator) |
 //! | telemetry and requests (`wire.rs`), 921 600 baud | USART1: transmit PA9, receive PA10 |

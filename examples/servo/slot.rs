@@ -119,7 +119,8 @@ impl Slot {
         let missed = self.slots.missed(now, since);
         self.now.missed = self.now.missed.saturating_add(missed);
         self.now.tick += 1 + u64::from(missed);
-        if let Some(request) = self.panel.request() {
+        let moves = self.moves() && !self.now.stopped;
+        if let Some(request) = self.panel.request(moves) {
             self.answer(request);
         }
         self.over_the_wire();

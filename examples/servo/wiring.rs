@@ -109,10 +109,10 @@ pub(crate) enum Panel {
 }
 
 impl Panel {
-    /// The request of this slot.
-    pub(crate) fn request(&mut self) -> Option<Request> {
+    /// The request of this slot; `moves`: whether the loop moves the axis.
+    pub(crate) fn request(&mut self, moves: bool) -> Option<Request> {
         match self {
-            Self::Button(button, pin) => button.update(pin.is_high()),
+            Self::Button(button, pin) => button.update(pin.is_high(), moves),
             Self::Emulated => emulated::request(),
         }
     }

@@ -36,7 +36,6 @@ pub(crate) fn stored(done: bool) {
 impl Slot {
     /// What a person asks for.
     pub(super) fn answer(&mut self, request: Request) {
-        let state = self.now.state;
         match request {
             // A restart is the state that is known best: nothing moves, and the next request is
             // heard.
@@ -45,9 +44,9 @@ impl Slot {
             Request::Run if self.now.stopped => {
                 self.now.refused = self.now.refused.saturating_add(1);
             }
-            Request::Run if state.is_commissioning() || state.is_controlling() => {
-                self.servo.abort();
-            }
+            Request::Stop => self.servo.abort(),
+            // By the wire, since the button was pressed.
+            Request::Run if self.moves() => self.servo.abort(),
             Request::Run => {
                 self.guided = false;
                 self.servo.commission();
@@ -134,7 +133,7 @@ impl Slot {
     }
 
     /// Whether the loop commissions or controls.
-    fn moves(&self) -> bool {
+    pub(super) fn moves(&self) -> bool {
         let state = self.servo.supervisor().state();
         state.is_commissioning() || state.is_controlling()
     }

@@ -4,8 +4,10 @@
 /// What a person asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Request {
-    /// Begin to move, or stop when it moves: a short press.
+    /// Begin to move: a short press.
     Run,
+    /// Stop: any press while it moves, at its begin; who is afraid does not let go.
+    Stop,
     /// The fault was seen: a long press.
     Acknowledge,
 }
@@ -31,15 +33,16 @@ pub struct Button {
 impl Button {
     /// One sample.
     ///
-    /// A short press counts when it ends, a long one while it lasts. A button that is held at the
-    /// start counts after it was released.
-    pub fn update(&mut self, pressed: bool) -> Option<Request> {
+    /// A short press counts when it ends, a long one while it lasts, one that stops what `moves`
+    /// when it begins. A button that is held at the start counts after it was released, but for a
+    /// stop.
+    pub fn update(&mut self, pressed: bool, moves: bool) -> Option<Request> {
         if self.level == Some(pressed) {
             self.other = 0;
         } else {
             self.other += 1;
             if self.other >= DEBOUNCE {
-                return self.turn(pressed);
+                return self.turn(pressed, moves);
             }
         }
         let held = self.held.as_mut()?;
@@ -52,9 +55,13 @@ impl Button {
     }
 
     /// The level has changed.
-    fn turn(&mut self, pressed: bool) -> Option<Request> {
+    fn turn(&mut self, pressed: bool, moves: bool) -> Option<Request> {
         let before = self.level.replace(pressed);
         self.other = 0;
+        if pressed && moves {
+            self.held = None;
+            return Some(Request::Stop);
+        }
         if pressed {
             self.held = before.map(|_| 0);
             return None;
@@ -70,11 +77,16 @@ mod tests {
     /// What a sequence of levels and their lengths asks for: the first request and the number of
     /// requests.
     fn requests(levels: &[(bool, u32)]) -> (Option<Request>, usize) {
+        of(levels, false)
+    }
+
+    /// The same, of a machine that moves or not.
+    fn of(levels: &[(bool, u32)], moves: bool) -> (Option<Request>, usize) {
         let mut button = Button::default();
         let samples = levels
             .iter()
             .flat_map(|&(level, samples)| (0..samples).map(move |_| level));
-        let mut found = samples.filter_map(|level| button.update(level));
+        let mut found = samples.filter_map(|level| button.update(level, moves));
         let first = found.next();
         (first, first.map_or(0, |_| 1 + found.count()))
     }
@@ -93,6 +105,37 @@ mod tests {
             let press = [(false, 100), (true, 10 * LONG), (false, after)];
             assert_eq!(requests(&press), (Some(Request::Acknowledge), 1));
         }
+    }
+
+    #[test]
+    fn a_press_stops_what_moves_at_once_and_asks_for_nothing_else() {
+        for before in [[].as_slice(), &[(false, 100)]] {
+            for held in [DEBOUNCE, 300, 10 * LONG] {
+                for after in [0, 100] {
+                    let press = [before, &[(true, held), (false, after)]].concat();
+                    assert_eq!(of(&press, true), (Some(Request::Stop), 1), "{held}");
+                }
+            }
+        }
+        // It was stopped by this press, and begins again with the next one.
+        let mut button = Button::default();
+        let mut moves = true;
+        let mut asked = |pressed, samples: u32| {
+            let mut last = None;
+            for _ in 0..samples {
+                let request = button.update(pressed, moves);
+                moves &= request.is_none();
+                last = request.or(last);
+            }
+            last
+        };
+        assert_eq!(asked(false, 100), None);
+        assert_eq!(asked(true, 100), Some(Request::Stop));
+        assert_eq!(asked(false, 100), None);
+        assert_eq!(
+            (asked(true, 100), asked(false, 100)),
+            (None, Some(Request::Run))
+        );
     }
 
     #[test]
