@@ -111,9 +111,7 @@ fn begin() -> Idle {
     }
     let period = run_on(chip.TIM5);
     let stopped = survivor.fault().is_some();
-    if !set_period(&mut Chip, KEEP_MS) {
-        defmt::error!("the watchdog does not take its period");
-    }
+    wait_for_flash();
     // Nothing moves yet: option bytes may be written, as a sector may be erased.
     let brown_out = (!emulated).then(|| set_brown_out_level(&mut Chip, BROWN_OUT));
     log::start(&survivor, causes, brown_out);
@@ -140,6 +138,13 @@ fn begin() -> Idle {
     }
     let script = (emulated && !wired).then(Script::new);
     (consumer, script, keep, pump)
+}
+
+/// Gives option bytes and stored model their time.
+fn wait_for_flash() {
+    if !set_period(&mut Chip, KEEP_MS) {
+        defmt::error!("the watchdog does not take its period");
+    }
 }
 
 /// The clocks of the board, or those that the emulator has.
