@@ -68,7 +68,8 @@ pub(crate) unsafe fn write<T>(pointer: *mut T, value: T) -> Result<(), Error> {
     Ok(())
 }
 
-/// An error unless a pointer that may be NULL for nothing is aligned; asked before anything is done.
+/// An error unless a pointer that may be NULL for nothing is aligned; asked before anything is
+/// done.
 #[inline(always)]
 pub(crate) fn wanted<T>(pointer: *const T) -> Result<(), Error> {
     // NULL is aligned.

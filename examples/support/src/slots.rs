@@ -1,8 +1,8 @@
 //! Slots of the control loop that passed without a call, by a counter that runs on and wraps
 //! around.
 
-/// Share of a slot by which a call may come before the first one of later slots; a later one has the
-/// rest of a slot.
+/// Share of a slot by which a call may be earlier in its slot than the first one was; it may be
+/// later by the rest of a slot.
 const MARGIN: u32 = 32;
 
 /// The slots of a periodic interrupt.

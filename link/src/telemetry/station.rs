@@ -130,8 +130,8 @@ impl Station {
         None
     }
 
-    /// Answers the last order that [`push`](Self::push) gave; nothing where that is answered, as for
-    /// a machine that took its time for one before.
+    /// Answers the last order that [`push`](Self::push) gave; nothing where that is answered, as
+    /// for a machine that took its time for one before.
     pub fn answer(&mut self, outcome: Outcome) {
         if let Some((id, answered @ None)) = &mut self.last {
             *answered = Some(outcome.clone());
