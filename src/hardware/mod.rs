@@ -21,7 +21,8 @@ pub trait PositionSensor {
     /// Why a reading failed.
     type Error;
 
-    /// Reads the position in counts.
+    /// Reads the position in counts, which go on over the whole travel: what wraps within it, as a
+    /// quadrature counter of 16 bits, is a jump unless it wraps at 32 bits.
     ///
     /// # Errors
     /// A reading that failed its own checks (bus, alarm, parity) is an error and never a number.
@@ -103,7 +104,8 @@ pub struct Axis {
 impl Axis {
     /// Position relative to the reference, in units of the scale.
     ///
-    /// The difference wraps with the counter, so a reference near its end causes no jump.
+    /// The difference wraps with a counter of 32 bits, so a reference near its end causes no jump.
+    /// A code of fewer bits that passes its end does: a driver must carry on what wraps before.
     #[must_use]
     pub const fn position(self, counts: i32) -> f32 {
         self.scale.units(counts.wrapping_sub(self.reference))
