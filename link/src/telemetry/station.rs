@@ -122,7 +122,9 @@ impl Station {
                 self.every = every;
                 self.since = 0;
             }
-            Request::Watchdog(ms) => self.watchdog = self.samples(u32::from(ms)),
+            Request::Watchdog(0) => self.watchdog = 0,
+            // Less than a sample is one, and not never.
+            Request::Watchdog(ms) => self.watchdog = self.samples(u32::from(ms)).max(1),
             Request::Heard(number) => self.outbox.heard(number),
             request => return Some(request),
         }

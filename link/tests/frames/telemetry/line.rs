@@ -121,6 +121,20 @@ fn the_watchdog_of_the_line_stops_once() {
 }
 
 #[test]
+fn a_watchdog_of_less_than_a_sample_is_one() {
+    let identity = Identity {
+        sample_time: 0.05,
+        ..Identity::default()
+    };
+    for (ms, stops) in [(0, None), (1, Some(2)), (49, Some(2)), (100, Some(3))] {
+        let mut station = Station::new(identity.clone(), 3, 1);
+        assert!(push(&mut station, &order(1, 0, Request::Watchdog(ms))).is_empty());
+        let found = (1..=200).find(|tick| station.sample(sample(*tick)).stop);
+        assert_eq!(found, stops, "{ms} ms");
+    }
+}
+
+#[test]
 fn what_moves_is_refused_when_its_sender_saw_nothing_recent() {
     let mut station = station();
     for tick in 1..=5000 {
