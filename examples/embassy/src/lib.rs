@@ -35,7 +35,7 @@ use trendid::hardware::{PositionSensor, Valve};
 use trendid::servo::State;
 use trendid_example_support::drive::{Drive, SimulatedValve};
 use trendid_example_support::machine::{Machine, TRACED};
-use trendid_example_support::request::Request;
+use trendid_example_support::request::{LONGEST, Line, Request};
 
 /// The position sensor of the machine.
 pub type Sensor = Drive;
@@ -60,7 +60,7 @@ pub enum Message {
     /// What a sample did.
     Sample(Snapshot),
     /// A line that is no request, or found no room; with its first bytes.
-    NotHeard(String<24>),
+    NotHeard(String<LONGEST>),
 }
 
 /// What a sample did.
@@ -119,25 +119,20 @@ pub async fn control<S: PositionSensor, V: Valve>(mut machine: Machine<S, V>) {
 /// # Errors
 /// That of the line.
 pub async fn listen<R: Read>(mut line: R) -> Result<(), R::Error> {
-    let mut text = String::<24>::new();
+    let mut said = Line::default();
     let mut byte = [0];
     loop {
         if line.read(&mut byte).await? == 0 {
             continue;
         }
-        match byte[0] {
-            b'\n' | b'\r' if text.is_empty() => {}
-            b'\n' | b'\r' => {
-                let heard =
-                    Request::parse(&text).is_some_and(|request| REQUESTS.try_send(request).is_ok());
-                if !heard {
-                    MESSAGES.send(Message::NotHeard(text.clone())).await;
-                }
-                text.clear();
-            }
-            // A line that is too long is no request either: its begin is answered.
-            other => drop(text.push(char::from(other & 0x7F))),
+        let Some(request) = said.push(byte[0]) else {
+            continue;
+        };
+        if !request.is_some_and(|request| REQUESTS.try_send(request).is_ok()) {
+            let text = said.text().try_into().unwrap_or_default();
+            MESSAGES.send(Message::NotHeard(text)).await;
         }
+        said.clear();
     }
 }
 

@@ -58,6 +58,51 @@ impl fmt::Display for Request {
     }
 }
 
+/// Bytes of a line that are kept.
+pub const LONGEST: usize = 24;
+
+/// A line that comes byte by byte.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Line {
+    bytes: [u8; LONGEST],
+    /// Bytes of the line, those that found no room too.
+    length: usize,
+}
+
+impl Line {
+    /// Takes a byte; at the end of a line that is not empty its request, if it is one. A line that
+    /// is too long is none, whatever its begin says.
+    pub fn push(&mut self, byte: u8) -> Option<Option<Request>> {
+        match byte {
+            b'\n' | b'\r' if self.length == 0 => None,
+            b'\n' | b'\r' => {
+                let whole = self.length <= LONGEST;
+                Some(whole.then(|| Request::parse(self.text())).flatten())
+            }
+            other => {
+                if let Some(place) = self.bytes.get_mut(self.length) {
+                    *place = other & 0x7F;
+                }
+                self.length = self.length.saturating_add(1);
+                None
+            }
+        }
+    }
+
+    /// The line, or its begin.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        let kept = self.bytes.get(..self.length).unwrap_or(&self.bytes);
+        // Seven bits are one letter.
+        core::str::from_utf8(kept).unwrap_or_default()
+    }
+
+    /// Begins the next one.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+}
+
 #[cfg(test)]
 mod tests {
     extern crate std;
@@ -89,6 +134,48 @@ mod tests {
             "1 move 2 3",
         ] {
             assert_eq!(Request::parse(line), None, "{line}");
+        }
+    }
+
+    /// What is heard of these bytes.
+    fn heard(bytes: &[u8]) -> std::vec::Vec<Option<Request>> {
+        let mut line = Line::default();
+        let mut found = std::vec::Vec::new();
+        for &byte in bytes {
+            if let Some(request) = line.push(byte) {
+                found.push(request);
+                line.clear();
+            }
+        }
+        found
+    }
+
+    #[test]
+    fn lines_are_requests_one_by_one() {
+        let found = heard(b"\r\n501 run\r\n\n1500 move 280\nnever\nstop\rru");
+        let ticks: std::vec::Vec<_> = found
+            .iter()
+            .map(|request| request.map(|request| request.tick))
+            .collect();
+        assert_eq!(ticks, [Some(501), Some(1500), None, Some(0)]);
+    }
+
+    #[test]
+    fn a_line_that_is_too_long_is_no_request_whatever_its_begin_says() {
+        let line = b"move 280.000000000000000";
+        assert_eq!(line.len(), LONGEST);
+        let action = Action::MoveTo(280.0);
+        assert_eq!(
+            heard(&[line.as_slice(), b"\n"].concat()),
+            [Some(Request { tick: 0, action })]
+        );
+        for rest in ["0", "e-5", "1", " 7", " "] {
+            let bytes = [line.as_slice(), rest.as_bytes(), b"\nstop\n"].concat();
+            let stop = Request {
+                tick: 0,
+                action: Action::Abort,
+            };
+            assert_eq!(heard(&bytes), [None, Some(stop)], "{rest}");
         }
     }
 }
