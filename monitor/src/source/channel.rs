@@ -1,5 +1,6 @@
 //! A source in its thread, and the two queues between it and the hub.
 
+use std::cell::Cell;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -33,6 +34,8 @@ pub(crate) struct Source {
 /// The end of a source in its thread.
 pub(crate) struct Line {
     said: Sender<Said>,
+    /// Whether the last that was said of the line is that it is there.
+    up: Cell<bool>,
     asked: Receiver<Vec<u8>>,
     end: Arc<AtomicBool>,
 }
@@ -45,8 +48,18 @@ impl Line {
 
     /// Says something and waits until there is room.
     pub(super) fn say(&self, said: Said) {
+        match said {
+            Said::Up(_) => self.up.set(true),
+            Said::Down(_) => self.up.set(false),
+            Said::Bytes(_) => {}
+        }
         // Nobody listens at the end of the program only.
         let _ = self.said.blocking_send(said);
+    }
+
+    /// Whether somebody was told that the line is there, and not yet that it is gone.
+    pub(super) fn is_up(&self) -> bool {
+        self.up.get()
     }
 
     /// Whether there is room for bytes now.
@@ -68,6 +81,7 @@ impl Source {
         let end = Arc::new(AtomicBool::new(false));
         let line = Line {
             said,
+            up: Cell::new(false),
             asked,
             end: end.clone(),
         };

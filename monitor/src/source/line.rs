@@ -45,12 +45,13 @@ pub(super) fn prompt(stream: &TcpStream) -> std::io::Result<()> {
     stream.set_read_timeout(Some(WAIT))
 }
 
-/// Uses a line until it is lost, says why, and begins again.
+/// Uses a line until it is lost, says why, and begins again; the same reason once for as long as
+/// there is no line.
 pub(super) fn again(line: &mut Line, mut attempt: impl FnMut(&mut Line) -> Result<(), String>) {
     let mut said = None;
     while line.lives() {
         if let Err(why) = attempt(line)
-            && said.as_ref() != Some(&why)
+            && (line.is_up() || said.as_ref() != Some(&why))
         {
             line.say(Said::Down(why.clone()));
             said = Some(why);
@@ -80,4 +81,32 @@ pub(super) fn pump(mut stream: impl Read + Write, line: &mut Line) -> Result<(),
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::net::TcpListener;
+
+    use super::*;
+    use crate::source::channel::Source;
+
+    #[test]
+    fn a_line_that_comes_and_goes_is_told_each_time() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = listener.local_addr().unwrap().to_string();
+        let mut source = Source::of(move |line| over_tcp(&address, line));
+        for turn in 0..2 {
+            drop(listener.accept().unwrap());
+            let up = source.said.blocking_recv();
+            assert!(matches!(up, Some(Said::Up(_))), "{turn}: {up:?}");
+            let down = source.said.blocking_recv();
+            assert!(matches!(down, Some(Said::Down(_))), "{turn}: {down:?}");
+        }
+        // The reason why there is none is told once.
+        drop(listener);
+        let down = source.said.blocking_recv();
+        assert!(matches!(down, Some(Said::Down(_))), "{down:?}");
+        thread::sleep(PAUSE + PAUSE / 2);
+        assert!(source.said.try_recv().is_err());
+    }
 }
