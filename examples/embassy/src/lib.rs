@@ -128,7 +128,7 @@ pub async fn listen<R: Read>(mut line: R) -> Result<(), R::Error> {
         let Some(request) = said.push(byte[0]) else {
             continue;
         };
-        if !request.is_some_and(|request| REQUESTS.try_send(request).is_ok()) {
+        if request.is_none_or(|request| REQUESTS.try_send(request).is_err()) {
             let text = said.text().try_into().unwrap_or_default();
             MESSAGES.send(Message::NotHeard(text)).await;
         }
