@@ -56,6 +56,21 @@ pub(super) fn frequencies(dt: f64) -> Vec<f64> {
     (0..FREQUENCIES).map(at).collect()
 }
 
+/// The margins of a controller with a plant, and the worst with others beside it; `None` where one
+/// exceeds the limit of the sensitivity.
+pub(super) fn with_others(
+    plant: &SampledPlant,
+    others: &[SampledPlant],
+    controller: &Controller,
+    limit: f64,
+) -> Option<[Margins; 2]> {
+    let nominal = margins(plant, controller, limit)?;
+    let worst = others.iter().try_fold(nominal, |worst, plant| {
+        Some(worst.worse(margins(plant, controller, limit)?))
+    })?;
+    Some([nominal, worst])
+}
+
 /// The margins of a controller with a plant; `None` where the sensitivity exceeds a limit.
 ///
 /// The poles of the closed loop are found last, as their cost grows with the third power of the

@@ -240,14 +240,8 @@ fn judged(
         let (gains, controller) = state_feedback::design(plant, model, bandwidth)?;
         (Gains::StateFeedback(gains), controller)
     };
-    let margins = |plant| {
-        margins::margins(plant, &controller, limit)
-            .ok_or_else(|| format!("no bandwidth keeps the sensitivity below {limit}"))
-    };
-    let nominal = margins(plant)?;
-    let worst = others.iter().try_fold(nominal, |worst, plant| {
-        Ok::<_, String>(worst.worse(margins(plant)?))
-    })?;
+    let [nominal, worst] = margins::with_others(plant, others, &controller, limit)
+        .ok_or_else(|| format!("no bandwidth keeps the sensitivity below {limit}"))?;
     Ok(TunedLoop {
         gains,
         bandwidth,
