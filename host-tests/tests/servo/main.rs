@@ -22,3 +22,4 @@ mod shadow;
 mod skipped;
 mod stored;
 mod units;
+mod very_ends;

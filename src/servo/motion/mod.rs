@@ -2,6 +2,7 @@
 
 pub(crate) mod alpha_beta_gamma;
 pub(crate) mod brake;
+pub(crate) mod ends;
 pub(crate) mod profile;
 pub(crate) mod run_out;
 pub(crate) mod search;

@@ -17,6 +17,8 @@ pub(crate) const PLANNING: u8 = 16;
 pub(crate) struct ProfileSearch {
     start: Motion,
     target: f32,
+    /// The limits on the way to rest.
+    brake: MotionLimits,
     direction: f32,
     /// A velocity from which the axis stops in time, and one from which it does not.
     low: f32,
@@ -28,10 +30,11 @@ pub(crate) struct ProfileSearch {
 
 impl ProfileSearch {
     /// A search that will be finished after [`PLANNING`] steps, the last three for the move itself.
-    pub(crate) const fn new(start: Motion, target: f32) -> Self {
+    pub(crate) const fn new(start: Motion, target: f32, brake: MotionLimits) -> Self {
         Self {
             start,
             target,
+            brake,
             direction: 1.0,
             low: 0.0,
             high: 0.0,
@@ -119,7 +122,7 @@ impl ProfileSearch {
         } = self.start;
         let cruise = self.direction * velocity;
         let first = change(v, a, cruise, limits);
-        let braking = self.direction * braking(velocity, limits);
+        let braking = self.direction * braking(velocity, &self.brake);
         (
             first,
             end(&from_zero(&self.start), &first).position + braking,
@@ -129,7 +132,7 @@ impl ProfileSearch {
     /// The seven pieces of the move.
     fn segments(&self, limits: &MotionLimits) -> [Segment; 7] {
         let (first, reach) = self.reach(self.low, limits);
-        let last = change(self.direction * self.low, 0.0, 0.0, limits);
+        let last = change(self.direction * self.low, 0.0, 0.0, &self.brake);
         let left = self.direction * (self.target - self.start.position - reach);
         let duration = if left > 0.0 && self.low > 1e-6 * limits.velocity {
             left / self.low

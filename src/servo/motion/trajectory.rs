@@ -2,6 +2,7 @@
 
 use crate::servo::error::Error;
 use crate::servo::motion::brake::brake;
+use crate::servo::motion::ends::EndApproach;
 use crate::servo::motion::profile::Move;
 use crate::servo::motion::run_out::RunOut;
 use crate::servo::motion::search::{PLANNING, ProfileSearch};
@@ -38,6 +39,7 @@ pub(crate) struct Trajectory {
     limits: MotionLimits,
     travel: Travel,
     sample_time: f32,
+    ends: EndApproach,
     setpoint: Setpoint,
     plan: Activity,
     /// A move that is being planned, the target that came meanwhile, and one that waits for rest.
@@ -57,6 +59,7 @@ impl Trajectory {
             limits,
             travel,
             sample_time,
+            ends: EndApproach::NONE,
             setpoint: Setpoint::at(travel.min),
             plan: Activity::Rest,
             search: None,
@@ -123,8 +126,17 @@ impl Trajectory {
         Ok(())
     }
 
+    /// Moves to come brake so on their way to an end of the travel.
+    pub(crate) const fn approach(&mut self, ends: EndApproach) {
+        self.ends = ends;
+    }
+
     fn search(&mut self, target: f32) {
-        self.search = Some(ProfileSearch::new(self.ahead(), target));
+        let start = self.ahead();
+        let brake = self
+            .ends
+            .brake(start.position, target, &self.limits, &self.travel);
+        self.search = Some(ProfileSearch::new(start, target, brake));
     }
 
     /// The motion of the present plan after the samples that planning takes.

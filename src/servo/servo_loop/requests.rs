@@ -5,6 +5,7 @@ use crate::servo::design::constants::REOPENED_STD;
 use crate::servo::error::Error;
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
+use crate::servo::motion::ends::EndApproach;
 use crate::servo::servo_loop::ServoLoop;
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
@@ -49,7 +50,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     }
 
     /// Moves to `target`, limited to the travel, as fast as the limits of motion allow; may be
-    /// called in any sample, in motion too: it begins where the motion then is.
+    /// called in any sample, in motion too: it begins where the motion then is. One that ends nearer
+    /// to an end of the travel than the axis may be ahead of its reference brakes more gently.
     ///
     /// # Errors
     /// [`Error::NotControlling`] outside of control, and between [`install`](Self::install) or
@@ -57,6 +59,11 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// The reference goes on as before.
     pub fn move_to(&mut self, target: f32) -> Result<(), Error> {
         self.is_under_control()?;
+        let bounds = self.guard.monitors.bounds();
+        self.moves.trajectory.approach(EndApproach {
+            time: 1.0 / bounds.frequency,
+            speed: bounds.end_speed,
+        });
         self.moves.trajectory.move_to(target)
     }
 

@@ -1,5 +1,9 @@
 //! What the ends of the travel leave.
 
+extern crate std;
+
+use std::vec::Vec;
+
 use super::*;
 
 #[test]
@@ -73,6 +77,48 @@ fn slow_limits_do_not_keep_a_brake_from_ending_within_the_travel() {
                 assert!(hardest < 6.0 * needed, "{share} {room}: {hardest} {needed}");
                 assert!(trajectory.is_finished());
             }
+        }
+    }
+}
+
+/// Setpoints of a move from 0 by a generator that knows how an axis comes to an end, or not.
+fn moved(target: f32, knows: bool) -> Vec<Setpoint> {
+    let mut trajectory = at_rest();
+    if knows {
+        trajectory.approach(EndApproach {
+            time: 1.0 / 30.0,
+            speed: 30.0,
+        });
+    }
+    assert_eq!(trajectory.move_to(target), Ok(()));
+    let setpoints = (0..4000).map(|_| trajectory.update()).collect();
+    assert!(trajectory.is_finished());
+    setpoints
+}
+
+#[test]
+fn only_a_move_to_an_end_brakes_more_gently_and_it_arrives_there() {
+    for target in [1.0, 500.0, 985.0, -985.0_f32] {
+        assert_eq!(moved(target, true), moved(target, false), "{target}");
+    }
+    for end in [1000.0, -1000.0_f32] {
+        let (gentle, free) = (moved(end, true), moved(end, false));
+        assert_eq!(gentle.last(), Some(&Setpoint::at(end)));
+        let hardest = |setpoints: &[Setpoint]| {
+            let along = setpoints.iter().map(|s| -end.signum() * s.acceleration);
+            along.fold(0.0_f32, f32::max)
+        };
+        // end speed w / sqrt 2.
+        let most = 30.0 * 30.0 * core::f32::consts::FRAC_1_SQRT_2;
+        assert!(hardest(&gentle) < 1.01 * most);
+        assert!(hardest(&free) > 0.99 * LIMITS.acceleration);
+        // A deflection before the end it is as slow as that.
+        let lead = most / 900.0;
+        for s in gentle
+            .iter()
+            .filter(|s| end.abs() - s.position.abs() < lead)
+        {
+            assert!(s.velocity.abs() < 1.01 * 30.0, "{s:?}");
         }
     }
 }
