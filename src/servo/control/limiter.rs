@@ -21,6 +21,12 @@ impl CommandLimiter {
         }
     }
 
+    /// Goes on from the last command with another range and rate; a range that it is outside of is
+    /// reached at that rate.
+    pub(crate) const fn redesign(&mut self, design: &LimiterDesign) {
+        self.design = *design;
+    }
+
     /// The newest command.
     pub(crate) const fn last(&self) -> f32 {
         self.last
@@ -64,5 +70,22 @@ mod tests {
             let _ = limiter.update(f32::NEG_INFINITY);
         }
         assert_eq!(limiter.update(f32::NEG_INFINITY), -0.5);
+    }
+
+    #[test]
+    fn a_range_that_the_last_command_is_outside_of_is_reached_at_the_new_rate() {
+        let mut limiter = CommandLimiter::new(&LimiterDesign {
+            range: 1.0,
+            step: 1.0,
+        });
+        assert_eq!(limiter.update(0.875), 0.875);
+        limiter.redesign(&LimiterDesign {
+            range: 0.5,
+            step: 0.25,
+        });
+        assert_eq!(limiter.last(), 0.875);
+        for expected in [0.625, 0.5, 0.5] {
+            assert_eq!(limiter.update(1.0), expected);
+        }
     }
 }

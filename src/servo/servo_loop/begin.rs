@@ -23,7 +23,8 @@ use crate::servo::servo_loop::takeover::{Fallback, Takeover};
 use crate::servo::supervision::supervisor::Supervisor;
 
 /// Both ways to begin from one list: what follows from settings, axis and design, of every field
-/// but sensor, valve and identifier. A field that is missing here does not compile.
+/// but sensor, identifier, and the valve with what it was last told. A field that is missing here
+/// does not compile.
 macro_rules! fields {
     (of $config:ident, $axis:ident, $design:ident: $($field:ident: $value:expr,)*) => {
         impl<S, V> ServoLoop<S, V> {
@@ -34,7 +35,8 @@ macro_rules! fields {
             pub fn try_new($config: &Config, $axis: Axis, sensor: S, valve: V) -> Result<Self, Error> {
                 let $design: &Design = &$config.resolve()?;
                 let identifier = identifier(&$design.identification, $design.sample_time)?;
-                Ok(Self { sensor, valve, identifier, $($field: $value,)* })
+                let (limiter, commands) = (CommandLimiter::new(&$design.limiter), Commands::new());
+                Ok(Self { sensor, valve, identifier, limiter, commands, $($field: $value,)* })
             }
 
             /// Begins anew with other settings, with the same sensor and valve: as
@@ -42,6 +44,9 @@ macro_rules! fields {
             ///
             /// Each part is made and put into its place before the next: the stack never holds a
             /// second loop, which has 11 kB. Not for the 1 ms path.
+            ///
+            /// The valve stays where it is: from its last command on it goes at the new rate, into
+            /// the new range where it is outside of that, and to its middle.
             ///
             /// # Errors
             /// An [`Error`] that names the setting; the loop goes on as before.
@@ -51,6 +56,7 @@ macro_rules! fields {
                 replan(&mut self.identifier, &$design.identification, trends)?;
                 expect_noise(&mut self.identifier, &$design.identification)?;
                 self.identifier.reset();
+                self.limiter.redesign(&$design.limiter);
                 $(self.$field = $value;)*
                 Ok(())
             }
@@ -81,8 +87,6 @@ fields! { of config, axis, design:
         tracking: AlphaBetaGamma::new(design.tracking_rate, design.sample_time),
         gap: Gap::default(),
     },
-    limiter: CommandLimiter::new(&design.limiter),
-    commands: Commands::new(),
     sensed: Sensed::new(design.sensor_errors),
     guard: Guard {
         monitors: Monitors::new(
