@@ -873,6 +873,10 @@ trendid_error trendid_loop_oscillate(struct trendid_loop *servo,
 
 // Takes a model that is known to be good: control begins with the next sample, at the actual
 // position.
+//
+// `TRENDID_ERROR_OUT_OF_RANGE` with the position where the axis stands beyond its travel by more
+// than a hundredth of it; where that is seen with the next sample, the state is failed with
+// `TRENDID_REASON_IMPLAUSIBLE`.
 trendid_error trendid_loop_install(struct trendid_loop *servo,
                                    const struct trendid_model *model,
                                    struct trendid_detail *detail);
@@ -892,7 +896,8 @@ trendid_error trendid_loop_store(const struct trendid_loop *servo,
                                  size_t count);
 
 // Control from the next sample on with a stored model, at the actual position, as the record of
-// this machine and these settings.
+// this machine and these settings; refused for the place of the axis as by
+// `trendid_loop_install`.
 //
 // `sequence`, if not NULL, gets the number of the record; `detail`, if not NULL, says what was
 // refused.

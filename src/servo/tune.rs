@@ -102,12 +102,14 @@ impl<S, V> ServoLoop<S, V> {
     /// # Errors
     /// [`Error::Model`] with the reason, when the model does not pass what every candidate must,
     /// when delay or noise are negative or not finite, or when the sign is not that of the
-    /// settings; the loop is as before.
+    /// settings; [`Error::Setting`] for the place of the axis, as [`install`](Self::install). The
+    /// loop is as before.
     pub fn resume(&mut self, record: &Record) -> Result<(), Error>
     where
         S: PositionSensor,
         V: Valve,
     {
+        self.may_take_over()?;
         let Record {
             model,
             std: [a1, a2, b0, ..],

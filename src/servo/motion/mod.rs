@@ -4,6 +4,7 @@ pub(crate) mod alpha_beta_gamma;
 pub(crate) mod brake;
 pub(crate) mod ends;
 pub(crate) mod profile;
+pub(crate) mod returning;
 pub(crate) mod run_out;
 pub(crate) mod search;
 pub(crate) mod segment;
@@ -14,6 +15,9 @@ use crate::servo::error::Error;
 
 /// Position over that of the ends of the travel beyond which it is none.
 const FARTHEST: f32 = 1e3;
+/// Share of the travel by which an axis may stand beyond an end: what a soft stop or an overshoot
+/// leaves.
+const SOFT: f32 = 0.01;
 
 /// Position and its first two derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -148,6 +152,13 @@ impl Travel {
         position >= self.min && position <= self.max
     }
 
+    /// Refuses control of an axis that stands where neither a soft stop nor an overshoot leaves it:
+    /// its sensor has lost its zero, or it was moved by hand.
+    pub(crate) fn admits(&self, position: f32) -> Result<(), Error> {
+        let soft = SOFT * self.length();
+        Error::unless_within("position", position, self.min - soft, self.max + soft)
+    }
+
     /// Whether an axis may have this position, even with its zero lost: what is further away than a
     /// thousand times the ends, or no number, is an error of the sensor, and what follows from it
     /// would not be finite.
@@ -177,6 +188,20 @@ mod tests {
         }
         for position in [4.01e5, -4.01e5, f32::INFINITY, f32::NAN] {
             assert!(!travel.may_have(position), "{position}");
+        }
+    }
+
+    #[test]
+    fn an_axis_may_stand_a_hundredth_of_the_travel_beyond_an_end() {
+        let travel = Travel {
+            min: -100.0,
+            max: 300.0,
+        };
+        for position in [-103.9, -100.0, 0.0, 303.9] {
+            assert_eq!(travel.admits(position), Ok(()), "{position}");
+        }
+        for position in [-104.1, 304.1, f32::NAN] {
+            assert!(travel.admits(position).is_err(), "{position}");
         }
     }
 

@@ -1,16 +1,16 @@
 //! Jerk-limited trajectory: a standstill, moves, a run-out, a sine.
 
+mod planning;
+
 use crate::servo::error::Error;
 use crate::servo::motion::brake::brake;
 use crate::servo::motion::ends::EndApproach;
 use crate::servo::motion::profile::Move;
+use crate::servo::motion::returning::way_back;
 use crate::servo::motion::run_out::RunOut;
-use crate::servo::motion::search::{PLANNING, ProfileSearch};
+use crate::servo::motion::search::ProfileSearch;
 use crate::servo::motion::sine::Sine;
 use crate::servo::motion::{Motion, MotionLimits, Setpoint, Travel};
-
-/// Samples between two plannings: targets in every sample leave time for what waits for it.
-const PAUSES: u8 = 2;
 
 /// Largest frequency of a sine, in periods per sample.
 const FREQUENCY_STEP_MAX: f32 = 0.1;
@@ -42,6 +42,8 @@ pub(crate) struct Trajectory {
     ends: EndApproach,
     setpoint: Setpoint,
     plan: Activity,
+    /// Whether it leads back from beyond an end of the travel.
+    returns: bool,
     /// A move that is being planned, the target that came meanwhile, and one that waits for rest.
     search: Option<ProfileSearch>,
     next: Option<f32>,
@@ -62,6 +64,7 @@ impl Trajectory {
             ends: EndApproach::NONE,
             setpoint: Setpoint::at(travel.min),
             plan: Activity::Rest,
+            returns: false,
             search: None,
             next: None,
             behind_rest: None,
@@ -79,10 +82,23 @@ impl Trajectory {
     /// Replaces the plan, also a move that is being planned.
     fn begin(&mut self, plan: Activity) {
         self.plan = plan;
+        self.returns = false;
         self.search = None;
         self.next = None;
         self.behind_rest = None;
         self.sine = None;
+    }
+
+    /// Begins where an axis at rest stands; beyond an end of the travel it leads back to that, at
+    /// the `rate` (rad/s) of the axis.
+    pub(crate) fn stand(&mut self, position: f32, rate: f32) {
+        if self.travel.contains(position) {
+            return self.hold(position);
+        }
+        let end = self.travel.nearest(position);
+        self.setpoint = Setpoint::at(position);
+        self.begin(Activity::Move(way_back(position, end, rate, &self.limits)));
+        self.returns = true;
     }
 
     /// Takes a motion over and lets it run out with a double pole at `-rate` (rad/s).
@@ -90,6 +106,9 @@ impl Trajectory {
     /// Where that would leave the limits or the travel, the axis brakes: at the limits, and harder
     /// only where the travel ends sooner.
     pub(crate) fn run_out(&mut self, from: Motion, rate: f32) {
+        if !self.travel.contains(from.position) {
+            return self.stand(from.position, rate);
+        }
         self.setpoint = Setpoint::of(&from, 0.0);
         let run_out = RunOut { rate };
         if run_out.stays_within(&from, &self.travel) && run_out.keeps(&from, &self.limits) {
@@ -126,79 +145,6 @@ impl Trajectory {
         Ok(())
     }
 
-    /// Moves to come brake so on their way to an end of the travel.
-    pub(crate) const fn approach(&mut self, ends: EndApproach) {
-        self.ends = ends;
-    }
-
-    fn search(&mut self, target: f32) {
-        let start = self.ahead();
-        let brake = self
-            .ends
-            .brake(start.position, target, &self.limits, &self.travel);
-        self.search = Some(ProfileSearch::new(start, target, brake));
-    }
-
-    /// The motion of the present plan after the samples that planning takes.
-    fn ahead(&self) -> Motion {
-        const DOUBLINGS: u32 = PLANNING.trailing_zeros();
-        let (now, step) = (self.setpoint.motion(), self.sample_time);
-        let motion = match &self.plan {
-            Activity::Rest => now,
-            Activity::Move(planned) => planned.ahead(PLANNING, step).motion(),
-            Activity::RunOut(run_out) => run_out.after(&now, step, DOUBLINGS),
-            Activity::Sine(sine) => {
-                let long = step * f32::from(PLANNING);
-                sine.clone().coarse(DOUBLINGS).next(long).motion()
-            }
-        };
-        Motion {
-            position: self.travel.nearest(motion.position),
-            ..motion
-        }
-    }
-
-    /// Whether a move is planned in the sample to come, or a target that waits is taken up.
-    pub(crate) const fn is_planning(&self) -> bool {
-        let rested = self.behind_rest.is_some() && matches!(self.plan, Activity::Rest);
-        self.search.is_some() || self.pauses == 0 && (self.next.is_some() || rested)
-    }
-
-    /// One sample of planning; a move that is planned begins.
-    fn plan(&mut self) {
-        let Some(search) = &mut self.search else {
-            if matches!(self.plan, Activity::Rest)
-                && let Some(target) = self.behind_rest.take()
-            {
-                self.next = Some(target);
-            }
-            if self.pauses > 0 {
-                self.pauses -= 1;
-            } else if let Some(target) = self.next.take() {
-                self.search(target);
-            }
-            return;
-        };
-        let Some((planned, fits)) = search.step(&self.limits, &self.travel) else {
-            return;
-        };
-        let next = self.next;
-        if fits {
-            self.begin(Activity::Move(planned));
-            (self.next, self.pauses) = (next, if next.is_some() { PAUSES } else { 0 });
-            return;
-        }
-        // A motion that was taken over may need a harder brake than the limits: it comes to rest
-        // first.
-        let target = next.unwrap_or(planned.target());
-        if matches!(self.plan, Activity::Sine(_)) {
-            self.begin(Activity::Move(self.brake(self.setpoint.motion())));
-        }
-        self.search = None;
-        self.next = None;
-        self.behind_rest = Some(target);
-    }
-
     /// Oscillates with `frequency` in Hz about the present position, in motion about the place
     /// where the reference comes to rest; the amplitude grows over one period, over two or four
     /// where the limits of motion require it.
@@ -210,8 +156,8 @@ impl Trajectory {
         Error::unless_positive("frequency", frequency)?;
         Error::unless_within("frequency", frequency, 0.0, fastest)?;
         let stop = self.brake(self.setpoint.motion());
-        let centre = if self.setpoint.is_rest() {
-            self.setpoint.position
+        let centre = if self.returns || self.setpoint.is_rest() {
+            self.travel.nearest(self.setpoint.position)
         } else {
             stop.target()
         };
@@ -220,7 +166,9 @@ impl Trajectory {
         let max = room.min(Sine::max_amplitude(frequency, &self.limits));
         Error::unless_within("amplitude", amplitude, -max, max)?;
         let sine = Sine::new(centre, amplitude, frequency, &self.limits, self.sample_time);
-        if self.setpoint.is_rest() {
+        if self.returns {
+            self.sine = Some(sine);
+        } else if self.setpoint.is_rest() {
             self.begin(Activity::Sine(sine));
         } else {
             self.begin(Activity::Move(stop));
@@ -281,7 +229,10 @@ impl Trajectory {
         if ended {
             self.plan = self.sine.take().map_or(Activity::Rest, Activity::Sine);
         }
-        if !self.travel.contains(next.position) {
+        if ended {
+            self.returns = false;
+        }
+        if !(self.returns || self.travel.contains(next.position)) {
             self.stop_at_end();
         }
         self.setpoint

@@ -65,11 +65,16 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         if !self.sensed.begun {
             self.sensed.begun = true;
             self.moves.tracking.place(y);
-            self.moves.trajectory.hold(y);
+            self.moves.trajectory.stand(y, self.moves.run_out_rate);
             self.controller.place(Motion::at(y));
             self.guard
                 .monitors
                 .place(Motion::at(y), self.limiter.last());
+            // Control was asked for before anybody knew where the axis is.
+            let controls = self.supervisor.state().is_controlling() && !self.start_requested;
+            if controls && self.config.travel.admits(y).is_err() {
+                self.fail(Reason::Implausible);
+            }
         }
         if self.start_requested {
             self.start_requested = false;

@@ -16,10 +16,17 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// ([`dead_volume`](crate::servo::ControllerSettings::dead_volume)), or of a commissioning
     /// before.
     ///
+    /// An axis that stands a little beyond an end of its travel is led back to it, slowly. One that
+    /// stands further out is not moved: before the first reading nobody knows, and control then
+    /// ends with it in [`State::Failed`](crate::servo::State::Failed) with
+    /// [`Reason::Implausible`](crate::servo::Reason::Implausible).
+    ///
     /// # Errors
     /// [`Error::Model`] with the reason, when it does not pass what every candidate must: finite,
-    /// of the right sign, stable, in range of the settings.
+    /// of the right sign, stable, in range of the settings. [`Error::Setting`] with the position of
+    /// an axis that stands beyond its travel by more than a hundredth of it; the loop is as before.
     pub fn install(&mut self, model: Model) -> Result<(), Error> {
+        self.may_take_over()?;
         self.supervisor.install(model).map_err(Error::Model)?;
         self.stop_building();
         self.start_requested = false;
@@ -50,8 +57,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     }
 
     /// Moves to `target`, limited to the travel, as fast as the limits of motion allow; may be
-    /// called in any sample, in motion too: it begins where the motion then is. One that ends nearer
-    /// to an end of the travel than the axis may be ahead of its reference brakes more gently.
+    /// called in any sample, in motion too: it begins where the motion then is. Nearer to an end of
+    /// the travel than the axis may be ahead of its reference it ends with a gentle brake.
     ///
     /// # Errors
     /// [`Error::NotControlling`] outside of control, and between [`install`](Self::install) or
@@ -78,6 +85,15 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     pub fn oscillate(&mut self, amplitude: f32, frequency: f32) -> Result<(), Error> {
         self.is_under_control()?;
         self.moves.trajectory.oscillate(amplitude, frequency)
+    }
+
+    /// Whether the axis stands where control may begin, as far as that is known.
+    pub(crate) fn may_take_over(&self) -> Result<(), Error> {
+        if self.sensed.begun {
+            self.config.travel.admits(self.sensed.position)
+        } else {
+            Ok(())
+        }
     }
 
     /// What control begins with replaces every reference before.

@@ -2,9 +2,9 @@
 
 use super::bench::{self, Bench, DELAY, MODEL};
 use crate::servo::error::Error;
-use crate::servo::motion::Motion;
+use crate::servo::motion::{Motion, Setpoint};
 use crate::servo::store::Record;
-use crate::servo::supervision::state::Reason;
+use crate::servo::supervision::state::{Reason, State};
 
 /// What a commissioning of this drive finds.
 const RECORD: Record = Record {
@@ -70,4 +70,94 @@ fn a_motion_that_nothing_would_come_of_is_refused() {
     assert_eq!(asked(&mut bench), refused);
     bench.servo.install(MODEL).expect("a model");
     assert_eq!(asked(&mut bench), [Ok(()); 2]);
+}
+
+/// A loop on the travel 0 to 400 whose axis stands anywhere, and has been seen there or not.
+fn standing(position: f32, seen: bool) -> Bench {
+    let mut bench = Bench::without_a_model(MODEL, &Bench::config());
+    if !seen {
+        let code = bench::Code((position / bench::SCALE) as i32);
+        let servo = bench::Loop::try_new(&Bench::config(), bench::axis(), code, bench::Spool(0.0));
+        bench.servo = servo.expect("settings");
+    }
+    bench.motion = Motion::at(position);
+    if seen {
+        for _ in 0..500 {
+            let _ = bench.step();
+        }
+    }
+    bench
+}
+
+#[test]
+fn an_axis_far_beyond_an_end_is_not_moved() {
+    for position in [-5.0, 405.0, 600.0] {
+        for asks in [0, 1] {
+            let ask = |bench: &mut Bench| match asks {
+                0 => bench.servo.install(MODEL),
+                _ => bench.servo.resume(&RECORD),
+            };
+            let mut bench = standing(position, true);
+            let refused = ask(&mut bench);
+            assert!(matches!(refused, Err(Error::Setting(_))), "{refused:?}");
+            assert_eq!(bench.servo.supervisor().state(), State::Idle);
+            // Before the first reading nobody knows.
+            let mut bench = standing(position, false);
+            assert_eq!(ask(&mut bench), Ok(()));
+            for _ in 0..300 {
+                let (report, y) = bench.step();
+                assert_eq!(report.state, State::Failed(Reason::Implausible));
+                assert_eq!(report.command, 0.0);
+                assert!((y - position).abs() < 0.01, "{y}");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_axis_a_little_beyond_an_end_is_led_back_to_it() {
+    for (position, end) in [(-3.0, 0.0), (403.5, 400.0)] {
+        for seen in [true, false] {
+            let mut bench = standing(position, seen);
+            bench.servo.resume(&RECORD).expect("a record");
+            let (mut last, mut fastest) = (position, 0.0_f32);
+            for k in 0..1500 {
+                let (report, y) = bench.step();
+                assert!(report.state.is_controlling(), "{:?}", report.state);
+                fastest = fastest.max((report.setpoint.position - last).abs() / 1e-3);
+                last = report.setpoint.position;
+                assert!((y - last).abs() < 1.0, "{k}: {y} for {last}");
+            }
+            assert_eq!(last, end);
+            assert!((bench.motion.position - end).abs() < 0.1);
+            // D w / 2.
+            assert!(fastest < 45.0, "{fastest}");
+            assert_eq!(bench.servo.move_to(200.0), Ok(()));
+        }
+    }
+}
+
+#[test]
+fn a_target_waits_until_an_axis_beyond_an_end_is_back() {
+    for asks in [true, false] {
+        let mut bench = standing(403.0, true);
+        bench.servo.install(MODEL).expect("a model");
+        for k in 0..2000 {
+            if k == 20 {
+                let done = if asks {
+                    bench.servo.move_to(300.0)
+                } else {
+                    // At the end there is no room for a sine.
+                    assert!(bench.servo.oscillate(1.0, 1.0).is_err());
+                    bench.servo.oscillate(0.0, 1.0)
+                };
+                assert_eq!(done, Ok(()));
+            }
+            let (report, y) = bench.step();
+            assert!((y - report.setpoint.position).abs() < 2.0, "{k}: {y}");
+        }
+        let target = if asks { 300.0 } else { 400.0 };
+        let Setpoint { position, .. } = bench.step().0.setpoint;
+        assert!((position - target).abs() < 1e-3, "{position}");
+    }
 }

@@ -3,9 +3,11 @@
 mod ends;
 mod in_motion;
 
+use super::planning::PAUSES;
 use super::*;
 use crate::error::ConfigError;
 use crate::math::sqrt;
+use crate::servo::motion::search::PLANNING;
 
 const LIMITS: MotionLimits = MotionLimits {
     velocity: 800.0,

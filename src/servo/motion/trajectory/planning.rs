@@ -1,0 +1,88 @@
+//! The planning of moves, beside the reference that goes on.
+
+use crate::servo::motion::Motion;
+use crate::servo::motion::ends::EndApproach;
+use crate::servo::motion::search::{PLANNING, ProfileSearch};
+use crate::servo::motion::trajectory::{Activity, Trajectory};
+
+/// Samples between two plannings: targets in every sample leave time for what waits for it.
+pub(super) const PAUSES: u8 = 2;
+
+impl Trajectory {
+    /// Moves to come brake so on their way to an end of the travel.
+    pub(crate) const fn approach(&mut self, ends: EndApproach) {
+        self.ends = ends;
+    }
+
+    pub(super) fn search(&mut self, target: f32) {
+        let start = self.ahead();
+        let brake = self
+            .ends
+            .brake(start.position, target, &self.limits, &self.travel);
+        self.search = Some(ProfileSearch::new(start, target, brake));
+    }
+
+    /// The motion of the present plan after the samples that planning takes.
+    pub(super) fn ahead(&self) -> Motion {
+        const DOUBLINGS: u32 = PLANNING.trailing_zeros();
+        let (now, step) = (self.setpoint.motion(), self.sample_time);
+        let motion = match &self.plan {
+            Activity::Rest => now,
+            Activity::Move(planned) => planned.ahead(PLANNING, step).motion(),
+            Activity::RunOut(run_out) => run_out.after(&now, step, DOUBLINGS),
+            Activity::Sine(sine) => {
+                let long = step * f32::from(PLANNING);
+                sine.clone().coarse(DOUBLINGS).next(long).motion()
+            }
+        };
+        if self.returns {
+            // It does not begin beyond the end: what is asked for waits for rest.
+            return motion;
+        }
+        Motion {
+            position: self.travel.nearest(motion.position),
+            ..motion
+        }
+    }
+
+    /// Whether a move is planned in the sample to come, or a target that waits is taken up.
+    pub(crate) const fn is_planning(&self) -> bool {
+        let rested = self.behind_rest.is_some() && matches!(self.plan, Activity::Rest);
+        self.search.is_some() || self.pauses == 0 && (self.next.is_some() || rested)
+    }
+
+    /// One sample of planning; a move that is planned begins.
+    pub(super) fn plan(&mut self) {
+        let Some(search) = &mut self.search else {
+            if matches!(self.plan, Activity::Rest)
+                && let Some(target) = self.behind_rest.take()
+            {
+                self.next = Some(target);
+            }
+            if self.pauses > 0 {
+                self.pauses -= 1;
+            } else if let Some(target) = self.next.take() {
+                self.search(target);
+            }
+            return;
+        };
+        let Some((planned, fits)) = search.step(&self.limits, &self.travel) else {
+            return;
+        };
+        let next = self.next;
+        if fits {
+            self.begin(Activity::Move(planned));
+            (self.next, self.pauses) = (next, if next.is_some() { PAUSES } else { 0 });
+            return;
+        }
+        // A motion that was taken over may need a harder brake than the limits: it comes to rest
+        // first.
+        let target = next.unwrap_or(planned.target());
+        if matches!(self.plan, Activity::Sine(_)) {
+            self.begin(Activity::Move(self.brake(self.setpoint.motion())));
+        }
+        self.search = None;
+        self.next = None;
+        self.behind_rest = Some(target);
+    }
+}
