@@ -198,7 +198,7 @@ impl Commissioning {
                 let standing = self.watch_standstill(y, same_code, &progress);
                 let mut away = false;
                 if let Stage::Relaying(relay) = &mut self.stage {
-                    relay.take(standing);
+                    relay.take(standing, y);
                     away = relay.is_away(y);
                 }
                 match self.unless_unresponsive(standing, progress) {

@@ -85,9 +85,16 @@ impl Probe {
         self.quiet = if same_code { self.quiet + step } else { 0.0 };
         self.recent = [y, self.recent[0], self.recent[1]];
         let mean = (self.recent[0] + self.recent[1] + self.recent[2]) * (1.0 / 3.0);
-        let rested = still.place + still.drift * (still.since + self.time);
-        let away = mean - rested;
-        if away > still.detection || away < -still.detection {
+        let drifted = still.drift * (still.since + self.time);
+        let away = mean - (still.place + drifted);
+        // A drift that begins with the rest grows for some time constants: of a quick axis, which
+        // is soon at an end, to at most twice its mean.
+        let (up, down) = if drifted > 0.0 {
+            (drifted, 0.0)
+        } else {
+            (0.0, drifted)
+        };
+        if away > still.detection + up || away < down - still.detection {
             let late = Self::command(self.time - LATENESS, scale).unwrap_or(0.0);
             let same = (away > 0.0) == (late >= 0.0);
             let now = Self::command(self.time, scale).unwrap_or(0.0);

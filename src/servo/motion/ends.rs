@@ -30,7 +30,8 @@ impl EndApproach {
         speed: 0.0,
     };
 
-    /// The limits for the brake of a move from a place to a target. Cost: a root and a division.
+    /// The limits for the brake of a move from a place to a target. Cost: about 10 instructions,
+    /// near an end a root and two divisions.
     pub(crate) fn brake(
         &self,
         from: f32,
@@ -43,9 +44,12 @@ impl EndApproach {
         } else {
             target - travel.min
         };
+        let square = self.time * self.time;
+        if square * limits.acceleration <= room {
+            return *limits;
+        }
         let swing = self.speed * self.time;
         let ahead = 0.5 * room + sqrt(0.25 * room * room + 0.5 * swing * swing);
-        let square = self.time * self.time;
         if !(ahead > 0.0 && square * limits.acceleration > ahead) {
             return *limits;
         }

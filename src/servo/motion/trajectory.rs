@@ -227,12 +227,10 @@ impl Trajectory {
         };
         self.setpoint = next;
         if ended {
+            self.returns = false;
             self.plan = self.sine.take().map_or(Activity::Rest, Activity::Sine);
         }
-        if ended {
-            self.returns = false;
-        }
-        if !(self.returns || self.travel.contains(next.position)) {
+        if !self.travel.contains(next.position) && !self.returns {
             self.stop_at_end();
         }
         self.setpoint

@@ -174,3 +174,28 @@ fn an_axis_that_moves_at_once_is_moved_by_the_command_of_now() {
         "{sign} {command}"
     );
 }
+
+#[test]
+fn a_drift_that_grows_to_twice_its_mean_is_no_answer_to_the_command() {
+    for drift in [0.04, -0.04_f32] {
+        let still = Still {
+            drift,
+            since: 0.025,
+            ..still()
+        };
+        for (times, moves) in [(1.0, false), (1.9, false), (3.0, true), (-1.0, true)] {
+            let mut probe = Probe::default();
+            let mut moved = None;
+            for k in 0..100 {
+                let time = still.since + STEP * k as f32;
+                let y = still.place + times * drift * time;
+                if let Probed::Moved { sign, .. } = probe.update(y, false, &still, STEP, 1.0) {
+                    moved = Some(sign);
+                    break;
+                }
+            }
+            let expected = moves.then_some(drift.signum() * f32::signum(times));
+            assert_eq!(moved, expected, "{drift} {times}");
+        }
+    }
+}

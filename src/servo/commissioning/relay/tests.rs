@@ -106,11 +106,11 @@ fn the_command_grows_where_the_axis_stays_on_one_side() {
         assert!((found + grown.min(AMPLITUDE)).abs() < 2e-3, "{k}: {found}");
     }
     // A direction in which nothing moves makes way for the other one, from the first command on.
-    held.take(Standing::Exhausted);
+    held.take(Standing::Exhausted, 0.5);
     assert!((command(&mut held, 0.501) - 0.15).abs() < 2e-3);
-    held.take(Standing::HeldByFriction);
+    held.take(Standing::HeldByFriction, 0.5);
     assert!(command(&mut held, 0.501) > 0.0);
-    held.take(Standing::Moved);
+    held.take(Standing::Moved, 0.5);
     assert!(command(&mut held, 0.501) < 0.0);
     // It switches where the axis, 40 ms ahead, is half a movement on the other side.
     for (y, v, switches) in [

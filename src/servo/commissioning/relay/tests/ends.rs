@@ -73,3 +73,48 @@ fn a_command_that_was_unknown_grows_until_it_moves_the_axis() {
         relay.moving()
     );
 }
+
+/// Command and sign of an axis that stands still at a place, of the last of so many samples.
+fn standing(relay: &mut Relay, y: f32, samples: usize) -> [f32; 2] {
+    let mut found = [0.0; 2];
+    for _ in 0..samples {
+        match relay.update(y, 0.0, STEP, AMPLITUDE) {
+            Relayed::Command { command, sign } => found = [command, sign],
+            other => panic!("{other:?}"),
+        }
+    }
+    found
+}
+
+#[test]
+fn what_comes_off_a_stop_under_the_other_direction_has_the_other_sign() {
+    for (stop, inward) in [(0.0, 1.0), (1.0, -1.0)] {
+        for (samples, turns) in [(200, true), (20, false)] {
+            // A drift inwards had passed for the answer to the first movement.
+            let mut relay = Relay::new(stop, 1e-3, 0.05, 1.0, inward);
+            let [command, _] = standing(&mut relay, stop, 200);
+            assert!(inward * command > 0.2, "inwards by that sign: {command}");
+            relay.take(Standing::Exhausted, stop);
+            let [before, _] = standing(&mut relay, stop, samples);
+            assert!(inward * before < 0.0, "{before}");
+            let off = stop + 2e-3 * inward;
+            relay.take(Standing::Moved, off);
+            let [command, sign] = standing(&mut relay, off, 1);
+            // Sooner it is the late answer to the direction before.
+            let (goes_on, expected) = if turns {
+                (before, -1.0)
+            } else {
+                (-before, 1.0)
+            };
+            assert_eq!((sign, command.signum()), (expected, goes_on.signum()));
+        }
+    }
+    // In the middle of the travel it is friction that lets go.
+    let mut relay = Relay::new(0.5, 1e-3, 0.05, 1.0, 1.0);
+    let [before, _] = standing(&mut relay, 0.5, 200);
+    relay.take(Standing::Exhausted, 0.5);
+    let _ = standing(&mut relay, 0.5, 200);
+    relay.take(Standing::Moved, 0.502);
+    let [command, sign] = standing(&mut relay, 0.502, 1);
+    assert_eq!((sign, command.signum()), (1.0, before.signum()));
+}
