@@ -126,13 +126,20 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
 
     /// The command outside of commissioning and control: a brake for a while after a fault, then
     /// the middle of the valve.
+    ///
+    /// Whatever the model says, a flow along the motion is never right while the speed grows: it
+    /// adds to what drives the axis. In such a sample the valve is in its middle. While the speed
+    /// falls the same flow takes back a brake that would reverse the axis.
     pub(crate) fn stopping(&mut self, y: f32) -> f32 {
-        self.guard.stop.look(self.moves.tracking.motion().velocity);
-        if self.guard.stop.brakes() {
-            self.drive.sign * self.controller.brake(y)
-        } else {
-            self.centre()
+        let motion = self.moves.tracking.motion();
+        self.guard.stop.look(motion.velocity);
+        if !self.guard.stop.brakes() {
+            return self.centre();
         }
+        let (command, middle) = (self.controller.brake(y), self.controller.middle());
+        let along = (command - middle) * motion.velocity > 0.0;
+        let grows = motion.acceleration * motion.velocity > 0.0;
+        self.drive.sign * if along && grows { middle } else { command }
     }
 
     /// The command at which a valve of the verified model is closed, why ever it closes. Of a valve

@@ -152,7 +152,7 @@ impl Controller {
     }
 
     /// The command in the middle of the dead zone.
-    pub(super) fn middle(&self) -> f32 {
+    pub(crate) fn middle(&self) -> f32 {
         -self.estimator.model().offset - self.null.value()
     }
 

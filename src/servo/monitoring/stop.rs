@@ -20,6 +20,9 @@ use crate::servo::supervision::state::Reason;
 pub(crate) struct Stop {
     /// Samples of braking that are left.
     braking: u32,
+    /// Samples that are left of those in which the brake must show, and the largest speed in them.
+    showing: u32,
+    peak: f32,
     /// Samples until the axis has stopped; the mean velocity, the share of a sample in it, and the
     /// least that counts.
     stopping: u32,
@@ -29,6 +32,9 @@ pub(crate) struct Stop {
     share: f32,
     least: f32,
 }
+
+/// Share of the largest speed to which a brake brings it in the time in which it shows.
+const BRAKED: f32 = 0.9;
 
 impl Stop {
     /// Begins for a reason.
@@ -40,6 +46,8 @@ impl Stop {
         *self = Self::default();
         if known {
             self.braking = bounds.stop.braking;
+            self.showing = bounds.end.braking;
+            self.least = bounds.end_speed;
         } else if reason == Reason::WrongSign {
             self.stopping = bounds.stop.closing;
             self.share = bounds.stop.creep;
@@ -56,10 +64,28 @@ impl Stop {
 
     /// Looks at a velocity of the stopped axis.
     pub(crate) fn look(&mut self, velocity: f32) {
+        if self.braking > 0 {
+            self.watch(velocity.abs());
+            return;
+        }
         self.velocity += self.share * (velocity - self.velocity);
         self.stopping = self.stopping.saturating_sub(1);
         if self.stopping == 0 && self.velocity.abs() > self.least {
             self.creep = sign(self.velocity);
+        }
+    }
+
+    /// Ends a brake that does not brake.
+    ///
+    /// Within the delay and 1/w a brake takes a tenth of the speed away, as
+    /// [`End`](super::travel::End) has it. An axis that is faster then, or later, is not that of
+    /// the model: a closed valve stops it better.
+    fn watch(&mut self, speed: f32) {
+        if self.showing > 0 {
+            self.showing -= 1;
+            self.peak = if speed > self.peak { speed } else { self.peak };
+        } else if speed > self.least && !(speed < BRAKED * self.peak) {
+            self.braking = 0;
         }
     }
 
@@ -128,6 +154,42 @@ mod tests {
                 assert!((stop.velocity - exact).abs() < 1e-2, "{k}");
             }
             assert_eq!(stop.creeps(), way);
+        }
+    }
+
+    /// Samples for which it brakes an axis whose speed is `speed(k)` in sample k.
+    fn braked(bounds: &Bounds, speed: impl Fn(f32) -> f32) -> u32 {
+        let mut stop = Stop::default();
+        stop.begin(Reason::FollowingError, bounds);
+        (0..10_000)
+            .find(|k| {
+                stop.look(speed(*k as f32));
+                !stop.brakes()
+            })
+            .unwrap_or(u32::MAX)
+    }
+
+    #[test]
+    fn a_brake_ends_when_it_does_not_show() {
+        let bounds = example::bounds(&Model::linear(400.0, 16.0, 4e5));
+        let shows = bounds.end.braking as f32;
+        for way in [1.0, -1.0_f32] {
+            // It falls, by a third in that time, to a speed that an end may take.
+            let falls = |k: f32| way * 300.0 * libm::powf(0.66, k / shows);
+            assert_eq!(braked(&bounds, falls), bounds.stop.braking);
+            let swings = |k: f32| falls(k) * libm::cosf(0.02 * k);
+            assert_eq!(braked(&bounds, swings), bounds.stop.braking);
+            let creeps = |_: f32| way * 0.9 * bounds.end_speed;
+            assert_eq!(braked(&bounds, creeps), bounds.stop.braking);
+            // It stays, or grows, at once or later.
+            for speed in [300.0_f32, 50.0] {
+                assert_eq!(braked(&bounds, |_| way * speed), bounds.end.braking);
+                let grows = |k: f32| way * (speed + k);
+                assert_eq!(braked(&bounds, grows), bounds.end.braking);
+            }
+            let comes_back = |k: f32| way * (300.0 - 1.5 * k).abs();
+            let back = braked(&bounds, comes_back);
+            assert!((379..383).contains(&back), "{back}");
         }
     }
 }

@@ -1,4 +1,8 @@
-//! The end of a stop.
+//! The end of a stop, and one on a wrong model.
+
+extern crate std;
+
+use std::format;
 
 use super::bench::MODEL;
 use super::*;
@@ -42,5 +46,54 @@ fn a_stop_ends_with_the_fault_that_it_answers() {
     for k in 0..20 {
         let (report, _) = bench.step();
         assert!(k < 3 || report.command == 0.0, "{k}: {}", report.command);
+    }
+}
+
+/// A stop of an axis in the middle of a move, whose drive is another one from then on; its largest
+/// speed, and that a second later.
+fn stopped(drive: Model, sign: f32, brakes: bool) -> [f32; 2] {
+    let mut bench = Bench::new(MODEL);
+    let _ = bench.worst(1500);
+    bench.servo.move_to(300.0).expect("a target");
+    while bench.motion.velocity < 200.0 {
+        let _ = bench.worst(1);
+    }
+    (bench.model, bench.sign) = (drive, sign);
+    if brakes {
+        bench.servo.fail(Reason::FollowingError);
+    } else {
+        bench.servo.abort();
+    }
+    let mut fastest = 0.0_f32;
+    for _ in 0..1000 {
+        let _ = bench.step();
+        fastest = fastest.max(bench.motion.velocity.abs());
+    }
+    [fastest, bench.motion.velocity.abs()]
+}
+
+#[test]
+fn a_brake_on_a_wrong_model_ends_or_brakes() {
+    let scaled = |gain: f32, quick: f32| Model {
+        a1: quick * quick * MODEL.a1,
+        a2: quick * MODEL.a2,
+        b0: gain * quick * quick * MODEL.b0,
+        ..MODEL
+    };
+    for gain in [0.3, 1.0, 3.0, 6.0] {
+        for quick in [0.6, 1.0, 1.7] {
+            for sign in [1.0, -1.0] {
+                let drive = scaled(gain, quick);
+                let [closed, _] = stopped(drive, sign, false);
+                let [fastest, left] = stopped(drive, sign, true);
+                let told = format!("{gain} {quick} {sign}: {fastest}, {closed}; {left}");
+                assert!(left < 30.0, "{told}");
+                if sign > 0.0 {
+                    // Six times the gain drive it for the delay and 1/w.
+                    assert!(fastest < 3.0 * closed, "{told}");
+                    assert!(fastest < closed || gain * quick > 5.0, "{told}");
+                }
+            }
+        }
     }
 }
