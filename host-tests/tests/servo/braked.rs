@@ -61,7 +61,7 @@ impl Wrong {
 #[derive(Debug, Default)]
 struct Stops {
     braked: usize,
-    /// Stops behind which the axis was faster than when they began, by more than a tenth and 20 mm/s.
+    /// Stops behind which the axis became faster, by more than a tenth and 20 mm/s.
     faster: usize,
     /// Largest growth of the speed, and hardest blow behind a stop \[mm/s\].
     growth: f64,

@@ -3,6 +3,7 @@
 mod ends;
 
 use super::*;
+use crate::servo::commissioning::standstill::Standing;
 
 const STEP: f32 = 1e-3;
 const AMPLITUDE: f32 = 0.4;
