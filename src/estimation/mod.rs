@@ -1,5 +1,6 @@
 //! Estimation: from trends to parameters by recursive least squares.
 
+pub(crate) mod beginning;
 mod factors;
 pub(crate) mod forgetting;
 mod inflation;

@@ -279,6 +279,12 @@ impl<const N: usize> Estimator<N> {
         (freedom > 0.0).then(|| self.residual.squares() / freedom)
     }
 
+    /// What the next row is forgotten for: lambda or 1.
+    pub(crate) const fn forgets_for(&self) -> f32 {
+        let [forgetting, _] = self.next;
+        forgetting
+    }
+
     /// Weight of the samples in P: 1/(1-lambda) at most where every row is forgotten for.
     pub const fn samples(&self) -> f32 {
         self.samples

@@ -61,6 +61,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         );
         self.remain_known();
         self.estimator.begin_again(&self.forgetting.left());
+        self.begin_sums(plan);
         self.estimator.forget(true);
         self.postponed = Postponed::new(plan.forgetting);
         self.postponed.suspect();
@@ -176,10 +177,12 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         witness.inputs(&others.inputs);
     }
 
-    /// The initial state is again as uncertain as at the start.
+    /// The initial state is again as uncertain as at the start; where no column stands for it the
+    /// sums go on without that of another beginning.
     #[inline(never)]
     fn lose_initial_state(&mut self, plan: &Plan<T, M, N, I>) {
         if !plan.structure.initial_state() {
+            self.signals.initial = 0.0;
             return;
         }
         self.signals.initial = 1.0;

@@ -202,8 +202,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// The model found, with its uncertainty: noise bias taken out, an insignificant constant
     /// withdrawn.
     ///
-    /// Cost: see the table of instruction counts; one call serves all numbers. For the loop that
-    /// reports, not for every sample.
+    /// Cost: see the table of instruction counts; for the loop that reports, not for every sample.
     pub fn estimate(&self) -> Estimate<M, N, I> {
         self.read_out().estimate()
     }
@@ -243,6 +242,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             former: self.state.change.former(self.plan.forgetting),
             position: self.state.position(),
             noise: &self.state.noise,
+            beginning: &self.state.beginning,
         }
     }
 

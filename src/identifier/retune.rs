@@ -69,6 +69,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         state.postponed.suspect();
         state.remain_known();
         state.estimator.resume(theta, scale, &limit);
+        state.begin_sums(&self.plan);
         state.forgetting.replace_nominal(nominal);
         if same_filter {
             return Ok(());

@@ -135,15 +135,32 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
                 return Outcome::Held { innovation };
             }
             row.weigh(position, plan.noise.coarse);
+            if self.beginning.lasts {
+                self.sum_beginning(*row, true);
+            }
             self.remember(plan, row, y, witness);
         } else if obeys {
             row.weigh(position, plan.noise.coarse);
+            if self.beginning.lasts {
+                self.sum_beginning(*row, false);
+            }
             let _ = self.estimator.fold(&row.phi, row.error);
             witness.row(&row.phi, row.psi, &self.estimator, true);
         } else {
             return Outcome::Held { innovation };
         }
         Outcome::Estimated { innovation }
+    }
+
+    /// Takes a row, which the estimator takes next, for the initial state of a structure without
+    /// one.
+    ///
+    /// By value: a row whose address is taken is one in memory, in every sample.
+    #[inline(never)]
+    fn sum_beginning(&mut self, row: Row<N>, forgets: bool) {
+        let (column, forgetting) = (self.signals.initial, self.estimator.forgets_for());
+        self.beginning.take(&row.phi, row.psi, column, forgetting);
+        self.beginning.end(column, forgets);
     }
 
     /// Whether the drive moves, or did so as lately as the trends show it.

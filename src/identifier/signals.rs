@@ -1,5 +1,6 @@
 //! The memory of the signals: from the samples to their trends.
 
+use crate::estimation::mean_square::flush;
 use crate::identifier::gate::Gate;
 use crate::identifier::plan::Plan;
 use crate::identifier::start::{Start, Verdict};
@@ -21,7 +22,7 @@ pub(crate) struct Signals<T: TrendOperator<M>, const M: usize, const I: usize, c
     pub(crate) inputs: [T::Memory; I],
     pub(crate) constant: T::Memory,
     lines: [DelayLine<D>; I],
-    /// Contribution of the initial state to the trends.
+    /// Contribution of the initial state to the trends, whether the structure has it or not.
     pub(crate) initial: f32,
     /// Zero of the output.
     pub(crate) reference: f32,
@@ -82,11 +83,7 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
             false => &{ self.last_inputs },
         };
         self.settle(plan, y, inputs);
-        self.initial = if plan.structure.initial_state() {
-            1.0
-        } else {
-            0.0
-        };
+        self.initial = 1.0;
         if plan.times.start.longest > 0 {
             self.start = Some(Start::new(y));
             let unit = Memory::output_at_rest(plan.trends.design(), plan.output_form, 1.0);
@@ -164,9 +161,10 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
         self.output.flush();
     }
 
-    /// The same for the constant.
+    /// The same for the constant, and for the initial state, which ends at a millionth.
     pub(crate) fn flush_constant(&mut self) {
         self.constant.flush();
+        flush(&mut self.initial, 1e-6);
     }
 
     /// The same for the inputs.
@@ -266,11 +264,7 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
             0.0
         };
         let initial = self.initial;
-        if initial > 0.0 {
-            // Ended at a millionth, before it becomes subnormal.
-            let next = initial * plan.trends.design().slow_mode;
-            self.initial = if next > 1e-6 { next } else { 0.0 };
-        }
+        self.initial = initial * plan.trends.design().slow_mode;
         [constant, initial]
     }
 }

@@ -6,6 +6,7 @@
 //! | `gaps` | a sample time without y |
 //! | `exceptions` | a sample that is not of the model: standstill, a change of the drive |
 
+use crate::estimation::beginning::Beginning;
 use crate::estimation::forgetting::StabilisedForgetting;
 use crate::estimation::noise_level::NoiseLevel;
 use crate::estimation::postponed::Postponed;
@@ -46,6 +47,8 @@ pub(crate) struct State<
     pub(super) postponed: Postponed,
     /// Samples for which the drive still counts as one that moves.
     pub(super) moving: u32,
+    /// The initial state of a structure that has none.
+    pub(crate) beginning: Beginning<N>,
 }
 
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
@@ -72,6 +75,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             forgetting,
             postponed: Postponed::new(plan.forgetting),
             moving: 0,
+            beginning: Beginning::new(!plan.structure.initial_state()),
         }
     }
 
@@ -95,6 +99,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.forgetting.set_nominal_std(&prior.std);
         self.forgetting.set_own(prior.std.map(|std| std * std));
         self.postponed = Postponed::new(plan.forgetting);
+        self.begin_sums(plan);
         self.change.begin();
         self.known_rows = 0.0;
         self.learns = self.adapting;
@@ -117,8 +122,14 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     pub(super) fn unlearn(&mut self, plan: &Plan<T, M, N, I>) {
         let Prior { theta, std } = &plan.prior;
         self.estimator.begin_again(&std.map(|std| std * std));
+        self.begin_sums(plan);
         self.estimator.set_theta(*theta);
         self.forgetting.replace_nominal(*theta);
+    }
+
+    /// The rows of before count no more, and nothing of what they tell of the beginning.
+    pub(super) fn begin_sums(&mut self, plan: &Plan<T, M, N, I>) {
+        self.beginning = Beginning::new(!plan.structure.initial_state());
     }
 
     /// Calls in what forgetting is owed, all at once. Not for the 1 ms path.
@@ -129,6 +140,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     }
 
     pub(super) fn begin_call(&mut self) {
+        self.beginning = Beginning::new(self.beginning.lasts);
         self.postponed
             .call(&mut self.estimator, self.forgetting.left());
     }

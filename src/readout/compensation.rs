@@ -30,8 +30,9 @@
 
 mod correction;
 
-use crate::math::matrix::Matrix;
+use crate::math::matrix::{Matrix, dot};
 use crate::math::sqrt;
+use crate::readout::beginning::Begun;
 use crate::readout::compensation::correction::{Correction, NoiseMoments};
 use crate::readout::source::ReadOut;
 
@@ -169,6 +170,8 @@ pub(crate) struct Compensated<const M: usize, const N: usize> {
     /// Bias of each parameter by noise that was not taken out, in the user's units.
     pub(crate) left: [f32; N],
     pub(crate) residual: Residual,
+    /// The noise of y(0), which theta is without.
+    pub(super) begun: Option<Begun<N>>,
 }
 
 impl<const M: usize, const N: usize> Compensated<M, N> {
@@ -202,6 +205,9 @@ impl<const M: usize, const N: usize> Compensated<M, N> {
         if let Some(correction) = &self.correction {
             correction.add_row(index, &mut row);
         }
+        if let Some(begun) = &self.begun {
+            begun.add_row(index, &mut row);
+        }
         Some(row)
     }
 }
@@ -228,7 +234,7 @@ pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
         None => None,
     };
     let found = correction.as_ref();
-    let theta = found.map_or(*bare, |found| found.theta);
+    let mut theta = found.map_or(*bare, |found| found.theta);
     let mut left = [0.0; N];
     if deviations {
         if let Some(found) = found {
@@ -239,12 +245,27 @@ pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
             *left += drift;
         }
     }
+    let begun = match source.beginning.square > 0.0 {
+        true => {
+            let score = &source.beginning.moments;
+            let mut direction = core::array::from_fn(|i| dot(&p[i], score));
+            if let Some(found) = found {
+                found.add_along(score, &mut direction);
+            }
+            source.begun(&theta, direction)
+        }
+        false => None,
+    };
+    if let Some(begun) = &begun {
+        begun.take_out(&mut theta);
+    }
     let units = source.regressor.units();
     Compensated {
         theta: core::array::from_fn(|j| theta[j] * units[j]),
         left: core::array::from_fn(|j| left[j] * units[j]),
         correction,
         residual: noise.split(source.regressor.top_scale(), samples, angle),
+        begun,
     }
 }
 

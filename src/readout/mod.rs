@@ -23,6 +23,7 @@
 //! Known as: bias-compensated least squares with sandwich covariance and a pre-test; sources in the
 //! files.
 
+mod beginning;
 mod compensation;
 pub(crate) mod estimate;
 mod former;
@@ -121,6 +122,9 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         let (found, withdrawal) = self.compensated(&p, true);
         let (mut covariance, floor) = self.shaped(&p, &found);
         self.add_nominal_values(&p, &mut covariance);
+        if let Some(begun) = &found.begun {
+            begun.add_to(&mut covariance, self.residual());
+        }
         let units = self.regressor.units();
         let parameters = self.structure.parameters();
         let known = |i: usize| p[i][i] == 0.0;

@@ -46,6 +46,9 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         let centre = core::array::from_fn(|j| before[j] / units[j]);
         let mut covariance = of(&centre, &found.gain(&p))?;
         self.add_nominal(&p, &mut covariance);
+        if let Some(begun) = &found.begun {
+            begun.add_to(&mut covariance, self.residual());
+        }
         for i in 0..N {
             for j in 0..N {
                 covariance[i][j] *= units[i] * units[j];

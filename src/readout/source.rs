@@ -1,5 +1,6 @@
 //! Input of the read-out: the recursion and its plan.
 
+use crate::estimation::beginning::Beginning;
 use crate::estimation::forgetting::StabilisedForgetting;
 use crate::estimation::noise_level::NoiseLevel;
 use crate::estimation::postponed::PAUSE;
@@ -38,6 +39,8 @@ pub(crate) struct ReadOut<'a, const M: usize, const N: usize, const I: usize> {
     pub(crate) position: f32,
     /// White noise of y by its third difference.
     pub(crate) noise: &'a NoiseLevel,
+    /// The initial state of a structure that has none.
+    pub(crate) beginning: &'a Beginning<N>,
 }
 
 impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {

@@ -4,6 +4,7 @@ mod nominal;
 mod white;
 
 use super::*;
+use crate::estimation::beginning::Beginning;
 use crate::estimation::forgetting::StabilisedForgetting;
 use crate::estimation::noise_level::NoiseLevel;
 use crate::estimation::regressor::Regressor;
@@ -31,6 +32,7 @@ struct Parts {
     significance: f32,
     prior_noise: f32,
     former: Former,
+    beginning: Beginning<4>,
 }
 
 impl Parts {
@@ -62,6 +64,7 @@ impl Parts {
             significance: 0.0,
             prior_noise: 1e-2,
             former: Former::NONE,
+            beginning: Beginning::new(true),
         }
     }
 
@@ -79,6 +82,7 @@ impl Parts {
             former: self.former,
             position: self.position,
             noise: &self.noise,
+            beginning: &self.beginning,
         }
     }
 }

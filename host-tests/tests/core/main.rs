@@ -11,6 +11,7 @@ mod accuracy;
 mod attack;
 mod batch;
 mod batches;
+mod beginning;
 mod bound;
 mod calibration;
 mod chain;

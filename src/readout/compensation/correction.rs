@@ -151,6 +151,14 @@ impl<const M: usize, const N: usize> Correction<M, N> {
         add_square(p, &self.y);
     }
 
+    /// Adds (Q - P) `score` to P `score`.
+    pub(super) fn add_along(&self, score: &[f32; N], along: &mut [f32; N]) {
+        let seen = transposed(&self.y, score);
+        for (along, y) in along.iter_mut().zip(&self.y) {
+            *along += dot(y, &seen);
+        }
+    }
+
     /// Adds P_c - P to P.
     pub(super) fn add_covariance(&self, p: &mut Matrix<N>) {
         add_square(p, &self.y);

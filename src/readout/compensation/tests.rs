@@ -29,6 +29,7 @@ fn without_a_correction_everything_is_that_of_the_recursion() {
         correction: None,
         left: [0.0; 3],
         residual: noise(None).split(1.0, 100.0, 0.02),
+        begun: None,
     };
     assert_eq!((found.covariance(&P), found.gain(&P)), (P, P));
     assert_eq!(
@@ -53,6 +54,7 @@ fn a_correction_is_read_in_its_three_ways() {
         correction,
         left: [0.0; 3],
         residual: noise(None).split(1.0, 100.0, 0.02),
+        begun: None,
     };
     let (gain, covariance) = (found.gain(&P), found.covariance(&P));
     for i in 0..3 {
