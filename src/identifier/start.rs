@@ -17,12 +17,12 @@
 //! the kink of the first command passes for noise in the third difference.
 //!
 //! # What does not hold
-//! What is left of the noise of y(0) after so many samples is still a step in the trends; the column
-//! of the initial state takes it, or the sums beside the recursion do
-//! ([`Beginning`](crate::estimation::beginning)). A drive that is stronger at the start than its design size bends off
-//! by as much more. The position loop, which tests every model on later samples, does not wait.
-//! Where a filter is exchanged the trends settle for longer than this; a sample
-//! that is missing meanwhile ends it, and y(0) stays.
+//! What is left of the noise of y(0) after so many samples is still a step in the trends; the
+//! column of the initial state takes it, or the sums beside the recursion do
+//! ([`Beginning`](crate::estimation::beginning)). A drive that is stronger at the start than its
+//! design size bends off by as much more. The position loop, which tests every model on later
+//! samples, does not wait. Where a filter is exchanged the trends settle for longer than this; a
+//! sample that is missing meanwhile ends it, and y(0) stays.
 
 /// Fewest samples that tell the noise.
 const LEAST: u32 = 10;

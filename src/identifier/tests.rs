@@ -3,6 +3,7 @@
 use super::*;
 use crate::trends::{FilteredTrends, Hold, Scheme};
 
+mod beginning;
 pub(super) mod bench;
 
 use bench::{Drive, Servo3, config, identifier};

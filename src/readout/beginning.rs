@@ -28,12 +28,12 @@ use crate::readout::source::ReadOut;
 
 /// What a beginning has done, everything normalised.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Begun<const N: usize> {
+pub(crate) struct Begun<const N: usize> {
     /// Q c, the change of the parameters per unit of gamma.
-    pub(super) direction: [f32; N],
-    pub(super) gamma: f32,
+    pub(crate) direction: [f32; N],
+    pub(crate) gamma: f32,
     /// 1 / S, the variance of gamma over that of the residual.
-    pub(super) variance: f32,
+    pub(crate) variance: f32,
 }
 
 impl<const N: usize> Begun<N> {
@@ -66,7 +66,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// What the beginning has done to the estimate `theta`, whose change per unit of gamma is
     /// `direction`; `None` where no number tells it.
     #[inline(never)]
-    pub(super) fn begun(&self, theta: &[f32; N], direction: [f32; N]) -> Option<Begun<N>> {
+    pub(crate) fn begun(&self, theta: &[f32; N], direction: [f32; N]) -> Option<Begun<N>> {
         let sums = self.beginning;
         let filter = self.design.filter.as_ref()?;
         let units = self.regressor.units();

@@ -13,8 +13,8 @@ const TIMES: [usize; 3] = [500, 1000, 3000];
 const FIRST: u64 = 200_001;
 const RECORDS: u64 = 100;
 
-/// Median of the largest relative error \[%\], and share of the records whose largest error is beyond
-/// three standard deviations, after each of the times.
+/// Median of the largest relative error \[%\], and share of the records whose largest error is
+/// beyond three standard deviations, after each of the times.
 fn read<const M: usize, const N: usize>(
     structure: Structure<M, N, 1>,
     (a, b): (&[f64], f64),

@@ -84,8 +84,8 @@ proptest! {
 
     /// What happened before the drive moved does not matter: longer rest in front of the record
     /// changes no bit of the recursion, once it has shown where y began. What is read subtracts a
-    /// bias of the noise, whose mean is of all samples and so of the rest too, and what the noise of
-    /// the first one does, of which a rest tells until the filter has forgotten it.
+    /// bias of the noise, whose mean is of all samples and so of the rest too, and what the noise
+    /// of the first one does, of which a rest tells until the filter has forgotten it.
     #[test]
     fn a_shift_in_time_changes_nothing(record in record(), rest in 1_usize..500) {
         let first = record[0].1;

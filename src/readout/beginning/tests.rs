@@ -1,54 +1,6 @@
-//! A beginning whose first sample is wrong, and nothing else.
+//! What is done with it.
 
 use super::*;
-use crate::Structure;
-use crate::identifier::{Config, Identifier};
-use crate::trends::{FilteredTrends, Scheme};
-
-const ERROR: f32 = 0.05;
-
-type Motor = Identifier<FilteredTrends<2>, 2, 2>;
-
-/// dv/dt = -10 v + 50 u, dy/dt = v under steps of u, y(0) off by `error`.
-fn motor(error: f32) -> Motor {
-    let mut config = Config::new(Structure::INTEGRATING, 10.0, [1.0], 1.0);
-    // No line through the first samples, and no row before the pole 11 has settled.
-    (config.supervised, config.settling) = (true, 0.4);
-    let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 1e-3, 10.0);
-    let mut found = Motor::try_new(&config, trends.expect("a filter")).expect("settings");
-    let (mut y, mut v) = (0.0_f32, 0.0_f32);
-    for k in 0..1500 {
-        let u = if (k / 100) % 2 == 0 { 1.0 } else { -1.0 };
-        let _ = found.update(u, if k == 0 { error } else { y });
-        let (decay, target) = ((-0.01_f32).exp(), 5.0 * u);
-        y += 1e-3 * target + (v - target) * (1.0 - decay) * 0.1;
-        v = target + (v - target) * decay;
-    }
-    found
-}
-
-/// What its beginning has done.
-fn begun(of: &Motor) -> Begun<2> {
-    let (read, p) = (of.read_out(), of.estimator().covariances());
-    let direction = core::array::from_fn(|i| dot(&p[i], &read.beginning.moments));
-    let found = read.begun(of.estimator().theta(), direction);
-    found.expect("a beginning")
-}
-
-#[test]
-fn an_error_of_the_first_sample_is_found_by_its_residue_and_taken_out() {
-    let (wrong, right) = (motor(ERROR), motor(0.0));
-    // Poles 1.1 and 11: A(-1.1) = 1.21 - 11, A_f'(-1.1) = 11 - 1.1, and 1.1 of nu.
-    let kappa = (1.21 - 11.0) / (1.1 * 9.9);
-    let found = begun(&wrong).gamma - begun(&right).gamma;
-    let exact = kappa * ERROR * wrong.read_out().regressor.top_scale();
-    // What is known beforehand keeps a part of it.
-    let kept = (0.7..1.0).contains(&(found / exact));
-    assert!(kept, "{found} {exact}");
-    let bare = wrong.recursion().theta();
-    let errors = [wrong.theta(), bare].map(|theta| (theta[0] / 10.0 - 1.0).abs());
-    assert!(errors[0] < 0.3 * errors[1], "{errors:?}");
-}
 
 #[test]
 fn what_is_left_of_it_is_in_the_covariance() {
@@ -63,18 +15,4 @@ fn what_is_left_of_it_is_in_the_covariance() {
     begun.add_to(&mut covariance, 4.0);
     assert_eq!((theta, row), ([-2.0, 7.0], [0.0, 3.0]));
     assert_eq!(covariance, [[3.0, -3.0], [-3.0, 9.0]]);
-}
-
-#[test]
-fn a_beginning_that_no_row_has_seen_stays_as_uncertain_as_noise_leaves_it() {
-    let motor = motor(ERROR);
-    // A direction in which all of the sums is that of the parameters.
-    let along = motor.read_out().beginning.square / motor.read_out().beginning.moments[0];
-    let theta = motor.estimator().theta();
-    let found = motor.read_out().begun(theta, [2.0 * along, 0.0]);
-    let found = found.expect("a beginning");
-    assert_eq!(found.gamma, 0.0);
-    let [a1, _] = motor.recursion().theta();
-    let kappa = (1.21 - 1.1 * a1) / (1.1 * 9.9);
-    assert!((found.variance / (kappa * kappa) - 1.0).abs() < 1e-2);
 }
