@@ -8,7 +8,7 @@ use crate::estimation::structure::Structure;
 use crate::estimation::terms::Parameter;
 use crate::identifier::change::Shares;
 use crate::identifier::config::{Config, REACH};
-use crate::identifier::times::Times;
+use crate::identifier::times::{Times, kicked};
 use crate::trends::{Form, Hold, TrendOperator};
 
 /// The drive moves where the trends of y exceed this many standard deviations of their noise.
@@ -126,7 +126,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             config.output_range,
         );
         let angle = config.bandwidth * sample_time;
-        let warm_up = design.warm_up.max((config.settling / sample_time) as u32);
+        let settling = (config.settling / sample_time) as u32;
+        let warm_up = (design.warm_up.max(settling)).max(kicked(config, angle));
         let mut times = Times::new(config, design, smooth(config));
         times.begin_anew(design, warm_up);
         Ok(Self {

@@ -1,5 +1,6 @@
 //! How long things last, in samples.
 
+use crate::estimation::terms::Parameter;
 use crate::identifier::config::Config;
 use crate::identifier::start::StartPlan;
 use crate::math::sqrt;
@@ -99,6 +100,23 @@ impl Times {
     /// stands for it.
     pub(crate) fn fading<const M: usize>(&self, design: &Design<M>) -> u32 {
         (self.folds / (1.0 - design.slow_mode)) as u32
+    }
+}
+
+/// Samples without rows at the beginning of a drive whose offset begins with the record and kicks it
+/// through a zero: `b_1` times a step of the offset is an impulse, and the column of the constant,
+/// `b_0` times the step, has none. It leaves the trends as the filter fades, three time constants;
+/// what the slow pole keeps is in the column of the initial state.
+pub(crate) fn kicked<const M: usize, const N: usize, const I: usize>(
+    config: &Config<M, N, I>,
+    angle: f32,
+) -> u32 {
+    let structure = &config.structure;
+    let zero = |parameter| matches!(parameter, Parameter::Input { power: 1.., .. });
+    let kicks = structure.constant() && structure.integrators() > 0 && !config.supervised;
+    match kicks && structure.parameters().into_iter().any(zero) {
+        true => (3.0 / angle) as u32,
+        false => 0,
     }
 }
 

@@ -6,6 +6,8 @@ use trendid::trends::{FilteredTrends, Scheme};
 use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::plants::linear::LinearPlant;
 use trendid_host_tests::signals::noise::{Additive, Condition, numbered, rms_about_mean};
+use trendid_host_tests::users::kind::Kind;
+use trendid_host_tests::users::trial::{Special, Trial};
 
 const OMEGA: f64 = 20.0;
 const SAMPLE_TIME: f64 = 1e-3;
@@ -92,4 +94,28 @@ fn the_noise_of_the_first_position_is_in_estimate_and_deviations() {
             assert!(found.iter().all(|[_, beyond]| *beyond <= 5.0), "{found:?}");
         }
     }
+}
+
+/// Share of the readings of users to whom nothing special happened that are beyond three
+/// deviations \[%\].
+fn beyond_three(kind: Kind) -> f64 {
+    let trials = (FIRST + 200_000..FIRST + 200_300).map(|seed| Trial::run(seed, Some(kind)));
+    let usual = |trial: &Trial| {
+        let mut happened = Special::HAPPENS.into_iter();
+        !happened.any(|special| special != Special::Memory && trial.has(special))
+    };
+    let readings: Vec<_> = trials
+        .filter(usual)
+        .flat_map(|trial| trial.read.unwrap_or_default())
+        .collect();
+    let beyond = readings.iter().filter(|reading| reading.exceeds(3.0));
+    1e2 * beyond.count() as f64 / readings.len() as f64
+}
+
+/// Without a pause at the beginning 15 % of the readings are beyond three deviations.
+#[test]
+fn an_offset_that_kicks_a_drive_through_a_zero_has_passed_before_a_row_is_taken() {
+    let found = beyond_three(Kind::ServoZero);
+    println!("{found:.1} % of the readings are beyond three deviations");
+    assert!(found < 9.0, "{found}");
 }
