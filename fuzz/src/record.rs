@@ -17,6 +17,10 @@ pub fn run(bytes: &[u8]) {
         unit: (options & 2 != 0).then_some(1e-3),
         dt: (options & 16 != 0).then_some(0.01),
         held: options & 32 != 0,
+        span: [
+            (options & 64 != 0).then_some(0.05),
+            (options & 128 != 0).then_some(1e3),
+        ],
     };
     let names = ["u", "y", "x y"];
     let signals: Vec<String> = names

@@ -230,11 +230,11 @@ pub(super) fn timing(stamps: &[f64], lines: &[u64], column: &str) -> Result<Timi
         });
     }
     let all: f64 = steps.iter().map(|step| intervals(*step)).sum();
-    let filled = all as usize - steps.len();
+    let filled = (all as usize).saturating_sub(steps.len());
     let long = |step: &f64| intervals(*step) > (LONGEST_GAP + 1) as f64;
     let gap = steps.iter().position(long).or_else(|| {
         let first = steps.iter().position(|step| intervals(*step) > 1.0);
-        first.filter(|_| filled * RARE > stamps.len())
+        first.filter(|_| filled.saturating_mul(RARE) > stamps.len())
     });
     if let Some(k) = gap {
         return Err(RecordError::Missing {
@@ -242,7 +242,7 @@ pub(super) fn timing(stamps: &[f64], lines: &[u64], column: &str) -> Result<Timi
             column: column.to_owned(),
             samples: intervals(steps[k]) as u64 - 1,
             all: filled,
-            of: stamps.len() + filled,
+            of: filled.saturating_add(stamps.len()),
         });
     }
     let largest = steps.iter().map(|step| departure(*step));
