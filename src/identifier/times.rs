@@ -103,10 +103,10 @@ impl Times {
     }
 }
 
-/// Samples without rows at the beginning of a drive whose offset begins with the record and kicks it
-/// through a zero: `b_1` times a step of the offset is an impulse, and the column of the constant,
-/// `b_0` times the step, has none. It leaves the trends as the filter fades, three time constants;
-/// what the slow pole keeps is in the column of the initial state.
+/// Samples without rows at the beginning of a drive whose offset begins with the record and kicks
+/// it through a zero: `b_1` times a step of the offset is an impulse, and the column of the
+/// constant, `b_0` times the step, has none. It leaves the trends as the filter fades, three time
+/// constants; what the slow pole keeps is in the column of the initial state.
 pub(crate) fn kicked<const M: usize, const N: usize, const I: usize>(
     config: &Config<M, N, I>,
     angle: f32,
