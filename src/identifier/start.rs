@@ -19,8 +19,8 @@
 //! # What does not hold
 //! What is left of the noise of y(0) after so many samples is still a step in the trends. What the
 //! slow pole of the filter keeps of it the column of the initial state takes, or the sums beside
-//! the recursion do ([`Beginning`](crate::estimation::beginning)); what the faster poles make of it in
-//! the first rows is in no standard deviation. A drive that is stronger at the start than its
+//! the recursion do ([`Beginning`](crate::estimation::beginning)); what the faster poles make of it
+//! in the first rows is in no standard deviation. A drive that is stronger at the start than its
 //! design size bends off by as much more. The position loop, which tests every model on later
 //! samples, does not wait. Where a filter is exchanged the trends settle for longer than this; a
 //! sample that is missing meanwhile ends it, and y(0) stays.
