@@ -41,7 +41,7 @@ static OPTIONS: [Tried; 9] = [
     Tried {
         option: "start as a parameter",
         cost: sample(("with start", 4), ("filtered Tustin", 3)),
-        condition: "0.1 mm of white noise, 0.5 s",
+        condition: "0.1 mm of white noise, 0.7 s from a motion on",
         run: runs::start,
     },
     Tried {

@@ -77,9 +77,12 @@ pub fn compensated(seed: u64) -> Pair {
 /// The servo with the start and without a constant.
 const STARTED: Structure<3, 4, 1> = Structure::INTEGRATING_WITH_INITIAL_STATE;
 
-/// The initial state as a parameter.
+/// The initial state as a parameter, of a record that begins in motion.
 pub fn start(seed: u64) -> Pair {
-    let record = Experiment::reference(Condition::white(100.0), 0.5).record(seed);
+    let mut record = Experiment::reference(Condition::white(100.0), 1.0).record(seed);
+    for signal in [&mut record.u, &mut record.y, &mut record.y_true] {
+        signal.drain(..300);
+    }
     let without = Structure::<3, 3, 1>::INTEGRATING;
     [
         ending(&record, identifier(trends(BANDWIDTH), without)),
