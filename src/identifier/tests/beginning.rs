@@ -63,3 +63,25 @@ fn a_beginning_that_no_row_has_seen_stays_as_uncertain_as_noise_leaves_it() {
     let kappa = (1.21 - 1.1 * a1) / (1.1 * 9.9);
     assert!((found.variance / (kappa * kappa) - 1.0).abs() < 1e-2);
 }
+
+#[test]
+fn behind_a_pair_of_poles_the_residue_is_that_of_the_slow_one() {
+    let structure = Structure::<3, 3, 1>::INTEGRATING;
+    let config = Config::new(structure, 20.0, [1.0], 1.0);
+    let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 1e-3, 20.0).expect("a filter");
+    let mut servo =
+        Identifier::<FilteredTrends<3>, 3, 3>::try_new(&config, trends).expect("settings");
+    for k in 0..200 {
+        let _ = servo.update(1.0, 1e-6 * (k * k) as f32);
+    }
+    let read = servo.read_out();
+    let sums = read.beginning;
+    let found = read.begun(&[0.0; 3], [sums.square / sums.moments[0], 0.0, 0.0]);
+    // Poles 2.2 and those of s^2 + 30.8 s + 484, A = s^3.
+    let kappa = 2.2_f32.powi(3) / (2.2 * (2.2 * 2.2 - 30.8 * 2.2 + 484.0));
+    let variance = found.expect("a beginning").variance;
+    assert!(
+        (variance / (kappa * kappa) - 1.0).abs() < 1e-2,
+        "{variance}"
+    );
+}
