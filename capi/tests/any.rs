@@ -134,16 +134,18 @@ fn structures_drawn_at_random_are_those_of_the_core() {
     assert!(compared > 100, "only {compared} structures have a place");
 }
 
+/// y'' + a1 y' = b0 u.
+const GOOD: c::Structure = c::Structure {
+    order: 2,
+    inputs: 1,
+    output_terms: 0b10,
+    input_terms: [1, 0],
+    constant: 0,
+    initial_state: 0,
+};
+
 #[test]
 fn what_is_no_structure_is_refused_by_name() {
-    let good = c::Structure {
-        order: 2,
-        inputs: 1,
-        output_terms: 0b10,
-        input_terms: [1, 0],
-        constant: 0,
-        initial_state: 0,
-    };
     let refused = |structure: &c::Structure| {
         let mut detail = no_detail();
         let (error, memory) = made(structure, &mut detail);
@@ -160,51 +162,43 @@ fn what_is_no_structure_is_refused_by_name() {
         (error, String::from_utf8(name[..end].to_vec()).unwrap())
     };
     for order in [0, 5, 255] {
-        let found = refused(&c::Structure { order, ..good });
+        let found = refused(&c::Structure { order, ..GOOD });
         assert_eq!(found, (c::Error::OutOfRange, "order".into()));
     }
     for inputs in [0, 3] {
-        let found = refused(&c::Structure { inputs, ..good });
+        let found = refused(&c::Structure { inputs, ..GOOD });
         assert_eq!(found, (c::Error::OutOfRange, "inputs".into()));
     }
     let found = refused(&c::Structure {
         output_terms: 0b100,
-        ..good
+        ..GOOD
     });
     assert_eq!(found.0, c::Error::Term);
     let found = refused(&c::Structure {
         input_terms: [0, 1],
-        ..good
+        ..GOOD
     });
     assert_eq!(found.0, c::Error::NoInput);
-    assert_eq!(made(&good, &mut no_detail()).0, c::Error::Ok);
+    assert_eq!(made(&GOOD, &mut no_detail()).0, c::Error::Ok);
 }
 
 #[test]
 fn memory_that_is_refused_anew_holds_no_object() {
-    let good = c::Structure {
-        order: 2,
-        inputs: 1,
-        output_terms: 0b10,
-        input_terms: [1, 0],
-        constant: 0,
-        initial_state: 0,
-    };
     for bad in [
-        c::Structure { order: 9, ..good },
-        c::Structure { inputs: 0, ..good },
+        c::Structure { order: 9, ..GOOD },
+        c::Structure { inputs: 0, ..GOOD },
         c::Structure {
             order: 4,
             output_terms: 0b1111,
             input_terms: [0b1111, 0],
-            ..good
+            ..GOOD
         },
         c::Structure {
             output_terms: 0b100,
-            ..good
+            ..GOOD
         },
     ] {
-        let (error, mut memory) = made(&good, &mut no_detail());
+        let (error, mut memory) = made(&GOOD, &mut no_detail());
         assert_eq!(error, c::Error::Ok);
         let mut settings = MaybeUninit::uninit();
         let handle = memory.as_mut_ptr().cast::<c::Identifier>();

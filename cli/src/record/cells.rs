@@ -168,22 +168,25 @@ pub(super) fn surplus(
     }
 }
 
-/// The rows whose stamps lie in a span, half a step of slack included; all where those are less
-/// than two.
-pub(super) fn within(stamps: &[f64], [from, to]: [Option<f64>; 2]) -> Vec<usize> {
-    let mut steps: Vec<f64> = stamps.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
+/// The middle one of some steps; 0 of none.
+fn median(mut steps: Vec<f64>) -> f64 {
     steps.sort_by(f64::total_cmp);
-    let slack = 0.5 * steps.get(steps.len() / 2).copied().unwrap_or(0.0);
+    steps.get(steps.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// The rows whose stamps lie in a span, half a step of slack included; `None` for all of them, as
+/// where less than two do.
+pub(super) fn within(stamps: &[f64], [from, to]: [Option<f64>; 2]) -> Option<Vec<usize>> {
+    from.or(to)?;
+    let steps = stamps.windows(2).map(|w| (w[1] - w[0]).abs());
+    let slack = 0.5 * median(steps.collect());
     let is_in = |stamp: f64| {
         from.is_none_or(|from| stamp >= from - slack) && to.is_none_or(|to| stamp <= to + slack)
     };
     let rows: Vec<usize> = (0..stamps.len())
         .filter(|row| is_in(stamps[*row]))
         .collect();
-    match rows.len() < 2 {
-        true => (0..stamps.len()).collect(),
-        false => rows,
-    }
+    (rows.len() >= 2).then_some(rows)
 }
 
 /// What the time stamps are.
@@ -216,9 +219,7 @@ pub(super) fn timing(stamps: &[f64], lines: &[u64], column: &str) -> Result<Timi
             found: stamps[k + 1],
         });
     }
-    let mut sorted = steps.clone();
-    sorted.sort_by(f64::total_cmp);
-    let median = sorted[sorted.len() / 2];
+    let median = median(steps.clone());
     let intervals = |step: f64| (step / median).round().max(1.0);
     let departure = |step: f64| (step / median - intervals(step)).abs();
     if let Some(k) = steps.iter().position(|s| departure(*s) > JITTER) {

@@ -110,24 +110,26 @@ impl Record {
             (None, None) => 1.0,
         };
         let mut columns = table.columns.into_iter();
-        let counts: Vec<f64> = columns.next().unwrap_or_default();
+        let counts = columns.next().unwrap_or_default();
         let granted = match (clock.unit, by_name) {
             (Some(_), _) => None,
             (None, Some((name, _))) => Some(format!("`{time}` counts {name} by its name")),
             (None, None) => cells::whole_seconds(&counts, &time),
         };
-        let stamps: Vec<f64> = counts.iter().map(|t| unit * t).collect();
-        let rows = cells::within(&stamps, clock.span);
-        let kept = |column: Vec<f64>| rows.iter().map(|row| column[*row]).collect::<Vec<_>>();
-        let mut signals: Vec<Vec<f64>> = columns.map(kept).collect();
-        let numbers: Vec<u64> = rows.iter().map(|row| table.numbers[*row]).collect();
-        let stamps: Vec<f64> = rows.iter().map(|row| stamps[*row]).collect();
-        let timing = timing(&stamps, &numbers, &time)?;
+        let mut stamps: Vec<f64> = counts.iter().map(|t| unit * t).collect();
+        let mut signals: Vec<Vec<f64>> = columns.collect();
+        let mut numbers = table.numbers;
+        if let Some(rows) = cells::within(&stamps, clock.span) {
+            for column in signals.iter_mut().chain([&mut stamps]) {
+                *column = rows.iter().map(|row| column[*row]).collect();
+            }
+            numbers = rows.iter().map(|row| numbers[*row]).collect();
+        }
         let Timing {
             dt,
             samples,
             resampling,
-        } = timing;
+        } = timing(&stamps, &numbers, &time)?;
         if resampling.is_any() {
             signals = resample::resampled(&stamps, (dt, samples), &signals, clock.held);
         }
