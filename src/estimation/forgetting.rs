@@ -216,6 +216,12 @@ impl<const N: usize> StabilisedForgetting<N> {
         }
     }
 
+    /// Whether the next turn is one between two observations.
+    #[inline(always)]
+    pub(crate) const fn rests(&self) -> bool {
+        self.turn.is_multiple_of(2)
+    }
+
     #[inline(always)]
     fn advance(&mut self) {
         let next = self.turn + 1;

@@ -9,6 +9,7 @@ pub(crate) mod noise_level;
 pub(crate) mod postponed;
 pub(crate) mod regressor;
 pub(crate) mod rls;
+pub(crate) mod start_error;
 pub(crate) mod structure;
 pub(crate) mod terms;
 mod two_words;

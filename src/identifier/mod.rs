@@ -226,7 +226,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             regressor,
             bandwidth,
             noise,
-            offset_significance,
             ..
         } = &self.plan;
         ReadOut {
@@ -235,7 +234,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             regressor,
             bandwidth: *bandwidth,
             prior_noise: noise.prior,
-            significance: *offset_significance,
+            significance: self.plan.offset_significance,
             estimator: &self.state.estimator,
             forgetting: &self.state.forgetting,
             turns: self.plan.turns(),
@@ -243,6 +242,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             position: self.state.position(),
             noise: &self.state.noise,
             beginning: &self.state.beginning,
+            start_error: &self.state.start_error,
         }
     }
 
@@ -270,7 +270,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         &self.state.estimator
     }
 
-    /// lambda, 1 without a memory.
+    /// lambda.
     pub(crate) const fn forgetting(&self) -> f32 {
         self.plan.forgetting
     }

@@ -69,7 +69,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         state.postponed.suspect();
         state.remain_known();
         state.estimator.resume(theta, scale, &limit);
+        let start_error = state.start_error;
         state.begin_sums(&self.plan);
+        state.start_error = start_error;
+        state.start_error.end(scale);
         state.forgetting.replace_nominal(nominal);
         if same_filter {
             return Ok(());

@@ -50,7 +50,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             self.noise.update(y);
             self.signals.enter_output(plan, y);
             self.signals.remaining -= 1;
-            self.signals.find_start(plan, y, self.noise.known());
+            self.find_start(plan, y);
             self.prediction = position;
             return Outcome::WarmingUp {
                 remaining: self.signals.remaining,
@@ -138,11 +138,17 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             if self.beginning.lasts {
                 self.sum_beginning(*row, true);
             }
+            if self.forgetting.rests() && self.start_error.is_due(self.signals.turn) {
+                self.heed_start(plan, row.phi);
+            }
             self.remember(plan, row, y, witness);
         } else if obeys {
             row.weigh(position, plan.noise.coarse);
             if self.beginning.lasts {
                 self.sum_beginning(*row, false);
+            }
+            if self.start_error.is_due(self.signals.turn) {
+                self.heed_start(plan, row.phi);
             }
             let _ = self.estimator.fold(&row.phi, row.error);
             witness.row(&row.phi, row.psi, &self.estimator, true);
@@ -161,6 +167,34 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let (column, forgetting) = (self.signals.initial, self.estimator.forgets_for());
         self.beginning.take(&row.phi, row.psi, column, forgetting);
         self.beginning.end(column, forgets);
+    }
+
+    /// The part that is due of what an error of y(0) does to a structure with an initial state.
+    ///
+    /// By value, as above.
+    #[inline(never)]
+    fn heed_start(&mut self, plan: &Plan<T, M, N, I>, phi: [f32; N]) {
+        let (design, forgetting) = (plan.trends.design(), self.estimator.forgets_for());
+        let pace = plan.times.start_pace;
+        match self.start_error.wants_row() {
+            true => self.start_error.take(&phi, pace),
+            false => self.start_error.advance(design, forgetting, [pace, 1]),
+        }
+        if !plan.forgets {
+            self.start_error.keep();
+        }
+    }
+
+    /// Looks for where y began, in samples without a row.
+    #[inline(never)]
+    fn find_start(&mut self, plan: &Plan<T, M, N, I>, y: f32) {
+        if let Some(variance) = self.signals.find_start(plan, y, self.noise.known()) {
+            self.start_error.variance = variance;
+        }
+        if self.start_error.is_due(self.signals.turn) {
+            let (design, pace) = (plan.trends.design(), plan.times.start_pace);
+            self.start_error.advance(design, 1.0, [pace; 2]);
+        }
     }
 
     /// Whether the drive moves, or did so as lately as the trends show it.

@@ -118,27 +118,31 @@ impl<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize> Signal
     }
 
     /// Takes a sample of the beginning whose trends have been computed; `noise` is the variance of
-    /// y.
+    /// y. Gives that of where y began, over that of y, once it is found.
     #[inline(never)]
     pub(crate) fn find_start<const N: usize>(
         &mut self,
         plan: &Plan<T, M, N, I>,
         y: f32,
         noise: f32,
-    ) {
+    ) -> Option<f32> {
         let (Some(start), Some((_, unit))) = (&mut self.start, &mut self.gate.aside) else {
-            return;
+            return None;
         };
         enter(plan, unit, 0.0);
-        match start.take(y, noise, plan.times.start) {
+        let variance = match start.take(y, noise, plan.times.start) {
             Verdict::Wait => {
                 self.remaining = self.remaining.max(1);
-                return;
+                return None;
             }
-            Verdict::Begin(at) => self.output.add(unit, at),
-            Verdict::Stay => {}
-        }
+            Verdict::Begin(at) => {
+                self.output.add(unit, at);
+                start.variance()
+            }
+            Verdict::Stay => 1.0,
+        };
         (self.start, self.gate.aside) = (None, None);
+        Some(variance)
     }
 
     /// The trends of y.

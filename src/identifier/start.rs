@@ -20,7 +20,8 @@
 //! What is left of the noise of y(0) after so many samples is still a step in the trends. What the
 //! slow pole of the filter keeps of it the column of the initial state takes, or the sums beside
 //! the recursion do ([`Beginning`](crate::estimation::beginning)); what the faster poles make of it
-//! in the first rows is in no standard deviation. A drive that is stronger at the start than its
+//! in the first rows is in the deviations of a structure with that column alone
+//! ([`StartError`](crate::estimation::start_error)). A drive that is stronger at the start than its
 //! design size bends off by as much more. The position loop, which tests every model on later
 //! samples, does not wait. Where a filter is exchanged the trends settle for longer than this; a
 //! sample that is missing meanwhile ends it, and y(0) stays.
@@ -84,6 +85,11 @@ impl Start {
             moment: 0.0,
             first,
         }
+    }
+
+    /// Variance of where the line begins over that of the noise.
+    pub(super) const fn variance(&self) -> f32 {
+        4.0 / self.samples as f32
     }
 
     /// Takes y(k); `noise` is its variance, below 0 while it is not known.

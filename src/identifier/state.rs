@@ -11,6 +11,7 @@ use crate::estimation::forgetting::StabilisedForgetting;
 use crate::estimation::noise_level::NoiseLevel;
 use crate::estimation::postponed::Postponed;
 use crate::estimation::rls::Estimator;
+use crate::estimation::start_error::StartError;
 use crate::identifier::change::ChangeDetector;
 use crate::identifier::plan::{Plan, Prior};
 use crate::identifier::signals::Signals;
@@ -49,6 +50,8 @@ pub(crate) struct State<
     pub(super) moving: u32,
     /// The initial state of a structure that has none.
     pub(crate) beginning: Beginning<N>,
+    /// The error of y(0) where it has one.
+    pub(crate) start_error: StartError<M, N>,
 }
 
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
@@ -76,6 +79,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             postponed: Postponed::new(plan.forgetting),
             moving: 0,
             beginning: Beginning::new(!plan.structure.initial_state()),
+            start_error: StartError::new(plan.trends.design(), plan.times.start_pace),
         }
     }
 
@@ -83,6 +87,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     pub(crate) fn restart_signals(&mut self, plan: &Plan<T, M, N, I>, warm_up: u32) {
         let last_inputs = self.signals.last_inputs;
         self.signals = Signals::new(plan, warm_up);
+        self.start_error.end(1.0);
         self.signals.last_inputs = last_inputs;
         self.standstill = Standstill::new();
     }
@@ -130,6 +135,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// The rows of before count no more, and nothing of what they tell of the beginning.
     pub(super) fn begin_sums(&mut self, plan: &Plan<T, M, N, I>) {
         self.beginning = Beginning::new(!plan.structure.initial_state());
+        self.start_error.clear();
     }
 
     /// Calls in what forgetting is owed, all at once. Not for the 1 ms path.
@@ -141,6 +147,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     pub(super) fn begin_call(&mut self) {
         self.beginning = Beginning::new(self.beginning.lasts);
+        if self.postponed.is_owed() {
+            self.start_error.clear();
+        }
         self.postponed
             .call(&mut self.estimator, self.forgetting.left());
     }

@@ -5,6 +5,7 @@ use crate::trends::{FilteredTrends, Hold, Scheme};
 
 mod beginning;
 pub(super) mod bench;
+mod start_error;
 
 use bench::{Drive, Servo3, config, identifier};
 

@@ -39,6 +39,9 @@ pub(crate) struct Times {
     /// tested.
     pub(crate) known_rows: f32,
     pub(crate) start: StartPlan,
+    /// In which an error of y(0) takes a step on its way through the filter; 0 where the initial
+    /// state takes all of it, or another column.
+    pub(crate) start_pace: u32,
 }
 
 impl Times {
@@ -88,6 +91,14 @@ impl Times {
                 angle,
                 filtered && smooth && !config.supervised,
             ),
+            start_pace: match filtered
+                && structure.initial_state()
+                && structure.integrators() > 0
+                && !config.supervised
+            {
+                true => ((0.1 / angle) as u32).max(2),
+                false => 0,
+            },
         }
     }
 

@@ -34,6 +34,8 @@ pub(crate) struct Begun<const N: usize> {
     pub(crate) gamma: f32,
     /// 1 / S, the variance of gamma over that of the residual.
     pub(crate) variance: f32,
+    /// Whether gamma is no part of the estimate.
+    pub(crate) considered: bool,
 }
 
 impl<const N: usize> Begun<N> {
@@ -46,9 +48,20 @@ impl<const N: usize> Begun<N> {
 
     /// Adds to row `index` of a covariance, that of a residual of variance 1.
     pub(super) fn add_row(&self, index: usize, row: &mut [f32; N]) {
+        if self.considered {
+            return;
+        }
         let own = self.direction.get(index).copied().unwrap_or(0.0) * self.variance;
         for (entry, direction) in row.iter_mut().zip(&self.direction) {
             *entry += own * direction;
+        }
+    }
+
+    /// What it adds to the variance of a parameter beyond its row, under a residual of variance 1.
+    pub(super) fn considered(&self, index: usize) -> f32 {
+        match (self.considered, self.direction.get(index)) {
+            (true, Some(own)) => own * own * self.variance,
+            _ => 0.0,
         }
     }
 
@@ -90,6 +103,30 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             direction,
             gamma,
             variance,
+            considered: false,
+        })
+    }
+
+    /// What an error of y(0) may have done to an estimate `theta` with an initial state; `along`
+    /// gives the change per score, and `spread` is the variance of the residual per variance of
+    /// the noise of y.
+    pub(crate) fn started(
+        &self,
+        theta: &[f32; N],
+        along: impl FnOnce(&[f32; N]) -> [f32; N],
+        spread: f32,
+    ) -> Option<Begun<N>> {
+        let units = self.regressor.units();
+        let a = (self.structure).denominator(&core::array::from_fn(|j| theta[j] * units[j]));
+        let scale = self.regressor.top_scale();
+        let direction = along(&self.start_error.score(&a)).map(|change| change * scale);
+        let variance = self.start_error.variance / spread;
+        let finite = variance.is_finite() && direction.iter().all(|value| value.is_finite());
+        finite.then_some(Begun {
+            direction,
+            gamma: 0.0,
+            variance,
+            considered: true,
         })
     }
 }

@@ -198,7 +198,8 @@ impl<const M: usize, const N: usize> Compensated<M, N> {
         gain
     }
 
-    /// Row `index` of P_c, enough for an estimate without deviations.
+    /// Row `index` of P_c, enough for an estimate without deviations; what is only considered of
+    /// a beginning changes no estimate, and is not in it.
     #[inline(always)]
     pub(crate) fn covariance_row(&self, p: &Matrix<N>, index: usize) -> Option<[f32; N]> {
         let mut row = *p.get(index)?;
@@ -209,6 +210,16 @@ impl<const M: usize, const N: usize> Compensated<M, N> {
             begun.add_row(index, &mut row);
         }
         Some(row)
+    }
+
+    /// The variance of a parameter over that of its row, by what is only considered.
+    pub(crate) fn considered(&self, p: &Matrix<N>, index: usize) -> f32 {
+        let own = self.covariance_row(p, index).map_or(0.0, |row| row[index]);
+        let more = match &self.begun {
+            Some(begun) if own > 0.0 => begun.considered(index) / own,
+            _ => 0.0,
+        };
+        1.0 + more
     }
 }
 
@@ -245,16 +256,16 @@ pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
             *left += drift;
         }
     }
-    let begun = match source.beginning.square > 0.0 {
-        true => {
-            let score = &source.beginning.moments;
-            let mut direction = core::array::from_fn(|i| dot(&p[i], score));
-            if let Some(found) = found {
-                found.add_along(score, &mut direction);
-            }
-            source.begun(&theta, direction)
+    let along = |score: &[f32; N]| {
+        let mut direction = core::array::from_fn(|i| dot(&p[i], score));
+        if let Some(found) = found {
+            found.add_along(score, &mut direction);
         }
-        false => None,
+        direction
+    };
+    let begun = match source.beginning.square > 0.0 {
+        true => source.begun(&theta, along(&source.beginning.moments)),
+        false => source.started(&theta, along, noise.spread),
     };
     if let Some(begun) = &begun {
         begun.take_out(&mut theta);

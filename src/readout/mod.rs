@@ -39,7 +39,7 @@ pub(crate) use former::Former;
 pub(crate) use residual_spectrum::in_band;
 pub(crate) use source::ReadOut;
 
-use crate::estimation::terms::Parameter;
+use crate::estimation::terms::{Parameter, index_of};
 use crate::math::matrix::Matrix;
 use crate::readout::compensation::{Compensated, compensate};
 use crate::readout::residual_spectrum::{ResidualSpectrum, natural_frequency};
@@ -86,12 +86,14 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         // Before the noise is known every constant counts: after a change of the filter nothing
         // jumps.
         let withdrawal = self.estimator.noise_variance().and_then(|_| {
+            let parameters = self.structure.parameters();
+            let constant = index_of(&parameters, Parameter::Constant)?;
             Withdrawal::of(
-                &self.structure.parameters(),
+                &parameters,
                 &found.theta,
                 |index| found.covariance_row(p, index),
                 self.regressor.units(),
-                found.residual.significance,
+                found.residual.significance * found.considered(p, constant),
                 self.significance,
             )
         });

@@ -90,8 +90,11 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     pub(crate) fn constant_variance(&self) -> [f32; 2] {
         let p = self.covariance();
         let found = compensate(self, &p, false);
-        let variance = index_of(&self.structure.parameters(), Parameter::Constant)
-            .and_then(|index| found.covariance_row(&p, index)?.get(index).copied());
+        let variance =
+            index_of(&self.structure.parameters(), Parameter::Constant).and_then(|index| {
+                let own = *found.covariance_row(&p, index)?.get(index)?;
+                Some(own * found.considered(&p, index))
+            });
         let variance = variance.unwrap_or(0.0) * found.residual.significance;
         [variance, self.unseen_constant(&p)]
     }

@@ -6,6 +6,7 @@ use crate::estimation::noise_level::NoiseLevel;
 use crate::estimation::postponed::PAUSE;
 use crate::estimation::regressor::Regressor;
 use crate::estimation::rls::Estimator;
+use crate::estimation::start_error::StartError;
 use crate::estimation::structure::Structure;
 use crate::estimation::terms::{Parameter, index_of};
 use crate::math::matrix::Matrix;
@@ -41,6 +42,8 @@ pub(crate) struct ReadOut<'a, const M: usize, const N: usize, const I: usize> {
     pub(crate) noise: &'a NoiseLevel,
     /// The initial state of a structure that has none.
     pub(crate) beginning: &'a Beginning<N>,
+    /// The error of y(0) of a structure with one.
+    pub(crate) start_error: &'a StartError<M, N>,
 }
 
 impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {

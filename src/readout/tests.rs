@@ -9,6 +9,7 @@ use crate::estimation::forgetting::StabilisedForgetting;
 use crate::estimation::noise_level::NoiseLevel;
 use crate::estimation::regressor::Regressor;
 use crate::estimation::rls::Estimator;
+use crate::estimation::start_error::StartError;
 use crate::estimation::structure::Structure;
 use crate::trends::{Design, FilteredTrends, RawTrends, Scheme, TrendOperator};
 
@@ -33,6 +34,7 @@ struct Parts {
     prior_noise: f32,
     former: Former,
     beginning: Beginning<4>,
+    start_error: StartError<3, 4>,
 }
 
 impl Parts {
@@ -54,6 +56,7 @@ impl Parts {
             let _ = estimator.update(&phi, psi + error);
         }
         estimator.finish_observation();
+        let start_error = StartError::new(&design, 0);
         Self {
             design,
             regressor,
@@ -65,6 +68,7 @@ impl Parts {
             prior_noise: 1e-2,
             former: Former::NONE,
             beginning: Beginning::new(true),
+            start_error,
         }
     }
 
@@ -83,6 +87,7 @@ impl Parts {
             position: self.position,
             noise: &self.noise,
             beginning: &self.beginning,
+            start_error: &self.start_error,
         }
     }
 }

@@ -93,7 +93,7 @@ pub(crate) struct Integrators<const M: usize> {
     /// Share of the value before: Delta/2 or Delta.
     pub(crate) behind: f32,
     /// 1 / (1 + sum f_i ahead^(m-i)): solves the loop that the trapezoids close within one sample.
-    loop_gain: f32,
+    pub(crate) loop_gain: f32,
     /// Weight of the trend of order 1 in the highest one, of increments: f_1 + f_0 `ahead`; 0 for
     /// m = 1.
     damping: f32,

@@ -27,6 +27,7 @@ pub(crate) mod delay_line;
 pub(crate) mod design;
 pub(crate) mod difference;
 pub(crate) mod exact;
+pub(crate) mod fading_step;
 pub(crate) mod filter;
 pub(crate) mod filtered;
 pub(crate) mod hold;

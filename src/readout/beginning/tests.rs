@@ -8,6 +8,7 @@ fn what_is_left_of_it_is_in_the_covariance() {
         direction: [1.0, -2.0],
         gamma: 3.0,
         variance: 0.5,
+        considered: false,
     };
     let (mut theta, mut row, mut covariance) = ([1.0; 2], [1.0; 2], [[1.0; 2]; 2]);
     begun.take_out(&mut theta);
