@@ -204,6 +204,21 @@ fn a_keeper_waits_a_minute_and_for_two_percent() {
 }
 
 #[test]
+fn each_parameter_alone_is_worth_a_record() {
+    let fields = [400.0, 20.0, 1.0e6, 0.03, -0.01, 4000.0];
+    let keeper = Keeper::new(Some(Model::from_fields(fields)));
+    for moved in 0..fields.len() {
+        for (share, due) in [(0.015, false), (0.025, true), (-0.025, true)] {
+            let mut changed = fields;
+            // Dead zone and offset count from two thousandths of the command on.
+            changed[moved] += share * changed[moved].abs().max(0.1);
+            let model = Model::from_fields(changed);
+            assert_eq!(keeper.is_due(&model, 0), due, "{moved}: {changed:?}");
+        }
+    }
+}
+
+#[test]
 fn a_save_that_fails_is_not_tried_again_within_the_minute() {
     let model = record(0).model;
     for begin in [0, u32::MAX - 9] {
