@@ -1,5 +1,7 @@
 //! The store somewhere in a flash that is larger than it.
 
+extern crate std;
+
 use super::*;
 use crate::servo::{Config, Model, Travel};
 use core::convert::Infallible;
@@ -201,6 +203,20 @@ fn a_keeper_waits_a_minute_and_for_two_percent() {
     keeper.saved(&changed(1.1), u32::MAX - 9);
     assert!(!keeper.is_due(&model, 49) && keeper.is_due(&model, 50));
     assert!(!keeper.is_due(&changed(1.1), 50));
+}
+
+#[test]
+fn a_refusal_says_what_was_found() {
+    let said = |refused: Refused| std::string::ToString::to_string(&refused);
+    assert_eq!(said(Refused::Empty), "no model is stored");
+    for (refused, part) in [
+        (Refused::Damaged { records: 3 }, "3 stored records"),
+        (Refused::Version { found: 7 }, "has version 7, expected"),
+        (Refused::Plant { found: 9 }, "of machine 9"),
+        (Refused::Settings { found: 0xAB }, "(0x000000ab)"),
+    ] {
+        assert!(said(refused).contains(part), "{}", said(refused));
+    }
 }
 
 #[test]

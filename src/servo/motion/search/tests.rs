@@ -63,3 +63,20 @@ fn a_search_finds_the_largest_velocity_from_any_motion() {
         }
     }
 }
+
+/// The first halving tests the limit itself, so that a long move has all of it.
+#[test]
+fn a_move_that_is_long_enough_has_the_whole_of_its_velocity() {
+    for (velocity, distance) in [(800.0, 2000.0), (120.0, 30.0), (0.5, -1.0)] {
+        let limits = MotionLimits {
+            velocity,
+            acceleration: 9000.0,
+            jerk: 2.5e5,
+        };
+        let mut search = ProfileSearch::new(Motion::at(5.0), 5.0 + distance, limits);
+        for _ in 0..PLANNING - 2 {
+            assert!(search.step(&limits, &TRAVEL).is_none());
+        }
+        assert_eq!(search.low, velocity);
+    }
+}
