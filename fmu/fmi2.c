@@ -17,15 +17,19 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
+/* Up to here each sample has a number of its own. */
+#define SAMPLES_MAX 9007199254740992.0
+
 enum state { INSTANTIATED, INITIALISING, STEPPING, TERMINATED, FAILED };
 
 struct unit {
     const fmi2CallbackFunctions *callbacks;
     enum state state;
     bool logging;
-    /* Samples since the begin, and the time of the begin in s. */
+    /* Samples since the begin, the time of the begin in s, and the sample time that the object has. */
     double samples;
     double begin;
+    double sample_time;
     struct values values;
     /* The object of trendid follows, aligned for every type. */
     max_align_t object[];
@@ -107,7 +111,14 @@ EXPORT fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean has_t
     (void)tolerance;
     (void)has_end;
     (void)end;
-    ((struct unit *)component)->begin = begin;
+    struct unit *unit = component;
+    if (unit->state != INSTANTIATED) {
+        return told(unit, fmi2Error, "the experiment is set up before the initialisation");
+    }
+    if (!isfinite(begin)) {
+        return told(unit, fmi2Error, "the begin is not a finite time");
+    }
+    unit->begin = begin;
     return fmi2OK;
 }
 
@@ -134,6 +145,7 @@ EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component component)
         return refused(unit, error, detail.setting);
     }
     unit->samples = 0.0;
+    unit->sample_time = model_sample_time(&unit->values);
     unit->state = STEPPING;
     return fmi2OK;
 }
@@ -161,16 +173,21 @@ EXPORT fmi2Status fmi2DoStep(fmi2Component component, fmi2Real now, fmi2Real ste
     if (unit->state != STEPPING) {
         return told(unit, fmi2Error, "a step before the end of the initialisation");
     }
-    const double sample_time = model_sample_time(&unit->values);
-    const double wanted = (now + step - unit->begin) / sample_time;
+    const double before = (now - unit->begin) / unit->sample_time;
+    if (!(fabs(before - unit->samples) < 1e-3)) {
+        return told(unit, fmi2Error, "a communication step must begin where the one before has ended");
+    }
+    const double wanted = (now + step - unit->begin) / unit->sample_time;
     const double whole = floor(wanted + 0.5);
-    if (!(step > 0.0) || !(fabs(wanted - whole) < 1e-3) || !(whole > unit->samples)) {
+    if (!(step > 0.0) || !(fabs(wanted - whole) < 1e-3) || !(whole > unit->samples) || !(whole < SAMPLES_MAX)) {
         return told(unit, fmi2Error, "a communication step must be a whole number of sample times");
     }
     for (; unit->samples < whole; unit->samples += 1.0) {
-        const trendid_error error = model_sample(unit->object, &unit->values);
+        trendid_detail detail;
+        memset(&detail, 0, sizeof detail);
+        const trendid_error error = model_sample(unit->object, &unit->values, &detail);
         if (error != TRENDID_ERROR_OK) {
-            return refused(unit, error, "");
+            return refused(unit, error, detail.setting);
         }
     }
     return fmi2OK;
@@ -181,14 +198,25 @@ EXPORT fmi2Status fmi2CancelStep(fmi2Component component)
     return told(component, fmi2Error, "a step ends before it returns");
 }
 
-/* Reading and writing the variables. */
+/* Reading and writing the variables: a parameter until the initialisation, an input at any time, an output never. */
+
+static const char *unwritable(const struct unit *unit, const struct kind *kind, fmi2ValueReference which)
+{
+    if (which >= kind->all) {
+        return "no variable of this reference";
+    }
+    if (which < kind->parameters) {
+        return unit->state < STEPPING ? NULL : "a parameter is fixed by the initialisation";
+    }
+    return which < kind->parameters + kind->inputs ? NULL : "an output cannot be set";
+}
 
 #define GET_AND_SET(Name, Type, list)                                                                                          \
     EXPORT fmi2Status fmi2Get##Name(fmi2Component component, const fmi2ValueReference which[], size_t count, Type to[])         \
     {                                                                                                                          \
         struct unit *unit = component;                                                                                         \
         for (size_t i = 0; i < count; i++) {                                                                                   \
-            if (which[i] >= description.list) {                                                                                \
+            if (which[i] >= description.list.all) {                                                                            \
                 return told(unit, fmi2Error, "no variable of this reference");                                                 \
             }                                                                                                                  \
             to[i] = unit->values.list[which[i]];                                                                               \
@@ -200,8 +228,9 @@ EXPORT fmi2Status fmi2CancelStep(fmi2Component component)
     {                                                                                                                          \
         struct unit *unit = component;                                                                                         \
         for (size_t i = 0; i < count; i++) {                                                                                   \
-            if (which[i] >= description.list) {                                                                                \
-                return told(unit, fmi2Error, "no variable of this reference");                                                 \
+            const char *why = unwritable(unit, &description.list, which[i]);                                                   \
+            if (why != NULL) {                                                                                                 \
+                return told(unit, fmi2Error, why);                                                                             \
             }                                                                                                                  \
             unit->values.list[which[i]] = from[i];                                                                             \
         }                                                                                                                      \
@@ -247,7 +276,11 @@ EXPORT fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state)
     if (state == NULL) {
         return told(component, fmi2Error, "no state");
     }
-    memcpy(component, state, bytes_of_unit());
+    /* Of another unit that has gone, the callbacks may have gone, too. */
+    struct unit *unit = component;
+    const fmi2CallbackFunctions *callbacks = unit->callbacks;
+    memcpy(unit, state, bytes_of_unit());
+    unit->callbacks = callbacks;
     return fmi2OK;
 }
 
@@ -331,7 +364,7 @@ EXPORT fmi2Status fmi2GetRealStatus(fmi2Component component, const fmi2StatusKin
     if (kind != fmi2LastSuccessfulTime) {
         return told(unit, fmi2Discard, "no such status");
     }
-    *to = unit->begin + unit->samples * model_sample_time(&unit->values);
+    *to = unit->begin + unit->samples * unit->sample_time;
     return fmi2OK;
 }
 

@@ -1,11 +1,18 @@
 /* The identifier of order 3 as a unit: command and position in, model with its uncertainty out. */
 #include "model.h"
 
+#include <math.h>
+
 enum { SAMPLE_TIME, BANDWIDTH, U_RANGE, Y_RANGE, NOISE, MEMORY, U, Y, THETA, STD = THETA + 5, GAIN = STD + 5, OMEGA0, DAMPING,
        GAIN_STD, OMEGA0_STD, DAMPING_STD, INNOVATION, PREDICTION, REALS };
 enum { DELAY, KIND, INTEGERS };
 
-const struct description description = {"{trendid-identifier-1}", REALS, INTEGERS, 0};
+const struct description description = {
+    .guid = "{trendid-identifier-1}",
+    .reals = {U, THETA - U, REALS},
+    .integers = {KIND, 0, INTEGERS},
+    .booleans = {0, 0, 0},
+};
 const size_t object_bytes = sizeof(trendid_servo3);
 
 _Static_assert(REALS <= REALS_MAX && INTEGERS <= INTEGERS_MAX, "more variables than there is room for");
@@ -23,6 +30,12 @@ double model_sample_time(const struct values *values)
     return values->reals[SAMPLE_TIME];
 }
 
+/* NaN in the place of what is not known: a zero would be a number. */
+static double known(bool exists, float value)
+{
+    return exists ? (double)value : (double)NAN;
+}
+
 trendid_error model_begin(void *object, struct values *values, trendid_detail *detail)
 {
     trendid_settings settings;
@@ -32,11 +45,15 @@ trendid_error model_begin(void *object, struct values *values, trendid_detail *d
     settings.output_noise = (float)reals[NOISE];
     settings.memory = (float)reals[MEMORY];
     settings.delay[0] = (uint32_t)values->integers[DELAY];
+    for (int i = GAIN; i <= DAMPING_STD; i++) {
+        values->reals[i] = known(false, 0.0F);
+    }
     return error != TRENDID_ERROR_OK ? error : trendid_servo3_init(object, &settings, NULL, detail);
 }
 
-trendid_error model_sample(void *object, struct values *values)
+trendid_error model_sample(void *object, struct values *values, trendid_detail *detail)
 {
+    (void)detail;
     trendid_identifier *identifier = object;
     double *reals = values->reals;
     trendid_outcome outcome;
@@ -56,12 +73,12 @@ trendid_error model_sample(void *object, struct values *values)
         reals[THETA + i] = (double)found.theta[i];
         reals[STD + i] = (double)found.std[i];
     }
-    reals[GAIN] = (double)found.gain;
-    reals[OMEGA0] = (double)found.omega0;
-    reals[DAMPING] = (double)found.damping;
-    reals[GAIN_STD] = (double)found.gain_std;
-    reals[OMEGA0_STD] = (double)found.omega0_std;
-    reals[DAMPING_STD] = (double)found.damping_std;
+    reals[GAIN] = known(found.has_gain, found.gain);
+    reals[OMEGA0] = known(found.has_pair, found.omega0);
+    reals[DAMPING] = known(found.has_pair, found.damping);
+    reals[GAIN_STD] = known(found.has_physical_std, found.gain_std);
+    reals[OMEGA0_STD] = known(found.has_physical_std, found.omega0_std);
+    reals[DAMPING_STD] = known(found.has_physical_std, found.damping_std);
     reals[INNOVATION] = (double)outcome.innovation;
     reals[PREDICTION] = (double)status.prediction;
     values->integers[KIND] = outcome.kind;

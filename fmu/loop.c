@@ -14,7 +14,12 @@ struct object {
     int abort;
 };
 
-const struct description description = {"{trendid-loop-1}", REALS, INTEGERS, BOOLEANS};
+const struct description description = {
+    .guid = "{trendid-loop-1}",
+    .reals = {TARGET, COMMAND - TARGET, REALS},
+    .integers = {CODE, STATE - CODE, INTEGERS},
+    .booleans = {0, RETUNED, BOOLEANS},
+};
 const size_t object_bytes = sizeof(struct object);
 
 _Static_assert(REALS <= REALS_MAX && INTEGERS <= INTEGERS_MAX && BOOLEANS <= BOOLEANS_MAX,
@@ -51,7 +56,7 @@ trendid_error model_begin(void *memory, struct values *values, trendid_detail *d
 }
 
 /* What changed since the sample before. */
-static trendid_error requests(struct object *object, const struct values *values)
+static trendid_error requests(struct object *object, const struct values *values, trendid_detail *detail)
 {
     trendid_error error = TRENDID_ERROR_OK;
     const int commission = values->booleans[COMMISSION];
@@ -66,7 +71,7 @@ static trendid_error requests(struct object *object, const struct values *values
     object->commission = commission;
     object->abort = stop;
     if (error == TRENDID_ERROR_OK && target != object->target) {
-        error = trendid_loop_move_to(&object->loop, (float)target, NULL);
+        error = trendid_loop_move_to(&object->loop, (float)target, detail);
         if (error == TRENDID_ERROR_NOT_CONTROLLING) {
             /* It stays a new value, and is a move where control begins. */
             return TRENDID_ERROR_OK;
@@ -76,11 +81,11 @@ static trendid_error requests(struct object *object, const struct values *values
     return error;
 }
 
-trendid_error model_sample(void *memory, struct values *values)
+trendid_error model_sample(void *memory, struct values *values, trendid_detail *detail)
 {
     struct object *object = memory;
     trendid_report report;
-    trendid_error error = requests(object, values);
+    trendid_error error = requests(object, values, detail);
     if (error == TRENDID_ERROR_OK) {
         error = values->booleans[SENSOR_FAULT] ? trendid_loop_update_blind(&object->loop, &report)
                                                : trendid_loop_update(&object->loop, values->integers[CODE], &report);

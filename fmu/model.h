@@ -18,12 +18,19 @@ struct values {
     int booleans[BOOLEANS_MAX];
 };
 
-/* How many there are of each, and the identity of the unit. */
+/* How many variables there are of a type: first the parameters, then the inputs, the others are outputs. */
+struct kind {
+    size_t parameters;
+    size_t inputs;
+    size_t all;
+};
+
+/* The variables, and the identity of the unit. */
 struct description {
     const char *guid;
-    size_t reals;
-    size_t integers;
-    size_t booleans;
+    struct kind reals;
+    struct kind integers;
+    struct kind booleans;
 };
 
 extern const struct description description;
@@ -40,7 +47,7 @@ double model_sample_time(const struct values *values);
 /* Begins with the parameters; says what is refused. */
 trendid_error model_begin(void *object, struct values *values, trendid_detail *detail);
 
-/* One sample: inputs to outputs. */
-trendid_error model_sample(void *object, struct values *values);
+/* One sample: inputs to outputs; says what is refused. */
+trendid_error model_sample(void *object, struct values *values, trendid_detail *detail);
 
 #endif

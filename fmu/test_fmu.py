@@ -6,6 +6,7 @@ usage: test_fmu.py identifier.fmu loop.fmu servo.csv
 import contextlib
 import ctypes
 import io
+import math
 import shutil
 import struct
 import sys
@@ -155,20 +156,51 @@ def wait(path):
     unit.end()
 
 
-def refuse(path):
-    for wrong in [{"bandwidth": 5000.0}, {"delay": 8}, {"sample_time": 0.0}, {"y_range": float("nan")}]:
-        try:
-            Unit(path, **wrong)
-        except Exception:
-            continue
-        raise SystemExit(f"not refused: {wrong}")
-    unit = Unit(path)
+def fails(call, *arguments):
+    """Whether a unit refuses a call."""
     try:
-        unit.unit.doStep(0.0, 0.0005)
+        call(*arguments)
     except Exception:
-        print("refusals ok")
-        return
-    raise SystemExit("half a sample was taken")
+        return True
+    return False
+
+
+def refuse(path, loop):
+    for wrong in [{"bandwidth": 5000.0}, {"delay": 8}, {"sample_time": 0.0}, {"y_range": float("nan")}]:
+        assert fails(lambda: Unit(path, **wrong)), wrong
+    unit = Unit(path)
+    # Nothing is known before the first sample, which is no zero.
+    assert all(math.isnan(unit.get(name)) for name in ["gain", "gain_std", "omega0", "omega0_std", "damping_std"])
+    step = unit.unit.doStep
+    for now, length in [(0.0, 0.0005), (0.0, -0.001), (0.0, 0.0), (0.0, float("nan")), (0.0, 1e300), (1.0, 0.001), (0.0005, 0.0005)]:
+        assert fails(step, now, length), (now, length)
+    unit.step(0)
+    # A step that begins before the end of the one before, or behind it, is not filled in.
+    for now, length in [(0.0, 0.002), (0.002, 0.001), (0.0, 0.001)]:
+        assert fails(step, now, length), (now, length)
+    # What the object was built with does not change under it, and an output is not written.
+    for fixed in [{"sample_time": 0.002}, {"delay": 1}, {"a1": 1.0}, {"kind": 1}]:
+        assert fails(lambda: unit.set(**fixed)), fixed
+    unit.step(1, 3)
+    assert unit.get("sample_time") == 0.001
+    unit.end()
+    # A sample that is not finite changes nothing; a target that is none ends the run under its name.
+    unit = Unit(path, u_range=0.4, y_range=50.0)
+    for k in range(200):
+        bad = k % 50 == 49
+        unit.set(u=float("inf") if bad else 0.4, y=float("nan") if bad else 0.01 * k)
+        unit.step(k)
+        assert all(math.isfinite(unit.get(name)) for name in THETA + ["prediction"])
+    unit.end()
+    unit = Unit(loop, reference_code=8_000_000, bandwidth=20.0)
+    drive, command = Drive(), 0.0
+    for k in range(3000):
+        unit.set(code=drive.move(command), commission=k == 0)
+        unit.step(k)
+        command = unit.get("command")
+    unit.set(target=float("nan"))
+    assert fails(unit.step, 3000)
+    print("refusals ok")
 
 
 if __name__ == "__main__":
@@ -177,6 +209,7 @@ if __name__ == "__main__":
     wait(sys.argv[2])
     # What the units say of it goes to the terminal.
     with contextlib.redirect_stdout(io.StringIO()) as said:
-        refuse(sys.argv[1])
-    assert "bandwidth" in said.getvalue(), said.getvalue()
+        refuse(sys.argv[1], sys.argv[2])
+    for name in ["bandwidth", "a communication step must begin where", "a parameter is fixed", "an output cannot", "target"]:
+        assert name in said.getvalue(), (name, said.getvalue())
     print(said.getvalue().splitlines()[-1])

@@ -18,6 +18,12 @@ function test_trendid(record)
   assert(isequal(size(found.covariance), [5, 5]) && isequal(size(found.b), [1, 3]) && found.stable);
   assert(isequal(found.den, [1, found.theta(2), found.theta(1), 0]) && found.num{1}(3) == found.theta(3));
 
+  % Counts as integers are the numbers that they are.
+  counts = round(1000 * y);
+  same = trendid_identify(single(0.001), u, int32(counts), 'noise', 30, 'memory', 0.7);
+  double_counts = trendid_identify(single(0.001), u, counts, 'noise', 30, 'memory', 0.7);
+  assert(isequal(same.theta, double_counts.theta) && isequal(same.std, double_counts.std));
+
   refused(@() trendid_identify(0.001, u, y, 'bandwidth', 5000), 'bandwidth = 5000');
   refused(@() trendid_identify(0.001, u, y, 'order', 5), 'order = 5');
   refused(@() trendid_identify(0.001, u, y, 'ordre', 3), 'ordre');
@@ -25,6 +31,16 @@ function test_trendid(record)
   refused(@() trendid_identify(0.001, u, y, 'delay', 65), 'delays');
   refused(@() trendid_identify(NaN, u, y), 'sample_time');
   refused(@() trendid_identify(0.001, u, y, 'order', 4, 'zeros', 3), 'more parameters');
+  refused(@() trendid_identify(0.001, u, y, 'noise', [], 'delay', [1, 2]), 'noise must be one real number');
+  refused(@() trendid_identify(0.001, u, y, 'delay', [1, 2]), 'delay has 2 values, expected 1 or one per input');
+  refused(@() trendid_identify(0.001, u, y, 'u_range', []), 'u_range has 0 values');
+  refused(@() trendid_identify(0.001, u, y, 'integrator', 'false'), 'integrator must be one real number');
+  refused(@() trendid_identify(0.001, u, y, 'constant', NaN), 'constant = NaN');
+  refused(@() trendid_identify(0.001, u, y + 1i), 'y must be real numbers');
+  refused(@() trendid_identify(0.001, u, {y}), 'y must be real numbers');
+  refused(@() trendid_identify(0.001, [u, u], [y, y]), 'y has 4000 rows and 2 columns');
+  refused(@() trendid_identify(data(:, 1), u, y), 'the sample time must be one real number');
+  refused(@() trendid_identify(0.001, u), 'are needed');
   refused(@() trendid_mex(1), 'six arguments');
   printf('refusals ok\n');
 end

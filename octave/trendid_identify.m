@@ -30,6 +30,16 @@
 %
 %   Computed in single precision by the same code as on a microcontroller, so the numbers are those of the target.
 function found = trendid_identify(t_sample, u, y, varargin)
+  if nargin < 3
+    error('trendid:argument', 'sample time, u and y are needed');
+  end
+  % Counts come as integers, whose arithmetic would round and saturate everything that follows from them.
+  t_sample = real_of(t_sample, 'the sample time', true);
+  u = real_of(u, 'u', false);
+  y = real_of(y, 'y', false);
+  if ~isvector(y)
+    error('trendid:argument', 'y has %d rows and %d columns, one position per sample is expected', size(y, 1), size(y, 2));
+  end
   if isvector(u)
     u = u(:);
   end
@@ -54,21 +64,36 @@ function found = trendid_identify(t_sample, u, y, varargin)
     end
     set.(name) = varargin{i + 1};
   end
-  if ~(isscalar(set.order) && any(set.order == 1:4))
-    error('trendid:argument', 'order = %s is not 1, 2, 3 or 4', num2str(set.order));
+  for name = {'order', 'zeros', 'bandwidth', 'y_range', 'noise', 'memory', 'settling', 'significance'}
+    set.(name{1}) = real_of(set.(name{1}), name{1}, true);
   end
-  if ~(isscalar(set.zeros) && any(set.zeros == 0:set.order - 1))
-    error('trendid:argument', 'zeros = %s is not within 0 to %d', num2str(set.zeros), set.order - 1);
+  for name = {'integrator', 'constant', 'initial'}
+    set.(name{1}) = real_of(set.(name{1}), name{1}, true);
+    if ~any(set.(name{1}) == [0, 1])
+      error('trendid:argument', '%s = %g is neither true nor false', name{1}, set.(name{1}));
+    end
+  end
+  for name = {'u_range', 'delay'}
+    set.(name{1}) = real_of(set.(name{1}), name{1}, false);
+    if ~any(numel(set.(name{1})) == [1, inputs])
+      error('trendid:argument', '%s has %d values, expected 1 or one per input', name{1}, numel(set.(name{1})));
+    end
+  end
+  if ~any(set.order == 1:4)
+    error('trendid:argument', 'order = %g is not 1, 2, 3 or 4', set.order);
+  end
+  if ~any(set.zeros == 0:set.order - 1)
+    error('trendid:argument', 'zeros = %g is not within 0 to %d', set.zeros, set.order - 1);
   end
   pair = @(values, other) [values(:).' repmat(values(end), 1, inputs - numel(values)) ...
                            repmat(other, 1, 2 - inputs)];
-  output_terms = 2 ^ set.order - 1 - logical(set.integrator);
+  output_terms = 2 ^ set.order - 1 - set.integrator;
   input_terms = pair(repmat(2 ^ (set.zeros + 1) - 1, 1, inputs), 0);
-  structure = [set.order, inputs, output_terms, input_terms, logical(set.constant), logical(set.initial)];
+  structure = [set.order, inputs, output_terms, input_terms, set.constant, set.initial];
   options = [pair(set.u_range, 1), set.y_range, set.noise, set.memory, set.settling, set.significance, ...
              pair(set.delay, 0)];
   [theta, std, model, innovation, covariance] = ...
-      trendid_mex(t_sample, set.bandwidth, double(structure), double(u), double(y), double(options));
+      trendid_mex(t_sample, set.bandwidth, structure, u, y, options);
   found = model;
   found.theta = theta;
   found.std = std;
@@ -76,6 +101,19 @@ function found = trendid_identify(t_sample, u, y, varargin)
   found.innovation = innovation;
   found.den = [1, fliplr(model.a)];
   found.num = num2cell(fliplr(model.b), 2);
+end
+
+% Real numbers as double, one of them where `one` is true.
+function value = real_of(value, name, one)
+  if ~(isnumeric(value) || islogical(value)) || ~isreal(value) || (one && ~isscalar(value))
+    if one
+      what = 'one real number';
+    else
+      what = 'real numbers';
+    end
+    error('trendid:argument', '%s must be %s', name, what);
+  end
+  value = double(value);
 end
 
 function text = disp_name(name)

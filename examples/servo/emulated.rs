@@ -13,9 +13,11 @@
 //! | hardfault | a read where no memory is, in the interrupt | its report |
 //! | overflow | a recursion without end, in the interrupt | its report |
 //! | idle-overflow | the same in the idle loop | its report |
+//! | lost-stack | a stack pointer above the RAM, in the interrupt | its report |
 //! | wire, rtt | no script, requests over USART1 or RTT: `live.rs` | the same |
 
-use core::hint::black_box;
+mod faults;
+
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 
 use cortex_m_semihosting::{debug, syscall};
@@ -51,6 +53,7 @@ const PANIC: u8 = 100;
 const HARD_FAULT: u8 = 101;
 const OVERFLOW: u8 = 102;
 const LONG: u8 = 103;
+const LOST_STACK: u8 = 104;
 
 /// The fault that the interrupt is asked to provoke; a small number is that of overruns.
 static FAULT: AtomicU8 = AtomicU8::new(NOTHING);
@@ -79,10 +82,9 @@ pub(crate) fn provoke(period: u32, overrun: impl Fn()) {
     match FAULT.load(Ordering::Relaxed) {
         NOTHING => {}
         PANIC => panic!("provoked"),
-        HARD_FAULT => read_nothing(),
-        OVERFLOW => {
-            black_box(endless(0));
-        }
+        HARD_FAULT => faults::read_nothing(),
+        OVERFLOW => faults::overflow(),
+        LOST_STACK => faults::lose_stack(),
         LONG => {
             FAULT.store(NOTHING, Ordering::Relaxed);
             // A slot passes that is not called.
@@ -96,20 +98,6 @@ pub(crate) fn provoke(period: u32, overrun: impl Fn()) {
     }
 }
 
-/// Reads where no memory is.
-fn read_nothing() {
-    // SAFETY: none; the fault is the purpose.
-    black_box(unsafe { (0x6000_0000 as *const u32).read_volatile() });
-}
-
-/// Calls itself until the stack ends.
-#[inline(never)]
-#[allow(unconditional_recursion, reason = "the overflow is the purpose")]
-fn endless(depth: u32) -> u32 {
-    let frame = black_box([depth; 16]);
-    endless(depth.wrapping_add(1)).wrapping_add(frame[depth as usize % 16])
-}
-
 /// What the emulator was asked to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Run {
@@ -118,6 +106,7 @@ enum Run {
     HardFault,
     Overflow,
     IdleOverflow,
+    LostStack,
     Wire,
     Rtt,
 }
@@ -145,6 +134,7 @@ impl Run {
             b"hardfault" => Self::HardFault,
             b"overflow" => Self::Overflow,
             b"idle-overflow" => Self::IdleOverflow,
+            b"lost-stack" => Self::LostStack,
             b"wire" => Self::Wire,
             b"rtt" => Self::Rtt,
             _ => Self::Servo,
@@ -159,6 +149,8 @@ impl Run {
             }
             // In flash; the other register may hold any number by then.
             (Self::HardFault, Some(Fault::HardFault { pc, .. })) => pc >> 24 == 0x08,
+            // No frame could be written, so there is none to be read.
+            (Self::LostStack, Some(Fault::HardFault { pc, lr })) => (pc, lr) == (0, 0),
             (Self::Overflow | Self::IdleOverflow, Some(Fault::StackOverflow { sp })) => {
                 // Below the RAM, and not by much.
                 (0x1FFF_F000..0x2000_0000).contains(&sp)
@@ -205,9 +197,8 @@ impl Script {
                     Run::Panic => FAULT.store(PANIC, Ordering::Relaxed),
                     Run::HardFault => FAULT.store(HARD_FAULT, Ordering::Relaxed),
                     Run::Overflow => FAULT.store(OVERFLOW, Ordering::Relaxed),
-                    Run::IdleOverflow | Run::Servo | Run::Wire | Run::Rtt => {
-                        black_box(endless(0));
-                    }
+                    Run::LostStack => FAULT.store(LOST_STACK, Ordering::Relaxed),
+                    Run::IdleOverflow | Run::Servo | Run::Wire | Run::Rtt => faults::overflow(),
                 }
             }
             (_, 2) if now.tick == EVERY => {
@@ -222,7 +213,8 @@ impl Script {
     /// The first start: nothing moves before the request, then control, a slot that is missing, and
     /// three overruns.
     fn control(&mut self, now: &Snapshot) {
-        self.controlled |= now.state.is_controlling() && now.overruns == 0 && now.record.is_some();
+        self.controlled |=
+            now.state.is_controlling() && now.overruns == 0 && now.verified.is_some();
         if now.tick == EVERY {
             self.expect(self.fault.is_none() && rests(now) && !now.stopped);
             ask(RUN);

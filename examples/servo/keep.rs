@@ -7,12 +7,9 @@
 
 use stm32f4xx_hal::flash::{FlashExt, LockedFlash};
 use stm32f4xx_hal::pac;
-use trendid::servo::store::{Identity, Keeper, ModelStore, Record, StoreError};
+use trendid::servo::store::{Keeper, ModelStore, Record, StoreError};
 
-use trendid_example_support::machine::config;
-
-/// The machine: its model is of no use to another one. A serial number, where there is one.
-const PLANT: u32 = 1;
+use trendid_example_support::machine::{Verified, config, identity};
 
 /// The sectors 10 and 11; `memory.x` keeps the image out of them.
 const BEGIN: u32 = 0xC_0000;
@@ -22,14 +19,13 @@ const SECTOR: u32 = 0x2_0000;
 pub(crate) struct Keep {
     flash: LockedFlash,
     keeper: Keeper,
-    identity: Identity,
 }
 
 impl Keep {
     /// What the flash holds, and its record; makes room for the next ones, which may take a second.
     pub(crate) fn load(flash: pac::FLASH) -> (Self, Option<Record>) {
         let mut flash = LockedFlash::new(flash);
-        let identity = Identity::new(PLANT, &config());
+        let identity = identity(&config());
         let loaded = ModelStore::new(flash.unlocked(), BEGIN, SECTOR).and_then(|mut store| {
             let loaded = store.load(&identity);
             if store.make_room().is_err() {
@@ -52,12 +48,7 @@ impl Keep {
             }
         };
         let keeper = Keeper::new(record.map(|record| record.model));
-        let keep = Self {
-            flash,
-            keeper,
-            identity,
-        };
-        (keep, record)
+        (Self { flash, keeper }, record)
     }
 
     /// Saves a verified model that is worth it, a byte at a time, which delays a slot by 100 us at
@@ -65,17 +56,17 @@ impl Keep {
     ///
     /// A sector that is full is erased at the next start: here it would stop the chip for longer
     /// than the watchdog waits.
-    pub(crate) fn consider(&mut self, record: &Record, seconds: u32) {
-        if self.keeper.is_due(&record.model, seconds) {
-            self.store(record, seconds);
+    pub(crate) fn consider(&mut self, verified: &Verified, seconds: u32) {
+        if self.keeper.is_due(&verified.record.model, seconds) {
+            self.store(verified, seconds);
         }
     }
 
     /// The same for one that somebody asked for; whether it was saved.
-    pub(crate) fn store(&mut self, record: &Record, seconds: u32) -> bool {
-        let saved = self.save(record).is_some();
+    pub(crate) fn store(&mut self, verified: &Verified, seconds: u32) -> bool {
+        let saved = self.save(verified).is_some();
         if saved {
-            self.keeper.saved(&record.model, seconds);
+            self.keeper.saved(&verified.record.model, seconds);
             defmt::info!("model stored");
         } else {
             self.keeper.failed(seconds);
@@ -84,10 +75,11 @@ impl Keep {
         saved
     }
 
-    /// Saves a record where no sector must be erased for it.
-    fn save(&mut self, record: &Record) -> Option<()> {
+    /// Saves what was verified where no sector must be erased for it, under the settings of then:
+    /// the next start, which has its own, tells them apart.
+    fn save(&mut self, verified: &Verified) -> Option<()> {
         let mut store = ModelStore::new(self.flash.unlocked(), BEGIN, SECTOR).ok()?;
         let full = store.must_erase().ok()?;
-        (!full).then(|| store.save(&self.identity, record).ok())?
+        (!full).then(|| store.save(&verified.identity, &verified.record).ok())?
     }
 }

@@ -14,7 +14,7 @@ use stm32f4xx_hal::{ReadFlags, pac::interrupt};
 use trendid::hardware::{PositionSensor, Valve};
 use trendid::servo::{Config, Reason, ServoLoop, State};
 use trendid_example_support::guard::{self, Guard, Verdict};
-use trendid_example_support::machine::{AXIS, TRACED, Trace, config, target};
+use trendid_example_support::machine::{AXIS, TRACED, Trace, Verified, config, target};
 use trendid_example_support::slots::Slots;
 use trendid_example_support::survivor::{Fault, Text};
 use trendid_link::telemetry::{Event, text};
@@ -88,7 +88,7 @@ impl Slot {
             refused: 0,
             longest: 0,
             trace: Trace::new(),
-            record: None,
+            verified: None,
             store: false,
         };
         Self {
@@ -207,7 +207,7 @@ impl Slot {
         let us = (u64::from(ticks) * 1000 / u64::from(self.period)) as u32;
         self.now.longest = self.now.longest.max(us);
         if core::mem::discriminant(&self.now.state) != before {
-            self.now.record = self.servo.record();
+            self.now.verified = Verified::of(&self.servo, &self.config);
             self.send();
         }
     }

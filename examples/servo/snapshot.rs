@@ -1,8 +1,7 @@
 //! What the interrupt shows the idle loop.
 
 use trendid::servo::State;
-use trendid::servo::store::Record;
-use trendid_example_support::machine::Trace;
+use trendid_example_support::machine::{Trace, Verified};
 
 /// Samples between two lines of the log.
 pub(crate) const EVERY: u64 = 500;
@@ -30,7 +29,7 @@ pub(crate) struct Snapshot {
     /// What the loop did, in the emulator.
     pub trace: Trace,
     /// The verified model and what was found with it.
-    pub record: Option<Record>,
+    pub verified: Option<Verified>,
     /// Whether it shall be stored, and the slot told what came of it.
     pub store: bool,
 }

@@ -243,20 +243,20 @@ fn idle(
             now.dropped,
             now.longest
         );
-        if let Some(record) = now.record
-            && known != now.record
+        if let Some(verified) = now.verified
+            && known != now.verified
         {
-            known = now.record;
-            log::model(&record.model);
+            known = now.verified;
+            log::model(&verified.record.model);
         }
-        if let (Some(keep), Some(record)) = (&mut keep, &now.record) {
+        if let (Some(keep), Some(verified)) = (&mut keep, &now.verified) {
             // The horizon of 136 years is that of the seconds.
-            keep.consider(record, (now.tick / SLOTS_PER_S) as u32);
+            keep.consider(verified, (now.tick / SLOTS_PER_S) as u32);
         }
         if now.store {
             let seconds = (now.tick / SLOTS_PER_S) as u32;
-            let store = |(keep, record): (&mut Keep, _)| keep.store(record, seconds);
-            requests::stored(keep.as_mut().zip(now.record.as_ref()).is_some_and(store));
+            let store = |(keep, verified): (&mut Keep, _)| keep.store(verified, seconds);
+            requests::stored(keep.as_mut().zip(now.verified.as_ref()).is_some_and(store));
         }
         let frames = logger::FRAMES.lost();
         if frames != lost {

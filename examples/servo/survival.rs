@@ -88,7 +88,8 @@ fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
 
 // The entry of the hard fault. The stack may be what failed, so it begins anew before anything is
 // pushed; what it held is needed no more, but for the two addresses that the processor has pushed,
-// if it could.
+// if it could. They are read where the whole frame of 32 bytes lies in the stack only: a fault in
+// here would stop the processor for good.
 global_asm!(
     ".section .HardFault.user,\"ax\",%progbits",
     ".global HardFault",
@@ -102,6 +103,9 @@ global_asm!(
     "ldr r4, =_stack_end",
     "cmp r2, r4",
     "blo 1f",
+    "subs r5, r3, #32",
+    "cmp r2, r5",
+    "bhi 1f",
     "ldr r0, [r2, #24]", // program counter
     "ldr r1, [r2, #20]", // return address
     "1:",
@@ -111,7 +115,7 @@ global_asm!(
 );
 
 /// Ends the run; `sp` is where the stack pointer was, the addresses are zero where it had left the
-/// stack.
+/// stack at either end.
 unsafe extern "C" fn hard_fault(pc: u32, lr: u32, sp: u32) -> ! {
     unsafe extern "C" {
         static _stack_end: u8;

@@ -17,8 +17,8 @@ class Samples {
       this.count = this.most;
     }
     const c = this.column, i = this.count++;
-    c.t[i] = row[0] * dt; c.y[i] = row[1]; c.r[i] = row[2]; c.v[i] = row[3]; c.vr[i] = row[4];
-    c.u[i] = row[5]; c.e[i] = row[6] === null ? NaN : row[6]; c.s[i] = row[7]; c.why[i] = row[8];
+    c.t[i] = row[0] * dt; c.y[i] = row[1] ?? NaN; c.r[i] = row[2] ?? NaN; c.v[i] = row[3] ?? NaN; c.vr[i] = row[4] ?? NaN;
+    c.u[i] = row[5] ?? NaN; c.e[i] = row[6] ?? NaN; c.s[i] = row[7]; c.why[i] = row[8];
   }
   /** Place of the first sample at or after `t`. */
   at(t) {

@@ -1,6 +1,6 @@
 //! The arguments.
 
-use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, ToSocketAddrs};
 use std::path::PathBuf;
 
 use clap::{ArgGroup, Parser};
@@ -89,10 +89,10 @@ pub(crate) struct OutputArgs {
     #[arg(long, value_name = "FILE")]
     pub mcap: Option<PathBuf>,
     /// Sends every sample to Teleplot over UDP
-    #[arg(long, value_name = "HOST:PORT")]
+    #[arg(long, value_name = "HOST:PORT", value_parser = endpoint)]
     pub teleplot: Option<SocketAddr>,
     /// Sends every sample as JSON over UDP, for PlotJuggler
-    #[arg(long, value_name = "HOST:PORT")]
+    #[arg(long, value_name = "HOST:PORT", value_parser = endpoint)]
     pub plotjuggler: Option<SocketAddr>,
 }
 
@@ -102,6 +102,17 @@ impl Args {
         let ip = self.listen.unwrap_or(IpAddr::V4(Ipv4Addr::LOCALHOST));
         SocketAddr::new(ip, self.http)
     }
+}
+
+/// Where a name leads to.
+fn endpoint(name: &str) -> Result<SocketAddr, String> {
+    let found = name.to_socket_addrs().map_err(|error| error.to_string())?;
+    let found: Vec<_> = found.collect();
+    // A tool that listens at a name does so at that of IPv4, if at one only.
+    let four = found.iter().find(|address| address.is_ipv4());
+    four.or(found.first())
+        .copied()
+        .ok_or_else(|| "that name has no address".into())
 }
 
 fn family(name: &str) -> Result<Family, String> {
@@ -158,6 +169,11 @@ mod tests {
         assert!(parse("m --axis 1 --family steam").is_err());
         assert!(parse("m --axis 1 --rtt").is_err() && parse("m --emulator --rtt").is_ok());
         assert!(parse("m --axis 1 --image x").is_err() && parse("m --emulator --image x").is_ok());
+        for tool in ["teleplot", "plotjuggler"] {
+            let sent = |to: &str| parse(&format!("m --axis 1 --{tool} {to}"));
+            assert!(sent("127.0.0.1:47269").is_ok() && sent("localhost:47269").is_ok());
+            assert!(sent("localhost").is_err() && sent("localhost:x").is_err());
+        }
         for seconds in ["nan", "inf", "1e9999", "0", "-1", "x"] {
             assert!(parse(&format!("m --axis 1 --seconds={seconds}")).is_err());
         }

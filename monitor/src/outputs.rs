@@ -74,6 +74,8 @@ fn line(format: Format, sample: &Sample, sample_time: f32) -> String {
         ("state", f32::from(sample.state)),
     ];
     values.extend(sample.innovation.map(|e| ("innovation", e)));
+    // Neither format has other numbers, and another program than ours may send some.
+    values.retain(|(_, value)| value.is_finite());
     let mut text = String::new();
     // Writing into a string cannot fail.
     match format {
@@ -110,6 +112,14 @@ mod tests {
         assert_eq!(lines.lines().count(), 6);
         let json: serde_json::Value =
             serde_json::from_str(&line(Format::Json, &sample, 1e-3)).unwrap();
+        let bad = Sample {
+            position: f32::NAN,
+            velocity: f32::INFINITY,
+            ..sample
+        };
+        let left: serde_json::Value =
+            serde_json::from_str(&line(Format::Json, &bad, 1e-3)).unwrap();
+        assert!(left["position"].is_null() && left["innovation"] == -0.125);
         assert_eq!(json["position"], 2.5);
         assert_eq!(json["innovation"], -0.125);
         assert!((json["timestamp"].as_f64().unwrap() - 1.5).abs() < 1e-5);

@@ -153,10 +153,12 @@ fn parse(text: &str) -> Result<Rows, String> {
             rows.push(row);
         }
     }
-    let [first, second, ..] = times[..] else {
+    let ([first, .., last], [begin, .., end]) = (&times[..], &rows[..]) else {
         return Err("it has fewer than two samples".into());
     };
-    let sample_time = second - first;
+    // Over the whole of it, since each time is rounded; a sample that was taken out has its number.
+    let samples = end.tick.wrapping_sub(begin.tick);
+    let sample_time = (last - first) / f64::from(samples);
     if !(sample_time > 0.0 && sample_time < 10.0) {
         return Err(format!(
             "its sample time of {sample_time} s is not within 0..10"
@@ -192,8 +194,11 @@ fn row(words: &str) -> Result<(f64, Row), String> {
         cell.parse()
             .map_err(|_| format!("column {name}: `{cell}` is not a whole number within 0..=255"))
     };
+    let (tick, name) = (cells[8], names[8]);
     let row = Row {
-        tick: number(8)? as u32,
+        tick: tick
+            .parse()
+            .map_err(|_| format!("column {name}: `{tick}` is not a whole number of 32 bits"))?,
         command: number(1)? as f32,
         position: number(2)? as f32,
         setpoint: number(3)? as f32,
@@ -259,12 +264,31 @@ mod tests {
     }
 
     #[test]
+    fn the_sample_time_is_that_of_the_whole_record() {
+        let exact = 1.0 / 3000.0;
+        let begin = u32::MAX - 100;
+        let mut text = format!("{COLUMNS}\n");
+        // Two samples were taken out by hand.
+        for k in (0..300).filter(|k| ![7, 8].contains(k)) {
+            let (t, tick) = (f64::from(k) * exact, begin.wrapping_add(k));
+            text += &format!("{t:.6},0,1,0,0,,0,,{tick}\n");
+        }
+        let found = parse(&text).unwrap().sample_time;
+        assert!((found / exact - 1.0).abs() < 1e-5, "{found}");
+    }
+
+    #[test]
     fn what_is_wrong_is_named() {
         let head = format!("# x, unit = mm, y\n{COLUMNS}\n");
         let refused = |rows: &str| parse(&format!("{head}{rows}")).unwrap_err();
         assert!(refused("0,0,1").contains("line 3: 3 cells where 9"));
         assert!(refused("0,0,NaN,0,0,,0,,1").contains("column y: `NaN`"));
         assert!(refused("0,0,1,0,0,,x,,1").contains("column state: `x`"));
+        for tick in ["1.5", "-1", "1e10", ""] {
+            assert!(refused(&format!("0,0,1,0,0,,0,,{tick}")).contains("column tick"));
+        }
+        let one = "0,0,1,0,0,,0,,7";
+        assert!(refused(&format!("{one}\n{one}")).contains("sample time"));
         assert!(refused("0,0,1,0,0,,0,,1").contains("fewer than two"));
         assert!(
             parse("a,b\n")

@@ -61,7 +61,11 @@ def test_values_out_of_range_are_refused():
         assert sentence in str(refused.value), str(refused.value)
     with pytest.raises(trendid.Refusal, match=r"u\[1\] = 1.5 is not within -1..=1"):
         trendid.simulate_axis([0.0, 1.5])
+    with pytest.raises(trendid.Refusal, match=r"bandwidth is \[20\], expected a number"):
+        trendid.ServoLoop(bandwidth=[20])
     loop = trendid.ServoLoop()
+    with pytest.raises(trendid.Refusal, match=r"target is \[300\], expected a number"):
+        loop.move_to([300])
     with pytest.raises(trendid.Refusal, match="-3"):
         loop.set_mass(-3.0)
     with pytest.raises(trendid.Refusal):

@@ -53,6 +53,7 @@ def test_what_has_no_controller_is_refused():
         (([0.0] * 5, [1.0]), dict(sample_time=1e-3), "5"),
         (([0.0, 1.0], [0.0]), dict(sample_time=1e-3), "moves nothing"),
         (([0.0, 1.0], [1.0]), dict(sample_time=-1.0), "-1"),
+        (([0.0, 1.0], [1.0]), dict(sample_time=[1e-3]), "sample_time is [0.001], expected a number"),
         (([0.0, 1.0], [1.0]), dict(), "sample_time is missing"),
         (([0.0, 1.0], [1.0]), dict(sample_time=1e-3, bandwidth=1e6), "1000000"),
     ]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _trendid
-from ._signals import Array, column, count_of
+from ._signals import Array, column, count_of, flag_of, number_of
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,9 @@ class ServoLoop:
         wanted_bandwidth: Optional[float] = None,
     ) -> None:
         values = (axis or Axis())._values()
-        self._loop = _trendid.AxisLoop(values, bandwidth, bool(adaptive), wanted_bandwidth)
+        known = None if bandwidth is None else number_of(bandwidth, "bandwidth")
+        wanted = None if wanted_bandwidth is None else number_of(wanted_bandwidth, "wanted_bandwidth")
+        self._loop = _trendid.AxisLoop(values, known, flag_of(adaptive, "adaptive"), wanted)
 
     def commission(self) -> None:
         """Commissions the axis with the next sample, around the position that it then has."""
@@ -129,15 +131,15 @@ class ServoLoop:
 
     def move_to(self, target: float) -> None:
         """Moves to ``target`` [mm], limited to the travel, as fast as the limits of motion allow."""
-        self._loop.move_to(float(target))
+        self._loop.move_to(number_of(target, "target"))
 
     def oscillate(self, amplitude: float, frequency: float) -> None:
         """Oscillates about the present reference with ``amplitude`` [mm] and ``frequency`` [Hz]; refused without room for it."""
-        self._loop.oscillate(float(amplitude), float(frequency))
+        self._loop.oscillate(number_of(amplitude, "amplitude"), number_of(frequency, "frequency"))
 
     def run(self, seconds: float, *, until: Optional[str] = None) -> Log:
         """Runs for a time [s], or until the state begins with ``until``; other threads of Python run meanwhile."""
-        if not 0.0 <= seconds <= 1e6:
+        if not 0.0 <= number_of(seconds, "seconds") <= 1e6:
             raise _trendid.Refusal(f"seconds = {seconds} is not within 0..=1000000")
         return Log(**self._loop.run(round(1000.0 * seconds), until))
 
@@ -169,20 +171,20 @@ class ServoLoop:
 
     def set_mass(self, mass: float) -> None:
         """Changes the moving mass [kg]."""
-        self._loop.set_mass(float(mass))
+        self._loop.set_mass(number_of(mass, "mass"))
 
     def set_load(self, load: float) -> None:
         """Changes the constant force toward larger positions [N]."""
-        self._loop.set_load(float(load))
+        self._loop.set_load(number_of(load, "load"))
 
     def set_supply(self, bar: float) -> None:
         """Changes the supply pressure above ambient [bar]."""
-        self._loop.set_supply(float(bar))
+        self._loop.set_supply(number_of(bar, "bar"))
 
     def set_valve_gain(self, gain: float) -> None:
         """Changes the factor on the opening of the valve."""
-        self._loop.set_valve_gain(float(gain))
+        self._loop.set_valve_gain(number_of(gain, "gain"))
 
     def set_friction(self, factor: float) -> None:
         """Changes the factor on the friction."""
-        self._loop.set_friction(float(factor))
+        self._loop.set_friction(number_of(factor, "factor"))

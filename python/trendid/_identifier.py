@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _trendid
 from ._record import Quantity, control_of, lti_of
-from ._signals import Array, column, count_of
+from ._signals import Array, column, count_of, flag_of, number_of
 from ._trendid import Refusal
 
 
@@ -118,29 +118,29 @@ class Identifier:
     ) -> None:
         if isinstance(filter, str) and filter != "raw":
             raise Refusal(f"filter is {filter!r}, expected coefficients, None or 'raw'")
-        if not np.isfinite(reference):
+        if not np.isfinite(number_of(reference, "reference")):
             raise Refusal(f"reference is {reference!r}, expected a finite number")
         raw = isinstance(filter, str)
-        ranges = np.atleast_1d(np.asarray(input_range, dtype=float))
+        ranges = np.atleast_1d(column(np.atleast_1d(input_range), "input_range"))
         self._core = _trendid.Recursion(
             {
-                "sample_time": float(sample_time),
+                "sample_time": number_of(sample_time, "sample_time"),
                 "order": count_of(order, "order", 1, 4),
-                "integrator": bool(integrator),
+                "integrator": flag_of(integrator, "integrator"),
                 "zeros": count_of(zeros, "zeros", 0, 3),
-                "constant": bool(constant),
-                "initial_state": bool(initial_state),
+                "constant": flag_of(constant, "constant"),
+                "initial_state": flag_of(initial_state, "initial_state"),
                 "input_ranges": [float(size) for size in ranges],
-                "output_range": float(output_range),
-                "bandwidth": float(bandwidth),
-                "filter": None if raw or filter is None else [float(f) for f in filter],
+                "output_range": number_of(output_range, "output_range"),
+                "bandwidth": number_of(bandwidth, "bandwidth"),
+                "filter": None if raw or filter is None else column(filter, "filter").tolist(),
                 "raw": raw,
                 "delay": count_of(delay, "delay", 0, 512),
-                "memory": None if memory is None else float(memory),
-                "output_noise": None if output_noise is None else float(output_noise),
+                "memory": None if memory is None else number_of(memory, "memory"),
+                "output_noise": None if output_noise is None else number_of(output_noise, "output_noise"),
                 "scheme": scheme,
                 "hold": hold,
-                "reference": float(reference),
+                "reference": number_of(reference, "reference"),
             }
         )
         self._inputs = len(ranges)

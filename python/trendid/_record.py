@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _trendid
-from ._signals import Array, Coulomb, count_of, delay_of, pole_of, signals
+from ._signals import Array, Coulomb, count_of, delay_of, flag_of, number_of, pole_of, signals
 
 
 @dataclass(frozen=True)
@@ -235,12 +235,12 @@ def identify(
     taken, start = signals(t, u, y, names, hold, coulomb)
     question = {
         "order": count_of(order, "order", 1, 4),
-        "integrator": bool(integrator),
+        "integrator": flag_of(integrator, "integrator"),
         "zeros": count_of(zeros, "zeros", 0, 3),
-        "constant": bool(constant),
+        "constant": flag_of(constant, "constant"),
         "delay": delay_of(delay),
         "pole": pole_of(pole),
-        "memory": None if memory is None else float(memory),
+        "memory": None if memory is None else number_of(memory, "memory"),
         "scheme": scheme,
         "trace": count_of(trace, "trace", 0, 10**9),
     }

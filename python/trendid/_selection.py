@@ -8,7 +8,7 @@ from typing import Any, List, Optional, Union
 from numpy.typing import ArrayLike
 
 from . import _trendid
-from ._signals import Array, Coulomb, count_of, delay_of, pole_of, signals
+from ._signals import Array, Coulomb, count_of, delay_of, flag_of, pole_of, signals
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,8 +97,8 @@ def select(
         taken,
         {
             "max_order": count_of(max_order, "max_order", 1, 4),
-            "integrator": bool(integrator),
-            "constant": bool(constant),
+            "integrator": flag_of(integrator, "integrator"),
+            "constant": flag_of(constant, "constant"),
             "delay": delay_of(delay),
             "pole": _pole(pole),
             "scheme": scheme,

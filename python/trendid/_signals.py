@@ -112,17 +112,41 @@ def signals(
     }, start
 
 
+def _real(value: Any) -> Optional[float]:
+    """A number, whatever its type; None for everything else, a list or an array of one number too."""
+    if isinstance(value, (str, bytes, bool, np.bool_)) or np.ndim(value) != 0:
+        return None
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        return None
+
+
+def number_of(value: Any, name: str) -> float:
+    """A number; its limits are those of what takes it."""
+    number = _real(value)
+    if number is None:
+        raise Refusal(f"{name} is {value!r}, expected a number")
+    return number
+
+
+def flag_of(value: Any, name: str) -> bool:
+    """True or False: every text is true to Python, "no" too."""
+    if _whole(value) not in (0, 1):
+        raise Refusal(f"{name} is {value!r}, expected True or False")
+    return bool(value)
+
+
 def pole_of(pole: Union[str, float, None]) -> Optional[float]:
     """`auto` is None, no filter 0.0, else rad/s."""
     if pole is None:
         return 0.0
-    if isinstance(pole, str):
-        if pole == "auto":
-            return None
+    if isinstance(pole, str) and pole == "auto":
+        return None
+    number = _real(pole)
+    if number is None or not math.isfinite(number) or number == 0.0:
         raise Refusal(f"pole is {pole!r}, expected a number of rad/s other than 0, 'auto' or None")
-    if not math.isfinite(pole) or pole == 0.0:
-        raise Refusal(f"pole is {pole}, expected a number of rad/s other than 0, 'auto' or None")
-    return abs(float(pole))
+    return abs(number)
 
 
 def delay_of(delay: Union[str, int]) -> Optional[int]:

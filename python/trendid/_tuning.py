@@ -7,7 +7,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 from . import _trendid
 from ._record import Identification
-from ._signals import Array, column
+from ._signals import Array, column, number_of
 from ._trendid import Refusal
 
 
@@ -98,7 +98,8 @@ def tune(
         a, b = list(column(model[0], "a")), list(column(model[1], "b"))
         if sample_time is None:
             raise Refusal("sample_time is missing: a transfer function has none of its own")
-    found = _trendid.tune((a, b), around, float(delay or 0.0), float(sample_time), None if bandwidth is None else float(bandwidth))
+    wanted = None if bandwidth is None else number_of(bandwidth, "bandwidth")
+    found = _trendid.tune((a, b), around, number_of(0.0 if delay is None else delay, "delay"), number_of(sample_time, "sample_time"), wanted)
     loops = []
     for one in found["loops"]:
         one["margins"] = Margins(**one["margins"])

@@ -3,6 +3,7 @@
 use super::*;
 use crate::trends::{FilteredTrends, Hold, Scheme};
 
+mod anew;
 mod beginning;
 pub(super) mod bench;
 mod start_error;

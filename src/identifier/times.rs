@@ -158,3 +158,50 @@ fn known_rows(unknown: usize, angle: f32, memory: Option<f32>) -> f32 {
         _ => rows,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimation::structure::Structure;
+    use crate::estimation::terms::Terms;
+
+    #[test]
+    fn an_offset_kicks_an_integrating_drive_through_a_zero_alone() {
+        type OneZero = Structure<2, 5, 1>;
+        let with = |structure: OneZero, supervised| {
+            let mut config = Config::new(structure, 20.0, [1.0], 50.0);
+            config.supervised = supervised;
+            kicked(&config, 0.02)
+        };
+        // a_1, b_0, b_1, constant, initial state
+        let integrates = Terms::between(1, 2);
+        let drive = OneZero::try_with_initial_state(integrates, [Terms::up_to(2)], true).unwrap();
+        assert_eq!(with(drive, false), 150);
+        assert_eq!(with(drive, true), 0);
+        // a_0, a_1, b_0, b_1, constant: nothing integrates
+        let still = OneZero::try_new(Terms::up_to(2), [Terms::up_to(2)], true).unwrap();
+        assert_eq!(with(still, false), 0);
+        // a_1, b_0, b_1, initial state: no constant
+        let alone =
+            Structure::<2, 4, 1>::try_with_initial_state(integrates, [Terms::up_to(2)], false);
+        let config = Config::new(alone.unwrap(), 20.0, [1.0], 50.0);
+        assert_eq!(kicked(&config, 0.02), 0);
+        let servo = Config::new(Structure::<3, 5, 1>::SERVO, 20.0, [1.0], 50.0);
+        assert_eq!(kicked(&servo, 0.02), 0);
+    }
+
+    #[test]
+    fn a_gap_is_unknown_for_as_long_as_motion_is_below_the_noise() {
+        // sqrt(2 noise sqrt(angle)) / angle
+        assert_eq!(unknown_gap(0.5, 0.02), 18);
+        assert_eq!(unknown_gap(0.5, 0.01), 31);
+        assert_eq!(unknown_gap(1e6, 0.02), 250);
+        assert_eq!(unknown_gap(1e-9, 0.02), 1);
+    }
+
+    #[test]
+    fn a_motion_falls_below_the_noise_in_the_logarithm_of_their_ratio() {
+        let found = [0.0, 1.0, 10.0, 30.0, 1000.0, 1e6].map(folds);
+        assert_eq!(found, [3.0, 3.0, 3.0, 4.0, 7.0, 14.0]);
+    }
+}

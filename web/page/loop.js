@@ -6,11 +6,11 @@ let axis = null;
 function words(length) { return new TextDecoder().decode(new Uint8Array(axis.memory.buffer, axis.text(), length)); }
 
 const STATES = ["idle", "exciting", "identifying", "verified", "adapting", "frozen", "rejected", "failed"];
-const loop = { samples: new Samples(16384), paused: false, seed: 1, owed: 0, plots: null, said: "" };
+const loop = { samples: new Samples(16384), paused: false, seed: 1, owed: 0, tick: 0, plots: null, said: "" };
 
 function beginLoop() {
   axis.loop_start(value("loop-noise"), value("loop-eps"), value("loop-memory"), loop.seed++);
-  loop.samples.clear(); loop.owed = 0; loop.said = ""; $("loop-events").replaceChildren();
+  loop.samples.clear(); loop.owed = 0; loop.tick = 0; loop.said = ""; $("loop-events").replaceChildren();
 }
 
 function askLoop(what, a, b, name) {
@@ -31,7 +31,7 @@ function stepLoop(seconds) {
     const got = axis.loop_run(part), r = rows(axis, got, 8);
     for (let i = 0; i < got; i++) {
       const k = 8 * i;
-      loop.samples.push([Math.round(r[k] * 1000), r[k + 2], r[k + 1], 0, 0, r[k + 3], Number.isNaN(r[k + 4]) ? null : r[k + 4], r[k + 5], r[k + 6]], 1e-3);
+      loop.samples.push([++loop.tick, r[k + 2], r[k + 1], 0, 0, r[k + 3], Number.isNaN(r[k + 4]) ? null : r[k + 4], r[k + 5], r[k + 6]], 1e-3);
       if (r[k + 7]) note("a model reached the controller");
     }
     const state = words(axis.loop_words());

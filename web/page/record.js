@@ -1,30 +1,50 @@
 "use strict";
 // A record that was dropped: read, identified by the second module, shown, given as code.
 
-const record = { name: "", columns: [], data: [], found: null, plot: null, module: null, language: "rust" };
+const record = { name: "", columns: [], data: [], bad: [], found: null, plot: null, module: null, language: "rust" };
 
 /** Columns of a CSV: comments begin with #, cells are separated by commas, or by semicolons or tabs when the header has no comma. */
+// What is no number is told where its column is used.
 function parseCsv(text) {
-  const lines = text.replace(/^\ufeff/, "").split(/\r?\n/);
+  const lines = text.replace(/^\ufeff/, "").split(/\r?\n/), bare = (cell) => cell.trim().replace(/^"(.*)"$/, "$1").trim();
   let names = null, separator = ",";
-  const data = [];
+  const data = [], bad = [];
   for (let n = 0; n < lines.length; n++) {
     const line = lines[n];
     if (line.startsWith("#") || line.trim() === "") continue;
     if (!names) {
       separator = line.includes(",") ? "," : line.includes(";") ? ";" : "\t";
-      names = line.split(separator).map((cell) => cell.trim().replace(/^"|"$/g, ""));
+      names = line.split(separator).map(bare);
       if (names.length < 3) throw new Error(`line ${n + 1}: ${names.length} columns where time, input and output are expected`);
+      if (names.every((name) => number(name) !== null)) throw new Error(`line ${n + 1}: numbers where the names of the columns are expected`);
       names.forEach(() => data.push([]));
       continue;
     }
     const cells = line.split(separator);
     if (cells.length !== names.length) throw new Error(`line ${n + 1}: ${cells.length} cells where the header has ${names.length}`);
-    cells.forEach((cell, k) => data[k].push(cell.trim() === "" ? NaN : Number(cell)));
+    cells.map(bare).forEach((cell, k) => {
+      const value = number(cell);
+      if (value === null && !bad[k]) bad[k] = `line ${n + 1}, column ${names[k]}: ${cell === "" ? "nothing" : `\u201c${cell.slice(0, 40)}\u201d`} where a number is expected${/^[-+]?\d+,\d+$/.test(cell) ? ", with a point and no comma" : ""}`;
+      data[k].push(value === null ? NaN : value);
+    });
     if (data[0].length > 500000) throw new Error("more than 500 000 samples");
   }
   if (!names || !data[0].length) throw new Error("no samples");
-  return { names, data };
+  return { names, data, bad };
+}
+
+/** A finite decimal number, or null: Number() takes an empty cell and 0x10, too. */
+function number(cell) { const value = Number(cell); return /^[-+]?[\d.]/.test(cell) && !/^[-+]?0[box]/i.test(cell) && Number.isFinite(value) ? value : null; }
+
+const UNITS = { ms: 1e-3, msec: 1e-3, us: 1e-6, usec: 1e-6, "\u00b5s": 1e-6, "\u03bcs": 1e-6, ns: 1e-9, nsec: 1e-9 };
+
+/** The unit other than s that the name of a column of times ends with, as `trendid identify` reads it. */
+function unitOf(name) { const last = name.split(/[^\p{L}\p{N}]+/u).filter(Boolean).pop(); return Object.hasOwn(UNITS, last ?? "") ? last : "s"; }
+
+/** How the times of a column are taken. */
+function clockSays(name, t) {
+  const unit = unitOf(name);
+  return unit !== "s" ? `${name} in ${unit}` : t.length > 1 && t.every(Number.isInteger) ? `${name} holds whole numbers, taken for s: name it ${name}_ms where they count ms` : "";
 }
 
 /** Sample time of a column of times; refuses steps that differ by more than a hundredth. */
@@ -41,10 +61,10 @@ function sampleTime(t) {
 async function load(file) {
   const says = $("file-says");
   try {
-    const { names, data } = parseCsv(await file.text());
-    Object.assign(record, { name: file.name, columns: names, data });
+    const { names, data, bad } = parseCsv(await file.text());
+    Object.assign(record, { name: file.name, columns: names, data, bad });
     const form = $("problem");
-    const guess = { t: [/^t(ime)?\b/i, 0], u: [/^u\b|input|command/i, 1], y: [/^y\b|output|position/i, 2] };
+    const guess = { t: [/^t(ime)?(?!\p{L})/iu, 0], u: [/^u(?!\p{L})|input|command/iu, 1], y: [/^y(?!\p{L})|output|position/iu, 2] };
     for (const [field, [pattern, otherwise]] of Object.entries(guess)) {
       const select = form[field];
       select.replaceChildren(...names.map((name, k) => new Option(name, k)));
@@ -52,7 +72,8 @@ async function load(file) {
       select.value = hit < 0 ? otherwise : hit;
     }
     form.hidden = false; says.classList.remove("refused");
-    says.textContent = `${file.name}: ${data[0].length} samples, columns ${names.join(", ")}`;
+    const clock = clockSays(names[form.t.value], data[form.t.value]);
+    says.textContent = `${file.name}: ${data[0].length} samples, columns ${names.join(", ")}${clock ? `; ${clock}` : ""}`;
   } catch (error) { says.classList.add("refused"); says.textContent = `${file.name}: ${error.message}`; }
 }
 
@@ -69,8 +90,8 @@ async function compute(act) {
   found.innerHTML = "<p class=\"note\">computing</p>"; $("snippet").hidden = true; $("record-plot").replaceChildren();
   record.found = null;
   try {
-    const [t, u, y] = ["t", "u", "y"].map((field) => record.data[form[field].value]);
-    const dt = sampleTime(t), wasm = await identifier();
+    const [t, u, y] = ["t", "u", "y"].map((field) => { const k = form[field].value; if (record.bad[k]) throw new Error(record.bad[k]); return record.data[k]; });
+    const dt = sampleTime(t) * (UNITS[unitOf(record.columns[form.t.value])] ?? 1), wasm = await identifier();
     await new Promise((later) => setTimeout(later, 30));
     const n = u.length, at = wasm.room(n);
     if (!at) throw new Error("too many samples");
@@ -79,7 +100,7 @@ async function compute(act) {
     const begin = performance.now(), length = act(wasm, dt, form);
     const answer = JSON.parse(new TextDecoder().decode(new Uint8Array(wasm.memory.buffer, wasm.answer(), length)));
     if (answer.error) throw new Error(answer.error);
-    return Object.assign(answer, { seconds: (performance.now() - begin) / 1000, dt, t0: t[0], y });
+    return Object.assign(answer, { seconds: (performance.now() - begin) / 1000, dt, y });
   } catch (error) { const p = document.createElement("p"); p.className = "refused"; p.textContent = error.message; found.replaceChildren(p); return null; }
 }
 
@@ -116,18 +137,18 @@ async function identifyRecord(event) {
   const sigma = model.reading_sigma || [];
   [["gain", model.gain, sigma[0]], ["\u03c90 [rad/s]", model.omega0, sigma[1]], ["\u03be", model.damping, sigma[2]]].forEach(([name, x, s]) => { if (x !== null) fill(table.tBodies[0], k++, [name, digits(x, 6), digits(s, 2)]); });
   const p = document.createElement("p"); p.className = "note";
-  p.textContent = `${answer.simulated ? `Free simulation of the second half by the model of the first: fit ${digits(answer.simulated.fit, 4)} %. ` : ""}${answer.pole ? `Filter poles at ${digits(answer.pole, 4)} rad/s. ` : ""}${digits(answer.seconds, 2)} s.`;
+  p.textContent = `${answer.simulated ? `Free simulation of the second half by the model of the first: fit ${digits(answer.simulated.fit, 4)} %. ` : ""}Sampled every ${digits(answer.dt, 4)} s. ${answer.pole ? `Filter poles at ${digits(answer.pole, 4)} rad/s. ` : ""}${digits(answer.seconds, 2)} s.`;
   box.append(tf, table, p); $("found").replaceChildren(box);
   drawRecord(); snippet(); $("snippet").hidden = false;
   playground.found = answer;
 }
 
 async function compareStructures() {
-  const answer = await compute((wasm, dt) => wasm.select_structure(dt, 3));
+  const answer = await compute((wasm, dt, f) => wasm.select_structure(dt, 3, (f.constant.checked ? 2 : 0) + (f.delay.checked ? 4 : 0)));
   if (!answer) return;
   const table = document.createElement("table");
   table.innerHTML = "<thead><tr><th scope=\"col\">structure</th><th scope=\"col\">fit of unseen parts [%]</th><th scope=\"col\"></th></tr></thead><tbody></tbody>";
-  answer.candidates.forEach((c, k) => fill(table.tBodies[0], k, [`order ${c.order}${c.integrator ? ", integrates" : ""}${c.zeros ? `, ${c.zeros} zero${c.zeros > 1 ? "s" : ""}` : ""}`, digits(c.fit, 5), c.recommended ? "recommended" : ""]));
+  answer.candidates.forEach((c, k) => fill(table.tBodies[0], k, [`order ${c.order}${c.integrator ? ", integrates" : ""}${c.zeros ? `, ${c.zeros} zero${c.zeros > 1 ? "s" : ""}` : ""}${c.delay ? `, delay ${digits(c.delay * answer.dt)} s` : ""}`, digits(c.fit, 5), c.recommended ? "recommended" : ""]));
   $("found").replaceChildren(table);
   const best = answer.candidates.find((c) => c.recommended), form = $("problem");
   if (best) { form.order.value = best.order; form.zeros.value = best.zeros; form.integrator.checked = best.integrator; }
@@ -146,7 +167,7 @@ function drawRecord() {
 
 /** The model as code. */
 function snippet() {
-  const { model, delay, dt } = record.found, float = (x) => Number.isInteger(x) && Math.abs(x) < 1e15 ? x.toFixed(1) : String(Number(x.toPrecision(9)));
+  const { model, delay, dt } = record.found, float = (x) => { const text = String(Number(x.toPrecision(9))); return /[.e]/.test(text) ? text : `${text}.0`; };
   const n = model.a.length, b = [...model.b, ...Array(n - model.b.length).fill(0)], falling = (c) => [...c].reverse().map(float).join(" "), seconds = delay * dt;
   const code = {
     rust: `// a0.. and b0.. ascending, the leading coefficient of the denominator is one${delay ? `; the input acts ${float(delay)} samples late` : ""}.\nlet model = trendid::TransferFunction::<${n}, 1> {\n    a: [${model.a.map(float).join(", ")}],\n    b: [[${b.map(float).join(", ")}]],\n    constant: ${float(model.constant)},\n};`,

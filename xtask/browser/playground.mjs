@@ -69,11 +69,35 @@ try {
   await until(page, "structures are compared", () => window.playground.selected, 300);
   const best = await page.evaluate(() => window.playground.selected.candidates.find((c) => c.recommended));
   check("the recommended structure", best.order === 3 && best.integrator, JSON.stringify(best));
-  // A record that is broken is named by its line.
-  const broken = path.join(out, "broken.csv");
-  fs.writeFileSync(broken, "t,u,y\n0,1,2\n0.1,1\n");
-  await (await page.$("#file")).uploadFile(broken);
+  // Times in ms and positions in pm: the same poles, and numbers in the snippet that a compiler takes for such.
+  const given = fs.readFileSync(RECORD, "utf8").split("\n").filter((line) => line && !line.startsWith("#"));
+  const drop = async (name, lines) => { const file = path.join(out, name); fs.writeFileSync(file, `${lines.join("\n")}\n`); await (await page.$("#file")).uploadFile(file); };
+  const other = given.slice(1).map((line) => line.split(",")).map(([t, u, y]) => `${(1000 * t).toFixed(3)},${u},"${1e9 * y}"`);
+  await drop("ms.csv", ["time [ms],u,y", ...other]);
+  await until(page, "the unit of the times is said", () => /time \[ms\] in ms/.test(document.getElementById("file-says").textContent), 10);
+  await page.evaluate(() => { window.playground.found = null; });
+  await page.click("#problem .row button");
+  await until(page, "the record in ms is identified", () => window.playground.found, 120);
+  const scaled = await page.evaluate(() => window.playground.found);
+  const off = Math.max(...scaled.model.a.map((a, k) => Math.abs(a - theirs[k]) / Math.max(1, Math.abs(theirs[k]))));
+  check("the model is that of the record in s", off < 1e-4 && Math.abs(scaled.model.b[0] / 1e15 - 1) < 1e-2, `largest relative difference ${off.toExponential(1)}, b0 ${scaled.model.b[0]}`);
+  for (const language of ["rust", "c"]) {
+    await page.click(`[data-lang="${language}"]`);
+    const code = (await page.$eval("#code", (e) => e.textContent)).replace(/\/\/.*|\/\*.*?\*\/|<[^>]*>|\[\d+\]/g, "");
+    const whole = [...code.matchAll(/(?<![\w.])\d[\w.+]*/g)].map(([number]) => number).filter((number) => !/[.e]/.test(number));
+    check(`each number in ${language} is one of floating point`, whole.length === 0, whole.join(" "));
+  }
+  // A record that is broken is named by its line and column.
+  await drop("broken.csv", ["t,u,y", "0,1,2", "0.1,1"]);
   await until(page, "a broken record is named by its line", () => /line 3: 2 cells/.test(document.getElementById("file-says").textContent), 5);
+  await drop("bare.csv", ["0,1,2", "0.1,1,2"]);
+  await until(page, "a record without names is refused", () => /line 1: numbers where the names/.test(document.getElementById("file-says").textContent), 5);
+  await drop("comma.csv", ["t;u;y", "0;0,5;1", "0.1;0,5;1"]);
+  await until(page, "a record with commas is read", () => /2 samples/.test(document.getElementById("file-says").textContent), 5);
+  await page.click("#problem .row button");
+  await until(page, "a decimal comma is named by its cell", () => /line 2, column u: .0,5. where a number is expected, with a point/.test(document.getElementById("found").textContent), 5);
+  await drop("whole.csv", ["t,u,y", "0,1,2", "1,1,2"]);
+  await until(page, "whole times are taken for s, and that is said", () => /whole numbers, taken for s/.test(document.getElementById("file-says").textContent), 5);
   await sleep(200);
   check("nothing but files was asked for", requests.every((url) => url.startsWith("file:") || url.startsWith("data:")), `${requests.length} requests`);
   check("no error in the console", page.errors.length === 0, page.errors.join(" | ") || "none");

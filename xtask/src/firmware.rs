@@ -65,7 +65,14 @@ fn indented(lines: Vec<String>) -> String {
 }
 
 /// Runs of the servo controller, by the word that its script knows (`examples/servo/emulated.rs`).
-const SERVO: [&str; 5] = ["servo", "panic", "hardfault", "overflow", "idle-overflow"];
+const SERVO: [&str; 6] = [
+    "servo",
+    "panic",
+    "hardfault",
+    "overflow",
+    "idle-overflow",
+    "lost-stack",
+];
 
 /// The servo controller on its simulated drive: it must reach control, end in the safe output after
 /// three overruns, and report after a restart what ended the run before.

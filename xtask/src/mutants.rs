@@ -3,7 +3,7 @@
 use std::process::Stdio;
 
 use crate::dated;
-use crate::process::{Done, cargo};
+use crate::process::{Done, as_typed, cargo};
 use crate::tool::Tool;
 
 /// Options of the task.
@@ -29,7 +29,7 @@ pub(crate) fn run(options: &Options) -> Done {
     let text = String::from_utf8_lossy(&output.stdout);
     print!("{text}");
     if options.write && !text.is_empty() {
-        let command = format!("`cargo xtask mutants {}`", options.rest.join(" "));
+        let command = format!("`cargo xtask mutants {}`", as_typed(&options.rest));
         dated::add("docs/proofs.md", &heading, &format!("{command}\n\n{text}"))?;
     }
     if output.status.success() {

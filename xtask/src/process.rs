@@ -60,11 +60,20 @@ fn shown(command: &Command) -> String {
     let arguments = command
         .get_args()
         .map(|argument| argument.to_string_lossy().into_owned());
-    [program.to_owned()]
-        .into_iter()
-        .chain(arguments)
-        .collect::<Vec<_>>()
-        .join(" ")
+    as_typed([program.to_owned()].into_iter().chain(arguments))
+}
+
+/// Words as one types them: those that a shell would take apart in quotes.
+pub(crate) fn as_typed<W: AsRef<str>>(words: impl IntoIterator<Item = W>) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
+    let quoted = |word: &str| match word {
+        _ if !word.is_empty() && word.chars().all(plain) => word.to_owned(),
+        // Within these a shell looks for nothing but these.
+        _ if !word.contains(['"', '$', '`', '\\', '!']) => format!("\"{word}\""),
+        _ => format!("'{}'", word.replace('\'', "'\\''")),
+    };
+    let words: Vec<_> = words.into_iter().map(|w| quoted(w.as_ref())).collect();
+    words.join(" ")
 }
 
 /// Where cargo puts what it builds.
@@ -259,5 +268,30 @@ impl Machine {
             .lines()
             .map(str::to_owned)
             .collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::as_typed;
+
+    #[test]
+    fn a_command_that_is_shown_can_be_typed() {
+        let words = ["--only", "a day's mixture", "it's $5", "x=/a_b.c", ""];
+        let shown = as_typed(words);
+        assert_eq!(
+            shown,
+            r#"--only "a day's mixture" 'it'\''s $5' x=/a_b.c """#
+        );
+        let typed = std::process::Command::new("sh")
+            .args(["-c", &format!("printf '%s\n' {shown}")])
+            .output();
+        // Where there is a shell.
+        if let Ok(typed) = typed {
+            assert_eq!(
+                String::from_utf8_lossy(&typed.stdout),
+                words.map(|word| format!("{word}\n")).concat()
+            );
+        }
     }
 }

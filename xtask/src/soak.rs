@@ -3,7 +3,7 @@
 use std::process::Stdio;
 
 use crate::dated;
-use crate::process::{Done, cargo};
+use crate::process::{Done, as_typed, cargo};
 
 /// Options of the task.
 #[derive(Default, clap::Args)]
@@ -97,7 +97,7 @@ struct Part {
 }
 
 fn part(name: &str, program: &[&str], arguments: &[&str]) -> Result<Part, String> {
-    let command = format!("{name} {}", arguments.join(" "));
+    let command = format!("{name} {}", as_typed(arguments));
     eprintln!("$ {command}");
     let output = cargo(&[program, arguments].concat())
         .stderr(Stdio::piped())

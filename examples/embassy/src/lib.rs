@@ -18,13 +18,15 @@
 //! ```
 //!
 //! Requests stand in a queue that any task may write to; a request names the sample in which it is
-//! due, so that it does not matter when it is heard before that. What control tells stands in
+//! due, so that it does not matter when it is heard before that. A `stop` without one waits for
+//! nothing, and what waits is given up. What control tells stands in
 //! another one; when the line is too slow, messages are dropped and counted, and control goes on.
 //! The drive is the simulated one, on a board too: for a machine, `Sensor` and `Output` become
 //! drivers of `trendid::hardware`.
 #![no_std]
 
 use core::fmt::Write as _;
+use core::sync::atomic::{AtomicBool, Ordering};
 
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::channel::Channel;
@@ -35,7 +37,7 @@ use trendid::hardware::{PositionSensor, Valve};
 use trendid::servo::State;
 use trendid_example_support::drive::{Drive, SimulatedValve};
 use trendid_example_support::machine::{Machine, TRACED};
-use trendid_example_support::request::{LONGEST, Line, Request};
+use trendid_example_support::request::{Desk, LONGEST, Line, Request};
 
 /// The position sensor of the machine.
 pub type Sensor = Drive;
@@ -50,6 +52,9 @@ const SLOT: Duration = Duration::from_millis(1);
 
 /// What was asked for and is not yet due; eight at most.
 pub static REQUESTS: Channel<CriticalSectionRawMutex, Request, 8> = Channel::new();
+
+/// Whether somebody has asked to stop, now.
+pub static STOP: AtomicBool = AtomicBool::new(false);
 
 /// What the line shall tell.
 pub static MESSAGES: Channel<CriticalSectionRawMutex, Message, 32> = Channel::new();
@@ -87,15 +92,15 @@ pub struct Snapshot {
 /// One sample every millisecond, for ever.
 pub async fn control<S: PositionSensor, V: Valve>(mut machine: Machine<S, V>) {
     let mut ticker = Ticker::every(SLOT);
-    let (mut next, mut shown): (Option<Request>, Option<State>) = (None, None);
+    let (mut desk, mut shown): (Desk, Option<State>) = (Desk::default(), None);
     let (mut late, mut dropped) = (0, 0);
     loop {
         ticker.next().await;
         let begin = Instant::now();
         let tick = machine.next_tick();
-        next = next.or_else(|| REQUESTS.try_receive().ok());
-        let due = next.take_if(|request| request.tick <= tick);
-        let report = machine.update(due.map(|request| request.action));
+        let stops = STOP.swap(false, Ordering::Relaxed);
+        let due = desk.due(tick, stops, || REQUESTS.try_receive().ok());
+        let report = machine.update(due);
         late += u32::from(begin.elapsed() > SLOT);
         if shown != Some(report.state) || tick.is_multiple_of(EVERY) {
             shown = Some(report.state);
@@ -128,7 +133,11 @@ pub async fn listen<R: Read>(mut line: R) -> Result<(), R::Error> {
         let Some(request) = said.push(byte[0]) else {
             continue;
         };
-        if request.is_none_or(|request| REQUESTS.try_send(request).is_err()) {
+        if request.as_ref().is_some_and(Request::is_stop) {
+            // What came before it and was not taken yet is not done behind it.
+            REQUESTS.clear();
+            STOP.store(true, Ordering::Relaxed);
+        } else if request.is_none_or(|request| REQUESTS.try_send(request).is_err()) {
             let text = said.text().try_into().unwrap_or_default();
             MESSAGES.send(Message::NotHeard(text)).await;
         }

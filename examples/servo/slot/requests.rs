@@ -9,7 +9,7 @@ use core::sync::atomic::{AtomicU8, Ordering};
 
 use trendid::servo::{Config, MotionLimits, ServoLoop};
 use trendid_example_support::button::Request;
-use trendid_example_support::machine::AXIS;
+use trendid_example_support::machine::{AXIS, Verified};
 use trendid_example_support::slots::Slots;
 use trendid_example_support::watchdog::set_period;
 use trendid_link::telemetry::{self, Refusal, SettingValue, operate, settings};
@@ -112,7 +112,8 @@ impl Slot {
                 return Err(Refusal::Unsupported);
             }
             Request::Store => {
-                self.now.record = Some(self.servo.record().ok_or(Refusal::NoModel)?);
+                let verified = Verified::of(&self.servo, &self.config);
+                self.now.verified = Some(verified.ok_or(Refusal::NoModel)?);
                 self.now.store = true;
                 self.send();
                 self.now.store = false;

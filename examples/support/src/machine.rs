@@ -6,6 +6,7 @@
 //! must agree to the last bit.
 
 use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
+use trendid::servo::store::{Identity, Record};
 use trendid::servo::{Config, Error, Report, ServoLoop, Travel};
 
 use crate::hash::Hash;
@@ -35,6 +36,9 @@ const DELAY: f32 = 0.0;
 /// with b0 10 % too large and a dead zone of 0.073 instead of 0.030; after 0.5 s both are found.
 const EXCITE_TIME: f32 = 0.5;
 
+/// The machine: its model is of no use to another one. A serial number, where there is one.
+const PLANT: u32 = 1;
+
 /// Targets of the moves in mm, and the samples between them.
 const TARGETS: [f32; 2] = [120.0, 280.0];
 const DWELL: u64 = 1500;
@@ -58,6 +62,36 @@ pub fn config() -> Config {
     config.delay = DELAY;
     config.supervision.excite_time = EXCITE_TIME;
     config
+}
+
+/// What a stored model of this machine must have been found under.
+#[must_use]
+pub fn identity(config: &Config) -> Identity {
+    Identity::new(PLANT, config)
+}
+
+/// A verified model with the settings that it was found under, which may be others than those of
+/// the next start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Verified {
+    /// The machine and its settings.
+    pub identity: Identity,
+    /// The model and its conditions.
+    pub record: Record,
+}
+
+impl Verified {
+    /// What a loop of these settings has verified; `None` before there is a model.
+    #[must_use]
+    pub fn of<S: PositionSensor, V: Valve>(
+        servo: &ServoLoop<S, V>,
+        config: &Config,
+    ) -> Option<Self> {
+        Some(Self {
+            identity: identity(config),
+            record: servo.record()?,
+        })
+    }
 }
 
 /// The control loop of this machine, idle.
@@ -169,5 +203,39 @@ impl<S: PositionSensor, V: Valve> Machine<S, V> {
     #[must_use]
     pub const fn trace(&self) -> Trace {
         self.trace
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use trendid::servo::store::{Record, Refused};
+
+    use super::*;
+    use crate::drive::{Drive, SimulatedValve};
+
+    /// Over the wire the delay may be set; the next start has that of the program again.
+    #[test]
+    fn a_model_of_another_delay_is_none_of_the_next_start() {
+        for delay in [DELAY, 0.002] {
+            let mut settings = config();
+            settings.delay = delay;
+            let drive = Drive::new(ORIGIN);
+            let mut servo = ServoLoop::try_new(&settings, AXIS, drive, SimulatedValve).unwrap();
+            assert_eq!(Verified::of(&servo, &settings), None);
+            servo.commission();
+            for _ in 0..2000 {
+                let _ = servo.update();
+            }
+            let Verified {
+                identity: of,
+                record,
+            } = Verified::of(&servo, &settings).unwrap();
+            let read = Record::from_bytes(&record.to_bytes(&of, 0), &identity(&config()));
+            if delay == DELAY {
+                assert_eq!(read, Ok((record, 0)));
+            } else {
+                assert!(matches!(read, Err(Refused::Settings { .. })), "{read:?}");
+            }
+        }
     }
 }

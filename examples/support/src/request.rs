@@ -24,6 +24,12 @@ pub struct Request {
 }
 
 impl Request {
+    /// Whether it is to stop at once.
+    #[must_use]
+    pub fn is_stop(&self) -> bool {
+        self.tick == 0 && self.action == Action::Abort
+    }
+
     /// The request of a line: `[SAMPLE] run`, `[SAMPLE] stop` or `[SAMPLE] move MM`; without a
     /// sample it is due at once.
     #[must_use]
@@ -58,6 +64,29 @@ impl fmt::Display for Request {
     }
 }
 
+/// What waits for its sample: one request at a time, in the order in which they came.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Desk(Option<Request>);
+
+impl Desk {
+    /// What is due in sample `tick`; `more` gives the request behind the one that waits. With
+    /// `stops` it is to stop, and what waits is given up: a stop waits for nothing.
+    pub fn due(
+        &mut self,
+        tick: u64,
+        stops: bool,
+        more: impl FnOnce() -> Option<Request>,
+    ) -> Option<Action> {
+        if stops {
+            self.0 = None;
+            return Some(Action::Abort);
+        }
+        self.0 = self.0.or_else(more);
+        let due = self.0.take_if(|request| request.tick <= tick)?;
+        Some(due.action)
+    }
+}
+
 /// Bytes of a line that are kept.
 pub const LONGEST: usize = 24;
 
@@ -81,7 +110,8 @@ impl Line {
             }
             other => {
                 if let Some(place) = self.bytes.get_mut(self.length) {
-                    *place = other & 0x7F;
+                    // A letter of no word and no number: a byte that is damaged is none of another.
+                    *place = if other.is_ascii() { other } else { b'?' };
                 }
                 self.length = self.length.saturating_add(1);
                 None
@@ -93,7 +123,7 @@ impl Line {
     #[must_use]
     pub fn text(&self) -> &str {
         let kept = self.bytes.get(..self.length).unwrap_or(&self.bytes);
-        // Seven bits are one letter.
+        // Each is one letter.
         core::str::from_utf8(kept).unwrap_or_default()
     }
 
@@ -158,6 +188,31 @@ mod tests {
             .map(|request| request.map(|request| request.tick))
             .collect();
         assert_eq!(ticks, [Some(501), Some(1500), None, Some(0)]);
+    }
+
+    #[test]
+    fn a_byte_that_is_no_letter_makes_no_request() {
+        // Without their eighth bit these are `move 280` and `run`.
+        for bytes in [b"move 2\xB80\n".as_slice(), b"\xF2un\n", b"move 28\xB0\r"] {
+            assert_eq!(heard(bytes), [None]);
+        }
+    }
+
+    #[test]
+    fn a_stop_waits_for_nothing_and_nothing_is_left_behind_it() {
+        let request = |line| Request::parse(line).unwrap();
+        let mut queue = std::vec![request("9 run"), request("20 move 5"), request("3 move 7")];
+        queue.reverse();
+        let mut desk = Desk::default();
+        assert_eq!(desk.due(1, false, || queue.pop()), None);
+        assert_eq!(desk.due(9, false, || queue.pop()), Some(Action::Commission));
+        // In the order in which they came: the third, whose time has passed, waits for the second.
+        assert_eq!(desk.due(10, false, || queue.pop()), None);
+        assert_eq!(desk.due(11, true, || queue.pop()), Some(Action::Abort));
+        assert_eq!(queue.len(), 1);
+        assert_eq!(desk.due(20, false, || None), None);
+        assert!(request("stop").is_stop() && request("0 stop").is_stop());
+        assert!(!request("7 stop").is_stop() && !request("run").is_stop());
     }
 
     #[test]

@@ -32,14 +32,15 @@ pub(super) fn rows<'a>(samples: impl Iterator<Item = &'a Sample>) -> String {
         let comma = if first { "" } else { "," };
         first = false;
         // Writing into a string cannot fail; the shortest digits give the same f32 again.
-        let _ = write!(
-            text,
-            "{comma}[{tick},{position},{r},{velocity},{v},{command},"
-        );
-        let _ = match sample.innovation {
-            Some(e) => write!(text, "{e}"),
-            None => write!(text, "null"),
-        };
+        let _ = write!(text, "{comma}[{tick}");
+        let innovation = sample.innovation.unwrap_or(f32::NAN);
+        for number in [position, r, velocity, v, command, innovation] {
+            // JSON has no other numbers, and another program than ours may send some.
+            let _ = match number.is_finite() {
+                true => write!(text, ",{number}"),
+                false => write!(text, ",null"),
+            };
+        }
         let _ = write!(text, ",{state},{reason}]");
     }
     text.push_str("]}");
@@ -286,6 +287,14 @@ mod tests {
             assert_eq!(back.to_bits(), bits);
             assert_eq!(value["v"][0][5].as_f64().unwrap() as f32, -position);
             assert!(value["v"][0][6].is_null());
+        }
+        for position in [f32::NAN, f32::INFINITY] {
+            let sample = Sample {
+                position,
+                ..Sample::default()
+            };
+            let value: Value = serde_json::from_str(&rows([sample].iter())).unwrap();
+            assert!(value["v"][0][1].is_null() && value["v"][0][2] == 0.0);
         }
     }
 }

@@ -117,6 +117,29 @@ fn a_weight_that_counts_for_nothing_becomes_zero() {
 }
 
 #[test]
+fn an_observation_of_a_parameter_says_what_was_known_of_it() {
+    let mut estimator = moved(0.99, 50);
+    assert_eq!(estimator.forgets_for(), 0.99);
+    for index in 0..3 {
+        let before = estimator.covariance(index, index);
+        assert!(before > 0.0 && before != 1.0);
+        let variance = 1.0 / 1024.0;
+        assert_eq!(
+            estimator.observe_parameter(index, 1.0, variance, 0.0),
+            before
+        );
+        let after = estimator.covariance(index, index);
+        let expected = before * variance / (before + variance);
+        assert!((after / expected - 1.0).abs() < 1e-4, "{index}: {after}");
+    }
+    // Below what was asked for nothing happens.
+    let before = estimator.clone();
+    let known = estimator.observe_parameter(0, 9.0, 1.0, 1.0);
+    assert_eq!(known, estimator.covariance(0, 0));
+    assert_eq!(estimator, before);
+}
+
+#[test]
 fn memory_is_that_of_the_forgetting() {
     let estimator = moved(0.99, 5000);
     assert!((estimator.samples() - 100.0).abs() < 0.1);

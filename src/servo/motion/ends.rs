@@ -102,6 +102,27 @@ mod tests {
     }
 
     #[test]
+    fn the_brake_is_reached_within_the_time_of_the_drive_and_the_limit_of_the_jerk() {
+        let quick = EndApproach {
+            speed: 90.0,
+            ..ENDS
+        };
+        for (ends, room) in [(ENDS, 0.0), (quick, 0.0), (quick, 2.0)] {
+            let brake = ends.brake(0.0, TRAVEL.max - room, &LIMITS, &TRAVEL);
+            assert_eq!(brake.jerk, brake.acceleration / ends.time);
+            let ahead = brake.acceleration * ends.time * ends.time - room;
+            let speed = sqrt(2.0 * brake.acceleration * ahead);
+            assert!((speed - ends.speed).abs() < 0.1, "{room}: {speed}");
+            let gentle = MotionLimits {
+                jerk: 1000.0,
+                ..LIMITS
+            };
+            let brake = ends.brake(0.0, TRAVEL.max - room, &gentle, &TRAVEL);
+            assert_eq!(brake.jerk, gentle.jerk);
+        }
+    }
+
+    #[test]
     fn where_the_end_is_far_behind_the_target_nothing_changes() {
         // 9000 / 900 is a deflection of 10, with some to spare for the speed.
         for target in [TRAVEL.max - 10.0, 0.0, TRAVEL.min + 10.0] {

@@ -84,4 +84,29 @@ mod tests {
             }
         }
     }
+
+    /// 4 T, doubled for the first limit that asks for more.
+    #[test]
+    fn the_way_back_takes_no_longer_than_the_axis_and_the_limits_ask_for() {
+        let (from, target, rate) = (4.0, 0.0, 5.0);
+        let [velocity, acceleration, jerk] = [10.0, 50.0, 250.0];
+        let samples = |velocity, acceleration, jerk| {
+            let limits = MotionLimits {
+                velocity,
+                acceleration,
+                jerk,
+            };
+            let mut way = way_back(from, target, rate, &limits);
+            (1..5000).find(|_| way.next(1e-3).1).unwrap()
+        };
+        let near = |found: u32, expected: u32| found.abs_diff(expected) <= 1;
+        let (over, under) = (1.01, 0.99);
+        let free = samples(over * velocity, over * acceleration, over * jerk);
+        assert!(near(free, 800), "{free}");
+        for limit in 0..3 {
+            let [v, a, j] = core::array::from_fn(|i| if i == limit { under } else { over });
+            let slow = samples(v * velocity, a * acceleration, j * jerk);
+            assert!(near(slow, 1600), "{limit}: {slow}");
+        }
+    }
 }

@@ -148,3 +148,6 @@ impl ProfileSearch {
         ]
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,7 @@
 //! The store somewhere in a flash that is larger than it.
 
+extern crate std;
+
 use super::*;
 use crate::servo::{Config, Model, Travel};
 use core::convert::Infallible;
@@ -201,6 +203,35 @@ fn a_keeper_waits_a_minute_and_for_two_percent() {
     keeper.saved(&changed(1.1), u32::MAX - 9);
     assert!(!keeper.is_due(&model, 49) && keeper.is_due(&model, 50));
     assert!(!keeper.is_due(&changed(1.1), 50));
+}
+
+#[test]
+fn a_refusal_says_what_was_found() {
+    let said = |refused: Refused| std::string::ToString::to_string(&refused);
+    assert_eq!(said(Refused::Empty), "no model is stored");
+    for (refused, part) in [
+        (Refused::Damaged { records: 3 }, "3 stored records"),
+        (Refused::Version { found: 7 }, "has version 7, expected"),
+        (Refused::Plant { found: 9 }, "of machine 9"),
+        (Refused::Settings { found: 0xAB }, "(0x000000ab)"),
+    ] {
+        assert!(said(refused).contains(part), "{}", said(refused));
+    }
+}
+
+#[test]
+fn each_parameter_alone_is_worth_a_record() {
+    let fields = [400.0, 20.0, 1.0e6, 0.03, -0.01, 4000.0];
+    let keeper = Keeper::new(Some(Model::from_fields(fields)));
+    for moved in 0..fields.len() {
+        for (share, due) in [(0.015, false), (0.025, true), (-0.025, true)] {
+            let mut changed = fields;
+            // Dead zone and offset count from two thousandths of the command on.
+            changed[moved] += share * changed[moved].abs().max(0.1);
+            let model = Model::from_fields(changed);
+            assert_eq!(keeper.is_due(&model, 0), due, "{moved}: {changed:?}");
+        }
+    }
 }
 
 #[test]

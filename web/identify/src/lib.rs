@@ -48,14 +48,15 @@ pub extern "C" fn identify_record(dt: f64, order: usize, zeros: usize, flags: u3
             zeros,
             constant: flags & 2 != 0,
         };
-        one(u, y, dt, structure, flags & 4 != 0)
+        one(u, y, dt, structure, freedom(flags))
     })
 }
 
-/// Compares structures up to an order; gives the length of the answer.
+/// Compares structures up to an order; gives the length of the answer. Flags as above, for all
+/// structures; both with and without an integrator are compared.
 #[unsafe(no_mangle)]
-pub extern "C" fn select_structure(dt: f64, max_order: usize) -> usize {
-    respond(|u, y| many(u, y, dt, max_order))
+pub extern "C" fn select_structure(dt: f64, max_order: usize, flags: u32) -> usize {
+    respond(|u, y| many(u, y, dt, max_order, flags))
 }
 
 fn respond(act: impl FnOnce(&[f64], &[f64]) -> Result<Value, String>) -> usize {
@@ -67,14 +68,24 @@ fn respond(act: impl FnOnce(&[f64], &[f64]) -> Result<Value, String>) -> usize {
     })
 }
 
-fn one(u: &[f64], y: &[f64], dt: f64, structure: Structure, search: bool) -> Result<Value, String> {
+fn freedom(flags: u32) -> Freedom {
+    let mut freedom = Freedom::default();
+    if flags & 4 != 0 {
+        freedom.delay = Choice::Auto;
+    }
+    freedom
+}
+
+fn one(
+    u: &[f64],
+    y: &[f64],
+    dt: f64,
+    structure: Structure,
+    freedom: Freedom,
+) -> Result<Value, String> {
     let signals = Signals::held(dt, u, y);
     let problem =
         Problem::new(&signals, structure, Options::default()).map_err(|e| e.to_string())?;
-    let mut freedom = Freedom::default();
-    if search {
-        freedom.delay = Choice::Auto;
-    }
     let found = identify(&problem, freedom, 0, &()).map_err(|e| e.to_string())?;
     let simulated = found.free_run.as_ref().map(|run| {
         let part = run.y.len().div_ceil(POINTS).max(1);
@@ -109,14 +120,14 @@ fn model(estimate: &Estimate) -> Value {
     })
 }
 
-fn many(u: &[f64], y: &[f64], dt: f64, max_order: usize) -> Result<Value, String> {
+fn many(u: &[f64], y: &[f64], dt: f64, max_order: usize, flags: u32) -> Result<Value, String> {
     let range = trendid_identify::structure_choice::Range {
         max_order,
         integrating: false,
-        constant: false,
+        constant: flags & 2 != 0,
     };
     let signals = Signals::held(dt, u, y);
-    let selection = select(&signals, range, Options::default(), Freedom::default(), &())
+    let selection = select(&signals, range, Options::default(), freedom(flags), &())
         .map_err(|e| e.to_string())?;
     let rows: Vec<Value> = selection
         .candidates
@@ -127,6 +138,8 @@ fn many(u: &[f64], y: &[f64], dt: f64, max_order: usize) -> Result<Value, String
                 "order": candidate.structure.order,
                 "integrator": candidate.structure.integrator,
                 "zeros": candidate.structure.zeros,
+                "constant": candidate.structure.constant,
+                "delay": candidate.delay,
                 "fit": candidate.fit_x0c,
                 "recommended": place == selection.recommended,
             })
@@ -160,15 +173,38 @@ mod tests {
             zeros: 0,
             constant: false,
         };
-        let found = one(&u, &y, 0.01, structure, false).unwrap();
+        let found = one(&u, &y, 0.01, structure, freedom(0)).unwrap();
         let a0 = found["model"]["a"][0].as_f64().unwrap();
         assert!((a0 - 2.0).abs() < 1e-3, "{found}");
-        let all = many(&u, &y, 0.01, 2).unwrap();
+        let all = many(&u, &y, 0.01, 2, 0).unwrap();
         assert!(
             all["candidates"]
                 .as_array()
                 .is_some_and(|rows| rows.iter().any(|r| r["recommended"] == true))
         );
+    }
+
+    #[test]
+    fn structures_are_compared_with_what_is_asked_for() {
+        let (u, y) = lag();
+        let late: Vec<f64> = (0..y.len())
+            .map(|k| 0.7 + k.checked_sub(5).map_or(0.0, |k| y[k]))
+            .collect();
+        let rows = |flags| {
+            let all = many(&u, &late, 0.01, 1, flags).unwrap();
+            all["candidates"].as_array().unwrap().clone()
+        };
+        assert!(
+            rows(0)
+                .iter()
+                .all(|r| r["constant"] == false && r["delay"] == 0)
+        );
+        let asked = rows(6);
+        assert!(asked.iter().all(|r| r["constant"] == true));
+        let best = asked.iter().find(|r| r["recommended"] == true).unwrap();
+        assert_eq!(best["delay"], 5, "{asked:?}");
+        let fit = |rows: &[Value]| rows[0]["fit"].as_f64().unwrap();
+        assert!(fit(&asked) > fit(&rows(0)), "{asked:?}");
     }
 
     #[test]
@@ -179,8 +215,8 @@ mod tests {
             zeros: 0,
             constant: false,
         };
-        assert!(one(&[0.0; 100], &[0.0; 100], 0.001, structure, false).is_err());
-        assert!(one(&[], &[], 0.001, structure, false).is_err());
-        assert!(many(&[f64::NAN; 9], &[0.0; 9], 0.001, 2).is_err());
+        assert!(one(&[0.0; 100], &[0.0; 100], 0.001, structure, freedom(0)).is_err());
+        assert!(one(&[], &[], 0.001, structure, freedom(0)).is_err());
+        assert!(many(&[f64::NAN; 9], &[0.0; 9], 0.001, 2, 0).is_err());
     }
 }

@@ -30,9 +30,9 @@ struct Options {
     /// Seed of the draw.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Only mutants in files whose path contains this.
-    #[arg(long, value_name = "TEXT", default_value = "")]
-    only: String,
+    /// Only mutants in files whose path contains this, or one of several.
+    #[arg(long, value_name = "TEXT")]
+    only: Vec<String>,
     /// Tests that take longer than this without a mutant are left out: what they alone would notice
     /// counts as missed.
     #[arg(long, value_name = "S", default_value_t = 3600.0)]
@@ -110,7 +110,10 @@ fn drawn(root: &std::path::Path, options: &Options) -> Result<Vec<Mutant>, Strin
     let mut drawn = Vec::new();
     for room in ROOMS {
         let mut all = list::all(root, room)?;
-        all.retain(|mutant| mutant.file.contains(&options.only));
+        let wanted = |file: &str| {
+            options.only.is_empty() || options.only.iter().any(|part| file.contains(part))
+        };
+        all.retain(|mutant| wanted(&mutant.file));
         drawn.extend(list::draw(all, options.sample, options.seed));
     }
     if drawn.len() > tree::MOST {

@@ -273,3 +273,28 @@ fn a_valve_rests_within_the_window_and_the_disturbance_within_one_and_a_half() {
         }
     }
 }
+
+#[test]
+fn an_observer_follows_while_somebody_else_controls_and_control_begins_where_it_is() {
+    let model = Model {
+        friction: 0.0,
+        offset: 0.0,
+        ..MODEL
+    };
+    for way in [1.0, -1.0_f32] {
+        let mut controller = standing(model);
+        let slowest = controller.design.anchor.band * by_hand::POLES.observer;
+        assert_eq!(controller.standing(), slowest);
+        // 1e6 / 625 per unit of the command.
+        let (speed, command) = (way * 30.0, way * 30.0 / 1600.0);
+        for k in 0..2000 {
+            controller.watch(200.0 + 1e-3 * speed * k as f32, command);
+        }
+        let seen = controller.motion();
+        assert!((seen.velocity / speed - 1.0).abs() < 0.01, "{seen:?}");
+        assert!((seen.position - 200.0 - 1.999 * speed).abs() < 0.01);
+        controller.heading = 0.0;
+        controller.engage();
+        assert_eq!(controller.heading, way);
+    }
+}

@@ -122,3 +122,44 @@ fn only_a_move_to_an_end_brakes_more_gently_and_it_arrives_there() {
         }
     }
 }
+
+/// As where a measured motion was taken over too near to an end.
+#[test]
+fn what_would_lead_beyond_an_end_stands_at_it() {
+    for way in [1.0, -1.0_f32] {
+        for waits in [false, true] {
+            let mut moves = at_rest();
+            moves.move_to(100.0 * way).unwrap();
+            while moves.update().position.abs() < 4.0 {}
+            if waits {
+                moves.move_to(2.0 * way).unwrap();
+            }
+            (moves.travel.min, moves.travel.max) = (-5.0, 5.0);
+            while moves.setpoint().position.abs() < 5.0 {
+                assert!(moves.update().position.abs() <= 5.0);
+            }
+            assert_eq!(moves.setpoint(), Setpoint::at(5.0 * way));
+            for _ in 0..1000 {
+                assert!(moves.update().position.abs() <= 5.0);
+            }
+            // What was asked for meanwhile is not forgotten.
+            let place = if waits { 2.0 } else { 5.0 };
+            assert!((moves.setpoint().position - place * way).abs() < 1e-3);
+            assert!(moves.is_finished());
+        }
+    }
+}
+
+#[test]
+fn a_sine_that_would_lead_beyond_an_end_is_cut_there_and_goes_on() {
+    let mut moves = at_rest();
+    moves.oscillate(20.0, 1.0).unwrap();
+    (moves.travel.min, moves.travel.max) = (-5.0, 5.0);
+    let path: Vec<f32> = (0..3000).map(|_| moves.update().position).collect();
+    let (low, high) = path.iter().fold((0.0_f32, 0.0_f32), |(low, high), &at| {
+        (low.min(at), high.max(at))
+    });
+    assert_eq!((low, high), (-5.0, 5.0));
+    let turns = path.windows(2).filter(|w| w[0] < 0.0 && w[1] >= 0.0);
+    assert!(turns.count() >= 2);
+}
