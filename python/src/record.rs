@@ -53,10 +53,14 @@ pub(crate) fn identify<'py>(
         .map_err(refused)?;
     let values = estimate(py, &found.estimate)?;
     values.set_item("parameters", problem.parameter_names())?;
-    values.set_item("standstill_s", owned.standstill_s())?;
+    let removed = match found.friction {
+        Friction::HeldAtRest => 0.0,
+        _ => owned.standstill_s(),
+    };
+    values.set_item("standstill_s", removed)?;
     describe(&values, &found)?;
     derived(&values, &problem, &found.estimate)?;
-    let around = Model::around(&problem, &found.estimate, 0.0).into_iter();
+    let around = Model::around(&problem, &found).into_iter();
     let around: Vec<_> = around.map(|model| (model.a, model.b)).collect();
     values.set_item("around", around)?;
     trace(&values, &found.trace)?;

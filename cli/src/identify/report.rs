@@ -4,7 +4,7 @@ use std::path::Path;
 
 use trendid_identify::dead_zone::DeadZone;
 use trendid_identify::derived::Quantity;
-use trendid_identify::{Choice, Freedom, Identification, Problem, Way};
+use trendid_identify::{Choice, Freedom, Friction, Identification, Problem, Way};
 
 use crate::format::{counted, polynomial, significant, table, transfer_function, with_sigma};
 use crate::record::Resampling;
@@ -43,6 +43,9 @@ impl Report<'_> {
 
     /// Seconds of standstill that were left out.
     pub(super) fn standstill_s(&self) -> f64 {
+        if self.found.friction == Friction::HeldAtRest {
+            return 0.0;
+        }
         let still = self.problem.signals.standstill.into_iter().flatten();
         still.filter(|still| **still).count() as f64 * self.problem.signals.dt
     }
@@ -110,16 +113,19 @@ impl Report<'_> {
             ),
             _ => String::new(),
         };
-        let plural = if found.delay == 1.0 { "" } else { "s" };
+        let delay = match found.delay_sigma() {
+            Some(sigma) => format!("{} samples", with_sigma(found.delay, sigma)),
+            None if found.delay == 1.0 => "1 sample".into(),
+            None => format!("{} samples", significant(found.delay, 4)),
+        };
         let notes = notes(self.granted, self.resampling);
         format!(
-            "{}: {} samples every {} s, t = {} .. {} s\n{notes}{zone}{filter}, delay {} sample{plural}{at_end}, {memory}\n\n",
+            "{}: {} samples every {} s, t = {} .. {} s\n{notes}{zone}{filter}, delay {delay}{at_end}, {memory}\n\n",
             self.file.display(),
             p.samples(),
             significant(p.signals.dt, 5),
             stamp(self.start),
             stamp(end),
-            found.delay,
         )
     }
 

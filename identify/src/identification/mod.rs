@@ -2,6 +2,7 @@
 //! has seen.
 
 mod by_sums;
+mod friction;
 mod model;
 mod recursion;
 #[cfg(test)]
@@ -10,7 +11,7 @@ mod tests;
 use trendid::trends::Scheme;
 
 use by_sums::{elsewhere, given, sharp};
-pub use model::{Identification, Way};
+pub use model::{Friction, Identification, Way};
 use recursion::{inseparable, recursion, recursive_errors};
 
 use crate::error::Error;
@@ -38,6 +39,17 @@ pub fn identify(
     if recursive {
         return recursion(problem, freedom, trace_points);
     }
+    let found = once(problem, freedom, trace_points, progress)?;
+    Ok(friction::held(problem, freedom, trace_points, found))
+}
+
+/// The same with the inputs as they are.
+fn once(
+    problem: &Problem,
+    freedom: Freedom,
+    trace_points: usize,
+    progress: &dyn Progress,
+) -> Result<Identification, Error> {
     let sharp = match sharp(problem, freedom, progress) {
         Ok(sharp) => sharp,
         // A model that is not stable has no folds, but it has parameters.
@@ -67,6 +79,8 @@ pub fn identify(
         delay: sharp.delay,
         delay_at_end: sharp.at_end,
         delay_alike: sharp.delay_alike,
+        delay_found: sharp.found.delay,
+        friction: Friction::Measured,
         free_run: problem.free_run(&simulated, delay, n / 2..n),
         held_out,
         errors,
