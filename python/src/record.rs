@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 use trendid_identify::derived::Quantity;
 use trendid_identify::tune::Model;
 use trendid_identify::{
-    Estimate, Identification, Options, Problem, Structure, Trace, Way, identify as find,
+    Estimate, Friction, Identification, Options, Problem, Structure, Trace, Way, identify as find,
 };
 
 use crate::refusal::refused;
@@ -98,6 +98,7 @@ fn describe(values: &Bound<'_, PyDict>, found: &Identification) -> PyResult<()> 
     };
     values.set_item("method", way)?;
     values.set_item("delay", found.delay)?;
+    values.set_item("delay_sigma", found.delay_sigma())?;
     values.set_item("delay_at_end", found.delay_at_end)?;
     values.set_item("filter_pole", found.pole)?;
     let filter = found.own_filter.as_ref().map(|f| f.to_pyarray(py));

@@ -96,14 +96,6 @@ impl Report<'_> {
             .options
             .memory
             .map_or("no forgetting".into(), |m| format!("memory {m} s"));
-        let at_end = match (found.delay_at_end, found.delay_alike) {
-            (true, _) => " (the longest that was tried: give a longer one by --delay)".into(),
-            // A neighbour to each side is the resolution of the search.
-            (false, Some([shortest, longest])) if longest - shortest > 2 => {
-                format!(" (flat: {shortest} to {longest} simulate as well)")
-            }
-            (false, _) => String::new(),
-        };
         let zone = match (self.dead_zone, p.signals.inputs.first()) {
             (Some(zone), Some(input)) => format!(
                 "commands within {} of {} count as none in {}\n",
@@ -113,14 +105,10 @@ impl Report<'_> {
             ),
             _ => String::new(),
         };
-        let delay = match found.delay_sigma() {
-            Some(sigma) => format!("{} samples", with_sigma(found.delay, sigma)),
-            None if found.delay == 1.0 => "1 sample".into(),
-            None => format!("{} samples", significant(found.delay, 4)),
-        };
+        let delay = self.delay_text();
         let notes = notes(self.granted, self.resampling);
         format!(
-            "{}: {} samples every {} s, t = {} .. {} s\n{notes}{zone}{filter}, delay {delay}{at_end}, {memory}\n\n",
+            "{}: {} samples every {} s, t = {} .. {} s\n{notes}{zone}{filter}, delay {delay}, {memory}\n\n",
             self.file.display(),
             p.samples(),
             significant(p.signals.dt, 5),

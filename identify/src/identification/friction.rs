@@ -7,6 +7,7 @@ use super::once;
 use crate::estimate::Estimate;
 use crate::held_friction::{coulomb, signs};
 use crate::instruments::{Fit, Method};
+use crate::polynomials::Polynomials;
 use crate::problem::Problem;
 use crate::search::Freedom;
 use crate::signals::Signals;
@@ -15,7 +16,7 @@ use crate::tuning::binomial;
 /// Estimates with the signs of the one before, ahead of the search of filter and delay.
 const REPETITIONS: usize = 4;
 
-/// Steps to the estimate whose signs are its own, all with the derivatives of the first.
+/// Steps to the estimate whose signs are its own: the second corrects what the first has left.
 const STEPS: usize = 2;
 
 /// The signals with other friction.
@@ -53,7 +54,8 @@ fn next(
 }
 
 /// The model whose friction is its own, with the measured rests and without, where one of the two
-/// simulates better than that with measured signs.
+/// simulates better than that with measured signs: the whole record and the half held out, with the
+/// initial state refitted and with the constant refitted too.
 pub(super) fn held(
     problem: &Problem,
     freedom: Freedom,
@@ -73,15 +75,45 @@ pub(super) fn held(
     if problem.signals.standstill.is_some() {
         ways.push((throughout, Friction::HeldAtRest));
     }
-    let fit = |found: &Identification| found.free_run.as_ref().map(|f| f.fit_x0c);
+    let mut errors = whole(problem, &measured);
     let mut best = measured;
     for (problem, friction) in ways {
         let found = held_in(&problem, freedom, trace_points, &best, friction);
-        if let Some(found) = found.filter(|found| fit(found) > fit(&best)) {
-            best = found;
+        if let Some((found, of_it)) = found
+            && errors.is_none_or(|best| of_it[0] < best[0] && of_it[1] < best[1])
+            && simulates_better(&found, &best)
+        {
+            (best, errors) = (found, Some(of_it));
         }
     }
+    if best.friction == Friction::Measured {
+        // Behind measured signs, which are late, the command seems early.
+        best.delay_found = best.delay_found.filter(|_| best.delay_alike.is_some());
+        best.delay_found
+            .iter_mut()
+            .for_each(|delay| delay.shift = 0.0);
+    }
     best
+}
+
+/// Errors of a simulation of the whole record, sums of squares; a rest that is measured has none.
+fn whole(problem: &Problem, found: &Identification) -> Option<[f64; 2]> {
+    let e = &found.estimate;
+    let model = Polynomials {
+        a: e.a.clone(),
+        b: e.b.clone(),
+        constant: e.constant,
+    };
+    let simulated = problem.simulate(&model, found.delay, 0..problem.samples())?;
+    Some(simulated.squares)
+}
+
+/// Whether the half held out is simulated better, too.
+fn simulates_better(found: &Identification, best: &Identification) -> bool {
+    match (&found.free_run, &best.free_run) {
+        (Some(found), Some(best)) => found.fit_x0 > best.fit_x0 && found.fit_x0c > best.fit_x0c,
+        (found, _) => found.is_some(),
+    }
 }
 
 /// The model whose friction is its own, from an identification on.
@@ -91,7 +123,7 @@ fn held_in(
     trace_points: usize,
     start: &Identification,
     friction: Friction,
-) -> Option<Identification> {
+) -> Option<(Identification, [f64; 2])> {
     let mut estimate = start.estimate.clone();
     for _ in 0..REPETITIONS {
         estimate = next(problem, start, &estimate, false)?;
@@ -105,48 +137,51 @@ fn held_in(
     }
     found.friction = friction;
     settle(problem, &mut found)?;
-    Some(found)
+    let signs = self::signs(problem, &found.estimate, found.delay)?;
+    let signals = with_signs(problem, &signs)?;
+    let own = Problem::new(&signals, problem.structure, problem.options).ok()?;
+    let errors = whole(&own, &found)?;
+    Some((found, errors))
 }
 
 /// Newton's steps to the estimate that its own friction leads to, with its covariance: what moves
 /// the parameters moves the reversals, and they the parameters again.
 fn settle(problem: &Problem, found: &mut Identification) -> Option<()> {
-    let here = found.estimate.clone();
-    let n = here.theta.len();
-    let with = |theta: Vec<f64>| {
-        let model = problem.polynomials(&theta);
-        Estimate {
-            theta,
-            a: model.a,
-            b: model.b,
-            constant: model.constant,
-            ..here.clone()
+    let n = found.estimate.theta.len();
+    for step in 1..=STEPS {
+        let here = &found.estimate;
+        let at = next(problem, found, here, true)?;
+        let mut left = DMatrix::<f64>::identity(n, n);
+        for j in 0..n {
+            let step = here.sigma[j];
+            if !(step > 0.0 && step.is_finite()) {
+                continue;
+            }
+            let mut theta = here.theta.clone();
+            theta[j] += step;
+            let model = problem.polynomials(&theta);
+            let moved = Estimate {
+                theta,
+                a: model.a,
+                b: model.b,
+                constant: model.constant,
+                ..here.clone()
+            };
+            let moved = next(problem, found, &moved, true)?;
+            for i in 0..n {
+                left[(i, j)] -= (moved.theta[i] - at.theta[i]) / step;
+            }
         }
-    };
-    let at = next(problem, found, &here, false)?;
-    let mut left = DMatrix::<f64>::identity(n, n);
-    for j in 0..n {
-        let step = here.sigma[j];
-        if !(step > 0.0 && step.is_finite()) {
-            continue;
+        let inverse = left.try_inverse()?;
+        let rest = DVector::from_vec(at.moves_from(here));
+        let theta = DVector::from_column_slice(&here.theta) + &inverse * rest;
+        let mut covariance = DMatrix::from_fn(n, n, |i, j| here.covariance[i][j]);
+        if step == STEPS {
+            covariance = &inverse * covariance * inverse.transpose();
         }
-        let mut theta = here.theta.clone();
-        theta[j] += step;
-        let moved = next(problem, found, &with(theta), false)?;
-        for i in 0..n {
-            left[(i, j)] -= (moved.theta[i] - at.theta[i]) / step;
-        }
+        let theta = theta.as_slice().to_vec();
+        let settled = problem.estimate_of(problem.polynomials(&theta), theta, &covariance);
+        found.estimate = settled;
     }
-    let inverse = left.try_inverse()?;
-    let mut theta = here.theta.clone();
-    for _ in 0..STEPS {
-        let now = with(theta);
-        let rest = DVector::from_vec(next(problem, found, &now, true)?.moves_from(&now));
-        let moved = DVector::from_vec(now.theta) + &inverse * rest;
-        theta = moved.as_slice().to_vec();
-    }
-    let covariance = DMatrix::from_fn(n, n, |i, j| here.covariance[i][j]);
-    let covariance = &inverse * covariance * inverse.transpose();
-    found.estimate = problem.estimate_of(problem.polynomials(&theta), theta, &covariance);
     Some(())
 }
