@@ -1,7 +1,7 @@
 //! The delay in words.
 
 use super::report::Report;
-use crate::format::{significant, with_sigma};
+use crate::format::with_sigma;
 
 impl Report<'_> {
     /// `2.03 +- 0.02 samples`, with what speaks against it.
@@ -10,7 +10,7 @@ impl Report<'_> {
         let delay = match found.delay_sigma() {
             Some(sigma) => format!("{} samples", with_sigma(found.delay, sigma)),
             None if found.delay == 1.0 => "1 sample".into(),
-            None => format!("{} samples", significant(found.delay, 4)),
+            None => format!("{} samples", found.delay),
         };
         let at_end = match (found.delay_at_end, found.delay_alike) {
             (true, _) => " (the longest that was tried: give a longer one by --delay)".into(),
