@@ -15,7 +15,7 @@ use crate::tuning::{ModelFilter, Tuning};
 const RECURSION: f64 = 30.0;
 
 /// Samples over which filter and delay are searched at most.
-const LONGEST_SEARCH: usize = 200_000;
+pub(super) const LONGEST_SEARCH: usize = 200_000;
 
 /// What the sums of a record give.
 pub(super) struct Sharp {

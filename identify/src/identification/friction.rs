@@ -2,8 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::by_sums::LONGEST_SEARCH;
 use super::model::{Friction, Identification, Way};
-use super::once;
+use super::once::once;
 use crate::estimate::Estimate;
 use crate::held_friction::{coulomb, signs};
 use crate::instruments::{Fit, Method};
@@ -62,7 +63,9 @@ pub(super) fn held(
     trace_points: usize,
     measured: Identification,
 ) -> Identification {
-    if measured.way == Way::Recursion || coulomb(problem).is_none() {
+    // Some hundred passes over the record: a longer one keeps its measured signs.
+    let long = problem.samples() > LONGEST_SEARCH;
+    if long || measured.way == Way::Recursion || coulomb(problem).is_none() {
         return measured;
     }
     let mut signals = problem.signals.clone();

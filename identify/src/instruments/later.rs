@@ -1,11 +1,10 @@
 //! What a delay by one sample more makes of the right-hand side: the regressor that has the delay
 //! as its parameter.
 //!
-//! `B u(t - d h)` is linear in d between two samples, so `d/dd = B (u(k-w-1) - u(k-w))`, w the whole
+//! `B u(t - d h)` is linear in d between two samples: `d/dd = B (u(k-w-1) - u(k-w))`, w the whole
 //! samples of d. With that column among the regressors the delay is one more unknown (Gauss and
 //! Newton), and every standard deviation contains that it is.
 
-use crate::error::Error;
 use crate::instruments::lanes::{Design, Lane};
 use crate::signals::{Input, Signals};
 
@@ -52,49 +51,4 @@ pub struct DelayFound {
     pub sigma: f64,
     /// Covariances with the parameters, in the order of theta.
     pub with: Vec<f64>,
-}
-
-/// Movement in samples below which a delay is found.
-const SETTLED: f64 = 0.01;
-
-/// Steps at most, each of at most one sample: the sums are linear in the delay over no more.
-const STEPS: usize = 6;
-const FARTHEST: f64 = 1.0;
-
-impl<'a> super::Fit<'a> {
-    /// The same with the delay among the unknowns, at the delay that the sums find, from the one
-    /// that it has on. Negative ones stay at 0.
-    ///
-    /// # Errors
-    /// As [`Fit::new`](super::Fit::new).
-    pub fn with_free_delay(mut self) -> Result<Self, Error> {
-        for _ in 0..STEPS {
-            self = self.around_delay()?;
-            let delay = self.setting.delay;
-            let Some(found) = self.found()?.delay else {
-                break;
-            };
-            let next = (delay + found.shift.clamp(-FARTHEST, FARTHEST)).max(0.0);
-            if (next - delay).abs() < SETTLED {
-                break;
-            }
-            self.setting.delay = next;
-            self.setting.later = None;
-            self.sums = super::Sums::of(self.problem, &self.setting)?;
-        }
-        match self.setting.later {
-            Some(_) => Ok(self),
-            None => self.around_delay(),
-        }
-    }
-
-    /// The same with the delay among the unknowns, around the one that it has.
-    ///
-    /// # Errors
-    /// As [`Fit::new`](super::Fit::new).
-    pub fn around_delay(mut self) -> Result<Self, Error> {
-        self.setting.later = self.sums.numerators(self.method);
-        self.sums = super::Sums::of(self.problem, &self.setting)?;
-        Ok(self)
-    }
 }

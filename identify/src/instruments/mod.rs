@@ -21,6 +21,7 @@
 //! and pass for r twice filtered rows and p regressors, two or three passes.
 
 mod factored;
+mod free_delay;
 mod lanes;
 mod later;
 mod solve;
