@@ -53,6 +53,12 @@ impl Estimate {
         moved.fold(0.0, |m, ((x, y), sigma)| m.max((x - y).abs() / sigma))
     }
 
+    /// The differences of all parameters from another estimate's.
+    pub(crate) fn moves_from(&self, other: &Self) -> Vec<f64> {
+        let pairs = self.theta.iter().zip(&other.theta);
+        pairs.map(|(here, there)| here - there).collect()
+    }
+
     /// Standard deviation of a function of the parameters with this gradient: `sqrt(g' P g)`.
     pub fn sigma_of(&self, gradient: &[f64]) -> f64 {
         let rows = self.covariance.iter().zip(gradient);

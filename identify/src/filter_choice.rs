@@ -202,13 +202,12 @@ pub fn elsewhere(problem: &Problem, fit: &Fit, pole: f64) -> Option<Elsewhere> {
             (there.theta[0] - here.theta[0]) / there.sigma[0].hypot(here.sigma[0])
         })
     };
-    let moved = |there: &Estimate| -> Vec<f64> {
-        let pairs = there.theta.iter().zip(&here.theta);
-        pairs.map(|(there, here)| there - here).collect()
-    };
     Some(Elsewhere {
         shifts: [shift(&there[0]), shift(&there[1])],
-        moves: there.iter().flatten().map(moved).collect(),
+        moves: {
+            let there = there.iter().flatten();
+            there.map(|there| there.moves_from(&here)).collect()
+        },
     })
 }
 

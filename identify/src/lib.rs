@@ -27,6 +27,7 @@
 //! | [`mod@tune`] | gains of a cascade, a PID controller and a state feedback for a model, with their margins |
 //! | [`mod@standstill`] | where friction holds a drive |
 //! | [`coulomb_input`] | sgn(v) from a velocity or a position |
+//! | [`held_friction`] | sgn(v), and rest, as a model makes them |
 //!
 //! ```
 //! use trendid_identify::{Freedom, Options, Problem, Signals, Structure, identify};
@@ -57,6 +58,7 @@ pub mod estimate;
 pub mod filter_choice;
 pub mod folds;
 pub mod free_run;
+pub mod held_friction;
 pub mod identification;
 pub mod instruments;
 pub mod polynomials;
@@ -75,7 +77,7 @@ pub mod tuning;
 pub use error::{Error, Weakness};
 pub use estimate::{Estimate, Reading};
 pub use free_run::FreeRun;
-pub use identification::{Identification, Way, identify};
+pub use identification::{Friction, Identification, Way, identify};
 pub use problem::{Options, Problem, Structure};
 pub use run::{PredictionErrors, Run, Trace};
 pub use search::{Choice, Freedom, Progress};

@@ -152,7 +152,7 @@ impl Problem<'_> {
                 core.adapt(!held);
             }
             for (u, input) in u.iter_mut().zip(&self.signals.inputs) {
-                *u = input.samples[k] as f32;
+                *u = self.signals.acting(k, input.samples[k]) as f32;
             }
             let outcome = core.update(&u, (y - reference) as f32);
             if let Outcome::Refused(_) = outcome {

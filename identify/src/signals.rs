@@ -28,8 +28,8 @@ pub struct Signals<'a> {
     pub output: &'a [f64],
     /// At most [`INPUTS`](crate::dynamic::INPUTS) inputs.
     pub inputs: Vec<Input<'a>>,
-    /// Where the drive stands still and friction balances every force: nothing acts there. The
-    /// inputs are zero then.
+    /// Where the drive stands still and friction balances every force: nothing acts there, whatever
+    /// the inputs are.
     pub standstill: Option<&'a [bool]>,
 }
 
@@ -68,6 +68,11 @@ impl<'a> Signals<'a> {
     /// still.
     pub fn acts(&self, sample: usize) -> bool {
         self.standstill.is_none_or(|still| !still[sample])
+    }
+
+    /// What acts of a value at a sample: nothing where the drive stands still.
+    pub(crate) fn acting(&self, sample: usize, value: f64) -> f64 {
+        if self.acts(sample) { value } else { 0.0 }
     }
 
     /// Refuses what carries no information whatever the structure.

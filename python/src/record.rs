@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 use trendid_identify::derived::Quantity;
 use trendid_identify::tune::Model;
 use trendid_identify::{
-    Estimate, Identification, Options, Problem, Structure, Trace, Way, identify as find,
+    Estimate, Friction, Identification, Options, Problem, Structure, Trace, Way, identify as find,
 };
 
 use crate::refusal::refused;
@@ -53,10 +53,14 @@ pub(crate) fn identify<'py>(
         .map_err(refused)?;
     let values = estimate(py, &found.estimate)?;
     values.set_item("parameters", problem.parameter_names())?;
-    values.set_item("standstill_s", owned.standstill_s())?;
+    let removed = match found.friction {
+        Friction::HeldAtRest => 0.0,
+        _ => owned.standstill_s(),
+    };
+    values.set_item("standstill_s", removed)?;
     describe(&values, &found)?;
     derived(&values, &problem, &found.estimate)?;
-    let around = Model::around(&problem, &found.estimate, 0.0).into_iter();
+    let around = Model::around(&problem, &found).into_iter();
     let around: Vec<_> = around.map(|model| (model.a, model.b)).collect();
     values.set_item("around", around)?;
     trace(&values, &found.trace)?;
@@ -94,6 +98,7 @@ fn describe(values: &Bound<'_, PyDict>, found: &Identification) -> PyResult<()> 
     };
     values.set_item("method", way)?;
     values.set_item("delay", found.delay)?;
+    values.set_item("delay_sigma", found.delay_sigma())?;
     values.set_item("delay_at_end", found.delay_at_end)?;
     values.set_item("filter_pole", found.pole)?;
     let filter = found.own_filter.as_ref().map(|f| f.to_pyarray(py));

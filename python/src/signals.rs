@@ -53,11 +53,6 @@ impl Arrays<'_> {
             };
             inputs.push((COULOMB.into(), coulomb_input::signs(&v), false, Hold::Zero));
             still = standstill::standstill(&output);
-            for (_, samples, ..) in &mut inputs {
-                let rests = still.iter().flatten();
-                let resting = samples.iter_mut().zip(rests).filter(|(_, still)| **still);
-                resting.for_each(|(u, _)| *u = 0.0);
-            }
         }
         Ok(Owned {
             dt: self.dt,

@@ -22,7 +22,10 @@ The model is A(s) y = B(s) u(t - d dt) + c sgn(v) + constant. The fit is
 model of the first half, its filter and delay chosen there too: `x0` with the initial
 state refitted, `x0+c` with the constant refitted too, the fair figure behind an
 integrator. Parameters are found by instruments, the inputs filtered twice, which no
-noise of the output biases; least squares stands beside them. Standard deviations come
+noise of the output biases; least squares stands beside them. A delay that is searched
+is an unknown, also between samples; its deviation is in those of the parameters. The
+friction of --order 2 --integrator --coulomb turns and rests with the velocity of the
+model where that simulates better. Standard deviations come
 from sixteen blocks of the record and take no noise for white. With --memory,
 --scheme goodwin or --filter none the recursion of the core is used alone.";
 

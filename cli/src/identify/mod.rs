@@ -1,6 +1,7 @@
 //! `trendid identify` and `trendid select`: models from records.
 
 pub(crate) mod command;
+mod delay_text;
 mod figures;
 pub(crate) mod names;
 pub(crate) mod parse;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use trendid_identify::dead_zone::DeadZone;
 use trendid_identify::derived::Quantity;
-use trendid_identify::{Choice, Freedom, Identification, Problem, Way};
+use trendid_identify::{Choice, Freedom, Friction, Identification, Problem, Way};
 
 use crate::format::{counted, polynomial, significant, table, transfer_function, with_sigma};
 use crate::record::Resampling;
@@ -43,6 +43,9 @@ impl Report<'_> {
 
     /// Seconds of standstill that were left out.
     pub(super) fn standstill_s(&self) -> f64 {
+        if self.found.friction == Friction::HeldAtRest {
+            return 0.0;
+        }
         let still = self.problem.signals.standstill.into_iter().flatten();
         still.filter(|still| **still).count() as f64 * self.problem.signals.dt
     }
@@ -93,14 +96,6 @@ impl Report<'_> {
             .options
             .memory
             .map_or("no forgetting".into(), |m| format!("memory {m} s"));
-        let at_end = match (found.delay_at_end, found.delay_alike) {
-            (true, _) => " (the longest that was tried: give a longer one by --delay)".into(),
-            // A neighbour to each side is the resolution of the search.
-            (false, Some([shortest, longest])) if longest - shortest > 2 => {
-                format!(" (flat: {shortest} to {longest} simulate as well)")
-            }
-            (false, _) => String::new(),
-        };
         let zone = match (self.dead_zone, p.signals.inputs.first()) {
             (Some(zone), Some(input)) => format!(
                 "commands within {} of {} count as none in {}\n",
@@ -110,16 +105,15 @@ impl Report<'_> {
             ),
             _ => String::new(),
         };
-        let plural = if found.delay == 1.0 { "" } else { "s" };
+        let delay = self.delay_text();
         let notes = notes(self.granted, self.resampling);
         format!(
-            "{}: {} samples every {} s, t = {} .. {} s\n{notes}{zone}{filter}, delay {} sample{plural}{at_end}, {memory}\n\n",
+            "{}: {} samples every {} s, t = {} .. {} s\n{notes}{zone}{filter}, delay {delay}, {memory}\n\n",
             self.file.display(),
             p.samples(),
             significant(p.signals.dt, 5),
             stamp(self.start),
             stamp(end),
-            found.delay,
         )
     }
 

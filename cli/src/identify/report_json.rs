@@ -1,8 +1,8 @@
 //! Output of `trendid identify --json`.
 
 use serde_json::{Value, json};
-use trendid_identify::Way;
 use trendid_identify::derived::Quantity;
+use trendid_identify::{Friction, Way};
 
 use crate::identify::report::Report;
 use crate::output::number;
@@ -37,7 +37,14 @@ impl Report<'_> {
             "sigma": list(&e.sigma),
             "parameters": p.parameter_names(),
             "delay_s": number(self.delay_s()),
+            "delay_sigma_s": found.delay_sigma().map(|sigma| number(sigma * p.signals.dt)),
+            "delay_missed_s": found.delay_missed().map(|both| list(&both.map(|d| d * p.signals.dt))),
             "delay_at_end": found.delay_at_end,
+            "friction": match found.friction {
+                Friction::Measured => "measured",
+                Friction::Held => "of the model",
+                Friction::HeldAtRest => "of the model, also at rest",
+            },
             "delay_alike": found.delay_alike,
             "method": way,
             "least_squares": least_squares.map(|e| json!({"theta": list(&e.theta), "sigma": list(&e.sigma)})),

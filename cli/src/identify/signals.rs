@@ -229,12 +229,6 @@ impl SignalArgs {
             });
             still = standstill::standstill(&y);
         }
-        for input in &mut inputs {
-            let samples = input.samples.iter_mut().zip(still.iter().flatten());
-            samples
-                .filter(|(_, still)| **still)
-                .for_each(|(u, _)| *u = 0.0);
-        }
         Ok(Loaded {
             standstill: still,
             start: record.start,

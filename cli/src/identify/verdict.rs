@@ -1,6 +1,6 @@
 //! What a model is worth, in one line, and what speaks against it.
 
-use trendid_identify::Way;
+use trendid_identify::{Friction, Way};
 
 use super::report::Report;
 use crate::format::significant;
@@ -34,6 +34,14 @@ impl Report<'_> {
         let still = self.standstill_s();
         if still > 0.0 {
             verdict += &format!("; standstill removed: {} s", significant(still, 3));
+        }
+        if let Some([missed, sigma]) = self.found.delay_missed() {
+            verdict += &format!(
+                "; the record shows a delay of about {} samples, not {} ({} standard deviations)",
+                significant(self.found.delay + missed, 2),
+                significant(self.found.delay, 3),
+                significant((missed / sigma).abs(), 2)
+            );
         }
         if let Some(far) = self.found.filter_dependence() {
             verdict += &format!(
@@ -104,6 +112,16 @@ impl Report<'_> {
         if self.diverged() {
             remarks.push(
                 "the recursion diverged behind this filter: its errors of prediction are more than ten times those of the mean of the output, and say nothing of the model",
+            );
+        }
+        if self.found.friction != Friction::Measured {
+            remarks.push(
+                "friction is that of the model, which reverses and rests where its own velocity does: the record is simulated better so than with measured signs",
+            );
+        }
+        if self.found.delay_missed().is_some() {
+            remarks.push(
+                "another delay, a lag or a lead is in the record: `--delay auto` finds the delay, `trendid select` the structure",
             );
         }
         match self.found.way {

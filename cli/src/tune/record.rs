@@ -66,7 +66,7 @@ impl RecordArgs {
         let found = identify(&problem, freedom, 0, &bar)?;
         bar.finish();
         let delay = found.delay * loaded.dt;
-        let mut around = Model::around(&problem, &found.estimate, delay);
+        let mut around = Model::around(&problem, &found);
         let mut of_record = self.of_record(&loaded, &problem, freedom, &found);
         let mut others = Model::others(&problem, &found.estimate, delay);
         // A power is no other direction, and the sign beside a dead zone no input of its own.

@@ -154,7 +154,7 @@ fn a_long_delay_is_found() {
         "identify", &file, "--order", "1", "--filter", "2", "--delay",
     ];
     let said = stdout(&[&args[..], &["auto"]].concat());
-    assert!(said.contains("delay 14 samples, "), "{said}");
+    assert!(said.contains("delay 14.000"), "{said}");
     let said = stdout(&[&args[..], &["14"]].concat());
     assert!(said.contains("delay 14 samples, "), "{said}");
     let value = json(&[&args[..], &["auto", "--json"]].concat());

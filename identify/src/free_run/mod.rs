@@ -143,7 +143,9 @@ impl Problem<'_> {
                         _ => u + part * (input.samples[k.saturating_sub(whole + 1)] - u),
                     }
                 };
+                let acts = self.signals.acts(range.start + k);
                 let (now, next) = match input.hold {
+                    _ if !acts => (0.0, 0.0),
                     Hold::First => (at(k), at(k + 1)),
                     Hold::Zero => (at(k), at(k)),
                     Hold::Mean => (at(k + 1), at(k + 1)),

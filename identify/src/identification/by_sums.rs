@@ -15,7 +15,7 @@ use crate::tuning::{ModelFilter, Tuning};
 const RECURSION: f64 = 30.0;
 
 /// Samples over which filter and delay are searched at most.
-const LONGEST_SEARCH: usize = 200_000;
+pub(super) const LONGEST_SEARCH: usize = 200_000;
 
 /// What the sums of a record give.
 pub(super) struct Sharp {
@@ -120,13 +120,35 @@ pub(super) fn sharp(
         method,
         ..
     } = chosen;
-    let fitted = |method: Method| {
-        Fit::new(problem, &filter, delay, method)?
-            .refined()?
-            .found()
+    let at = |delay: f64, method: Method| Fit::new(problem, &filter, delay, method)?.refined();
+    let free = || {
+        let fit = at(delay, method)?.with_free_delay()?;
+        Ok::<_, Error>((fit.delay(), fit.found()?))
     };
-    let least_squares = fitted(Method::LeastSquares).map(|found| found.estimate);
-    let found = fitted(method)?;
+    let (delay, found) = match freedom.delay {
+        Choice::Auto => match free() {
+            Ok(both) => both,
+            // The record does not tell the delay from the parameters.
+            Err(_) => {
+                let mut found = at(delay, method)?.found()?;
+                let ends = chosen.delay_alike.unwrap_or_default();
+                let moves = ends.into_iter().filter_map(|end| {
+                    let there = at(end as f64, method).ok()?.found().ok()?.estimate;
+                    Some(there.moves_from(&found.estimate))
+                });
+                found.estimate = problem.widened(&found.estimate, &moves.collect::<Vec<_>>());
+                (delay, found)
+            }
+        },
+        Choice::Given(_) => {
+            let fit = at(delay, method)?;
+            let mut found = fit.found()?;
+            let around = fit.around_delay().and_then(|fit| fit.found());
+            found.delay = around.ok().and_then(|found| found.delay);
+            (delay, found)
+        }
+    };
+    let least_squares = at(delay, Method::LeastSquares).and_then(|fit| Ok(fit.found()?.estimate));
     Ok(Sharp {
         way: match method {
             Method::LeastSquares => Way::WeakInstruments,

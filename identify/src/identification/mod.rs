@@ -2,16 +2,18 @@
 //! has seen.
 
 mod by_sums;
+mod friction;
 mod model;
+mod once;
 mod recursion;
 #[cfg(test)]
 mod tests;
 
 use trendid::trends::Scheme;
 
-use by_sums::{elsewhere, given, sharp};
-pub use model::{Identification, Way};
-use recursion::{inseparable, recursion, recursive_errors};
+pub use model::{Friction, Identification, Way};
+use once::once;
+use recursion::recursion;
 
 use crate::error::Error;
 use crate::problem::Problem;
@@ -38,44 +40,6 @@ pub fn identify(
     if recursive {
         return recursion(problem, freedom, trace_points);
     }
-    let sharp = match sharp(problem, freedom, progress) {
-        Ok(sharp) => sharp,
-        // A model that is not stable has no folds, but it has parameters.
-        Err(_) if matches!(freedom.pole, Choice::Given(_)) => {
-            return recursion(problem, freedom, trace_points);
-        }
-        Err(error) => return Err(inseparable(problem, given(freedom.delay)).unwrap_or(error)),
-    };
-    problem.check(&sharp.found.estimate)?;
-    let tuning = sharp.tuning(problem);
-    let (errors, trace) = recursive_errors(problem, tuning, trace_points).unwrap_or_default();
-    let elsewhere = match freedom.pole {
-        Choice::Auto => elsewhere(problem, &sharp),
-        Choice::Given(_) => None,
-    };
-    let n = problem.samples();
-    let half = problem.signals.part(0..n / 2);
-    let half = Problem::new(&half, problem.structure, problem.options)
-        .and_then(|half| self::sharp(&half, freedom, &()).map(|s| (s.found.estimate, s.delay)));
-    let held_out = half.is_ok();
-    let (simulated, delay) = half.unwrap_or((sharp.found.estimate.clone(), sharp.delay));
-    Ok(Identification {
-        way: sharp.way,
-        pole: Some(sharp.pole),
-        filter_shifts: elsewhere.as_ref().map(|elsewhere| elsewhere.shifts),
-        own_filter: sharp.own_filter,
-        delay: sharp.delay,
-        delay_at_end: sharp.at_end,
-        delay_alike: sharp.delay_alike,
-        free_run: problem.free_run(&simulated, delay, n / 2..n),
-        held_out,
-        errors,
-        trace,
-        effective_blocks: Some(sharp.found.effective_blocks),
-        estimate: match elsewhere {
-            Some(elsewhere) => elsewhere.contained_in(problem, sharp.found.estimate),
-            None => sharp.found.estimate,
-        },
-        least_squares: sharp.least_squares,
-    })
+    let found = once(problem, freedom, trace_points, progress)?;
+    Ok(friction::held(problem, freedom, trace_points, found))
 }

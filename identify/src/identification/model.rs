@@ -3,7 +3,11 @@
 use crate::estimate::Estimate;
 use crate::filter_choice::far;
 use crate::free_run::FreeRun;
+use crate::instruments::DelayFound;
 use crate::run::{PredictionErrors, Trace};
+
+/// Standard deviations by which a delay may miss the one that the record shows.
+const MISSED: f64 = 3.0;
 
 /// How the model was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,6 +19,17 @@ pub enum Way {
     /// By the recursion of the core: with a memory, raw trends or the scheme of Goodwin, and for
     /// what is not stable.
     Recursion,
+}
+
+/// Where the sign of the friction is from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Friction {
+    /// From measurements; there may be none.
+    Measured,
+    /// From the model, which reverses where its own velocity does, but for rests that are measured.
+    Held,
+    /// From the model, which rests where its own friction holds it: no rest is left out.
+    HeldAtRest,
 }
 
 /// A model with what speaks for it.
@@ -39,6 +54,11 @@ pub struct Identification {
     /// The shortest and the longest whole delay that simulate as well as the best one, within one
     /// standard error over parts of the record left out; `None` where the delay was given.
     pub delay_alike: Option<[usize; 2]>,
+    /// The delay as an unknown: that of the model, where it was searched; else what the record
+    /// would add to the one that was given. `None` for the recursion.
+    pub delay_found: Option<DelayFound>,
+    /// Where the friction is from.
+    pub friction: Friction,
     /// The model of the whole record.
     pub estimate: Estimate,
     /// Blocks that its standard deviations rest on; `None` for those of the recursion, which take
@@ -58,6 +78,23 @@ pub struct Identification {
 }
 
 impl Identification {
+    /// Standard deviation of the delay in samples, where it was searched.
+    pub fn delay_sigma(&self) -> Option<f64> {
+        let found = self.delay_found.as_ref();
+        found
+            .filter(|_| self.delay_alike.is_some())
+            .map(|f| f.sigma)
+    }
+
+    /// What the record would add to the delay that was given, or to none, and its standard
+    /// deviation, in samples, where that is more than chance. To first order in what is added.
+    pub fn delay_missed(&self) -> Option<[f64; 2]> {
+        let found = self.delay_found.as_ref();
+        found
+            .filter(|found| found.shift.abs() > MISSED * found.sigma)
+            .map(|found| [found.shift, found.sigma])
+    }
+
     /// The larger one of `filter_shifts`, where it is more than chance: the model depends on the
     /// filter.
     pub fn filter_dependence(&self) -> Option<f64> {

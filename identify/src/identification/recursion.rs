@@ -2,7 +2,7 @@
 //! it cannot separate.
 
 use super::by_sums::sharp;
-use super::model::{Identification, Way};
+use super::model::{Friction, Identification, Way};
 use crate::error::Error;
 use crate::filter_choice;
 use crate::problem::{Options, Problem};
@@ -79,6 +79,8 @@ pub(super) fn recursion(
         delay: tuning.delay as f64,
         delay_at_end: false,
         delay_alike: None,
+        delay_found: None,
+        friction: Friction::Measured,
         free_run: problem.free_run(simulated, tuning.delay as f64, n / 2..n),
         held_out,
         errors: run.errors,

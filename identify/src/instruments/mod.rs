@@ -21,12 +21,14 @@
 //! and pass for r twice filtered rows and p regressors, two or three passes.
 
 mod factored;
+mod free_delay;
 mod lanes;
+mod later;
 mod solve;
 mod spread;
 mod sums;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use crate::error::{Error, Weakness};
 use crate::estimate::Estimate;
@@ -34,6 +36,7 @@ use crate::polynomials::{Pole, Polynomials, from_roots};
 use crate::problem::Problem;
 use crate::tuning::FASTEST;
 
+pub use later::DelayFound;
 pub use solve::Method;
 pub(crate) use sums::BLOCKS;
 use sums::{Setting, Sums};
@@ -70,6 +73,8 @@ pub struct Found {
     pub estimate: Estimate,
     /// Blocks that the standard deviations rest on, as an effective number of at most 16.
     pub effective_blocks: f64,
+    /// The delay where it is an unknown.
+    pub delay: Option<DelayFound>,
 }
 
 impl<'a> Fit<'a> {
@@ -93,6 +98,7 @@ impl<'a> Fit<'a> {
             model: filter.to_vec(),
             auxiliary: rough,
             delay,
+            later: None,
         };
         if let Some(roots) = crate::polynomials::roots(&setting.auxiliary) {
             setting.auxiliary = problem.within_reach(&roots);
@@ -222,9 +228,14 @@ impl<'a> Fit<'a> {
             .in_s_plane(&solution.theta)
             .ok_or_else(|| weak(Weakness::NotFinite))?;
         let p = theta.len();
+        let mut delay = solution.delay;
         let covariance = match &solution.covariance {
             Some(covariance) => {
                 let slope = self.slope(&solution.theta, &theta, covariance);
+                if let Some(delay) = &mut delay {
+                    let with = DVector::from_column_slice(&delay.with);
+                    delay.with = (&slope * with).as_slice().to_vec();
+                }
                 &slope * covariance * slope.transpose()
             }
             None => DMatrix::from_element(p, p, f64::NAN),
@@ -232,6 +243,7 @@ impl<'a> Fit<'a> {
         Ok(Found {
             estimate: self.problem.estimate_of(model, theta, &covariance),
             effective_blocks: solution.effective_blocks,
+            delay,
         })
     }
 

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::instruments::factored::{Factored, sizes};
+use crate::instruments::later::DelayFound;
 use crate::instruments::spread::{Score, spread};
 use crate::instruments::sums::{BLOCKS, Sums};
 
@@ -33,6 +34,8 @@ pub(crate) struct Solution {
     pub(super) covariance: Option<DMatrix<f64>>,
     /// Blocks that carry information, as an effective number.
     pub(super) effective_blocks: f64,
+    /// The delay where it is an unknown; its covariances are those of the plane of the trends.
+    pub(super) delay: Option<DelayFound>,
 }
 
 /// The square system of one choice of instruments: matrix and right-hand side side by side.
@@ -86,7 +89,7 @@ impl Sums {
         let (columns, auxiliary) = (layout.columns(), layout.auxiliary_rows());
         let energy = |sums: &[f64], j: usize| sums[(auxiliary + j) * (columns + 1) + j];
         let present =
-            |j: &usize| *j < layout.parameters() || energy(sums, *j) > ABSENT * energy(whole, *j);
+            |j: &usize| *j < layout.unknowns() || energy(sums, *j) > ABSENT * energy(whole, *j);
         (0..columns).filter(present).collect()
     }
 
@@ -136,7 +139,7 @@ impl Sums {
             numerators: b,
             present,
         } = self.found(method, |_| false)?;
-        let p = self.layout.parameters();
+        let (p, unknowns) = (self.layout.parameters(), self.layout.unknowns());
         let n = present.len();
         let scores: Vec<Score> = self
             .blocks
@@ -153,12 +156,26 @@ impl Sums {
             .collect();
         let whole = self.combined(&self.total(|_| false), b.as_deref());
         let matrix = DMatrix::from_fn(n, n, |i, j| whole[(present[i], present[j])]);
-        let (covariance, effective_blocks) = spread(&Factored::new(&matrix)?, &scores, p)?;
+        let (covariance, effective_blocks) = spread(&Factored::new(&matrix)?, &scores, unknowns)?;
+        let delay = self.layout.later.then(|| DelayFound {
+            shift: theta[p],
+            sigma: covariance[(p, p)].sqrt(),
+            with: (0..p).map(|j| covariance[(j, p)]).collect(),
+        });
         Some(Solution {
             theta: theta.as_slice()[..p].to_vec(),
-            covariance: (BLOCKS > p + 1).then(|| covariance.view((0, 0), (p, p)).into_owned()),
+            covariance: (BLOCKS > unknowns + 1)
+                .then(|| covariance.view((0, 0), (p, p)).into_owned()),
             effective_blocks,
+            delay,
         })
+    }
+
+    /// Numerators of all inputs in the plane of the trends.
+    pub(super) fn numerators(&self, method: Method) -> Option<Vec<f64>> {
+        let q = self.layout.outputs();
+        let terms: usize = self.layout.terms.iter().sum();
+        Some(self.solve(method, |_| false)?[q..q + terms].to_vec())
     }
 }
 

@@ -4,7 +4,9 @@ use trendid::trends::{Form, Hold};
 
 use crate::error::Error;
 use crate::instruments::lanes::{Design, Lane, design};
+use crate::instruments::later::Later;
 use crate::problem::Problem;
+use crate::signals::Signals;
 
 /// Blocks of equal length that a record is divided into.
 pub(crate) const BLOCKS: usize = 16;
@@ -20,13 +22,19 @@ pub(crate) struct Setting {
     pub(super) auxiliary: Vec<f64>,
     /// Delay of the delayed inputs in samples.
     pub(super) delay: f64,
+    /// Numerators of all inputs in the plane of the trends, where the delay is one more unknown.
+    pub(super) later: Option<Vec<f64>>,
 }
 
 impl Setting {
     /// The first sample whose delayed inputs are in a record of so many samples; a quarter of the
     /// record at most is given up for them.
     fn begin(&self, samples: usize) -> usize {
-        (self.delay.ceil() as usize).min(samples / 4)
+        let last = match self.later {
+            Some(_) => self.delay.floor() as usize + 1,
+            None => self.delay.ceil() as usize,
+        };
+        last.min(samples / 4)
     }
 }
 
@@ -41,6 +49,8 @@ pub(crate) struct Layout {
     pub(super) terms: Vec<usize>,
     /// Whether there is a constant.
     pub(super) constant: bool,
+    /// Whether the delay is an unknown.
+    pub(super) later: bool,
 }
 
 impl Layout {
@@ -51,6 +61,7 @@ impl Layout {
             first: usize::from(problem.structure.integrator),
             terms: inputs.map(|input| problem.terms(input)).collect(),
             constant: problem.structure.constant,
+            later: false,
         }
     }
 
@@ -64,9 +75,14 @@ impl Layout {
         self.outputs() + self.terms.iter().sum::<usize>() + usize::from(self.constant)
     }
 
-    /// Columns of the equation: the parameters, then the m coefficients of the initial state.
+    /// The parameters, and the delay where it is an unknown.
+    pub(super) fn unknowns(&self) -> usize {
+        self.parameters() + usize::from(self.later)
+    }
+
+    /// Columns of the equation: the unknowns, then the m coefficients of the initial state.
     pub(super) fn columns(&self) -> usize {
-        self.parameters() + self.order
+        self.unknowns() + self.order
     }
 
     /// Twice filtered rows of an input.
@@ -108,6 +124,8 @@ struct InputLanes {
     trends: Box<dyn Lane>,
     /// `s^i / A_z`, and `s^j / (A_f A_z)` behind it.
     auxiliary: Option<(Box<dyn Lane>, Box<dyn Lane>)>,
+    /// What a later input would make.
+    later: Option<Later>,
 }
 
 impl InputLanes {
@@ -140,15 +158,15 @@ impl InputLanes {
     }
 }
 
-/// An input `delay` samples late; before the record it had its first value.
-fn delayed(samples: &[f64], delay: f64) -> Vec<f32> {
+/// What acts of an input `delay` samples late; before the record it had its first value.
+fn delayed(signals: &Signals, samples: &[f64], delay: f64) -> Vec<f32> {
     let whole = delay.floor() as usize;
     let part = delay - delay.floor();
     let at = |k: usize, d: usize| samples[k.saturating_sub(d)];
     (0..samples.len())
         .map(|k| {
             let u = at(k, whole);
-            (u + part * (at(k, whole + 1) - u)) as f32
+            signals.acting(k, u + part * (at(k, whole + 1) - u)) as f32
         })
         .collect()
 }
@@ -160,13 +178,17 @@ impl Sums {
     /// The core's refusal of the filter.
     pub(super) fn of(problem: &Problem, setting: &Setting) -> Result<Self, Error> {
         let signals = problem.signals;
-        let layout = Layout::of(problem);
+        let layout = Layout {
+            later: setting.later.is_some(),
+            ..Layout::of(problem)
+        };
         let dt = signals.dt;
         let begin = setting.begin(signals.output.len());
         let design = design(dt, &setting.filter, Some(&setting.model))
             .or_else(|_| self::design(dt, &setting.filter, None))?;
         let mut inputs = Vec::new();
-        for input in &signals.inputs {
+        let mut place = 0;
+        for (input, terms) in signals.inputs.iter().zip(&layout.terms) {
             let delay = if input.delayed { setting.delay } else { 0.0 };
             let auxiliary = match setting.auxiliary.len() {
                 0 => None,
@@ -176,10 +198,14 @@ impl Sums {
                 )),
             };
             inputs.push(InputLanes {
-                samples: delayed(input.samples, delay),
+                samples: delayed(signals, input.samples, delay),
                 trends: design.of_input(input.hold),
                 auxiliary,
+                later: setting.later.as_ref().filter(|_| input.delayed).map(|b| {
+                    Later::of((signals, input), delay, &b[place..place + terms], &*design)
+                }),
             });
+            place += terms;
         }
         let mut sums = Self {
             blocks: vec![
@@ -232,6 +258,11 @@ impl Sums {
             if layout.constant {
                 let acts = problem.signals.acts(k);
                 phi[place] = constant.input(f32::from(u8::from(acts)))[0];
+                place += 1;
+            }
+            if layout.later {
+                let later = inputs.iter_mut().filter_map(|input| input.later.as_mut());
+                phi[place] = later.map(|later| later.at(k)).sum();
                 place += 1;
             }
             let impulse = if k == begin { 1.0 } else { 0.0 };

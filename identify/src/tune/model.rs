@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 
 use crate::error::Error;
 use crate::estimate::Estimate;
+use crate::identification::Identification;
 use crate::problem::Problem;
 
 /// Standard deviations by which the model is varied.
@@ -51,15 +52,28 @@ impl Model {
         delayed.filter(alike).map(|c| (c, model(c))).collect()
     }
 
-    /// Two standard deviations to both sides along each principal axis of the covariance.
-    pub fn around(problem: &Problem, estimate: &Estimate, delay: f64) -> Vec<Self> {
-        let n = estimate.theta.len();
-        let known = |j: &usize| estimate.sigma[*j].is_finite() && estimate.sigma[*j] > 0.0;
-        let places: Vec<usize> = (0..n).filter(known).collect();
+    /// Two standard deviations to both sides along each principal axis of the covariance, that of
+    /// the delay included where it was searched.
+    pub fn around(problem: &Problem, found: &Identification) -> Vec<Self> {
+        let estimate = &found.estimate;
+        let (n, dt) = (estimate.theta.len(), problem.signals.dt);
+        let searched = found.delay_alike.and(found.delay_found.as_ref());
+        let sigma = |j: usize| match searched {
+            Some(delay) if j == n => delay.sigma,
+            _ => estimate.sigma[j],
+        };
+        let known = |j: &usize| sigma(*j).is_finite() && sigma(*j) > 0.0;
+        let all = n + usize::from(searched.is_some());
+        let places: Vec<usize> = (0..all).filter(known).collect();
         // In units of the standard deviations: an axis depends on the units otherwise.
         let correlation = DMatrix::from_fn(places.len(), places.len(), |i, j| {
-            let (i, j) = (places[i], places[j]);
-            estimate.covariance[i][j] / (estimate.sigma[i] * estimate.sigma[j])
+            let (i, j) = (places[i].min(places[j]), places[i].max(places[j]));
+            let covariance = match searched {
+                Some(delay) if j == n && i == n => delay.sigma * delay.sigma,
+                Some(delay) if j == n => delay.with[i],
+                _ => estimate.covariance[i][j],
+            };
+            covariance / (sigma(i) * sigma(j))
         });
         if places.is_empty() || !correlation.iter().all(|v| v.is_finite()) {
             return Vec::new();
@@ -69,10 +83,11 @@ impl Model {
         for (axis, variance) in axes.eigenvectors.column_iter().zip(&axes.eigenvalues) {
             for side in [-VARIED, VARIED] {
                 let mut theta = estimate.theta.clone();
+                theta.push(found.delay);
                 for (place, part) in places.iter().zip(axis.iter()) {
-                    theta[*place] +=
-                        side * variance.max(0.0).sqrt() * part * estimate.sigma[*place];
+                    theta[*place] += side * variance.max(0.0).sqrt() * part * sigma(*place);
                 }
+                let delay = theta.pop().unwrap_or_default().max(0.0) * dt;
                 let model = problem.polynomials(&theta);
                 models.push(Self {
                     a: model.a,

@@ -1,0 +1,50 @@
+//! The delay of a fit as one more unknown.
+
+use crate::error::Error;
+use crate::instruments::Fit;
+use crate::instruments::sums::Sums;
+
+/// Movement in samples below which a delay is found.
+const SETTLED: f64 = 0.01;
+
+/// Steps at most, each of at most one sample: the sums are linear in the delay over no more.
+const STEPS: usize = 6;
+const FARTHEST: f64 = 1.0;
+
+impl Fit<'_> {
+    /// The same with the delay among the unknowns, at the delay that the sums find, from the one
+    /// that it has on. Negative ones stay at 0.
+    ///
+    /// # Errors
+    /// As [`Fit::new`].
+    pub fn with_free_delay(mut self) -> Result<Self, Error> {
+        for _ in 0..STEPS {
+            self = self.around_delay()?;
+            let delay = self.setting.delay;
+            let Some(found) = self.found()?.delay else {
+                break;
+            };
+            let next = (delay + found.shift.clamp(-FARTHEST, FARTHEST)).max(0.0);
+            if (next - delay).abs() < SETTLED {
+                break;
+            }
+            self.setting.delay = next;
+            self.setting.later = None;
+            self.sums = Sums::of(self.problem, &self.setting)?;
+        }
+        match self.setting.later {
+            Some(_) => Ok(self),
+            None => self.around_delay(),
+        }
+    }
+
+    /// The same with the delay among the unknowns, around the one that it has.
+    ///
+    /// # Errors
+    /// As [`Fit::new`].
+    pub fn around_delay(mut self) -> Result<Self, Error> {
+        self.setting.later = self.sums.numerators(self.method);
+        self.sums = Sums::of(self.problem, &self.setting)?;
+        Ok(self)
+    }
+}

@@ -1,0 +1,54 @@
+//! What a delay by one sample more makes of the right-hand side: the regressor that has the delay
+//! as its parameter.
+//!
+//! `B u(t - d h)` is linear in d between two samples: `d/dd = B (u(k-w-1) - u(k-w))`, w the whole
+//! samples of d. With that column among the regressors the delay is one more unknown (Gauss and
+//! Newton), and every standard deviation contains that it is.
+
+use crate::instruments::lanes::{Design, Lane};
+use crate::signals::{Input, Signals};
+
+/// The part of one input.
+pub(super) struct Later {
+    samples: Vec<f32>,
+    trends: Box<dyn Lane>,
+    numerators: Vec<f64>,
+}
+
+impl Later {
+    /// The part of an input with these numerators in the plane of the trends, around a delay in
+    /// samples.
+    pub(super) fn of(
+        (signals, input): (&Signals, &Input),
+        delay: f64,
+        numerators: &[f64],
+        design: &dyn Design,
+    ) -> Self {
+        let whole = delay.floor() as usize;
+        let at = |k: usize, d: usize| input.samples[k.saturating_sub(d)];
+        let step = |k: usize| signals.acting(k, at(k, whole + 1) - at(k, whole)) as f32;
+        Self {
+            samples: (0..input.samples.len()).map(step).collect(),
+            trends: design.of_input(input.hold),
+            numerators: numerators.to_vec(),
+        }
+    }
+
+    /// The part of the column at sample `k`; every sample in turn.
+    pub(super) fn at(&mut self, k: usize) -> f64 {
+        let trends = self.trends.input(self.samples[k]);
+        let terms = self.numerators.iter().zip(&trends);
+        terms.map(|(b, trend)| b * trend).sum()
+    }
+}
+
+/// The delay of a record as an unknown.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DelayFound {
+    /// Samples to add to the delay of the sums.
+    pub shift: f64,
+    /// Standard deviation \[samples\].
+    pub sigma: f64,
+    /// Covariances with the parameters, in the order of theta.
+    pub with: Vec<f64>,
+}
