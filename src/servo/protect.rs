@@ -122,6 +122,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.controller.retune(model);
         (self.takeover.tuning, self.takeover.unsearched) = (None, Some(model));
         self.guard.monitors.retune(model, self.controller.motion());
+        self.serve_drive(&model);
     }
 
     /// The command outside of commissioning and control: a brake for a while after a fault, then

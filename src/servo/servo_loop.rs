@@ -113,6 +113,10 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             let retuned = self.commission_on(command);
             return self.report(setpoint, command, None, retuned);
         }
+        if self.awaits_motion() {
+            self.watch_motion();
+            return self.report(setpoint, command, None, false);
+        }
         let along = self.drive.sign * command;
         self.controller.applied(along);
         let inputs = inputs_of_known(&self.controller);
@@ -143,6 +147,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 Progress::Failed(_) => 0.0,
             };
             (Setpoint::at(y), command)
+        } else if self.awaits_motion() {
+            (Setpoint::at(y), self.drive.sign * self.controller.middle())
         } else if state.is_controlling() {
             let setpoint = self.moves.trajectory.update();
             let command = self.controller.update(&setpoint, y);
@@ -170,7 +176,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         retuned: bool,
     ) -> Report {
         Report {
-            state: self.supervisor.state(),
+            state: self.reported_state(),
             position: self.sensed.position,
             setpoint,
             command,

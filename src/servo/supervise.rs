@@ -171,6 +171,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.moves
             .trajectory
             .run_out(motion, self.moves.run_out_rate);
+        self.serve_drive(&model);
     }
 
     /// What the newest sample of the commissioning leads to; whether a model reached the

@@ -1,4 +1,4 @@
-//! The way of a move to an end of the travel.
+//! The way of a move to an end of the travel, and of a sine near it.
 
 use crate::math::sqrt;
 use crate::servo::motion::{MotionLimits, Travel};
@@ -29,6 +29,21 @@ impl EndApproach {
         time: 0.0,
         speed: 0.0,
     };
+
+    /// The largest amplitude of a sine of `omega` (rad/s) whose centre has `room` to an end.
+    ///
+    /// Where it turns back it brakes with `a = A omega^2`, and what lies behind it is `room - A`:
+    ///
+    /// ```text
+    /// A (1 + q) <= room + end speed^2 / (2 A omega^2),   q = (omega / w)^2
+    /// ```
+    pub(crate) fn amplitude(&self, room: f32, omega: f32) -> f32 {
+        let q = omega * self.time * omega * self.time;
+        let swing = self.speed / omega;
+        let most = room + sqrt(room * room + 2.0 * (1.0 + q) * swing * swing);
+        let most = most / (2.0 * (1.0 + q));
+        if most < room { most } else { room }
+    }
 
     /// The limits for the brake of a move from a place to a target. Cost: about 10 instructions,
     /// near an end a root and two divisions.
@@ -99,6 +114,27 @@ mod tests {
             assert!((down.acceleration / a - 1.0).abs() < 1e-4, "{room}");
             assert!(a < LIMITS.acceleration && up.velocity == LIMITS.velocity);
         }
+    }
+
+    #[test]
+    fn a_sine_turns_back_where_what_is_ahead_of_it_meets_the_end_at_its_speed() {
+        for room in [1.0, 20.0, 150.0_f32] {
+            for omega in [0.5, 6.0, 20.0, 60.0_f32] {
+                let most = ENDS.amplitude(room, omega);
+                assert!(most > 0.0 && most <= room, "{room} {omega}: {most}");
+                let a = most * omega * omega;
+                let beyond = a * ENDS.time * ENDS.time - (room - most);
+                let square = 2.0 * a * beyond;
+                let limit = ENDS.speed * ENDS.speed;
+                assert!(square < 1.01 * limit, "{room} {omega}: {square}");
+                // No smaller than it must be.
+                assert!(
+                    most == room || square > 0.99 * limit,
+                    "{room} {omega}: {square}"
+                );
+            }
+        }
+        assert_eq!(EndApproach::NONE.amplitude(7.0, 6.0), 7.0);
     }
 
     #[test]

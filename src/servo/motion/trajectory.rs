@@ -36,6 +36,8 @@ enum Activity {
 #[derive(Debug, Clone, PartialEq)]
 #[doc(alias = "Reference")]
 pub(crate) struct Trajectory {
+    /// The limits that were stated, and those of them that the drive can keep.
+    stated: MotionLimits,
     limits: MotionLimits,
     travel: Travel,
     sample_time: f32,
@@ -58,6 +60,7 @@ impl Trajectory {
     /// A generator at rest at the lower end of `travel`; the limits are positive and finite.
     pub(crate) const fn new(limits: MotionLimits, travel: Travel, sample_time: f32) -> Self {
         Self {
+            stated: limits,
             limits,
             travel,
             sample_time,
@@ -99,6 +102,21 @@ impl Trajectory {
         self.setpoint = Setpoint::at(position);
         self.begin(Activity::Move(way_back(position, end, rate, &self.limits)));
         self.returns = true;
+    }
+
+    /// Comes to rest as soon as the limits allow, outside of `within` at its nearest place, and
+    /// forgets what was asked for.
+    pub(crate) fn stop(&mut self, within: &Travel) {
+        let stop = self.brake(self.setpoint.motion());
+        if self.returns || !within.contains(stop.target()) {
+            let inside = within.nearest(stop.target());
+            // A position is a finite number.
+            let _ = self.move_to(inside);
+        } else if self.setpoint.is_rest() {
+            self.begin(Activity::Rest);
+        } else {
+            self.begin(Activity::Move(stop));
+        }
     }
 
     /// Takes a motion over and lets it run out with a double pole at `-rate` (rad/s).
@@ -150,7 +168,7 @@ impl Trajectory {
     /// where the limits of motion require it.
     ///
     /// Refused, with the largest amplitude, unless the limits of motion and the travel have room
-    /// for it. Not for the 1 ms path: one sine and cosine.
+    /// for it, and for what the axis may be ahead of it where it turns back. Not for the 1 ms path: one sine and cosine.
     pub(crate) fn oscillate(&mut self, amplitude: f32, frequency: f32) -> Result<(), Error> {
         let fastest = FREQUENCY_STEP_MAX / self.sample_time;
         Error::unless_positive("frequency", frequency)?;
@@ -163,6 +181,9 @@ impl Trajectory {
         };
         let (below, above) = (centre - self.travel.min, self.travel.max - centre);
         let room = below.min(above).max(0.0);
+        let room = self
+            .ends
+            .amplitude(room, 2.0 * core::f32::consts::PI * frequency);
         let max = room.min(Sine::max_amplitude(frequency, &self.limits));
         Error::unless_within("amplitude", amplitude, -max, max)?;
         let sine = Sine::new(centre, amplitude, frequency, &self.limits, self.sample_time);
@@ -177,8 +198,7 @@ impl Trajectory {
         Ok(())
     }
 
-    /// Whether the reference stands still.
-    #[cfg(test)]
+    /// Whether the reference stands still, and nothing is asked for.
     pub(crate) fn is_finished(&self) -> bool {
         matches!(self.plan, Activity::Rest)
             && self.search.is_none()

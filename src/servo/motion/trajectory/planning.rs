@@ -1,16 +1,24 @@
 //! The planning of moves, beside the reference that goes on.
 
-use crate::servo::motion::Motion;
 use crate::servo::motion::ends::EndApproach;
 use crate::servo::motion::search::{PLANNING, ProfileSearch};
 use crate::servo::motion::trajectory::{Activity, Trajectory};
+use crate::servo::motion::{Motion, MotionLimits};
 
 /// Samples between two plannings: targets in every sample leave time for what waits for it.
 pub(super) const PAUSES: u8 = 2;
 
 impl Trajectory {
-    /// Moves to come brake so on their way to an end of the travel.
-    pub(crate) const fn approach(&mut self, ends: EndApproach) {
+    /// What is asked for from now on is for a drive that reaches no more than `reach`, and comes to
+    /// its ends so.
+    pub(crate) fn serve(&mut self, reach: &MotionLimits, ends: EndApproach) {
+        let lesser = |a: f32, b: f32| if b < a { b } else { a };
+        let stated = &self.stated;
+        self.limits = MotionLimits {
+            velocity: lesser(stated.velocity, reach.velocity),
+            acceleration: lesser(stated.acceleration, reach.acceleration),
+            jerk: lesser(stated.jerk, reach.jerk),
+        };
         self.ends = ends;
     }
 

@@ -85,10 +85,12 @@ fn slow_limits_do_not_keep_a_brake_from_ending_within_the_travel() {
 fn moved(target: f32, knows: bool) -> Vec<Setpoint> {
     let mut trajectory = at_rest();
     if knows {
-        trajectory.approach(EndApproach {
+        let limits = trajectory.limits;
+        let ends = EndApproach {
             time: 1.0 / 30.0,
             speed: 30.0,
-        });
+        };
+        trajectory.serve(&limits, ends);
     }
     assert_eq!(trajectory.move_to(target), Ok(()));
     let setpoints = (0..4000).map(|_| trajectory.update()).collect();
@@ -120,5 +122,69 @@ fn only_a_move_to_an_end_brakes_more_gently_and_it_arrives_there() {
         {
             assert!(s.velocity.abs() < 1.01 * 30.0, "{s:?}");
         }
+    }
+}
+
+#[test]
+fn a_drive_that_reaches_less_than_the_limits_is_asked_for_no_more() {
+    let mut trajectory = at_rest();
+    let stated = trajectory.limits;
+    let reach = MotionLimits {
+        velocity: 0.5 * stated.velocity,
+        acceleration: 2.0 * stated.acceleration,
+        jerk: 0.5 * stated.jerk,
+    };
+    trajectory.serve(&reach, EndApproach::NONE);
+    assert_eq!(trajectory.move_to(500.0), Ok(()));
+    let setpoints: Vec<Setpoint> = (0..4000).map(|_| trajectory.update()).collect();
+    assert!(
+        setpoints
+            .iter()
+            .all(|s| s.velocity <= 1.001 * reach.velocity)
+    );
+    assert!(setpoints.iter().all(|s| s.jerk.abs() <= 1.001 * reach.jerk));
+    // A model of more gain gives all of them back, and no more.
+    let reach = MotionLimits {
+        velocity: 2.0 * stated.velocity,
+        ..stated
+    };
+    trajectory.serve(&reach, EndApproach::NONE);
+    assert_eq!(trajectory.limits, stated);
+}
+
+#[test]
+fn a_stop_ends_whatever_was_asked_for() {
+    for asked in 0..4 {
+        let mut trajectory = at_rest();
+        match asked {
+            0 => {}
+            1 => assert_eq!(trajectory.oscillate(100.0, 0.5), Ok(())),
+            _ => assert_eq!(trajectory.move_to(900.0), Ok(())),
+        }
+        for _ in 0..if asked == 3 { 5 } else { 300 } {
+            let _ = trajectory.update();
+        }
+        let inner = trajectory.travel.inner();
+        trajectory.stop(&inner);
+        for _ in 0..4000 {
+            let _ = trajectory.update();
+        }
+        assert!(trajectory.is_finished(), "{asked}");
+        assert!(trajectory.setpoint().position < 799.0, "{asked}");
+    }
+    // Near an end it leads to where there is room.
+    let mut trajectory = at_rest();
+    for target in [950.0, -1000.0] {
+        assert_eq!(trajectory.move_to(target), Ok(()));
+        while trajectory.setpoint().position != target {
+            let _ = trajectory.update();
+        }
+        let inner = trajectory.travel.inner();
+        trajectory.stop(&inner);
+        assert!(!trajectory.is_finished(), "{target}: it is asked for");
+        for _ in 0..4000 {
+            let _ = trajectory.update();
+        }
+        assert!((trajectory.setpoint().position.abs() - 800.0).abs() < 1e-3);
     }
 }
