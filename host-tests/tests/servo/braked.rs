@@ -144,8 +144,9 @@ fn a_brake_on_a_wrong_model_does_not_drive_along() {
                 seen.braked, seen.faster, seen.growth, seen.blows, seen.blow
             );
             if matches!(wrong, Wrong::WeakGain) {
+                // Of 80 moves; references for a weak drive are slow, so that few of them stop.
                 assert!(
-                    2 * seen.faster <= seen.braked.max(4),
+                    seen.faster <= 4.max(seen.braked / 2),
                     "{family:?}: {seen:?}"
                 );
                 assert!(seen.blows <= 3, "{family:?}: {seen:?}");
