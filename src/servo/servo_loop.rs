@@ -1,6 +1,7 @@
 //! Sensor, identifier, supervisor, controller and valve in one call per sample.
 
 mod begin;
+mod beginning;
 pub(crate) mod commands;
 pub(crate) mod drive;
 mod guard;

@@ -168,7 +168,8 @@ impl Trajectory {
     /// where the limits of motion require it.
     ///
     /// Refused, with the largest amplitude, unless the limits of motion and the travel have room
-    /// for it, and for what the axis may be ahead of it where it turns back. Not for the 1 ms path: one sine and cosine.
+    /// for it, and for what the axis may be ahead of it where it turns back. Not for the 1 ms path:
+    /// one sine, one cosine and a root.
     pub(crate) fn oscillate(&mut self, amplitude: f32, frequency: f32) -> Result<(), Error> {
         let fastest = FREQUENCY_STEP_MAX / self.sample_time;
         Error::unless_positive("frequency", frequency)?;

@@ -105,8 +105,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// What is asked for from now on is for the drive of the model in use: for its ends, and for
     /// what its valve has to give beside dead zone and offset, some of it left to correct errors.
     ///
-    /// `(r''' + a2 r'' + a1 r')/b0` is the flow of a reference: at its velocity it takes all of that
-    /// flow, with its largest jerk a half, and the quarter of the velocity that it then has and
+    /// `(r''' + a2 r'' + a1 r')/b0` is the flow of a reference: at its velocity it takes all of
+    /// it, with its largest jerk a half, and the quarter of the velocity that it then has and
     /// damping up to 0.25 the rest.
     pub(crate) fn serve_drive(&mut self, model: &Model) {
         let has = self.config.range - model.dead_zone - model.offset.abs();
