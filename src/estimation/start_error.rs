@@ -51,6 +51,7 @@ pub(crate) struct StartError<const M: usize, const N: usize> {
 
 impl<const M: usize, const N: usize> StartError<M, N> {
     /// Nothing seen, a row in `pace` samples; 0 where there is nothing to be seen.
+    #[inline(never)]
     pub(crate) fn new(design: &Design<M>, pace: u32) -> Self {
         let counts = pace > 0;
         Self {
@@ -60,7 +61,8 @@ impl<const M: usize, const N: usize> StartError<M, N> {
             step: FadingStep::new(design, pace as f32 * design.sample_time),
             fresh: None,
             steps: if counts { STEPS } else { 0 },
-            due: 0,
+            // A row in the middle of its step.
+            due: pace / 2,
             lasts: counts,
         }
     }
@@ -91,18 +93,17 @@ impl<const M: usize, const N: usize> StartError<M, N> {
         self.fresh.is_some()
     }
 
-    /// Goes on with the filter by `pace` samples, each of which forgets as much; the next part is
-    /// due after `wait`.
+    /// Goes on with the filter by `pace` samples, each of which forgets as much.
     ///
     /// Cost: of [`FadingStep::advance`].
     #[inline(always)]
-    pub(crate) fn advance(&mut self, design: &Design<M>, forgetting: f32, [pace, wait]: [u32; 2]) {
+    pub(crate) fn advance(&mut self, design: &Design<M>, forgetting: f32, pace: u32) {
         let lost = pace as f32 * (1.0 - forgetting);
         self.share *= 1.0 - lost;
         if !(self.share > NEGLIGIBLE) {
             (self.share, self.lasts) = (0.0, false);
         } else if let (Some(filter), true) = (&design.filter, self.steps > 0) {
-            self.due = self.due.wrapping_add(wait);
+            self.due = self.due.wrapping_add(1);
             self.steps -= 1;
             self.fresh = Some(self.step.advance(filter));
         } else {

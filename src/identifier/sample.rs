@@ -178,7 +178,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let pace = plan.times.start_pace;
         match self.start_error.wants_row() {
             true => self.start_error.take(&phi, pace),
-            false => self.start_error.advance(design, forgetting, [pace, 1]),
+            false => self.start_error.advance(design, forgetting, pace),
         }
         if !plan.forgets {
             self.start_error.keep();
@@ -192,8 +192,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             self.start_error.variance = variance;
         }
         if self.start_error.is_due(self.signals.turn) {
-            let (design, pace) = (plan.trends.design(), plan.times.start_pace);
-            self.start_error.advance(design, 1.0, [pace; 2]);
+            // The filter goes on; there is no row.
+            self.heed_start(plan, [0.0; N]);
         }
     }
 
