@@ -27,6 +27,9 @@ use crate::trends::fading_step::FadingStep;
 /// Sums with less weight than this, of the one they had, count for nothing.
 const NEGLIGIBLE: f32 = 1e-3;
 
+/// Samples to the next look where rows change nothing.
+const SLEEP: u32 = 1 << 30;
+
 /// Steps of the filter.
 const STEPS: u32 = 100;
 
@@ -40,7 +43,7 @@ pub(crate) struct StartError<const M: usize, const N: usize> {
     /// Variance of nu over that of the noise of y.
     pub(crate) variance: f32,
     step: FadingStep<M>,
-    /// The trends that are not in the sums yet.
+    /// The trends that are not in the sums yet, with their weight.
     fresh: Option<[f32; M]>,
     /// Steps that are left, and the turn of the next one.
     steps: u32,
@@ -62,7 +65,7 @@ impl<const M: usize, const N: usize> StartError<M, N> {
             fresh: None,
             steps: if counts { STEPS } else { 0 },
             // A row in the middle of its step.
-            due: pace / 2,
+            due: if counts { pace / 2 } else { SLEEP },
             lasts: counts,
         }
     }
@@ -74,9 +77,10 @@ impl<const M: usize, const N: usize> StartError<M, N> {
     }
 
     /// The trends begin anew: no further row is summed. What is known counts for `1/scale` of
-    /// before.
-    pub(crate) fn end(&mut self, scale: f32) {
+    /// before, and stays so where nothing `forgets`.
+    pub(crate) fn end(&mut self, scale: f32, forgets: bool) {
         (self.steps, self.fresh) = (0, None);
+        self.lasts &= forgets;
         self.share /= scale;
     }
 
@@ -84,7 +88,7 @@ impl<const M: usize, const N: usize> StartError<M, N> {
     #[inline(always)]
     pub(crate) const fn is_due(&self, turn: u32) -> bool {
         // By the sign of the difference: turns go round.
-        self.lasts && turn.wrapping_sub(self.due) < 1 << 31
+        turn.wrapping_sub(self.due) < 1 << 31
     }
 
     /// Whether a row is to be taken, rather than a step.
@@ -98,6 +102,10 @@ impl<const M: usize, const N: usize> StartError<M, N> {
     /// Cost: of [`FadingStep::advance`].
     #[inline(always)]
     pub(crate) fn advance(&mut self, design: &Design<M>, forgetting: f32, pace: u32) {
+        if !self.lasts {
+            self.due = self.due.wrapping_add(SLEEP);
+            return;
+        }
         let lost = pace as f32 * (1.0 - forgetting);
         self.share *= 1.0 - lost;
         if !(self.share > NEGLIGIBLE) {
@@ -105,30 +113,25 @@ impl<const M: usize, const N: usize> StartError<M, N> {
         } else if let (Some(filter), true) = (&design.filter, self.steps > 0) {
             self.due = self.due.wrapping_add(1);
             self.steps -= 1;
-            self.fresh = Some(self.step.advance(filter));
+            // What is forgotten from here on is in the share, which is not 0.
+            let weight = pace as f32 / self.share;
+            self.fresh = Some(self.step.advance(filter).map(|trend| weight * trend));
         } else {
             self.due = self.due.wrapping_add(pace);
         }
     }
 
-    /// Nothing is ever forgotten: behind the last step rows change nothing.
-    pub(crate) fn keep(&mut self) {
-        self.lasts = self.steps > 0 || self.fresh.is_some();
-    }
-
-    /// Takes a row in the place of `pace` samples.
+    /// Takes a row in the place of `pace` samples; where nothing `forgets` the last one ends it.
     ///
     /// Cost: 5 instructions per parameter and order.
     #[inline(always)]
-    pub(crate) fn take(&mut self, phi: &[f32; N], pace: u32) {
+    pub(crate) fn take(&mut self, phi: &[f32; N], pace: u32, forgets: bool) {
         self.due = self.due.wrapping_add(pace - 1);
+        self.lasts = forgets || self.steps > 0;
         let Some(trends) = self.fresh.take() else {
             return;
         };
-        // What is forgotten from here on is in the share, which is not 0.
-        let weight = pace as f32 / self.share;
-        for (sums, trend) in self.sums.iter_mut().zip(&trends) {
-            let weight = weight * trend;
+        for (sums, weight) in self.sums.iter_mut().zip(&trends) {
             for (sum, phi) in sums.iter_mut().zip(phi) {
                 *sum += weight * phi;
             }

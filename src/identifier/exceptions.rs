@@ -172,7 +172,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         witness: &mut impl Witness<M, N, I>,
     ) {
         self.signals.rest(plan, y);
-        self.start_error.end(1.0);
+        self.start_error.end(1.0, plan.forgets);
         witness.begin();
         let others = self.signals.again(plan, others.acting);
         witness.inputs(&others.inputs);

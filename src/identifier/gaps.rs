@@ -77,7 +77,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             return;
         }
         self.signals.start = None;
-        self.start_error.end(1.0);
+        self.start_error.end(1.0, plan.forgets);
         let others = self.signals.other_trends_of_a_gap(plan, u);
         witness.inputs(&others.inputs);
         let before = self.signals.output.clone();

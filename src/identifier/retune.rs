@@ -72,7 +72,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let start_error = state.start_error;
         state.begin_sums(&self.plan);
         state.start_error = start_error;
-        state.start_error.end(scale);
+        state.start_error.end(scale, self.plan.forgets);
         state.forgetting.replace_nominal(nominal);
         if same_filter {
             return Ok(());

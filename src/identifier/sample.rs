@@ -139,7 +139,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
                 self.sum_beginning(*row, true);
             }
             if self.forgetting.rests() && self.start_error.is_due(self.signals.turn) {
-                self.heed_start(plan, row.phi);
+                self.heed_start(plan, &row.phi);
             }
             self.remember(plan, row, y, witness);
         } else if obeys {
@@ -148,7 +148,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
                 self.sum_beginning(*row, false);
             }
             if self.start_error.is_due(self.signals.turn) {
-                self.heed_start(plan, row.phi);
+                self.heed_start(plan, &row.phi);
             }
             let _ = self.estimator.fold(&row.phi, row.error);
             witness.row(&row.phi, row.psi, &self.estimator, true);
@@ -170,19 +170,26 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     }
 
     /// The part that is due of what an error of y(0) does to a structure with an initial state.
-    ///
+    #[inline(always)]
+    fn heed_start(&mut self, plan: &Plan<T, M, N, I>, phi: &[f32; N]) {
+        match self.start_error.wants_row() {
+            true => self.sum_start(plan, *phi),
+            false => self.step_start(plan),
+        }
+    }
+
     /// By value, as above.
     #[inline(never)]
-    fn heed_start(&mut self, plan: &Plan<T, M, N, I>, phi: [f32; N]) {
+    fn sum_start(&mut self, plan: &Plan<T, M, N, I>, phi: [f32; N]) {
+        self.start_error
+            .take(&phi, plan.times.start_pace, plan.forgets);
+    }
+
+    #[inline(never)]
+    fn step_start(&mut self, plan: &Plan<T, M, N, I>) {
         let (design, forgetting) = (plan.trends.design(), self.estimator.forgets_for());
-        let pace = plan.times.start_pace;
-        match self.start_error.wants_row() {
-            true => self.start_error.take(&phi, pace),
-            false => self.start_error.advance(design, forgetting, pace),
-        }
-        if !plan.forgets {
-            self.start_error.keep();
-        }
+        self.start_error
+            .advance(design, forgetting, plan.times.start_pace);
     }
 
     /// Looks for where y began, in samples without a row.
@@ -193,7 +200,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
         if self.start_error.is_due(self.signals.turn) {
             // The filter goes on; there is no row.
-            self.heed_start(plan, [0.0; N]);
+            self.heed_start(plan, &[0.0; N]);
         }
     }
 

@@ -87,7 +87,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     pub(crate) fn restart_signals(&mut self, plan: &Plan<T, M, N, I>, warm_up: u32) {
         let last_inputs = self.signals.last_inputs;
         self.signals = Signals::new(plan, warm_up);
-        self.start_error.end(1.0);
+        self.start_error.end(1.0, plan.forgets);
         self.signals.last_inputs = last_inputs;
         self.standstill = Standstill::new();
     }

@@ -1,6 +1,7 @@
 //! The trends of a step from 1 to 0, in long steps of time.
 //!
-//! What the slow pole -p keeps of them is left out. By the residue there, s = -p,
+//! What the slow pole -p keeps of them is left out of the states in which they begin. By the
+//! residue there, s = -p,
 //!
 //! ```text
 //! t_i,slow = -s^(i-1) / A_f'(s) e^(s t)        i = 1 .. m
@@ -20,16 +21,12 @@ pub(crate) struct FadingStep<const M: usize> {
     /// Half a step of time, and what solves the loop of the trapezoids.
     half: f32,
     loop_gain: f32,
-    /// What the slow pole keeps of trend 1; 0 where no other pole is as far from it as it is from
-    /// 0.
-    kept: f32,
-    /// What is left of that after a step, and -p.
-    left: f32,
-    pole: f32,
 }
 
 impl<const M: usize> FadingStep<M> {
-    /// Before the step, for steps of `time`; 0 for trends without a filter.
+    /// Before the step, for steps of `time`; 0 for trends without a filter. The slow pole stays in
+    /// where no other pole is as far from it as it is from 0.
+    #[inline(never)]
     pub(crate) fn new(design: &Design<M>, time: f32) -> Self {
         let filter = design.filter.unwrap_or([1.0; M]);
         let trapezoids = Integrators::new(Scheme::Tustin, time, filter);
@@ -39,22 +36,22 @@ impl<const M: usize> FadingStep<M> {
             slope = value + pole * slope;
             value = f + pole * value;
         }
-        // As the trapezoids see the pole, in the middle of a step.
-        let half = 0.5 * pole * time;
         let mut states = [0.0; M];
         if design.filter.is_some() {
             states[0] = 1.0 / filter[0];
+            let mut slow = match slope.abs() >= raised(-pole, M - 1) {
+                true => 1.0 / (pole * slope),
+                false => 0.0,
+            };
+            for state in &mut states {
+                *state += slow;
+                slow *= pole;
+            }
         }
         Self {
             states,
             half: trapezoids.ahead,
             loop_gain: trapezoids.loop_gain,
-            kept: match design.filter.is_some() && slope.abs() >= raised(-pole, M - 1) {
-                true => -1.0 / (slope * (1.0 - half)),
-                false => 0.0,
-            },
-            left: (1.0 + half) / (1.0 - half),
-            pole,
         }
     }
 
@@ -77,12 +74,6 @@ impl<const M: usize> FadingStep<M> {
             trend = *state + change;
             *state = trend + change;
         }
-        let mut kept = self.kept;
-        self.kept *= self.left;
-        for trend in &mut trends {
-            *trend -= kept;
-            kept *= self.pole;
-        }
         trends
     }
 }
@@ -99,7 +90,8 @@ mod tests {
             let design = trends.design();
             let mut memory = Memory::output_at_rest(design, Form::Position, 1.0);
             let mut step = FadingStep::new(design, 0.005);
-            let kept = step.kept;
+            // A_f' = (-2.2)^2 - 2.2 30.8 + 484
+            let kept = -1.0 / (2.2 * 2.2 - 2.2 * 30.8 + 484.0);
             for long in 0..100 {
                 let found = step.advance(&trends.filter());
                 let mut all = trends.output(&mut memory, 0.0, Form::Position);
@@ -133,6 +125,7 @@ mod tests {
     #[test]
     fn where_all_poles_are_equal_nothing_is_left_out() {
         let trends = FilteredTrends::<2>::try_new(Scheme::Tustin, 0.001, [25.0; 2]).unwrap();
-        assert_eq!(FadingStep::new(trends.design(), 0.005).kept, 0.0);
+        let step = FadingStep::new(trends.design(), 0.005);
+        assert_eq!(step.states, [1.0 / 625.0, 0.0]);
     }
 }
