@@ -40,7 +40,7 @@
 #define TRENDID_DELAY_CANDIDATES (TRENDID_DELAY_MAX + 1)
 
 // Words of 8 bytes of a `trendid_delay_bank`.
-#define TRENDID_DELAY_BANK_WORDS 1424
+#define TRENDID_DELAY_BANK_WORDS 1552
 
 // Longest delay of an input in samples.
 #define TRENDID_DELAY_MAX 7
@@ -52,31 +52,31 @@
 #define TRENDID_ANY_PARAMETERS_MAX 6
 
 // Words of 8 bytes of a `trendid_any`.
-#define TRENDID_ANY_WORDS 280
+#define TRENDID_ANY_WORDS 300
 
 // Words of 8 bytes of a `trendid_servo2`.
-#define TRENDID_SERVO2_WORDS 156
+#define TRENDID_SERVO2_WORDS 168
 
 // Words of 8 bytes of a `trendid_servo3`.
-#define TRENDID_SERVO3_WORDS 180
+#define TRENDID_SERVO3_WORDS 196
 
 // Words of 8 bytes of a `trendid_coulomb2`.
-#define TRENDID_COULOMB2_WORDS 180
+#define TRENDID_COULOMB2_WORDS 192
 
 // Words of 8 bytes of a `trendid_coulomb3`.
-#define TRENDID_COULOMB3_WORDS 208
+#define TRENDID_COULOMB3_WORDS 228
 
 // Words of 8 bytes of a `trendid_valve2`.
-#define TRENDID_VALVE2_WORDS 184
+#define TRENDID_VALVE2_WORDS 196
 
 // Words of 8 bytes of a `trendid_valve3`.
-#define TRENDID_VALVE3_WORDS 212
+#define TRENDID_VALVE3_WORDS 232
 
 // Words of 8 bytes of a `trendid_valve_coulomb2`.
-#define TRENDID_VALVE_COULOMB2_WORDS 212
+#define TRENDID_VALVE_COULOMB2_WORDS 224
 
 // Words of 8 bytes of a `trendid_valve_coulomb3`.
-#define TRENDID_VALVE_COULOMB3_WORDS 236
+#define TRENDID_VALVE_COULOMB3_WORDS 256
 
 // Most parameters of a model.
 #define TRENDID_PARAMETERS_MAX 8

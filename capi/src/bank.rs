@@ -16,7 +16,7 @@ use crate::settings::Settings;
 pub const DELAY_CANDIDATES: usize = DELAY_MAX + 1;
 
 /// Words of 8 bytes of a `trendid_delay_bank`.
-pub const DELAY_BANK_WORDS: usize = 1424;
+pub const DELAY_BANK_WORDS: usize = 1552;
 
 /// Identifiers of the kind `trendid_servo3` with the delays 0 to 7 side by side; the one that
 /// predicts best has the delay.

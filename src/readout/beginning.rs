@@ -40,6 +40,7 @@ pub(crate) struct Begun<const N: usize> {
 
 impl<const N: usize> Begun<N> {
     /// Takes gamma out of theta.
+    #[inline(never)]
     pub(super) fn take_out(&self, theta: &mut [f32; N]) {
         for (value, direction) in theta.iter_mut().zip(&self.direction) {
             *value -= direction * self.gamma;
@@ -66,6 +67,7 @@ impl<const N: usize> Begun<N> {
     }
 
     /// Adds to a covariance, that of a `residual` of such a variance.
+    #[inline(never)]
     pub(super) fn add_to(&self, covariance: &mut Matrix<N>, residual: f32) {
         for (own, row) in self.direction.iter().zip(covariance) {
             for (entry, direction) in row.iter_mut().zip(&self.direction) {
@@ -107,19 +109,19 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         })
     }
 
-    /// What an error of y(0) may have done to an estimate `theta` with an initial state; `along`
-    /// gives the change per score, and `spread` is the variance of the residual per variance of
-    /// the noise of y.
-    pub(crate) fn started(
-        &self,
-        theta: &[f32; N],
-        along: impl FnOnce(&[f32; N]) -> [f32; N],
-        spread: f32,
-    ) -> Option<Begun<N>> {
+    /// The score of an error of y(0) of an estimate `theta` with an initial state.
+    #[inline(never)]
+    pub(crate) fn start_score(&self, theta: &[f32; N]) -> [f32; N] {
         let units = self.regressor.units();
         let a = (self.structure).denominator(&core::array::from_fn(|j| theta[j] * units[j]));
         let scale = self.regressor.top_scale();
-        let direction = along(&self.start_error.score(&a)).map(|change| change * scale);
+        self.start_error.score(&a).map(|score| score * scale)
+    }
+
+    /// What that may have done, whose change per unit of it is `direction`; `spread` is the
+    /// variance of the residual per variance of the noise of y.
+    #[inline(never)]
+    pub(crate) fn started(&self, direction: [f32; N], spread: f32) -> Option<Begun<N>> {
         let variance = self.start_error.variance / spread;
         let finite = variance.is_finite() && direction.iter().all(|value| value.is_finite());
         finite.then_some(Begun {

@@ -213,13 +213,18 @@ impl<const M: usize, const N: usize> Compensated<M, N> {
     }
 
     /// The variance of a parameter over that of its row, by what is only considered.
+    #[inline(never)]
     pub(crate) fn considered(&self, p: &Matrix<N>, index: usize) -> f32 {
-        let own = self.covariance_row(p, index).map_or(0.0, |row| row[index]);
-        let more = match &self.begun {
-            Some(begun) if own > 0.0 => begun.considered(index) / own,
-            _ => 0.0,
-        };
-        1.0 + more
+        let more = self
+            .begun
+            .as_ref()
+            .map_or(0.0, |begun| begun.considered(index));
+        if more == 0.0 {
+            return 1.0;
+        }
+        let row = self.covariance_row(p, index);
+        let own = row.and_then(|row| row.get(index).copied()).unwrap_or(0.0);
+        1.0 + if own > 0.0 { more / own } else { 0.0 }
     }
 }
 
@@ -256,16 +261,18 @@ pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
             *left += drift;
         }
     }
-    let along = |score: &[f32; N]| {
-        let mut direction = core::array::from_fn(|i| dot(&p[i], score));
-        if let Some(found) = found {
-            found.add_along(score, &mut direction);
-        }
-        direction
+    let column = source.beginning.square > 0.0;
+    let score = match column {
+        true => source.beginning.moments,
+        false => source.start_score(&theta),
     };
-    let begun = match source.beginning.square > 0.0 {
-        true => source.begun(&theta, along(&source.beginning.moments)),
-        false => source.started(&theta, along, noise.spread),
+    let mut direction = core::array::from_fn(|i| dot(&p[i], &score));
+    if let Some(found) = found {
+        found.add_along(&score, &mut direction);
+    }
+    let begun = match column {
+        true => source.begun(&theta, direction),
+        false => source.started(direction, noise.spread),
     };
     if let Some(begun) = &begun {
         begun.take_out(&mut theta);

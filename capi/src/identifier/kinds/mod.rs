@@ -45,7 +45,7 @@ pub(super) unsafe fn of<'a>(settings: *const Settings) -> Result<&'a Settings, D
 }
 
 /// Words of 8 bytes of a `trendid_any`.
-pub const ANY_WORDS: usize = 280;
+pub const ANY_WORDS: usize = 300;
 
 /// Memory of an identifier of any structure: order 1 to 4, one or two inputs, up to
 /// `TRENDID_ANY_PARAMETERS_MAX` parameters.

@@ -15,7 +15,7 @@ use crate::settings::Settings;
 const COULOMB3: CoreStructure<3, 6, 2> = with_friction();
 
 /// Words of 8 bytes of a `trendid_servo2`.
-pub const SERVO2_WORDS: usize = 156;
+pub const SERVO2_WORDS: usize = 168;
 
 /// Memory of an identifier of `b0 / (s (s + a1))`.
 ///
@@ -44,7 +44,7 @@ pub unsafe extern "C" fn trendid_servo2_init(
 }
 
 /// Words of 8 bytes of a `trendid_servo3`.
-pub const SERVO3_WORDS: usize = 180;
+pub const SERVO3_WORDS: usize = 196;
 
 /// Memory of an identifier of `b0 / (s (s^2 + a2 s + a1))`.
 ///
@@ -73,7 +73,7 @@ pub unsafe extern "C" fn trendid_servo3_init(
 }
 
 /// Words of 8 bytes of a `trendid_coulomb2`.
-pub const COULOMB2_WORDS: usize = 180;
+pub const COULOMB2_WORDS: usize = 192;
 
 /// Memory of an identifier of `b0 / (s (s + a1)) with Coulomb friction`.
 ///
@@ -107,7 +107,7 @@ pub unsafe extern "C" fn trendid_coulomb2_init(
 }
 
 /// Words of 8 bytes of a `trendid_coulomb3`.
-pub const COULOMB3_WORDS: usize = 208;
+pub const COULOMB3_WORDS: usize = 228;
 
 /// Memory of an identifier of `b0 / (s (s^2 + a2 s + a1)) with Coulomb friction`.
 ///
