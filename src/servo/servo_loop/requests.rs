@@ -66,6 +66,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// The reference goes on as before.
     pub fn move_to(&mut self, target: f32) -> Result<(), Error> {
         self.is_under_control()?;
+        Error::unless_within("target", target, f32::MIN, f32::MAX)?;
         let bounds = self.guard.monitors.bounds();
         self.moves.trajectory.approach(EndApproach {
             time: 1.0 / bounds.frequency,

@@ -174,3 +174,14 @@ fn a_commissioning_does_not_begin_in_the_sample_of_a_fault() {
     bench.is_mute = false;
     assert_eq!(bench.step().0.state, State::Failed(Reason::SensorFault));
 }
+
+#[test]
+fn a_target_that_is_refused_changes_nothing() {
+    let mut bench = Bench::new(MODEL);
+    let _ = bench.step();
+    let before = bench.servo.moves.trajectory.clone();
+    for target in [f32::NAN, f32::INFINITY] {
+        assert!(bench.servo.move_to(target).is_err());
+        assert_eq!(bench.servo.moves.trajectory, before);
+    }
+}
