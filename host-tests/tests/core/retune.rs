@@ -15,7 +15,7 @@ fn found(theta: [f32; 5]) -> Option<Servo> {
 #[test]
 fn a_wrong_bandwidth_is_mended_by_retuning() {
     let seeds = 19100..19200_u64;
-    for rough in [7.0_f32, 60.0] {
+    for (rough, gain_limit) in [(7.0_f32, 0.72), (60.0, 0.87)] {
         let (mut fixed, mut tuned) = ([const { Vec::new() }; 3], [const { Vec::new() }; 3]);
         let mut gain_of_retuned = Vec::new();
         for seed in seeds.clone() {
@@ -68,8 +68,8 @@ fn a_wrong_bandwidth_is_mended_by_retuning() {
         // C is found by any slow filter, and retuning costs it the rows in which the new one
         // settles; omega0 and xi need one near the plant.
         assert!(tuned[1] < 0.75 * fixed[1] && tuned[2] < 0.85 * fixed[2]);
-        assert!(tuned[0] < 1.2 * fixed[0] && tuned[1] < 2.2 && tuned[2] < 3.5);
-        assert!(count >= 90 && gain < 0.9);
+        assert!(tuned[0] < gain_limit && tuned[1] < 2.2 && tuned[2] < 3.5);
+        assert!(count >= 90 && gain < gain_limit);
     }
 }
 
