@@ -3,6 +3,7 @@
 use core::array::from_fn;
 
 use crate::error::{ConfigError, check_not_negative, check_range, positive};
+use crate::estimation::beginning::Beginning;
 use crate::identifier::Identifier;
 use crate::readout::in_band;
 use crate::readout::s_plane::{theta_in_s_plane, theta_in_trend_plane};
@@ -69,9 +70,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         state.postponed.suspect();
         state.remain_known();
         state.estimator.resume(theta, scale, &limit);
-        let start_error = state.start_error;
-        state.begin_sums(&self.plan);
-        state.start_error = start_error;
+        state.beginning = Beginning::new(!self.plan.structure.initial_state());
         state.start_error.end(scale, self.plan.forgets);
         state.forgetting.replace_nominal(nominal);
         if same_filter {

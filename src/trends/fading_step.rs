@@ -25,7 +25,7 @@ pub(crate) struct FadingStep<const M: usize> {
 
 impl<const M: usize> FadingStep<M> {
     /// Before the step, for steps of `time`; 0 for trends without a filter. The slow pole stays in
-    /// where no other pole is as far from it as it is from 0.
+    /// where no other pole is as far from it as it is from 0, and where it is 0 in f32.
     #[inline(never)]
     pub(crate) fn new(design: &Design<M>, time: f32) -> Self {
         let filter = design.filter.unwrap_or([1.0; M]);
@@ -39,7 +39,7 @@ impl<const M: usize> FadingStep<M> {
         let mut states = [0.0; M];
         if design.filter.is_some() {
             states[0] = 1.0 / filter[0];
-            let mut slow = match slope.abs() >= raised(-pole, M - 1) {
+            let mut slow = match pole < 0.0 && slope.abs() >= raised(-pole, M - 1) {
                 true => 1.0 / (pole * slope),
                 false => 0.0,
             };
@@ -119,6 +119,24 @@ mod tests {
                     .iter()
                     .all(|t| t.abs() < 1e-3)
             );
+        }
+    }
+
+    #[test]
+    fn a_slow_pole_that_is_zero_in_f32_stays_in() {
+        for bandwidth in [1e-4_f32, 1e-3, 0.1] {
+            let Ok(trends) = FilteredTrends::<3>::for_bandwidth(Scheme::Tustin, 1e-4, bandwidth)
+            else {
+                continue;
+            };
+            let mut step = FadingStep::new(trends.design(), 0.1 / bandwidth);
+            for _ in 0..10 {
+                let found = step.advance(&trends.filter());
+                assert!(
+                    found.iter().all(|t| t.is_finite()),
+                    "{bandwidth}: {found:?}"
+                );
+            }
         }
     }
 
