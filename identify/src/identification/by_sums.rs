@@ -74,17 +74,21 @@ fn chosen(problem: &Problem, freedom: Freedom, progress: &dyn Progress) -> Resul
     };
     progress.begin(poles.len());
     let given = given(freedom.delay);
-    let mut judged = choose(problem, &poles, given as f64, progress)?;
+    let judged = choose(problem, &poles, given as f64, progress);
     let (mut at_end, mut delay_alike) = (false, None);
-    if freedom.delay == Choice::Auto {
-        let delays = Delays::of(problem, &judged);
-        let delay = delays.best;
-        (at_end, delay_alike) = (delay == LONGEST_DELAY, Some(delays.alike));
-        if delay != given {
-            judged = choose(problem, &poles, delay as f64, &())?;
+    let mut judged = match freedom.delay {
+        Choice::Given(_) => judged?,
+        Choice::Auto => {
+            let (judged, delays) = Delays::of(problem, &poles, judged)?;
+            let delay = delays.best;
+            (at_end, delay_alike) = (delay == LONGEST_DELAY, Some(delays.alike));
+            let judged = match delay == given && judged.fit.delay() == given as f64 {
+                true => judged,
+                false => choose(problem, &poles, delay as f64, &())?,
+            };
+            between_samples(problem, judged)
         }
-        judged = between_samples(problem, judged);
-    }
+    };
     if freedom.pole == Choice::Auto {
         judged = with_own_filter(problem, judged);
     }

@@ -20,6 +20,7 @@
 //! All trends are the core's; the sums are in f64. Cost: (r + p) (p + 1) multiplications per sample
 //! and pass for r twice filtered rows and p regressors, two or three passes.
 
+mod every_delay;
 mod factored;
 mod free_delay;
 mod lanes;
@@ -36,6 +37,7 @@ use crate::polynomials::{Pole, Polynomials, from_roots};
 use crate::problem::Problem;
 use crate::tuning::FASTEST;
 
+pub(crate) use every_delay::likely_delay;
 pub use later::DelayFound;
 pub use solve::Method;
 pub(crate) use sums::BLOCKS;
