@@ -1,5 +1,6 @@
 //! Records of linear plants behind a delay, from a simulation that shares nothing with the library:
-//! any delay is found, with a constant or without.
+//! any delay is found, with a constant or without, and without noise no parameter is further from
+//! the truth than its standard deviation says.
 
 use trendid_identify::structure_choice::{Range, select};
 use trendid_identify::{Choice, Freedom, Options, Problem, Signals, Structure, identify};
@@ -28,6 +29,8 @@ impl Uniform {
 struct Drawn {
     dt: f64,
     structure: Structure,
+    /// theta, from a_0 or behind an integrator a_1 on.
+    truth: Vec<f64>,
     delay: usize,
     u: Vec<f64>,
     y: Vec<f64>,
@@ -76,6 +79,9 @@ impl Drawn {
         };
         y.iter_mut()
             .for_each(|y| *y += offset + noise * size * draw.normal());
+        let mut truth = a[usize::from(integrator)..].to_vec();
+        truth.push(b);
+        truth.extend(constant.then_some(a[0] * offset));
         Self {
             dt,
             structure: Structure {
@@ -84,6 +90,7 @@ impl Drawn {
                 zeros: 0,
                 constant,
             },
+            truth,
             delay,
             u,
             y,
@@ -183,4 +190,31 @@ fn a_lag_behind_any_delay_is_selected() {
         }
     }
     assert!(missed.is_empty(), "{missed:?}");
+}
+
+/// What is left without noise is rounding, and the deviations contain it.
+#[test]
+fn without_noise_deviations_contain_the_rounding() {
+    let (mut largest, mut of_delay) = (0.0_f64, 0.0_f64);
+    for seed in 1..=24_u64 {
+        let drawn = Drawn::of(seed, seed % 4 == 3, 0.0);
+        let signals = drawn.signals();
+        let problem =
+            Problem::new(&signals, drawn.structure, Options::default()).expect("a problem");
+        let found = identify(&problem, SEARCHED, 0, &()).expect("a model");
+        let e = &found.estimate;
+        let each = drawn.truth.iter().zip(e.theta.iter().zip(&e.sigma));
+        for (j, (truth, (value, sigma))) in each.enumerate() {
+            let z = ((value - truth) / sigma).abs();
+            assert!(
+                z < 3.0,
+                "seed {seed}, parameter {j}: {value} +- {sigma} for {truth}"
+            );
+            largest = largest.max(z);
+        }
+        let sigma = found.delay_sigma().expect("a deviation");
+        of_delay = of_delay.max(((found.delay - drawn.delay as f64) / sigma).abs());
+    }
+    println!("largest: parameters {largest:.2}, delay {of_delay:.2}");
+    assert!(of_delay < 3.0);
 }

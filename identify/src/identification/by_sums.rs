@@ -127,7 +127,10 @@ pub(super) fn sharp(
     let at = |delay: f64, method: Method| Fit::new(problem, &filter, delay, method)?.refined();
     let free = || {
         let fit = at(delay, method)?.with_free_delay()?;
-        Ok::<_, Error>((fit.delay(), fit.found()?))
+        let found = fit.found()?;
+        // The parameters are those at the delay that the sums add, which are linear over a sample.
+        let shift = found.delay.as_ref().map_or(0.0, |found| found.shift);
+        Ok::<_, Error>(((fit.delay() + shift.clamp(-1.0, 1.0)).max(0.0), found))
     };
     let (delay, found) = match freedom.delay {
         Choice::Auto => match free() {
