@@ -2,17 +2,17 @@
 //!
 //! Samples, trends and their coefficients are rounded. The error of a coefficient, or of a level
 //! that returns, is no noise: it is the same wherever the signals are, so that the scores of the
-//! blocks do not contain all of it. Column j of the equations is taken to be wrong by the same share
-//! in the whole record and by another one in each block:
+//! blocks do not contain all of it. Column j of the equations is taken to be wrong by the same
+//! share in the whole record and by another one in each block:
 //!
 //! ```text
 //! P = r e^2 sum_j theta_j^2 (1_j 1_j' + sum_b x_bj x_bj')    x_bj = M^-1 (column j of M_b)
 //! r = 2 m + 1    of the sample, and of coefficient and sum of each of m integrations
 //! ```
 //!
-//! and the left-hand side as a column whose parameter is 1; so is that of a delay, the difference of
-//! two samples of which each is rounded. Known as: the error of least squares by
-//! perturbed columns (Golub and Van Loan, Matrix Computations, section 5.3).
+//! and the left-hand side as a column whose parameter is 1; so is that of a delay, the difference
+//! of two samples of which each is rounded. Known as: the error of least squares by perturbed
+//! columns (Golub and Van Loan, Matrix Computations, section 5.3).
 
 use nalgebra::DMatrix;
 
@@ -34,7 +34,8 @@ pub(super) fn rounding_of_delay(filter: &[f64], dt: f64) -> f64 {
     share(filter.len()) / (rate * dt)
 }
 
-/// Covariance of the parameters `theta` by rounding behind filters of an order; `None` where the equations are singular.
+/// Covariance of the parameters `theta` by rounding behind filters of an order; `None` where the
+/// equations are singular.
 pub(super) fn rounding(
     factored: &Factored,
     scores: &[Score],
