@@ -137,7 +137,11 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
         let motion = self.measured_motion(self.noise());
         if self.config.travel.admits(motion.position).is_err() {
-            self.fail(Reason::Implausible);
+            match self.start_requested {
+                // A commissioning may begin there.
+                true => self.supervisor.abort(),
+                false => self.fail(Reason::Implausible),
+            }
         } else if let Some(model) = self.supervisor.verified_model() {
             self.take_over(model, motion);
         }
