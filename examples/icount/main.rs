@@ -89,7 +89,10 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     }
     #[cfg(all(target_os = "none", target_abi = "eabihf"))]
     telemetry::rows(meter, samples(), samples().take(CALLS));
-    full(meter)?;
+    // Its code is the largest: 256 KiB have no room for it beside the others.
+    if cfg!(target_has_atomic = "32") {
+        full(meter)?;
+    }
     estimators(meter);
     bounded_estimators(meter);
     Ok(())

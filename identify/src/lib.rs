@@ -21,6 +21,7 @@
 //! | [`polynomials`] | a model as its polynomials |
 //! | [`delay_choice`] | the delay by that judge |
 //! | [`search`] | what a search may choose |
+//! | [`poor_input`] | inputs that do not tell a delay |
 //! | [`identification`] | one structure: search, estimate, held-out fit |
 //! | [`structure_choice`] | many structures compared |
 //! | [`mod@side_by_side`] | work on all processors |
@@ -62,6 +63,7 @@ pub mod held_friction;
 pub mod identification;
 pub mod instruments;
 pub mod polynomials;
+pub mod poor_input;
 pub mod problem;
 pub mod run;
 mod sampled;

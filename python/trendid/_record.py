@@ -213,7 +213,7 @@ def identify(
     zeros : ``b0 .. b_zeros`` of each input are estimated
     constant : an offset; its standard deviation says whether the record shows one
     coulomb : adds sgn(v); True takes v from the filtered output, an array is the measured velocity
-    delay : of the inputs in samples, or ``'auto'``: the best of 0 to 6, and of longer ones up to 200 for as long as the longest wins
+    delay : of the inputs in samples, or ``'auto'``: the best of 0 to 200
     pole : filter poles [rad/s], ``'auto'`` (by folds of the record that the model has not seen), or None for raw trends
     memory : of the estimator [s]; without it nothing is forgotten
     scheme : ``'tustin'`` or ``'goodwin'``, the trends of the recursion

@@ -47,8 +47,7 @@ pub(crate) struct IdentifyArgs {
     /// Number of zeros: b0 .. bK of each input are estimated
     #[arg(long, value_name = "K", default_value_t = 0)]
     zeros: usize,
-    /// Delay of the inputs in samples, or the best of 0 to 6 and of longer ones, up to 200, for as
-    /// long as the longest wins
+    /// Delay of the inputs in samples, or the best of 0 to 200
     #[arg(long, value_name = "D|auto", default_value = "0", value_parser = delay)]
     delay: Choice<usize>,
     /// Filter poles in rad/s, `auto` (those whose model is sharpest where it simulates eighths of

@@ -37,8 +37,7 @@ pub(crate) struct SelectArgs {
     /// Try only structures with an integrator (a0 = 0)
     #[arg(long)]
     integrator: bool,
-    /// Delay in samples, or the best of 0 to 6 and of longer ones, up to 200, for as long as the
-    /// longest wins
+    /// Delay in samples, or the best of 0 to 200
     #[arg(long, value_name = "D|auto", default_value = "auto", value_parser = delay)]
     delay: Choice<usize>,
     /// Filter poles in rad/s, or `auto`: for each structure its own

@@ -159,7 +159,7 @@ fn delay_friction_and_several_inputs_are_found() {
         args.extend(["--input", "u", "--input", "w", "--delay", "auto", "--json"]);
         args.extend(coulomb);
         let value = json(&args);
-        assert_eq!(value["delay_s"], 0.004, "{coulomb:?}");
+        near(&value["delay_s"], 0.004, 0.01);
         near(&value["a"][1], 3.0, 3.0);
         let inputs = value["inputs"].as_array().unwrap();
         let names: Vec<&str> = inputs.iter().map(|i| i["name"].as_str().unwrap()).collect();

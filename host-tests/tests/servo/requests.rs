@@ -126,3 +126,51 @@ fn a_commissioning_that_is_asked_for_in_motion_begins_at_rest() {
         "{accepted} of {asked}"
     );
 }
+
+#[test]
+fn a_commissioning_that_is_asked_for_before_the_first_sample_begins_at_rest() {
+    let (mut asked, mut accepted) = (0, 0);
+    for family in Family::ALL {
+        for (mut machine, mut random) in machines(family, 312_001..312_005) {
+            let axis = *machine.bench.axis();
+            let scale = Scale::new((axis.resolution_mm / UNIT_MM) as f32).expect("scale");
+            let sensor = Axis {
+                scale,
+                reference: 0,
+            };
+            let record = machine.servo.record().expect("a model");
+            for round in 0..4 {
+                let there = if round % 2 == 0 { 0.25 } else { 0.75 };
+                assert_eq!(ask(&mut machine, there), Ok(()));
+                let _ = pass(&mut machine, 0.1 + 0.4 * random.random::<f64>());
+                let config = stated(&axis, UNIT_MM);
+                machine
+                    .servo
+                    .reconfigure(&config, sensor)
+                    .expect("settings");
+                machine.servo.resume(&record).expect("a model");
+                machine.servo.commission();
+                let told = format!("{family:?} {} {round}", axis.seed);
+                let (end, mut state) = (machine.bench.time() + 8.0, State::Idle);
+                let mut began = false;
+                while machine.bench.time() < end && !(began && state.is_controlling()) {
+                    state = machine.step().state;
+                    began |= state.is_commissioning();
+                    assert!(!matches!(state, State::Failed(_)), "{told}: {state:?}");
+                }
+                asked += 1;
+                if !(began && state.is_controlling()) {
+                    println!("{told}: began {began}, {state:?}");
+                    break;
+                }
+                accepted += 1;
+                let blow = machine.bench.blow_mm_s;
+                assert!(blow < BLOW, "{told}: {blow:.0} mm/s");
+            }
+        }
+    }
+    assert!(
+        asked >= 60 && accepted + 2 >= asked,
+        "{accepted} of {asked}"
+    );
+}

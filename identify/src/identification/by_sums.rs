@@ -74,17 +74,21 @@ fn chosen(problem: &Problem, freedom: Freedom, progress: &dyn Progress) -> Resul
     };
     progress.begin(poles.len());
     let given = given(freedom.delay);
-    let mut judged = choose(problem, &poles, given as f64, progress)?;
+    let judged = choose(problem, &poles, given as f64, progress);
     let (mut at_end, mut delay_alike) = (false, None);
-    if freedom.delay == Choice::Auto {
-        let delays = Delays::of(problem, &judged);
-        let delay = delays.best;
-        (at_end, delay_alike) = (delay == LONGEST_DELAY, Some(delays.alike));
-        if delay != given {
-            judged = choose(problem, &poles, delay as f64, &())?;
+    let mut judged = match freedom.delay {
+        Choice::Given(_) => judged?,
+        Choice::Auto => {
+            let (judged, delays) = Delays::of(problem, &poles, judged)?;
+            let delay = delays.best;
+            (at_end, delay_alike) = (delay == LONGEST_DELAY, Some(delays.alike));
+            let judged = match delay == given && judged.fit.delay() == given as f64 {
+                true => judged,
+                false => choose(problem, &poles, delay as f64, &())?,
+            };
+            between_samples(problem, judged)
         }
-        judged = between_samples(problem, judged);
-    }
+    };
     if freedom.pole == Choice::Auto {
         judged = with_own_filter(problem, judged);
     }
@@ -123,7 +127,10 @@ pub(super) fn sharp(
     let at = |delay: f64, method: Method| Fit::new(problem, &filter, delay, method)?.refined();
     let free = || {
         let fit = at(delay, method)?.with_free_delay()?;
-        Ok::<_, Error>((fit.delay(), fit.found()?))
+        let found = fit.found()?;
+        // The parameters are those at the delay that the sums add, which are linear over a sample.
+        let shift = found.delay.as_ref().map_or(0.0, |found| found.shift);
+        Ok::<_, Error>(((fit.delay() + shift.clamp(-1.0, 1.0)).max(0.0), found))
     };
     let (delay, found) = match freedom.delay {
         Choice::Auto => match free() {

@@ -5,6 +5,8 @@ use trendid::trends::{
 };
 use trendid::{ConfigError, trends::AnyMemory};
 
+use crate::polynomials::{Pole, from_roots, roots};
+
 /// Trends 0 .. m-1 and the top one, then zeros.
 pub(crate) type Values = [f64; 5];
 
@@ -30,7 +32,11 @@ pub(crate) trait Design: Send {
     fn to_s_plane(&self, a: &[f64], integrators: usize, zeros: bool) -> Option<(Vec<f64>, f64)>;
 }
 
-struct Operator<const M: usize>(AnyTrends<M>);
+struct Operator<const M: usize> {
+    trends: AnyTrends<M>,
+    /// As it is, and as the trends take it.
+    sample_time: (f64, f32),
+}
 
 struct Signal<const M: usize> {
     trends: AnyTrends<M>,
@@ -71,6 +77,7 @@ fn sized<const M: usize>(
     filter: &[f64],
     model: Option<&[f64]>,
 ) -> Result<Box<dyn Design>, ConfigError> {
+    let sample_time = (dt, dt as f32);
     let (dt, filter) = (dt as f32, narrow(filter));
     let trends = match model {
         None => AnyTrends::Filtered(FilteredTrends::from_polynomial(Scheme::Tustin, dt, filter)?),
@@ -80,14 +87,17 @@ fn sized<const M: usize>(
             AnyTrends::Exact(exact.with_model(narrow(model)).unwrap_or(exact))
         }
     };
-    Ok(Box::new(Operator::<M>(trends)))
+    Ok(Box::new(Operator::<M> {
+        trends,
+        sample_time,
+    }))
 }
 
 impl<const M: usize> Design for Operator<M> {
     fn of_output(&self, form: Form, first: f32) -> Box<dyn Lane> {
         Box::new(Signal {
-            trends: self.0.clone(),
-            memory: Memory::output_at_rest(self.0.design(), form, first),
+            trends: self.trends.clone(),
+            memory: Memory::output_at_rest(self.trends.design(), form, first),
             form,
             hold: Hold::Zero,
         })
@@ -95,29 +105,57 @@ impl<const M: usize> Design for Operator<M> {
 
     fn of_input(&self, hold: Hold) -> Box<dyn Lane> {
         Box::new(Signal {
-            trends: self.0.clone(),
-            memory: Memory::input_at_rest(self.0.design(), hold, 0.0),
+            trends: self.trends.clone(),
+            memory: Memory::input_at_rest(self.trends.design(), hold, 0.0),
             form: Form::Position,
             hold,
         })
     }
 
     fn filter(&self) -> Vec<f64> {
-        let filter = self.0.design().filter.unwrap_or([0.0; M]);
+        let filter = self.trends.design().filter.unwrap_or([0.0; M]);
         filter.iter().copied().map(f64::from).collect()
     }
 
     fn to_s_plane(&self, a: &[f64], integrators: usize, zeros: bool) -> Option<(Vec<f64>, f64)> {
-        let design = self.0.design();
+        let design = self.trends.design();
         match design.to_s_plane(&narrow(a), integrators, zeros) {
+            Some(mapped) if matches!(self.trends, AnyTrends::Exact(_)) => {
+                let exact = poles_of_s_plane(a, integrators, self.sample_time)?;
+                let numerator = f64::from(mapped.numerator);
+                let numerator = match (mapped.a.get(integrators), exact.get(integrators)) {
+                    (Some(rounded), Some(exact)) => numerator * exact / f64::from(*rounded),
+                    _ => numerator,
+                };
+                Some((exact, numerator))
+            }
             Some(mapped) => {
                 let a = mapped.a.iter().copied().map(f64::from).collect();
                 Some((a, f64::from(mapped.numerator)))
             }
-            None if matches!(self.0, AnyTrends::Exact(_)) => None,
+            None if matches!(self.trends, AnyTrends::Exact(_)) => None,
             None => Some((a.to_vec(), 1.0)),
         }
     }
+}
+
+/// The denominator with the poles `p = (2/h) artanh(h' gamma/2)` of those of `a`, h the sample time
+/// and h' that of the trends, which is rounded: the map of the core without its rounding.
+fn poles_of_s_plane(a: &[f64], integrators: usize, (h, rounded): (f64, f32)) -> Option<Vec<f64>> {
+    let half = 0.5 * f64::from(rounded);
+    let poles = roots(&a[integrators..])?;
+    let map = |(re, im): Pole| {
+        // artanh z = ln((1 + z)/(1 - z))/2
+        let (x, y) = (half * re, half * im);
+        let ratio = (1.0 - x).powi(2) + y * y;
+        let re = (4.0 * x / ratio).ln_1p() / (2.0 * h);
+        let im = (2.0 * y).atan2(1.0 - x * x - y * y) / h;
+        re.is_finite().then_some((re, im))
+    };
+    let poles: Option<Vec<Pole>> = poles.into_iter().map(map).collect();
+    let mut mapped = vec![0.0; integrators];
+    mapped.extend(from_roots(&poles?));
+    Some(mapped)
 }
 
 impl<const M: usize> Lane for Signal<M> {

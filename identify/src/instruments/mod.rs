@@ -20,10 +20,13 @@
 //! All trends are the core's; the sums are in f64. Cost: (r + p) (p + 1) multiplications per sample
 //! and pass for r twice filtered rows and p regressors, two or three passes.
 
+mod auxiliary;
+mod every_delay;
 mod factored;
 mod free_delay;
 mod lanes;
 mod later;
+mod rounding;
 mod solve;
 mod spread;
 mod sums;
@@ -36,7 +39,10 @@ use crate::polynomials::{Pole, Polynomials, from_roots};
 use crate::problem::Problem;
 use crate::tuning::FASTEST;
 
+use auxiliary::near;
+pub(crate) use every_delay::likely_delay;
 pub use later::DelayFound;
+use rounding::rounding_of_delay;
 pub use solve::Method;
 pub(crate) use sums::BLOCKS;
 use sums::{Setting, Sums};
@@ -51,12 +57,11 @@ const PASSES: usize = 2;
 /// estimate.
 const FURTHER_PASSES: usize = 4;
 
-/// Numerators that differ by less than this from those without a hold need no further pass.
-const NEGLIGIBLE: f64 = 1e-5;
+/// Numerators that are wrong by less than this need no further pass: the rounding of the trends.
+const NEGLIGIBLE: f64 = f32::EPSILON as f64;
 
-/// The slowest and the fastest auxiliary pole: 1/(0.2 T) and 0.3/h.
-const SLOWEST_SHARE: f64 = 0.2;
-const FASTEST_SHARE: f64 = 0.3;
+/// Auxiliary denominators that differ by less than this serve as well.
+const ALIKE: f64 = 0.02;
 
 /// A filter and a delay over a record, with the sums that answer every question about them.
 pub struct Fit<'a> {
@@ -149,7 +154,9 @@ impl<'a> Fit<'a> {
         let poles = model.poles(usize::from(problem.structure.integrator))?;
         let size = |(re, im): &Pole| re.hypot(*im) * dt;
         let fastest = poles.iter().map(size).fold(0.0, f64::max);
-        let exact = fastest * fastest / 12.0 > NEGLIGIBLE && fastest < FASTEST;
+        // Numerators of another denominator are wrong by its distance times this.
+        let of_distance = fastest * fastest / 12.0;
+        let exact = of_distance > NEGLIGIBLE && fastest < FASTEST;
         let next = Setting {
             auxiliary: problem.within_reach(&poles),
             model: match exact {
@@ -158,8 +165,8 @@ impl<'a> Fit<'a> {
             },
             ..self.setting.clone()
         };
-        let settled = near(&next.auxiliary, &self.setting.auxiliary)
-            && near(&next.model, &self.setting.model);
+        let settled = near(&next.auxiliary, &self.setting.auxiliary, ALIKE)
+            && near(&next.model, &self.setting.model, NEGLIGIBLE / of_distance);
         let needed = self.method == Method::Instruments || exact;
         (needed && !settled).then_some(next)
     }
@@ -233,6 +240,8 @@ impl<'a> Fit<'a> {
             Some(covariance) => {
                 let slope = self.slope(&solution.theta, &theta, covariance);
                 if let Some(delay) = &mut delay {
+                    let rounding = rounding_of_delay(&self.setting.filter, self.problem.signals.dt);
+                    delay.sigma = delay.sigma.hypot(rounding);
                     let with = DVector::from_column_slice(&delay.with);
                     delay.with = (&slope * with).as_slice().to_vec();
                 }
@@ -264,32 +273,5 @@ impl<'a> Fit<'a> {
             }
         }
         slope
-    }
-}
-
-/// Whether two polynomials are alike: another pass would change little.
-fn near(p: &[f64], q: &[f64]) -> bool {
-    p.len() == q.len()
-        && p.iter()
-            .zip(q)
-            .all(|(p, q)| (p - q).abs() <= 0.02 * p.abs())
-}
-
-impl Problem<'_> {
-    /// The auxiliary denominator with these poles: stable, and within what the record shows.
-    fn within_reach(&self, poles: &[Pole]) -> Vec<f64> {
-        let dt = self.signals.dt;
-        let slowest = 1.0 / (SLOWEST_SHARE * self.samples() as f64 * dt);
-        let fastest = (FASTEST_SHARE / dt).max(slowest);
-        let limited: Vec<Pole> = poles
-            .iter()
-            .map(|(re, im)| {
-                (
-                    -re.abs().clamp(slowest, fastest),
-                    im.clamp(-1.0 / dt, 1.0 / dt),
-                )
-            })
-            .collect();
-        from_roots(&limited)
     }
 }

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::instruments::factored::{Factored, sizes};
 use crate::instruments::later::DelayFound;
+use crate::instruments::rounding::rounding;
 use crate::instruments::spread::{Score, spread};
 use crate::instruments::sums::{BLOCKS, Sums};
 
@@ -156,7 +157,14 @@ impl Sums {
             .collect();
         let whole = self.combined(&self.total(|_| false), b.as_deref());
         let matrix = DMatrix::from_fn(n, n, |i, j| whole[(present[i], present[j])]);
-        let (covariance, effective_blocks) = spread(&Factored::new(&matrix)?, &scores, unknowns)?;
+        let factored = Factored::new(&matrix)?;
+        let (covariance, effective_blocks) = spread(&factored, &scores, unknowns)?;
+        let of_column = |j: &usize| match *j < unknowns && *j >= p {
+            true => 1.0,
+            false => theta[*j],
+        };
+        let of_columns: Vec<f64> = present.iter().map(of_column).collect();
+        let covariance = covariance + rounding(&factored, &scores, &of_columns, self.layout.order)?;
         let delay = self.layout.later.then(|| DelayFound {
             shift: theta[p],
             sigma: covariance[(p, p)].sqrt(),

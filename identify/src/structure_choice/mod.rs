@@ -198,18 +198,16 @@ fn candidate(
         _ => filter_choice::poles(problem.samples(), problem.signals.dt),
     };
     let at = |delay: usize| filter_choice::choose(&problem, &poles, delay as f64, &());
-    let first = match freedom.delay {
-        Choice::Given(delay) => {
-            let candidate = passed(&problem, at(delay).map_err(|_| Drop::Unstable)?, freedom)?;
-            return Ok(Candidate {
-                delay_at_end: false,
-                ..candidate
-            });
-        }
-        Choice::Auto => at(0).or_else(|_| at(DELAYS / 2)),
-    };
-    let first = first.map_err(|_| Drop::Unstable)?;
-    let found = Delays::of(&problem, &first);
+    if let Choice::Given(delay) = freedom.delay {
+        let candidate = passed(&problem, at(delay).map_err(|_| Drop::Unstable)?, freedom)?;
+        return Ok(Candidate {
+            delay_at_end: false,
+            ..candidate
+        });
+    }
+    let near = at(0).or_else(|_| at(DELAYS / 2));
+    let searched = Delays::of(&problem, &poles, near);
+    let (first, found) = searched.map_err(|_| Drop::Unstable)?;
     let delays = [found.best, found.alike[0], found.usual];
     let around = |delay: usize| {
         let near: Vec<f64> = poles

@@ -78,7 +78,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let grain = self.grain(self.noise());
         let y = self.sensed.position;
         let state = self.supervisor.state();
-        let controls = state.is_controlling() && !self.awaits_motion();
+        let unknown = self.awaits_motion();
+        let controls = state.is_controlling() && !unknown;
         let arrived = !controls || self.moves.trajectory.is_finished();
         let middles = self.commissioning.middles();
         let bounds = self.guard.monitors.bounds();
@@ -88,7 +89,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             0 => {
                 let speed = self.moves.tracking.significant(grain).velocity;
                 let inside = !controls || middles.contains(y);
-                !(arrived && inside && speed.abs() <= self.config.min_speed())
+                let slow = speed.abs() <= self.config.min_speed();
+                unknown || !(arrived && inside && slow)
             }
             since => halt.stood < most && since < HALT_MOST.saturating_mul(most),
         };
@@ -135,7 +137,11 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
         let motion = self.measured_motion(self.noise());
         if self.config.travel.admits(motion.position).is_err() {
-            self.fail(Reason::Implausible);
+            match self.start_requested {
+                // A commissioning may begin there.
+                true => self.supervisor.abort(),
+                false => self.fail(Reason::Implausible),
+            }
         } else if let Some(model) = self.supervisor.verified_model() {
             self.take_over(model, motion);
         }

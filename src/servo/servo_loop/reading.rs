@@ -71,11 +71,12 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 .monitors
                 .place(Motion::at(y), self.limiter.last());
             // Control was asked for before anybody knew where the axis is.
-            let controls = self.supervisor.state().is_controlling() && !self.start_requested;
-            if controls && self.config.travel.admits(y).is_err() {
-                self.fail(Reason::Implausible);
-            } else if controls {
-                self.await_motion();
+            if self.supervisor.state().is_controlling() {
+                if self.start_requested || self.config.travel.admits(y).is_ok() {
+                    self.await_motion();
+                } else {
+                    self.fail(Reason::Implausible);
+                }
             }
         }
         if self.start_requested && !self.comes_to_rest() {
