@@ -55,7 +55,7 @@ fn median(values: &[f64]) -> f64 {
 /// Errors of the gain against the axis itself, of usual pneumatic ones: without a dead zone, told
 /// it, with one that is found with its middle, and by the loop.
 fn errors_of_the_gain(seeds: std::ops::Range<u64>) -> [Vec<f64>; 4] {
-    let scratch = Scratch::new("valve-records");
+    let scratch = Scratch::new(&format!("valve-records-{seeds:?}"));
     let mut errors: [Vec<f64>; 4] = Default::default();
     for seed in seeds {
         let (csv, [gain, omega0, learned, zone]) = record(seed);
