@@ -873,9 +873,9 @@ trendid_error trendid_loop_oscillate(struct trendid_loop *servo,
                                      float frequency,
                                      struct trendid_detail *detail);
 
-// Takes a model that is known to be good: control begins with the next sample, with the motion that
-// the axis then has, and lets it run out. Before the first position the valve is in its middle
-// until the readings show that motion.
+// Takes a model that is known to be good: control begins with the next sample, with the motion
+// that the axis then has, and lets it run out. Before the first position the valve is in its
+// middle until the readings show that motion.
 //
 // `TRENDID_ERROR_OUT_OF_RANGE` with the position where the axis stands beyond its travel by more
 // than a hundredth of it; where that is seen with the next sample, the state is failed with

@@ -17,9 +17,9 @@ use crate::servo::supervision::state::Reason;
 ///
 /// What stops within that time may have met an end of the travel, or friction. Then the
 /// [`Response`] decides, by what it has shown when the valve was still open, and, with half of that
-/// weight, until now. A motion that is faint beside the commands is none; where it has displaced the
-/// axis against them, it is that of a spool which is a little open, as a wrong sign shows all of
-/// them.
+/// weight, until now. A motion that is faint beside the commands is none; where it has displaced
+/// the axis against them, it is that of a spool which is a little open, as a wrong sign shows all
+/// of them.
 ///
 /// Cost: about 8 instructions, 40 in the last sample.
 #[derive(Debug, Clone, PartialEq, Default)]
