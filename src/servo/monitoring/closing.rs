@@ -32,8 +32,9 @@ pub(crate) struct Closing {
     mirrored: f32,
     /// Whether the axis has met an end of the travel since then.
     met: bool,
-    /// Whether it was displaced before.
+    /// Whether it was displaced before, and little for its commands.
     displaced: bool,
+    weak: bool,
 }
 
 /// Share of the largest speed above which the axis goes on.
@@ -59,6 +60,7 @@ impl Closing {
         bounds: &Bounds,
     ) {
         self.displaced = displaced;
+        self.weak = response.is_weak();
         self.left = bounds.stop.closing;
         self.way = sign(velocity);
         self.peak = velocity.abs();
@@ -96,7 +98,7 @@ impl Closing {
             } else {
                 Reason::Blocked
             }
-        } else if self.mirrored + CLOSED * response.mirrored() > 0.0 {
+        } else if self.mirrored + CLOSED * response.mirrored() > 0.0 && !self.weak {
             Reason::WrongSign
         } else {
             Reason::ValveStuck
