@@ -1,7 +1,6 @@
 //! Sensor, identifier, supervisor, controller and valve in one call per sample.
 
 mod begin;
-mod beginning;
 pub(crate) mod commands;
 pub(crate) mod drive;
 mod guard;
@@ -109,15 +108,10 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             self.fail(Reason::ValveFault);
             return self.report(setpoint, 0.0, None, false);
         };
-        let state = self.supervisor.state();
-        if state.is_commissioning() {
+        if self.supervisor.state().is_commissioning() {
             self.commissioning.applied(y, command);
             let retuned = self.commission_on(command);
             return self.report(setpoint, command, None, retuned);
-        }
-        if self.takeover.watching > 0 && state.is_controlling() {
-            self.watch_motion();
-            return self.report(setpoint, command, None, false);
         }
         let along = self.drive.sign * command;
         self.controller.applied(along);
@@ -149,8 +143,6 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 Progress::Failed(_) => 0.0,
             };
             (Setpoint::at(y), command)
-        } else if state.is_controlling() && self.takeover.watching > 0 {
-            (Setpoint::at(y), self.drive.sign * self.controller.middle())
         } else if state.is_controlling() {
             let setpoint = self.moves.trajectory.update();
             let command = self.controller.update(&setpoint, y);
@@ -178,7 +170,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         retuned: bool,
     ) -> Report {
         Report {
-            state: self.reported_state(),
+            state: self.supervisor.state(),
             position: self.sensed.position,
             setpoint,
             command,

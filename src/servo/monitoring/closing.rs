@@ -17,9 +17,7 @@ use crate::servo::supervision::state::Reason;
 ///
 /// What stops within that time may have met an end of the travel, or friction. Then the
 /// [`Response`] decides, by what it has shown when the valve was still open, and, with half of that
-/// weight, until now. A motion that is faint beside the commands is none; where it has displaced
-/// the axis against them, it is that of a spool which is a little open, as a wrong sign shows all
-/// of them.
+/// weight, until now.
 ///
 /// Cost: about 8 instructions, 40 in the last sample.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -32,9 +30,6 @@ pub(crate) struct Closing {
     mirrored: f32,
     /// Whether the axis has met an end of the travel since then.
     met: bool,
-    /// Whether it was displaced before, and little for its commands.
-    displaced: bool,
-    weak: bool,
 }
 
 /// Share of the largest speed above which the axis goes on.
@@ -52,15 +47,7 @@ impl Closing {
     }
 
     /// The valve closes while the axis moves so fast.
-    pub(crate) fn begin(
-        &mut self,
-        velocity: f32,
-        displaced: bool,
-        response: &Response,
-        bounds: &Bounds,
-    ) {
-        self.displaced = displaced;
-        self.weak = response.is_weak();
+    pub(crate) fn begin(&mut self, velocity: f32, response: &Response, bounds: &Bounds) {
         self.left = bounds.stop.closing;
         self.way = sign(velocity);
         self.peak = velocity.abs();
@@ -93,12 +80,8 @@ impl Closing {
         Some(if along > GOES_ON * self.peak {
             Reason::ValveStuck
         } else if response.is_faint() {
-            if self.displaced {
-                Reason::ValveStuck
-            } else {
-                Reason::Blocked
-            }
-        } else if self.mirrored + CLOSED * response.mirrored() > 0.0 && !self.weak {
+            Reason::Blocked
+        } else if self.mirrored + CLOSED * response.mirrored() > 0.0 {
             Reason::WrongSign
         } else {
             Reason::ValveStuck
@@ -136,7 +119,7 @@ mod tests {
             let weight = closing.weight(false);
             response.update(u, motion.velocity, weight, &bounds);
             if k == last {
-                closing.begin(motion.velocity, false, &response, &bounds);
+                closing.begin(motion.velocity, &response, &bounds);
             } else if k > last
                 && let Some(reason) = closing.update(motion.velocity, &response)
             {
@@ -170,27 +153,11 @@ mod tests {
     }
 
     #[test]
-    fn a_faint_motion_counts_where_it_has_displaced_the_axis() {
-        let bounds = example::bounds(&Model::linear(400.0, 20.0, 4e5));
-        let mut response = Response::default();
-        for _ in 0..500 {
-            response.update(1.0, -20.0, 1.0, &bounds);
-        }
-        assert!(response.is_faint());
-        for (displaced, reason) in [(false, Reason::Blocked), (true, Reason::ValveStuck)] {
-            let mut closing = Closing::default();
-            closing.begin(-20.0, displaced, &response, &bounds);
-            let found = (0..2000).find_map(|_| closing.update(0.0, &response));
-            assert_eq!(found, Some(reason));
-        }
-    }
-
-    #[test]
     fn what_an_end_of_the_travel_makes_of_the_motion_does_not_count() {
         let bounds = example::bounds(&Model::linear(400.0, 20.0, 4e5));
         let mut closing = Closing::default();
         assert_eq!(closing.weight(true), 1.0, "before");
-        closing.begin(100.0, false, &Response::default(), &bounds);
+        closing.begin(100.0, &Response::default(), &bounds);
         assert_eq!(closing.weight(false), CLOSED_WEIGHT);
         assert_eq!(closing.weight(true), 0.0);
         assert_eq!(closing.weight(false), 0.0, "and after it");
