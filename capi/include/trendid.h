@@ -855,7 +855,9 @@ trendid_error trendid_loop_update_blind(struct trendid_loop *servo, struct trend
 // Says that the valve did not take the last command: the next sample stops the axis.
 trendid_error trendid_loop_valve_fault(struct trendid_loop *servo);
 
-// Commissions the axis with the next sample, around the position it then has. The axis moves.
+// Commissions the axis with the next sample, around the position it then has. The axis moves. One
+// in motion first comes to rest: in control within the limits of motion, at a place with room to
+// both ends, else behind the closed valve.
 trendid_error trendid_loop_commission(struct trendid_loop *servo);
 
 // Stops commissioning or control: the valve closes at its rate limit, the verified model is kept.
@@ -871,8 +873,9 @@ trendid_error trendid_loop_oscillate(struct trendid_loop *servo,
                                      float frequency,
                                      struct trendid_detail *detail);
 
-// Takes a model that is known to be good: control begins with the next sample, at the actual
-// position.
+// Takes a model that is known to be good: control begins with the next sample, with the motion
+// that the axis then has, and lets it run out. Before the first position the valve is in its
+// middle until the readings show that motion.
 //
 // `TRENDID_ERROR_OUT_OF_RANGE` with the position where the axis stands beyond its travel by more
 // than a hundredth of it; where that is seen with the next sample, the state is failed with
@@ -895,8 +898,8 @@ trendid_error trendid_loop_store(const struct trendid_loop *servo,
                                  uint8_t *bytes,
                                  size_t count);
 
-// Control from the next sample on with a stored model, at the actual position, as the record of
-// this machine and these settings; refused for the place of the axis as by
+// Control from the next sample on with a stored model, in the motion that the axis then has, as
+// the record of this machine and these settings; refused for the place of the axis as by
 // `trendid_loop_install`.
 //
 // `sequence`, if not NULL, gets the number of the record; `detail`, if not NULL, says what was

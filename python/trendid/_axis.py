@@ -122,7 +122,7 @@ class ServoLoop:
         self._loop = _trendid.AxisLoop(values, known, flag_of(adaptive, "adaptive"), wanted)
 
     def commission(self) -> None:
-        """Commissions the axis with the next sample, around the position that it then has."""
+        """Commissions the axis with the next sample, around the position that it then has; one in motion first comes to rest."""
         self._loop.commission()
 
     def abort(self) -> None:

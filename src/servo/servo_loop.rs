@@ -1,6 +1,7 @@
 //! Sensor, identifier, supervisor, controller and valve in one call per sample.
 
 mod begin;
+mod beginning;
 pub(crate) mod commands;
 pub(crate) mod drive;
 mod guard;
@@ -108,10 +109,15 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             self.fail(Reason::ValveFault);
             return self.report(setpoint, 0.0, None, false);
         };
-        if self.supervisor.state().is_commissioning() {
+        let state = self.supervisor.state();
+        if state.is_commissioning() {
             self.commissioning.applied(y, command);
             let retuned = self.commission_on(command);
             return self.report(setpoint, command, None, retuned);
+        }
+        if self.takeover.watching > 0 && state.is_controlling() {
+            self.watch_motion();
+            return self.report(setpoint, command, None, false);
         }
         let along = self.drive.sign * command;
         self.controller.applied(along);
@@ -143,6 +149,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 Progress::Failed(_) => 0.0,
             };
             (Setpoint::at(y), command)
+        } else if state.is_controlling() && self.takeover.watching > 0 {
+            (Setpoint::at(y), self.drive.sign * self.controller.middle())
         } else if state.is_controlling() {
             let setpoint = self.moves.trajectory.update();
             let command = self.controller.update(&setpoint, y);
@@ -170,7 +178,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         retuned: bool,
     ) -> Report {
         Report {
-            state: self.supervisor.state(),
+            state: self.reported_state(),
             position: self.sensed.position,
             setpoint,
             command,

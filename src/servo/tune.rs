@@ -96,8 +96,8 @@ impl<S, V> ServoLoop<S, V> {
         self.takeover.tuning = None;
     }
 
-    /// Control from the next sample on with what an earlier commissioning found, at the actual
-    /// position.
+    /// Control from the next sample on with what an earlier commissioning found, in the motion that
+    /// the axis then has, as [`install`](Self::install).
     ///
     /// # Errors
     /// [`Error::Model`] with the reason, when the model does not pass what every candidate must,
@@ -145,6 +145,8 @@ impl<S, V> ServoLoop<S, V> {
             .screening
             .admits(&model)
             .map_err(Error::Model)?;
+        // The observer that knows it is replaced.
+        let motion = self.present_motion(self.config.noise.unwrap_or(noise));
         let before = self.takeover.building.take();
         loop {
             match self.build(&found) {
@@ -156,7 +158,7 @@ impl<S, V> ServoLoop<S, V> {
                 }
             }
         }
-        self.install(model)?;
+        self.install_in(model, motion)?;
         self.supervisor.recall([a1, a2, b0]);
         Ok(())
     }

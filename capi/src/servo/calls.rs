@@ -121,7 +121,9 @@ pub unsafe extern "C" fn trendid_loop_valve_fault(servo: *mut Loop) -> Error {
     code(unsafe { body(servo) }.map(|body| body.servo.valve_mut().fault = true))
 }
 
-/// Commissions the axis with the next sample, around the position it then has. The axis moves.
+/// Commissions the axis with the next sample, around the position it then has. The axis moves. One
+/// in motion first comes to rest: in control within the limits of motion, at a place with room to
+/// both ends, else behind the closed valve.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_loop_commission(servo: *mut Loop) -> Error {
     // SAFETY: by the contract of the header.
@@ -179,8 +181,9 @@ pub unsafe extern "C" fn trendid_loop_oscillate(
     }
 }
 
-/// Takes a model that is known to be good: control begins with the next sample, at the actual
-/// position.
+/// Takes a model that is known to be good: control begins with the next sample, with the motion
+/// that the axis then has, and lets it run out. Before the first position the valve is in its
+/// middle until the readings show that motion.
 ///
 /// `TRENDID_ERROR_OUT_OF_RANGE` with the position where the axis stands beyond its travel by more
 /// than a hundredth of it; where that is seen with the next sample, the state is failed with
@@ -247,8 +250,8 @@ pub unsafe extern "C" fn trendid_loop_store(
     }))
 }
 
-/// Control from the next sample on with a stored model, at the actual position, as the record of
-/// this machine and these settings; refused for the place of the axis as by
+/// Control from the next sample on with a stored model, in the motion that the axis then has, as
+/// the record of this machine and these settings; refused for the place of the axis as by
 /// `trendid_loop_install`.
 ///
 /// `sequence`, if not NULL, gets the number of the record; `detail`, if not NULL, says what was

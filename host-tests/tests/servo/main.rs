@@ -17,6 +17,7 @@ mod pneumatic_linear;
 mod population;
 mod position_loop;
 mod reconfigured;
+mod requests;
 mod resumed;
 mod settings;
 mod shadow;

@@ -44,8 +44,9 @@ use crate::servo::commissioning::relay::Relay;
 use crate::servo::commissioning::rest::{Rest, Still};
 use crate::servo::commissioning::search::Search;
 use crate::servo::commissioning::standstill::Standstill;
-use crate::servo::commissioning::sweep::Sweep;
+use crate::servo::commissioning::sweep::{MIDDLE, Sweep};
 use crate::servo::control::place::stiffening;
+use crate::servo::motion::Travel;
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
 use crate::servo::supervision::state::Reason;
 
@@ -86,6 +87,8 @@ pub(crate) struct Commissioning {
     still: Still,
     sign: f32,
     known_sign: Option<f32>,
+    /// Whether the axis has once seemed to obey the other one.
+    has_doubted: bool,
     time: f32,
     attempt: u32,
     /// Time in s beyond the safe travel without coming back, the place where that began, and the
@@ -119,6 +122,7 @@ impl Commissioning {
             still: Still::default(),
             sign: 1.0,
             known_sign: None,
+            has_doubted: false,
             time: 0.0,
             attempt: 0,
             outside: 0.0,
@@ -145,6 +149,7 @@ impl Commissioning {
     /// levels.
     pub(crate) fn begin(&mut self, position: f32, sign: Option<f32>) {
         self.known_sign = sign;
+        self.has_doubted = false;
         self.stage = Stage::Resting(Rest::default());
         self.still = Still::default();
         self.sign = 1.0;
@@ -157,6 +162,16 @@ impl Commissioning {
         self.tracking.place(self.share(position));
         self.record.restart(1);
         self.search.stop();
+    }
+
+    /// Where the middle of an excitation may be: from there it has room to both ends.
+    pub(crate) fn middles(&self) -> Travel {
+        let travel = &self.design.travel;
+        let [low, high] = MIDDLE;
+        Travel {
+            min: travel.min + low * travel.length(),
+            max: travel.min + high * travel.length(),
+        }
     }
 
     fn share(&self, position: f32) -> f32 {

@@ -134,6 +134,11 @@ impl Relay {
         }
     }
 
+    /// The largest command so far.
+    pub(crate) const fn largest(&self) -> f32 {
+        self.largest
+    }
+
     /// Whether the axis is so far from where it began that it has moved.
     pub(crate) const fn is_away(&self, y: f32) -> bool {
         (y - self.start).abs() > SIGN_DISTANCE

@@ -66,10 +66,10 @@ impl Commissioning {
                 Progress::Command(command)
             }
             Relayed::Obeys { half, sign } => {
-                self.sign = sign;
-                if self.known_sign.is_some_and(|known| known != sign) {
-                    return Progress::Failed(Reason::WrongSign);
+                if let Some(known) = self.known_sign.filter(|known| *known != sign) {
+                    return self.doubt(relay, known, y, v);
                 }
+                self.sign = sign;
                 if self.still.since == 0.0 {
                     self.still.since = relay.moving();
                 }
@@ -81,6 +81,19 @@ impl Commissioning {
             }
             Relayed::Disobeys => Progress::Failed(Reason::ValveStuck),
         }
+    }
+
+    /// The axis seems to obey the other sign than the one that is known. What still swings from a
+    /// motion before does, too, while the valve has not left its dead zone: a relay of the known
+    /// sign decides, with larger commands. The other sign makes that one run away.
+    fn doubt(&mut self, before: Relay, known: f32, y: f32, v: f32) -> Progress {
+        if core::mem::replace(&mut self.has_doubted, true) {
+            return Progress::Failed(Reason::WrongSign);
+        }
+        let (place, detection) = (self.still.place, self.still.detection);
+        let side = if y > place { 1.0 } else { -1.0 };
+        let relay = Relay::new(place, detection, before.largest(), known, side);
+        self.relay(relay, y, v)
     }
 
     fn begin_search(&mut self, half: f32, y: f32) -> Progress {

@@ -5,7 +5,7 @@ use crate::servo::commissioning::standstill::Standing;
 
 /// Band about its middle, and the range of the middle, in travels.
 const BAND: f32 = 0.15;
-const MIDDLE: [f32; 2] = [0.28, 0.72];
+pub(super) const MIDDLE: [f32; 2] = [0.28, 0.72];
 /// Oscillation, in travels, that has to fade: from the outermost middle of the band it reaches the
 /// end of the travel. It fades to this part.
 const SWING: f32 = MIDDLE[0] - BAND;

@@ -94,6 +94,14 @@ impl Config {
             .unwrap_or(c::SPEED_MIN_RATIO * self.travel.length())
     }
 
+    /// Velocity with which the axis has not moved: less than what counts within the time of
+    /// excitation.
+    pub(crate) fn creep(&self) -> f32 {
+        let settings = &self.supervision;
+        let least = c::TRAVEL_MIN_RATIO * self.travel.length();
+        settings.min_travel.unwrap_or(least) / settings.excite_time
+    }
+
     fn check_excitation(&self) -> Result<(), Error> {
         let amplitude = self.excitation.amplitude;
         Error::unless_positive("excitation.amplitude", amplitude)?;

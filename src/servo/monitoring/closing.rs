@@ -17,7 +17,9 @@ use crate::servo::supervision::state::Reason;
 ///
 /// What stops within that time may have met an end of the travel, or friction. Then the
 /// [`Response`] decides, by what it has shown when the valve was still open, and, with half of that
-/// weight, until now.
+/// weight, until now. A motion that is faint beside the commands is none; where it has displaced
+/// the axis against them, it is that of a spool which is a little open, as a wrong sign shows all
+/// of them.
 ///
 /// Cost: about 8 instructions, 40 in the last sample.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -30,6 +32,9 @@ pub(crate) struct Closing {
     mirrored: f32,
     /// Whether the axis has met an end of the travel since then.
     met: bool,
+    /// Whether it was displaced before, and little for its commands.
+    displaced: bool,
+    weak: bool,
 }
 
 /// Share of the largest speed above which the axis goes on.
@@ -47,7 +52,15 @@ impl Closing {
     }
 
     /// The valve closes while the axis moves so fast.
-    pub(crate) fn begin(&mut self, velocity: f32, response: &Response, bounds: &Bounds) {
+    pub(crate) fn begin(
+        &mut self,
+        velocity: f32,
+        displaced: bool,
+        response: &Response,
+        bounds: &Bounds,
+    ) {
+        self.displaced = displaced;
+        self.weak = response.is_weak();
         self.left = bounds.stop.closing;
         self.way = sign(velocity);
         self.peak = velocity.abs();
@@ -80,8 +93,12 @@ impl Closing {
         Some(if along > GOES_ON * self.peak {
             Reason::ValveStuck
         } else if response.is_faint() {
-            Reason::Blocked
-        } else if self.mirrored + CLOSED * response.mirrored() > 0.0 {
+            if self.displaced {
+                Reason::ValveStuck
+            } else {
+                Reason::Blocked
+            }
+        } else if self.mirrored + CLOSED * response.mirrored() > 0.0 && !self.weak {
             Reason::WrongSign
         } else {
             Reason::ValveStuck
@@ -119,7 +136,7 @@ mod tests {
             let weight = closing.weight(false);
             response.update(u, motion.velocity, weight, &bounds);
             if k == last {
-                closing.begin(motion.velocity, &response, &bounds);
+                closing.begin(motion.velocity, false, &response, &bounds);
             } else if k > last
                 && let Some(reason) = closing.update(motion.velocity, &response)
             {
@@ -153,11 +170,27 @@ mod tests {
     }
 
     #[test]
+    fn a_faint_motion_counts_where_it_has_displaced_the_axis() {
+        let bounds = example::bounds(&Model::linear(400.0, 20.0, 4e5));
+        let mut response = Response::default();
+        for _ in 0..500 {
+            response.update(1.0, -20.0, 1.0, &bounds);
+        }
+        assert!(response.is_faint());
+        for (displaced, reason) in [(false, Reason::Blocked), (true, Reason::ValveStuck)] {
+            let mut closing = Closing::default();
+            closing.begin(-20.0, displaced, &response, &bounds);
+            let found = (0..2000).find_map(|_| closing.update(0.0, &response));
+            assert_eq!(found, Some(reason));
+        }
+    }
+
+    #[test]
     fn what_an_end_of_the_travel_makes_of_the_motion_does_not_count() {
         let bounds = example::bounds(&Model::linear(400.0, 20.0, 4e5));
         let mut closing = Closing::default();
         assert_eq!(closing.weight(true), 1.0, "before");
-        closing.begin(100.0, &Response::default(), &bounds);
+        closing.begin(100.0, false, &Response::default(), &bounds);
         assert_eq!(closing.weight(false), CLOSED_WEIGHT);
         assert_eq!(closing.weight(true), 0.0);
         assert_eq!(closing.weight(false), 0.0, "and after it");

@@ -97,7 +97,9 @@ impl Obedience {
     }
 
     fn against(&mut self, velocity: f32, bounds: &Bounds) -> Conduct {
-        self.closing.begin(velocity, &self.response, bounds);
+        let displaced = self.shortfall.is_displaced(bounds);
+        self.closing
+            .begin(velocity, displaced, &self.response, bounds);
         Conduct::Against
     }
 }

@@ -35,7 +35,9 @@ pub(crate) enum Short {
 /// While friction holds the expectation, s is the sign of what is commanded: an axis with less
 /// friction than its model already moves that way.
 ///
-/// An axis stands when its path since then, forth and back, is below a fifth of what is expected. A
+/// An axis stands when its path since then, forth and back, is below a fifth of what is expected;
+/// one that is displaced against its commands by more than friction, noise and resolution can does
+/// not, however little that is beside a large command. A
 /// breakaway of 2.5 times the Coulomb friction holds one that stood before for longer than a motion
 /// falls short, by as much as a code may stay. One that moved, and seems to stand all at once, is
 /// not held by friction: its sensor may be stuck, and the axis on its way to an end.
@@ -134,7 +136,11 @@ impl Shortfall {
             0
         };
         if self.standing > bounds.opposite {
-            Some(Short::Standing)
+            Some(if self.is_displaced(bounds) {
+                Short::Against
+            } else {
+                Short::Standing
+            })
         } else if alarm && self.along < -little {
             Some(Short::Against)
         } else {
@@ -165,6 +171,11 @@ impl Shortfall {
     /// The displacement of a swing, by which the axis and its expectation may be apart.
     pub(crate) const fn swing(&self) -> f32 {
         self.swing
+    }
+
+    /// Whether the axis is where nothing but a drive can have moved it, against its commands.
+    pub(crate) fn is_displaced(&self, bounds: &Bounds) -> bool {
+        -self.measured > bounds.short.level
     }
 
     /// Whether the axis moves against what its commands let expect.

@@ -2,6 +2,10 @@
 
 use crate::servo::motion::Motion;
 
+/// Total variations of the responses of velocity and acceleration to a step, over w and w^2.
+const VELOCITY_VARIATION: f32 = 1.76;
+const ACCELERATION_VARIATION: f32 = 0.62;
+
 /// Position, velocity and acceleration from measured positions alone.
 ///
 /// ```text
@@ -38,6 +42,11 @@ impl AlphaBetaGamma {
         self.gain = [3.0 * x, 3.0 * x * per_s, x * per_s * per_s];
     }
 
+    /// The rate of its poles in rad/s.
+    pub(crate) fn rate(&self) -> f32 {
+        self.gain[1] / self.gain[0]
+    }
+
     /// Starts again at rest at `position`.
     pub(crate) fn place(&mut self, position: f32) {
         self.motion = Motion::at(position);
@@ -63,6 +72,27 @@ impl AlphaBetaGamma {
     /// The motion at the newest sample.
     pub(crate) const fn motion(&self) -> Motion {
         self.motion
+    }
+
+    /// The motion without what positions of an axis at rest may show that are off by up to `grain`.
+    ///
+    /// From y to velocity and acceleration the filter is `w^2 s (3 s + w) / (s + w)^3` and
+    /// `w^3 s^2 / (s + w)^3`. The total variations of their step responses,
+    /// `w x (3 - x) e^-x` and `w^2 x (1 - x/2) e^-x` over `x = w t`, are 1.76 w and 0.62 w^2: no
+    /// signal within `grain` makes more of it.
+    pub(crate) fn significant(&self, grain: f32) -> Motion {
+        let Motion {
+            velocity,
+            acceleration,
+            ..
+        } = self.motion;
+        let rate = self.rate();
+        let beyond = |x: f32, most: f32| if x.abs() > most { x } else { 0.0 };
+        Motion {
+            velocity: beyond(velocity, VELOCITY_VARIATION * rate * grain),
+            acceleration: beyond(acceleration, ACCELERATION_VARIATION * rate * rate * grain),
+            ..self.motion
+        }
     }
 }
 

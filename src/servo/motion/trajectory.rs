@@ -101,6 +101,21 @@ impl Trajectory {
         self.returns = true;
     }
 
+    /// Comes to rest as soon as the limits allow, outside of `within` at its nearest place, and
+    /// forgets what was asked for.
+    pub(crate) fn stop(&mut self, within: &Travel) {
+        let stop = self.brake(self.setpoint.motion());
+        if self.returns || !within.contains(stop.target()) {
+            let inside = within.nearest(stop.target());
+            // A position is a finite number.
+            let _ = self.move_to(inside);
+        } else if self.setpoint.is_rest() {
+            self.begin(Activity::Rest);
+        } else {
+            self.begin(Activity::Move(stop));
+        }
+    }
+
     /// Takes a motion over and lets it run out with a double pole at `-rate` (rad/s).
     ///
     /// Where that would leave the limits or the travel, the axis brakes: at the limits, and harder
@@ -177,8 +192,7 @@ impl Trajectory {
         Ok(())
     }
 
-    /// Whether the reference stands still.
-    #[cfg(test)]
+    /// Whether the reference stands still, and nothing is asked for.
     pub(crate) fn is_finished(&self) -> bool {
         matches!(self.plan, Activity::Rest)
             && self.search.is_none()

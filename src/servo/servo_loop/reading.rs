@@ -57,7 +57,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// Whether the loop moves the axis.
     pub(super) fn is_active(&self) -> bool {
         let state = self.supervisor.state();
-        state.is_commissioning() || state.is_controlling()
+        state.is_commissioning() || state.is_controlling() && !self.awaits_motion()
     }
 
     /// The first sample, and the first one of a commissioning.
@@ -71,12 +71,15 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 .monitors
                 .place(Motion::at(y), self.limiter.last());
             // Control was asked for before anybody knew where the axis is.
-            let controls = self.supervisor.state().is_controlling() && !self.start_requested;
-            if controls && self.config.travel.admits(y).is_err() {
-                self.fail(Reason::Implausible);
+            if self.supervisor.state().is_controlling() {
+                if self.start_requested || self.config.travel.admits(y).is_ok() {
+                    self.await_motion();
+                } else {
+                    self.fail(Reason::Implausible);
+                }
             }
         }
-        if self.start_requested {
+        if self.start_requested && !self.comes_to_rest() {
             self.start_requested = false;
             self.guard.release();
             self.supervisor.begin();

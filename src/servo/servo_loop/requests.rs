@@ -7,10 +7,13 @@ use crate::servo::model::Model;
 use crate::servo::motion::Motion;
 use crate::servo::motion::ends::EndApproach;
 use crate::servo::servo_loop::ServoLoop;
+use crate::servo::servo_loop::takeover::Halt;
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
-    /// Takes a model that is known to be good: control begins with the next sample, at the actual
-    /// position. Searches the poles at once, some million instructions: not for the 1 ms path.
+    /// Takes a model that is known to be good: control begins with the next sample, with the motion
+    /// that the axis then has, and lets it run out. Before the first reading nobody knows that
+    /// motion: the valve is then in its middle until the readings show it, for less than 1/w of the
+    /// axis. Searches the poles at once, some million instructions: not for the 1 ms path.
     ///
     /// How stiff the axis is near its ends is no part of a [`Model`]: it is that of the settings
     /// ([`dead_volume`](crate::servo::ControllerSettings::dead_volume)), or of a commissioning
@@ -27,17 +30,26 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// an axis that stands beyond its travel by more than a hundredth of it; the loop is as before.
     pub fn install(&mut self, model: Model) -> Result<(), Error> {
         self.may_take_over()?;
+        let motion = self.present_motion(self.noise());
+        self.install_in(model, motion)
+    }
+
+    /// The same in a motion.
+    pub(crate) fn install_in(&mut self, model: Model, motion: Motion) -> Result<(), Error> {
         self.supervisor.install(model).map_err(Error::Model)?;
         self.stop_building();
         self.start_requested = false;
         self.controller.search(&model);
-        self.take_over(model, Motion::at(self.sensed.position));
+        self.takeover.watching = 0;
+        self.take_over(model, motion);
         self.identify_from(&model, REOPENED_STD);
         Ok(())
     }
 
     /// Commissions the axis with the next sample, around the position it then has; this
-    /// acknowledges a fault before.
+    /// acknowledges a fault before. An axis in motion first comes to rest: in control within the
+    /// limits of motion, at a place with room to both ends, else behind the closed valve. It is
+    /// reported as [`State::Exciting`](crate::servo::State::Exciting) from then on.
     ///
     /// While the sensor is lost there is no such position: the request does not wait for the
     /// sensor, it ends in [`State::Failed`](crate::servo::State::Failed) with
@@ -45,6 +57,9 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// [`FaultCounters::stops`](crate::servo::FaultCounters::stops). So does one whose sample finds
     /// a fault, with the reason of that.
     pub fn commission(&mut self) {
+        if !self.start_requested {
+            self.takeover.halt = Halt::default();
+        }
         self.start_requested = true;
     }
 
@@ -61,9 +76,9 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// the travel than the axis may be ahead of its reference it ends with a gentle brake.
     ///
     /// # Errors
-    /// [`Error::NotControlling`] outside of control, and between [`install`](Self::install) or
-    /// [`resume`](Self::resume) and the first position; [`Error::Setting`] for NaN and infinity.
-    /// The reference goes on as before.
+    /// [`Error::NotControlling`] outside of control, and after [`install`](Self::install) or
+    /// [`resume`](Self::resume) until the motion of the axis is known; [`Error::Setting`] for NaN
+    /// and infinity. The reference goes on as before.
     pub fn move_to(&mut self, target: f32) -> Result<(), Error> {
         self.is_under_control()?;
         Error::unless_within("target", target, f32::MIN, f32::MAX)?;
@@ -99,7 +114,9 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
 
     /// What control begins with replaces every reference before.
     const fn is_under_control(&self) -> Result<(), Error> {
-        if self.sensed.begun && self.supervisor.state().is_controlling() {
+        let begun = self.sensed.begun && !self.awaits_motion();
+        let stays = begun && !self.start_requested;
+        if stays && self.supervisor.state().is_controlling() {
             Ok(())
         } else {
             Err(Error::NotControlling)

@@ -45,6 +45,9 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
         let along = self.drive.sign * command;
         self.commands.push(command);
+        if self.awaits_motion() {
+            return self.watch_motion();
+        }
         self.controller.applied(along);
         self.learning.monitor.update(along);
         self.identifier.skip(1);

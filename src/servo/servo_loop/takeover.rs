@@ -16,8 +16,19 @@ pub(crate) struct Takeover {
     pub(crate) unsearched: Option<Model>,
     /// The estimate that the next sample makes a candidate of.
     pub(crate) looked: Option<Looked>,
-    /// Samples in which the observer of the controller settles before it takes over.
+    /// Samples in which an observer settles before control begins: that of the controller behind a
+    /// commissioning, the filter of the measured positions behind a first reading.
     pub(crate) watching: u32,
+    pub(crate) halt: Halt,
+}
+
+/// An axis comes to rest before its commissioning: samples since the valve closed or the reference
+/// rested, and for which it has stood about a place.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Halt {
+    pub(crate) since: u32,
+    pub(crate) stood: u32,
+    pub(crate) place: f32,
 }
 
 #[cfg(test)]

@@ -115,6 +115,23 @@ fn an_axis_far_beyond_an_end_is_not_moved() {
 }
 
 #[test]
+fn a_commissioning_begins_beyond_an_end_as_well() {
+    for position in [-5.0, 405.0] {
+        let mut bench = standing(position, false);
+        bench.servo.install(MODEL).expect("a model");
+        bench.servo.commission();
+        for k in 0..1000 {
+            let (report, _) = bench.step();
+            assert!(report.state.is_commissioning(), "{k}: {:?}", report.state);
+            if bench.servo.supervisor().state().is_commissioning() {
+                break;
+            }
+            assert!(k < 999, "it never begins");
+        }
+    }
+}
+
+#[test]
 fn an_axis_a_little_beyond_an_end_is_led_back_to_it() {
     for (position, end) in [(-3.0, 0.0), (403.5, 400.0)] {
         for seen in [true, false] {

@@ -140,6 +140,23 @@ fn friction_holds_an_axis_for_longer_than_a_motion_falls_short() {
 }
 
 #[test]
+fn an_axis_that_is_displaced_against_a_large_command_does_not_stand() {
+    // Without friction what a dead zone, an offset and a sensor leave is 6.
+    let bounds = example::bounds(&Model::linear(400.0, 16.0, 4e5));
+    for (measured, displaced) in [(0.0, false), (-60.0, false), (-300.0, true), (300.0, false)] {
+        let mut shortfall = Shortfall::default();
+        let found = (0..LONG).find_map(|_| shortfall.update(2000.0, 2000.0, measured, &bounds));
+        let short = if displaced {
+            Short::Against
+        } else {
+            Short::Standing
+        };
+        assert_eq!(found, Some(short), "{measured}");
+        assert_eq!(shortfall.is_displaced(&bounds), displaced, "{measured}");
+    }
+}
+
+#[test]
 fn a_sound_axis_is_never_short_and_a_fault_soon_is() {
     let mut random = Random(1);
     for _ in 0..200 {

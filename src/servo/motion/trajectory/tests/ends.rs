@@ -163,3 +163,40 @@ fn a_sine_that_would_lead_beyond_an_end_is_cut_there_and_goes_on() {
     let turns = path.windows(2).filter(|w| w[0] < 0.0 && w[1] >= 0.0);
     assert!(turns.count() >= 2);
 }
+
+#[test]
+fn a_stop_ends_whatever_was_asked_for() {
+    for asked in 0..4 {
+        let mut trajectory = at_rest();
+        match asked {
+            0 => {}
+            1 => assert_eq!(trajectory.oscillate(100.0, 0.5), Ok(())),
+            _ => assert_eq!(trajectory.move_to(900.0), Ok(())),
+        }
+        for _ in 0..if asked == 3 { 5 } else { 300 } {
+            let _ = trajectory.update();
+        }
+        let inner = trajectory.travel.inner();
+        trajectory.stop(&inner);
+        for _ in 0..4000 {
+            let _ = trajectory.update();
+        }
+        assert!(trajectory.is_finished(), "{asked}");
+        assert!(trajectory.setpoint().position < 799.0, "{asked}");
+    }
+    // Near an end it leads to where there is room.
+    let mut trajectory = at_rest();
+    for target in [950.0, -1000.0] {
+        assert_eq!(trajectory.move_to(target), Ok(()));
+        while trajectory.setpoint().position != target {
+            let _ = trajectory.update();
+        }
+        let inner = trajectory.travel.inner();
+        trajectory.stop(&inner);
+        assert!(!trajectory.is_finished(), "{target}: it is asked for");
+        for _ in 0..4000 {
+            let _ = trajectory.update();
+        }
+        assert!((trajectory.setpoint().position.abs() - 800.0).abs() < 1e-3);
+    }
+}

@@ -1,0 +1,149 @@
+//! The motion in which control begins, and the rest in which a commissioning does.
+
+use crate::hardware::{PositionSensor, Valve};
+use crate::servo::design::constants::NOISE_RATIO;
+use crate::servo::motion::Motion;
+use crate::servo::servo_loop::ServoLoop;
+use crate::servo::servo_loop::takeover::Halt;
+use crate::servo::supervision::state::{Reason, State};
+
+/// Time over that of the filter of the measured positions in which it settles: three poles then
+/// have a hundredth of their way to go.
+const SETTLED: f32 = 8.4;
+/// Time over that in which an axis loses its speed, after which one that still moves drifts or
+/// cycles.
+const HALT_MOST: u32 = 12;
+/// Grains of the sensor by which the positions of an axis that stands differ.
+const STANDS: f32 = 3.0;
+
+impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
+    /// The motion with which control can begin: the observed one in control, else what the measured
+    /// positions show of it beyond the resolution of the sensor and its `noise`.
+    pub(crate) fn present_motion(&self, noise: f32) -> Motion {
+        let state = self.supervisor.state();
+        if !self.sensed.begun || self.awaits_motion() {
+            Motion::at(self.sensed.position)
+        } else if state.is_controlling() {
+            self.controller.motion()
+        } else {
+            self.measured_motion(noise)
+        }
+    }
+
+    fn measured_motion(&self, noise: f32) -> Motion {
+        self.moves.tracking.significant(self.grain(noise))
+    }
+
+    /// What one code of the sensor and its noise leave unknown of a position.
+    fn grain(&self, noise: f32) -> f32 {
+        self.axis.scale.units(1).abs() + 2.0 * noise
+    }
+
+    /// Standard deviation of the position: stated, found, or what is taken for it before.
+    pub(crate) fn noise(&self) -> f32 {
+        let found = if self.drive.noise > 0.0 {
+            self.drive.noise
+        } else {
+            NOISE_RATIO * self.config.travel.length()
+        };
+        self.config.noise.unwrap_or(found)
+    }
+
+    /// Whether control was asked for before anybody knew how the axis moves: its valve is in its
+    /// middle until that is known.
+    #[inline]
+    pub(crate) const fn awaits_motion(&self) -> bool {
+        self.takeover.watching > 0 && self.supervisor.state().is_controlling()
+    }
+
+    /// The filter of the measured positions has a first one: control waits until it has settled.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn await_motion(&mut self) {
+        let samples = SETTLED / (self.moves.tracking.rate() * self.config.sample_time);
+        self.takeover.watching = 1 + samples as u32;
+    }
+
+    /// Whether a commissioning waits: an axis in motion has to come to rest. In control its
+    /// reference does, where an excitation has room to both ends: a verified model leads it there
+    /// as none of the stages could. The monitors see to it that the axis follows. Without control
+    /// the valve closes.
+    ///
+    /// It stands when it stays about a place for the time in which a swing behind a closed valve
+    /// ends: a swing, or what is left of an error, passes for an answer to the commands to come.
+    /// One that does not come to rest does not put off what was asked for.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn comes_to_rest(&mut self) -> bool {
+        let grain = self.grain(self.noise());
+        let y = self.sensed.position;
+        let state = self.supervisor.state();
+        let unknown = self.awaits_motion();
+        let controls = state.is_controlling() && !unknown;
+        let arrived = !controls || self.moves.trajectory.is_finished();
+        let middles = self.commissioning.middles();
+        let bounds = self.guard.monitors.bounds();
+        let most = bounds.stop.closing;
+        let halt = &mut self.takeover.halt;
+        let waits = match halt.since {
+            0 => {
+                let speed = self.moves.tracking.significant(grain).velocity;
+                let inside = !controls || middles.contains(y);
+                let slow = speed.abs() <= self.config.min_speed();
+                unknown || !(arrived && inside && slow)
+            }
+            since => halt.stood < most && since < HALT_MOST.saturating_mul(most),
+        };
+        if !waits {
+            *halt = Halt::default();
+            return false;
+        }
+        if halt.since == 0 && controls {
+            self.moves.trajectory.stop(&middles);
+        }
+        if halt.since == 0 || arrived {
+            halt.since = halt.since.saturating_add(1);
+        }
+        let time = most as f32 * self.config.sample_time;
+        let slip = self.config.creep() * time + STANDS * grain;
+        if arrived && (y - halt.place).abs() <= slip {
+            halt.stood += 1;
+        } else {
+            (halt.place, halt.stood) = (y, 0);
+        }
+        if state.is_commissioning() {
+            self.supervisor.abort();
+        }
+        true
+    }
+
+    /// The state, which is that of a commissioning from the request on.
+    #[inline]
+    pub(crate) const fn reported_state(&self) -> State {
+        if self.start_requested && self.takeover.halt.since > 0 {
+            State::Exciting
+        } else {
+            self.supervisor.state()
+        }
+    }
+
+    /// One sample in which control awaits the motion; it begins with the last one.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn watch_motion(&mut self) {
+        self.takeover.watching -= 1;
+        if self.takeover.watching > 0 {
+            return;
+        }
+        let motion = self.measured_motion(self.noise());
+        if self.config.travel.admits(motion.position).is_err() {
+            match self.start_requested {
+                // A commissioning may begin there.
+                true => self.supervisor.abort(),
+                false => self.fail(Reason::Implausible),
+            }
+        } else if let Some(model) = self.supervisor.verified_model() {
+            self.take_over(model, motion);
+        }
+    }
+}
