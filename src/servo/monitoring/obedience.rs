@@ -97,9 +97,7 @@ impl Obedience {
     }
 
     fn against(&mut self, velocity: f32, bounds: &Bounds) -> Conduct {
-        let displaced = self.shortfall.is_displaced(bounds);
-        self.closing
-            .begin(velocity, displaced, &self.response, bounds);
+        self.closing.begin(velocity, &self.response, bounds);
         Conduct::Against
     }
 }

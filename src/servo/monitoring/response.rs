@@ -40,8 +40,6 @@ pub(crate) struct Response {
 
 /// Share of the commanded energy below which nothing is shown: a fifth of the velocity.
 const FAINT: f32 = 0.04;
-/// Gain of a drive with the wrong sign over that of the model, at least.
-const WEAK: f32 = 0.3;
 
 impl Response {
     /// One sample with the flow that takes effect now and the measured velocity; with a `weight`
@@ -79,11 +77,6 @@ impl Response {
     pub(crate) fn is_faint(&self) -> bool {
         let [commanded, shown] = self.squares;
         !(shown > FAINT * commanded)
-    }
-
-    /// Whether the axis shows less against its commands than a drive of the wrong sign would.
-    pub(crate) fn is_weak(&self) -> bool {
-        !(-self.product > WEAK * self.squares[0])
     }
 
     /// How much more of the motion a wrong sign explains than a spool that is stuck: -1 to 1. Not
