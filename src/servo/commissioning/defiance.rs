@@ -70,11 +70,20 @@ impl Defiance {
     }
 }
 
+/// What a closed valve shows of an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Shown {
+    /// Why it moved against its commands.
+    Why(Reason),
+    /// Nothing: an end of the travel has stopped it.
+    Nothing,
+}
+
 /// The valve is closed: what it drove slows down.
 ///
 /// An end of the travel stops everything: of an axis that reaches it at speed nothing more is
-/// learnt, and its valve counts as stuck. But no axis goes on beyond its travel: where the reading
-/// does, the sensor counts the other way.
+/// learnt here. But no axis goes on beyond its travel: where the reading does, the sensor counts
+/// the other way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ValveClosing {
     /// Direction and speed in travels per s when it began, and the time in s that is left.
@@ -96,10 +105,10 @@ impl ValveClosing {
         }
     }
 
-    /// Takes a position and a velocity; the reason when it is known.
-    pub(crate) fn update(&mut self, y: f32, v: f32, step: f32) -> Option<Reason> {
+    /// Takes a position and a velocity; what that has shown, in the last sample.
+    pub(crate) fn update(&mut self, y: f32, v: f32, step: f32) -> Option<Shown> {
         if is_beyond(y) {
-            return Some(Reason::WrongSign);
+            return Some(Shown::Why(Reason::WrongSign));
         }
         self.left -= step;
         let speed = self.direction * v;
@@ -107,9 +116,11 @@ impl ValveClosing {
         let slowed = !self.strikes && speed < SLOWED * self.speed;
         self.strikes |= at_end(y) && !slowed;
         (self.left < 0.0 || slowed && at_end(y)).then_some(if slowed {
-            Reason::WrongSign
+            Shown::Why(Reason::WrongSign)
+        } else if self.strikes {
+            Shown::Nothing
         } else {
-            Reason::ValveStuck
+            Shown::Why(Reason::ValveStuck)
         })
     }
 }

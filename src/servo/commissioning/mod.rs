@@ -73,7 +73,8 @@ enum Stage {
     Probing(Probe),
     Relaying(Relay),
     Sweeping(Sweep),
-    Closing(ValveClosing),
+    /// And the levels that go on where that shows nothing.
+    Closing(ValveClosing, Sweep),
 }
 
 /// The commissioning. Memory: 4 kB of record, some 3 kB of sums.
@@ -89,6 +90,8 @@ pub(crate) struct Commissioning {
     known_sign: Option<f32>,
     /// Whether the axis has once seemed to obey the other one.
     has_doubted: bool,
+    /// Whether it has moved against its commands until it met an end of the travel.
+    defied: bool,
     time: f32,
     attempt: u32,
     /// Time in s beyond the safe travel without coming back, the place where that began, and the
@@ -123,6 +126,7 @@ impl Commissioning {
             sign: 1.0,
             known_sign: None,
             has_doubted: false,
+            defied: false,
             time: 0.0,
             attempt: 0,
             outside: 0.0,
@@ -150,6 +154,7 @@ impl Commissioning {
     pub(crate) fn begin(&mut self, position: f32, sign: Option<f32>) {
         self.known_sign = sign;
         self.has_doubted = false;
+        self.defied = false;
         self.stage = Stage::Resting(Rest::default());
         self.still = Still::default();
         self.sign = 1.0;
@@ -186,7 +191,10 @@ impl Commissioning {
         self.tracking.update(y);
         self.time += step;
         if self.time > self.design.time_limit && self.accepted.is_none() {
-            return Progress::Failed(self.search.refusal().unwrap_or(Reason::Uncertain));
+            return Progress::Failed(match self.search.refusal() {
+                _ if self.defied => Reason::ValveStuck,
+                refusal => refusal.unwrap_or(Reason::Uncertain),
+            });
         }
         self.same = if same_code {
             self.same.saturating_add(1)
@@ -235,7 +243,7 @@ impl Commissioning {
                 let progress = self.unless_unresponsive(standing, progress);
                 self.unless_defiant(progress)
             }
-            Stage::Closing(closing) => self.close(closing, y, v),
+            Stage::Closing(closing, sweep) => self.close(closing, sweep, y, v),
         }
     }
 

@@ -1,6 +1,6 @@
 //! One sample of each stage, and what leads from one to the next.
 
-use crate::servo::commissioning::defiance::ValveClosing;
+use crate::servo::commissioning::defiance::{Shown, ValveClosing};
 use crate::servo::commissioning::ends::at_end;
 use crate::servo::commissioning::probe::{Probe, Probed};
 use crate::servo::commissioning::relay::{Relay, Relayed};
@@ -135,7 +135,7 @@ impl Commissioning {
     pub(crate) fn sweep(&mut self, mut sweep: Sweep, y: f32, v: f32) -> Progress {
         if sweep.is_safe(y) {
             self.outside = 0.0;
-        } else if let Some(progress) = self.stay_outside(y, v, sweep.half()) {
+        } else if let Some(progress) = self.stay_outside(y, v, sweep) {
             return progress;
         }
         let [from, to, most] = WIDENING;
@@ -143,7 +143,7 @@ impl Commissioning {
         let slack = 1.0 + share * (most - 1.0);
         self.settle_record();
         self.has_rested = self.accepted.is_some();
-        if self.accepted.is_none() {
+        if self.accepted.is_none() && !self.defied {
             self.accepted = self.search.update(&self.record, slack);
         }
         if let Some(theta) = self.search.latest()
@@ -165,7 +165,7 @@ impl Commissioning {
     }
 
     /// A sample beyond the safe travel: the command leads inwards, and the axis has to follow.
-    fn stay_outside(&mut self, y: f32, v: f32, half: f32) -> Option<Progress> {
+    fn stay_outside(&mut self, y: f32, v: f32, sweep: Sweep) -> Option<Progress> {
         let inward = if y < 0.5 { 1.0 } else { -1.0 };
         let returned = inward * (y - self.outermost);
         if self.outside == 0.0 || returned > RETURN_TIME * RETURN_SPEED {
@@ -179,7 +179,7 @@ impl Commissioning {
         }
         let mean = inward * (self.began - y) / RETURN_TIME;
         if mean > RETURN_SPEED && -inward * v > GOES_ON * mean {
-            self.stage = Stage::Closing(ValveClosing::new(-inward * mean, half));
+            self.stage = Stage::Closing(ValveClosing::new(-inward * mean, sweep.half()), sweep);
             return Some(Progress::Command(0.0));
         }
         // What stands is pushed until it moves, or nothing moves it.
@@ -203,11 +203,28 @@ impl Commissioning {
             .update(y, same_code, command, step, self.search.latest())
     }
 
-    /// The valve is closed until it is known why the axis moves.
-    pub(crate) fn close(&mut self, mut closing: ValveClosing, y: f32, v: f32) -> Progress {
-        let reason = closing.update(y, v, self.design.sample_time);
-        self.stage = Stage::Closing(closing);
-        reason.map_or(Progress::Command(0.0), Progress::Failed)
+    /// The valve is closed until it is known why the axis moves. Of one that meets an end of the
+    /// travel meanwhile the levels show why: they press it on the stop, then the other way. A wrong
+    /// sign takes it off the stop, and a spool that is stuck moves it neither way.
+    pub(crate) fn close(
+        &mut self,
+        mut closing: ValveClosing,
+        sweep: Sweep,
+        y: f32,
+        v: f32,
+    ) -> Progress {
+        let shown = closing.update(y, v, self.design.sample_time);
+        self.stage = Stage::Closing(closing, sweep);
+        match shown {
+            None => Progress::Command(0.0),
+            Some(Shown::Why(reason)) => Progress::Failed(reason),
+            Some(Shown::Nothing) => {
+                self.defied = true;
+                self.standstill.strike(y);
+                self.stage = Stage::Sweeping(sweep);
+                Progress::Command(0.0)
+            }
+        }
     }
 
     /// The progress, unless the axis moves against its commands: the valve is closed to see why.
@@ -217,7 +234,7 @@ impl Commissioning {
         else {
             return progress;
         };
-        self.stage = Stage::Closing(ValveClosing::new(velocity, sweep.half()));
+        self.stage = Stage::Closing(ValveClosing::new(velocity, sweep.half()), *sweep);
         Progress::Command(0.0)
     }
 
@@ -228,6 +245,7 @@ impl Commissioning {
         progress: Progress,
     ) -> Progress {
         match standing {
+            Standing::Unresponsive if self.defied => Progress::Failed(Reason::ValveStuck),
             Standing::Unresponsive if self.standstill.code_changes() => {
                 Progress::Failed(Reason::Blocked)
             }

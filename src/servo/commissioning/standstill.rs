@@ -4,6 +4,7 @@
 mod known;
 
 use crate::servo::commissioning::defiance::Defiance;
+use crate::servo::commissioning::ends::at_end;
 use crate::servo::commissioning::predictor::Theta;
 use crate::servo::commissioning::probe::{LATENESS, RATE};
 use crate::servo::commissioning::standstill::known::{Known, LAG_RADIANS};
@@ -145,10 +146,8 @@ impl Standstill {
         let away = y - self.anchor;
         if away > self.detection || away < -self.detection {
             self.turned = self.is_turned(away > 0.0, flow, late);
-            self.anchor = y;
             self.held = self.held.max(self.high - self.low);
-            (self.drive, self.low, self.high) = (0.0, 0.0, 0.0);
-            (self.used, self.changes) = ([false; 2], false);
+            self.stand(y);
             return Standing::Moved;
         }
         self.drive += step * flow;
@@ -156,8 +155,14 @@ impl Standstill {
         self.high = self.high.max(self.drive);
         let share = if self.changes { NOISY } else { 1.0 };
         let needed = share * (held + late);
-        let up = self.drive - self.low > needed;
-        let down = self.high - self.drive > needed;
+        // A stop holds any force: what has pressed the axis on it has to be taken back first.
+        let [low, high] = if at_end(y) {
+            [0.0; 2]
+        } else {
+            [self.low, self.high]
+        };
+        let up = self.drive - low > needed;
+        let down = high - self.drive > needed;
         let used = [self.used[0] || up, self.used[1] || down];
         if used != self.used {
             // The code has the time of the last direction to change.
@@ -172,6 +177,20 @@ impl Standstill {
         } else {
             Standing::HeldByFriction
         }
+    }
+
+    /// Begins again at a place.
+    const fn stand(&mut self, y: f32) {
+        self.anchor = y;
+        (self.drive, self.low, self.high) = (0.0, 0.0, 0.0);
+        (self.used, self.changes) = ([false; 2], false);
+    }
+
+    /// Begins again where the axis has met an end of the travel.
+    pub(crate) fn strike(&mut self, y: f32) {
+        self.stand(y);
+        self.turned = false;
+        self.defiance = Defiance::default();
     }
 
     /// The sign is the other one: what moved the axis first is not known, at most the present
@@ -190,15 +209,15 @@ impl Standstill {
         MOVING_COMMAND * self.command + if upward { up } else { down }
     }
 
-    /// Flow of a command; before there is a model, what it surely is.
+    /// Flow of a command: what it surely is, or that of the model, whose dead zone may be as wide as
+    /// all commands where it has seen a fault.
     fn flow(&self, command: f32, model: Option<&Theta>) -> f32 {
-        let (up, down) = match model {
-            Some(m) => (m.dead_zone - m.offset, m.dead_zone + m.offset),
-            None => {
-                let closed = CLOSED * self.command;
-                (closed + self.margin[0], closed + self.margin[1])
-            }
-        };
+        let closed = CLOSED * self.command;
+        let [mut up, mut down] = self.margin.map(|margin| closed + margin);
+        if let Some(m) = model {
+            up = up.min(m.dead_zone - m.offset);
+            down = down.min(m.dead_zone + m.offset);
+        }
         if command > up {
             command - up
         } else if command < -down {

@@ -14,7 +14,7 @@
 //! | a code that stays while the axis moves stops it | [`stuck_code`]: [`Reason::SensorStuck`] | some codes of motion | the same |
 //! | an axis that does not move stops | [`shortfall`]: [`Reason::Blocked`] | two deflections of the friction, 3.5 where it stood before, for 1/(2 w) | its own: a_sound_axis_is_never_short_and_a_fault_soon_is |
 //! | motion against the command stops | [`shortfall`]: the valve closes | two deflections of the friction | the same |
-//! | and is named | [`response`], [`closing`]: [`Reason::WrongSign`], [`Reason::ValveStuck`] | 3/w behind the closed valve | their own |
+//! | and is named | [`response`], [`closing`]: [`Reason::WrongSign`], [`Reason::ValveStuck`] | 3/w or twice that behind the closed valve | their own |
 //! | motion beyond the command stops | [`obedience`]: [`Reason::ValveStuck`] | 1/(2 w) beyond the slack | every_fault_is_noticed_for_its_reason |
 //! | no blow at an end of the travel | [`travel`]: [`Reason::TravelEnd`] | before the stopping distance is used up | the same |
 //! | an error that stays stops the axis | [`following`]: [`Reason::FollowingError`] | 10/w | the same |

@@ -82,30 +82,30 @@ fn a_closed_valve_says_why() {
             let mut closing = ValveClosing::new(0.2 * direction, 0.1);
             (0..1000).find_map(|k| {
                 let v = direction * 0.2 * if k < 50 { 1.0 } else { share };
-                let reason = closing.update(place, v, STEP);
-                reason.map(|reason| (k, reason))
+                let shown = closing.update(place, v, STEP);
+                shown.map(|shown| (k, shown))
             })
         };
         let end = 0.5 + 0.495 * direction;
         // 1.2 half periods and 40 ms.
-        let takes = |found: Option<(i32, Reason)>, reason| {
-            let (samples, found) = found.expect("a reason");
-            assert_eq!(found, reason);
+        let takes = |found: Option<(i32, Shown)>, shown| {
+            let (samples, found) = found.expect("it ends");
+            assert_eq!(found, shown);
             assert!((158..163).contains(&samples), "{samples}");
         };
-        takes(after(0.4, 0.5), Reason::WrongSign);
-        takes(after(0.6, 0.5), Reason::ValveStuck);
-        // An end stops everything: what was seen until then counts.
-        takes(after(0.0, end), Reason::ValveStuck);
+        takes(after(0.4, 0.5), Shown::Why(Reason::WrongSign));
+        takes(after(0.6, 0.5), Shown::Why(Reason::ValveStuck));
+        // An end stops everything.
+        takes(after(0.0, end), Shown::Nothing);
         // What has slowed down comes to it.
         let mut slow = ValveClosing::new(0.2 * direction, 0.1);
         assert_eq!(slow.update(0.5, 0.08 * direction, STEP), None);
         assert_eq!(
             slow.update(end, 0.08 * direction, STEP),
-            Some(Reason::WrongSign)
+            Some(Shown::Why(Reason::WrongSign))
         );
         // Beyond its travel no axis goes.
         let beyond = 0.5 + 0.511 * direction;
-        assert_eq!(after(1.0, beyond), Some((0, Reason::WrongSign)));
+        assert_eq!(after(1.0, beyond), Some((0, Shown::Why(Reason::WrongSign))));
     }
 }

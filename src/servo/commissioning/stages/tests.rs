@@ -9,6 +9,10 @@ use crate::servo::commissioning::tests::design;
 const STEP: f32 = 1e-3;
 const HALF: f32 = 0.15;
 
+fn sweep() -> Sweep {
+    Sweep::new(0.5, HALF, 0.0, 0.5, 0)
+}
+
 /// A commissioning whose axis is beyond the safe travel from now on.
 fn outside() -> Commissioning {
     let mut commissioning = Commissioning::new(design());
@@ -26,7 +30,7 @@ fn gone(
 ) -> (f32, Option<(u32, Progress)>) {
     let at = |k: u32| y + side * speed * STEP * k as f32;
     for k in 1..=samples {
-        if let Some(progress) = commissioning.stay_outside(at(k), side * seen, HALF) {
+        if let Some(progress) = commissioning.stay_outside(at(k), side * seen, sweep()) {
             return (at(k), Some((k, progress)));
         }
     }
@@ -43,11 +47,11 @@ fn an_axis_that_goes_on_outward_has_a_quarter_of_a_second() {
         assert!((250..=251).contains(&samples), "{side}: {samples}");
         assert_eq!(progress, Progress::Command(0.0));
         // What goes on as fast behind a closed valve does not obey it.
-        let Stage::Closing(mut closing) = commissioning.stage else {
+        let Stage::Closing(mut closing, _) = commissioning.stage else {
             panic!("the valve is not closed");
         };
-        let reason = (0..400).find_map(|_| closing.update(y, side * 0.05, STEP));
-        assert_eq!(reason, Some(Reason::ValveStuck), "{side}");
+        let shown = (0..400).find_map(|_| closing.update(y, side * 0.05, STEP));
+        assert_eq!(shown, Some(Shown::Why(Reason::ValveStuck)), "{side}");
         // Braked to less than 0.7 of its mean speed it obeys, and has gone too far.
         let (_, found) = gone(&mut outside(), [y, side], [0.05, 0.03], 400);
         let (samples, progress) = found.expect("it is out");
@@ -60,6 +64,37 @@ fn an_axis_that_goes_on_outward_has_a_quarter_of_a_second() {
             assert_eq!(found, None, "{side} {speed}");
         }
     }
+}
+
+#[test]
+fn of_an_axis_that_meets_an_end_behind_a_closed_valve_the_levels_show_why() {
+    let mut commissioning = outside();
+    let unresponsive = |commissioning: &Commissioning| {
+        commissioning.unless_unresponsive(Standing::Unresponsive, Progress::Command(0.1))
+    };
+    assert_eq!(
+        unresponsive(&commissioning),
+        Progress::Failed(Reason::SensorStuck)
+    );
+    let mut closing = (ValveClosing::new(0.2, 0.1), sweep());
+    for _ in 0..1000 {
+        let (valve, levels) = closing;
+        let progress = commissioning.close(valve, levels, 0.999, 0.2);
+        assert_eq!(progress, Progress::Command(0.0));
+        match commissioning.stage {
+            Stage::Closing(valve, levels) => closing = (valve, levels),
+            _ => break,
+        }
+    }
+    assert_eq!(commissioning.stage, Stage::Sweeping(sweep()));
+    // Nothing that it finds is a drive any more, and what moves neither way does not obey.
+    assert!(commissioning.defied);
+    let stuck = Progress::Failed(Reason::ValveStuck);
+    assert_eq!(unresponsive(&commissioning), stuck);
+    commissioning.time = commissioning.design.time_limit;
+    assert_eq!(commissioning.update(499.6, false), stuck);
+    commissioning.begin(300.0, None);
+    assert!(!commissioning.defied);
 }
 
 #[test]

@@ -195,6 +195,61 @@ fn the_drive_counts_from_where_it_was_furthest_the_other_way() {
 }
 
 #[test]
+fn what_a_command_surely_is_counts_whatever_dead_zone_a_model_has() {
+    let fresh = Standstill::new(0.5, 1e-3, 0.1, true);
+    // A dead zone as wide as all commands is that of an axis that stood against them.
+    let wide = Theta {
+        dead_zone: 0.6,
+        offset: 0.0,
+        ..MODEL
+    };
+    for (command, closed) in [(0.4, 0.05), (-0.4, 0.05 + 0.16)] {
+        let flow = 0.4 - closed;
+        let held = first(0.1).max(Known::of(&wide, 1e-3).held);
+        let needed = held + Known::of(&wide, 1e-3).late * flow;
+        let (calls, standing) = until(&mut fresh.clone(), command, Some(&wide)).expect("exhausted");
+        assert_eq!(standing, Standing::Exhausted);
+        let drive = STEP * calls as f32 * flow;
+        assert!(
+            (drive / needed - 1.0).abs() < 0.02,
+            "{command}: {drive} {needed}"
+        );
+    }
+}
+
+#[test]
+fn on_a_stop_the_other_direction_first_takes_back_what_has_pressed() {
+    for (place, inward) in [(0.5, -1.0), (0.999, -1.0), (0.001, 1.0)] {
+        let mut standstill = Standstill::new(place, 1e-3, 0.1, true);
+        let mut calls = |command: f32, found: Standing| {
+            (1..60_000)
+                .position(|_| standstill.update(place, true, command, STEP, Some(&MODEL)) == found)
+        };
+        let pressed = calls(0.3 * inward, Standing::Exhausted).expect("the first direction");
+        let back = calls(-0.3 * inward, Standing::Unresponsive).expect("the other one");
+        let at_end = place != 0.5;
+        // The flows differ by the offset.
+        let share = back as f32 / pressed as f32;
+        let exact = if at_end { 2.0 } else { 1.0 };
+        assert!((share - exact).abs() < 0.2, "{place}: {pressed} {back}");
+    }
+}
+
+#[test]
+fn a_strike_begins_anew() {
+    let mut standstill = Standstill::new(0.5, 1e-3, 0.1, true);
+    for _ in 0..50 {
+        let _ = standstill.update(0.99, true, 0.3, STEP, Some(&MODEL));
+    }
+    let held = standstill.held;
+    standstill.strike(1.0);
+    assert_eq!((standstill.anchor, standstill.drive), (1.0, 0.0));
+    assert_eq!(standstill.defiance, Defiance::default());
+    assert_eq!(standstill.held, held);
+    assert!(!standstill.turned());
+}
+
+#[test]
 fn a_swing_takes_a_period_and_more_where_damping_slows_it() {
     let mut standstill = Standstill::new(0.5, 1e-3, 0.1, true);
     for (a2, slower) in [(0.0, 0.0), (20.0, 0.05), (160.0, 0.4)] {
