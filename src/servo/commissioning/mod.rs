@@ -77,6 +77,15 @@ enum Stage {
     Closing(ValveClosing, Sweep),
 }
 
+/// What the axis has once seemed to do, and what remains to be shown.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Suspicion {
+    /// To obey the other sign than the known one.
+    mirrored: bool,
+    /// To move against its commands, until it met an end of the travel.
+    defied: bool,
+}
+
 /// The commissioning. Memory: 4 kB of record, some 3 kB of sums.
 ///
 /// Cost per ms: some 4 points of a fit. The samples in which a fit ends or a model is taken cost
@@ -88,10 +97,7 @@ pub(crate) struct Commissioning {
     still: Still,
     sign: f32,
     known_sign: Option<f32>,
-    /// Whether the axis has once seemed to obey the other one.
-    has_doubted: bool,
-    /// Whether it has moved against its commands until it met an end of the travel.
-    defied: bool,
+    suspicion: Suspicion,
     time: f32,
     attempt: u32,
     /// Time in s beyond the safe travel without coming back, the place where that began, and the
@@ -125,8 +131,7 @@ impl Commissioning {
             still: Still::default(),
             sign: 1.0,
             known_sign: None,
-            has_doubted: false,
-            defied: false,
+            suspicion: Suspicion::default(),
             time: 0.0,
             attempt: 0,
             outside: 0.0,
@@ -153,8 +158,7 @@ impl Commissioning {
     /// levels.
     pub(crate) fn begin(&mut self, position: f32, sign: Option<f32>) {
         self.known_sign = sign;
-        self.has_doubted = false;
-        self.defied = false;
+        self.suspicion = Suspicion::default();
         self.stage = Stage::Resting(Rest::default());
         self.still = Still::default();
         self.sign = 1.0;
@@ -192,7 +196,7 @@ impl Commissioning {
         self.time += step;
         if self.time > self.design.time_limit && self.accepted.is_none() {
             return Progress::Failed(match self.search.refusal() {
-                _ if self.defied => Reason::ValveStuck,
+                _ if self.suspicion.defied => Reason::ValveStuck,
                 refusal => refusal.unwrap_or(Reason::Uncertain),
             });
         }

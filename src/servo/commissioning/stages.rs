@@ -87,7 +87,7 @@ impl Commissioning {
     /// motion before does, too, while the valve has not left its dead zone: a relay of the known
     /// sign decides, with larger commands. The other sign makes that one run away.
     fn doubt(&mut self, before: Relay, known: f32, y: f32, v: f32) -> Progress {
-        if core::mem::replace(&mut self.has_doubted, true) {
+        if core::mem::replace(&mut self.suspicion.mirrored, true) {
             return Progress::Failed(Reason::WrongSign);
         }
         let (place, detection) = (self.still.place, self.still.detection);
@@ -143,7 +143,7 @@ impl Commissioning {
         let slack = 1.0 + share * (most - 1.0);
         self.settle_record();
         self.has_rested = self.accepted.is_some();
-        if self.accepted.is_none() && !self.defied {
+        if self.accepted.is_none() && !self.suspicion.defied {
             self.accepted = self.search.update(&self.record, slack);
         }
         if let Some(theta) = self.search.latest()
@@ -219,7 +219,7 @@ impl Commissioning {
             None => Progress::Command(0.0),
             Some(Shown::Why(reason)) => Progress::Failed(reason),
             Some(Shown::Nothing) => {
-                self.defied = true;
+                self.suspicion.defied = true;
                 self.standstill.strike(y);
                 self.stage = Stage::Sweeping(sweep);
                 Progress::Command(0.0)
@@ -245,7 +245,7 @@ impl Commissioning {
         progress: Progress,
     ) -> Progress {
         match standing {
-            Standing::Unresponsive if self.defied => Progress::Failed(Reason::ValveStuck),
+            Standing::Unresponsive if self.suspicion.defied => Progress::Failed(Reason::ValveStuck),
             Standing::Unresponsive if self.standstill.code_changes() => {
                 Progress::Failed(Reason::Blocked)
             }

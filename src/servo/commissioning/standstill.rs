@@ -209,11 +209,12 @@ impl Standstill {
         MOVING_COMMAND * self.command + if upward { up } else { down }
     }
 
-    /// Flow of a command: what it surely is, or that of the model, whose dead zone may be as wide as
-    /// all commands where it has seen a fault.
+    /// Flow of a command: behind half of the command at the first movement, with a model behind its
+    /// dead zone. That is at most the whole command, which has moved the axis: a model that has seen
+    /// a fault may have one as wide as all commands.
     fn flow(&self, command: f32, model: Option<&Theta>) -> f32 {
-        let closed = CLOSED * self.command;
-        let [mut up, mut down] = self.margin.map(|margin| closed + margin);
+        let share = if model.is_some() { 1.0 } else { CLOSED };
+        let [mut up, mut down] = self.margin.map(|margin| share * self.command + margin);
         if let Some(m) = model {
             up = up.min(m.dead_zone - m.offset);
             down = down.min(m.dead_zone + m.offset);

@@ -49,8 +49,8 @@ const GOES_ON: f32 = 0.5;
 const WENT_ON: f32 = 0.2;
 /// Weight of what is shown behind the closed valve.
 const CLOSED: f32 = 0.5;
-/// Weight of a sample in the sums of the response: these twelve times 1/(2 w) weigh three times what
-/// they knew before.
+/// Weight of a sample in the sums of the response: these twelve times 1/(2 w) weigh three times
+/// what they knew before.
 const CLOSED_WEIGHT: f32 = 0.25;
 
 impl Closing {

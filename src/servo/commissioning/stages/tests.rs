@@ -88,13 +88,13 @@ fn of_an_axis_that_meets_an_end_behind_a_closed_valve_the_levels_show_why() {
     }
     assert_eq!(commissioning.stage, Stage::Sweeping(sweep()));
     // Nothing that it finds is a drive any more, and what moves neither way does not obey.
-    assert!(commissioning.defied);
+    assert!(commissioning.suspicion.defied);
     let stuck = Progress::Failed(Reason::ValveStuck);
     assert_eq!(unresponsive(&commissioning), stuck);
     commissioning.time = commissioning.design.time_limit;
     assert_eq!(commissioning.update(499.6, false), stuck);
     commissioning.begin(300.0, None);
-    assert!(!commissioning.defied);
+    assert!(!commissioning.suspicion.defied);
 }
 
 #[test]

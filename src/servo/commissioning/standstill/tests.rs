@@ -195,7 +195,7 @@ fn the_drive_counts_from_where_it_was_furthest_the_other_way() {
 }
 
 #[test]
-fn what_a_command_surely_is_counts_whatever_dead_zone_a_model_has() {
+fn a_dead_zone_is_no_wider_than_the_command_that_moved_the_axis_first() {
     let fresh = Standstill::new(0.5, 1e-3, 0.1, true);
     // A dead zone as wide as all commands is that of an axis that stood against them.
     let wide = Theta {
@@ -203,7 +203,7 @@ fn what_a_command_surely_is_counts_whatever_dead_zone_a_model_has() {
         offset: 0.0,
         ..MODEL
     };
-    for (command, closed) in [(0.4, 0.05), (-0.4, 0.05 + 0.16)] {
+    for (command, closed) in [(0.4, 0.1), (-0.4, 0.1 + 0.16)] {
         let flow = 0.4 - closed;
         let held = first(0.1).max(Known::of(&wide, 1e-3).held);
         let needed = held + Known::of(&wide, 1e-3).late * flow;
