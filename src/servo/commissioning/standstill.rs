@@ -210,8 +210,8 @@ impl Standstill {
     }
 
     /// Flow of a command: behind half of the command at the first movement, with a model behind its
-    /// dead zone. That is at most the whole command, which has moved the axis: a model that has seen
-    /// a fault may have one as wide as all commands.
+    /// dead zone. That is at most the whole command, which has moved the axis: a model that has
+    /// seen a fault may have one as wide as all commands.
     fn flow(&self, command: f32, model: Option<&Theta>) -> f32 {
         let share = if model.is_some() { 1.0 } else { CLOSED };
         let [mut up, mut down] = self.margin.map(|margin| share * self.command + margin);
