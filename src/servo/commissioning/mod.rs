@@ -73,8 +73,6 @@ enum Stage {
     Probing(Probe),
     Relaying(Relay),
     Sweeping(Sweep),
-    /// And the levels that go on where that shows nothing.
-    Closing(ValveClosing, Sweep),
 }
 
 /// What the axis has once seemed to do, and what remains to be shown.
@@ -82,7 +80,9 @@ enum Stage {
 struct Suspicion {
     /// To obey the other sign than the known one.
     mirrored: bool,
-    /// To move against its commands, until it met an end of the travel.
+    /// To move against its commands: the valve is closed to see why.
+    closing: Option<ValveClosing>,
+    /// The same until it met an end of the travel.
     defied: bool,
 }
 
@@ -236,6 +236,9 @@ impl Commissioning {
                 }
             }
             Stage::Sweeping(sweep) => {
+                if let Some(closing) = self.suspicion.closing {
+                    return self.close(closing, y, v);
+                }
                 let progress = self.sweep(sweep, y, v);
                 let standing = self.watch_standstill(y, same_code, &progress);
                 if self.standstill.turned() {
@@ -247,7 +250,6 @@ impl Commissioning {
                 let progress = self.unless_unresponsive(standing, progress);
                 self.unless_defiant(progress)
             }
-            Stage::Closing(closing, sweep) => self.close(closing, sweep, y, v),
         }
     }
 

@@ -135,7 +135,7 @@ impl Commissioning {
     pub(crate) fn sweep(&mut self, mut sweep: Sweep, y: f32, v: f32) -> Progress {
         if sweep.is_safe(y) {
             self.outside = 0.0;
-        } else if let Some(progress) = self.stay_outside(y, v, sweep) {
+        } else if let Some(progress) = self.stay_outside(y, v, sweep.half()) {
             return progress;
         }
         let [from, to, most] = WIDENING;
@@ -165,7 +165,7 @@ impl Commissioning {
     }
 
     /// A sample beyond the safe travel: the command leads inwards, and the axis has to follow.
-    fn stay_outside(&mut self, y: f32, v: f32, sweep: Sweep) -> Option<Progress> {
+    fn stay_outside(&mut self, y: f32, v: f32, half: f32) -> Option<Progress> {
         let inward = if y < 0.5 { 1.0 } else { -1.0 };
         let returned = inward * (y - self.outermost);
         if self.outside == 0.0 || returned > RETURN_TIME * RETURN_SPEED {
@@ -179,7 +179,7 @@ impl Commissioning {
         }
         let mean = inward * (self.began - y) / RETURN_TIME;
         if mean > RETURN_SPEED && -inward * v > GOES_ON * mean {
-            self.stage = Stage::Closing(ValveClosing::new(-inward * mean, sweep.half()), sweep);
+            self.suspicion.closing = Some(ValveClosing::new(-inward * mean, half));
             return Some(Progress::Command(0.0));
         }
         // What stands is pushed until it moves, or nothing moves it.
@@ -206,22 +206,15 @@ impl Commissioning {
     /// The valve is closed until it is known why the axis moves. Of one that meets an end of the
     /// travel meanwhile the levels show why: they press it on the stop, then the other way. A wrong
     /// sign takes it off the stop, and a spool that is stuck moves it neither way.
-    pub(crate) fn close(
-        &mut self,
-        mut closing: ValveClosing,
-        sweep: Sweep,
-        y: f32,
-        v: f32,
-    ) -> Progress {
+    pub(crate) fn close(&mut self, mut closing: ValveClosing, y: f32, v: f32) -> Progress {
         let shown = closing.update(y, v, self.design.sample_time);
-        self.stage = Stage::Closing(closing, sweep);
+        self.suspicion.closing = Some(closing);
         match shown {
             None => Progress::Command(0.0),
             Some(Shown::Why(reason)) => Progress::Failed(reason),
             Some(Shown::Nothing) => {
-                self.suspicion.defied = true;
+                (self.suspicion.closing, self.suspicion.defied) = (None, true);
                 self.standstill.strike(y);
-                self.stage = Stage::Sweeping(sweep);
                 Progress::Command(0.0)
             }
         }
@@ -234,7 +227,7 @@ impl Commissioning {
         else {
             return progress;
         };
-        self.stage = Stage::Closing(ValveClosing::new(velocity, sweep.half()), *sweep);
+        self.suspicion.closing = Some(ValveClosing::new(velocity, sweep.half()));
         Progress::Command(0.0)
     }
 

@@ -9,10 +9,6 @@ use crate::servo::commissioning::tests::design;
 const STEP: f32 = 1e-3;
 const HALF: f32 = 0.15;
 
-fn sweep() -> Sweep {
-    Sweep::new(0.5, HALF, 0.0, 0.5, 0)
-}
-
 /// A commissioning whose axis is beyond the safe travel from now on.
 fn outside() -> Commissioning {
     let mut commissioning = Commissioning::new(design());
@@ -30,7 +26,7 @@ fn gone(
 ) -> (f32, Option<(u32, Progress)>) {
     let at = |k: u32| y + side * speed * STEP * k as f32;
     for k in 1..=samples {
-        if let Some(progress) = commissioning.stay_outside(at(k), side * seen, sweep()) {
+        if let Some(progress) = commissioning.stay_outside(at(k), side * seen, HALF) {
             return (at(k), Some((k, progress)));
         }
     }
@@ -47,9 +43,10 @@ fn an_axis_that_goes_on_outward_has_a_quarter_of_a_second() {
         assert!((250..=251).contains(&samples), "{side}: {samples}");
         assert_eq!(progress, Progress::Command(0.0));
         // What goes on as fast behind a closed valve does not obey it.
-        let Stage::Closing(mut closing, _) = commissioning.stage else {
-            panic!("the valve is not closed");
-        };
+        let mut closing = commissioning
+            .suspicion
+            .closing
+            .expect("the valve is closed");
         let shown = (0..400).find_map(|_| closing.update(y, side * 0.05, STEP));
         assert_eq!(shown, Some(Shown::Why(Reason::ValveStuck)), "{side}");
         // Braked to less than 0.7 of its mean speed it obeys, and has gone too far.
@@ -76,17 +73,12 @@ fn of_an_axis_that_meets_an_end_behind_a_closed_valve_the_levels_show_why() {
         unresponsive(&commissioning),
         Progress::Failed(Reason::SensorStuck)
     );
-    let mut closing = (ValveClosing::new(0.2, 0.1), sweep());
-    for _ in 0..1000 {
-        let (valve, levels) = closing;
-        let progress = commissioning.close(valve, levels, 0.999, 0.2);
+    let mut closing = Some(ValveClosing::new(0.2, 0.1));
+    while let Some(valve) = closing {
+        let progress = commissioning.close(valve, 0.999, 0.2);
         assert_eq!(progress, Progress::Command(0.0));
-        match commissioning.stage {
-            Stage::Closing(valve, levels) => closing = (valve, levels),
-            _ => break,
-        }
+        closing = commissioning.suspicion.closing;
     }
-    assert_eq!(commissioning.stage, Stage::Sweeping(sweep()));
     // Nothing that it finds is a drive any more, and what moves neither way does not obey.
     assert!(commissioning.suspicion.defied);
     let stuck = Progress::Failed(Reason::ValveStuck);
