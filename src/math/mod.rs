@@ -57,6 +57,19 @@ pub(crate) fn sin(x: f32) -> f32 {
     libm::sinf(x)
 }
 
+/// The larger of two numbers; the second where one is NaN. Without the call that `f32::max` is on a
+/// Cortex-M4.
+#[inline]
+pub(crate) const fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The smaller of two numbers, in the same way.
+#[inline]
+pub(crate) const fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
 /// The sign of a value; 0 of zero and NaN.
 #[inline(always)]
 pub(crate) fn sign(value: f32) -> f32 {

@@ -10,6 +10,7 @@ use crate::estimation::start_error::StartError;
 use crate::estimation::structure::Structure;
 use crate::estimation::terms::{Parameter, index_of};
 use crate::math::matrix::Matrix;
+use crate::math::{larger, smaller};
 use crate::readout::former::Former;
 use crate::trends::Design;
 
@@ -124,15 +125,9 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     }
 }
 
-/// `value`, but no less than `least` and no more than `most`; not by max(), which is a call of a
-/// library on the target.
+/// `value`, but no less than `least` and no more than `most`.
 const fn between(least: f32, value: f32, most: f32) -> f32 {
-    smaller(if value > least { value } else { least }, most)
-}
-
-/// The smaller one.
-const fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
+    smaller(larger(value, least), most)
 }
 
 #[cfg(test)]

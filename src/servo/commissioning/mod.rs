@@ -188,6 +188,14 @@ impl Commissioning {
         (position - travel.min) / travel.length()
     }
 
+    /// The reason when the time is over.
+    fn undecided(&self) -> Reason {
+        match self.search.refusal() {
+            _ if self.suspicion.defied => Reason::ValveStuck,
+            refusal => refusal.unwrap_or(Reason::Uncertain),
+        }
+    }
+
     /// Takes a position.
     pub(crate) fn update(&mut self, position: f32, same_code: bool) -> Progress {
         let y = self.share(position);
@@ -195,10 +203,7 @@ impl Commissioning {
         self.tracking.update(y);
         self.time += step;
         if self.time > self.design.time_limit && self.accepted.is_none() {
-            return Progress::Failed(match self.search.refusal() {
-                _ if self.suspicion.defied => Reason::ValveStuck,
-                refusal => refusal.unwrap_or(Reason::Uncertain),
-            });
+            return Progress::Failed(self.undecided());
         }
         self.same = if same_code {
             self.same.saturating_add(1)

@@ -3,6 +3,7 @@
 
 mod known;
 
+use crate::math::{larger, smaller};
 use crate::servo::commissioning::defiance::Defiance;
 use crate::servo::commissioning::ends::at_end;
 use crate::servo::commissioning::predictor::Theta;
@@ -76,6 +77,10 @@ pub(crate) struct Standstill {
     /// Command at the first movement, and what the valve may need more upward and downward.
     command: f32,
     margin: [f32; 2],
+    /// Commands beyond which it opens, upward and downward: half of that command, with a model its
+    /// dead zone. That is at most the whole command, which has moved the axis: a model that has
+    /// seen a fault may have one as wide as all commands.
+    opens: [f32; 2],
     /// Drive that friction may hold before there is a model, and the largest that it held in good
     /// work.
     first: f32,
@@ -115,6 +120,7 @@ impl Standstill {
             detection,
             command,
             margin,
+            opens: margin.map(|margin| CLOSED * command + margin),
             first: first_drives(command),
             relayed: Known {
                 late: LAG_FIRST,
@@ -137,8 +143,8 @@ impl Standstill {
     ) -> Standing {
         self.changes |= !same_code;
         let known = self.known(model);
-        let flow = self.flow(command, model);
-        let held = self.first.max(known.held).max(HELD_RATIO * self.held);
+        let flow = self.flow(command);
+        let held = larger(self.first, larger(known.held, HELD_RATIO * self.held));
         let late = known.late * flow.abs();
         let explained = [ONE_SIDE * held, known.swing];
         let scale = [self.detection, step];
@@ -146,23 +152,21 @@ impl Standstill {
         let away = y - self.anchor;
         if away > self.detection || away < -self.detection {
             self.turned = self.is_turned(away > 0.0, flow, late);
-            self.held = self.held.max(self.high - self.low);
+            self.held = larger(self.held, self.high - self.low);
             self.stand(y);
             return Standing::Moved;
         }
         self.drive += step * flow;
-        self.low = self.low.min(self.drive);
-        self.high = self.high.max(self.drive);
+        self.low = smaller(self.low, self.drive);
+        self.high = larger(self.high, self.drive);
         let share = if self.changes { NOISY } else { 1.0 };
         let needed = share * (held + late);
-        // A stop holds any force: what has pressed the axis on it has to be taken back first.
-        let [low, high] = if at_end(y) {
-            [0.0; 2]
-        } else {
-            [self.low, self.high]
-        };
-        let up = self.drive - low > needed;
-        let down = high - self.drive > needed;
+        let mut up = self.drive - self.low > needed;
+        let mut down = self.high - self.drive > needed;
+        if (up || down) && at_end(y) {
+            // A stop holds any force: what has pressed the axis on it has to be taken back first.
+            (up, down) = (self.drive > needed, -self.drive > needed);
+        }
         let used = [self.used[0] || up, self.used[1] || down];
         if used != self.used {
             // The code has the time of the last direction to change.
@@ -201,6 +205,7 @@ impl Standstill {
             self.command = command;
             self.first = first_drives(command);
         }
+        self.opens = self.opening(CLOSED);
     }
 
     /// Command that moves an axis that stays, upward or downward.
@@ -209,16 +214,14 @@ impl Standstill {
         MOVING_COMMAND * self.command + if upward { up } else { down }
     }
 
-    /// Flow of a command: behind half of the command at the first movement, with a model behind its
-    /// dead zone. That is at most the whole command, which has moved the axis: a model that has
-    /// seen a fault may have one as wide as all commands.
-    fn flow(&self, command: f32, model: Option<&Theta>) -> f32 {
-        let share = if model.is_some() { 1.0 } else { CLOSED };
-        let [mut up, mut down] = self.margin.map(|margin| share * self.command + margin);
-        if let Some(m) = model {
-            up = up.min(m.dead_zone - m.offset);
-            down = down.min(m.dead_zone + m.offset);
-        }
+    /// Commands beyond which the valve opens when this part of the first one is no flow.
+    fn opening(&self, part: f32) -> [f32; 2] {
+        self.margin.map(|margin| part * self.command + margin)
+    }
+
+    /// Flow of a command.
+    fn flow(&self, command: f32) -> f32 {
+        let [up, down] = self.opens;
         if command > up {
             command - up
         } else if command < -down {
@@ -272,7 +275,12 @@ impl Standstill {
             Some(m) if m.a1 != self.known.a1 => {
                 self.known = Known::of(m, self.detection);
                 // Neither the model nor the relay is certain of a period: the longer one.
-                self.known.swing = self.known.swing.max(self.period);
+                self.known.swing = larger(self.known.swing, self.period);
+                let [up, down] = self.opening(1.0);
+                self.opens = [
+                    smaller(up, m.dead_zone - m.offset),
+                    smaller(down, m.dead_zone + m.offset),
+                ];
                 self.known
             }
             Some(_) => self.known,

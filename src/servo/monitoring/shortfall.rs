@@ -1,5 +1,6 @@
 //! An axis that falls short of the velocity that its commands let expect.
 
+use crate::math::larger;
 use crate::servo::monitoring::bounds::Bounds;
 
 /// How an axis falls short.
@@ -78,10 +79,6 @@ const GAIN_SHARE: f32 = 0.3;
 const HEAVY: f32 = 0.58;
 /// Share of the expected motion below which there is none.
 const STANDING_SHARE: f32 = 0.2;
-
-const fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
 
 impl Shortfall {
     /// One sample: velocities as expected, as the valve lets expect, and as measured.
