@@ -127,7 +127,7 @@ pub(super) fn sharp(
     let at = |delay: f64, method: Method| Fit::new(problem, &filter, delay, method)?.refined();
     let free = || {
         let fit = at(delay, method)?.with_free_delay()?;
-        let found = fit.found()?;
+        let found = fit.found_behind_noise()?;
         // The parameters are those at the delay that the sums add, which are linear over a sample.
         let shift = found.delay.as_ref().map_or(0.0, |found| found.shift);
         Ok::<_, Error>(((fit.delay() + shift.clamp(-1.0, 1.0)).max(0.0), found))
@@ -137,7 +137,7 @@ pub(super) fn sharp(
             Ok(both) => both,
             // The record does not tell the delay from the parameters.
             Err(_) => {
-                let mut found = at(delay, method)?.found()?;
+                let mut found = at(delay, method)?.found_behind_noise()?;
                 let ends = chosen.delay_alike.unwrap_or_default();
                 let moves = ends.into_iter().filter_map(|end| {
                     let there = at(end as f64, method).ok()?.found().ok()?.estimate;
@@ -149,8 +149,8 @@ pub(super) fn sharp(
         },
         Choice::Given(_) => {
             let fit = at(delay, method)?;
-            let mut found = fit.found()?;
-            let around = fit.around_delay().and_then(|fit| fit.found());
+            let mut found = fit.found_behind_noise()?;
+            let around = fit.around_delay().and_then(|fit| fit.found_behind_noise());
             found.delay = around.ok().and_then(|found| found.delay);
             (delay, found)
         }

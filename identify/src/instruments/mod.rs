@@ -26,6 +26,8 @@ mod factored;
 mod free_delay;
 mod lanes;
 mod later;
+mod output_noise;
+mod pass;
 mod rounding;
 mod solve;
 mod spread;
@@ -44,6 +46,7 @@ pub(crate) use every_delay::likely_delay;
 pub use later::DelayFound;
 use rounding::rounding_of_delay;
 pub use solve::Method;
+use solve::Whole;
 pub(crate) use sums::BLOCKS;
 use sums::{Setting, Sums};
 
@@ -221,15 +224,31 @@ impl<'a> Fit<'a> {
         Some((self.problem.polynomials(&mapped), mapped))
     }
 
-    /// The model of the whole record with its standard deviations.
+    /// The model of the whole record with its standard deviations, by the blocks alone.
     ///
     /// # Errors
     /// [`Error::CannotCarry`] where a parameter is not finite.
     pub fn found(&self) -> Result<Found, Error> {
+        self.found_with(|_| None)
+    }
+
+    /// The same with standard deviations that contain what the noise of the output makes of it, also
+    /// where all information is in one block. Cost: two passes more.
+    ///
+    /// # Errors
+    /// As [`Fit::found`].
+    pub fn found_behind_noise(&self) -> Result<Found, Error> {
+        self.found_with(|whole| self.of_output_noise(whole))
+    }
+
+    fn found_with(
+        &self,
+        of_noise: impl FnOnce(&Whole) -> Option<DMatrix<f64>>,
+    ) -> Result<Found, Error> {
         let weak = |weakness| self.problem.cannot_carry(weakness);
         let solution = self
             .sums
-            .solve_whole(self.method)
+            .solve_whole(self.method, of_noise)
             .ok_or_else(|| weak(Weakness::Singular))?;
         let (model, theta) = self
             .in_s_plane(&solution.theta)
