@@ -100,6 +100,19 @@ pub enum Error {
         /// The missing item.
         weakness: Weakness,
     },
+    /// One sine as the input, and more unknowns than its gain and its phase.
+    #[error(
+        "not identifiable, because one sine as the input fixes two numbers, its gain and its phase, and {unknowns} are unknown with the delay: give the delay, or excite with more than one frequency"
+    )]
+    OneSine {
+        /// The delay and the parameters but the constant.
+        unknowns: usize,
+    },
+    /// One sine as the input, and a structure that is searched with its delay.
+    #[error(
+        "no structure is identifiable, because one sine as the input fixes two numbers, its gain and its phase: excite with more than one frequency, or give the delay"
+    )]
+    OneSineForAll,
     /// No structure passed.
     #[error("no structure of order 1 to {max_order} holds; {why}")]
     NoStructure {
