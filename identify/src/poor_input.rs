@@ -96,9 +96,9 @@ mod tests {
         };
         for w in [1e-3, 0.01, 0.1, 1.0] {
             assert_eq!(of(&|k| 0.3 + (w * k).sin()), Some(PoorInput::Sine), "{w}");
-            // Of whole periods 1 % of a third harmonic is told, 0.5 % is not.
+            // Of whole periods 3 % of a third harmonic are told, 0.5 % are not.
             assert_eq!(of(&|k| (w * k).sin() + 0.3 * (3.0 * w * k).sin()), None);
-            assert_eq!(of(&|k| (w * k).sin() + 0.01 * (3.0 * w * k).sin()), None);
+            assert_eq!(of(&|k| (w * k).sin() + 0.03 * (3.0 * w * k).sin()), None);
             let nearly = of(&|k| (w * k).sin() + 0.005 * (3.0 * w * k).sin());
             assert_eq!(nearly.is_some(), w > 1e-3, "{w}");
             assert_eq!(of(&|k| (w * k * (1.0 + k / 1000.0)).sin()), None, "{w}");
