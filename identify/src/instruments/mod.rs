@@ -32,6 +32,7 @@ mod rounding;
 mod solve;
 mod spread;
 mod sums;
+mod within;
 
 use nalgebra::{DMatrix, DVector};
 
@@ -49,6 +50,7 @@ pub use solve::Method;
 use solve::Whole;
 pub(crate) use sums::BLOCKS;
 use sums::{Setting, Sums};
+pub(crate) use within::share;
 
 /// Folds of the comparison; each is two blocks of the sums.
 pub const FOLDS: usize = 8;
@@ -157,8 +159,12 @@ impl<'a> Fit<'a> {
         let poles = model.poles(usize::from(problem.structure.integrator))?;
         let size = |(re, im): &Pole| re.hypot(*im) * dt;
         let fastest = poles.iter().map(size).fold(0.0, f64::max);
-        // Numerators of another denominator are wrong by its distance times this.
-        let of_distance = fastest * fastest / 12.0;
+        // Numerators of another denominator are wrong by its distance times this; within a sample by
+        // f (1 - f)/2 at most.
+        let of_distance = match self.setting.delay.fract() {
+            0.0 => fastest * fastest / 12.0,
+            _ => fastest / 8.0,
+        };
         let exact = of_distance > NEGLIGIBLE && fastest < FASTEST;
         let next = Setting {
             auxiliary: problem.within_reach(&poles),

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::instruments::lanes::{Design, Lane, design};
 use crate::instruments::later::Later;
 use crate::instruments::sums::{Layout, Setting};
+use crate::instruments::within::Within;
 use crate::problem::Problem;
 use crate::signals::Signals;
 
@@ -13,6 +14,8 @@ use crate::signals::Signals;
 struct InputLanes {
     samples: Vec<f32>,
     trends: Box<dyn Lane>,
+    /// What changes within a sample.
+    within: Option<Within>,
     /// `s^i / A_z`, and `s^j / (A_f A_z)` behind it.
     auxiliary: Option<(Box<dyn Lane>, Box<dyn Lane>)>,
     /// What a later input would make.
@@ -24,6 +27,9 @@ impl InputLanes {
     fn regressors(&mut self, k: usize, phi: &mut [f64]) {
         let trends = self.trends.input(self.samples[k]);
         phi.copy_from_slice(&trends[..phi.len()]);
+        if let Some(within) = &mut self.within {
+            within.add(k, phi);
+        }
     }
 
     /// The first `rows` of `s^j / (A_f A_z)` of sample `k` into `z`, with f_0 .. f_{m-1} of the
@@ -100,6 +106,7 @@ impl Pass {
             inputs.push(InputLanes {
                 samples: delayed(signals, input.samples, delay),
                 trends: design.of_input(input.hold),
+                within: Within::of((signals, input), delay, &setting.model, &*design),
                 auxiliary,
                 later: setting.later.as_ref().filter(|_| input.delayed).map(|b| {
                     Later::of((signals, input), delay, &b[place..place + terms], &*design)
