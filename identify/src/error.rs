@@ -184,6 +184,11 @@ pub enum Weakness {
     /// A singular correlation of these parameters.
     #[error("{} cannot be told apart", .0.join(", "))]
     Inseparable(Vec<String>),
+    /// A delay with a deviation beyond what the equations are linear over.
+    #[error(
+        "its delay cannot be told from its parameters, because three deviations of it are longer than the fastest time constant: give the delay, or excite more often"
+    )]
+    Delay,
     /// No model of the search can be simulated.
     #[error(
         "each one, or one without an eighth of the record, is unstable: try --integrator, or `trendid select`"

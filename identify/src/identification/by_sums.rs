@@ -2,7 +2,7 @@
 
 use super::model::Way;
 use crate::delay_choice::{Delays, LONGEST_DELAY, between_samples};
-use crate::error::Error;
+use crate::error::{Error, Weakness};
 use crate::estimate::Estimate;
 use crate::filter_choice::{self, Elsewhere, Judged, choose, guarded, with_own_filter};
 use crate::instruments::{Fit, Found, Method};
@@ -16,6 +16,9 @@ const RECURSION: f64 = 30.0;
 
 /// Samples over which filter and delay are searched at most.
 pub(super) const LONGEST_SEARCH: usize = 200_000;
+
+/// Standard deviations within which an error is taken to be.
+const DEVIATIONS: f64 = 3.0;
 
 /// What the sums of a record give.
 pub(super) struct Sharp {
@@ -104,6 +107,13 @@ fn chosen(problem: &Problem, freedom: Freedom, progress: &dyn Progress) -> Resul
     })
 }
 
+/// Whether a delay is told from the parameters: the equations are linear in it over the fastest time
+/// constant of the model, and three deviations of it are promised to hold.
+fn told(problem: &Problem, found: &Found) -> bool {
+    let sigma = found.delay.as_ref().map_or(0.0, |delay| delay.sigma);
+    DEVIATIONS * sigma * problem.signals.dt * found.estimate.fastest() <= 1.0
+}
+
 /// Filter and delay by folds, in a long record over a part of it, then the model of the whole
 /// record.
 pub(super) fn sharp(
@@ -133,20 +143,14 @@ pub(super) fn sharp(
         Ok::<_, Error>(((fit.delay() + shift.clamp(-1.0, 1.0)).max(0.0), found))
     };
     let (delay, found) = match freedom.delay {
-        Choice::Auto => match free() {
-            Ok(both) => both,
-            // The record does not tell the delay from the parameters.
-            Err(_) => {
-                let mut found = at(delay, method)?.found_behind_noise()?;
-                let ends = chosen.delay_alike.unwrap_or_default();
-                let moves = ends.into_iter().filter_map(|end| {
-                    let there = at(end as f64, method).ok()?.found().ok()?.estimate;
-                    Some(there.moves_from(&found.estimate))
-                });
-                found.estimate = problem.widened(&found.estimate, &moves.collect::<Vec<_>>());
-                (delay, found)
+        Choice::Auto => {
+            // Without a solution the record does not tell the delay from the parameters, either.
+            let (delay, found) = free().map_err(|_| problem.cannot_carry(Weakness::Delay))?;
+            match told(problem, &found) {
+                true => (delay, found),
+                false => return Err(problem.cannot_carry(Weakness::Delay)),
             }
-        },
+        }
         Choice::Given(_) => {
             let fit = at(delay, method)?;
             let mut found = fit.found_behind_noise()?;

@@ -162,7 +162,7 @@ impl Sums {
             factored,
         };
         if let Some(of_noise) = of_output_noise(&whole) {
-            covariance = larger(&covariance, &of_noise).unwrap_or(covariance);
+            covariance = larger(&covariance, effective_blocks, &of_noise).unwrap_or(covariance);
         }
         let of_column = |j: &usize| match *j < unknowns && *j >= p {
             true => 1.0,
