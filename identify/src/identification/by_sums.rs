@@ -6,6 +6,7 @@ use crate::error::{Error, Weakness};
 use crate::estimate::Estimate;
 use crate::filter_choice::{self, Elsewhere, Judged, choose, guarded, with_own_filter};
 use crate::instruments::{Fit, Found, Method};
+use crate::poor_input::PoorInput;
 use crate::problem::Problem;
 use crate::search::{Choice, Freedom, Progress};
 use crate::signals::Signals;
@@ -142,15 +143,25 @@ pub(super) fn sharp(
         let shift = found.delay.as_ref().map_or(0.0, |found| found.shift);
         Ok::<_, Error>(((fit.delay() + shift.clamp(-1.0, 1.0)).max(0.0), found))
     };
+    // No second change of the input makes up for a delay that the first one does not tell.
+    let one_step = PoorInput::of(problem.signals) == Some(PoorInput::Step);
     let (delay, found) = match freedom.delay {
-        Choice::Auto => {
-            // Without a solution the record does not tell the delay from the parameters, either.
-            let (delay, found) = free().map_err(|_| problem.cannot_carry(Weakness::Delay))?;
-            match told(problem, &found) {
-                true => (delay, found),
-                false => return Err(problem.cannot_carry(Weakness::Delay)),
+        Choice::Auto => match free() {
+            Ok(both) if !one_step || told(problem, &both.1) => both,
+            _ if one_step => return Err(problem.cannot_carry(Weakness::Delay)),
+            Ok(both) => both,
+            // The record does not tell the delay from the parameters.
+            Err(_) => {
+                let mut found = at(delay, method)?.found_behind_noise()?;
+                let ends = chosen.delay_alike.unwrap_or_default();
+                let moves = ends.into_iter().filter_map(|end| {
+                    let there = at(end as f64, method).ok()?.found().ok()?.estimate;
+                    Some(there.moves_from(&found.estimate))
+                });
+                found.estimate = problem.widened(&found.estimate, &moves.collect::<Vec<_>>());
+                (delay, found)
             }
-        }
+        },
         Choice::Given(_) => {
             let fit = at(delay, method)?;
             let mut found = fit.found_behind_noise()?;

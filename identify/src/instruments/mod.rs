@@ -159,12 +159,10 @@ impl<'a> Fit<'a> {
         let poles = model.poles(usize::from(problem.structure.integrator))?;
         let size = |(re, im): &Pole| re.hypot(*im) * dt;
         let fastest = poles.iter().map(size).fold(0.0, f64::max);
-        // Numerators of another denominator are wrong by its distance times this; within a sample by
-        // f (1 - f)/2 at most.
-        let of_distance = match self.setting.delay.fract() {
-            0.0 => fastest * fastest / 12.0,
-            _ => fastest / 8.0,
-        };
+        // Numerators of another denominator are wrong by its distance times this, f (1 - f)/2 where
+        // the input changes within a sample.
+        let within = self.setting.delay.fract() != 0.0;
+        let of_distance = fastest * if within { 0.125 } else { fastest / 12.0 };
         let exact = of_distance > NEGLIGIBLE && fastest < FASTEST;
         let next = Setting {
             auxiliary: problem.within_reach(&poles),
@@ -252,10 +250,8 @@ impl<'a> Fit<'a> {
         of_noise: impl FnOnce(&Whole) -> Option<DMatrix<f64>>,
     ) -> Result<Found, Error> {
         let weak = |weakness| self.problem.cannot_carry(weakness);
-        let solution = self
-            .sums
-            .solve_whole(self.method, of_noise)
-            .ok_or_else(|| weak(Weakness::Singular))?;
+        let solution = self.sums.solve_whole(self.method, of_noise);
+        let solution = solution.ok_or_else(|| weak(Weakness::Singular))?;
         let (model, theta) = self
             .in_s_plane(&solution.theta)
             .ok_or_else(|| weak(Weakness::NotFinite))?;
