@@ -84,8 +84,8 @@ impl Sampled {
         }
     }
 
-    /// What acts on the derivatives of the state for the part of a sample until an input changes, as
-    /// a constant force over the whole sample.
+    /// What acts on the derivatives of the state for the part of a sample until an input changes,
+    /// as a constant force over the whole sample.
     pub(crate) fn before(&self, part: f64, force: [f64; ORDER]) -> [f64; ORDER] {
         let m = self.order;
         let a = DMatrix::from_fn(m, m, |i, j| match j {

@@ -108,8 +108,13 @@ fn chosen(problem: &Problem, freedom: Freedom, progress: &dyn Progress) -> Resul
     })
 }
 
-/// Whether a delay is told from the parameters: the equations are linear in it over the fastest time
-/// constant of the model, and three deviations of it are promised to hold.
+/// Whether no second change of the input makes up for a delay that the first one does not tell.
+fn one_step(problem: &Problem) -> bool {
+    PoorInput::of(problem.signals) == Some(PoorInput::Step)
+}
+
+/// Whether a delay is told from the parameters: the equations are linear in it over the fastest
+/// time constant of the model, and three deviations of it are promised to hold.
 fn told(problem: &Problem, found: &Found) -> bool {
     let sigma = found.delay.as_ref().map_or(0.0, |delay| delay.sigma);
     DEVIATIONS * sigma * problem.signals.dt * found.estimate.fastest() <= 1.0
@@ -143,12 +148,10 @@ pub(super) fn sharp(
         let shift = found.delay.as_ref().map_or(0.0, |found| found.shift);
         Ok::<_, Error>(((fit.delay() + shift.clamp(-1.0, 1.0)).max(0.0), found))
     };
-    // No second change of the input makes up for a delay that the first one does not tell.
-    let one_step = PoorInput::of(problem.signals) == Some(PoorInput::Step);
     let (delay, found) = match freedom.delay {
         Choice::Auto => match free() {
-            Ok(both) if !one_step || told(problem, &both.1) => both,
-            _ if one_step => return Err(problem.cannot_carry(Weakness::Delay)),
+            Ok(both) if told(problem, &both.1) => both,
+            _ if one_step(problem) => return Err(problem.cannot_carry(Weakness::Delay)),
             Ok(both) => both,
             // The record does not tell the delay from the parameters.
             Err(_) => {

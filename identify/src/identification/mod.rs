@@ -26,8 +26,9 @@ use crate::search::{Choice, Freedom, Progress};
 /// processors, and half of that again for the fit held out.
 ///
 /// # Errors
-/// [`Error::Filter`]; [`Error::OneSine`]; [`Error::CannotCarry`] when the samples do not separate the parameters or no
-/// model of the search can be simulated; a configuration that the core refuses.
+/// [`Error::Filter`]; [`Error::OneSine`]; [`Error::CannotCarry`] when the samples do not separate
+/// the parameters or no model of the search can be simulated; a configuration that the core
+/// refuses.
 pub fn identify(
     problem: &Problem,
     freedom: Freedom,

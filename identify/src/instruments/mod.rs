@@ -26,6 +26,7 @@ mod factored;
 mod free_delay;
 mod lanes;
 mod later;
+mod layout;
 mod output_noise;
 mod pass;
 mod rounding;
@@ -45,11 +46,12 @@ use crate::tuning::FASTEST;
 use auxiliary::near;
 pub(crate) use every_delay::likely_delay;
 pub use later::DelayFound;
+use layout::Setting;
 use rounding::rounding_of_delay;
 pub use solve::Method;
 use solve::Whole;
 pub(crate) use sums::BLOCKS;
-use sums::{Setting, Sums};
+use sums::Sums;
 pub(crate) use within::share;
 
 /// Folds of the comparison; each is two blocks of the sums.
@@ -236,8 +238,8 @@ impl<'a> Fit<'a> {
         self.found_with(|_| None)
     }
 
-    /// The same with standard deviations that contain what the noise of the output makes of it, also
-    /// where all information is in one block. Cost: two passes more.
+    /// The same with standard deviations that contain what the noise of the output makes of it,
+    /// also where all information is in one block. Cost: two passes more.
     ///
     /// # Errors
     /// As [`Fit::found`].

@@ -5,7 +5,7 @@ use trendid::trends::{Form, Hold};
 use crate::error::Error;
 use crate::instruments::lanes::{Design, Lane, design};
 use crate::instruments::later::Later;
-use crate::instruments::sums::{Layout, Setting};
+use crate::instruments::layout::{Layout, Setting};
 use crate::instruments::within::Within;
 use crate::problem::Problem;
 use crate::signals::Signals;

@@ -4,9 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::instruments::factored::{Factored, sizes};
 use crate::instruments::later::DelayFound;
-use crate::instruments::output_noise::larger;
 use crate::instruments::rounding::rounding;
-use crate::instruments::spread::{Score, spread};
+use crate::instruments::spread::{Score, larger, spread};
 use crate::instruments::sums::{BLOCKS, Sums};
 
 /// Repetitions with the numerators of the estimate.
