@@ -100,6 +100,19 @@ pub enum Error {
         /// The missing item.
         weakness: Weakness,
     },
+    /// One sine as the input, and more unknowns than its gain and its phase.
+    #[error(
+        "not identifiable, because one sine as the input fixes two numbers, its gain and its phase, and {unknowns} are unknown with the delay: give the delay, or excite with more than one frequency"
+    )]
+    OneSine {
+        /// The delay and the parameters but the constant.
+        unknowns: usize,
+    },
+    /// One sine as the input, and a structure that is searched with its delay.
+    #[error(
+        "no structure is identifiable, because one sine as the input fixes two numbers, its gain and its phase: excite with more than one frequency, or give the delay"
+    )]
+    OneSineForAll,
     /// No structure passed.
     #[error("no structure of order 1 to {max_order} holds; {why}")]
     NoStructure {
@@ -171,6 +184,11 @@ pub enum Weakness {
     /// A singular correlation of these parameters.
     #[error("{} cannot be told apart", .0.join(", "))]
     Inseparable(Vec<String>),
+    /// A delay with a deviation beyond what the equations are linear over.
+    #[error(
+        "its delay cannot be told from its parameters, because three deviations of it are longer than the fastest time constant: give the delay, or excite more often"
+    )]
+    Delay,
     /// No model of the search can be simulated.
     #[error(
         "each one, or one without an eighth of the record, is unstable: try --integrator, or `trendid select`"

@@ -11,6 +11,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::instruments::share;
+
 /// Highest order.
 const ORDER: usize = 4;
 
@@ -27,6 +29,7 @@ pub(crate) struct Force {
 /// A denominator, sampled.
 pub(crate) struct Sampled {
     order: usize,
+    dt: f64,
     /// The rate `r` \[rad/s\].
     pub rate: f64,
     /// `alpha_1 ..` of the state equations.
@@ -72,12 +75,30 @@ impl Sampled {
         };
         Self {
             order: m,
+            dt,
             rate,
             alpha,
             free: part(0),
             held: part(m),
             rising: part(2 * m),
         }
+    }
+
+    /// What acts on the derivatives of the state for the part of a sample until an input changes,
+    /// as a constant force over the whole sample.
+    pub(crate) fn before(&self, part: f64, force: [f64; ORDER]) -> [f64; ORDER] {
+        let m = self.order;
+        let a = DMatrix::from_fn(m, m, |i, j| match j {
+            0 => -self.alpha[i] * self.rate,
+            _ => 0.0,
+        } + if j == i + 1 { self.rate } else { 0.0 });
+        let mut before = force.map(|force| part * force);
+        if let Some(share) = share(&a, self.dt, part) {
+            for i in 0..m {
+                before[i] = (0..m).map(|j| share[(i, j)] * force[j]).sum();
+            }
+        }
+        before
     }
 
     /// The output from a state on, held where the drive stands `still`; `None` where it runs away.

@@ -26,7 +26,10 @@ noise of the output biases; least squares stands beside them. A delay that is se
 is an unknown, also between samples; its deviation is in those of the parameters. The
 friction of --order 2 --integrator --coulomb turns and rests with the velocity of the
 model where that simulates better. Standard deviations come
-from sixteen blocks of the record and take no noise for white. With --memory,
+from sixteen blocks of the record and from the noise that the simulation leaves, and
+take no noise for white. An input of one step, or of one sine where gain and phase are
+all that is unknown, is said in the verdict and as `poor_input` of --json (`one step`,
+`one sine`, null) where the delay is searched; one sine for more is refused. With --memory,
 --scheme goodwin or --filter none the recursion of the core is used alone.";
 
 /// Rows of the picture of the parameters, about.

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 use trendid_identify::derived::Quantity;
+use trendid_identify::poor_input::PoorInput;
 use trendid_identify::{Friction, Way};
 
 use crate::identify::report::Report;
@@ -46,6 +47,7 @@ impl Report<'_> {
                 Friction::HeldAtRest => "of the model, also at rest",
             },
             "delay_alike": found.delay_alike,
+            "poor_input": found.poor_input.map(PoorInput::name),
             "method": way,
             "least_squares": least_squares.map(|e| json!({"theta": list(&e.theta), "sigma": list(&e.sigma)})),
             "effective_blocks": found.effective_blocks.map(number),

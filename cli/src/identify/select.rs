@@ -23,7 +23,9 @@ parameters among those that simulate about as well as the best: an error of at m
 most 1.5 times as large, or with friction as an input one of at most 0.2 % of the
 movement, which the sign of a velocity does not hold. Dropped are models that are
 unstable, that rest on a parameter which is not significant, or whose zero is not
-told from a pole or faster than the sampling shows.";
+told from a pole or faster than the sampling shows. An input of one step or one sine is
+said, and is `poor_input` of --json (`one step`, `one sine`, null); one sine with a
+delay that is searched is refused.";
 
 /// Compare orders, zeros and delays on a record
 #[derive(Debug, Args)]

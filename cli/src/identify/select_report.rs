@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
+use trendid_identify::poor_input::PoorInput;
 use trendid_identify::structure_choice::{Candidate, Dropped, Selection};
 use trendid_identify::{Signals, Structure};
 
@@ -77,6 +78,12 @@ impl SelectReport<'_> {
                 "in doubt: the delay may stand for a lag; {} simulates about as well ({:.2} %), with a parameter that is not significant",
                 describe_at(structure, delay),
                 shorter.fit_x0c
+            ));
+        }
+        if let Some(poor) = s.poor_input {
+            doubts.push(format!(
+                "in doubt: the structure rests on {}, which no other signal confirms",
+                poor.name()
             ));
         }
         if let Some(far) = c.filter_dependence() {
@@ -212,6 +219,7 @@ impl SelectReport<'_> {
             "alike": s.alike,
             "reason": self.reason(),
             "doubts": self.doubts(),
+            "poor_input": s.poor_input.map(PoorInput::name),
             "granted": self.granted,
             "jitter": self.resampling.jitter.map(number),
             "filled": self.resampling.filled,

@@ -1,7 +1,6 @@
 //! What a model is worth, in one line, and what speaks against it.
 
-use trendid_identify::poor_input::PoorInput;
-use trendid_identify::{Choice, Friction, Way};
+use trendid_identify::{Friction, Way};
 
 use super::report::Report;
 use crate::format::significant;
@@ -36,13 +35,9 @@ impl Report<'_> {
         if still > 0.0 {
             verdict += &format!("; standstill removed: {} s", significant(still, 3));
         }
-        verdict += match self.poor_input() {
-            Some(PoorInput::Sine) => {
-                "; not identifiable: one sine does not tell the delay from the parameters"
-            }
-            Some(_) => "; doubtful: delay and parameters rest on one step, +- is too small",
-            None => "",
-        };
+        if let Some(poor) = self.found.poor_input {
+            verdict += &format!("; doubtful: delay and parameters rest on {}", poor.name());
+        }
         if let Some([missed, sigma]) = self.found.delay_missed() {
             verdict += &format!(
                 "; the record shows a delay of about {} samples, not {} ({} standard deviations)",
@@ -59,12 +54,6 @@ impl Report<'_> {
             );
         }
         verdict
-    }
-
-    /// What the input is, where it says too little for the delay that was searched.
-    fn poor_input(&self) -> Option<PoorInput> {
-        let searched = self.freedom.delay == Choice::Auto;
-        PoorInput::of(self.problem.signals).filter(|_| searched)
     }
 
     fn first(&self) -> String {
@@ -90,7 +79,7 @@ impl Report<'_> {
         if !self.found.estimate.reading.stable {
             doubts.push("is unstable".to_owned());
         }
-        if self.poor_input().is_some() {
+        if self.found.poor_input.is_some() {
             doubts.push("does not tell its delay".to_owned());
         }
         if !(self.fits()[1] >= POOR) {

@@ -120,3 +120,26 @@ fn options_that_would_do_nothing() {
         assert!(out.stdout.is_empty(), "{args:?}");
     }
 }
+
+#[test]
+fn one_sine_with_a_delay_that_is_searched() {
+    let sine = table(2000, |k| {
+        let at = |k: usize| (0.02 * k as f64).sin();
+        format!(
+            "{},{},{}",
+            0.01 * k as f64,
+            at(k),
+            3.0 * at(k.saturating_sub(9))
+        )
+    });
+    assert_eq!(
+        identified("sine", &sine, &["--delay", "auto"]),
+        "not identifiable, because one sine as the input fixes two numbers, its gain and its phase, and 3 are unknown with the delay: give the delay, or excite with more than one frequency"
+    );
+    let dir = Scratch::new("sine-select");
+    let file = dir.file("r.csv", &sine);
+    assert_eq!(
+        sentence(&["select", &file, "--constant"]),
+        "no structure is identifiable, because one sine as the input fixes two numbers, its gain and its phase: excite with more than one frequency, or give the delay"
+    );
+}

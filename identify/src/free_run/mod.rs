@@ -74,7 +74,7 @@ impl Problem<'_> {
         let rest = vec![0.0; order];
         let samples = range.len();
         let still = |k: usize| !signals.acts(range.start + k);
-        let forces = self.forces(model, delay, range.clone(), sampled.rate);
+        let forces = self.forces(model, delay, range.clone(), &sampled);
         let forced = sampled.response(&rest, samples, &forces, still)?;
         let mut states = Vec::new();
         for i in 0..order {
@@ -117,43 +117,59 @@ impl Problem<'_> {
         model: &Polynomials,
         delay: f64,
         range: Range<usize>,
-        rate: f64,
+        sampled: &Sampled,
     ) -> impl Fn(usize) -> Force {
         let order = model.a.len();
-        let scale = move |power: usize| rate.powi(power as i32 + 1 - order as i32);
+        let scale = |power: usize| sampled.rate.powi(power as i32 + 1 - order as i32);
+        let constant = model.constant * scale(0);
         let (whole, part) = (delay.floor() as usize, delay - delay.floor());
+        // Of each input its force, and that of the part of a sample until it changes.
+        let forces: Vec<_> = model
+            .b
+            .iter()
+            .map(|b| {
+                let mut force = Force::default().now;
+                for (power, b) in b.iter().enumerate() {
+                    force[order - 1 - power] = b * scale(power);
+                }
+                (force, sampled.before(part, force))
+            })
+            .collect();
         move |k| {
             let mut force = Force::default();
-            if self.signals.acts(range.start + k) {
-                force.now[order - 1] = model.constant * scale(0);
+            if !self.signals.acts(range.start + k) {
+                return force;
             }
+            force.now[order - 1] = constant;
             force.next = force.now;
-            for (input, b) in self.signals.inputs.iter().zip(&model.b) {
+            for (input, (all, before)) in self.signals.inputs.iter().zip(&forces) {
                 let (whole, part) = if input.delayed {
                     (whole, part)
                 } else {
                     (0, 0.0)
                 };
                 // A delayed sample from before the record is its first one.
-                let at = |k: usize| {
-                    let k = range.start + k;
-                    let u = input.samples[k.saturating_sub(whole)];
-                    match part {
-                        0.0 => u,
-                        _ => u + part * (input.samples[k.saturating_sub(whole + 1)] - u),
+                let at = |k: usize, d: usize| input.samples[(range.start + k).saturating_sub(d)];
+                let mut add = |now: usize, next: usize| {
+                    for (slot, k) in [(&mut force.now, now), (&mut force.next, next)] {
+                        let u = at(k, whole);
+                        let step = match part {
+                            0.0 => 0.0,
+                            _ => at(k, whole + 1) - u,
+                        };
+                        for i in 0..order {
+                            let late = match input.hold {
+                                Hold::First => part * all[i],
+                                _ => before[i],
+                            };
+                            slot[i] += all[i] * u + late * step;
+                        }
                     }
                 };
-                let acts = self.signals.acts(range.start + k);
-                let (now, next) = match input.hold {
-                    _ if !acts => (0.0, 0.0),
-                    Hold::First => (at(k), at(k + 1)),
-                    Hold::Zero => (at(k), at(k)),
-                    Hold::Mean => (at(k + 1), at(k + 1)),
-                };
-                for (power, b) in b.iter().enumerate() {
-                    let b = b * scale(power);
-                    force.now[order - 1 - power] += b * now;
-                    force.next[order - 1 - power] += b * next;
+                match input.hold {
+                    Hold::First => add(k, k + 1),
+                    Hold::Zero => add(k, k),
+                    Hold::Mean => add(k + 1, k + 1),
                 }
             }
             force

@@ -2,10 +2,11 @@
 
 use super::model::Way;
 use crate::delay_choice::{Delays, LONGEST_DELAY, between_samples};
-use crate::error::Error;
+use crate::error::{Error, Weakness};
 use crate::estimate::Estimate;
 use crate::filter_choice::{self, Elsewhere, Judged, choose, guarded, with_own_filter};
 use crate::instruments::{Fit, Found, Method};
+use crate::poor_input::PoorInput;
 use crate::problem::Problem;
 use crate::search::{Choice, Freedom, Progress};
 use crate::signals::Signals;
@@ -16,6 +17,9 @@ const RECURSION: f64 = 30.0;
 
 /// Samples over which filter and delay are searched at most.
 pub(super) const LONGEST_SEARCH: usize = 200_000;
+
+/// Standard deviations within which an error is taken to be.
+const DEVIATIONS: f64 = 3.0;
 
 /// What the sums of a record give.
 pub(super) struct Sharp {
@@ -104,6 +108,18 @@ fn chosen(problem: &Problem, freedom: Freedom, progress: &dyn Progress) -> Resul
     })
 }
 
+/// Whether no second change of the input makes up for a delay that the first one does not tell.
+fn one_step(problem: &Problem) -> bool {
+    PoorInput::of(problem.signals) == Some(PoorInput::Step)
+}
+
+/// Whether a delay is told from the parameters: the equations are linear in it over the fastest
+/// time constant of the model, and three deviations of it are promised to hold.
+fn told(problem: &Problem, found: &Found) -> bool {
+    let sigma = found.delay.as_ref().map_or(0.0, |delay| delay.sigma);
+    DEVIATIONS * sigma * problem.signals.dt * found.estimate.fastest() <= 1.0
+}
+
 /// Filter and delay by folds, in a long record over a part of it, then the model of the whole
 /// record.
 pub(super) fn sharp(
@@ -127,17 +143,19 @@ pub(super) fn sharp(
     let at = |delay: f64, method: Method| Fit::new(problem, &filter, delay, method)?.refined();
     let free = || {
         let fit = at(delay, method)?.with_free_delay()?;
-        let found = fit.found()?;
+        let found = fit.found_behind_noise()?;
         // The parameters are those at the delay that the sums add, which are linear over a sample.
         let shift = found.delay.as_ref().map_or(0.0, |found| found.shift);
         Ok::<_, Error>(((fit.delay() + shift.clamp(-1.0, 1.0)).max(0.0), found))
     };
     let (delay, found) = match freedom.delay {
         Choice::Auto => match free() {
+            Ok(both) if told(problem, &both.1) => both,
+            _ if one_step(problem) => return Err(problem.cannot_carry(Weakness::Delay)),
             Ok(both) => both,
             // The record does not tell the delay from the parameters.
             Err(_) => {
-                let mut found = at(delay, method)?.found()?;
+                let mut found = at(delay, method)?.found_behind_noise()?;
                 let ends = chosen.delay_alike.unwrap_or_default();
                 let moves = ends.into_iter().filter_map(|end| {
                     let there = at(end as f64, method).ok()?.found().ok()?.estimate;
@@ -149,8 +167,8 @@ pub(super) fn sharp(
         },
         Choice::Given(_) => {
             let fit = at(delay, method)?;
-            let mut found = fit.found()?;
-            let around = fit.around_delay().and_then(|fit| fit.found());
+            let mut found = fit.found_behind_noise()?;
+            let around = fit.around_delay().and_then(|fit| fit.found_behind_noise());
             found.delay = around.ok().and_then(|found| found.delay);
             (delay, found)
         }

@@ -16,6 +16,7 @@ use once::once;
 use recursion::recursion;
 
 use crate::error::Error;
+use crate::poor_input::PoorInput;
 use crate::problem::Problem;
 use crate::search::{Choice, Freedom, Progress};
 
@@ -25,8 +26,9 @@ use crate::search::{Choice, Freedom, Progress};
 /// processors, and half of that again for the fit held out.
 ///
 /// # Errors
-/// [`Error::Filter`]; [`Error::CannotCarry`] when the samples do not separate the parameters or no
-/// model of the search can be simulated; a configuration that the core refuses.
+/// [`Error::Filter`]; [`Error::OneSine`]; [`Error::CannotCarry`] when the samples do not separate
+/// the parameters or no model of the search can be simulated; a configuration that the core
+/// refuses.
 pub fn identify(
     problem: &Problem,
     freedom: Freedom,
@@ -34,12 +36,21 @@ pub fn identify(
     progress: &dyn Progress,
 ) -> Result<Identification, Error> {
     freedom.check(problem.signals.dt)?;
+    let poor_input = PoorInput::of_search(problem, freedom)?;
     let recursive = problem.options.memory.is_some()
         || problem.options.scheme != Scheme::Tustin
         || freedom.pole == Choice::Given(None);
     if recursive {
-        return recursion(problem, freedom, trace_points);
+        let found = recursion(problem, freedom, trace_points)?;
+        return Ok(Identification {
+            poor_input,
+            ..found
+        });
     }
     let found = once(problem, freedom, trace_points, progress)?;
-    Ok(friction::held(problem, freedom, trace_points, found))
+    let found = friction::held(problem, freedom, trace_points, found);
+    Ok(Identification {
+        poor_input,
+        ..found
+    })
 }

@@ -4,6 +4,7 @@ use crate::estimate::Estimate;
 use crate::filter_choice::far;
 use crate::free_run::FreeRun;
 use crate::instruments::DelayFound;
+use crate::poor_input::PoorInput;
 use crate::run::{PredictionErrors, Trace};
 
 /// Standard deviations by which a delay may miss the one that the record shows.
@@ -57,6 +58,8 @@ pub struct Identification {
     /// The delay as an unknown: that of the model, where it was searched; else what the record
     /// would add to the one that was given. `None` for the recursion.
     pub delay_found: Option<DelayFound>,
+    /// What the input is where it says too little for the delay, which was searched.
+    pub poor_input: Option<PoorInput>,
     /// Where the friction is from.
     pub friction: Friction,
     /// The model of the whole record.

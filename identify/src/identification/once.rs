@@ -47,6 +47,7 @@ pub(super) fn once(
         delay_at_end: sharp.at_end,
         delay_alike: sharp.delay_alike,
         delay_found: sharp.found.delay,
+        poor_input: None,
         friction: Friction::Measured,
         free_run: problem.free_run(&simulated, delay, n / 2..n),
         held_out,

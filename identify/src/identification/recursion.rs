@@ -80,6 +80,7 @@ pub(super) fn recursion(
         delay_at_end: false,
         delay_alike: None,
         delay_found: None,
+        poor_input: None,
         friction: Friction::Measured,
         free_run: problem.free_run(simulated, tuning.delay as f64, n / 2..n),
         held_out,

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use trendid::trends::{Form, Hold};
 
 use crate::instruments::lanes::{Values, design};
-use crate::instruments::sums::Layout;
+use crate::instruments::layout::Layout;
 use crate::problem::Problem;
 
 /// Samples of the equations at most, evenly over the record: behind a filter those between say

@@ -31,6 +31,8 @@ impl Fit<'_> {
             self.setting.delay = next;
             self.setting.later = None;
             self.sums = Sums::of(self.problem, &self.setting)?;
+            // Within a sample the numerators rest on the denominator.
+            self.repeat(1)?;
         }
         match self.setting.later {
             Some(_) => Ok(self),

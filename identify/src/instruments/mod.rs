@@ -26,10 +26,14 @@ mod factored;
 mod free_delay;
 mod lanes;
 mod later;
+mod layout;
+mod output_noise;
+mod pass;
 mod rounding;
 mod solve;
 mod spread;
 mod sums;
+mod within;
 
 use nalgebra::{DMatrix, DVector};
 
@@ -42,10 +46,13 @@ use crate::tuning::FASTEST;
 use auxiliary::near;
 pub(crate) use every_delay::likely_delay;
 pub use later::DelayFound;
+use layout::Setting;
 use rounding::rounding_of_delay;
 pub use solve::Method;
+use solve::Whole;
 pub(crate) use sums::BLOCKS;
-use sums::{Setting, Sums};
+use sums::Sums;
+pub(crate) use within::share;
 
 /// Folds of the comparison; each is two blocks of the sums.
 pub const FOLDS: usize = 8;
@@ -154,8 +161,10 @@ impl<'a> Fit<'a> {
         let poles = model.poles(usize::from(problem.structure.integrator))?;
         let size = |(re, im): &Pole| re.hypot(*im) * dt;
         let fastest = poles.iter().map(size).fold(0.0, f64::max);
-        // Numerators of another denominator are wrong by its distance times this.
-        let of_distance = fastest * fastest / 12.0;
+        // Numerators of another denominator are wrong by its distance times this, f (1 - f)/2 where
+        // the input changes within a sample.
+        let within = self.setting.delay.fract() != 0.0;
+        let of_distance = fastest * if within { 0.125 } else { fastest / 12.0 };
         let exact = of_distance > NEGLIGIBLE && fastest < FASTEST;
         let next = Setting {
             auxiliary: problem.within_reach(&poles),
@@ -221,16 +230,30 @@ impl<'a> Fit<'a> {
         Some((self.problem.polynomials(&mapped), mapped))
     }
 
-    /// The model of the whole record with its standard deviations.
+    /// The model of the whole record with its standard deviations, by the blocks alone.
     ///
     /// # Errors
     /// [`Error::CannotCarry`] where a parameter is not finite.
     pub fn found(&self) -> Result<Found, Error> {
+        self.found_with(|_| None)
+    }
+
+    /// The same with standard deviations that contain what the noise of the output makes of it,
+    /// also where all information is in one block. Cost: two passes more.
+    ///
+    /// # Errors
+    /// As [`Fit::found`].
+    pub fn found_behind_noise(&self) -> Result<Found, Error> {
+        self.found_with(|whole| self.of_output_noise(whole))
+    }
+
+    fn found_with(
+        &self,
+        of_noise: impl FnOnce(&Whole) -> Option<DMatrix<f64>>,
+    ) -> Result<Found, Error> {
         let weak = |weakness| self.problem.cannot_carry(weakness);
-        let solution = self
-            .sums
-            .solve_whole(self.method)
-            .ok_or_else(|| weak(Weakness::Singular))?;
+        let solution = self.sums.solve_whole(self.method, of_noise);
+        let solution = solution.ok_or_else(|| weak(Weakness::Singular))?;
         let (model, theta) = self
             .in_s_plane(&solution.theta)
             .ok_or_else(|| weak(Weakness::NotFinite))?;

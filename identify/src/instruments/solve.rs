@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::instruments::factored::{Factored, sizes};
 use crate::instruments::later::DelayFound;
 use crate::instruments::rounding::rounding;
-use crate::instruments::spread::{Score, spread};
+use crate::instruments::spread::{Score, larger, spread};
 use crate::instruments::sums::{BLOCKS, Sums};
 
 /// Repetitions with the numerators of the estimate.
@@ -68,17 +68,7 @@ impl Sums {
         DMatrix::from_fn(columns, columns + 1, |row, column| {
             let at = |row: usize| sums[row * (columns + 1) + column];
             match numerators {
-                Some(b) if row < q => {
-                    let mut sum = 0.0;
-                    let mut place = 0;
-                    for (c, terms) in layout.terms.iter().enumerate() {
-                        for j in 0..*terms {
-                            sum -= b[place + j] * at(layout.row(c) + row + j);
-                        }
-                        place += terms;
-                    }
-                    sum
-                }
+                Some(b) if row < q => layout.combined(row, b, at),
                 _ => at(auxiliary + row),
             }
         })
@@ -134,19 +124,24 @@ impl Sums {
     ///
     /// Known as: cluster-robust (sandwich) covariance over blocks of time, batch means. The scores
     /// of a block are its equations at the parameters of the whole record (`spread`).
-    pub(super) fn solve_whole(&self, method: Method) -> Option<Solution> {
+    pub(super) fn solve_whole(
+        &self,
+        method: Method,
+        of_output_noise: impl FnOnce(&Whole) -> Option<DMatrix<f64>>,
+    ) -> Option<Solution> {
         let Found {
             theta,
-            numerators: b,
+            numerators,
             present,
         } = self.found(method, |_| false)?;
         let (p, unknowns) = (self.layout.parameters(), self.layout.unknowns());
         let n = present.len();
+        let b = numerators.as_deref();
         let scores: Vec<Score> = self
             .blocks
             .iter()
             .map(|block| {
-                let equations = self.combined(block, b.as_deref());
+                let equations = self.combined(block, b);
                 let columns = equations.ncols() - 1;
                 let left = equations.column(columns) - equations.columns(0, columns) * &theta;
                 Score {
@@ -155,23 +150,33 @@ impl Sums {
                 }
             })
             .collect();
-        let whole = self.combined(&self.total(|_| false), b.as_deref());
+        let whole = self.combined(&self.total(|_| false), b);
         let matrix = DMatrix::from_fn(n, n, |i, j| whole[(present[i], present[j])]);
         let factored = Factored::new(&matrix)?;
-        let (covariance, effective_blocks) = spread(&factored, &scores, unknowns)?;
+        let (mut covariance, effective_blocks) = spread(&factored, &scores, unknowns)?;
+        let whole = Whole {
+            theta,
+            numerators,
+            present,
+            factored,
+        };
+        if let Some(of_noise) = of_output_noise(&whole) {
+            covariance = larger(&covariance, effective_blocks, &of_noise).unwrap_or(covariance);
+        }
         let of_column = |j: &usize| match *j < unknowns && *j >= p {
             true => 1.0,
-            false => theta[*j],
+            false => whole.theta[*j],
         };
-        let of_columns: Vec<f64> = present.iter().map(of_column).collect();
-        let covariance = covariance + rounding(&factored, &scores, &of_columns, self.layout.order)?;
+        let of_columns: Vec<f64> = whole.present.iter().map(of_column).collect();
+        let order = self.layout.order;
+        let covariance = covariance + rounding(&whole.factored, &scores, &of_columns, order)?;
         let delay = self.layout.later.then(|| DelayFound {
-            shift: theta[p],
+            shift: whole.theta[p],
             sigma: covariance[(p, p)].sqrt(),
             with: (0..p).map(|j| covariance[(j, p)]).collect(),
         });
         Some(Solution {
-            theta: theta.as_slice()[..p].to_vec(),
+            theta: whole.theta.as_slice()[..p].to_vec(),
             covariance: (BLOCKS > unknowns + 1)
                 .then(|| covariance.view((0, 0), (p, p)).into_owned()),
             effective_blocks,
@@ -185,6 +190,18 @@ impl Sums {
         let terms: usize = self.layout.terms.iter().sum();
         Some(self.solve(method, |_| false)?[q..q + terms].to_vec())
     }
+}
+
+/// The solution of the whole record with its equations.
+pub(super) struct Whole {
+    /// All columns.
+    pub(super) theta: DVector<f64>,
+    /// Numerators that combined the instruments; least squares have none.
+    pub(super) numerators: Option<Vec<f64>>,
+    /// The columns with data.
+    pub(super) present: Vec<usize>,
+    /// The equations over them.
+    pub(super) factored: Factored,
 }
 
 /// A solution of the combined equations.

@@ -91,3 +91,50 @@ fn evenly(squares: &[f64]) -> f64 {
         false => 0.0,
     }
 }
+
+/// The second covariance, and the first, that of blocks, in the directions in which it is larger by
+/// more than chance; `None` where the second one is not positive definite.
+///
+/// Known as: the Marchenko-Pastur edge. Ratios of the covariance of B samples in n directions to
+/// the true one lie up to `(1 + sqrt(n/B))^2` by chance.
+pub(super) fn larger(
+    one: &DMatrix<f64>,
+    blocks: f64,
+    other: &DMatrix<f64>,
+) -> Option<DMatrix<f64>> {
+    let n = one.nrows();
+    let edge = (1.0 + (n as f64 / blocks).sqrt()).powi(2);
+    let size: Vec<f64> = (0..n).map(|i| other[(i, i)].sqrt()).collect();
+    let scaled = |p: &DMatrix<f64>| DMatrix::from_fn(n, n, |i, j| p[(i, j)] / (size[i] * size[j]));
+    let root = scaled(other).cholesky()?.unpack();
+    let half = root.solve_lower_triangular(&scaled(one))?;
+    let ratio = root.solve_lower_triangular(&half.transpose())?;
+    let ratio = 0.5 * (&ratio + ratio.transpose());
+    let eigen = ratio.symmetric_eigen();
+    let values = DMatrix::from_diagonal(&eigen.eigenvalues.map(|v| if v > edge { v } else { 1.0 }));
+    let back = &root * &eigen.eigenvectors;
+    let both = &back * values * back.transpose();
+    Some(DMatrix::from_fn(n, n, |i, j| {
+        both[(i, j)] * size[i] * size[j]
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_larger_covariance_is_that_of_each_direction() {
+        let one = DMatrix::from_row_slice(2, 2, &[4.0, 0.0, 0.0, 1.0]);
+        let other = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 0.0, 9.0]);
+        // Of 32 blocks in two directions 1.56 is the edge.
+        let both = larger(&one, 32.0, &other).expect("a covariance");
+        let expected = DMatrix::from_row_slice(2, 2, &[4.0, 0.0, 0.0, 9.0]);
+        assert!((both - expected).norm() < 1e-12);
+        let correlated = DMatrix::from_row_slice(2, 2, &[1.0, 0.9, 0.9, 1.0]);
+        for (ratio, kept) in [(0.5, 1.0), (0.7, 0.7)] {
+            let both = larger(&correlated, 32.0, &(ratio * &correlated)).expect("a covariance");
+            assert!((both - kept * &correlated).norm() < 1e-12, "{ratio}");
+        }
+    }
+}

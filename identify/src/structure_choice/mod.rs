@@ -21,6 +21,7 @@ use crate::delay_choice::{DELAYS, Delays, LONGEST_DELAY};
 use crate::error::Error;
 use crate::filter_choice::{self, Judged};
 use crate::folds::Refitted;
+use crate::poor_input::PoorInput;
 use crate::problem::{Options, Problem, Structure};
 use crate::search::{Choice, Freedom, Progress};
 use crate::side_by_side::side_by_side;
@@ -55,6 +56,8 @@ pub struct Selection {
     pub smallest: usize,
     /// Indices of all candidates that simulate about as well as the best.
     pub alike: Vec<usize>,
+    /// What the input is where it says too little for a structure.
+    pub poor_input: Option<PoorInput>,
 }
 
 impl Selection {
@@ -110,7 +113,8 @@ impl Range {
 /// Compares the structures on the record.
 ///
 /// # Errors
-/// What is wrong with the signals; [`Error::NoStructure`] when no structure passes.
+/// What is wrong with the signals; [`Error::OneSineForAll`]; [`Error::NoStructure`] when no
+/// structure passes.
 pub fn select(
     signals: &Signals,
     range: Range,
@@ -125,6 +129,11 @@ pub fn select(
     // What is wrong with the simplest structure is wrong with the record.
     Problem::new(signals, simplest, options)?;
     freedom.check(signals.dt)?;
+    let poor_input = PoorInput::of(signals);
+    let one_sine = poor_input == Some(PoorInput::Sine) && signals.inputs.len() == 1;
+    if one_sine && freedom.delay == Choice::Auto {
+        return Err(Error::OneSineForAll);
+    }
     progress.begin(structures.len());
     let tried: Vec<Result<Candidate, Dropped>> = side_by_side(&structures, |&structure| {
         let tried = candidate(signals, structure, options, freedom);
@@ -161,6 +170,7 @@ pub fn select(
         dropped,
         smallest,
         alike,
+        poor_input,
     })
 }
 
@@ -255,6 +265,7 @@ fn passed(problem: &Problem, judged: Judged, freedom: Freedom) -> Result<Candida
         Choice::Given(_) => None,
     };
     let filter_shifts = elsewhere.as_ref().map(|elsewhere| elsewhere.shifts);
+    found = judged.fit.found_behind_noise().unwrap_or(found);
     if let Some(elsewhere) = elsewhere {
         found.estimate = elsewhere.contained_in(problem, found.estimate);
     }
