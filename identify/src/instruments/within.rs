@@ -74,11 +74,15 @@ pub(crate) fn share(a: &DMatrix<f64>, dt: f64, part: f64) -> Option<DMatrix<f64>
     Some(of_part * whole.try_inverse()?)
 }
 
+/// Samples in which the fastest rate of a denominator moves its state, at most: slower ones are
+/// integrators within a sample, to a millionth, and a scale must not be zero.
+const SLOWEST: f64 = 1e6;
+
 fn weights(model: &[f64], dt: f64, part: f64) -> Option<DMatrix<f64>> {
     let m = model.len();
     // In units of the fastest rate, so that all derivatives are of one size.
     let of_order = |i: usize| model[m - i].abs().powf(1.0 / i as f64);
-    let rate = (1..=m).map(of_order).fold(1.0 / (1e6 * dt), f64::max);
+    let rate = (1..=m).map(of_order).fold(1.0 / (SLOWEST * dt), f64::max);
     let companion = DMatrix::from_fn(m, m, |i, j| match i + 1 == m {
         true => -model[j] / rate.powi((m - j) as i32),
         false => f64::from(u8::from(j == i + 1)),
