@@ -146,7 +146,7 @@ impl<S, V> ServoLoop<S, V> {
             .admits(&model)
             .map_err(Error::Model)?;
         // The observer that knows it is replaced.
-        let motion = self.present_motion(self.config.noise.unwrap_or(noise));
+        let motion = self.present_motion(&model, self.config.noise.unwrap_or(noise));
         let before = self.takeover.building.take();
         loop {
             match self.build(&found) {

@@ -211,6 +211,29 @@ mod tests {
                 assert_eq!(found, Some(expected), "{damping} {frequency} {mean}");
             }
         }
+        // The speed at half a period is over the largest one, which may come later; means of both
+        // halves and of the second one decide behind it.
+        let steps = |[first, early, half, late]: [f32; 4]| {
+            move |t: f32| match t {
+                ..0.2 => first,
+                ..2.9 => early,
+                ..3.4 => half,
+                _ => late,
+            }
+        };
+        for (speeds, expected) in [
+            ([50.0, 100.0, 40.0, 0.0], Reason::WrongSign),
+            ([100.0, 50.0, 60.0, 0.0], Reason::ValveStuck),
+            ([100.0, 30.0, 30.0, 30.0], Reason::ValveStuck),
+            ([100.0, 0.0, 0.0, 30.0], Reason::WrongSign),
+            ([100.0, 60.0, 0.0, 0.0], Reason::WrongSign),
+        ] {
+            assert_eq!(
+                reason(steps(speeds), -0.8, false),
+                Some(expected),
+                "{speeds:?}"
+            );
+        }
         // A rebound at an end of the travel is no speed that a valve gives.
         let rebound = |t: f32| if (0.5..4.0).contains(&t) { 0.0 } else { 100.0 };
         for (at_end, found) in [(false, Reason::ValveStuck), (true, Reason::WrongSign)] {

@@ -1,7 +1,9 @@
 //! The motion in which control begins, and the rest in which a commissioning does.
 
 use crate::hardware::{PositionSensor, Valve};
+use crate::math::sqrt;
 use crate::servo::design::constants::NOISE_RATIO;
+use crate::servo::model::Model;
 use crate::servo::motion::Motion;
 use crate::servo::servo_loop::ServoLoop;
 use crate::servo::servo_loop::takeover::Halt;
@@ -13,25 +15,48 @@ const SETTLED: f32 = 8.4;
 /// Time over that in which an axis loses its speed, after which one that still moves drifts or
 /// cycles.
 const HALT_MOST: u32 = 12;
+/// Speed that a load and the place may give a drive over that of its model, as for the monitors.
+const FASTEST: f32 = 1.3;
 /// Grains of the sensor by which the positions of an axis that stands differ.
 const STANDS: f32 = 3.0;
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
-    /// The motion with which control can begin: the observed one in control, else what the measured
-    /// positions show of it beyond the resolution of the sensor and its `noise`.
-    pub(crate) fn present_motion(&self, noise: f32) -> Motion {
+    /// The motion with which control can begin on a model: the observed one in control, else what
+    /// the measured positions show of it beyond the resolution of the sensor and its `noise`.
+    pub(crate) fn present_motion(&self, model: &Model, noise: f32) -> Motion {
         let state = self.supervisor.state();
         if !self.sensed.begun || self.awaits_motion() {
             Motion::at(self.sensed.position)
         } else if state.is_controlling() {
             self.controller.motion()
         } else {
-            self.measured_motion(noise)
+            self.measured_motion(model, noise)
         }
     }
 
-    fn measured_motion(&self, noise: f32) -> Motion {
-        self.moves.tracking.significant(self.grain(noise))
+    /// Outside of control nobody judges the readings. Of one that was off the filter still makes a
+    /// motion that no drive has, and control would follow it: such an axis counts as one at rest.
+    ///
+    /// With `v'' + a2 v' + a1 v = b0 q` and speeds up to the fastest one, V, the jerk is at most
+    /// `b0 + a1 V + a2 V sqrt(a1)`, and the filter is behind the reading by that over its rate
+    /// cubed. What is within that, and no faster than V, is a motion of the drive for all that can
+    /// be known.
+    fn measured_motion(&self, model: &Model, noise: f32) -> Motion {
+        let grain = self.grain(noise);
+        let seen = self.moves.tracking.significant(grain);
+        let y = self.sensed.position;
+        let rate = self.moves.tracking.rate();
+        let fastest = FASTEST * model.b0 / model.a1;
+        let jerk = model.b0 + fastest * (model.a1 + model.a2 * sqrt(model.a1));
+        let behind = jerk / (rate * rate * rate) + STANDS * grain;
+        if seen.velocity.abs() <= fastest && (y - seen.position).abs() <= behind {
+            Motion {
+                position: y,
+                ..seen
+            }
+        } else {
+            Motion::at(y)
+        }
     }
 
     /// What one code of the sensor and its noise leave unknown of a position.
@@ -135,15 +160,17 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         if self.takeover.watching > 0 {
             return;
         }
-        let motion = self.measured_motion(self.noise());
-        if self.config.travel.admits(motion.position).is_err() {
-            match self.start_requested {
-                // A commissioning may begin there.
-                true => self.supervisor.abort(),
-                false => self.fail(Reason::Implausible),
-            }
-        } else if let Some(model) = self.supervisor.verified_model() {
-            self.take_over(model, motion);
+        let Some(model) = self.supervisor.verified_model() else {
+            return;
+        };
+        let motion = self.measured_motion(&model, self.noise());
+        if self.config.travel.admits(motion.position).is_ok() {
+            return self.take_over(model, motion);
+        }
+        match self.start_requested {
+            // A commissioning may begin there.
+            true => self.supervisor.abort(),
+            false => self.fail(Reason::Implausible),
         }
     }
 }

@@ -30,7 +30,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// an axis that stands beyond its travel by more than a hundredth of it; the loop is as before.
     pub fn install(&mut self, model: Model) -> Result<(), Error> {
         self.may_take_over()?;
-        let motion = self.present_motion(self.noise());
+        let motion = self.present_motion(&model, self.noise());
         self.install_in(model, motion)
     }
 

@@ -1,0 +1,197 @@
+//! The motion in which control begins, and the rest in which a commissioning does.
+
+use super::bench::{self, Bench, MODEL};
+use crate::servo::design::constants::NOISE_RATIO;
+use crate::servo::error::Error;
+use crate::servo::motion::Motion;
+use crate::servo::supervision::state::State;
+
+/// In a move through 100 at so many units per s, at least.
+fn moving(speed: f32) -> Bench {
+    let mut bench = Bench::new(MODEL);
+    let _ = bench.worst(1500);
+    bench.servo.move_to(380.0).expect("a target");
+    while bench.motion.velocity < speed {
+        let _ = bench.worst(1);
+    }
+    bench
+}
+
+/// Samples until a commissioning that is asked for begins; the state is reported from then on.
+fn waited(bench: &mut Bench, mut move_on: impl FnMut(&mut Bench)) -> u32 {
+    for k in 0..20_000 {
+        move_on(bench);
+        let (report, _) = bench.step();
+        assert_eq!(report.state, State::Exciting, "{k}");
+        assert_eq!(bench.servo.move_to(200.0), Err(Error::NotControlling));
+        if bench.servo.supervisor().state().is_commissioning() {
+            return k;
+        }
+    }
+    panic!("it never begins");
+}
+
+#[test]
+fn what_one_code_and_the_noise_leave_unknown_is_no_motion() {
+    let mut bench = Bench::without_a_model(MODEL, &Bench::config());
+    let near = |x: f32, exact: f32| assert!((x / exact - 1.0).abs() < 1e-5, "{x}, not {exact}");
+    // Stated, else found, else taken for it.
+    near(bench.servo.noise(), 2e-4);
+    bench.servo.config.noise = None;
+    bench.servo.drive.noise = 0.0;
+    near(bench.servo.noise(), 400.0 * NOISE_RATIO);
+    bench.servo.drive.noise = 3e-3;
+    near(bench.servo.noise(), 3e-3);
+    // 8.4 over the rate of the filter before it has settled.
+    let rate = bench.servo.moves.tracking.rate();
+    bench.servo.await_motion();
+    let settled = bench.servo.takeover.watching;
+    assert!(
+        settled.abs_diff((8.4e3 / rate) as u32 + 1) <= 1,
+        "{settled}"
+    );
+    // A position that is off by one code and two deviations of the noise.
+    for (part, moves) in [(0.9, false), (1.1, true)] {
+        let mut bench = Bench::without_a_model(MODEL, &Bench::config());
+        let rate = bench.servo.moves.tracking.rate();
+        let most = 1.76 * rate * (bench::SCALE + 2.0 * 2e-4);
+        for k in 0..500 {
+            let y = 200.0 + part * most * 1e-3 * k as f32;
+            bench.servo.moves.tracking.update(y);
+            bench.servo.sensed.position = y;
+        }
+        let seen = bench.servo.present_motion(&MODEL, 2e-4).velocity;
+        assert_eq!(seen != 0.0, moves, "{part}");
+    }
+}
+
+#[test]
+fn a_model_that_is_installed_in_motion_lets_it_run_out() {
+    for controls in [true, false] {
+        let mut bench = moving(100.0);
+        if !controls {
+            bench.servo.abort();
+            let _ = bench.step();
+        }
+        let speed = bench.motion.velocity;
+        bench.servo.install(MODEL).expect("a model");
+        let (report, y) = bench.step();
+        let reference = report.setpoint;
+        assert!((reference.velocity / speed - 1.0).abs() < 0.1, "{controls}");
+        assert!((reference.position - y).abs() < 0.5, "{controls}");
+        assert!(bench.worst(2000) < 3.0, "{controls}");
+        assert!(bench.motion.velocity.abs() < 0.1, "{controls}");
+    }
+}
+
+#[test]
+fn a_motion_that_no_drive_has_is_none() {
+    for (jump, seen) in [(100.0, 3), (-30.0, 1), (60.0, 40)] {
+        let mut bench = Bench::without_a_model(MODEL, &Bench::config());
+        let _ = bench.step();
+        bench.motion.position += jump;
+        for _ in 0..seen {
+            let _ = bench.step();
+        }
+        bench.motion.position -= jump;
+        for _ in 0..5 {
+            let _ = bench.step();
+        }
+        let false_motion = bench.servo.moves.tracking.motion();
+        assert!(false_motion.velocity.abs() > 300.0, "{false_motion:?}");
+        bench.servo.install(MODEL).expect("a model");
+        let (report, y) = bench.step();
+        assert_eq!(report.setpoint.velocity, 0.0, "{jump}");
+        assert!((report.setpoint.position - y).abs() < 1e-3, "{jump}");
+        assert!(bench.worst(1000) < 0.5, "{jump}");
+    }
+}
+
+#[test]
+fn before_the_first_reading_the_valve_waits_for_the_motion() {
+    for commissions in [false, true] {
+        let mut bench = moving(100.0);
+        let code = bench::Code((bench.motion.position / bench::SCALE) as i32);
+        let servo = bench::Loop::try_new(&Bench::config(), bench::axis(), code, bench::Spool(0.0));
+        bench.servo = servo.expect("settings");
+        bench.servo.install(MODEL).expect("a model");
+        if commissions {
+            bench.servo.commission();
+            // One that does not yet know its motion may stand for all that is known.
+            let waits = bench.servo.moves.tracking.rate();
+            let samples = waited(&mut bench, |_| {});
+            assert!(samples as f32 > 8.4e3 / waits, "{samples}");
+            continue;
+        }
+        let mut k = 0_u32;
+        while bench.servo.move_to(200.0) == Err(Error::NotControlling) {
+            let (report, _) = bench.step();
+            assert_eq!(report.command, 0.0, "{k}");
+            k += 1;
+        }
+        let exact = (8.4e3 / bench.servo.moves.tracking.rate()) as u32 + 1;
+        assert!(k.abs_diff(exact) <= 1, "{k}, not {exact}");
+        // It goes on with that motion, whatever became of it.
+        let (speed, (report, y)) = (bench.motion.velocity, bench.step());
+        assert!(speed.abs() > 20.0 && speed * report.setpoint.velocity > 0.5 * speed * speed);
+        assert!((report.setpoint.position - y).abs() < 1.0);
+        assert_eq!(bench.servo.move_to(100.0), Ok(()));
+        let _ = bench.worst(3000);
+        assert!((bench.motion.position - 100.0).abs() < 0.1);
+    }
+}
+
+#[test]
+fn a_commissioning_begins_where_the_axis_stands_and_where_there_is_room() {
+    // At rest in the middle: with the next sample.
+    let mut bench = Bench::new(MODEL);
+    let _ = bench.worst(1500);
+    bench.servo.commission();
+    assert_eq!(waited(&mut bench, |_| {}), 0);
+    // At rest near an end, and in motion: the model leads it to the nearest place with room.
+    for (target, passed) in [(390.0, 5000), (390.0, 600)] {
+        let mut bench = Bench::new(MODEL);
+        let _ = bench.worst(1500);
+        bench.servo.move_to(target).expect("a target");
+        let _ = bench.worst(passed);
+        bench.servo.commission();
+        let samples = waited(&mut bench, |_| {});
+        let closing = bench.servo.guard.monitors.bounds().stop.closing;
+        assert!(samples >= closing, "{samples}");
+        // 0.72 of the travel.
+        let Motion {
+            position, velocity, ..
+        } = bench.motion;
+        assert!(position < 288.1, "{passed}: {position}");
+        let creep = bench.servo.config.creep();
+        assert!(velocity.abs() < creep, "{passed}: {velocity} {creep}");
+    }
+}
+
+#[test]
+fn an_axis_that_does_not_come_to_rest_is_waited_for_twelve_times_and_no_longer() {
+    for drifts in [false, true] {
+        let mut bench = moving(100.0);
+        bench.servo.abort();
+        let _ = bench.step();
+        bench.servo.commission();
+        let closing = bench.servo.guard.monitors.bounds().stop.closing;
+        let samples = waited(&mut bench, |bench| {
+            if drifts {
+                // Whatever the valve does; away from its ends.
+                bench.motion = Motion {
+                    velocity: 40.0,
+                    ..Motion::at(bench.motion.position)
+                };
+                if bench.motion.position > 350.0 {
+                    bench.motion.position = 100.0;
+                }
+            }
+        });
+        if drifts {
+            assert_eq!(samples, 12 * closing);
+        } else {
+            assert!((closing..6 * closing).contains(&samples), "{samples}");
+        }
+    }
+}
