@@ -2,6 +2,9 @@
 //!
 //! From a simulation that shares nothing with the library, behind white or slow noise.
 
+mod draws;
+
+use draws::Uniform;
 use trendid_identify::structure_choice::{Range, select};
 use trendid_identify::{Choice, Error, Freedom, Options, Problem, Signals, Structure, identify};
 
@@ -13,26 +16,6 @@ const SEARCHED: Freedom = Freedom {
 /// Draws of each kind, from a seed on with which nothing was tuned.
 const RECORDS: u64 = 200;
 const FIRST_SEED: u64 = 700_001;
-
-/// Numbers of a seed.
-struct Uniform(u64);
-
-impl Uniform {
-    /// From 0 to 1.
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005);
-        self.0 = self.0.wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.next())
-    }
-
-    fn normal(&mut self) -> f64 {
-        (0..12).map(|_| self.next()).sum::<f64>() - 6.0
-    }
-}
 
 /// What the input is.
 #[derive(Debug, Clone, Copy, PartialEq)]

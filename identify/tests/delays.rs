@@ -2,28 +2,11 @@
 //! any delay is found, with a constant or without, and without noise no parameter is further from
 //! the truth than its standard deviation says.
 
+mod draws;
+
+use draws::Uniform;
 use trendid_identify::structure_choice::{Range, select};
 use trendid_identify::{Choice, Freedom, Options, Problem, Signals, Structure, identify};
-
-/// Numbers of a seed.
-struct Uniform(u64);
-
-impl Uniform {
-    /// From 0 to 1.
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005);
-        self.0 = self.0.wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.next())
-    }
-
-    fn normal(&mut self) -> f64 {
-        (0..12).map(|_| self.next()).sum::<f64>() - 6.0
-    }
-}
 
 /// A plant `prod (s - p) y = b u(t - delay) + constant` with real poles.
 struct Drawn {

@@ -8,6 +8,14 @@
 use crate::instruments::lanes::{Design, Lane};
 use crate::signals::{Input, Signals};
 
+/// How much more an input would be, `delay` whole samples late, if it came one sample later.
+pub(super) fn steps(signals: &Signals, input: &Input, delay: f64) -> Vec<f32> {
+    let whole = delay.floor() as usize;
+    let at = |k: usize, d: usize| input.samples[k.saturating_sub(d)];
+    let step = |k: usize| signals.acting(k, at(k, whole + 1) - at(k, whole)) as f32;
+    (0..input.samples.len()).map(step).collect()
+}
+
 /// The part of one input.
 pub(super) struct Later {
     samples: Vec<f32>,
@@ -24,11 +32,8 @@ impl Later {
         numerators: &[f64],
         design: &dyn Design,
     ) -> Self {
-        let whole = delay.floor() as usize;
-        let at = |k: usize, d: usize| input.samples[k.saturating_sub(d)];
-        let step = |k: usize| signals.acting(k, at(k, whole + 1) - at(k, whole)) as f32;
         Self {
-            samples: (0..input.samples.len()).map(step).collect(),
+            samples: steps(signals, input, delay),
             trends: design.of_input(input.hold),
             numerators: numerators.to_vec(),
         }

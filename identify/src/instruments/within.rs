@@ -16,6 +16,7 @@ use nalgebra::DMatrix;
 use trendid::trends::Hold;
 
 use crate::instruments::lanes::{Design, Lane};
+use crate::instruments::later::steps;
 use crate::signals::{Input, Signals};
 
 /// What the change within a sample adds to the trends of an input.
@@ -33,14 +34,12 @@ impl Within {
         model: &[f64],
         design: &dyn Design,
     ) -> Option<Self> {
-        let (whole, part) = (delay.floor() as usize, delay - delay.floor());
+        let part = delay - delay.floor();
         if part == 0.0 || input.hold == Hold::First {
             return None;
         }
-        let at = |k: usize, d: usize| input.samples[k.saturating_sub(d)];
-        let step = |k: usize| signals.acting(k, at(k, whole + 1) - at(k, whole)) as f32;
         Some(Self {
-            samples: (0..input.samples.len()).map(step).collect(),
+            samples: steps(signals, input, delay),
             trends: design.of_input(input.hold),
             weights: weights(model, signals.dt, part)?,
         })
