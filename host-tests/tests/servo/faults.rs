@@ -40,6 +40,32 @@ fn every_fault_is_noticed_for_its_reason() {
     assert!(20 * wrong.len() <= runs, "{wrong:#?}");
 }
 
+/// Share of the axes that are driven against an end all the same, and of the reasons that are
+/// right. What an axis drifts with its valve in the middle does not count.
+const STRUCK: f64 = 0.15;
+const RIGHT: f64 = 0.95;
+
+#[test]
+fn a_sign_that_changes_while_levels_are_drawn_is_noticed_before_an_end() {
+    for fault in [Fault::ReversedValve, Fault::SensorSign] {
+        let (mut runs, mut struck, mut right) = (0, 0, 0);
+        for axis in controlled(Family::Pneumatic, false, 1, 60) {
+            let Some(run) = run(&axis, Situation::Commissioning, fault) else {
+                continue;
+            };
+            runs += 1;
+            struck += u32::from(run.noticed_mm_s > 50.0 && run.physics_mm_s < 50.0);
+            right += u32::from(run.right);
+        }
+        println!(
+            "{}: {struck} of {runs} are driven against it, {right} right",
+            fault.name()
+        );
+        let share = |count: u32| f64::from(count) / f64::from(runs);
+        assert!(runs >= 50 && share(struck) < STRUCK && share(right) >= RIGHT);
+    }
+}
+
 /// Why both may be called a wrong sign: by the position a supply that is lost is a reversed valve,
 /// at first.
 #[test]

@@ -34,6 +34,11 @@ pub(crate) struct Defiance {
 }
 
 impl Defiance {
+    /// Whether a flow has driven it that way for longer than motion comes late.
+    pub(crate) fn is_driven(&self) -> bool {
+        self.time > LATENESS
+    }
+
     /// Takes a position, the command from now on with the flow that it surely makes, the drive
     /// that friction explains and the time that a swing does; the velocity in travels per s of an
     /// axis that must not have it.
@@ -77,6 +82,8 @@ pub(crate) enum Shown {
     Why(Reason),
     /// Nothing: an end of the travel has stopped it.
     Nothing,
+    /// Nothing: it may have swung, and has stopped.
+    Stops,
 }
 
 /// The valve is closed: what it drove slows down.
@@ -92,6 +99,8 @@ pub(crate) struct ValveClosing {
     left: f32,
     /// Whether an end was reached at speed.
     strikes: bool,
+    /// Whether a swing may be what moved it.
+    doubtful: bool,
 }
 
 impl ValveClosing {
@@ -102,7 +111,22 @@ impl ValveClosing {
             speed: velocity.abs(),
             left: CLOSING_HALVES * half + 2.0 * LATENESS,
             strikes: false,
+            doubtful: false,
         }
+    }
+
+    /// The same of an axis that may have swung: over when it stops, and at the latest then.
+    pub(crate) const fn in_doubt(velocity: f32, half: f32) -> Self {
+        Self {
+            doubtful: true,
+            ..Self::new(velocity, half)
+        }
+    }
+
+    /// The velocity in travels per s with which it began, or the largest since.
+    #[cfg(test)]
+    pub(crate) const fn velocity(&self) -> f32 {
+        self.direction * self.speed
     }
 
     /// Takes a position and a velocity; what that has shown, in the last sample.
@@ -112,6 +136,9 @@ impl ValveClosing {
         }
         self.left -= step;
         let speed = self.direction * v;
+        if self.doubtful {
+            return (speed <= 0.0 || self.left < 0.0).then_some(Shown::Stops);
+        }
         self.speed = self.speed.max(speed);
         let slowed = !self.strikes && speed < SLOWED * self.speed;
         self.strikes |= at_end(y) && !slowed;

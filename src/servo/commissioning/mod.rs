@@ -18,6 +18,7 @@ mod oracle;
 mod predictor;
 mod probe;
 mod range;
+mod reach;
 mod record;
 mod regression;
 mod relay;

@@ -106,8 +106,9 @@ impl Commissioning {
         let spacing = SPACING_MAX.min(half / POINTS_PER_HALF);
         let dead_zone = (0.5 * self.still.since).min(0.1);
         self.first_guess = Some([spacing / step, frequency, dead_zone]);
-        self.standstill.inform(half);
         self.tracking.retune(tracking_rate(frequency, step));
+        self.standstill
+            .inform(half, self.tracking.acceleration_noise());
         let hold = half.min(0.25);
         let mut sweep = Sweep::new(y, hold, dead_zone, self.design.amplitude, self.attempt);
         sweep.pushes([true, false].map(|up| self.standstill.push(up)));
@@ -217,17 +218,41 @@ impl Commissioning {
                 self.standstill.strike(y);
                 Progress::Command(0.0)
             }
+            Some(Shown::Stops) => {
+                self.suspicion.closing = None;
+                self.standstill.resume(y);
+                if let Stage::Sweeping(sweep) = &mut self.stage {
+                    sweep.prove();
+                }
+                Progress::Command(0.0)
+            }
         }
     }
 
     /// The progress, unless the axis moves against its commands: the valve is closed to see why.
+    ///
+    /// Where a swing of another time scale explains it, the axis is stopped, and driven on the same
+    /// way from there. One that has gone out of reach of a swing from there as well does not swing.
     pub(crate) fn unless_defiant(&mut self, progress: Progress) -> Progress {
-        let (Stage::Sweeping(sweep), Progress::Command(_), Some(velocity)) =
-            (&self.stage, progress, self.standstill.defies())
-        else {
+        let (Stage::Sweeping(sweep), Progress::Command(command)) = (&self.stage, progress) else {
             return progress;
         };
-        self.suspicion.closing = Some(ValveClosing::new(velocity, sweep.half()));
+        let (half, step) = (sweep.half(), self.design.sample_time);
+        let motion = self.tracking.motion();
+        let doubtful = self
+            .standstill
+            .is_out_of_reach(&motion, self.sign * command, step);
+        let proven = sweep.proves() && self.standstill.is_driven();
+        let (velocity, surely) = match self.standstill.defies() {
+            Some(velocity) => (velocity, true),
+            None if doubtful => (motion.velocity, proven),
+            None => return progress,
+        };
+        self.suspicion.closing = Some(if surely {
+            ValveClosing::new(velocity, half)
+        } else {
+            ValveClosing::in_doubt(velocity, half)
+        });
         Progress::Command(0.0)
     }
 

@@ -2,13 +2,15 @@
 //! motion at all.
 
 mod known;
+mod time_scale;
 
 use crate::math::{larger, smaller};
 use crate::servo::commissioning::defiance::Defiance;
 use crate::servo::commissioning::ends::at_end;
 use crate::servo::commissioning::predictor::Theta;
-use crate::servo::commissioning::probe::{LATENESS, RATE};
-use crate::servo::commissioning::standstill::known::{Known, LAG_RADIANS};
+use crate::servo::commissioning::probe::RATE;
+use crate::servo::commissioning::reach::Reach;
+use crate::servo::commissioning::standstill::known::Known;
 
 /// Part of the command at the first movement that is surely not flow: half of it, as for the dead
 /// zone of a start.
@@ -29,17 +31,9 @@ const HELD_RATIO: f32 = 1.5;
 /// The drive of an axis whose code changes over that of one whose code stays: noise may hide a slow
 /// motion.
 const NOISY: f32 = 2.0;
-/// Half periods of the axis after which a drive without friction has moved by most of what its flow
-/// leads to.
-const LAG_HALVES: f32 = LAG_RADIANS / core::f32::consts::PI;
 /// The same in s before anything is known of the time scale.
 const LAG_FIRST: f32 = 0.08;
 
-/// Half periods of the axis within which a swing is furthest against the drive.
-const SWING_HALVES: f32 = 2.0;
-/// The same in s before there is a model: a relay switches too soon on a lightly damped axis, so
-/// that its half periods are short.
-const SWING_FIRST: f32 = 0.3;
 /// Part of what friction may hold from one side to the other that stops an axis in motion.
 const ONE_SIDE: f32 = 0.5;
 /// Part of that lag for which the other direction has been tried before a movement is its answer.
@@ -104,6 +98,8 @@ pub(crate) struct Standstill {
     /// How it moves against its drive.
     defiance: Defiance,
     defies: Option<f32>,
+    /// How far a swing takes it.
+    reach: Reach,
 }
 
 impl Standstill {
@@ -192,9 +188,15 @@ impl Standstill {
 
     /// Begins again where the axis has met an end of the travel.
     pub(crate) fn strike(&mut self, y: f32) {
-        self.stand(y);
+        self.resume(y);
         self.turned = false;
+    }
+
+    /// Begins again where the axis has stopped behind a closed valve.
+    pub(crate) fn resume(&mut self, y: f32) {
+        self.stand(y);
         self.defiance = Defiance::default();
+        self.reach.restart();
     }
 
     /// The sign is the other one: what moved the axis first is not known, at most the present
@@ -256,36 +258,6 @@ impl Standstill {
     /// Whether the code has changed while the last direction was used up.
     pub(crate) const fn code_changes(&self) -> bool {
         self.changed
-    }
-
-    /// Half a period of the axis in s, as the relay has it.
-    pub(crate) const fn inform(&mut self, half: f32) {
-        self.period = SWING_HALVES * half + LATENESS;
-        self.relayed.late = LAG_HALVES * half + LATENESS;
-        self.relayed.swing = if self.period > SWING_FIRST {
-            self.period
-        } else {
-            SWING_FIRST
-        };
-    }
-
-    /// What is known of friction and time: from the model, or the first movement and the relay.
-    fn known(&mut self, model: Option<&Theta>) -> Known {
-        match model {
-            Some(m) if m.a1 != self.known.a1 => {
-                self.known = Known::of(m, self.detection);
-                // Neither the model nor the relay is certain of a period: the longer one.
-                self.known.swing = larger(self.known.swing, self.period);
-                let [up, down] = self.opening(1.0);
-                self.opens = [
-                    smaller(up, m.dead_zone - m.offset),
-                    smaller(down, m.dead_zone + m.offset),
-                ];
-                self.known
-            }
-            Some(_) => self.known,
-            None => self.relayed,
-        }
     }
 }
 

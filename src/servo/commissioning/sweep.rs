@@ -54,6 +54,8 @@ pub(crate) struct Sweep {
     tests: bool,
     /// Whether it waits for an oscillation to fade.
     calms: bool,
+    /// Whether the level shows whether the axis obeys.
+    proves: bool,
 }
 
 impl Sweep {
@@ -83,6 +85,7 @@ impl Sweep {
             stays: false,
             tests: false,
             calms: false,
+            proves: false,
         }
     }
 
@@ -135,7 +138,8 @@ impl Sweep {
     pub(crate) fn update(&mut self, y: f32, v: f32, a: f32, step: f32) -> f32 {
         self.look(y, step);
         self.left -= step;
-        if let Some(inward) = self.swings(y, v, a) {
+        self.proves &= self.left > 0.0;
+        if let Some(inward) = self.swings(y, v, a).filter(|_| !self.proves) {
             self.level = inward * CALMING * self.limit - self.offset;
             self.left = 0.0;
             return self.level;
@@ -190,6 +194,19 @@ impl Sweep {
         })
     }
 
+    /// Goes on in the same direction, with a level that surely moves an axis that stays, for the
+    /// period within which a swing goes back.
+    pub(crate) fn prove(&mut self) {
+        self.push(self.level > 0.0);
+        self.left = 2.0 * self.half;
+        self.proves = true;
+    }
+
+    /// Whether it shows whether the axis obeys.
+    pub(crate) const fn proves(&self) -> bool {
+        self.proves
+    }
+
     /// A level that moves an axis that stays.
     fn push(&mut self, upward: bool) {
         let [up, down] = self.pushes;
@@ -215,6 +232,7 @@ impl Sweep {
         };
         let [least, most] = HOLD;
         self.left = self.half * (least + (most - least) * self.draw());
+        self.proves = false;
     }
 
     /// The amplitude follows the movement within two half periods.

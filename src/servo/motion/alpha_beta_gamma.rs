@@ -1,5 +1,6 @@
 //! Motion of the axis before a model exists.
 
+use crate::math::sqrt;
 use crate::servo::motion::Motion;
 
 /// Total variations of the responses of velocity and acceleration to a step, over w and w^2.
@@ -45,6 +46,14 @@ impl AlphaBetaGamma {
     /// The rate of its poles in rad/s.
     pub(crate) fn rate(&self) -> f32 {
         self.gain[1] / self.gain[0]
+    }
+
+    /// Standard deviation of the acceleration over that of white noise of the positions, in 1/s^2.
+    ///
+    /// Of a density T of noise `w^3 s^2 / (s + w)^3` lets through `3/16 w^5 T`.
+    pub(crate) fn acceleration_noise(&self) -> f32 {
+        let rate = self.rate();
+        rate * rate * sqrt(0.1875 * rate * self.sample_time)
     }
 
     /// Starts again at rest at `position`.

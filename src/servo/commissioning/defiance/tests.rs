@@ -109,3 +109,30 @@ fn a_closed_valve_says_why() {
         assert_eq!(after(1.0, beyond), Some((0, Shown::Why(Reason::WrongSign))));
     }
 }
+
+#[test]
+fn in_doubt_a_closed_valve_shows_nothing_but_that_the_axis_stops() {
+    for direction in [1.0, -1.0] {
+        // It stops in its tenth sample.
+        let mut closing = ValveClosing::in_doubt(0.2 * direction, 0.1);
+        let stops = (1..1000).find_map(|k| {
+            let v = direction * 0.02 * (10.0 - k as f32);
+            closing.update(0.5, v, STEP).map(|shown| (k, shown))
+        });
+        assert_eq!(stops, Some((10, Shown::Stops)));
+        // What goes on does so for 1.2 half periods and 40 ms, at an end too.
+        for place in [0.5, 0.5 + 0.495 * direction] {
+            let mut closing = ValveClosing::in_doubt(0.2 * direction, 0.1);
+            let over = (1..1000).find_map(|k| {
+                let shown = closing.update(place, 0.05 * direction, STEP);
+                shown.map(|shown| (k, shown))
+            });
+            let (samples, shown) = over.expect("it ends");
+            assert_eq!(shown, Shown::Stops);
+            assert!((159..164).contains(&samples), "{samples}");
+        }
+        let mut closing = ValveClosing::in_doubt(0.2 * direction, 0.1);
+        let beyond = closing.update(0.5 + 0.511 * direction, 0.2 * direction, STEP);
+        assert_eq!(beyond, Some(Shown::Why(Reason::WrongSign)));
+    }
+}

@@ -89,6 +89,54 @@ fn of_an_axis_that_meets_an_end_behind_a_closed_valve_the_levels_show_why() {
     assert!(!commissioning.suspicion.defied);
 }
 
+/// Reads `place(k)` for so many samples at a command, and ends with the one in which the valve is
+/// closed.
+fn driven(commissioning: &mut Commissioning, command: f32, place: impl Fn(u32) -> f32) -> u32 {
+    let closed = (0..1000).find(|k| {
+        commissioning.tracking.update(place(*k));
+        let progress = Progress::Command(command);
+        let _ = commissioning.watch_standstill(place(*k), false, &progress);
+        commissioning.unless_defiant(progress) == Progress::Command(0.0)
+    });
+    closed.expect("it goes back")
+}
+
+#[test]
+fn what_a_swing_does_not_explain_stops_and_what_goes_back_from_there_obeys_another_sign() {
+    for sign in [1.0, -1.0] {
+        let mut commissioning = outside();
+        commissioning.sign = sign;
+        commissioning.standstill = Standstill::new(0.5, 1e-3, 0.1, true);
+        let _ = commissioning.begin_search(HALF, 0.5);
+        commissioning.tracking.place(0.5);
+        // 20 ms, and then what noise and the speed leave of a swing.
+        let back = |k: u32| 0.5 - 2e-4 * k as f32;
+        let samples = driven(&mut commissioning, sign * 0.1, back);
+        assert!((30..300).contains(&samples), "{samples}");
+        let closing = commissioning.suspicion.closing.expect("closed");
+        assert_eq!(closing, ValveClosing::in_doubt(closing.velocity(), HALF));
+        // It stops, and is driven on the same way.
+        let place = back(samples);
+        let progress = commissioning.close(closing, place, 0.0);
+        assert_eq!(progress, Progress::Command(0.0));
+        assert_eq!(commissioning.suspicion.closing, None);
+        let Stage::Sweeping(sweep) = commissioning.stage else {
+            panic!("levels are drawn");
+        };
+        assert!(sweep.proves());
+        let again = |k: u32| place - 2e-4 * k as f32;
+        commissioning.tracking.place(place);
+        let mut weak = commissioning.clone();
+        let _ = driven(&mut commissioning, sign * 0.3, again);
+        let closing = commissioning.suspicion.closing.expect("closed");
+        assert_eq!(closing, ValveClosing::new(closing.velocity(), HALF));
+        // Not by a command that may be no flow.
+        let _ = driven(&mut weak, sign * 0.04, again);
+        let closing = weak.suspicion.closing.expect("closed");
+        assert_eq!(closing, ValveClosing::in_doubt(closing.velocity(), HALF));
+    }
+}
+
 #[test]
 fn what_comes_back_begins_its_time_anew() {
     for [y, side] in [[0.15, -1.0], [0.85, 1.0]] {

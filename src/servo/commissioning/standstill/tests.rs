@@ -1,6 +1,7 @@
 //! Drives that friction explains, and those that it does not.
 
 use super::*;
+use crate::servo::commissioning::probe::LATENESS;
 
 const STEP: f32 = 1e-3;
 
@@ -139,7 +140,7 @@ fn a_model_says_what_friction_holds_and_when_motion_comes() {
     }
     // Half a period says the same before there is a model.
     let mut informed = fresh;
-    informed.inform(core::f32::consts::PI / 20.0);
+    informed.inform(core::f32::consts::PI / 20.0, 0.0);
     assert!((informed.relayed.late - (2.0 / 20.0 + 0.02)).abs() < 1e-5);
     // A sign that was mistaken: the larger command counts, and either side may open later.
     let mut mistaken = fresh;
@@ -258,7 +259,7 @@ fn a_swing_takes_a_period_and_more_where_damping_slows_it() {
         assert!((Known::of(&model, 1e-3).swing - exact).abs() < 1e-5, "{a2}");
     }
     // The longer one of model and relay, whose half periods are two of them.
-    standstill.inform(1.0);
+    standstill.inform(1.0, 0.0);
     let swing = standstill.known(Some(&MODEL)).swing;
     assert!((swing - 2.0 - LATENESS).abs() < 1e-5, "{swing}");
 }

@@ -47,3 +47,32 @@ fn a_model_sets_time_and_valve_of_the_levels() {
         assert!((0.2..=0.9).contains(&holds), "{holds}");
     }
 }
+
+#[test]
+fn a_level_that_proves_moves_what_stays_the_same_way_for_a_period_whatever_it_swings() {
+    for side in [1.0, -1.0] {
+        let mut sweep = Sweep::new(0.5, 0.1, 0.03, LIMIT, 0);
+        sweep.pushes([0.3, 0.4]);
+        (sweep.level, sweep.left) = (0.1 * side, 0.02);
+        sweep.prove();
+        let least = if side > 0.0 { 0.3 } else { 0.4 };
+        let level = sweep.level;
+        assert!(side * level >= least, "{level}");
+        // A swing of half the travel, which is calmed otherwise.
+        let w = core::f32::consts::PI / 0.1;
+        let swung = 0.5 * w * w;
+        let held = (0..1000).take_while(|_| {
+            let command = sweep.update(0.5, 0.0, swung, STEP);
+            sweep.proves() && command == level
+        });
+        let samples = held.count();
+        assert!((198..=200).contains(&samples), "{samples}");
+        assert!(sweep.update(0.5, 0.0, swung, STEP) < 0.0 && !sweep.proves());
+        // What leaves the band turns all the same, and that proves nothing.
+        let mut turned = sweep;
+        turned.level = side * 0.1;
+        turned.prove();
+        assert!(side * turned.update(0.5 + side * 0.2, 0.0, 0.0, STEP) < 0.0);
+        assert!(!turned.proves());
+    }
+}
