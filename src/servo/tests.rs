@@ -1,7 +1,9 @@
 //! The whole loop on a drive that is its own model, and what it does with faults.
 
+mod awaited;
 mod beginning;
 pub(super) mod bench;
+mod halted;
 mod missing;
 mod patterns;
 mod resumed;

@@ -24,10 +24,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// The motion with which control can begin on a model: the observed one in control, else what
     /// the measured positions show of it beyond the resolution of the sensor and its `noise`.
     pub(crate) fn present_motion(&self, model: &Model, noise: f32) -> Motion {
-        let state = self.supervisor.state();
-        if !self.sensed.begun || self.awaits_motion() {
-            Motion::at(self.sensed.position)
-        } else if state.is_controlling() {
+        if self.observes() {
             self.controller.motion()
         } else {
             self.measured_motion(model, noise)
@@ -79,6 +76,12 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     #[inline]
     pub(crate) const fn awaits_motion(&self) -> bool {
         self.takeover.watching > 0 && self.supervisor.state().is_controlling()
+    }
+
+    /// Whether the observer of the controller knows the motion; the filter of the measured positions
+    /// does otherwise.
+    pub(crate) const fn observes(&self) -> bool {
+        self.supervisor.state().is_controlling() && self.takeover.watching == 0
     }
 
     /// The filter of the measured positions has a first one: control waits until it has settled.

@@ -3,6 +3,7 @@
 use super::bench::{self, Bench, MODEL};
 use crate::servo::design::constants::NOISE_RATIO;
 use crate::servo::error::Error;
+use crate::servo::model::Model;
 use crate::servo::motion::Motion;
 use crate::servo::supervision::state::State;
 
@@ -81,6 +82,59 @@ fn a_model_that_is_installed_in_motion_lets_it_run_out() {
         assert!((reference.position - y).abs() < 0.5, "{controls}");
         assert!(bench.worst(2000) < 3.0, "{controls}");
         assert!(bench.motion.velocity.abs() < 0.1, "{controls}");
+    }
+}
+
+#[test]
+fn a_motion_counts_within_what_the_drive_can_have() {
+    let noise = 2e-4;
+    for a2 in [20.0, 200.0] {
+        let model = Model { a2, ..MODEL };
+        let mut bench = Bench::without_a_model(model, &Bench::config());
+        let rate = bench.servo.moves.tracking.rate();
+        // 1.3 times the velocity gain; b0 + a1 V + a2 V w, over the rate cubed, and three grains.
+        let fastest = 1.3 * 1600.0;
+        let jerk = 1e6 + 625.0 * fastest + a2 * fastest * 25.0;
+        let behind = jerk / (rate * rate * rate) + 3.0 * (bench::SCALE + 2.0 * noise);
+        for (speed, lag, counts) in [
+            (0.99, 0.0, true),
+            (-0.99, 0.0, true),
+            (1.01, 0.0, false),
+            (-1.01, 0.0, false),
+            (0.5, 0.99, true),
+            (0.5, -0.99, true),
+            (0.5, 1.01, false),
+            (0.5, -1.01, false),
+        ] {
+            let seen = Motion {
+                position: 200.0,
+                velocity: speed * fastest,
+                acceleration: 0.0,
+            };
+            bench.servo.moves.tracking.begin(seen);
+            let position = 200.0 + lag * behind;
+            bench.servo.sensed.position = position;
+            let expected = if counts {
+                Motion { position, ..seen }
+            } else {
+                Motion::at(position)
+            };
+            let motion = bench.servo.present_motion(&model, noise);
+            assert_eq!(motion, expected, "{a2} {speed} {lag}");
+        }
+        // Of a coarse sensor the noise counts.
+        let behind = jerk / (rate * rate * rate) + 3.0 * (bench::SCALE + 2.0);
+        for (lag, counts) in [(0.99, true), (1.01, false)] {
+            let seen = Motion {
+                position: 200.0,
+                velocity: fastest,
+                acceleration: 0.0,
+            };
+            bench.servo.moves.tracking.begin(seen);
+            bench.servo.sensed.position = 200.0 + lag * behind;
+            let motion = bench.servo.present_motion(&model, 1.0);
+            assert_eq!(motion.velocity != 0.0, counts, "{a2} {lag}");
+        }
     }
 }
 
