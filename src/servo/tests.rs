@@ -3,7 +3,6 @@
 mod awaited;
 mod beginning;
 pub(super) mod bench;
-mod halted;
 mod missing;
 mod patterns;
 mod resumed;

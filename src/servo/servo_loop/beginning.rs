@@ -78,8 +78,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.takeover.watching > 0 && self.supervisor.state().is_controlling()
     }
 
-    /// Whether the observer of the controller knows the motion; the filter of the measured positions
-    /// does otherwise.
+    /// Whether the observer of the controller knows the motion; else that is for the filter of the
+    /// measured positions.
     pub(crate) const fn observes(&self) -> bool {
         self.supervisor.state().is_controlling() && self.takeover.watching == 0
     }

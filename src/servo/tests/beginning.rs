@@ -1,5 +1,7 @@
 //! The motion in which control begins, and the rest in which a commissioning does.
 
+mod halted;
+
 use super::bench::{self, Bench, MODEL};
 use crate::servo::design::constants::NOISE_RATIO;
 use crate::servo::error::Error;

@@ -70,3 +70,15 @@ fn a_look_at_what_is_no_longer_makes_no_candidate() {
     }
     assert_eq!(bench.servo.takeover.looked, None);
 }
+
+#[test]
+fn a_sample_in_which_other_gains_come_into_force_has_no_time_to_think() {
+    let mut bench = Bench::new(MODEL);
+    let _ = bench.worst(1500);
+    assert_eq!(bench.servo.spare(), Spare::Thought);
+    let slow = Tuning::slowest(bench.servo.controller.tuning_design(), &MODEL);
+    bench.servo.controller.replace_poles(slow, None);
+    assert_eq!(bench.servo.spare(), Spare::Step);
+    let _ = bench.worst(2);
+    assert_eq!(bench.servo.spare(), Spare::Thought);
+}

@@ -1,9 +1,9 @@
 //! The rest in which a commissioning begins, sample by sample.
 
-use super::bench::{Bench, MODEL, SCALE};
-use super::*;
 use crate::servo::motion::{Motion, Travel};
 use crate::servo::servo_loop::takeover::Halt;
+use crate::servo::supervision::state::State;
+use crate::servo::tests::bench::{Bench, MODEL, SCALE};
 
 /// In a move from 200 to 390, at 100 per s at least.
 fn moving() -> Bench {
