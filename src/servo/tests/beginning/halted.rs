@@ -2,7 +2,7 @@
 
 use crate::servo::motion::{Motion, Travel};
 use crate::servo::servo_loop::takeover::Halt;
-use crate::servo::supervision::state::State;
+use crate::servo::supervision::state::{Reason, State};
 use crate::servo::tests::bench::{Bench, MODEL, SCALE};
 
 /// In a move from 200 to 390, at 100 per s at least.
@@ -107,6 +107,15 @@ fn what_is_asked_for_no_more_is_reported_no_more() {
     assert!(bench.servo.takeover.halt.since > 0);
     bench.servo.abort();
     assert_eq!(bench.step().0.state, State::Idle);
+    // Asked for anew it begins anew; asked for again it goes on.
+    bench.servo.takeover.halt.stood = 7;
+    bench.servo.commission();
+    assert_eq!(bench.servo.takeover.halt.since, 0);
+    let _ = bench.step();
+    let since = bench.servo.takeover.halt.since;
+    assert!(since > 0);
+    bench.servo.commission();
+    assert_eq!(bench.servo.takeover.halt.since, since);
 }
 
 #[test]
@@ -127,4 +136,30 @@ fn a_place_without_room_is_left_before_a_commissioning_and_not_without_control()
     assert!(!near_the_end(true) && near_the_end(false));
     let Travel { min, max } = idle().servo.commissioning.middles();
     assert!(min > 100.0 && max < 300.0, "{min} {max}");
+}
+
+#[test]
+fn a_sign_that_is_stated_or_of_a_verified_model_is_known_to_a_commissioning() {
+    let ends = |reversed: Option<bool>, installs: bool| {
+        let mut config = Bench::config();
+        config.reversed = reversed;
+        let mut bench = Bench::without_a_model(MODEL, &config);
+        if installs {
+            bench.servo.install(MODEL).expect("a model");
+            let _ = bench.worst(1500);
+        }
+        bench.servo.commission();
+        let _ = bench.step();
+        // The valve opens the other way.
+        bench.sign = -1.0;
+        for _ in 0..20_000 {
+            if let State::Failed(reason) = bench.step().0.state {
+                return Some(reason);
+            }
+        }
+        None
+    };
+    assert_eq!(ends(None, false), None);
+    assert_eq!(ends(Some(false), false), Some(Reason::WrongSign));
+    assert_eq!(ends(None, true), Some(Reason::WrongSign));
 }
