@@ -122,3 +122,29 @@ fn a_commissioning_that_nobody_can_place_yet_is_not_reported() {
     }
     assert_eq!(bench.step().0.state, State::Failed(Reason::SensorFault));
 }
+
+#[test]
+fn an_axis_that_leaves_its_travel_or_its_sensor_meanwhile_is_not_moved() {
+    for (from, lost, reason) in [
+        (403.0, false, Reason::Implausible),
+        (200.0, true, Reason::SensorFault),
+    ] {
+        let mut bench = Bench::without_a_model(MODEL, &Bench::config());
+        let sensor = bench::Code((from / bench::SCALE) as i32);
+        let servo =
+            bench::Loop::try_new(&Bench::config(), bench::axis(), sensor, bench::Spool(0.0));
+        bench.servo = servo.expect("settings");
+        bench.servo.install(MODEL).expect("a model");
+        for k in 0..100 {
+            bench.motion = Motion {
+                position: from + at(k).position - BEGIN,
+                ..at(k)
+            };
+            bench.is_mute = lost && k > 10;
+            let (report, _) = bench.step();
+            assert_eq!(report.command, 0.0, "{reason:?} {k}");
+            assert_eq!(report.state.is_controlling(), bench.servo.awaits_motion());
+        }
+        assert_eq!(bench.servo.supervisor().state(), State::Failed(reason));
+    }
+}

@@ -6,6 +6,7 @@ use std::format;
 
 use super::bench::MODEL;
 use super::*;
+use crate::hardware::Valve;
 use crate::servo::monitoring::{Alarm, stop::Stop};
 
 /// A loop that brakes behind a fault.
@@ -97,5 +98,39 @@ fn a_brake_on_a_wrong_model_ends_or_brakes() {
                 }
             }
         }
+    }
+}
+
+/// A valve that takes no command from the one on that is told.
+struct Deaf(u32);
+
+impl Valve for Deaf {
+    type Error = ();
+
+    fn drive(&mut self, command: f32) -> Result<f32, ()> {
+        self.0 = self.0.saturating_sub(1);
+        if self.0 == 0 { Err(()) } else { Ok(command) }
+    }
+}
+
+#[test]
+fn a_valve_that_reports_an_error_is_a_fault_in_the_same_sample() {
+    let code = bench::Code((200.0 / bench::SCALE) as i32);
+    for commissions in [false, true] {
+        let valve = Deaf(40);
+        let servo = ServoLoop::try_new(&Bench::config(), bench::axis(), code.clone(), valve);
+        let mut servo = servo.expect("settings");
+        if commissions {
+            servo.commission();
+        } else {
+            servo.install(MODEL).expect("a model");
+        }
+        for k in 1..40 {
+            let report = servo.update();
+            assert!(!matches!(report.state, State::Failed(_)), "{k}: {report:?}");
+        }
+        let report = servo.update();
+        assert_eq!(report.state, State::Failed(Reason::ValveFault));
+        assert_eq!((report.command, report.faults.stops), (0.0, 1));
     }
 }
