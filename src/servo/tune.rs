@@ -147,7 +147,6 @@ impl<S, V> ServoLoop<S, V> {
             .map_err(Error::Model)?;
         // The observer that knows it is replaced.
         let motion = self.present_motion(&model, self.config.noise.unwrap_or(noise));
-        let awaited = self.awaits_motion();
         let before = self.takeover.building.take();
         loop {
             match self.build(&found) {
@@ -159,7 +158,7 @@ impl<S, V> ServoLoop<S, V> {
                 }
             }
         }
-        self.install_in(model, motion, awaited)?;
+        self.install_in(model, motion)?;
         self.supervisor.recall([a1, a2, b0]);
         Ok(())
     }

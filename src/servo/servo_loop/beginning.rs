@@ -9,9 +9,6 @@ use crate::servo::servo_loop::ServoLoop;
 use crate::servo::servo_loop::takeover::Halt;
 use crate::servo::supervision::state::{Reason, State};
 
-/// Time over that of the filter of the measured positions in which it settles: three poles then
-/// have a hundredth of their way to go.
-const SETTLED: f32 = 8.4;
 /// Time over that in which an axis loses its speed, after which one that still moves drifts or
 /// cycles.
 const HALT_MOST: u32 = 12;
@@ -75,21 +72,13 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// middle until that is known.
     #[inline]
     pub(crate) const fn awaits_motion(&self) -> bool {
-        self.takeover.watching > 0 && self.supervisor.state().is_controlling()
+        self.moves.unsettled > 0 && self.supervisor.state().is_controlling()
     }
 
     /// Whether the observer of the controller knows the motion; else that is for the filter of the
     /// measured positions.
     pub(crate) const fn observes(&self) -> bool {
-        self.supervisor.state().is_controlling() && self.takeover.watching == 0
-    }
-
-    /// The filter of the measured positions has a first one: control waits until it has settled.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn await_motion(&mut self) {
-        let samples = SETTLED / (self.moves.tracking.rate() * self.config.sample_time);
-        self.takeover.watching = 1 + samples as u32;
+        self.supervisor.state().is_controlling() && self.moves.unsettled == 0
     }
 
     /// Whether a commissioning waits: an axis in motion has to come to rest. In control its
@@ -159,8 +148,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     #[cold]
     #[inline(never)]
     pub(crate) fn watch_motion(&mut self) {
-        self.takeover.watching -= 1;
-        if self.takeover.watching > 0 {
+        self.moves.settle();
+        if self.moves.unsettled > 0 {
             return;
         }
         let Some(model) = self.supervisor.verified_model() else {

@@ -11,8 +11,30 @@ pub(crate) struct Moves {
     pub(crate) run_out_rate: f32,
     /// The motion from the positions alone.
     pub(crate) tracking: AlphaBetaGamma,
+    /// Samples until it has settled behind a first reading.
+    pub(crate) unsettled: u32,
     /// What it takes while readings fail.
     pub(crate) gap: Gap,
+}
+
+/// Time over that of the filter of the measured positions in which it settles: three poles then
+/// have a hundredth of their way to go.
+const SETTLED: f32 = 8.4;
+
+impl Moves {
+    /// The filter has a first position, or other poles: how the axis moves is known when it has
+    /// settled.
+    #[cold]
+    pub(crate) fn unsettle(&mut self, sample_time: f32) {
+        let samples = SETTLED / (self.tracking.rate() * sample_time);
+        self.unsettled = 1 + samples as u32;
+    }
+
+    /// One sample outside of control.
+    #[inline]
+    pub(crate) const fn settle(&mut self) {
+        self.unsettled = self.unsettled.saturating_sub(1);
+    }
 }
 
 /// Samples in a row without a measured position.

@@ -66,18 +66,18 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         if !self.sensed.begun {
             self.sensed.begun = true;
             self.moves.tracking.place(y);
+            self.moves.unsettle(self.config.sample_time);
             self.moves.trajectory.stand(y, self.moves.run_out_rate);
             self.controller.place(Motion::at(y));
             self.guard
                 .monitors
                 .place(Motion::at(y), self.limiter.last());
             // Control was asked for before anybody knew where the axis is.
-            if self.supervisor.state().is_controlling() {
-                if self.start_requested || self.config.travel.admits(y).is_ok() {
-                    self.await_motion();
-                } else {
-                    self.fail(Reason::Implausible);
-                }
+            if self.supervisor.state().is_controlling()
+                && !self.start_requested
+                && self.config.travel.admits(y).is_err()
+            {
+                self.fail(Reason::Implausible);
             }
         }
         if self.start_requested && !self.comes_to_rest() {
@@ -127,6 +127,9 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             velocity: step / self.config.sample_time,
             acceleration: 0.0,
         });
+        if !known {
+            self.moves.unsettle(self.config.sample_time);
+        }
     }
 
     /// Predicted position, which replaces a failed reading.

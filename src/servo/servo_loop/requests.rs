@@ -31,25 +31,17 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     pub fn install(&mut self, model: Model) -> Result<(), Error> {
         self.may_take_over()?;
         let motion = self.present_motion(&model, self.noise());
-        self.install_in(model, motion, self.awaits_motion())
+        self.install_in(model, motion)
     }
 
-    /// The same in a motion; one that is awaited is not known for another model either.
-    pub(crate) fn install_in(
-        &mut self,
-        model: Model,
-        motion: Motion,
-        awaited: bool,
-    ) -> Result<(), Error> {
+    /// The same in a motion.
+    pub(crate) fn install_in(&mut self, model: Model, motion: Motion) -> Result<(), Error> {
         self.supervisor.install(model).map_err(Error::Model)?;
         self.stop_building();
         self.start_requested = false;
         self.controller.search(&model);
         self.takeover.watching = 0;
         self.take_over(model, motion);
-        if awaited {
-            self.await_motion();
-        }
         self.identify_from(&model, REOPENED_STD);
         Ok(())
     }

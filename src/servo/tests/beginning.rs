@@ -47,8 +47,8 @@ fn what_one_code_and_the_noise_leave_unknown_is_no_motion() {
     near(bench.servo.noise(), 3e-3);
     // 8.4 over the rate of the filter before it has settled.
     let rate = bench.servo.moves.tracking.rate();
-    bench.servo.await_motion();
-    let settled = bench.servo.takeover.watching;
+    bench.servo.moves.unsettle(1e-3);
+    let settled = bench.servo.moves.unsettled;
     assert!(
         settled.abs_diff((8.4e3 / rate) as u32 + 1) <= 1,
         "{settled}"
@@ -144,7 +144,9 @@ fn a_motion_counts_within_what_the_drive_can_have() {
 fn a_motion_that_no_drive_has_is_none() {
     for (jump, seen) in [(100.0, 3), (-30.0, 1), (60.0, 40)] {
         let mut bench = Bench::without_a_model(MODEL, &Bench::config());
-        let _ = bench.step();
+        for _ in 0..100 {
+            let _ = bench.step();
+        }
         bench.motion.position += jump;
         for _ in 0..seen {
             let _ = bench.step();

@@ -30,6 +30,7 @@ fn asked(bench: &mut Bench, k: u32) {
 #[test]
 fn targets_in_every_sample_leave_time_for_the_search_for_poles() {
     let mut bench = Bench::new(MODEL);
+    let _ = bench.worst(100);
     bench.servo.takeover.unsearched = Some(MODEL);
     for k in 0..8000 {
         asked(&mut bench, k);
