@@ -168,6 +168,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.fallback = Fallback::new(Some(model));
         self.takeover.looked = None;
         self.takeover.unsearched = None;
+        self.moves.astray = 0.0;
         self.moves
             .trajectory
             .run_out(motion, self.moves.run_out_rate);

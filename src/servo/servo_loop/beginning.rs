@@ -19,23 +19,24 @@ const STANDS: f32 = 3.0;
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// The motion with which control can begin on a model: the observed one in control, else what
-    /// the measured positions show of it beyond the resolution of the sensor and its `noise`.
-    pub(crate) fn present_motion(&self, model: &Model, noise: f32) -> Motion {
+    /// the measured positions show of it beyond the resolution of the sensor and its `noise`;
+    /// `None` where readings that were off have left what no drive has.
+    pub(crate) fn present_motion(&self, model: &Model, noise: f32) -> Option<Motion> {
         if self.observes() {
-            self.controller.motion()
+            Some(self.controller.motion())
         } else {
             self.measured_motion(model, noise)
         }
     }
 
-    /// Outside of control nobody judges the readings. Of one that was off the filter still makes a
-    /// motion that no drive has, and control would follow it: such an axis counts as one at rest.
+    /// Outside of control nobody judges the readings. Of one that was off the filter makes a motion
+    /// that no drive has, later one that it might have, and control would follow it.
     ///
     /// With `v'' + a2 v' + a1 v = b0 q` and speeds up to the fastest one, V, the jerk is at most
     /// `b0 + a1 V + a2 V sqrt(a1)`, and the filter is behind the reading by that over its rate
-    /// cubed. What is within that, and no faster than V, is a motion of the drive for all that can
-    /// be known.
-    fn measured_motion(&self, model: &Model, noise: f32) -> Motion {
+    /// cubed: so much in front of it, too. What has been within that, and is no faster than V, is a
+    /// motion of the drive for all that can be known.
+    fn measured_motion(&self, model: &Model, noise: f32) -> Option<Motion> {
         let grain = self.grain(noise);
         let seen = self.moves.tracking.significant(grain);
         let y = self.sensed.position;
@@ -43,14 +44,11 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let fastest = FASTEST * model.b0 / model.a1;
         let jerk = model.b0 + fastest * (model.a1 + model.a2 * sqrt(model.a1));
         let behind = jerk / (rate * rate * rate) + STANDS * grain;
-        if seen.velocity.abs() <= fastest && (y - seen.position).abs() <= behind {
-            Motion {
-                position: y,
-                ..seen
-            }
-        } else {
-            Motion::at(y)
-        }
+        let astray = (y - seen.position).abs() > behind || self.moves.astray > behind;
+        (seen.velocity.abs() <= fastest && !astray).then_some(Motion {
+            position: y,
+            ..seen
+        })
     }
 
     /// What one code of the sensor and its noise leave unknown of a position.
@@ -144,7 +142,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
     }
 
-    /// One sample in which control awaits the motion; it begins with the last one.
+    /// One sample in which control awaits the motion; it begins with the last one. What no drive
+    /// has counts as rest by then: readings may be off for ever.
     #[cold]
     #[inline(never)]
     pub(crate) fn watch_motion(&mut self) {
@@ -155,7 +154,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let Some(model) = self.supervisor.verified_model() else {
             return;
         };
-        let motion = self.measured_motion(&model, self.noise());
+        let measured = self.measured_motion(&model, self.noise());
+        let motion = measured.unwrap_or(Motion::at(self.sensed.position));
         if self.config.travel.admits(motion.position).is_ok() {
             return self.take_over(model, motion);
         }

@@ -32,6 +32,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         if !(self.sensed.begun && self.is_active()) {
             // Whether readings fail again and again is known when a commissioning begins.
             let _ = self.guard.monitors.count_reading(false, false);
+            self.moves.look(y, self.config.sample_time);
             return Some(self.measured(y, missed));
         }
         let verdict = self
@@ -65,8 +66,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     pub(super) fn begin(&mut self, y: f32) {
         if !self.sensed.begun {
             self.sensed.begun = true;
-            self.moves.tracking.place(y);
-            self.moves.unsettle(self.config.sample_time);
+            self.moves.begin_again(y, self.config.sample_time);
             self.moves.trajectory.stand(y, self.moves.run_out_rate);
             self.controller.place(Motion::at(y));
             self.guard
@@ -140,8 +140,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             (self.moves.tracking.motion(), Some(self.sensed.position))
         };
         self.moves.gap.grow(before);
-        let t = self.config.sample_time;
-        m.position + t * (m.velocity + 0.5 * t * m.acceleration)
+        m.after(self.config.sample_time)
     }
 
     /// A sample without a measured or predicted position: the valve goes to zero.
