@@ -11,9 +11,10 @@ use crate::servo::servo_loop::takeover::Halt;
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// Takes a model that is known to be good: control begins with the next sample, with the motion
-    /// that the axis then has, and lets it run out. Before the first reading and soon behind
-    /// it nobody knows that motion, nor behind readings that were off: the valve is then in its
-    /// middle until the readings show it, for less than 1/w of the axis. Searches the poles at once, some million instructions: not for the 1 ms path.
+    /// that the axis then has, and lets it run out. Before the first reading and soon behind it
+    /// nobody knows that motion, nor behind readings that were off: the valve is then in its middle
+    /// until the readings show it, for less than 1/w of the axis. Searches the poles at once, some
+    /// million instructions: not for the 1 ms path.
     ///
     /// How stiff the axis is near its ends is no part of a [`Model`]: it is that of the settings
     /// ([`dead_volume`](crate::servo::ControllerSettings::dead_volume)), or of a commissioning

@@ -8,6 +8,7 @@ use super::bench::MODEL;
 use super::*;
 use crate::hardware::Valve;
 use crate::servo::monitoring::{Alarm, stop::Stop};
+use crate::servo::motion::Motion;
 
 /// A loop that brakes behind a fault.
 fn braking() -> Bench {
@@ -132,5 +133,33 @@ fn a_valve_that_reports_an_error_is_a_fault_in_the_same_sample() {
         let report = servo.update();
         assert_eq!(report.state, State::Failed(Reason::ValveFault));
         assert_eq!((report.command, report.faults.stops), (0.0, 1));
+    }
+}
+
+#[test]
+fn a_brake_that_would_drive_a_growing_speed_leaves_the_valve_in_its_middle() {
+    for (believed, growing) in [(-1.0, true), (-1.0, false), (1.0, true)] {
+        let mut bench = braking();
+        let y = bench.servo.sensed.position;
+        let motion = |velocity: f32, acceleration: f32| Motion {
+            position: y,
+            velocity,
+            acceleration,
+        };
+        bench.servo.controller.place(motion(300.0 * believed, 0.0));
+        let acceleration = if growing { 1000.0 } else { -1000.0 };
+        bench
+            .servo
+            .moves
+            .tracking
+            .begin(motion(300.0, acceleration));
+        let command = bench.servo.stopping(y);
+        if believed > 0.0 {
+            assert!(command < -0.1, "{command}");
+        } else if growing {
+            assert_eq!(command, bench.servo.controller.middle());
+        } else {
+            assert!(command > 0.1, "{command}");
+        }
     }
 }
