@@ -143,7 +143,6 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     fn requested(&mut self, y: f32, same_code: bool) -> (Setpoint, f32) {
         let state = self.supervisor.state();
         if state.is_commissioning() {
-            self.moves.settle();
             self.progress = self.commissioning.update(y, same_code);
             let command = match self.progress {
                 Progress::Command(command) | Progress::Found(_, command) => command,

@@ -37,6 +37,8 @@ impl Moves {
 
     /// A reading that nobody judges, before the filter takes it. One that has not settled expects
     /// nothing that could be held against it.
+    #[cold]
+    #[inline(never)]
     pub(crate) fn look(&mut self, y: f32, sample_time: f32) {
         if self.unsettled > 0 {
             if self.astray > 0.0 {
@@ -63,7 +65,7 @@ impl Moves {
         self.astray = f32::INFINITY;
     }
 
-    /// One sample outside of control.
+    /// One sample outside of commissioning and control.
     #[inline]
     pub(crate) const fn settle(&mut self) {
         self.unsettled = self.unsettled.saturating_sub(1);

@@ -192,3 +192,21 @@ fn control_that_is_asked_for_soon_behind_a_first_reading_waits_as_long() {
         }
     }
 }
+
+#[test]
+fn a_commissioning_that_begins_with_the_first_reading_knows_the_motion_at_its_end() {
+    let mut config = Bench::config();
+    config.adaptive = true;
+    let mut bench = Bench::without_a_model(MODEL, &config);
+    bench.servo.commission();
+    for k in 0..20_000 {
+        let (report, _) = bench.step();
+        assert!(!bench.servo.awaits_motion(), "{k}");
+        if report.state.is_controlling() {
+            assert!(k > 100, "{k}");
+            return;
+        }
+        assert!(report.state.is_commissioning(), "{k}: {report:?}");
+    }
+    panic!("it does not end");
+}
