@@ -210,3 +210,16 @@ fn a_commissioning_that_begins_with_the_first_reading_knows_the_motion_at_its_en
     }
     panic!("it does not end");
 }
+
+#[test]
+fn readings_that_were_off_are_forgotten_when_nothing_is_left_of_them() {
+    for jump in [100.0, 1.0, 0.0] {
+        let mut bench = Bench::without_a_model(MODEL, &Bench::config());
+        for k in 0..250 {
+            bench.motion = Motion::at(if k == 150 { 200.0 + jump } else { 200.0 });
+            let _ = bench.step();
+        }
+        bench.servo.install(MODEL).expect("a model");
+        assert!(!bench.servo.awaits_motion(), "{jump}");
+    }
+}

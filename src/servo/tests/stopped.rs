@@ -163,3 +163,51 @@ fn a_brake_that_would_drive_a_growing_speed_leaves_the_valve_in_its_middle() {
         }
     }
 }
+
+#[test]
+fn what_an_alarm_asks_for_is_the_next_command() {
+    for way in [1.0, -1.0_f32] {
+        let moving = || {
+            let mut bench = Bench::new(MODEL);
+            let _ = bench.worst(1500);
+            bench.servo.move_to(200.0 + 100.0 * way).expect("a target");
+            while way * bench.motion.velocity < 100.0 {
+                let _ = bench.worst(1);
+            }
+            bench
+        };
+        let [free, closes, brakes] = [None, Some(Alarm::Close), Some(Alarm::Brake)].map(|alarm| {
+            let mut bench = moving();
+            let mut command = 0.0;
+            // The rate of the valve lets it close in two samples.
+            for _ in 0..2 {
+                bench.servo.guard.alarm = alarm;
+                command = way * bench.step().0.command;
+            }
+            command
+        });
+        assert!(free > 0.1, "{free}");
+        assert_eq!(closes, 0.0);
+        assert!(brakes < -0.1, "{brakes}");
+    }
+}
+
+#[test]
+fn a_brake_next_to_the_middle_of_its_valve_is_told_from_one_next_to_zero() {
+    let model = Model {
+        offset: 0.2,
+        ..MODEL
+    };
+    let mut bench = failed(model, Reason::FollowingError);
+    let y = bench.servo.sensed.position;
+    let motion = |velocity: f32, acceleration: f32| Motion {
+        position: y,
+        velocity,
+        acceleration,
+    };
+    bench.servo.controller.place(motion(-30.0, 0.0));
+    bench.servo.moves.tracking.begin(motion(30.0, 1000.0));
+    let middle = bench.servo.controller.middle();
+    assert!((middle + 0.2).abs() < 1e-6, "{middle}");
+    assert_eq!(bench.servo.stopping(y), middle);
+}
