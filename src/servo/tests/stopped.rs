@@ -211,3 +211,33 @@ fn a_brake_next_to_the_middle_of_its_valve_is_told_from_one_next_to_zero() {
     assert!((middle + 0.2).abs() < 1e-6, "{middle}");
     assert_eq!(bench.servo.stopping(y), middle);
 }
+
+#[test]
+fn an_error_that_stays_goes_back_to_the_model_of_the_commissioning_before_it_stops() {
+    let stops = |knows: bool| {
+        let mut bench = Bench::adaptive(MODEL);
+        let other = Model {
+            a2: 1.5 * MODEL.a2,
+            ..MODEL
+        };
+        bench.servo.supervisor.install(other).expect("a model");
+        bench.servo.retune(other);
+        let _ = bench.worst(100);
+        if !knows {
+            bench.servo.fallback.known_good = None;
+        }
+        // Further than any lag leaves it.
+        let y = bench.servo.sensed.position;
+        let far = Setpoint::at(y + 150.0);
+        let stops = (0..5000).position(|_| bench.servo.is_stopped(&far, y, 0.0, false));
+        let state = bench.servo.supervisor().state();
+        assert_eq!(state, State::Failed(Reason::FollowingError));
+        assert_eq!(bench.servo.fallback.went_back, knows);
+        let model = if knows { MODEL } else { other };
+        assert_eq!(bench.servo.supervisor().verified_model(), Some(model));
+        stops.expect("a stop")
+    };
+    // As late again.
+    let (twice, once) = (stops(true), stops(false));
+    assert!(twice.abs_diff(2 * once) < 10, "{twice}, not twice {once}");
+}
