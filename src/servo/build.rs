@@ -110,6 +110,9 @@ impl<S, V> ServoLoop<S, V> {
             .redesign(supervision.with_resolution(resolution(&self.axis)));
         self.moves.tracking = AlphaBetaGamma::new(design.tracking_rate, design.sample_time);
         self.moves.tracking.begin(motion);
+        if self.moves.unsettled > 0 {
+            self.moves.unsettle(design.sample_time);
+        }
     }
 
     /// Gives up what is being built. An identifier whose plan is the new one and whose state is the

@@ -115,7 +115,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             let retuned = self.commission_on(command);
             return self.report(setpoint, command, None, retuned);
         }
-        if self.takeover.watching > 0 && state.is_controlling() {
+        if self.moves.unsettled > 0 && state.is_controlling() {
             self.watch_motion();
             return self.report(setpoint, command, None, false);
         }
@@ -149,7 +149,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 Progress::Failed(_) => 0.0,
             };
             (Setpoint::at(y), command)
-        } else if state.is_controlling() && self.takeover.watching > 0 {
+        } else if state.is_controlling() && self.moves.unsettled > 0 {
             (Setpoint::at(y), self.drive.sign * self.controller.middle())
         } else if state.is_controlling() {
             let setpoint = self.moves.trajectory.update();
@@ -166,6 +166,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             };
             (setpoint, self.drive.sign * command)
         } else {
+            self.moves.settle();
             (Setpoint::at(y), self.stopping(y))
         }
     }

@@ -115,6 +115,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             Event::None | Event::Stopped => false,
             Event::Accepted(model) => {
                 if before.is_commissioning() {
+                    // Long since, however soon behind a first reading it was asked for.
+                    self.moves.unsettled = 0;
                     self.identify_from(&model, REOPENED_STD);
                     self.controller.engage();
                     self.engage(model, self.controller.motion());
@@ -129,6 +131,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             Event::Restored(model) => {
                 self.stop_building();
                 if before.is_commissioning() {
+                    self.moves.unsettled = 0;
                     self.take_over(model, self.commissioning.motion());
                 } else {
                     self.retune(model);
@@ -168,6 +171,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.fallback = Fallback::new(Some(model));
         self.takeover.looked = None;
         self.takeover.unsearched = None;
+        self.moves.astray = 0.0;
         self.moves
             .trajectory
             .run_out(motion, self.moves.run_out_rate);

@@ -76,3 +76,16 @@ fn an_initial_state_without_a_constant_is_the_last_parameter() {
     // A power that no set has is in none.
     assert!(!Terms::up_to(8).contains(8) && Terms::up_to(8).contains(7));
 }
+
+#[test]
+fn a_derivative_of_the_command_that_is_known_to_be_none_makes_no_zeros() {
+    let two = Structure::<3, 3, 1>::try_new(Terms::of(&[1]), [Terms::of(&[1, 0])], false).unwrap();
+    let at = two.parameters();
+    let b1 = Parameter::Input { input: 0, power: 1 };
+    let place = at.iter().position(|parameter| *parameter == b1).unwrap();
+    let mut theta = [1.0; 3];
+    assert!(two.zeros(&theta));
+    theta[place] = 0.0;
+    assert!(!two.zeros(&theta));
+    assert!(!Structure::<3, 3, 1>::INTEGRATING.zeros(&[1.0; 3]));
+}

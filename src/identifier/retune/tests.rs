@@ -47,7 +47,8 @@ fn the_model_stays_and_its_covariance_goes_with_the_noise_behind_the_filter() {
         let growth = servo.estimator().covariance(i, i) / before.estimator().covariance(i, i);
         near(growth, scale, 1e-2);
     }
-    // Counted anew, and from where the drive is.
+    // Counted anew, and from where the drive is; no column stands for where it began.
+    assert_eq!(servo.state.beginning, Beginning::new(true));
     assert_eq!(servo.estimator().samples(), 0.0);
     assert!(!servo.state.signals.begun);
 }

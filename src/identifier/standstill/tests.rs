@@ -212,3 +212,28 @@ fn as_long_as_no_step_is_known_digits_explain_nothing() {
     // The first that differs makes one known.
     assert_eq!(passed(&standstill, 0.5, 6.0), Some(5));
 }
+
+#[test]
+fn a_contradiction_as_long_as_the_pause_that_is_left_begins_another_one() {
+    let mut freed = Standstill::new();
+    for _ in 0..200 {
+        let _ = classify(&mut freed, 0.0, 30.0, 1.0);
+    }
+    let mut y = 0.0;
+    for _ in 0..580 {
+        y += 10.0;
+        let _ = classify(&mut freed, y, 30.0, 1.0);
+    }
+    // Less of the pause is left than contradictions may follow.
+    let mut as_long = 0;
+    for samples in 1..40 {
+        let mut standstill = freed.clone();
+        for _ in 0..samples {
+            let _ = classify(&mut standstill, y, 1e5, 1.0);
+        }
+        as_long += u32::from(standstill.contradicted == standstill.pause);
+        let moves = classify(&mut standstill, y + 10.0, 30.0, 1.0);
+        assert_eq!(moves, StandstillEvidence::Withheld, "{samples}");
+    }
+    assert_eq!(as_long, 1);
+}

@@ -1,6 +1,7 @@
 //! How much of the residual is white noise of y.
 
 use super::*;
+use crate::estimation::terms::Terms;
 use crate::readout::compensation::compensate;
 use crate::trends::{Form, Memory};
 
@@ -202,4 +203,31 @@ fn white_noise_counts_by_its_spectrum_behind_the_filter_and_rounding_in_the_band
         }
         assert_eq!(found.residual.shaped > 0.0, share < 1.0);
     }
+}
+
+#[test]
+fn a_constant_beside_two_inputs_is_not_one_that_nothing_has_shown() {
+    let mut parts = Parts::new(filtered(), [50.0; 4], 0.999, 0);
+    parts.forgetting.set_nominal_std(&[50.0; 4]);
+    let one = parts.read();
+    assert!(close(one.unseen_constant(&one.covariance()), 1.0, 1e-3));
+    let input = Terms::of(&[0]);
+    let structure = Structure::try_new(Terms::of(&[1]), [input; 2], true).expect("a structure");
+    let two = ReadOut::<3, 4, 2> {
+        structure: &structure,
+        design: one.design,
+        regressor: one.regressor,
+        bandwidth: one.bandwidth,
+        prior_noise: one.prior_noise,
+        significance: one.significance,
+        estimator: one.estimator,
+        forgetting: one.forgetting,
+        turns: one.turns,
+        former: one.former,
+        position: one.position,
+        noise: one.noise,
+        beginning: one.beginning,
+        start_error: one.start_error,
+    };
+    assert_eq!(two.unseen_constant(&two.covariance()), 0.0);
 }

@@ -1,6 +1,7 @@
 //! The single monitors on motions that are known: what they bear, and what they notice.
 
 mod behind;
+mod closed;
 mod exact;
 mod short;
 

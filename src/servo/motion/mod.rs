@@ -40,6 +40,11 @@ impl Motion {
             acceleration: 0.0,
         }
     }
+
+    /// The position `time` later under the same acceleration.
+    pub(crate) fn after(&self, time: f32) -> f32 {
+        self.position + time * (self.velocity + 0.5 * time * self.acceleration)
+    }
 }
 
 /// The reference at one instant: position and its first three derivatives.

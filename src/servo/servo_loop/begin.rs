@@ -85,6 +85,8 @@ fields! { of config, axis, design:
         trajectory: Trajectory::new(design.motion, design.travel, design.sample_time),
         run_out_rate: design.run_out_rate,
         tracking: AlphaBetaGamma::new(design.tracking_rate, design.sample_time),
+        unsettled: 0,
+        astray: 0.0,
         gap: Gap::default(),
     },
     sensed: Sensed::new(design.sensor_errors),

@@ -9,9 +9,6 @@ use crate::servo::servo_loop::ServoLoop;
 use crate::servo::servo_loop::takeover::Halt;
 use crate::servo::supervision::state::{Reason, State};
 
-/// Time over that of the filter of the measured positions in which it settles: three poles then
-/// have a hundredth of their way to go.
-const SETTLED: f32 = 8.4;
 /// Time over that in which an axis loses its speed, after which one that still moves drifts or
 /// cycles.
 const HALT_MOST: u32 = 12;
@@ -22,26 +19,24 @@ const STANDS: f32 = 3.0;
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// The motion with which control can begin on a model: the observed one in control, else what
-    /// the measured positions show of it beyond the resolution of the sensor and its `noise`.
-    pub(crate) fn present_motion(&self, model: &Model, noise: f32) -> Motion {
-        let state = self.supervisor.state();
-        if !self.sensed.begun || self.awaits_motion() {
-            Motion::at(self.sensed.position)
-        } else if state.is_controlling() {
-            self.controller.motion()
+    /// the measured positions show of it beyond the resolution of the sensor and its `noise`;
+    /// `None` where readings that were off have left what no drive has.
+    pub(crate) fn present_motion(&self, model: &Model, noise: f32) -> Option<Motion> {
+        if self.observes() {
+            Some(self.controller.motion())
         } else {
             self.measured_motion(model, noise)
         }
     }
 
-    /// Outside of control nobody judges the readings. Of one that was off the filter still makes a
-    /// motion that no drive has, and control would follow it: such an axis counts as one at rest.
+    /// Outside of control nobody judges the readings. Of one that was off the filter makes a motion
+    /// that no drive has, later one that it might have, and control would follow it.
     ///
     /// With `v'' + a2 v' + a1 v = b0 q` and speeds up to the fastest one, V, the jerk is at most
     /// `b0 + a1 V + a2 V sqrt(a1)`, and the filter is behind the reading by that over its rate
-    /// cubed. What is within that, and no faster than V, is a motion of the drive for all that can
-    /// be known.
-    fn measured_motion(&self, model: &Model, noise: f32) -> Motion {
+    /// cubed: so much in front of it, too. What has been within that, and is no faster than V, is a
+    /// motion of the drive for all that can be known.
+    fn measured_motion(&self, model: &Model, noise: f32) -> Option<Motion> {
         let grain = self.grain(noise);
         let seen = self.moves.tracking.significant(grain);
         let y = self.sensed.position;
@@ -49,14 +44,11 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         let fastest = FASTEST * model.b0 / model.a1;
         let jerk = model.b0 + fastest * (model.a1 + model.a2 * sqrt(model.a1));
         let behind = jerk / (rate * rate * rate) + STANDS * grain;
-        if seen.velocity.abs() <= fastest && (y - seen.position).abs() <= behind {
-            Motion {
-                position: y,
-                ..seen
-            }
-        } else {
-            Motion::at(y)
-        }
+        let astray = (y - seen.position).abs() > behind || self.moves.astray > behind;
+        (seen.velocity.abs() <= fastest && !astray).then_some(Motion {
+            position: y,
+            ..seen
+        })
     }
 
     /// What one code of the sensor and its noise leave unknown of a position.
@@ -78,15 +70,13 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// middle until that is known.
     #[inline]
     pub(crate) const fn awaits_motion(&self) -> bool {
-        self.takeover.watching > 0 && self.supervisor.state().is_controlling()
+        self.moves.unsettled > 0 && self.supervisor.state().is_controlling()
     }
 
-    /// The filter of the measured positions has a first one: control waits until it has settled.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn await_motion(&mut self) {
-        let samples = SETTLED / (self.moves.tracking.rate() * self.config.sample_time);
-        self.takeover.watching = 1 + samples as u32;
+    /// Whether the observer of the controller knows the motion; else that is for the filter of the
+    /// measured positions.
+    pub(crate) const fn observes(&self) -> bool {
+        self.supervisor.state().is_controlling() && self.moves.unsettled == 0
     }
 
     /// Whether a commissioning waits: an axis in motion has to come to rest. In control its
@@ -152,18 +142,20 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
     }
 
-    /// One sample in which control awaits the motion; it begins with the last one.
+    /// One sample in which control awaits the motion; it begins with the last one. What no drive
+    /// has counts as rest by then: readings may be off for ever.
     #[cold]
     #[inline(never)]
     pub(crate) fn watch_motion(&mut self) {
-        self.takeover.watching -= 1;
-        if self.takeover.watching > 0 {
+        self.moves.settle();
+        if self.moves.unsettled > 0 {
             return;
         }
         let Some(model) = self.supervisor.verified_model() else {
             return;
         };
-        let motion = self.measured_motion(&model, self.noise());
+        let measured = self.measured_motion(&model, self.noise());
+        let motion = measured.unwrap_or(Motion::at(self.sensed.position));
         if self.config.travel.admits(motion.position).is_ok() {
             return self.take_over(model, motion);
         }

@@ -11,8 +11,65 @@ pub(crate) struct Moves {
     pub(crate) run_out_rate: f32,
     /// The motion from the positions alone.
     pub(crate) tracking: AlphaBetaGamma,
+    /// Samples until it has settled behind a first reading.
+    pub(crate) unsettled: u32,
+    /// The largest distance of a reading from what the filter expected of it, outside of control,
+    /// which decays half as fast as what such a reading leaves in the filter; infinite where that
+    /// begins again with the next reading.
+    pub(crate) astray: f32,
     /// What it takes while readings fail.
     pub(crate) gap: Gap,
+}
+
+/// Time over that of the filter of the measured positions in which it settles: three poles then
+/// have a hundredth of their way to go.
+const SETTLED: f32 = 8.4;
+
+impl Moves {
+    /// The filter has a first position, or other poles: how the axis moves is known when it has
+    /// settled.
+    #[cold]
+    pub(crate) fn unsettle(&mut self, sample_time: f32) {
+        let samples = SETTLED / (self.tracking.rate() * sample_time);
+        self.unsettled = 1 + samples as u32;
+        self.astray = 0.0;
+    }
+
+    /// A reading that nobody judges, before the filter takes it. One that has not settled expects
+    /// nothing that could be held against it.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn look(&mut self, y: f32, sample_time: f32) {
+        if self.unsettled > 0 {
+            if self.astray > 0.0 {
+                self.begin_again(y, sample_time);
+            }
+            return;
+        }
+        let error = (y - self.tracking.motion().after(sample_time)).abs();
+        let left = self.astray - 0.5 * self.tracking.rate() * sample_time * self.astray;
+        self.astray = if error > left { error } else { left };
+    }
+
+    /// Nothing of what the filter knew counts: it begins again at rest at `position`.
+    #[cold]
+    pub(crate) fn begin_again(&mut self, position: f32, sample_time: f32) {
+        self.tracking.place(position);
+        self.unsettle(sample_time);
+    }
+
+    /// The same with the next reading: the newest one may be the one that was off.
+    #[cold]
+    pub(crate) fn disbelieve(&mut self, sample_time: f32) {
+        self.unsettle(sample_time);
+        self.astray = f32::INFINITY;
+    }
+
+    /// One sample outside of commissioning and control.
+    #[inline]
+    pub(crate) const fn settle(&mut self) {
+        self.unsettled = self.unsettled.saturating_sub(1);
+    }
 }
 
 /// Samples in a row without a measured position.

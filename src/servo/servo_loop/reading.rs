@@ -4,9 +4,10 @@
 //! In control it comes from the observer of the controller: the filter stays a stable filter of
 //! bounded positions. The observer itself is corrected once for a gap, by the gains of one sample:
 //! with its poles at 0.3 per sample at most it bears every other sample missing, and more end in
-//! [`Reason::SensorFault`]. Outside of control the filter expects by itself. Its poles are up to a
-//! half per sample, with which the gains of one sample diverge over two: behind a gap it begins
-//! again by the reading and the one before the gap, and nothing of what it expected is left.
+//! [`Reason::SensorFault`]. Outside of control, and in control that still awaits the motion, the
+//! filter expects by itself. Its poles are up to a half per sample, with which the gains of one
+//! sample diverge over two: behind a gap it begins again by the reading and the one before the gap,
+//! and nothing of what it expected is left.
 
 use crate::hardware::{PositionSensor, Valve};
 use crate::servo::monitoring::reading::Credibility;
@@ -31,6 +32,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         if !(self.sensed.begun && self.is_active()) {
             // Whether readings fail again and again is known when a commissioning begins.
             let _ = self.guard.monitors.count_reading(false, false);
+            self.moves.look(y, self.config.sample_time);
             return Some(self.measured(y, missed));
         }
         let verdict = self
@@ -64,19 +66,18 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     pub(super) fn begin(&mut self, y: f32) {
         if !self.sensed.begun {
             self.sensed.begun = true;
-            self.moves.tracking.place(y);
+            self.moves.begin_again(y, self.config.sample_time);
             self.moves.trajectory.stand(y, self.moves.run_out_rate);
             self.controller.place(Motion::at(y));
             self.guard
                 .monitors
                 .place(Motion::at(y), self.limiter.last());
             // Control was asked for before anybody knew where the axis is.
-            if self.supervisor.state().is_controlling() {
-                if self.start_requested || self.config.travel.admits(y).is_ok() {
-                    self.await_motion();
-                } else {
-                    self.fail(Reason::Implausible);
-                }
+            if self.supervisor.state().is_controlling()
+                && !self.start_requested
+                && self.config.travel.admits(y).is_err()
+            {
+                self.fail(Reason::Implausible);
             }
         }
         if self.start_requested && !self.comes_to_rest() {
@@ -115,7 +116,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// what is bridged, as then nothing is known of the motion.
     fn rejoin(&mut self, y: f32, missed: u32) {
         let mean = self.moves.gap.end(y);
-        if self.supervisor.state().is_controlling() {
+        if self.observes() {
             return;
         }
         let known = missed < self.sensed.errors_max;
@@ -126,14 +127,20 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             velocity: step / self.config.sample_time,
             acceleration: 0.0,
         });
+        if !known {
+            self.moves.unsettle(self.config.sample_time);
+        }
     }
 
     /// Predicted position, which replaces a failed reading.
     pub(super) fn expected(&mut self) -> f32 {
-        let before = (!self.supervisor.state().is_controlling()).then_some(self.sensed.position);
+        let (m, before) = if self.observes() {
+            (self.controller.motion(), None)
+        } else {
+            (self.moves.tracking.motion(), Some(self.sensed.position))
+        };
         self.moves.gap.grow(before);
-        let (m, t) = (self.motion(), self.config.sample_time);
-        m.position + t * (m.velocity + 0.5 * t * m.acceleration)
+        m.after(self.config.sample_time)
     }
 
     /// A sample without a measured or predicted position: the valve goes to zero.

@@ -11,9 +11,10 @@ use crate::servo::servo_loop::takeover::Halt;
 
 impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// Takes a model that is known to be good: control begins with the next sample, with the motion
-    /// that the axis then has, and lets it run out. Before the first reading nobody knows that
-    /// motion: the valve is then in its middle until the readings show it, for less than 1/w of the
-    /// axis. Searches the poles at once, some million instructions: not for the 1 ms path.
+    /// that the axis then has, and lets it run out. Before the first reading and soon behind it
+    /// nobody knows that motion, nor behind readings that were off: the valve is then in its middle
+    /// until the readings show it, for less than 1/w of the axis. Searches the poles at once, some
+    /// million instructions: not for the 1 ms path.
     ///
     /// How stiff the axis is near its ends is no part of a [`Model`]: it is that of the settings
     /// ([`dead_volume`](crate::servo::ControllerSettings::dead_volume)), or of a commissioning
@@ -34,14 +35,17 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.install_in(model, motion)
     }
 
-    /// The same in a motion.
-    pub(crate) fn install_in(&mut self, model: Model, motion: Motion) -> Result<(), Error> {
+    /// The same in a motion; one that is not known is awaited.
+    pub(crate) fn install_in(&mut self, model: Model, motion: Option<Motion>) -> Result<(), Error> {
         self.supervisor.install(model).map_err(Error::Model)?;
         self.stop_building();
         self.start_requested = false;
         self.controller.search(&model);
         self.takeover.watching = 0;
-        self.take_over(model, motion);
+        self.take_over(model, motion.unwrap_or(Motion::at(self.sensed.position)));
+        if motion.is_none() {
+            self.moves.disbelieve(self.config.sample_time);
+        }
         self.identify_from(&model, REOPENED_STD);
         Ok(())
     }

@@ -16,8 +16,8 @@ pub(crate) struct Takeover {
     pub(crate) unsearched: Option<Model>,
     /// The estimate that the next sample makes a candidate of.
     pub(crate) looked: Option<Looked>,
-    /// Samples in which an observer settles before control begins: that of the controller behind a
-    /// commissioning, the filter of the measured positions behind a first reading.
+    /// Samples in which the observer of the controller settles behind a commissioning, before
+    /// control begins.
     pub(crate) watching: u32,
     pub(crate) halt: Halt,
 }

@@ -40,6 +40,30 @@ fn a_setpoint_goes_on_through_slots_and_readings_that_are_missing() {
 }
 
 #[test]
+fn in_a_slot_that_is_missing_the_command_stays_in_force_and_the_supervisor_goes_on() {
+    let mut bench = Bench::adaptive(MODEL);
+    bench.servo.oscillate(30.0, 1.0).expect("a sine");
+    let _ = bench.worst(700);
+    assert_eq!(bench.servo.supervisor().state(), State::Adapting);
+    let mut flow = bench.servo.controller.flow_in_force();
+    assert!(flow.abs() > 0.01, "{flow}");
+    // As long as what is set in the missing slots is on its way and takes effect.
+    for k in 0..12 {
+        if k < 2 {
+            bench.servo.supervisor.peak_speed = 0.0;
+            let _ = bench.miss();
+            let speed = bench.servo.supervisor.peak_speed;
+            assert!(speed > 10.0, "{k}: {speed}");
+        } else {
+            assert!(bench.step().0.state.is_controlling());
+        }
+        let next = bench.servo.controller.flow_in_force();
+        assert!((next - flow).abs() < 0.01, "{k}: {next} behind {flow}");
+        flow = next;
+    }
+}
+
+#[test]
 fn before_the_first_reading_no_slot_is_missing() {
     let mut config = Bench::config();
     config.adaptive = true;

@@ -103,6 +103,72 @@ fn the_motion_behind_a_gap_is_the_mean_speed_over_it() {
 }
 
 #[test]
+fn a_position_that_is_expected_lies_on_the_curve_of_an_acceleration() {
+    let mut bench = Bench::without_a_model(MODEL, &quick());
+    for k in 0..150 {
+        let t = 1e-3 * k as f32;
+        bench.motion = Motion::at(50.0 + 0.5 * 2e4 * t * t);
+        bench.is_mute = k == 140;
+        let (report, y) = bench.step();
+        if k >= 140 {
+            // Half of T^2 a is 0.01.
+            let off = (report.position - y).abs();
+            assert!(off < 3e-3, "{k}: {off}");
+        }
+    }
+}
+
+#[test]
+fn behind_as_many_readings_as_stop_the_axis_nothing_is_known_of_its_motion() {
+    for most in [1, 2, 3] {
+        for (missing, known) in [(most - 1, true), (most, false), (most + 5, false)] {
+            let mut bench = Bench::without_a_model(MODEL, &quick());
+            bench.servo.sensed.errors_max = most;
+            for k in 0..200 + missing {
+                bench.motion = Motion::at(50.0 + 0.3 * k as f32);
+                bench.is_mute = k >= 200;
+                let _ = bench.step();
+            }
+            bench.is_mute = false;
+            bench.motion = Motion::at(50.0 + 0.3 * (200 + missing) as f32);
+            let (_, y) = bench.step();
+            let motion = bench.servo.moves.tracking.motion();
+            assert!((motion.position - y).abs() < 1e-3, "{motion:?}");
+            let speed = if known { 300.0 } else { 0.0 };
+            assert!(
+                (motion.velocity - speed).abs() < 1.0,
+                "{missing} of {most}: {motion:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn behind_a_reading_that_cannot_be_true_a_commissioning_knows_the_motion() {
+    let mut bench = Bench::without_a_model(MODEL, &quick());
+    for _ in 0..200 {
+        let _ = bench.step();
+    }
+    bench.servo.commission();
+    let _ = bench.step();
+    assert!(bench.servo.supervisor().state().is_commissioning());
+    // What the filter believes of an axis that stands is wrong by half of the gate.
+    let wrong = Motion {
+        velocity: 60.0,
+        ..Motion::at(200.0)
+    };
+    bench.servo.moves.tracking.begin(wrong);
+    bench.motion = Motion::at(250.0);
+    let _ = bench.step();
+    assert!(bench.servo.moves.gap.is_open());
+    bench.motion = Motion::at(200.0);
+    let _ = bench.step();
+    // The mean speed over the gap, of an axis that has not moved.
+    let motion = bench.servo.moves.tracking.motion();
+    assert!(motion.velocity.abs() < 1.0, "{motion:?}");
+}
+
+#[test]
 fn readings_that_are_good_again_let_a_commissioning_begin() {
     for outage in [10, 50, 1000] {
         let mut bench = Bench::without_a_model(MODEL, &Bench::config());

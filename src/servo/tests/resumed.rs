@@ -69,6 +69,9 @@ fn a_motion_that_nothing_would_come_of_is_refused() {
     bench.servo.fail(Reason::TravelEnd);
     assert_eq!(asked(&mut bench), refused);
     bench.servo.install(MODEL).expect("a model");
+    // Two readings are too few for a motion.
+    assert_eq!(asked(&mut bench), refused);
+    let _ = bench.worst(100);
     assert_eq!(asked(&mut bench), [Ok(()); 2]);
 }
 

@@ -6,7 +6,9 @@ use std::format;
 
 use super::bench::MODEL;
 use super::*;
+use crate::hardware::Valve;
 use crate::servo::monitoring::{Alarm, stop::Stop};
+use crate::servo::motion::Motion;
 
 /// A loop that brakes behind a fault.
 fn braking() -> Bench {
@@ -98,4 +100,144 @@ fn a_brake_on_a_wrong_model_ends_or_brakes() {
             }
         }
     }
+}
+
+/// A valve that takes no command from the one on that is told.
+struct Deaf(u32);
+
+impl Valve for Deaf {
+    type Error = ();
+
+    fn drive(&mut self, command: f32) -> Result<f32, ()> {
+        self.0 = self.0.saturating_sub(1);
+        if self.0 == 0 { Err(()) } else { Ok(command) }
+    }
+}
+
+#[test]
+fn a_valve_that_reports_an_error_is_a_fault_in_the_same_sample() {
+    let code = bench::Code((200.0 / bench::SCALE) as i32);
+    for commissions in [false, true] {
+        let valve = Deaf(40);
+        let servo = ServoLoop::try_new(&Bench::config(), bench::axis(), code.clone(), valve);
+        let mut servo = servo.expect("settings");
+        if commissions {
+            servo.commission();
+        } else {
+            servo.install(MODEL).expect("a model");
+        }
+        for k in 1..40 {
+            let report = servo.update();
+            assert!(!matches!(report.state, State::Failed(_)), "{k}: {report:?}");
+        }
+        let report = servo.update();
+        assert_eq!(report.state, State::Failed(Reason::ValveFault));
+        assert_eq!((report.command, report.faults.stops), (0.0, 1));
+    }
+}
+
+#[test]
+fn a_brake_that_would_drive_a_growing_speed_leaves_the_valve_in_its_middle() {
+    for (believed, growing) in [(-1.0, true), (-1.0, false), (1.0, true)] {
+        let mut bench = braking();
+        let y = bench.servo.sensed.position;
+        let motion = |velocity: f32, acceleration: f32| Motion {
+            position: y,
+            velocity,
+            acceleration,
+        };
+        bench.servo.controller.place(motion(300.0 * believed, 0.0));
+        let acceleration = if growing { 1000.0 } else { -1000.0 };
+        bench
+            .servo
+            .moves
+            .tracking
+            .begin(motion(300.0, acceleration));
+        let command = bench.servo.stopping(y);
+        if believed > 0.0 {
+            assert!(command < -0.1, "{command}");
+        } else if growing {
+            assert_eq!(command, bench.servo.controller.middle());
+        } else {
+            assert!(command > 0.1, "{command}");
+        }
+    }
+}
+
+#[test]
+fn what_an_alarm_asks_for_is_the_next_command() {
+    for way in [1.0, -1.0_f32] {
+        let moving = || {
+            let mut bench = Bench::new(MODEL);
+            let _ = bench.worst(1500);
+            bench.servo.move_to(200.0 + 100.0 * way).expect("a target");
+            while way * bench.motion.velocity < 100.0 {
+                let _ = bench.worst(1);
+            }
+            bench
+        };
+        let [free, closes, brakes] = [None, Some(Alarm::Close), Some(Alarm::Brake)].map(|alarm| {
+            let mut bench = moving();
+            let mut command = 0.0;
+            // The rate of the valve lets it close in two samples.
+            for _ in 0..2 {
+                bench.servo.guard.alarm = alarm;
+                command = way * bench.step().0.command;
+            }
+            command
+        });
+        assert!(free > 0.1, "{free}");
+        assert_eq!(closes, 0.0);
+        assert!(brakes < -0.1, "{brakes}");
+    }
+}
+
+#[test]
+fn a_brake_next_to_the_middle_of_its_valve_is_told_from_one_next_to_zero() {
+    let model = Model {
+        offset: 0.2,
+        ..MODEL
+    };
+    let mut bench = failed(model, Reason::FollowingError);
+    let y = bench.servo.sensed.position;
+    let motion = |velocity: f32, acceleration: f32| Motion {
+        position: y,
+        velocity,
+        acceleration,
+    };
+    bench.servo.controller.place(motion(-30.0, 0.0));
+    bench.servo.moves.tracking.begin(motion(30.0, 1000.0));
+    let middle = bench.servo.controller.middle();
+    assert!((middle + 0.2).abs() < 1e-6, "{middle}");
+    assert_eq!(bench.servo.stopping(y), middle);
+}
+
+#[test]
+fn an_error_that_stays_goes_back_to_the_model_of_the_commissioning_before_it_stops() {
+    let stops = |knows: bool| {
+        let mut bench = Bench::adaptive(MODEL);
+        let other = Model {
+            a2: 1.5 * MODEL.a2,
+            ..MODEL
+        };
+        bench.servo.supervisor.install(other).expect("a model");
+        bench.servo.retune(other);
+        let _ = bench.worst(100);
+        if !knows {
+            bench.servo.fallback.known_good = None;
+        }
+        // Further than any lag leaves it.
+        let y = bench.servo.sensed.position;
+        let far = Setpoint::at(y + 150.0);
+        let stops = (0..5000).position(|_| bench.servo.is_stopped(&far, y, 0.0, false));
+        let state = bench.servo.supervisor().state();
+        assert_eq!(state, State::Failed(Reason::FollowingError));
+        assert_eq!(bench.servo.fallback.went_back, knows);
+        let model = if knows { MODEL } else { other };
+        assert_eq!(bench.servo.supervisor().verified_model(), Some(model));
+        stops.expect("a stop")
+    };
+    // As late again.
+    let (twice, once) = (stops(true), stops(false));
+    assert!(twice.abs_diff(2 * once) < 10, "{twice}, not twice {once}");
 }

@@ -30,6 +30,7 @@ fn asked(bench: &mut Bench, k: u32) {
 #[test]
 fn targets_in_every_sample_leave_time_for_the_search_for_poles() {
     let mut bench = Bench::new(MODEL);
+    let _ = bench.worst(100);
     bench.servo.takeover.unsearched = Some(MODEL);
     for k in 0..8000 {
         asked(&mut bench, k);
@@ -69,4 +70,16 @@ fn a_look_at_what_is_no_longer_makes_no_candidate() {
             .supervise(&Setpoint::at(y), y, false, 0.0, outcome, Spare::Nothing);
     }
     assert_eq!(bench.servo.takeover.looked, None);
+}
+
+#[test]
+fn a_sample_in_which_other_gains_come_into_force_has_no_time_to_think() {
+    let mut bench = Bench::new(MODEL);
+    let _ = bench.worst(1500);
+    assert_eq!(bench.servo.spare(), Spare::Thought);
+    let slow = Tuning::slowest(bench.servo.controller.tuning_design(), &MODEL);
+    bench.servo.controller.replace_poles(slow, None);
+    assert_eq!(bench.servo.spare(), Spare::Step);
+    let _ = bench.worst(2);
+    assert_eq!(bench.servo.spare(), Spare::Thought);
 }

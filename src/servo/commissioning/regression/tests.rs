@@ -169,3 +169,46 @@ fn equations_begin_when_the_filters_have_settled_and_the_start_is_over() {
         assert_eq!(regression.next - 1, exact, "{starts}");
     }
 }
+
+#[test]
+fn a_friction_and_a_constant_that_one_way_does_not_tell_apart_are_no_obstacle() {
+    let truth = Theta {
+        a1: 400.0,
+        a2: 20.0,
+        b0: 800.0,
+        dead_zone: 0.0,
+        offset: 0.0,
+        friction: 0.0,
+        delay: 2e-3,
+        kappa: 0.0,
+        load: 0.0,
+        stiffening: 0.0,
+    };
+    let mut at = Prediction {
+        x: 0.0,
+        ..Prediction::default()
+    };
+    let mut record = MotionRecord::new();
+    assert!(record.fix(1));
+    let mut dice = Dice::new(5);
+    let (mut u, mut before) = (0.2, 0.2);
+    for k in 0..500 {
+        record.push(at.x, u);
+        for part in 0..20 {
+            let flow = truth.flow(if part < 10 { before } else { u });
+            truth.slide(&mut at, flow, 1.0, TIME / 20.0);
+        }
+        before = u;
+        if k % 12 == 0 {
+            u = 0.2 + 0.1 * dice.roll();
+        }
+        assert!(at.v >= 0.0, "it goes one way");
+    }
+    let view = View {
+        end: 500,
+        ..View::of(TIME, 1e-6, 1.0)
+    };
+    let (found, _) = solved(&record, view, 2e-3, 0.0);
+    let found = found.expect("a drive");
+    assert!((found.a1 / truth.a1 - 1.0).abs() < 0.3, "{found:?}");
+}

@@ -268,3 +268,19 @@ fn a_state_begins_at_a_motion_with_the_flows_on_their_way() {
     let _ = estimator.update(0.0, None, true);
     assert_eq!(estimator.now().disturbance, d);
 }
+
+#[test]
+fn a_state_of_small_units_is_finite_whatever_its_product() {
+    // A gain as in units of 1e-20 of a metre.
+    let model = Model::linear(400.0, 20.0, 1e26);
+    let mut estimator = estimator(0, model);
+    let motion = Motion {
+        position: 0.0,
+        velocity: 1e20,
+        acceleration: 1e20,
+    };
+    estimator.place(motion, core::iter::empty());
+    let _ = estimator.update(1e17, None, false);
+    let velocity = estimator.motion().velocity;
+    assert!((velocity / 1e20 - 1.0).abs() < 0.1, "{velocity}");
+}

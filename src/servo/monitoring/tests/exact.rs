@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::servo::monitoring::gaps::Gaps;
-use crate::servo::monitoring::monitors::Monitors;
+use crate::servo::monitoring::monitors::{Alarm, Monitors, Seen};
 use crate::servo::monitoring::obedience::{Conduct, Obedience};
 
 #[test]
@@ -121,4 +121,29 @@ fn a_valve_is_open_by_itself_beyond_three_expectations_and_twice_the_slack() {
             assert_eq!(ends.unwrap_or(Conduct::Nothing), found, "{command} {share}");
         }
     }
+}
+
+#[test]
+fn an_axis_that_runs_towards_an_end_brakes_and_is_no_fault() {
+    let observer = design().supervision.validation.observer;
+    let alarm = |y: f32, velocity: f32| {
+        let mut monitors = Monitors::new(&monitoring(), &observer, MODEL);
+        let motion = Motion {
+            velocity,
+            ..Motion::at(y)
+        };
+        monitors.begin(MODEL, motion, 0.5);
+        monitors.update(&Seen {
+            setpoint: &Setpoint::at(200.0),
+            y,
+            velocity,
+            command: 0.5,
+            same_code: false,
+            pushes: false,
+            hunts: false,
+        })
+    };
+    assert_eq!(alarm(398.0, 1000.0), Some(Alarm::Brake));
+    assert_eq!(alarm(200.0, 1000.0), None);
+    assert_eq!(alarm(398.0, 0.0), None);
 }

@@ -220,3 +220,28 @@ fn a_share_that_is_explained_is_one_of_the_movement() {
     assert_eq!(report(8.0, 4.0).r_squared(), -1.0);
     assert_eq!(report(1.0, 0.0).r_squared(), f32::NEG_INFINITY);
 }
+
+#[test]
+fn a_small_motion_keeps_its_digits_far_from_zero() -> Result<(), Error> {
+    let travel = Travel {
+        min: 0.0,
+        max: 400.0,
+    };
+    let design = Config::new(1e-3, 30.0, travel).resolve()?.supervision;
+    let place = |k: u32| 390.0 + 0.02 * libm::sinf(0.2 * k as f32);
+    let rest = PlacedFlow {
+        flow: 0.0,
+        stiffness: 1.0,
+    };
+    let mut window = ValidationWindow::none(&design.validation);
+    window.begin(&design.validation, &USED, None, Motion::at(place(0)), rest);
+    for k in 0.. {
+        window.update(rest, place(k));
+        if window.is_over() {
+            break;
+        }
+    }
+    let found = rms(&window) / (0.02 * core::f32::consts::FRAC_1_SQRT_2);
+    assert!((found - 1.0).abs() < 0.05, "{found}");
+    Ok(())
+}

@@ -200,3 +200,29 @@ fn a_stop_ends_whatever_was_asked_for() {
         assert!((trajectory.setpoint().position.abs() - 800.0).abs() < 1e-3);
     }
 }
+
+#[test]
+fn an_acceleration_far_beyond_slow_limits_ends_within_the_travel() {
+    let travel = Travel {
+        min: -1000.0,
+        max: 1000.0,
+    };
+    let slow = MotionLimits {
+        acceleration: 10.0,
+        jerk: 1000.0,
+        ..LIMITS
+    };
+    let trajectory = Trajectory::new(slow, travel, 1e-3);
+    for way in [1.0, -1.0_f32] {
+        let start = Motion {
+            position: way * 994.0,
+            velocity: way,
+            acceleration: way * 60_000.0,
+        };
+        // What the acceleration alone takes, and the brake from the velocity that it leaves, end
+        // within the room with 2^6 and 2^7 times the limits.
+        let stop = trajectory.brake(start);
+        let gone = way * (stop.target() - start.position);
+        assert!(stop.stays_within(&travel) && gone > 1.0, "{way}: {gone}");
+    }
+}
