@@ -10,7 +10,7 @@ use std::ops::Range;
 use crate::error::Error;
 use crate::filter_choice::{Judged, judged};
 use crate::folds::{Folds, Refitted};
-use crate::instruments::{Fit, Method, likely_delay};
+use crate::instruments::{Fit, Method, likely_delays};
 use crate::problem::Problem;
 use crate::side_by_side::side_by_side;
 use crate::tuning::binomial;
@@ -123,14 +123,15 @@ fn likely<'a>(problem: &'a Problem<'a>, poles: &[f64]) -> Option<Judged<'a>> {
     let at = |pole: &f64| {
         let filter = binomial(*pole, problem.structure.order);
         let filter: Vec<f64> = filter.into_iter().map(f64::from).collect();
-        let delay = likely_delay(problem, &filter, LONGEST_DELAY)?;
-        judged(problem, *pole, delay as f64, Method::Instruments)
+        let delays = likely_delays(problem, &filter, [DELAYS, LONGEST_DELAY]).into_iter();
+        let judged = |delay| judged(problem, *pole, delay as f64, Method::Instruments);
+        best_of(delays.filter_map(judged))
     };
-    let likely = side_by_side(poles, at);
-    likely
-        .into_iter()
-        .flatten()
-        .min_by(|x, y| error(x).total_cmp(&error(y)))
+    best_of(side_by_side(poles, at).into_iter().flatten())
+}
+
+fn best_of<'a>(all: impl Iterator<Item = Judged<'a>>) -> Option<Judged<'a>> {
+    all.min_by(|x, y| error(x).total_cmp(&error(y)))
 }
 
 /// Delays that stand out among those that were tried.

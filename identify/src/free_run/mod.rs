@@ -123,16 +123,16 @@ impl Problem<'_> {
         let scale = |power: usize| sampled.rate.powi(power as i32 + 1 - order as i32);
         let constant = model.constant * scale(0);
         let (whole, part) = (delay.floor() as usize, delay - delay.floor());
-        // Of each input its force, and that of the part of a sample until it changes.
-        let forces: Vec<_> = model
-            .b
-            .iter()
-            .map(|b| {
+        // Of each input its force, and that of what changes within a sample.
+        let inputs = self.signals.inputs.iter();
+        let forces: Vec<_> = inputs
+            .zip(&model.b)
+            .map(|(input, b)| {
                 let mut force = Force::default().now;
                 for (power, b) in b.iter().enumerate() {
                     force[order - 1 - power] = b * scale(power);
                 }
-                (force, sampled.before(part, force))
+                (force, sampled.before(part, input.hold, force))
             })
             .collect();
         move |k| {
@@ -150,6 +150,10 @@ impl Problem<'_> {
                 };
                 // A delayed sample from before the record is its first one.
                 let at = |k: usize, d: usize| input.samples[(range.start + k).saturating_sub(d)];
+                let corner = match (input.hold, part > 0.0) {
+                    (Hold::First, true) => 2.0 * at(k, whole) - at(k, whole + 1) - at(k + 1, whole),
+                    _ => 0.0,
+                };
                 let mut add = |now: usize, next: usize| {
                     for (slot, k) in [(&mut force.now, now), (&mut force.next, next)] {
                         let u = at(k, whole);
@@ -159,10 +163,10 @@ impl Problem<'_> {
                         };
                         for i in 0..order {
                             let late = match input.hold {
-                                Hold::First => part * all[i],
-                                _ => before[i],
+                                Hold::First => part * all[i] * step + before[i] * corner,
+                                _ => before[i] * step,
                             };
-                            slot[i] += all[i] * u + late * step;
+                            slot[i] += all[i] * u + late;
                         }
                     }
                 };

@@ -44,7 +44,7 @@ use crate::problem::Problem;
 use crate::tuning::FASTEST;
 
 use auxiliary::near;
-pub(crate) use every_delay::likely_delay;
+pub(crate) use every_delay::likely_delays;
 pub use later::DelayFound;
 use layout::Setting;
 use rounding::rounding_of_delay;
