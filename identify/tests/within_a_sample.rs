@@ -86,6 +86,8 @@ fn errors(hold: Hold, rates: [f64; 3]) -> [f64; 4] {
                 delay: Choice::Auto,
             };
             let found = identify(&problem, freedom, 0, &()).expect("a model");
+            // What was searched is not missed.
+            assert_eq!(found.delay_missed(), None, "order {order}, delay {delay}");
             let truth = a[..order].iter().chain([&b]);
             let off = truth
                 .zip(&found.estimate.theta)
@@ -116,4 +118,35 @@ fn a_delay_between_samples_costs_no_accuracy() {
 fn corners_between_samples_cost_no_accuracy() {
     let largest = errors(Hold::First, [10.0, 17.0, 30.0]);
     assert!(largest[1..].iter().all(|off| *off <= 1e-3) && largest[0] < 0.01);
+}
+
+/// An integrator alone has no poles but those of its filter, which are not its own.
+#[test]
+fn an_integrator_is_late_by_parts_of_a_sample() {
+    let (dt, gain, u) = (0.01, 3.0, commands(Hold::Zero));
+    for tenths in 0..=9 {
+        let part = 0.1 * f64::from(tenths);
+        let mut y = vec![0.0; u.len()];
+        for k in 2..u.len() {
+            y[k] = y[k - 1] + gain * dt * (part * u[k - 2] + (1.0 - part) * u[k - 1]);
+        }
+        let signals = Signals::held(dt, &u, &y);
+        let structure = Structure {
+            order: 1,
+            integrator: true,
+            zeros: 0,
+            constant: false,
+        };
+        let problem = Problem::new(&signals, structure, Options::default()).expect("a problem");
+        for pole in [1.0, 5.0, 20.0] {
+            let freedom = Freedom {
+                pole: Choice::Given(Some(pole)),
+                delay: Choice::Auto,
+            };
+            let found = identify(&problem, freedom, 0, &()).expect("a model");
+            let late = (found.delay - part).abs();
+            println!("pole {pole}, delay {part:.1}: {late:.6} samples");
+            assert!(late < 1e-4, "pole {pole}: {} for {part}", found.delay);
+        }
+    }
 }

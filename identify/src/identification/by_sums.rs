@@ -150,10 +150,14 @@ pub(crate) fn model(
     };
     let free = || {
         let fit = at(behind.delay)?.with_free_delay()?;
-        let found = fit.found_behind_noise()?;
-        // The parameters are those at the delay that the sums add, which are linear over a sample.
+        let mut found = fit.found_behind_noise()?;
+        // The parameters are those at the delay that the sums add, which are linear over a sample;
+        // what is left of it is missed.
         let shift = found.delay.as_ref().map_or(0.0, |found| found.shift);
-        Ok::<_, Error>(((fit.delay() + shift.clamp(-1.0, 1.0)).max(0.0), found))
+        let delay = (fit.delay() + shift.clamp(-1.0, 1.0)).max(0.0);
+        let left = shift - (delay - fit.delay());
+        found.delay.iter_mut().for_each(|found| found.shift = left);
+        Ok::<_, Error>((delay, found))
     };
     match free() {
         Ok(both) if told(problem, &both.1) => Ok(both),
