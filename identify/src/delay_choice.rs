@@ -21,14 +21,6 @@ pub(crate) const DELAYS: usize = 7;
 /// Longest delay that is tried, in samples.
 pub const LONGEST_DELAY: usize = 200;
 
-/// A delay that the shortest ones do not lead to is taken where theirs are so many standard errors
-/// behind and so many times its error.
-const BEHIND: f64 = 2.0;
-const WORSE: f64 = 1.1;
-
-/// Or where they are so many times its error: of a sweep one fold alone may tell.
-const FAR_WORSE: f64 = 1.5;
-
 /// A delay between samples is taken where its error is smaller than this share of that of the next
 /// whole one.
 const BETTER: f64 = 0.99;
@@ -167,12 +159,12 @@ impl Delays {
         };
         let tried = Tried::from_zero(problem, &near);
         let delays = Self::among(&tried, &near, None);
+        // The delay is one unknown, the best of all.
+        let best_of = (1, LONGEST_DELAY + 1);
         let beaten = |far: &Judged| {
-            tried.best().is_none_or(|(_, best)| {
-                let both = Refitted::StateAndConstant;
-                let worse = (best.total(both) / far.folds.total(both)).sqrt();
-                worse > FAR_WORSE || (worse > WORSE && best.behind(&far.folds, both) > BEHIND)
-            })
+            let simulated = (problem, far.fit.delay(), Refitted::StateAndConstant);
+            let beats = |best: &Folds| far.folds.beat(simulated, best, best_of);
+            tried.best().is_none_or(|(_, best)| beats(best))
         };
         Ok(match likely.filter(beaten) {
             Some(far) => {
