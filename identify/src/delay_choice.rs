@@ -10,7 +10,7 @@ use std::ops::Range;
 use crate::error::Error;
 use crate::filter_choice::{Judged, judged};
 use crate::folds::{Folds, Refitted};
-use crate::instruments::{Fit, Method, likely_delay};
+use crate::instruments::{Fit, Method, likely_delays};
 use crate::problem::Problem;
 use crate::side_by_side::side_by_side;
 use crate::tuning::binomial;
@@ -20,14 +20,6 @@ pub(crate) const DELAYS: usize = 7;
 
 /// Longest delay that is tried, in samples.
 pub const LONGEST_DELAY: usize = 200;
-
-/// A delay that the shortest ones do not lead to is taken where theirs are so many standard errors
-/// behind and so many times its error.
-const BEHIND: f64 = 2.0;
-const WORSE: f64 = 1.1;
-
-/// Or where they are so many times its error: of a sweep one fold alone may tell.
-const FAR_WORSE: f64 = 1.5;
 
 /// A delay between samples is taken where its error is smaller than this share of that of the next
 /// whole one.
@@ -123,14 +115,15 @@ fn likely<'a>(problem: &'a Problem<'a>, poles: &[f64]) -> Option<Judged<'a>> {
     let at = |pole: &f64| {
         let filter = binomial(*pole, problem.structure.order);
         let filter: Vec<f64> = filter.into_iter().map(f64::from).collect();
-        let delay = likely_delay(problem, &filter, LONGEST_DELAY)?;
-        judged(problem, *pole, delay as f64, Method::Instruments)
+        let delays = likely_delays(problem, &filter, [DELAYS, LONGEST_DELAY]).into_iter();
+        let judged = |delay| judged(problem, *pole, delay as f64, Method::Instruments);
+        best_of(delays.filter_map(judged))
     };
-    let likely = side_by_side(poles, at);
-    likely
-        .into_iter()
-        .flatten()
-        .min_by(|x, y| error(x).total_cmp(&error(y)))
+    best_of(side_by_side(poles, at).into_iter().flatten())
+}
+
+fn best_of<'a>(all: impl Iterator<Item = Judged<'a>>) -> Option<Judged<'a>> {
+    all.min_by(|x, y| error(x).total_cmp(&error(y)))
 }
 
 /// Delays that stand out among those that were tried.
@@ -166,12 +159,12 @@ impl Delays {
         };
         let tried = Tried::from_zero(problem, &near);
         let delays = Self::among(&tried, &near, None);
+        // The delay is one unknown, the best of all.
+        let best_of = (1, LONGEST_DELAY + 1);
         let beaten = |far: &Judged| {
-            tried.best().is_none_or(|(_, best)| {
-                let both = Refitted::StateAndConstant;
-                let worse = (best.total(both) / far.folds.total(both)).sqrt();
-                worse > FAR_WORSE || (worse > WORSE && best.behind(&far.folds, both) > BEHIND)
-            })
+            let simulated = (problem, far.fit.delay(), Refitted::StateAndConstant);
+            let beats = |best: &Folds| far.folds.beat(simulated, best, best_of);
+            tried.best().is_none_or(|(_, best)| beats(best))
         };
         Ok(match likely.filter(beaten) {
             Some(far) => {

@@ -24,9 +24,9 @@ const ITERATIONS: usize = 4;
 const BETTER: f64 = 0.995;
 
 /// Instruments count as weak where their model simulates the folds worse than that of least
-/// squares: by so many standard errors, and so many times the error.
+/// squares: by more than chance, and so in more than one of them, by so many standard errors. Of a
+/// difference by chance Student's distribution with seven degrees of freedom has 4 % beyond.
 const BEHIND: f64 = 2.0;
-const WORSE: f64 = 1.1;
 
 /// Standard deviations that another filter moves a parameter by beyond which it is not by chance.
 const FAR: f64 = 3.0;
@@ -230,7 +230,9 @@ pub fn guarded<'a>(problem: &'a Problem<'a>, judged: Judged<'a>) -> (Judged<'a>,
     else {
         return (judged, false);
     };
-    let weak = judged.folds.total(Refitted::State) > WORSE * WORSE * folds.total(Refitted::State)
+    let unknowns = problem.parameter_names().len();
+    let simulated = (problem, fit.delay(), Refitted::State);
+    let weak = folds.beat(simulated, &judged.folds, (unknowns, 1))
         && judged.folds.behind(&folds, Refitted::State) > BEHIND;
     match weak {
         true => (

@@ -27,11 +27,6 @@ pub struct Folds {
     pub models: Vec<Polynomials>,
 }
 
-/// Where a fold begins and ends.
-fn range(samples: usize, fold: usize) -> std::ops::Range<usize> {
-    fold * samples / FOLDS..(fold + 1) * samples / FOLDS
-}
-
 impl Folds {
     /// The errors of a fit; `None` where a model without a fold is unstable, singular or runs away.
     pub fn of(problem: &Problem, fit: &Fit) -> Option<Self> {
@@ -42,13 +37,8 @@ impl Folds {
             if !model.is_stable(integrators) {
                 return None;
             }
-            let mut range = range(problem.samples(), fold);
-            let all = range.len() as f64;
-            // Before the record no delayed input is known.
-            range.start = range
-                .start
-                .max((fit.delay().ceil() as usize).min(range.end / 2));
-            let share = range.len() as f64 / all;
+            let range = Self::range(problem, fit.delay(), fold);
+            let share = range.len() as f64 / Self::range(problem, 0.0, fold).len() as f64;
             let simulated = problem.simulate(&model, fit.delay(), range)?;
             *squares = simulated.squares.map(|squares| squares / share);
             models.push(model);
@@ -65,6 +55,13 @@ impl Folds {
             squares,
             models,
         })
+    }
+
+    /// Where a fold begins and ends; before the record no delayed input is known.
+    pub(crate) fn range(problem: &Problem, delay: f64, fold: usize) -> std::ops::Range<usize> {
+        let samples = problem.samples();
+        let (start, end) = (fold * samples / FOLDS, (fold + 1) * samples / FOLDS);
+        start.max((delay.ceil() as usize).min(end / 2))..end
     }
 
     /// The error of all folds, a sum of squares.

@@ -49,6 +49,7 @@
 //! # Ok::<(), trendid_identify::Error>(())
 //! ```
 
+mod chance;
 pub mod coulomb_input;
 pub mod dead_zone;
 pub mod delay_choice;

@@ -10,6 +10,7 @@
 //! ```
 
 use nalgebra::{DMatrix, DVector};
+use trendid::trends::Hold;
 
 use crate::instruments::share;
 
@@ -85,15 +86,19 @@ impl Sampled {
     }
 
     /// What acts on the derivatives of the state for the part of a sample until an input changes,
-    /// as a constant force over the whole sample.
-    pub(crate) fn before(&self, part: f64, force: [f64; ORDER]) -> [f64; ORDER] {
+    /// or what a corner there adds, as a constant force over the whole sample.
+    pub(crate) fn before(&self, part: f64, hold: Hold, force: [f64; ORDER]) -> [f64; ORDER] {
         let m = self.order;
         let a = DMatrix::from_fn(m, m, |i, j| match j {
             0 => -self.alpha[i] * self.rate,
             _ => 0.0,
         } + if j == i + 1 { self.rate } else { 0.0 });
-        let mut before = force.map(|force| part * force);
-        if let Some(share) = share(&a, self.dt, part) {
+        let mean = match hold {
+            Hold::First => 0.5 * part * (1.0 - part),
+            _ => part,
+        };
+        let mut before = force.map(|force| mean * force);
+        if let Some(share) = share(&a, self.dt, part, hold) {
             for i in 0..m {
                 before[i] = (0..m).map(|j| share[(i, j)] * force[j]).sum();
             }

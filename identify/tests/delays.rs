@@ -152,6 +152,42 @@ fn any_delay_is_found() {
     assert!(missed.is_empty(), "{missed:?}");
 }
 
+/// Records of 600 samples that move in the first hundred and thirty only, by commands which change
+/// every four to seven: the longest delays that are searched have their inputs in none of them.
+#[test]
+fn a_delay_is_found_in_the_beginning_of_a_short_record() {
+    let mut missed = Vec::new();
+    for seed in 1..=12_u64 {
+        let mut draw = Uniform(seed);
+        let (dt, samples, delay) = (0.01, 600, 22 + (8.0 * draw.next()) as usize);
+        let hold = 4 + seed as usize % 4;
+        let mut level = 0.0;
+        let command = |k: usize| {
+            if k.is_multiple_of(hold) {
+                level = (draw.next() - 0.5).signum();
+            }
+            if k < 100 { level } else { 0.0 }
+        };
+        let u: Vec<f64> = (0..samples).map(command).collect();
+        let mut y = response(&u, dt, &[-20.0], 20.0, delay);
+        y.iter_mut().for_each(|y| *y += 0.05 * draw.normal());
+        let signals = Signals::held(dt, &u, &y);
+        let structure = Structure {
+            order: 1,
+            integrator: false,
+            zeros: 0,
+            constant: false,
+        };
+        let problem = Problem::new(&signals, structure, Options::default()).expect("a problem");
+        match identify(&problem, SEARCHED, 0, &()) {
+            Ok(found) if (found.delay - delay as f64).abs() <= 1.0 => {}
+            Ok(found) => missed.push(format!("{seed}: {} for {delay}", found.delay)),
+            Err(error) => missed.push(format!("{seed}: {error}")),
+        }
+    }
+    assert!(missed.is_empty(), "{missed:?}");
+}
+
 /// A lag behind a long delay is no integrator.
 #[test]
 fn a_lag_behind_any_delay_is_selected() {

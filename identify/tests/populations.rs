@@ -4,6 +4,7 @@
 use trendid_identify::coulomb_input::{signs, velocity};
 use trendid_identify::derived::COULOMB;
 use trendid_identify::standstill::standstill;
+use trendid_identify::structure_choice::{Candidate, Range, select};
 use trendid_identify::{
     Choice, Freedom, Friction, Hold, Identification, Input, Options, Problem, Signals, Structure,
     identify,
@@ -110,6 +111,47 @@ fn deviations_contain_a_delay_that_is_searched() {
     }
     println!("rms: parameters {:.2}, delay {:.2}", rms(&z), rms(&delays));
     assert!(rms(&z) < 1.5 && rms(&delays) < 1.5);
+}
+
+/// A structure that is selected has the parameters and the deviations of one that is named.
+#[test]
+fn deviations_of_a_selected_model_contain_its_delay_too() {
+    for seed in 1..=4_u64 {
+        let mut uniform = Uniform(seed);
+        let u = uniform.binary(3000, 37);
+        let y = axis(&u, 2e-3, [12.0, 1200.0, 0.0], 2.6);
+        let y: Vec<f64> = y.iter().map(|y| y + 0.01 * uniform.next()).collect();
+        let signals = Signals::held(2e-3, &u, &y);
+        let freedom = Freedom {
+            pole: Choice::Given(Some(15.0)),
+            delay: Choice::Auto,
+        };
+        let problem = Problem::new(&signals, AXIS, Options::default()).expect("a problem");
+        let named = identify(&problem, freedom, 0, &()).expect("a model");
+        let range = Range {
+            max_order: 2,
+            integrating: true,
+            constant: false,
+        };
+        let selection = select(&signals, range, Options::default(), freedom, &());
+        let selection = selection.expect("a structure");
+        let of_axis = |c: &&Candidate| c.structure == AXIS;
+        let selected = selection.candidates.iter().find(of_axis).expect("the axis");
+        let off = (selected.model_delay - named.delay).abs();
+        assert!(
+            off < 0.1 * named.delay_sigma().expect("a deviation"),
+            "{seed}: {off}"
+        );
+        let e = [&selected.found.estimate, &named.estimate];
+        for j in 0..2 {
+            let apart = (e[0].theta[j] - e[1].theta[j]).abs() / e[1].sigma[j];
+            let ratio = e[0].sigma[j] / e[1].sigma[j];
+            assert!(
+                apart < 0.1 && (ratio - 1.0).abs() < 0.02,
+                "{seed}: {apart} {ratio}"
+            );
+        }
+    }
 }
 
 /// A delay that was given and is not that of the record is said; the right one is not.

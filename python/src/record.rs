@@ -4,6 +4,7 @@ use numpy::{PyArray1, PyArray2, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use trendid_identify::derived::Quantity;
+use trendid_identify::poor_input::PoorInput;
 use trendid_identify::tune::Model;
 use trendid_identify::{
     Estimate, Friction, Identification, Options, Problem, Structure, Trace, Way, identify as find,
@@ -100,6 +101,7 @@ fn describe(values: &Bound<'_, PyDict>, found: &Identification) -> PyResult<()> 
     values.set_item("delay", found.delay)?;
     values.set_item("delay_sigma", found.delay_sigma())?;
     values.set_item("delay_at_end", found.delay_at_end)?;
+    values.set_item("poor_input", found.poor_input.map(PoorInput::name))?;
     values.set_item("filter_pole", found.pole)?;
     let filter = found.own_filter.as_ref().map(|f| f.to_pyarray(py));
     values.set_item("filter", filter)?;

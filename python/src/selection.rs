@@ -3,6 +3,7 @@
 use numpy::ToPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use trendid_identify::poor_input::PoorInput;
 use trendid_identify::structure_choice::{Candidate, Range, select as compare};
 use trendid_identify::{Options, Structure};
 
@@ -55,6 +56,7 @@ pub(crate) fn select<'py>(
     values.set_item("recommended", selection.recommended)?;
     values.set_item("smallest", selection.smallest)?;
     values.set_item("alike", selection.alike)?;
+    values.set_item("poor_input", selection.poor_input.map(PoorInput::name))?;
     Ok(values)
 }
 
@@ -70,6 +72,8 @@ fn structure(py: Python<'_>, s: Structure) -> PyResult<Bound<'_, PyDict>> {
 fn candidate<'py>(py: Python<'py>, c: &Candidate) -> PyResult<Bound<'py, PyDict>> {
     let values = structure(py, c.structure)?;
     values.set_item("delay", c.delay)?;
+    values.set_item("model_delay", c.model_delay)?;
+    values.set_item("delay_sigma", c.delay_sigma)?;
     values.set_item("delay_at_end", c.delay_at_end)?;
     values.set_item("filter_pole", c.pole)?;
     values.set_item("parameters", c.names.clone())?;

@@ -43,6 +43,7 @@ def compare(found: trendid.Identification, said: dict) -> None:
         same(ours, theirs["b"])
     assert found.parameters == said["parameters"]
     assert found.method == said["method"]
+    assert found.poor_input == said["poor_input"]
     assert found.held_out == said["fit_held_out"]
     same(found.delay_s, said["delay_s"])
     same([found.fit, found.fit_constant], [said["fit_pct"], said["fit_x0c_pct"]])
@@ -97,10 +98,32 @@ def test_structures_are_compared_as_by_the_command_line(record, trendid_cli):
         assert (ours.order, ours.integrator, ours.zeros) == (theirs["order"], theirs["integrator"], theirs["zeros"])
         same(ours.theta, theirs["theta"])
         same([ours.fit, ours.filter_pole], [theirs["fit_x0c_pct"], theirs["filter_pole"]])
+    assert found.poor_input is said["poor_input"] is None
     assert found.recommended is found.candidates[said["recommended"]]
     assert [d.reason for d in found.dropped] == [d["reason"] for d in said["dropped"]]
     assert "<== recommended" in str(found)
     assert (found.recommended.order, found.recommended.integrator) == (3, True)
+
+
+def test_an_input_that_says_too_little_is_said_as_by_the_command_line(tmp_path, trendid_cli):
+    t = 0.01 * np.arange(1000)
+    y = 1.0 - np.exp(-np.clip(t - 3.05, 0.0, None)) + 0.01 * np.random.default_rng(1).standard_normal(1000)
+    u = (t >= 3.0).astype(float)
+    path = tmp_path / "record.csv"
+    np.savetxt(path, np.column_stack([t, u, y]), delimiter=",", header="t,u,y", comments="", fmt="%.17g")
+    for delay, said_of_it in (("auto", "one step"), (5, None)):
+        said = trendid_cli("identify", str(path), "--order", "1", "--delay", str(delay))
+        found = trendid.identify(t, u, y, order=1, delay=delay)
+        compare(found, said)
+        assert found.poor_input == said_of_it
+        assert ("rest on one step" in str(found)) == (said_of_it is not None)
+    said = trendid_cli("select", str(path), "--max-order", "1")
+    found = trendid.select(t, u, y, max_order=1)
+    assert found.poor_input == said["poor_input"] == "one step"
+    assert "rests on one step" in str(found)
+    ours, theirs = found.recommended, said["candidates"][said["recommended"]]
+    same(ours.sigma, theirs["sigma"])
+    same([0.01 * ours.model_delay, 0.01 * ours.delay_sigma], [theirs["delay_s"], theirs["delay_sigma_s"]])
 
 
 def test_the_truth_is_within_its_deviations(record):

@@ -75,6 +75,8 @@ class Identification:
     delay: float
     #: Whether the longest delay that is tried was taken: give a longer one.
     delay_at_end: bool
+    #: With ``delay='auto'``: ``one step`` or ``one sine``, an input that says too little for delay and parameters; else None.
+    poor_input: Optional[str]
     #: Filter pole [rad/s], None for raw trends.
     filter_pole: Optional[float]
     #: ``f_0 .. f_{m-1}`` of the filter with the poles of the model itself, where that was taken.
@@ -179,6 +181,8 @@ class Identification:
         if self.damping is not None:
             lines.append(f"damping = {self.damping}")
         lines.append(f"delay = {self.delay:g} samples")
+        if self.poor_input is not None:
+            lines.append(f"doubtful: delay and parameters rest on {self.poor_input}")
         lines.append(f"fit = {self.fit:.2f} % (x0), {self.fit_constant:.2f} % (x0+c), by {self.method}")
         return "\n".join(lines)
 
@@ -257,8 +261,8 @@ def _identification(found: Dict[str, Any], taken: Dict[str, Any], start: float) 
         return None if value is None else Quantity(value, float("nan") if sigma is None else sigma)
 
     same = (
-        "parameters theta sigma covariance a constant delay delay_at_end filter_pole filter method effective_blocks least_squares "
-        "held_out simulated ise iae predicted stable standstill_s trace_samples trace_theta trace_sigma around"
+        "parameters theta sigma covariance a constant delay delay_at_end poor_input filter_pole filter method effective_blocks "
+        "least_squares held_out simulated ise iae predicted stable standstill_s trace_samples trace_theta trace_sigma around"
     ).split()
     return Identification(
         **{name: found[name] for name in same},

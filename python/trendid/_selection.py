@@ -19,8 +19,12 @@ class Candidate:
     integrator: bool
     zeros: int
     constant: bool
-    #: In samples.
+    #: That it is compared at, in samples.
     delay: int
+    #: That of its parameters in samples, between two of them where it was searched.
+    model_delay: float
+    #: Standard deviation of that in samples, contained in ``sigma``; None where the delay was given.
+    delay_sigma: Optional[float]
     #: Whether the longest delay that was tried is the best.
     delay_at_end: bool
     #: [rad/s]
@@ -56,6 +60,8 @@ class Selection:
     recommended: Candidate
     #: The candidates that simulate about as well as the best, the recommended one among them.
     alike: List[Candidate]
+    #: ``one step`` or ``one sine``: an input that says too little for a structure; else None.
+    poor_input: Optional[str]
 
     def __str__(self) -> str:
         lines = ["order integrator zeros delay parameters    fit"]
@@ -65,6 +71,8 @@ class Selection:
             lines.append(
                 f"{c.order:5} {integrator:>10} {c.zeros:5} {c.delay:5} {len(c.parameters):10} {c.fit:6.2f} %{mark}"
             )
+        if self.poor_input is not None:
+            lines.append(f"in doubt: the structure rests on {self.poor_input}, which no other signal confirms")
         return "\n".join(lines)
 
 
@@ -110,6 +118,7 @@ def select(
         dropped=[Dropped(**one) for one in found["dropped"]],
         recommended=candidates[found["recommended"]],
         alike=[candidates[k] for k in found["alike"]],
+        poor_input=found["poor_input"],
     )
 
 

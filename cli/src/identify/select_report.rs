@@ -133,6 +133,10 @@ impl SelectReport<'_> {
                 remark.into(),
             ]);
         }
+        if let Some(sigma) = c.delay_sigma {
+            let delay = with_sigma(c.model_delay, sigma);
+            rows.push(vec!["delay [samples]".into(), delay, String::new()]);
+        }
         text + &table(&rows)
     }
 
@@ -193,7 +197,8 @@ impl SelectReport<'_> {
                 "integrator": c.structure.integrator,
                 "zeros": c.structure.zeros,
                 "delay": c.delay,
-                "delay_s": number(c.delay as f64 * self.signals.dt),
+                "delay_s": number(c.model_delay * self.signals.dt),
+                "delay_sigma_s": c.delay_sigma.map(|sigma| number(sigma * self.signals.dt)),
                 "delay_at_end": c.delay_at_end,
                 "filter_pole": number(c.pole),
                 "parameters": c.names,

@@ -284,4 +284,9 @@ fn a_record_of_one_step_is_said_where_the_delay_is_searched() {
     assert!(chosen["doubts"].as_array().unwrap().contains(&said.into()));
     let chosen = json(&["select", &often, "--max-order", "1", "--json"]);
     assert!(chosen["poor_input"].is_null());
+    // Of the recommended structure the delay is an unknown, too.
+    let best = &chosen["candidates"][chosen["recommended"].as_u64().unwrap() as usize];
+    let [late, sigma] = ["delay_s", "delay_sigma_s"].map(|name| best[name].as_f64().unwrap());
+    assert!((late - 0.09).abs() < 4.0 * sigma && best["delay"] == 9);
+    assert!(stdout(&["select", &often, "--max-order", "1"]).contains("delay [samples]"));
 }

@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use trendid::trends::Hold;
 
 use crate::estimate::Estimate;
+use crate::folds::Refitted;
 use crate::polynomials::Polynomials;
 use crate::problem::Problem;
 use crate::sampled::{Force, Sampled};
@@ -27,6 +28,8 @@ pub(crate) struct Simulation {
     pub y: Vec<f64>,
     /// Sums of the squared error: initial state refitted; and the constant too.
     pub squares: [f64; 2],
+    /// The errors.
+    pub left: [DVector<f64>; 2],
     /// Sum of the squared distance of the output from its mean.
     pub spread: f64,
 }
@@ -49,7 +52,9 @@ impl Problem<'_> {
             b: estimate.b.clone(),
             constant: estimate.constant,
         };
-        let Simulation { y, squares, spread } = self.simulate(&model, delay, range)?;
+        let Simulation {
+            y, squares, spread, ..
+        } = self.simulate(&model, delay, range)?;
         let [fit_x0, fit_x0c] = squares.map(|squares| 100.0 * (1.0 - (squares / spread).sqrt()));
         (fit_x0.is_finite() && fit_x0c.is_finite()).then_some(FreeRun { y, fit_x0, fit_x0c })
     }
@@ -91,11 +96,12 @@ impl Problem<'_> {
         let offset = counted(sampled.response(&rest, samples, unit, still)?);
         let error = counted(&all - &forced);
         let mut columns: Vec<DVector<f64>> = states.iter().cloned().map(counted).collect();
-        let (weights, x0) = refit(&columns, &error)?;
+        let (weights, of_x0) = refit(&columns, &error)?;
         columns.push(offset);
         // With one column more nothing is further away, whatever is cut off.
-        let (_, x0c) = refit(&columns, &error)?;
-        let x0c = x0c.min(x0);
+        let (_, of_x0c) = refit(&columns, &error)?;
+        let x0 = of_x0.norm_squared();
+        let x0c = of_x0c.norm_squared().min(x0);
         let mut y = forced;
         for (state, weight) in states.iter().zip(&weights) {
             y.axpy(*weight, state, 1.0);
@@ -106,8 +112,26 @@ impl Problem<'_> {
         Some(Simulation {
             y: y.as_slice().to_vec(),
             squares: [x0, x0c],
+            left: [of_x0, of_x0c],
             spread: moving.map(|k| (all[k] - mean).powi(2)).sum(),
         })
+    }
+
+    /// What such a simulation leaves of the output, where the drive moves.
+    pub(crate) fn left(
+        &self,
+        model: &Polynomials,
+        delay: f64,
+        range: Range<usize>,
+        refitted: Refitted,
+    ) -> Option<Vec<f64>> {
+        let [state, both] = self.simulate(model, delay, range.clone())?.left;
+        let left = match refitted {
+            Refitted::State => state,
+            Refitted::StateAndConstant => both,
+        };
+        let moving = range.zip(&left).filter(|(k, _)| self.signals.acts(*k));
+        Some(moving.map(|(_, left)| *left).collect())
     }
 
     /// What the inputs and the constant add to the derivatives of the state from sample k of the
@@ -123,16 +147,16 @@ impl Problem<'_> {
         let scale = |power: usize| sampled.rate.powi(power as i32 + 1 - order as i32);
         let constant = model.constant * scale(0);
         let (whole, part) = (delay.floor() as usize, delay - delay.floor());
-        // Of each input its force, and that of the part of a sample until it changes.
-        let forces: Vec<_> = model
-            .b
-            .iter()
-            .map(|b| {
+        // Of each input its force, and that of what changes within a sample.
+        let inputs = self.signals.inputs.iter();
+        let forces: Vec<_> = inputs
+            .zip(&model.b)
+            .map(|(input, b)| {
                 let mut force = Force::default().now;
                 for (power, b) in b.iter().enumerate() {
                     force[order - 1 - power] = b * scale(power);
                 }
-                (force, sampled.before(part, force))
+                (force, sampled.before(part, input.hold, force))
             })
             .collect();
         move |k| {
@@ -150,6 +174,10 @@ impl Problem<'_> {
                 };
                 // A delayed sample from before the record is its first one.
                 let at = |k: usize, d: usize| input.samples[(range.start + k).saturating_sub(d)];
+                let corner = match (input.hold, part > 0.0) {
+                    (Hold::First, true) => 2.0 * at(k, whole) - at(k, whole + 1) - at(k + 1, whole),
+                    _ => 0.0,
+                };
                 let mut add = |now: usize, next: usize| {
                     for (slot, k) in [(&mut force.now, now), (&mut force.next, next)] {
                         let u = at(k, whole);
@@ -159,10 +187,10 @@ impl Problem<'_> {
                         };
                         for i in 0..order {
                             let late = match input.hold {
-                                Hold::First => part * all[i],
-                                _ => before[i],
+                                Hold::First => part * all[i] * step + before[i] * corner,
+                                _ => before[i] * step,
                             };
-                            slot[i] += all[i] * u + late * step;
+                            slot[i] += all[i] * u + late;
                         }
                     }
                 };
@@ -178,12 +206,12 @@ impl Problem<'_> {
 }
 
 /// The weights of the combination of `columns` nearest to `error` in the sense of least squares,
-/// and the sum of the squares of what remains. Dependent columns share their weight.
+/// and what remains. Dependent columns share their weight.
 ///
 /// Dependent are those within rounding: singular values below as many units of it as there are
 /// samples, each of which is one step of the simulation (Golub and Van Loan, Matrix Computations,
 /// section 5.5: numerical rank).
-fn refit(columns: &[DVector<f64>], error: &DVector<f64>) -> Option<(Vec<f64>, f64)> {
+fn refit(columns: &[DVector<f64>], error: &DVector<f64>) -> Option<(Vec<f64>, DVector<f64>)> {
     // Columns of length one, so that the bound has no unit.
     let lengths: Vec<f64> = columns
         .iter()
@@ -201,9 +229,9 @@ fn refit(columns: &[DVector<f64>], error: &DVector<f64>) -> Option<(Vec<f64>, f6
     for (direction, _) in directions.filter(|(_, value)| **value > dependent) {
         left.gemv(-direction.dot(&within), &q, &direction, 1.0);
     }
-    let squares = left.norm_squared();
+    let finite = left.norm_squared().is_finite();
     let weights = weights.iter().zip(&lengths).map(|(w, l)| w / l).collect();
-    squares.is_finite().then_some((weights, squares))
+    finite.then_some((weights, left))
 }
 
 #[cfg(test)]

@@ -24,15 +24,11 @@ const DEVIATIONS: f64 = 3.0;
 /// What the sums of a record give.
 pub(super) struct Sharp {
     pub(super) way: Way,
-    pub(super) pole: f64,
-    pub(super) own_filter: Option<Vec<f64>>,
-    filter: Vec<f64>,
-    method: Method,
+    pub(super) chosen: Chosen,
     pub(super) delay: f64,
-    pub(super) at_end: bool,
-    pub(super) delay_alike: Option<[usize; 2]>,
     pub(super) found: Found,
     pub(super) least_squares: Option<Estimate>,
+    pub(super) poor_input: Option<PoorInput>,
 }
 
 /// The delay to begin with.
@@ -44,14 +40,27 @@ pub(super) fn given(delay: Choice<usize>) -> usize {
 }
 
 /// Filter and delay, found or given.
-struct Chosen {
-    pole: f64,
+pub(super) struct Chosen {
+    pub(super) pole: f64,
     own: bool,
     filter: Vec<f64>,
     delay: f64,
-    at_end: bool,
-    delay_alike: Option<[usize; 2]>,
+    pub(super) at_end: bool,
+    pub(super) delay_alike: Option<[usize; 2]>,
     method: Method,
+}
+
+/// What the sums are made behind.
+#[derive(Clone, Copy)]
+pub(crate) struct Behind<'a> {
+    /// f_0 .. f_{m-1} of the filter.
+    pub(crate) filter: &'a [f64],
+    /// Its pole \[rad/s\], or the one that stands for the integrator.
+    pub(crate) pole: f64,
+    /// Delay in samples.
+    pub(crate) delay: f64,
+    /// How the equations are solved.
+    pub(crate) method: Method,
 }
 
 /// The window of [`LONGEST_SEARCH`] samples, of eight, in which the output moves most.
@@ -108,16 +117,63 @@ fn chosen(problem: &Problem, freedom: Freedom, progress: &dyn Progress) -> Resul
     })
 }
 
-/// Whether no second change of the input makes up for a delay that the first one does not tell.
-fn one_step(problem: &Problem) -> bool {
-    PoorInput::of(problem.signals) == Some(PoorInput::Step)
-}
-
 /// Whether a delay is told from the parameters: the equations are linear in it over the fastest
 /// time constant of the model, and three deviations of it are promised to hold.
 fn told(problem: &Problem, found: &Found) -> bool {
     let sigma = found.delay.as_ref().map_or(0.0, |delay| delay.sigma);
     DEVIATIONS * sigma * problem.signals.dt * found.estimate.fastest() <= 1.0
+}
+
+/// The model of a whole record, with a delay that is searched among its unknowns; the delay that
+/// its parameters belong to, in samples.
+///
+/// Where the record does not tell the delay from the parameters, these contain what the whole
+/// delays `alike`, the shortest and the longest that simulate as well, make of them.
+///
+/// # Errors
+/// [`Error::CannotCarry`] where the equations are singular, or a delay that rests on one step is
+/// not told from the parameters.
+pub(crate) fn model(
+    problem: &Problem,
+    behind: Behind,
+    alike: Option<[usize; 2]>,
+    poor_input: Option<PoorInput>,
+) -> Result<(f64, Found), Error> {
+    let Behind { filter, method, .. } = behind;
+    let at = |delay: f64| Fit::new(problem, filter, delay, method)?.refined();
+    let Some(ends) = alike else {
+        let fit = at(behind.delay)?;
+        let mut found = fit.found_behind_noise()?;
+        let around = fit.around_delay().and_then(|fit| fit.found_behind_noise());
+        found.delay = around.ok().and_then(|found| found.delay);
+        return Ok((behind.delay, found));
+    };
+    let free = || {
+        let fit = at(behind.delay)?.with_free_delay()?;
+        let mut found = fit.found_behind_noise()?;
+        // The parameters are those at the delay that the sums add, which are linear over a sample;
+        // what is left of it is missed.
+        let shift = found.delay.as_ref().map_or(0.0, |found| found.shift);
+        let delay = (fit.delay() + shift.clamp(-1.0, 1.0)).max(0.0);
+        let left = shift - (delay - fit.delay());
+        found.delay.iter_mut().for_each(|found| found.shift = left);
+        Ok::<_, Error>((delay, found))
+    };
+    match free() {
+        Ok(both) if told(problem, &both.1) => Ok(both),
+        _ if poor_input == Some(PoorInput::Step) => Err(problem.cannot_carry(Weakness::Delay)),
+        Ok(both) => Ok(both),
+        // The record does not tell the delay from the parameters.
+        Err(_) => {
+            let mut found = at(behind.delay)?.found_behind_noise()?;
+            let moves = ends.into_iter().filter_map(|end| {
+                let there = at(end as f64).ok()?.found().ok()?.estimate;
+                Some(there.moves_from(&found.estimate))
+            });
+            found.estimate = problem.widened(&found.estimate, &moves.collect::<Vec<_>>());
+            Ok((behind.delay, found))
+        }
+    }
 }
 
 /// Filter and delay by folds, in a long record over a part of it, then the model of the whole
@@ -127,6 +183,7 @@ pub(super) fn sharp(
     freedom: Freedom,
     progress: &dyn Progress,
 ) -> Result<Sharp, Error> {
+    let poor_input = PoorInput::of_search(problem, freedom)?;
     let chosen = if problem.samples() > LONGEST_SEARCH {
         let window = window(problem.signals);
         let part = Problem::new(&window, problem.structure, problem.options)?;
@@ -134,83 +191,65 @@ pub(super) fn sharp(
     } else {
         self::chosen(problem, freedom, progress)?
     };
-    let Chosen {
-        filter,
-        delay,
-        method,
-        ..
-    } = chosen;
-    let at = |delay: f64, method: Method| Fit::new(problem, &filter, delay, method)?.refined();
-    let free = || {
-        let fit = at(delay, method)?.with_free_delay()?;
-        let found = fit.found_behind_noise()?;
-        // The parameters are those at the delay that the sums add, which are linear over a sample.
-        let shift = found.delay.as_ref().map_or(0.0, |found| found.shift);
-        Ok::<_, Error>(((fit.delay() + shift.clamp(-1.0, 1.0)).max(0.0), found))
-    };
-    let (delay, found) = match freedom.delay {
-        Choice::Auto => match free() {
-            Ok(both) if told(problem, &both.1) => both,
-            _ if one_step(problem) => return Err(problem.cannot_carry(Weakness::Delay)),
-            Ok(both) => both,
-            // The record does not tell the delay from the parameters.
-            Err(_) => {
-                let mut found = at(delay, method)?.found_behind_noise()?;
-                let ends = chosen.delay_alike.unwrap_or_default();
-                let moves = ends.into_iter().filter_map(|end| {
-                    let there = at(end as f64, method).ok()?.found().ok()?.estimate;
-                    Some(there.moves_from(&found.estimate))
-                });
-                found.estimate = problem.widened(&found.estimate, &moves.collect::<Vec<_>>());
-                (delay, found)
-            }
-        },
-        Choice::Given(_) => {
-            let fit = at(delay, method)?;
-            let mut found = fit.found_behind_noise()?;
-            let around = fit.around_delay().and_then(|fit| fit.found_behind_noise());
-            found.delay = around.ok().and_then(|found| found.delay);
-            (delay, found)
-        }
-    };
-    let least_squares = at(delay, Method::LeastSquares).and_then(|fit| Ok(fit.found()?.estimate));
+    let behind = chosen.behind(chosen.delay);
+    let (delay, found) = model(problem, behind, chosen.delay_alike, poor_input)?;
+    let least_squares = Fit::new(problem, &chosen.filter, delay, Method::LeastSquares)
+        .and_then(|fit| Ok(fit.refined()?.found()?.estimate));
     Ok(Sharp {
-        way: match method {
+        way: match chosen.method {
             Method::LeastSquares => Way::WeakInstruments,
             Method::Instruments => Way::Instruments,
         },
         found,
         least_squares: least_squares.ok(),
-        pole: chosen.pole,
-        own_filter: chosen.own.then(|| filter.clone()),
-        filter,
-        method,
         delay,
-        at_end: chosen.at_end,
-        delay_alike: chosen.delay_alike,
+        chosen,
+        poor_input,
     })
 }
 
 /// What other filters make of the model, in a long record over a part of it.
-pub(super) fn elsewhere(problem: &Problem, sharp: &Sharp) -> Option<Elsewhere> {
+pub(crate) fn elsewhere(problem: &Problem, behind: Behind) -> Option<Elsewhere> {
     let window = match problem.samples() > LONGEST_SEARCH {
         true => window(problem.signals),
         false => problem.signals.clone(),
     };
     let part = Problem::new(&window, problem.structure, problem.options).ok()?;
-    let fit = Fit::new(&part, &sharp.filter, sharp.delay, sharp.method);
-    filter_choice::elsewhere(&part, &fit.ok()?.refined().ok()?, sharp.pole)
+    let fit = Fit::new(&part, behind.filter, behind.delay, behind.method);
+    filter_choice::elsewhere(&part, &fit.ok()?.refined().ok()?, behind.pole)
+}
+
+impl Chosen {
+    fn behind(&self, delay: f64) -> Behind<'_> {
+        Behind {
+            filter: &self.filter,
+            pole: self.pole,
+            delay,
+            method: self.method,
+        }
+    }
 }
 
 impl Sharp {
+    /// The filter of the model itself, where that was taken.
+    pub(super) fn own_filter(&self) -> Option<&[f64]> {
+        let chosen = &self.chosen;
+        chosen.own.then_some(chosen.filter.as_slice())
+    }
+
+    /// What the model was found behind.
+    pub(super) fn behind(&self) -> Behind<'_> {
+        self.chosen.behind(self.delay)
+    }
+
     /// Filter and delay as the recursion takes them.
     pub(super) fn tuning(&self, problem: &Problem) -> Tuning {
         let slowest = RECURSION / (problem.samples() as f64 * problem.signals.dt);
-        let integrator = problem.structure.integrator;
-        let own = self.own_filter.as_ref();
+        let (integrator, pole) = (problem.structure.integrator, self.chosen.pole);
+        let own = self.own_filter();
         Tuning {
-            pole: Some(self.pole.max(slowest)),
-            model: own.and_then(|_| ModelFilter::of(&self.found.estimate, integrator, self.pole)),
+            pole: Some(pole.max(slowest)),
+            model: own.and_then(|_| ModelFilter::of(&self.found.estimate, integrator, pole)),
             delay: self.delay.round() as usize,
         }
     }

@@ -11,12 +11,12 @@ mod tests;
 
 use trendid::trends::Scheme;
 
+pub(crate) use by_sums::{Behind, elsewhere, model as model_behind};
 pub use model::{Friction, Identification, Way};
 use once::once;
 use recursion::recursion;
 
 use crate::error::Error;
-use crate::poor_input::PoorInput;
 use crate::problem::Problem;
 use crate::search::{Choice, Freedom, Progress};
 
@@ -36,21 +36,12 @@ pub fn identify(
     progress: &dyn Progress,
 ) -> Result<Identification, Error> {
     freedom.check(problem.signals.dt)?;
-    let poor_input = PoorInput::of_search(problem, freedom)?;
     let recursive = problem.options.memory.is_some()
         || problem.options.scheme != Scheme::Tustin
         || freedom.pole == Choice::Given(None);
     if recursive {
-        let found = recursion(problem, freedom, trace_points)?;
-        return Ok(Identification {
-            poor_input,
-            ..found
-        });
+        return recursion(problem, freedom, trace_points);
     }
     let found = once(problem, freedom, trace_points, progress)?;
-    let found = friction::held(problem, freedom, trace_points, found);
-    Ok(Identification {
-        poor_input,
-        ..found
-    })
+    Ok(friction::held(problem, freedom, trace_points, found))
 }

@@ -55,8 +55,8 @@ pub struct Identification {
     /// The shortest and the longest whole delay that simulate as well as the best one, within one
     /// standard error over parts of the record left out; `None` where the delay was given.
     pub delay_alike: Option<[usize; 2]>,
-    /// The delay as an unknown: that of the model, where it was searched; else what the record
-    /// would add to the one that was given. `None` for the recursion.
+    /// The delay as an unknown: what the record would add to the one that was given, or to the one
+    /// that was searched where that is at an end. `None` for the recursion.
     pub delay_found: Option<DelayFound>,
     /// What the input is where it says too little for the delay, which was searched.
     pub poor_input: Option<PoorInput>,
@@ -89,8 +89,8 @@ impl Identification {
             .map(|f| f.sigma)
     }
 
-    /// What the record would add to the delay that was given, or to none, and its standard
-    /// deviation, in samples, where that is more than chance. To first order in what is added.
+    /// What the record would add to the delay, given or searched, and its standard deviation, in
+    /// samples, where that is more than chance. To first order in what is added.
     pub fn delay_missed(&self) -> Option<[f64; 2]> {
         let found = self.delay_found.as_ref();
         found

@@ -19,6 +19,7 @@ pub(super) fn once(
 ) -> Result<Identification, Error> {
     let sharp = match sharp(problem, freedom, progress) {
         Ok(sharp) => sharp,
+        Err(error @ Error::OneSine { .. }) => return Err(error),
         // A model that is not stable has no folds, but it has parameters.
         Err(_) if matches!(freedom.pole, Choice::Given(_)) => {
             return recursion(problem, freedom, trace_points);
@@ -29,7 +30,7 @@ pub(super) fn once(
     let tuning = sharp.tuning(problem);
     let (errors, trace) = recursive_errors(problem, tuning, trace_points).unwrap_or_default();
     let elsewhere = match freedom.pole {
-        Choice::Auto => elsewhere(problem, &sharp),
+        Choice::Auto => elsewhere(problem, sharp.behind()),
         Choice::Given(_) => None,
     };
     let n = problem.samples();
@@ -40,14 +41,14 @@ pub(super) fn once(
     let (simulated, delay) = half.unwrap_or((sharp.found.estimate.clone(), sharp.delay));
     Ok(Identification {
         way: sharp.way,
-        pole: Some(sharp.pole),
+        pole: Some(sharp.chosen.pole),
         filter_shifts: elsewhere.as_ref().map(|elsewhere| elsewhere.shifts),
-        own_filter: sharp.own_filter,
+        own_filter: sharp.own_filter().map(<[f64]>::to_vec),
         delay: sharp.delay,
-        delay_at_end: sharp.at_end,
-        delay_alike: sharp.delay_alike,
+        delay_at_end: sharp.chosen.at_end,
+        delay_alike: sharp.chosen.delay_alike,
         delay_found: sharp.found.delay,
-        poor_input: None,
+        poor_input: sharp.poor_input,
         friction: Friction::Measured,
         free_run: problem.free_run(&simulated, delay, n / 2..n),
         held_out,

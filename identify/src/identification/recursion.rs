@@ -34,12 +34,15 @@ pub(super) fn recursion(
     freedom: Freedom,
     trace_points: usize,
 ) -> Result<Identification, Error> {
-    let tuning = match (freedom.pole, freedom.delay) {
-        (Choice::Given(pole), Choice::Given(delay)) => Tuning {
-            pole,
-            model: None,
-            delay,
-        },
+    let (tuning, poor_input) = match (freedom.pole, freedom.delay) {
+        (Choice::Given(pole), Choice::Given(delay)) => {
+            let tuning = Tuning {
+                pole,
+                model: None,
+                delay,
+            };
+            (tuning, None)
+        }
         (pole, delay) => {
             let plain = Problem {
                 options: Options::default(),
@@ -51,10 +54,11 @@ pub(super) fn recursion(
             };
             let sharp = sharp(&plain, Freedom { pole, delay }, &())?;
             let raw = freedom.pole == Choice::Given(None);
-            Tuning {
+            let tuning = Tuning {
                 pole: sharp.tuning(&plain).pole.filter(|_| !raw),
                 ..sharp.tuning(&plain)
-            }
+            };
+            (tuning, sharp.poor_input)
         }
     };
     let mut trace = Trace::default();
@@ -80,7 +84,7 @@ pub(super) fn recursion(
         delay_at_end: false,
         delay_alike: None,
         delay_found: None,
-        poor_input: None,
+        poor_input,
         friction: Friction::Measured,
         free_run: problem.free_run(simulated, tuning.delay as f64, n / 2..n),
         held_out,

@@ -35,10 +35,30 @@ struct Trends {
     products: DMatrix<f64>,
 }
 
-/// The delay up to `longest` samples, or a quarter of the record, at which least squares behind the
-/// filter f_0 .. f_{m-1} leaves the smallest error; `None` where the filter has no trends.
-pub(crate) fn likely_delay(problem: &Problem, filter: &[f64], longest: usize) -> Option<usize> {
-    let longest = longest.min(problem.samples() / 4);
+/// The delays at which least squares behind the filter f_0 .. f_{m-1} leaves the smallest error: of
+/// all up to `longest` samples, or a quarter of the record, of the shorter half of them, and so on
+/// down to `shortest`. None where the filter has no trends.
+///
+/// Delays are compared over the samples that have all of their inputs in the record. What comes
+/// before, which may be all that a short record has, is lost to the longest ones only.
+pub(crate) fn likely_delays(
+    problem: &Problem,
+    filter: &[f64],
+    [shortest, longest]: [usize; 2],
+) -> Vec<usize> {
+    let mut longest = longest.min(problem.samples() / 4);
+    let mut likely = Vec::new();
+    while longest >= shortest {
+        likely.extend(likely_delay(problem, filter, longest));
+        longest /= 2;
+    }
+    likely.sort_unstable();
+    likely.dedup();
+    likely
+}
+
+/// The one of all up to `longest` samples.
+fn likely_delay(problem: &Problem, filter: &[f64], longest: usize) -> Option<usize> {
     let trends = Trends::of(problem, filter, longest)?;
     let errors = (0..=longest).filter_map(|delay| Some((delay, trends.error(delay)?)));
     errors.min_by(|x, y| x.1.total_cmp(&y.1)).map(|(d, _)| d)

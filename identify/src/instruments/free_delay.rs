@@ -4,8 +4,13 @@ use crate::error::Error;
 use crate::instruments::Fit;
 use crate::instruments::sums::Sums;
 
-/// Movement in samples below which a delay is found.
+/// Movement in samples below which a delay is found, where its standard deviation is not too small
+/// for that.
 const SETTLED: f64 = 0.01;
+
+/// Share of its standard deviation that a delay may be wrong by because the equations are linear in
+/// it.
+const BENT: f64 = 0.1;
 
 /// Steps at most, each of at most one sample: the sums are linear in the delay over no more.
 const STEPS: usize = 6;
@@ -25,7 +30,10 @@ impl Fit<'_> {
                 break;
             };
             let next = (delay + found.shift.clamp(-FARTHEST, FARTHEST)).max(0.0);
-            if (next - delay).abs() < SETTLED {
+            let step = (next - delay).abs();
+            // By a step s the input is bent by at most s^2/2 of its change, in units of a sample.
+            let bent = 0.5 * step * step;
+            if step < SETTLED && !(bent > BENT * found.sigma) {
                 break;
             }
             self.setting.delay = next;

@@ -39,12 +39,12 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::error::{Error, Weakness};
 use crate::estimate::Estimate;
-use crate::polynomials::{Pole, Polynomials, from_roots};
+use crate::polynomials::{Pole, Polynomials, from_roots, roots};
 use crate::problem::Problem;
 use crate::tuning::FASTEST;
 
 use auxiliary::near;
-pub(crate) use every_delay::likely_delay;
+pub(crate) use every_delay::likely_delays;
 pub use later::DelayFound;
 use layout::Setting;
 use rounding::rounding_of_delay;
@@ -102,7 +102,7 @@ impl<'a> Fit<'a> {
         method: Method,
     ) -> Result<Self, Error> {
         let q = problem.structure.order - usize::from(problem.structure.integrator);
-        let rough = crate::polynomials::roots(filter)
+        let rough = roots(filter)
             .map(|roots| from_roots(&roots[roots.len() - q..]))
             .unwrap_or_default();
         let mut setting = Setting {
@@ -112,7 +112,7 @@ impl<'a> Fit<'a> {
             delay,
             later: None,
         };
-        if let Some(roots) = crate::polynomials::roots(&setting.auxiliary) {
+        if let Some(roots) = roots(&setting.auxiliary) {
             setting.auxiliary = problem.within_reach(&roots);
         }
         let mut fit = Self {
@@ -153,18 +153,19 @@ impl<'a> Fit<'a> {
 
     /// The setting that the model found asks for; `None` where it is about the present one.
     fn next_setting(&self) -> Option<Setting> {
-        let problem = self.problem;
-        let dt = problem.signals.dt;
+        let (problem, dt) = (self.problem, self.problem.signals.dt);
         let model = self
             .polynomials(self.method)
             .or_else(|| self.polynomials(Method::LeastSquares))?;
         let poles = model.poles(usize::from(problem.structure.integrator))?;
         let size = |(re, im): &Pole| re.hypot(*im) * dt;
-        let fastest = poles.iter().map(size).fold(0.0, f64::max);
-        // Numerators of another denominator are wrong by its distance times this, f (1 - f)/2 where
-        // the input changes within a sample.
+        let largest = |poles: &[Pole]| poles.iter().map(size).fold(0.0, f64::max);
+        let fastest = largest(&poles);
+        // Numerators of another denominator, the filter at first, are wrong by its distance times
+        // this, f (1 - f)/2 where the input changes within a sample.
+        let farthest = largest(&roots(&self.setting.filter)?).max(fastest);
         let within = self.setting.delay.fract() != 0.0;
-        let of_distance = fastest * if within { 0.125 } else { fastest / 12.0 };
+        let of_distance = farthest * if within { 0.125 } else { farthest / 12.0 };
         let exact = of_distance > NEGLIGIBLE && fastest < FASTEST;
         let next = Setting {
             auxiliary: problem.within_reach(&poles),
@@ -176,8 +177,7 @@ impl<'a> Fit<'a> {
         };
         let settled = near(&next.auxiliary, &self.setting.auxiliary, ALIKE)
             && near(&next.model, &self.setting.model, NEGLIGIBLE / of_distance);
-        let needed = self.method == Method::Instruments || exact;
-        (needed && !settled).then_some(next)
+        (!settled && (exact || self.method == Method::Instruments)).then_some(next)
     }
 
     /// How its equations are solved.

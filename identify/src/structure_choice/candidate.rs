@@ -11,8 +11,13 @@ use crate::problem::Structure;
 pub struct Candidate {
     /// The structure.
     pub structure: Structure,
-    /// Delay in samples.
+    /// Delay that it is compared at, in samples.
     pub delay: usize,
+    /// Delay of the model `found` in samples, between two of them where it was searched.
+    pub model_delay: f64,
+    /// Its standard deviation in samples, contained in those of the parameters; `None` where it was
+    /// given.
+    pub delay_sigma: Option<f64>,
     /// Whether the longest delay that was tried is the best.
     pub delay_at_end: bool,
     /// Filter pole \[rad/s\].

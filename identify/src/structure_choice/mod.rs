@@ -10,16 +10,16 @@
 mod alike;
 mod candidate;
 mod drop;
+mod tried;
 
 pub use alike::Shorter;
-use alike::{Missing, fit_x0c, simulates_alike};
+use alike::{Missing, simulates_alike};
 pub use candidate::Candidate;
 pub use drop::Drop;
-use drop::{cancels, rests_on};
+use tried::candidate;
 
-use crate::delay_choice::{DELAYS, Delays, LONGEST_DELAY};
+use crate::delay_choice::DELAYS;
 use crate::error::Error;
-use crate::filter_choice::{self, Judged};
 use crate::folds::Refitted;
 use crate::poor_input::PoorInput;
 use crate::problem::{Options, Problem, Structure};
@@ -136,7 +136,7 @@ pub fn select(
     }
     progress.begin(structures.len());
     let tried: Vec<Result<Candidate, Dropped>> = side_by_side(&structures, |&structure| {
-        let tried = candidate(signals, structure, options, freedom);
+        let tried = candidate(signals, structure, options, (freedom, poor_input));
         progress.step();
         tried.map_err(|Missing { reason, shorter }| Dropped {
             structure,
@@ -194,93 +194,6 @@ fn alike(candidates: &[Candidate], friction: bool) -> Option<(usize, Vec<usize>)
             || simulates_alike(&candidates[*k].folds, best)
     };
     Some((smallest, (0..candidates.len()).filter(alike).collect()))
-}
-
-fn candidate(
-    signals: &Signals,
-    structure: Structure,
-    options: Options,
-    freedom: Freedom,
-) -> Result<Candidate, Missing> {
-    let problem = Problem::new(signals, structure, options).map_err(Drop::Failed)?;
-    let poles = match freedom.pole {
-        Choice::Given(Some(pole)) => vec![pole],
-        _ => filter_choice::poles(problem.samples(), problem.signals.dt),
-    };
-    let at = |delay: usize| filter_choice::choose(&problem, &poles, delay as f64, &());
-    if let Choice::Given(delay) = freedom.delay {
-        let candidate = passed(&problem, at(delay).map_err(|_| Drop::Unstable)?, freedom)?;
-        return Ok(Candidate {
-            delay_at_end: false,
-            ..candidate
-        });
-    }
-    let near = at(0).or_else(|_| at(DELAYS / 2));
-    let searched = Delays::of(&problem, &poles, near);
-    let (first, found) = searched.map_err(|_| Drop::Unstable)?;
-    let delays = [found.best, found.alike[0], found.usual];
-    let around = |delay: usize| {
-        let near: Vec<f64> = poles
-            .iter()
-            .copied()
-            .filter(|pole| (0.2..5.0).contains(&(pole / first.pole)))
-            .collect();
-        filter_choice::choose(&problem, &near, delay as f64, &())
-    };
-    let Ok(best) = around(delays[0]) else {
-        return Ok(passed(&problem, first, freedom)?);
-    };
-    // A long delay takes the place of a lag, which then is not significant: that says nothing
-    // against the structure at the delay of any loop. Whether it simulates as well is judged later.
-    passed(&problem, best, freedom).or_else(|reason| {
-        let mut shorter = None;
-        for pair in delays.windows(2).filter(|pair| pair[1] < pair[0]) {
-            let Ok(judged) = around(pair[1]) else {
-                continue;
-            };
-            let beside = Shorter::of(&problem, &judged);
-            match passed(&problem, judged, freedom) {
-                Ok(found) => return Ok(found),
-                Err(Drop::Insignificant { .. }) => shorter = Some(Box::new(beside)),
-                Err(_) => {}
-            }
-        }
-        Err(Missing { reason, shorter })
-    })
-}
-
-/// A fit as a candidate, or why it is none.
-fn passed(problem: &Problem, judged: Judged, freedom: Freedom) -> Result<Candidate, Drop> {
-    let structure = problem.structure;
-    let mut found = judged.fit.found().map_err(Drop::Failed)?;
-    let model = judged.fit.model().ok_or(Drop::Unstable)?;
-    if !model.is_stable(usize::from(structure.integrator)) {
-        return Err(Drop::Unstable);
-    }
-    rests_on(problem, &found, &judged.folds)?;
-    cancels(problem, &model, &judged.folds)?;
-    // What it rests on is judged by blocks and folds; what other filters move is said of it.
-    let elsewhere = match freedom.pole {
-        Choice::Auto => filter_choice::elsewhere(problem, &judged.fit, judged.pole),
-        Choice::Given(_) => None,
-    };
-    let filter_shifts = elsewhere.as_ref().map(|elsewhere| elsewhere.shifts);
-    found = judged.fit.found_behind_noise().unwrap_or(found);
-    if let Some(elsewhere) = elsewhere {
-        found.estimate = elsewhere.contained_in(problem, found.estimate);
-    }
-    let delay = judged.fit.delay() as usize;
-    Ok(Candidate {
-        structure,
-        delay,
-        delay_at_end: delay == LONGEST_DELAY,
-        pole: judged.pole,
-        names: problem.parameter_names(),
-        fit_x0c: fit_x0c(problem, &judged.folds),
-        found,
-        filter_shifts,
-        folds: judged.folds,
-    })
 }
 
 #[cfg(test)]
