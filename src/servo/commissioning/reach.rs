@@ -27,9 +27,12 @@ const DEVIATIONS: f32 = 4.5;
 /// ([`Defiance`](crate::servo::commissioning::defiance::Defiance)). Cost: about 40 instructions.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Reach {
-    /// 1/w in s, and what noise may look like of a swing over it, in travels per s.
+    /// 1/w in s.
     per_frequency: f32,
+    /// What noise may look like of the accelerations of two swings, in travels per s^2; in travels
+    /// what is no swing: that over w^2, and movements that count.
     noise: f32,
+    margin: f32,
     /// Direction of the command, and the time in s since it began.
     direction: f32,
     time: f32,
@@ -38,15 +41,18 @@ pub(crate) struct Reach {
 }
 
 impl Reach {
-    /// The time scale 1/w in s, and the noise of the acceleration in travels per s^2.
-    pub(crate) const fn inform(&mut self, per_frequency: f32, noise: f32) {
+    /// The time scale 1/w in s, the noise of the acceleration in travels per s^2, and a movement
+    /// that counts.
+    pub(crate) const fn inform(&mut self, per_frequency: f32, noise: f32, detection: f32) {
         self.per_frequency = per_frequency;
-        self.noise = DEVIATIONS * per_frequency * noise;
+        self.noise = SWINGS * DEVIATIONS * noise;
+        self.margin = MOVEMENTS * detection + self.noise * per_frequency * per_frequency;
     }
 
     /// Another time scale 1/w in s.
-    pub(crate) fn rescale(&mut self, per_frequency: f32) {
-        self.noise *= per_frequency / self.per_frequency;
+    pub(crate) const fn rescale(&mut self, per_frequency: f32) {
+        let (before, now) = (self.per_frequency, per_frequency);
+        self.margin += self.noise * (now * now - before * before);
         self.per_frequency = per_frequency;
     }
 
@@ -57,12 +63,7 @@ impl Reach {
 
     /// Takes a motion in travels and the command from now on; whether the axis is out of reach of a
     /// swing by more than movements that count.
-    pub(crate) fn update(
-        &mut self,
-        motion: &Motion,
-        command: f32,
-        [detection, step]: [f32; 2],
-    ) -> bool {
+    pub(crate) fn update(&mut self, motion: &Motion, command: f32, step: f32) -> bool {
         let direction = 1.0_f32.copysign(command);
         if direction != self.direction || command == 0.0 {
             (self.direction, self.time) = (direction, 0.0);
@@ -76,9 +77,9 @@ impl Reach {
         let v = motion.velocity;
         let a = self.per_frequency * motion.acceleration;
         let middle = direction * (motion.position + self.per_frequency * a);
-        let swing = sqrt(v * v + a * a) + self.noise;
-        self.rear = larger(self.rear, middle - SWINGS * self.per_frequency * swing);
-        direction * motion.position < self.rear - MOVEMENTS * detection
+        let swing = self.per_frequency * sqrt(v * v + a * a);
+        self.rear = larger(self.rear, middle - SWINGS * swing);
+        direction * motion.position < self.rear - self.margin
     }
 }
 

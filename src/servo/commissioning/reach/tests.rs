@@ -61,11 +61,11 @@ fn gone_back(drive: &mut Drive, command: f32, along: f32, dice: &mut Dice) -> Op
     let mut reach = Reach::default();
     let begin = drive.state[0];
     let deviation = 0.125 * DETECTION * drive.filter.acceleration_noise();
-    reach.inform(1.0 / drive.w, deviation);
+    reach.inform(1.0 / drive.w, deviation, DETECTION);
     (0..2000).find_map(|_| {
         let motion = drive.step(along * command, dice);
         reach
-            .update(&motion, command, [DETECTION, STEP])
+            .update(&motion, command, STEP)
             .then(|| (begin - drive.state[0]) * command.signum())
     })
 }
@@ -128,28 +128,28 @@ fn what_goes_back_from_rest_is_found_within_two_hundredths_of_the_travel() {
 #[test]
 fn each_direction_of_the_command_begins_anew_and_none_says_nothing() {
     let mut reach = Reach::default();
-    reach.inform(0.02, 0.0);
+    reach.inform(0.02, 0.0, DETECTION);
     let back = |k: u32| Motion::at(0.5 - 1e-4 * k as f32);
-    let scale = [DETECTION, STEP];
     // Twenty samples of the lateness, and then two movements that count.
-    let found = (1..100).find(|k| reach.update(&back(*k), 0.2, scale));
+    let found = (1..100).find(|k| reach.update(&back(*k), 0.2, STEP));
     assert_eq!(found, Some(42));
     let mut again = reach;
-    assert!(!reach.update(&back(43), 0.0, scale));
-    assert!((44..64).all(|k| !reach.update(&back(k), 0.2, scale)));
-    assert!((64..200).all(|k| !reach.update(&back(k), -0.2, scale)));
+    assert!(!reach.update(&back(43), 0.0, STEP));
+    assert!((44..64).all(|k| !reach.update(&back(k), 0.2, STEP)));
+    assert!((64..200).all(|k| !reach.update(&back(k), -0.2, STEP)));
     again.restart();
-    assert!((43..84).all(|k| !again.update(&back(k), 0.2, scale)));
+    assert!((43..84).all(|k| !again.update(&back(k), 0.2, STEP)));
 }
 
 #[test]
 fn of_another_time_scale_noise_looks_like_another_swing() {
     let mut one = Reach::default();
-    one.inform(0.1, 0.5);
+    one.inform(0.1, 0.5, DETECTION);
     one.rescale(0.02);
     let mut other = Reach::default();
-    other.inform(0.02, 0.5);
+    other.inform(0.02, 0.5, DETECTION);
     assert_eq!(one.per_frequency, other.per_frequency);
-    assert!((one.noise / other.noise - 1.0).abs() < 1e-6);
-    assert!((other.noise - DEVIATIONS * 0.02 * 0.5).abs() < 1e-6);
+    assert!((one.margin / other.margin - 1.0).abs() < 1e-4);
+    let expected = 2.0 * DETECTION + 9.0 * 0.5 * 0.02 * 0.02;
+    assert!((other.margin / expected - 1.0).abs() < 1e-5);
 }

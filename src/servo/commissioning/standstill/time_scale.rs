@@ -30,7 +30,7 @@ impl Standstill {
         self.relayed.late = LAG_HALVES * half + LATENESS;
         let per_frequency = SHORT_HALVES * core::f32::consts::FRAC_1_PI * half;
         let noise = noise * self.detection / DETECTION_DEVIATIONS;
-        self.reach.inform(per_frequency, noise);
+        self.reach.inform(per_frequency, noise, self.detection);
         self.relayed.swing = if self.period > SWING_FIRST {
             self.period
         } else {
@@ -41,7 +41,7 @@ impl Standstill {
     /// Takes the motion after [`Self::update`], with the same command: whether the axis has gone
     /// further against it than a swing takes it.
     pub(crate) fn is_out_of_reach(&mut self, motion: &Motion, command: f32, step: f32) -> bool {
-        self.reach.update(motion, command, [self.detection, step])
+        self.reach.update(motion, command, step)
     }
 
     /// Whether the command has surely driven it since its direction began.
