@@ -26,6 +26,8 @@ impl Valve for FailingValve {
     }
 }
 
+/// Time in s after which an axis is controlled, or the loop does not take it.
+const AWAITED: f64 = 0.5;
 /// Period of the spikes in samples.
 const SPIKES_EVERY: u32 = 100;
 
@@ -96,17 +98,10 @@ impl Machine {
             reference: 0,
         };
         let (code, valve) = (SimulatedSensor::default(), FailingValve::default());
-        let mut servo = ServoLoop::try_new(&config, sensor, code, valve).ok()?;
+        let servo = ServoLoop::try_new(&config, sensor, code, valve).ok()?;
         let mut bench = Bench::new(axis, Purpose::Disturbance);
         bench.reversed = false;
-        if installed {
-            // One sample, so that the loop knows where the axis is.
-            servo.sensor_mut().code = Some(bench.code());
-            let report = servo.update();
-            bench.hold(f64::from(report.command));
-            servo.install(model(axis)).ok()?;
-        }
-        Some(Self {
+        let mut machine = Self {
             bench,
             servo,
             fault: None,
@@ -114,7 +109,24 @@ impl Machine {
             code: 0,
             command: 0.0,
             seed: axis.seed,
-        })
+        };
+        if installed {
+            machine.install(axis)?;
+        }
+        Some(machine)
+    }
+
+    /// Installs a model behind the first reading; until the motion of the axis is known, the loop
+    /// refuses to move it.
+    fn install(&mut self, axis: &AxisDraw) -> Option<()> {
+        let _ = self.step();
+        self.servo.install(model(axis)).ok()?;
+        let here = self.step().position;
+        let end = self.bench.time() + AWAITED;
+        while self.servo.move_to(here).is_err() && self.bench.time() < end {
+            let _ = self.step();
+        }
+        Some(())
     }
 
     /// Brings a fault with the next sample.
