@@ -5,8 +5,8 @@ use crate::servo::commissioning::ends::{at_end, is_beyond};
 use crate::servo::commissioning::probe::LATENESS;
 use crate::servo::supervision::state::Reason;
 
-/// Movements that count which the axis must go on beyond that time.
-const MOVEMENTS: f32 = 2.0;
+/// Movements that count which the axis must go on where it should not.
+pub(crate) const MOVEMENTS: f32 = 2.0;
 /// Time in s for which the valve is closed, in half periods, and the part of its speed below
 /// which an axis has slowed down.
 const CLOSING_HALVES: f32 = 1.2;

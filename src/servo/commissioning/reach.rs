@@ -1,13 +1,12 @@
 //! How far back a swing takes an axis against its command.
 
 use crate::math::{larger, sqrt};
+use crate::servo::commissioning::defiance::MOVEMENTS;
 use crate::servo::commissioning::probe::LATENESS;
 use crate::servo::motion::Motion;
 
-/// Swings behind their middle that no axis reaches, and movements that count which it must go on
-/// beyond.
+/// Swings behind their middle that no axis reaches.
 const SWINGS: f32 = 2.0;
-const MOVEMENTS: f32 = 2.0;
 /// Standard deviations of the acceleration that are no swing.
 const DEVIATIONS: f32 = 4.5;
 

@@ -11,6 +11,8 @@ const NOISE_DEVIATION: f32 = 0.16;
 const MOVEMENT: f32 = 4e-3;
 /// Least deviation from rest that counts as movement, in travels.
 const DETECTION_MIN: f32 = 2e-4;
+/// Standard deviations of the position that a movement that counts has at least.
+pub(crate) const DETECTION_DEVIATIONS: f32 = 8.0;
 
 /// What the axis at rest has shown.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -97,7 +99,7 @@ impl Rest {
         };
         let certain = slope * slope * spread > 25.0 * variance;
         let mut detection = DETECTION_MIN;
-        for least in [8.0 * sigma, 3.0 * resolution] {
+        for least in [DETECTION_DEVIATIONS * sigma, 3.0 * resolution] {
             if least > detection {
                 detection = least;
             }

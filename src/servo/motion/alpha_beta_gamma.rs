@@ -70,7 +70,7 @@ impl AlphaBetaGamma {
     #[inline]
     pub(crate) fn update(&mut self, y: f32) {
         let m = &mut self.motion;
-        m.position += self.sample_time * (m.velocity + 0.5 * self.sample_time * m.acceleration);
+        m.position = m.after(self.sample_time);
         m.velocity += self.sample_time * m.acceleration;
         let error = y - m.position;
         m.position += self.gain[0] * error;

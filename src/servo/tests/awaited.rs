@@ -1,9 +1,8 @@
 //! Control that waits until the readings show the motion of the axis.
 
-use super::bench::{self, Bench, DELAY, MODEL};
+use super::bench::{self, Bench, MODEL, RECORD};
 use super::*;
 use crate::servo::motion::Motion;
-use crate::servo::store::Record;
 
 /// Where the axis is when its first reading comes, and how fast.
 const BEGIN: f32 = 100.0;
@@ -63,14 +62,6 @@ fn readings_that_are_missing_while_the_motion_is_awaited_leave_it_as_it_is() {
 
 #[test]
 fn another_model_begins_no_sooner_with_a_motion_that_is_awaited() {
-    const RECORD: Record = Record {
-        model: MODEL,
-        std: [f32::INFINITY; 6],
-        delay: 1e-3 * DELAY as f32,
-        sign: 1.0,
-        noise: 2e-4,
-        dead_volume: f32::INFINITY,
-    };
     let samples = |bench: &mut Bench, from: u32| {
         for k in from.. {
             bench.motion = at(k);

@@ -2,6 +2,7 @@
 
 use crate::hardware::{Axis, PositionSensor, Scale, Valve};
 use crate::servo::motion::Motion;
+use crate::servo::store::Record;
 use crate::servo::{Config, Model, Report, ServoLoop, Travel};
 
 /// Units per count.
@@ -47,6 +48,16 @@ pub(in crate::servo) type Loop = ServoLoop<Code, Spool>;
 
 pub(in crate::servo) const MODEL: Model = Model::linear(625.0, 20.0, 1e6);
 pub(in crate::servo) const DELAY: usize = 3;
+
+/// What a commissioning of this drive finds.
+pub(in crate::servo) const RECORD: Record = Record {
+    model: MODEL,
+    std: [f32::INFINITY; 6],
+    delay: 1e-3 * DELAY as f32,
+    sign: 1.0,
+    noise: 2e-4,
+    dead_volume: f32::INFINITY,
+};
 
 /// A drive that is the model, behind a delay, and the loop on it.
 pub(in crate::servo) struct Bench {

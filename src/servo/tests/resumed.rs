@@ -1,20 +1,9 @@
 //! Control that begins with a record, while the position is measured already.
 
-use super::bench::{self, Bench, DELAY, MODEL};
+use super::bench::{self, Bench, MODEL, RECORD};
 use crate::servo::error::Error;
 use crate::servo::motion::{Motion, Setpoint};
-use crate::servo::store::Record;
 use crate::servo::supervision::state::{Reason, State};
-
-/// What a commissioning of this drive finds.
-const RECORD: Record = Record {
-    model: MODEL,
-    std: [f32::INFINITY; 6],
-    delay: 1e-3 * DELAY as f32,
-    sign: 1.0,
-    noise: 2e-4,
-    dead_volume: f32::INFINITY,
-};
 
 #[test]
 fn the_measured_motion_goes_on_behind_a_record() {

@@ -2,21 +2,12 @@
 //! sign.
 
 use super::*;
+use crate::servo::commissioning::oracle::Dice;
 use crate::servo::commissioning::tracking_rate;
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
 
 const STEP: f32 = 1e-3;
 const DETECTION: f32 = 1e-3;
-
-struct Dice(u32);
-
-impl Dice {
-    /// A number from 0 to 1.
-    fn draw(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (self.0 >> 8) as f32 / 16_777_216.0
-    }
-}
 
 /// A drive of order 3 with a gain of one travel per s, behind the filter of the commissioning.
 struct Drive {
@@ -49,8 +40,7 @@ impl Drive {
             a += 0.1 * STEP * jerk;
         }
         self.state = [y, v, a];
-        self.filter
-            .update(y + self.noise * (2.0 * dice.draw() - 1.0));
+        self.filter.update(y + self.noise * dice.roll());
         self.filter.motion()
     }
 }
@@ -72,11 +62,11 @@ fn gone_back(drive: &mut Drive, command: f32, along: f32, dice: &mut Dice) -> Op
 
 #[test]
 fn no_swing_is_out_of_its_reach_whatever_it_begins_with() {
-    let mut dice = Dice(1);
+    let mut dice = Dice::new(1);
     for k in 0..400 {
-        let w = 8.0 + 82.0 * dice.draw();
-        let xi = 0.02 + 1.2 * dice.draw() * dice.draw();
-        let start = [0.5, 2.0 * dice.draw() - 1.0, w * (2.0 * dice.draw() - 1.0)];
+        let w = 8.0 + 82.0 * dice.within(0.0, 1.0);
+        let xi = 0.02 + 1.2 * dice.within(0.0, 1.0) * dice.within(0.0, 1.0);
+        let start = [0.5, dice.roll(), w * dice.roll()];
         let mut drive = Drive::new(w, xi, start);
         // The filter has seen the motion before, with the valve closed.
         let before = (4.0 * w / tracking_rate(w, STEP) / (w * STEP)) as u32;
@@ -85,7 +75,7 @@ fn no_swing_is_out_of_its_reach_whatever_it_begins_with() {
         }
         // Even numbers have a deviation of an eighth of a movement that counts.
         drive.noise = if k % 2 == 0 { 0.2165 * DETECTION } else { 0.0 };
-        let command = (0.05 + 0.4 * dice.draw()) * (dice.draw() - 0.5).signum();
+        let command = (0.05 + 0.4 * dice.within(0.0, 1.0)) * dice.roll().signum();
         let gone = gone_back(&mut drive, command, 1.0, &mut dice);
         assert_eq!(gone, None, "{k}: {w} {xi} {start:?} {command}");
     }
@@ -93,14 +83,14 @@ fn no_swing_is_out_of_its_reach_whatever_it_begins_with() {
 
 #[test]
 fn noise_that_looks_like_a_swing_beside_a_small_one_is_none() {
-    let mut dice = Dice(3);
+    let mut dice = Dice::new(3);
     for k in 0..300 {
-        let w = 8.0 + 6.0 * dice.draw();
-        let size = 0.2 * dice.draw();
-        let start = [0.5, size * (2.0 * dice.draw() - 1.0), 0.0];
-        let mut drive = Drive::new(w, 0.02 + 0.1 * dice.draw(), start);
+        let w = 8.0 + 6.0 * dice.within(0.0, 1.0);
+        let size = 0.2 * dice.within(0.0, 1.0);
+        let start = [0.5, size * dice.roll(), 0.0];
+        let mut drive = Drive::new(w, 0.02 + 0.1 * dice.within(0.0, 1.0), start);
         drive.noise = 0.2165 * DETECTION;
-        for _ in 0..(200.0 * dice.draw()) as u32 {
+        for _ in 0..(200.0 * dice.within(0.0, 1.0)) as u32 {
             let _ = drive.step(0.0, &mut dice);
         }
         let gone = gone_back(&mut drive, 0.02, 1.0, &mut dice);
@@ -110,12 +100,12 @@ fn noise_that_looks_like_a_swing_beside_a_small_one_is_none() {
 
 #[test]
 fn what_goes_back_from_rest_is_found_within_two_hundredths_of_the_travel() {
-    let mut dice = Dice(2);
+    let mut dice = Dice::new(2);
     for _ in 0..100 {
-        let w = 8.0 + 82.0 * dice.draw();
-        let mut drive = Drive::new(w, 0.1 + 0.5 * dice.draw(), [0.5, 0.0, 0.0]);
+        let w = 8.0 + 82.0 * dice.within(0.0, 1.0);
+        let mut drive = Drive::new(w, 0.1 + 0.5 * dice.within(0.0, 1.0), [0.5, 0.0, 0.0]);
         drive.noise = 0.05 * DETECTION;
-        let command = (0.05 + 0.25 * dice.draw()) * (dice.draw() - 0.5).signum();
+        let command = (0.05 + 0.25 * dice.within(0.0, 1.0)) * dice.roll().signum();
         let gone = gone_back(&mut drive, command, -1.0, &mut dice);
         let gone = gone.expect("it obeys the other sign");
         // Two movements that count, what noise may look like, and the speed until then.

@@ -4,6 +4,7 @@
 use crate::math::{larger, smaller, sqrt};
 use crate::servo::commissioning::predictor::Theta;
 use crate::servo::commissioning::probe::LATENESS;
+use crate::servo::commissioning::rest::DETECTION_DEVIATIONS;
 use crate::servo::commissioning::standstill::Standstill;
 use crate::servo::commissioning::standstill::known::{Known, LAG_RADIANS};
 use crate::servo::motion::Motion;
@@ -17,8 +18,6 @@ const SWING_HALVES: f32 = 2.0;
 /// The same in s before there is a model: a relay switches too soon on a lightly damped axis, so
 /// that its half periods are short.
 const SWING_FIRST: f32 = 0.3;
-/// Standard deviations of the position that a movement that counts has at least.
-const DETECTION_DEVIATIONS: f32 = 8.0;
 /// Half period of the axis over that of a relay, which switches too soon.
 const SHORT_HALVES: f32 = 1.2;
 
