@@ -163,6 +163,9 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     }
 
     /// Control begins at a motion of the controller, and lets it run out.
+    ///
+    /// An axis that was measured beyond an end is led back from there; one that is only expected
+    /// there, as its readings fail, may stand within the travel, which its reference does not leave.
     fn engage(&mut self, model: Model, motion: Motion) {
         let along = self.drive.sign * self.limiter.last();
         self.guard.release();
@@ -172,9 +175,15 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.takeover.looked = None;
         self.takeover.unsearched = None;
         self.moves.astray = 0.0;
+        let end = self.config.travel.nearest(motion.position);
+        let reference = if self.moves.gap.is_open() && end != motion.position {
+            Motion::at(end)
+        } else {
+            motion
+        };
         self.moves
             .trajectory
-            .run_out(motion, self.moves.run_out_rate);
+            .run_out(reference, self.moves.run_out_rate);
     }
 
     /// What the newest sample of the commissioning leads to; whether a model reached the

@@ -97,3 +97,33 @@ fn an_axis_that_stands_shows_its_noise_and_a_sensor_that_hangs_does_not() {
         assert_eq!(state, State::Failed(reason));
     }
 }
+
+/// What was measured beyond an end is led back from there, what is only expected there is not.
+#[test]
+fn an_axis_that_is_only_expected_beyond_an_end_leads_no_reference_out_of_the_travel() {
+    for (place, is_mute, begins) in [
+        (-1.0, false, -1.0),
+        (-1.0, true, 0.0),
+        (401.0, false, 401.0),
+        (401.0, true, 400.0),
+        (399.0, true, 399.0),
+    ] {
+        let mut bench = Bench::new(MODEL);
+        bench.motion = Motion::at(place);
+        bench.servo.abort();
+        for _ in 0..500 {
+            let _ = bench.step();
+        }
+        bench.servo.install(MODEL).expect("a model");
+        bench.is_mute = is_mute;
+        let _ = bench.step();
+        bench.servo.install(MODEL).expect("a model");
+        let reference = bench.servo.moves.trajectory.setpoint().position;
+        assert!(
+            (reference - begins).abs() < 0.01,
+            "{place} {is_mute}: {reference}"
+        );
+        bench.is_mute = false;
+        assert!(bench.worst(2000) < 1.2, "{place} {is_mute}");
+    }
+}
