@@ -1,6 +1,8 @@
 //! Command line of trendid.
 #![allow(missing_docs)] // a program: its documentation is `--help`
 
+#[cfg(test)]
+mod drawn_records;
 mod drives;
 mod endurance;
 mod format;

@@ -101,7 +101,8 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<(), Refusal> {
     let problem = Problem::new(&signals, structure, options)?;
     let bar = Bar::new("choosing filter and delay");
     let trace_points = if args.plot.is_some() { TRACE_POINTS } else { 0 };
-    let mut found = identify(&problem, freedom, trace_points, &bar)?;
+    let found = identify(&problem, freedom, trace_points, &bar);
+    let mut found = found.map_err(|error| loaded.refusal(error))?;
     if let Some(half) = &first_half {
         let signals = half.signals();
         let half = Problem::new(&signals, structure, options)?;

@@ -4,6 +4,7 @@ pub(crate) mod command;
 mod delay_text;
 mod figures;
 pub(crate) mod names;
+mod notes;
 pub(crate) mod parse;
 pub(crate) mod report;
 mod report_json;

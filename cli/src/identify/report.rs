@@ -6,8 +6,8 @@ use trendid_identify::dead_zone::DeadZone;
 use trendid_identify::derived::Quantity;
 use trendid_identify::{Choice, Freedom, Friction, Identification, Problem, Way};
 
-use crate::format::{counted, polynomial, significant, table, transfer_function, with_sigma};
-use crate::record::Resampling;
+use crate::format::{polynomial, significant, table, transfer_function, with_sigma};
+use crate::record::Notes;
 
 /// Squared errors of prediction, over those of the mean of the output, beyond which the recursion
 /// has diverged; of noise alone it predicts somewhat worse than the mean, too.
@@ -20,10 +20,8 @@ pub(crate) struct Report<'a> {
     pub output: &'a str,
     /// First time stamp \[s\].
     pub start: f64,
-    /// What was done to have equal intervals.
-    pub resampling: Resampling,
-    /// What was taken for granted of the time stamps.
-    pub granted: Option<&'a str>,
+    /// What is said of the file.
+    pub notes: &'a Notes,
     /// The dead zone that the first inputs are behind.
     pub dead_zone: Option<DeadZone>,
     pub problem: &'a Problem<'a>,
@@ -106,7 +104,7 @@ impl Report<'_> {
             _ => String::new(),
         };
         let delay = self.delay_text();
-        let notes = notes(self.granted, self.resampling);
+        let notes = self.notes.text();
         format!(
             "{}: {} samples every {} s, t = {} .. {} s\n{notes}{zone}{filter}, delay {delay}, {memory}\n\n",
             self.file.display(),
@@ -262,20 +260,6 @@ impl Report<'_> {
             .map(|(c, input)| (input.name, self.problem.gain(&self.found.estimate, c)))
             .collect()
     }
-}
-
-/// What was taken for granted of the time stamps, and what was done to them, in lines.
-pub(crate) fn notes(granted: Option<&str>, resampling: Resampling) -> String {
-    let mut text = granted.map_or(String::new(), |granted| format!("{granted}\n"));
-    if let Some(jitter) = resampling.jitter {
-        let percent = significant(100.0 * jitter, 2);
-        text += &format!("time steps vary by up to {percent} %: moved to equal intervals\n");
-    }
-    if resampling.filled > 0 {
-        let filled = counted(resampling.filled, "sample");
-        text += &format!("{filled} missing: filled from the samples around\n");
-    }
-    text
 }
 
 /// A time stamp: with milliseconds where six digits would not tell it from another.

@@ -63,9 +63,10 @@ impl Report<'_> {
             "ise": predicted(errors.ise),
             "iae": predicted(errors.iae),
             "samples": p.samples(),
-            "jitter": self.resampling.jitter.map(number),
-            "filled": self.resampling.filled,
-            "granted": self.granted,
+            "jitter": self.notes.resampling.jitter.map(number),
+            "filled": self.notes.resampling.filled,
+            "granted": self.notes.granted,
+            "alone": self.notes.alone_json(),
             "dead_zone": self.dead_zone.map(|z| json!({"half_width": number(z.half_width), "centre": number(z.centre)})),
             "physical": self.physical_json(),
         })

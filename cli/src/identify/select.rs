@@ -97,13 +97,13 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Refusal> {
         delay: args.delay,
     };
     let bar = Bar::new("structures");
-    let selection = select(&signals, range, options, freedom, &bar)?;
+    let selection = select(&signals, range, options, freedom, &bar);
+    let selection = selection.map_err(|error| loaded.refusal(error))?;
     bar.finish();
     let report = SelectReport {
         file: &record.file,
         signals: &signals,
-        granted: loaded.granted.as_deref(),
-        resampling: loaded.resampling,
+        notes: &loaded.notes,
         selection: &selection,
     };
     match args.json {

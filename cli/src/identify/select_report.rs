@@ -8,9 +8,8 @@ use trendid_identify::structure_choice::{Candidate, Dropped, Selection};
 use trendid_identify::{Signals, Structure};
 
 use crate::format::{counted, significant, table, with_sigma};
-use crate::identify::report::notes;
 use crate::output::number;
-use crate::record::Resampling;
+use crate::record::Notes;
 
 /// Fewer points of fit than this between the recommended structure and the best say that they are
 /// alike.
@@ -20,10 +19,8 @@ const DOUBT: f64 = 2.0;
 pub(crate) struct SelectReport<'a> {
     pub(crate) file: &'a Path,
     pub(crate) signals: &'a Signals<'a>,
-    /// What was taken for granted of the time stamps.
-    pub(crate) granted: Option<&'a str>,
-    /// What was done to have equal intervals.
-    pub(crate) resampling: Resampling,
+    /// What is said of the file.
+    pub(crate) notes: &'a Notes,
     pub(crate) selection: &'a Selection,
 }
 
@@ -110,7 +107,7 @@ impl SelectReport<'_> {
             self.file.display(),
             self.signals.output.len(),
             significant(self.signals.dt, 5),
-            notes(self.granted, self.resampling)
+            self.notes.text()
         );
         text += &self.candidates();
         text += &self.dropped();
@@ -225,9 +222,10 @@ impl SelectReport<'_> {
             "reason": self.reason(),
             "doubts": self.doubts(),
             "poor_input": s.poor_input.map(PoorInput::name),
-            "granted": self.granted,
-            "jitter": self.resampling.jitter.map(number),
-            "filled": self.resampling.filled,
+            "granted": self.notes.granted,
+            "alone": self.notes.alone_json(),
+            "jitter": self.notes.resampling.jitter.map(number),
+            "filled": self.notes.resampling.filled,
         })
     }
 }

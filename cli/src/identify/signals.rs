@@ -15,7 +15,7 @@ use crate::identify::names::{HoldName, SchemeName, TimeUnit};
 use crate::identify::parse::{interval, power, width};
 use crate::identify::report::Report;
 use crate::output::Refusal;
-use crate::record::{Clock, Record, Resampling};
+use crate::record::{Clock, Notes, Record};
 
 /// Record, columns and span.
 #[derive(Debug, Args)]
@@ -70,10 +70,8 @@ pub(crate) struct Loaded {
     pub start: f64,
     /// Sampling interval \[s\].
     pub dt: f64,
-    /// What was done to have equal intervals.
-    pub resampling: Resampling,
-    /// What was taken for granted of the time stamps.
-    pub granted: Option<String>,
+    /// What is said of the file.
+    pub notes: Notes,
     y: Vec<f64>,
     /// The dead zone of the valve that the first inputs are behind.
     pub dead_zone: Option<DeadZone>,
@@ -104,6 +102,11 @@ impl LoadedInput {
 }
 
 impl Loaded {
+    /// Why the record carries no model, with the numbers that may be the cause.
+    pub(crate) fn refusal(&self, error: Error) -> Refusal {
+        self.notes.with_cause(&error.to_string()).into()
+    }
+
     /// The signals as the library takes them.
     pub(crate) fn signals(&self) -> Signals<'_> {
         let inputs = self.inputs.iter().map(|input| Input {
@@ -134,8 +137,7 @@ impl SignalArgs {
             file: &self.file,
             output: &self.output,
             start: loaded.start,
-            resampling: loaded.resampling,
-            granted: loaded.granted.as_deref(),
+            notes: &loaded.notes,
             dead_zone: loaded.dead_zone,
             problem,
             freedom,
@@ -233,8 +235,7 @@ impl SignalArgs {
             standstill: still,
             start: record.start,
             dt: record.dt,
-            resampling: record.resampling,
-            granted: record.granted.clone(),
+            notes: record.notes.clone(),
             y,
             dead_zone: zone,
             inputs,

@@ -37,15 +37,29 @@ pub(super) fn printable(text: &str) -> String {
     shown
 }
 
-/// The unit other than s that the name of a column of time stamps ends with, and how many s it is.
-pub(super) fn unit_of(name: &str) -> Option<(&'static str, f64)> {
-    let mut words = name.split(|c: char| !c.is_alphanumeric());
-    match words.rfind(|word| !word.is_empty()) {
-        Some("ms" | "msec") => Some(("ms", 1e-3)),
-        Some("us" | "\u{b5}s" | "\u{3bc}s" | "usec") => Some(("us", 1e-6)),
-        Some("ns" | "nsec") => Some(("ns", 1e-9)),
+/// The words of a name in lower case.
+fn words(name: &str) -> impl DoubleEndedIterator<Item = String> {
+    let words = name.split(|c: char| !c.is_alphanumeric());
+    words.filter(|word| !word.is_empty()).map(str::to_lowercase)
+}
+
+/// The unit of a time by its word, and how many s it is.
+fn unit(word: &str) -> Option<(&'static str, f64)> {
+    match word {
+        "s" | "sec" | "secs" | "second" | "seconds" => Some(("s", 1.0)),
+        "ms" | "msec" | "millis" | "milliseconds" => Some(("ms", 1e-3)),
+        "us" | "\u{b5}s" | "\u{3bc}s" | "usec" | "micros" | "microseconds" => Some(("us", 1e-6)),
+        "ns" | "nsec" | "nanos" | "nanoseconds" => Some(("ns", 1e-9)),
+        "min" | "minutes" => Some(("min", 60.0)),
+        "h" | "hours" => Some(("h", 3600.0)),
         _ => None,
     }
+}
+
+/// The unit other than s that the name of a column of time stamps ends with, and how many s it is.
+pub(super) fn unit_of(name: &str) -> Option<(&'static str, f64)> {
+    let last = words(name).next_back()?;
+    unit(&last).filter(|(_, seconds)| *seconds != 1.0)
 }
 
 /// What to say where the stamps are whole seconds: they may count something else.
@@ -56,8 +70,8 @@ pub(super) fn whole_seconds(stamps: &[f64], name: &str) -> Option<String> {
     })
 }
 
-/// Where the time stamps are: without a column `t`, in the only one whose name begins with `t` or
-/// `time` and ends with a unit.
+/// Where the time stamps are: without a column `t`, in the only one whose name begins with `t`,
+/// `time` or `timestamp` and ends with a unit, in small or capital letters.
 pub(super) fn time_position(
     path: &Path,
     names: &csv::StringRecord,
@@ -68,10 +82,10 @@ pub(super) fn time_position(
         return found;
     }
     let counts_time = |name: &str| {
-        let mut words = name.split(|c: char| !c.is_alphanumeric());
-        let stem = matches!(words.next(), Some("t" | "time"));
-        let last = words.rfind(|word| !word.is_empty());
-        stem && (unit_of(name).is_some() || last == Some("s"))
+        let mut words = words(name);
+        let stem = words.next();
+        let stem = matches!(stem.as_deref(), Some("t" | "time" | "timestamp"));
+        stem && words.next_back().is_some_and(|last| unit(&last).is_some())
     };
     let mut columns = names.iter().enumerate().filter(|(_, n)| counts_time(n));
     match (columns.next(), columns.next()) {

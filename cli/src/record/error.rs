@@ -18,6 +18,14 @@ fn by_time(wanted: &str) -> &'static str {
     }
 }
 
+/// What the cells of a header that has one name only may lack.
+fn by_separator(present: &str) -> &'static str {
+    match present.contains("`, `") {
+        true => "",
+        false => " alone (expected names separated by `,`, `;` or a tab)",
+    }
+}
+
 /// An error of a record, as one sentence with its place.
 #[derive(Debug, Error, PartialEq)]
 pub(crate) enum RecordError {
@@ -29,7 +37,8 @@ pub(crate) enum RecordError {
     NoHeader { path: PathBuf },
     /// A wanted column is absent.
     #[error(
-        "`{path}` has no column `{wanted}`; it has {present}{}",
+        "`{path}` has no column `{wanted}`; it has {present}{}{}",
+        by_separator(present),
         by_time(wanted)
     )]
     MissingColumn {
@@ -73,6 +82,18 @@ pub(crate) enum RecordError {
         found: usize,
         expected: usize,
     },
+    /// A line is longer or shorter than most, where that leaves a number in every wanted column.
+    #[error(
+        "line {line} has {found} cells (expected {expected}, as most lines): a separator too many or too few moves the numbers into other columns"
+    )]
+    OtherLength {
+        line: u64,
+        found: usize,
+        expected: usize,
+    },
+    /// A quote opens in a line and does not close there.
+    #[error("line {line}: a cell in quotes goes on to line {last} (expected each row in one line)")]
+    OpenQuote { line: u64, last: u64 },
     /// A cell is a number, but NaN or infinite.
     #[error("line {line}, column `{column}`: `{value}` is not finite (expected a finite number)")]
     NotFinite {

@@ -1,17 +1,25 @@
 //! Recorded drives: reading a CSV table of time stamps and signals, and
 //! refusing in one sentence what no identification could use.
 
+mod alone;
 mod cells;
 mod error;
+mod lines;
+mod notes;
 mod resample;
 #[cfg(test)]
 mod tests;
 
+use std::borrow::Cow;
 use std::io::Read;
 use std::path::Path;
 
-use cells::{Timing, cell, position, surplus, time_position, timing, unit_of};
+pub(crate) use alone::Alone;
+use alone::alone;
+use cells::{Timing, timing, unit_of};
 pub(crate) use error::RecordError;
+use lines::{Lines, Table};
+pub(crate) use notes::Notes;
 pub(crate) use resample::Resampling;
 
 /// The column of the time stamps.
@@ -38,10 +46,8 @@ pub(crate) struct Record {
     pub start: f64,
     /// Sampling interval in s.
     pub dt: f64,
-    /// What was done to have equal intervals.
-    pub resampling: Resampling,
-    /// What was taken for granted of the time stamps, in one sentence.
-    pub granted: Option<String>,
+    /// What is said of the file.
+    pub notes: Notes,
     /// The signals in the order in which they were asked for.
     pub signals: Vec<Vec<f64>>,
 }
@@ -50,10 +56,10 @@ impl Record {
     /// Reads the `signals` of the CSV file at `path`, or of the standard input for `-`, sampled at
     /// the stamps of a column.
     ///
-    /// Lines starting with `#` are comments; cells are separated by commas, or
-    /// by semicolons or tabs when the header has no comma. Quoted cells, CRLF
-    /// and a byte order mark are understood. Columns that are not asked for
-    /// need not hold numbers. Stamps with jitter are moved to equal intervals, and
+    /// Lines starting with `#` are comments; cells are separated by commas,
+    /// semicolons or tabs, whichever the header has most of, as many in each row.
+    /// Quoted cells, CRLF, a byte order mark and Latin-1 are understood. Columns that are not asked
+    /// for need not hold numbers. Stamps with jitter are moved to equal intervals, and
     /// few missing samples filled on straight lines.
     ///
     /// # Errors
@@ -89,56 +95,55 @@ impl Record {
                 reason: "it is UTF-16 (expected UTF-8)".into(),
             });
         }
-        let text = String::from_utf8_lossy(bytes);
+        // What is no UTF-8 is Latin-1, in which a spreadsheet writes a micro sign or a degree.
+        let text = match std::str::from_utf8(bytes) {
+            Ok(text) => Cow::Borrowed(text),
+            Err(_) => Cow::Owned(bytes.iter().map(|b| char::from(*b)).collect()),
+        };
         let lines = Lines::of(text.trim_start_matches('\u{feff}'));
-        if let Some(dt) = clock.dt {
-            let Table { columns, .. } = lines.columns(path, None, signals)?;
-            return Ok(Self {
-                comments: lines.comments,
-                start: 0.0,
-                dt,
-                resampling: Resampling::default(),
-                granted: None,
-                signals: columns,
-            });
-        }
-        let table = lines.columns(path, Some(clock.column), signals)?;
-        let by_name = unit_of(&table.time);
+        let wanted_time = clock.dt.is_none().then_some(clock.column);
+        let mut table = lines.columns(path, wanted_time, signals)?;
         let time = cells::printable(&table.time);
-        let unit = match (clock.unit, by_name) {
-            (Some(unit), _) | (None, Some((_, unit))) => unit,
-            (None, None) => 1.0,
-        };
-        let mut columns = table.columns.into_iter();
-        let counts = columns.next().unwrap_or_default();
-        let granted = match (clock.unit, by_name) {
-            (Some(_), _) => None,
-            (None, Some((name, _))) => Some(format!("`{time}` counts {name} by its name")),
-            (None, None) => cells::whole_seconds(&counts, &time),
-        };
-        let mut stamps: Vec<f64> = counts.iter().map(|t| unit * t).collect();
-        let mut signals: Vec<Vec<f64>> = columns.collect();
-        let mut numbers = table.numbers;
+        let (mut stamps, granted) = stamps(&mut table, &clock, &time);
         if let Some(rows) = cells::within(&stamps, clock.span) {
-            for column in signals.iter_mut().chain([&mut stamps]) {
+            for column in table.columns.iter_mut().chain([&mut stamps]) {
                 *column = rows.iter().map(|row| column[*row]).collect();
             }
-            numbers = rows.iter().map(|row| numbers[*row]).collect();
+            table.numbers = rows.iter().map(|row| table.numbers[*row]).collect();
         }
-        let Timing {
-            dt,
-            samples,
-            resampling,
-        } = timing(&stamps, &numbers, &time)?;
-        if resampling.is_any() {
+        let columns = signals.iter().zip(&table.columns);
+        let alone = columns.filter_map(|(name, column)| {
+            let (place, expected) = alone(column)?;
+            Some(Alone {
+                line: table.numbers[place],
+                column: cells::printable(name),
+                value: column[place],
+                expected,
+            })
+        });
+        let alone: Vec<Alone> = alone.collect();
+        let timing = match clock.dt {
+            Some(dt) => Timing {
+                dt,
+                samples: stamps.len(),
+                resampling: Resampling::default(),
+            },
+            None => timing(&stamps, &table.numbers, &time)?,
+        };
+        let Timing { dt, samples, .. } = timing;
+        let mut signals = table.columns;
+        if timing.resampling.is_any() {
             signals = resample::resampled(&stamps, (dt, samples), &signals, clock.held);
         }
         Ok(Self {
             comments: lines.comments,
-            start: stamps[0],
+            start: stamps.first().copied().unwrap_or(0.0),
             dt,
-            resampling,
-            granted,
+            notes: Notes {
+                granted,
+                resampling: timing.resampling,
+                alone,
+            },
             signals,
         })
     }
@@ -189,8 +194,7 @@ impl Record {
             comments: self.comments.clone(),
             start: self.start + first as f64 * self.dt,
             dt: self.dt,
-            resampling: self.resampling,
-            granted: self.granted.clone(),
+            notes: self.notes.clone(),
             signals: self
                 .signals
                 .iter()
@@ -200,100 +204,20 @@ impl Record {
     }
 }
 
-/// The wanted columns of a table.
-struct Table {
-    /// Name of the column of the time stamps.
-    time: String,
-    /// The time stamps where they are wanted, then the signals.
-    columns: Vec<Vec<f64>>,
-    /// Number of the line of each row.
-    numbers: Vec<u64>,
-}
-
-/// The lines of a file by what they are.
-struct Lines {
-    comments: Vec<String>,
-    /// Header and rows.
-    table: String,
-    /// Number of each line of the table in the file.
-    numbers: Vec<u64>,
-}
-
-impl Lines {
-    /// The CSV reader counts no comments and blank lines, so they are taken out here and the number
-    /// of each line that stays is kept.
-    fn of(text: &str) -> Self {
-        let mut lines = Self {
-            comments: Vec::new(),
-            table: String::with_capacity(text.len()),
-            numbers: Vec::new(),
-        };
-        for (number, line) in (1..).zip(text.lines()) {
-            match line.trim() {
-                "" => {}
-                l if l.starts_with('#') => lines.comments.push(l[1..].trim().to_owned()),
-                _ => {
-                    lines.table.push_str(line);
-                    lines.table.push('\n');
-                    lines.numbers.push(number);
-                }
-            }
-        }
-        lines
+/// The time stamps in s, taken out of a table, and what was taken for granted of them.
+fn stamps(table: &mut Table, clock: &Clock, time: &str) -> (Vec<f64>, Option<String>) {
+    if let Some(dt) = clock.dt {
+        let rows = 0..table.numbers.len();
+        return (rows.map(|k| k as f64 * dt).collect(), None);
     }
-
-    /// The column `time` where one is wanted, then those of the signals.
-    fn columns(
-        &self,
-        path: &Path,
-        time: Option<&str>,
-        signals: &[String],
-    ) -> Result<Table, RecordError> {
-        let header = self.table.lines().next();
-        let header = header.ok_or_else(|| RecordError::NoHeader {
-            path: path.to_owned(),
-        })?;
-        let delimiter = [b',', b';', b'\t']
-            .into_iter()
-            .find(|&d| header.contains(char::from(d)))
-            .unwrap_or(b',');
-        let mut rows = csv::ReaderBuilder::new()
-            .delimiter(delimiter)
-            .flexible(true)
-            .trim(csv::Trim::All)
-            .from_reader(self.table.as_bytes());
-        let unreadable = |e: csv::Error| RecordError::Unreadable {
-            path: path.to_owned(),
-            reason: e.to_string(),
-        };
-        let names = rows.headers().map_err(unreadable)?.clone();
-        let mut wanted = Vec::new();
-        if let Some(name) = time {
-            wanted.push(time_position(path, &names, name)?);
-        }
-        let time = wanted.first().map(|c| names[*c].to_owned());
-        for name in signals {
-            wanted.push(position(path, &names, name)?);
-        }
-        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); wanted.len()];
-        let mut numbers = Vec::new();
-        for row in rows.records() {
-            let row = row.map_err(unreadable)?;
-            let place = row.position().map_or(0, |p| p.line() as usize - 1);
-            let line = self.numbers.get(place).copied().unwrap_or(0);
-            if row.iter().all(str::is_empty) {
-                continue;
-            }
-            surplus(line, &names, &row)?;
-            for (values, &c) in columns.iter_mut().zip(&wanted) {
-                values.push(cell(line, &names, &row, c)?);
-            }
-            numbers.push(line);
-        }
-        Ok(Table {
-            time: time.unwrap_or_default(),
-            columns,
-            numbers,
-        })
-    }
+    let counts = table.columns.remove(0);
+    let by_name = unit_of(&table.time);
+    let unit = clock.unit.or(by_name.map(|(_, unit)| unit));
+    let granted = match (clock.unit, by_name) {
+        (Some(_), _) => None,
+        (None, Some((name, _))) => Some(format!("`{time}` counts {name} by its name")),
+        (None, None) => cells::whole_seconds(&counts, time),
+    };
+    let stamps = counts.iter().map(|t| unit.unwrap_or(1.0) * t).collect();
+    (stamps, granted)
 }

@@ -148,20 +148,18 @@ fn the_unit_of_a_clock_is_in_its_name() {
     for column in ["t_ms", TIME] {
         let found = read(in_ms, column, None).unwrap();
         assert!((found.dt - 2e-3).abs() < 1e-15);
-        assert_eq!(found.granted.unwrap(), "`t_ms` counts ms by its name");
+        assert_eq!(found.notes.granted.unwrap(), "`t_ms` counts ms by its name");
     }
     let told = read(in_ms, "t_ms", Some(1e-6)).unwrap();
-    assert!((told.dt - 2e-6).abs() < 1e-15 && told.granted.is_none());
+    assert!((told.dt - 2e-6).abs() < 1e-15 && told.notes.granted.is_none());
     let two = read("t_ms,time_us,u\n0,0,1\n2,2000,3\n", TIME, None);
     assert!(matches!(two, Err(RecordError::MissingColumn { .. })));
     // Whole numbers may count anything.
     let whole = read("t,u\n0,1\n2,3\n4,5\n", TIME, None).unwrap();
     assert_eq!(whole.dt, 2.0);
-    assert!(whole.granted.unwrap().contains("--time-unit ms"));
-    assert_eq!(
-        read("t,u\n0,1\n0.5,3\n1,5\n", TIME, None).unwrap().granted,
-        None
-    );
+    assert!(whole.notes.granted.unwrap().contains("--time-unit ms"));
+    let fractions = read("t,u\n0,1\n0.5,3\n1,5\n", TIME, None).unwrap();
+    assert_eq!(fractions.notes.granted, None);
     for (name, unit) in [
         ("time [us]", Some("us")),
         ("t (ms)", Some("ms")),
@@ -208,12 +206,12 @@ fn jitter_is_moved_to_equal_intervals_and_said() {
     let found = parse(text, &["y", "u"]).unwrap();
     assert_eq!((found.dt, found.signals[0].len()), (1.0, 5));
     // The median step is 1.1, the others 0.9.
-    assert!((found.resampling.jitter.unwrap() - 0.2 / 1.1).abs() < 1e-12);
+    assert!((found.notes.resampling.jitter.unwrap() - 0.2 / 1.1).abs() < 1e-12);
     for (k, y) in found.signals[0].iter().enumerate() {
         assert!((y - 2.0 * k as f64).abs() < 1e-12);
     }
     let regular = parse("t,u\n0,1\n1,2\n2,3\n", &["u"]).unwrap();
-    assert_eq!(regular.resampling, Resampling::default());
+    assert_eq!(regular.notes.resampling, Resampling::default());
 }
 
 /// A ramp of 2 in y under steps of the input, without the rows of some samples.
@@ -227,10 +225,11 @@ fn without(missing: &[usize], samples: usize) -> String {
 fn missing_samples_are_filled_and_said() {
     let found = parse(&without(&[7, 150, 151], 400), &["y", "u"]).unwrap();
     assert_eq!((found.dt, found.len()), (0.5, 400));
-    assert_eq!(
-        (found.resampling.filled, found.resampling.jitter),
-        (3, None)
-    );
+    let wanted = Resampling {
+        jitter: None,
+        filled: 3,
+    };
+    assert_eq!(found.notes.resampling, wanted);
     for (k, (y, u)) in found.signals[0].iter().zip(&found.signals[1]).enumerate() {
         assert!((y - 2.0 * k as f64).abs() < 1e-9, "{k}: {y}");
         // Held through the gap.
@@ -270,7 +269,7 @@ fn stamps_outside_of_the_span_are_not_judged() {
     );
     let found = found.unwrap().window(Some(5.0), Some(149.0), 2).unwrap();
     assert_eq!((found.start, found.len()), (5.0, 289));
-    assert!(!found.resampling.is_any());
+    assert!(!found.notes.resampling.is_any());
 }
 
 #[test]

@@ -5,6 +5,7 @@ use trendid_identify::tune::Model;
 
 use crate::format::significant;
 use crate::output::number;
+use crate::record::Notes;
 
 /// A bandwidth so many times the rate of the filter is one at which the record says little.
 const FAR: f64 = 10.0;
@@ -32,8 +33,8 @@ pub(super) struct OfRecord {
     pub(super) doubt: Option<String>,
     /// Objections to the model, and what became of the other inputs.
     pub(super) remarks: Vec<String>,
-    /// Of the time stamps, in lines.
-    pub(super) notes: String,
+    /// What is said of the file.
+    pub(super) notes: Notes,
 }
 
 impl OfRecord {
@@ -42,7 +43,8 @@ impl OfRecord {
         let [x0, x0c] = self.fits;
         let mut text = format!(
             "{}fit {x0:.2} % (x0), {x0c:.2} % (x0+c), verdict: {}\n",
-            self.notes, self.verdict
+            self.notes.text(),
+            self.verdict
         );
         for remark in &self.remarks {
             text += &format!("  {remark}\n");
@@ -76,6 +78,8 @@ impl OfRecord {
             "verdict": self.verdict,
             "doubt": self.doubt,
             "remarks": self.remarks,
+            "granted": self.notes.granted,
+            "alone": self.notes.alone_json(),
         })
     }
 }

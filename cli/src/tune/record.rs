@@ -6,7 +6,6 @@ use trendid_identify::{Choice, Freedom, Identification, Options, Problem, Struct
 
 use crate::format::significant;
 use crate::identify::parse::{delay, filter};
-use crate::identify::report::notes;
 use crate::identify::signals::{Loaded, SignalArgs};
 use crate::output::{Bar, Refusal};
 use crate::tune::args::LoopArgs;
@@ -63,7 +62,7 @@ impl RecordArgs {
             delay: self.delay,
         };
         let bar = Bar::new("choosing filter and delay");
-        let found = identify(&problem, freedom, 0, &bar)?;
+        let found = identify(&problem, freedom, 0, &bar).map_err(|error| loaded.refusal(error))?;
         bar.finish();
         let delay = found.delay * loaded.dt;
         let mut around = Model::around(&problem, &found);
@@ -116,7 +115,7 @@ impl RecordArgs {
             verdict: report.verdict(),
             doubt: report.doubt(),
             remarks: report.remarks().into_iter().map(str::to_owned).collect(),
-            notes: notes(loaded.granted.as_deref(), loaded.resampling),
+            notes: loaded.notes.clone(),
         }
     }
 }

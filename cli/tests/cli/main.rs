@@ -13,3 +13,4 @@ mod reports;
 mod simulated;
 mod tuned;
 mod users;
+mod wrong_numbers;

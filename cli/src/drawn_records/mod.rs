@@ -1,0 +1,107 @@
+//! Record files drawn at random, as loggers and spreadsheets write them: the same record whatever
+//! its form, the same model where stamps jitter and rows are missing, and no silent wrong number
+//! where one cell or line is broken.
+
+mod broken;
+mod forms;
+
+use std::path::Path;
+
+use crate::record::{Clock, Record, RecordError};
+
+/// Numbers of a seed.
+struct Draw(u64);
+
+impl Draw {
+    fn of(seed: u64) -> Self {
+        let mut draw = Self(seed);
+        for _ in 0..9 {
+            draw.next();
+        }
+        draw
+    }
+
+    /// From 0 to 1.
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005);
+        self.0 = self.0.wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn below(&mut self, count: usize) -> usize {
+        (self.next() * count as f64) as usize
+    }
+
+    fn one<T: Copy>(&mut self, of: &[T]) -> T {
+        of[self.below(of.len())]
+    }
+
+    fn yes(&mut self) -> bool {
+        self.next() < 0.5
+    }
+
+    /// Of mean 0 and deviation 1.
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.next()).sum::<f64>() - 6.0
+    }
+}
+
+/// `y' = b0 u + b1 w - a y + noise` at its stamps, u and w held from stamp to stamp.
+struct Drive {
+    dt: f64,
+    /// a, b0, b1.
+    truth: [f64; 3],
+    /// t, u, w, y.
+    rows: Vec<[f64; 4]>,
+}
+
+impl Drive {
+    /// `jitter` is that of the stamps in sampling intervals, to both sides.
+    fn of(draw: &mut Draw, samples: usize, jitter: f64, noise: f64) -> Self {
+        let dt = draw.one(&[1e-3, 2e-3, 5e-3, 1e-2]);
+        let a = (0.02 + 0.08 * draw.next()) / dt;
+        let truth = [a, a * (1.0 + 3.0 * draw.next()), a * (0.5 + draw.next())];
+        let holds = [5 + draw.below(9), 17 + draw.below(40)];
+        let mut inputs = [0.0; 2];
+        let (mut y, mut rows) = (0.0, Vec::new());
+        let mut stamp = |k: usize| {
+            let moved = jitter * (2.0 * draw.next() - 1.0);
+            (k as f64 + if k == 0 { 0.0 } else { moved }) * dt
+        };
+        let stamps: Vec<f64> = (0..=samples).map(&mut stamp).collect();
+        for k in 0..samples {
+            for (input, hold) in inputs.iter_mut().zip(holds) {
+                if k.is_multiple_of(hold) {
+                    *input = draw.one(&[-1.5, 1.5]);
+                }
+            }
+            rows.push([stamps[k], inputs[0], inputs[1], y + noise * draw.normal()]);
+            let decay = (-a * (stamps[k + 1] - stamps[k])).exp();
+            let end = (truth[1] * inputs[0] + truth[2] * inputs[1]) / a;
+            y = end + (y - end) * decay;
+        }
+        Self { dt, truth, rows }
+    }
+
+    /// As a table of commas with these stamps, to so many places.
+    fn table(&self, places: usize) -> String {
+        let mut text = "t,u,w,y\n".to_owned();
+        for [t, u, w, y] in &self.rows {
+            text += &format!("{t:.places$},{u},{w},{y:.6}\n");
+        }
+        text
+    }
+}
+
+fn read(text: &[u8], clock: Clock) -> Result<Record, RecordError> {
+    let signals = ["y", "u", "w"].map(str::to_owned);
+    Record::parse(Path::new("x.csv"), text, clock, &signals)
+}
+
+const CLOCK: Clock = Clock {
+    column: "t",
+    unit: None,
+    dt: None,
+    held: true,
+    span: [None; 2],
+};
