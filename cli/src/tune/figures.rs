@@ -37,9 +37,8 @@ fn panel(title: &str, x: &str, y: &str, curves: Vec<Curve>) -> Panel {
 fn step(tuned: &Tuned) -> Figure {
     let mut outputs = Vec::new();
     let mut commands = Vec::new();
-    let stable = tuned.loops.iter().filter(|found| found.margins.stable);
-    let longest = stable.clone().map(span).fold(0.0, f64::max);
-    for (found, colour) in stable.zip(COLOURS) {
+    let longest = tuned.loops.iter().map(span).fold(0.0, f64::max);
+    for (found, colour) in tuned.loops.iter().zip(COLOURS) {
         let course = found.step(&tuned.plant, longest);
         let name = found.gains.name();
         let of = |value: fn(&trendid_identify::tune::Sample) -> f64| {

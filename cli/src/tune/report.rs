@@ -1,7 +1,7 @@
 //! What `trendid tune` prints.
 
 use serde_json::{Value, json};
-use trendid_identify::tune::{Gains, Goal, Margins, Tuned, TunedLoop};
+use trendid_identify::tune::{Gains, Goal, Margins, Pid, Tuned, TunedLoop};
 
 use crate::format::{counted, significant, transfer_function};
 use crate::output::number;
@@ -108,24 +108,7 @@ impl Report<'_> {
                 gain(dt / (c.tf + dt)),
                 gain(c.kp * dt / c.ti),
             ),
-            Gains::Pid(c) => {
-                let (b, a) = c.difference_equation(dt);
-                format!(
-                    "  kp = {}, ti = {} s, td = {} s, tf = {} s; parallel ki = {} 1/s, kd = {} s\n  \
-                     u = {} u1 + {} u2 + {} e + {} e1 + {} e2, e = r - y; or e = -y in the derivative, as simulated\n",
-                    gain(c.kp),
-                    gain(c.ti),
-                    gain(c.td),
-                    gain(c.tf),
-                    gain(c.kp / c.ti),
-                    gain(c.kp * c.td),
-                    gain(-a[0]),
-                    gain(-a[1]),
-                    gain(b[0]),
-                    gain(b[1]),
-                    gain(b[2]),
-                )
-            }
+            Gains::Pid(c) => pid(c, dt),
             Gains::StateFeedback(c) => {
                 let list = |values: &[f64]| {
                     let each: Vec<String> = values.iter().map(|v| gain(*v)).collect();
@@ -133,7 +116,7 @@ impl Report<'_> {
                 };
                 let states = match c.derivatives {
                     true => "y and its derivatives",
-                    false => "the controllable form",
+                    false => "w and its derivatives, A(s) w = u and y = B(s) w",
                 };
                 let input = match c.k_input == 0.0 {
                     true => String::new(),
@@ -151,9 +134,6 @@ impl Report<'_> {
     }
 
     fn step(&self, found: &TunedLoop) -> String {
-        if !found.margins.stable {
-            return String::new();
-        }
         let course = found.step(&self.tuned.plant, span(found));
         let highest = course.iter().map(|s| s.output).fold(0.0, f64::max);
         let command = course.iter().map(|s| s.command.abs()).fold(0.0, f64::max);
@@ -216,6 +196,45 @@ impl Report<'_> {
             "loops": loops, "refused": refused, "feedforward": list(&tuned.feedforward),
         })
     }
+}
+
+/// A PID controller by its gains, as it is simulated, and as a difference equation.
+///
+/// The coefficients of that are differences of nearly equal numbers: those of u add up to one, and
+/// those of e to the integral gain of the slower pole, which is what is left. They are printed to
+/// the place at which these sums have their digits.
+fn pid(c: &Pid, dt: f64) -> String {
+    let (b, a) = c.difference_equation(dt);
+    let to_place = |value: f64, sum: f64| {
+        let more = value.abs().log10().floor() - sum.abs().log10().floor();
+        significant(value, (DIGITS as f64 + more.max(0.0)) as usize)
+    };
+    let beta = a[1];
+    let [u1, u2] = [-a[0], -a[1]].map(|v| to_place(v, 1.0 - beta));
+    let [e, e1, e2] = b.map(|v| to_place(v, c.kp * dt / c.ti * (1.0 - beta)));
+    let integral = gain(c.kp * dt / c.ti);
+    if c.td == 0.0 {
+        return format!(
+            "  kp = {}, ti = {} s; parallel ki = {} 1/s\n  \
+             e = r - y; u = kp e + I; I += {integral} e; or u = u1 + {e} e + {e1} e1\n",
+            gain(c.kp),
+            gain(c.ti),
+            gain(c.kp / c.ti),
+        );
+    }
+    format!(
+        "  kp = {}, ti = {} s, td = {} s, tf = {} s; parallel ki = {} 1/s, kd = {} s\n  \
+         e = r - y; d = {} d + {} (y1 - y); u = kp e + I + d; I += {integral} e\n  \
+         or, the derivative that of e: u = {u1} u1 + {u2} u2 + {e} e + {e1} e1 + {e2} e2\n",
+        gain(c.kp),
+        gain(c.ti),
+        gain(c.td),
+        gain(c.tf),
+        gain(c.kp / c.ti),
+        gain(c.kp * c.td),
+        gain(beta),
+        gain(c.kp * c.td / (c.tf + dt)),
+    )
 }
 
 /// Seconds that show a step.

@@ -65,3 +65,78 @@ fn gains_come_with_what_speaks_against_their_model() {
     let poor = run(&["--input", "noise", "--delay", "0", "--filter", "12"]);
     assert!(poor.contains("\nWARNING: the model is "), "{poor}");
 }
+
+/// The numbers in front of words in a line.
+fn coefficients(line: &str, words: &[&str]) -> Vec<f64> {
+    let tokens: Vec<&str> = line
+        .split_whitespace()
+        .map(|t| t.trim_end_matches(';'))
+        .collect();
+    let before = |word: &&str| {
+        let pairs = tokens.windows(2).filter(|pair| pair[1] == *word);
+        let numbers = pairs.filter_map(|pair| pair[0].parse::<f64>().ok());
+        numbers
+            .last()
+            .unwrap_or_else(|| panic!("no {word} in {line}"))
+    };
+    words.iter().map(before).collect()
+}
+
+/// Slow loops sampled fast: the coefficients of the difference equation are differences of nearly
+/// equal numbers, whose sums are the integral part.
+#[test]
+fn the_difference_equation_that_is_printed_integrates() {
+    for (denominator, bandwidth) in [
+        ("1,20,400,0", "auto"),
+        ("1,0.01,0", "0.05"),
+        ("1,3,2", "5"),
+        ("1,0.1,0", "0.4"),
+    ] {
+        let args = ["--denominator", denominator, "--bandwidth", bandwidth];
+        let model = [
+            "tune",
+            "model",
+            "--numerator",
+            "1e3",
+            "--sample-time",
+            "0.001",
+        ];
+        let text = stdout(&[&model[..], &args].concat());
+        let line = |part: &str| text.lines().find(|l| l.contains(part)).expect(part);
+        let [u1, u2, e, e1, e2] =
+            coefficients(line("or, the derivative"), &["u1", "u2", "e", "e1", "e2"])[..]
+        else {
+            panic!("{text}");
+        };
+        let (beta, integral) = (-u2, coefficients(line("e = r - y; d = "), &["e"])[0]);
+        // 1 - u1 q - u2 q^2 = (1 - q)(1 - beta q), and what is left of the others for q = 1.
+        assert!((1.0 - u1 - u2).abs() < 1e-5 * (1.0 - beta), "{text}");
+        let left = (e + e1 + e2) / (integral * (1.0 - beta));
+        assert!((left - 1.0).abs() < 1e-4, "{left}: {text}");
+    }
+}
+
+#[test]
+fn a_bandwidth_with_which_the_loop_is_unstable_has_no_gains() {
+    let model = [
+        "tune",
+        "model",
+        "--numerator",
+        "1e3",
+        "--denominator",
+        "1,3,2,0",
+    ];
+    let args = [
+        "--sample-time",
+        "0.001",
+        "--delay",
+        "100",
+        "--bandwidth",
+        "60",
+    ];
+    let text = stdout(&[&model[..], &args].concat());
+    for kind in ["cascade", "pid"] {
+        let refused = format!("no {kind}: the loop would be unstable at this bandwidth");
+        assert!(text.contains(&refused), "{text}");
+    }
+}

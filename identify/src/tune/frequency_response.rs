@@ -1,5 +1,6 @@
 //! Frequency response of a controller, at the cost of its order squared for each frequency.
 
+use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{Complex, DMatrix, DVector, RowDVector, Schur};
 
 use super::controller::Controller;
@@ -7,7 +8,10 @@ use super::controller::Controller;
 /// From minus the output to the command: what stands before the plant in the loop.
 ///
 /// The states are turned so that their matrix is triangular (Schur's form `A = Q T Q^H`, which
-/// exists for every matrix): `C (z - A)^-1 B = C Q (z - T)^-1 Q^H B`.
+/// exists for every matrix): `C (z - A)^-1 B = C Q (z - T)^-1 Q^H B`. Before that they are scaled
+/// by powers of two (balancing of Parlett and Reinsch): the rounding of the turn is that of the
+/// largest number in the matrix, and an observer far above the rates of its plant has states that
+/// differ by many orders.
 pub(super) struct FrequencyResponse {
     t: DMatrix<Complex<f64>>,
     b: DVector<Complex<f64>>,
@@ -20,10 +24,14 @@ impl FrequencyResponse {
     /// Of a controller every `dt` seconds.
     pub(super) fn new(controller: &Controller, dt: f64) -> Self {
         let complex = |v: f64| Complex::new(v, 0.0);
-        let (q, t) = Schur::new(controller.a.map(complex)).unpack();
+        let mut a = controller.a.clone();
+        let scale = balance(&mut a);
+        let b = controller.b[1].component_div(&scale);
+        let c = controller.c.component_mul(&scale.transpose());
+        let (q, t) = Schur::new(a.map(complex)).unpack();
         Self {
-            b: q.adjoint() * controller.b[1].map(complex),
-            c: controller.c.map(complex) * q,
+            b: q.adjoint() * b.map(complex),
+            c: c.map(complex) * q,
             t,
             through: controller.d[1],
             dt,
@@ -41,6 +49,15 @@ impl FrequencyResponse {
             Some(x) => -((&self.c * x)[0] + self.through),
             None => Complex::new(f64::NAN, f64::NAN),
         }
+    }
+}
+
+/// Scales the states of a matrix so that its rows are about as large as its columns; gives D of
+/// `D^-1 A D`.
+pub(super) fn balance(a: &mut DMatrix<f64>) -> DVector<f64> {
+    match a.iter().all(|v| v.is_finite()) {
+        true => balance_parlett_reinsch(a),
+        false => DVector::from_element(a.nrows(), 1.0),
     }
 }
 

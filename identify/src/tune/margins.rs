@@ -5,13 +5,19 @@ use std::f64::consts::PI;
 use nalgebra::{Complex, DMatrix};
 
 use super::controller::Controller;
-use super::frequency_response::FrequencyResponse;
+use super::frequency_response::{FrequencyResponse, balance};
 use super::plant::SampledPlant;
 
-/// Frequencies of a sweep.
-const FREQUENCIES: usize = 400;
-/// Decades of the sweep below half the sampling frequency.
+/// Frequencies of a sweep in a decade.
+const IN_A_DECADE: f64 = 80.0;
+/// Decades of the sweep below half the sampling frequency, at least.
 const DECADES: f64 = 5.0;
+/// The sweep begins at this share of the bandwidth, at most: a loop crosses one within a few times
+/// its bandwidth, and an integral part turns the phase a decade below.
+const BELOW: f64 = 0.01;
+/// Half of the frequencies around a resonance, as many half widths of it to both sides as the
+/// hyperbolic sine of a tenth of that: by a tenth of the half width at its top, to 200 of them.
+const AROUND: i32 = 60;
 /// Steps that sharpen a crossing.
 const BISECTIONS: usize = 40;
 
@@ -46,14 +52,28 @@ impl Margins {
     }
 }
 
-/// Frequencies evenly on a logarithmic scale up to half the sampling frequency.
-pub(super) fn frequencies(dt: f64) -> Vec<f64> {
-    let top = 0.999 * PI / dt;
-    let at = |k: usize| {
-        let share = 1.0 - k as f64 / (FREQUENCIES - 1) as f64;
-        top * 10f64.powf(-DECADES * share)
-    };
-    (0..FREQUENCIES).map(at).collect()
+/// Frequencies up to half the sampling frequency: evenly on a logarithmic scale, and close around the
+/// resonances of the plant, which may be narrower.
+fn frequencies(plant: &SampledPlant, bandwidth: f64) -> Vec<f64> {
+    let top = 0.999 * PI / plant.dt;
+    let decades = (top / (BELOW * bandwidth)).log10().max(DECADES);
+    let count = (IN_A_DECADE * decades).ceil();
+    let even = (0..=count as usize).map(|k| top * 10f64.powf(decades * (k as f64 / count - 1.0)));
+    let mut all: Vec<f64> = even.collect();
+    for pole in plant
+        .a
+        .complex_eigenvalues()
+        .iter()
+        .map(|z| z.ln() / plant.dt)
+    {
+        if pole.im > 0.0 {
+            let near = |k: i32| pole.im + pole.re * (0.1 * f64::from(k)).sinh();
+            all.extend((-AROUND..=AROUND).map(near));
+        }
+    }
+    all.retain(|omega| *omega > 0.0 && *omega <= top);
+    all.sort_by(f64::total_cmp);
+    all
 }
 
 /// The margins of a controller with a plant, and the worst with others beside it; `None` where one
@@ -62,25 +82,25 @@ pub(super) fn with_others(
     plant: &SampledPlant,
     others: &[SampledPlant],
     controller: &Controller,
-    limit: f64,
+    (bandwidth, limit): (f64, f64),
 ) -> Option<[Margins; 2]> {
-    let nominal = margins(plant, controller, limit)?;
+    let nominal = margins(plant, controller, (bandwidth, limit))?;
     let worst = others.iter().try_fold(nominal, |worst, plant| {
-        Some(worst.worse(margins(plant, controller, limit)?))
+        Some(worst.worse(margins(plant, controller, (bandwidth, limit))?))
     })?;
     Some([nominal, worst])
 }
 
-/// The margins of a controller with a plant; `None` where the sensitivity exceeds a limit.
+/// The margins of a controller for a bandwidth with a plant; `None` where the sensitivity exceeds a limit.
 ///
 /// The poles of the closed loop are found last, as their cost grows with the third power of the
 /// delay.
 pub(super) fn margins(
     plant: &SampledPlant,
     controller: &Controller,
-    limit: f64,
+    (bandwidth, limit): (f64, f64),
 ) -> Option<Margins> {
-    let found = of_frequencies(plant, controller);
+    let found = of_frequencies(plant, controller, bandwidth);
     (found.max_sensitivity <= limit).then(|| Margins {
         stable: is_stable(plant, controller),
         ..found
@@ -88,11 +108,11 @@ pub(super) fn margins(
 }
 
 /// What the frequency response shows, which does not tell whether the loop is stable.
-fn of_frequencies(plant: &SampledPlant, controller: &Controller) -> Margins {
+fn of_frequencies(plant: &SampledPlant, controller: &Controller, bandwidth: f64) -> Margins {
     let dt = plant.dt;
     let response = FrequencyResponse::new(controller, dt);
     let open = |omega: f64| plant.response(omega) * response.at(omega);
-    let grid = frequencies(dt);
+    let grid = frequencies(plant, bandwidth);
     let values: Vec<Complex<f64>> = grid.iter().map(|omega| open(*omega)).collect();
     let mut found = Margins {
         gain: f64::INFINITY,
@@ -128,14 +148,21 @@ fn of_frequencies(plant: &SampledPlant, controller: &Controller) -> Margins {
             }
         }
     }
-    let peak = grid.iter().zip(&values).map(|(w, l)| (*w, sensitivity(*l)));
-    if let Some((peak, _)) = peak.max_by(|x, y| x.1.total_cmp(&y.1)) {
-        // Three parabolas' worth of refinement: a finer grid around the peak.
-        for k in -100..=100 {
-            let omega = peak * (1.0 + 3e-4 * f64::from(k));
-            if omega < PI / dt {
-                found.max_sensitivity = found.max_sensitivity.max(sensitivity(open(omega)));
+    let largest =
+        |x: &usize, y: &usize| sensitivity(values[*x]).total_cmp(&sensitivity(values[*y]));
+    if let Some(peak) = (0..grid.len()).max_by(largest) {
+        let (mut low, mut high) = (
+            grid[peak.saturating_sub(1)],
+            grid[(peak + 1).min(grid.len() - 1)],
+        );
+        for _ in 0..BISECTIONS {
+            let third = (high - low) / 3.0;
+            let [left, right] = [low + third, high - third].map(|omega| sensitivity(open(omega)));
+            match left < right {
+                true => low += third,
+                false => high -= third,
             }
+            found.max_sensitivity = found.max_sensitivity.max(left.max(right));
         }
     }
     found
@@ -194,6 +221,7 @@ fn is_stable(plant: &SampledPlant, controller: &Controller) -> bool {
     if !closed.iter().all(|v| v.is_finite()) {
         return false;
     }
+    balance(&mut closed);
     let Some(schur) = closed.try_schur(f64::EPSILON, 100_000) else {
         return false;
     };

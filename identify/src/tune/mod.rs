@@ -217,8 +217,11 @@ pub fn tune(model: &Model, around: &[Model], goal: Goal) -> Result<Tuned, Error>
     })
 }
 
+/// Why a bandwidth has no gains.
+const UNSTABLE: &str = "the loop would be unstable at this bandwidth";
+
 /// A loop of a kind at a bandwidth with its margins, those of a plant and of others around it; an
-/// error where the sensitivity with one of them exceeds `limit`.
+/// error where it is unstable, or where the sensitivity with one of them exceeds `limit`.
 fn judged(
     kind: &str,
     model: &Model,
@@ -240,8 +243,11 @@ fn judged(
         let (gains, controller) = state_feedback::design(plant, model, bandwidth)?;
         (Gains::StateFeedback(gains), controller)
     };
-    let [nominal, worst] = margins::with_others(plant, others, &controller, limit)
+    let [nominal, worst] = margins::with_others(plant, others, &controller, (bandwidth, limit))
         .ok_or_else(|| format!("no bandwidth keeps the sensitivity below {limit}"))?;
+    if !nominal.stable {
+        return Err(UNSTABLE.into());
+    }
     Ok(TunedLoop {
         gains,
         bandwidth,
@@ -259,11 +265,8 @@ fn fastest_robust(
 ) -> Result<TunedLoop, String> {
     let robust = |bandwidth: f64| -> Result<TunedLoop, String> {
         let found = at(bandwidth)?;
-        let judged = found.worst.unwrap_or(found.margins);
-        match judged.stable {
-            true => Ok(found),
-            false => Err("no bandwidth leaves the loop stable".into()),
-        }
+        let stable = found.worst.is_none_or(|worst| worst.stable);
+        stable.then_some(found).ok_or_else(|| UNSTABLE.into())
     };
     let fastest = (0.5 / plant.dt).min(100.0 * plant.rate);
     let slowest = 1e-3 * plant.rate.min(fastest);
@@ -286,6 +289,7 @@ fn fastest_robust(
             Err(why) if why == IDLE && !reason.is_empty() && reason != IDLE => {
                 return Err(format!("{reason} and is above a pole of the plant"));
             }
+            Err(why) if why == UNSTABLE => reason = "no bandwidth leaves the loop stable".into(),
             Err(why) => reason = why,
         }
     }

@@ -28,7 +28,8 @@ const OBSERVER: f64 = 3.0;
 /// Gains of a state feedback with its observer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StateFeedback {
-    /// u per unit of each state; of y and its derivatives where the plant has no zeros.
+    /// u per unit of each state: of y and its derivatives where the plant has no zeros, of w and its
+    /// derivatives otherwise, `A(s) w = u`, `y = B(s) w`.
     pub k: Vec<f64>,
     /// u per unit of the input before, 0 unless the delay ends between samples.
     pub k_input: f64,
@@ -103,10 +104,8 @@ fn placed(
     let controller = controller(plant, &both, (&k, k_input, n), &l);
     let derivatives = b.len() == 1;
     // y^(i) = b_0 w^(i) = b_0 state / rate^(m-i).
-    let unit = |i: usize| match derivatives {
-        true => plant.rate.powi((m - i) as i32) / b[0],
-        false => 1.0,
-    };
+    let gain = if derivatives { b[0] } else { 1.0 };
+    let unit = |i: usize| plant.rate.powi((m - i) as i32) / gain;
     let gains = StateFeedback {
         k: (0..m).map(|i| k[i] * unit(i)).collect(),
         k_input,

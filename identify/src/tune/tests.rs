@@ -56,7 +56,8 @@ fn the_sampled_plant_is_that_of_python_control() {
 #[test]
 fn the_margins_are_those_of_python_control() {
     let plant = SampledPlant::new(&servo(0.0), 1e-3);
-    let found = margins::margins(&plant, &PID.controller(1e-3), f64::INFINITY).expect("no limit");
+    let found =
+        margins::margins(&plant, &PID.controller(1e-3), (5.0, f64::INFINITY)).expect("no limit");
     assert!(found.stable);
     near(found.gain, 8.942_676_995_649_878, 1e-5);
     near(found.phase_deg, 78.395_685_562_068_31, 1e-5);
