@@ -10,6 +10,7 @@ mod records_spread;
 mod refusals;
 mod refusals_of_values;
 mod reports;
+mod selected;
 mod simulated;
 mod tuned;
 mod users;
