@@ -52,5 +52,5 @@ fn a_structure_that_is_chosen_has_the_numbers_of_one_that_is_named() {
 #[test]
 #[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn many_structures_that_are_chosen_have_the_numbers_of_those_that_are_named() {
-    (1004..=1024).for_each(|seed| compare(seed, 3));
+    (1004..=1013).for_each(|seed| compare(seed, 3));
 }
