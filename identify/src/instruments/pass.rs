@@ -109,7 +109,8 @@ impl Pass {
                 within: Within::of((signals, input), delay, &setting.model, &*design),
                 auxiliary,
                 later: setting.later.as_ref().filter(|_| input.delayed).map(|b| {
-                    Later::of((signals, input), delay, &b[place..place + terms], &*design)
+                    let b = &b[place..place + terms];
+                    Later::of((signals, input), delay, (b, &setting.model), &*design)
                 }),
             });
             place += terms;
