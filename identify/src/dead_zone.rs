@@ -189,10 +189,8 @@ mod tests {
         }
         let signals = Signals::held(0.01, &u, &y);
         let structure = Structure {
-            order: 1,
-            integrator: false,
-            zeros: 0,
             constant: true,
+            ..Structure::of_order(1)
         };
         let found = DeadZone::find(&signals, structure, Options::default(), Freedom::default())
             .expect("a dead zone");

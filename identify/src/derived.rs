@@ -216,10 +216,9 @@ mod tests {
             standstill: None,
         };
         let structure = Structure {
-            order: 2,
             integrator: true,
-            zeros: 0,
             constant: true,
+            ..Structure::of_order(2)
         };
         let problem = Problem::new(&signals, structure, Options::default()).expect("a problem");
         let all = |e: &Estimate| {

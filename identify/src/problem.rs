@@ -29,6 +29,18 @@ pub struct Structure {
     pub constant: bool,
 }
 
+impl Structure {
+    /// Order m alone: without integrator, zeros and constant.
+    pub const fn of_order(order: usize) -> Self {
+        Self {
+            order,
+            integrator: false,
+            zeros: 0,
+            constant: false,
+        }
+    }
+}
+
 /// Options beside the structure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
@@ -184,10 +196,10 @@ mod tests {
     use trendid::trends::Hold;
 
     const STRUCTURE: Structure = Structure {
-        order: 2,
         integrator: true,
         zeros: 1,
         constant: true,
+        ..Structure::of_order(2)
     };
 
     fn signals<'a>(u: &'a [f64], w: &'a [f64], y: &'a [f64]) -> Signals<'a> {

@@ -67,10 +67,8 @@ impl Drawn {
             dt,
             hold,
             structure: Structure {
-                order,
                 integrator,
-                zeros: 0,
-                constant: false,
+                ..Structure::of_order(order)
             },
             truth,
             delay,

@@ -83,10 +83,8 @@ impl Drawn {
         Self {
             dt,
             structure: Structure {
-                order,
-                integrator: false,
-                zeros: 0,
                 constant,
+                ..Structure::of_order(order)
             },
             truth,
             delay: delay as f64,

@@ -68,10 +68,9 @@ impl Drawn {
         Self {
             dt,
             structure: Structure {
-                order,
                 integrator,
-                zeros: 0,
                 constant,
+                ..Structure::of_order(order)
             },
             truth,
             delay,
@@ -172,12 +171,7 @@ fn a_delay_is_found_in_the_beginning_of_a_short_record() {
         let mut y = response(&u, dt, &[-20.0], 20.0, delay);
         y.iter_mut().for_each(|y| *y += 0.05 * draw.normal());
         let signals = Signals::held(dt, &u, &y);
-        let structure = Structure {
-            order: 1,
-            integrator: false,
-            zeros: 0,
-            constant: false,
-        };
+        let structure = Structure::of_order(1);
         let problem = Problem::new(&signals, structure, Options::default()).expect("a problem");
         match identify(&problem, SEARCHED, 0, &()) {
             Ok(found) if (found.delay - delay as f64).abs() <= 1.0 => {}

@@ -61,10 +61,8 @@ fn axis(u: &[f64], dt: f64, [a, b, friction]: [f64; 3], delay: f64) -> Vec<f64> 
 }
 
 const AXIS: Structure = Structure {
-    order: 2,
     integrator: true,
-    zeros: 0,
-    constant: false,
+    ..Structure::of_order(2)
 };
 
 /// Root mean square of some deviations.

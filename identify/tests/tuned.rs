@@ -33,20 +33,16 @@ fn objections(plant: &Plant, found: &TunedLoop, own: &[f64]) -> Vec<String> {
     if !said.stable {
         objections.push("given though unstable".to_owned());
     }
-    let each: [(&str, fn(&Margins) -> f64); 4] = [
-        ("gain", |m| m.gain),
-        ("phase", |m| m.phase_deg),
-        ("delay", |m| m.delay),
-        ("crossover", |m| m.crossover),
-    ];
+    let figures = |m: Margins| [m.gain, m.phase_deg, m.delay, m.crossover];
+    let each = ["gain", "phase", "delay", "crossover"].into_iter();
+    let each = each.zip(figures(said).into_iter().zip(figures(true_)));
     // The distance of the open loop from -1.
     let distance = |m: &Margins| 1.0 / m.max_sensitivity;
     if !((distance(&said) - distance(&true_)).abs() < 3e-4) {
         let [said, true_] = [said.max_sensitivity, true_.max_sensitivity];
         objections.push(format!("sensitivity {said} instead of {true_}"));
     }
-    for (name, of) in each {
-        let [said, true_] = [of(&said), of(&true_)];
+    for (name, (said, true_)) in each {
         if !(said == true_ || (said / true_ - 1.0).abs() < 3e-3) {
             objections.push(format!("{name} {said} instead of {true_}"));
         }

@@ -74,12 +74,7 @@ fn errors(hold: Hold, rates: [f64; 3]) -> [f64; 4] {
             let y = response(&u, hold, dt, &poles, b, delay);
             let mut signals = Signals::held(dt, &u, &y);
             signals.inputs[0].hold = hold;
-            let structure = Structure {
-                order,
-                integrator: false,
-                zeros: 0,
-                constant: false,
-            };
+            let structure = Structure::of_order(order);
             let problem = Problem::new(&signals, structure, Options::default()).expect("a problem");
             let freedom = Freedom {
                 pole: Choice::Auto,
@@ -132,10 +127,8 @@ fn an_integrator_is_late_by_parts_of_a_sample() {
         }
         let signals = Signals::held(dt, &u, &y);
         let structure = Structure {
-            order: 1,
             integrator: true,
-            zeros: 0,
-            constant: false,
+            ..Structure::of_order(1)
         };
         let problem = Problem::new(&signals, structure, Options::default()).expect("a problem");
         for pole in [1.0, 5.0, 20.0] {

@@ -169,12 +169,7 @@ fn deviations(record: &Record, truth: &[f64]) -> Vec<f64> {
         inputs: vec![input("u", 1), input("w", 2)],
         standstill: None,
     };
-    let structure = Structure {
-        order: 1,
-        integrator: false,
-        zeros: 0,
-        constant: false,
-    };
+    let structure = Structure::of_order(1);
     let problem = Problem::new(&signals, structure, Options::default()).expect("a problem");
     let freedom = Freedom {
         delay: Choice::Given(0),

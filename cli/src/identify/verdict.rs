@@ -15,11 +15,13 @@ impl Report<'_> {
     /// One line on what the model is worth, by both fits.
     pub(crate) fn verdict(&self) -> String {
         let [x0, x0c] = self.fits();
+        // A model fits as well with parameters that make up for a delay, and +- does not contain it.
+        let off = self.found.poor_input.is_some() || self.found.delay_missed().is_some();
         let worth = if !self.found.estimate.reading.stable {
             "unstable"
         } else if !(x0c >= POOR) {
             "poor"
-        } else if x0 >= GOOD && x0c >= GOOD {
+        } else if x0 >= GOOD && x0c >= GOOD && !off {
             "good"
         } else if x0 < POOR {
             "doubtful: it fits with the constant refitted only"

@@ -14,4 +14,5 @@ mod selected;
 mod simulated;
 mod tuned;
 mod users;
+mod verdicts;
 mod wrong_numbers;

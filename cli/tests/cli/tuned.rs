@@ -74,9 +74,9 @@ fn coefficients(line: &str, words: &[&str]) -> Vec<f64> {
         .collect();
     let before = |word: &&str| {
         let pairs = tokens.windows(2).filter(|pair| pair[1] == *word);
-        let numbers = pairs.filter_map(|pair| pair[0].parse::<f64>().ok());
+        let mut numbers = pairs.filter_map(|pair| pair[0].parse::<f64>().ok());
         numbers
-            .last()
+            .next_back()
             .unwrap_or_else(|| panic!("no {word} in {line}"))
     };
     words.iter().map(before).collect()

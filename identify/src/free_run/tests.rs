@@ -46,10 +46,9 @@ fn simulated(
         standstill: None,
     };
     let structure = Structure {
-        order: model.a.len(),
         integrator: true,
-        zeros: 0,
         constant: true,
+        ..Structure::of_order(model.a.len())
     };
     let problem = Problem::new(&signals, structure, Options::default()).expect("a problem");
     problem.free_run(model, delay as f64, y.len() / 2..y.len())

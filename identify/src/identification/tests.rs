@@ -6,10 +6,8 @@ use crate::problem::{Options, Structure};
 use crate::signals::Signals;
 
 const LAG: Structure = Structure {
-    order: 1,
-    integrator: false,
-    zeros: 0,
     constant: true,
+    ..Structure::of_order(1)
 };
 
 /// u and y of `y' = -2 y + 6 u` with a drift of the output, sampled every 10 ms.
@@ -91,12 +89,7 @@ fn what_no_filter_can_simulate_is_refused() {
     let u: Vec<f64> = (0..400).map(|k| f64::from(k % 7)).collect();
     let y: Vec<f64> = (0..400).map(|k| (0.1 * f64::from(k)).exp()).collect();
     let signals = Signals::held(0.01, &u, &y);
-    let structure = Structure {
-        order: 1,
-        integrator: false,
-        zeros: 0,
-        constant: false,
-    };
+    let structure = Structure::of_order(1);
     let problem = Problem::new(&signals, structure, Options::default()).expect("a problem");
     let refused = identify(&problem, Freedom::default(), 0, &());
     assert_eq!(refused, Err(problem.cannot_carry(Weakness::NoSimulation)));
@@ -139,10 +132,8 @@ fn a_standstill_has_no_part_in_the_model() {
     signals.inputs.push(friction);
     signals.standstill = Some(&still);
     let structure = Structure {
-        order: 2,
         integrator: true,
-        zeros: 0,
-        constant: false,
+        ..Structure::of_order(2)
     };
     let freedom = Freedom {
         pole: Choice::Given(Some(1.0)),

@@ -69,12 +69,10 @@ fn controller(plant: &Plant, found: &TunedLoop, z: C) -> C {
     }
 }
 
-/// Margins on a grid that is far finer than that of the library.
-pub(crate) fn margins(plant: &Plant, found: &TunedLoop) -> Margins {
-    let dt = plant.dt;
-    let modes = plant.modes();
-    let top = std::f64::consts::PI / dt * 0.9999;
-    let decades = (top / (1e-3 * found.bandwidth)).log10();
+/// Frequencies, finer and further than those of the library.
+fn frequencies(plant: &Plant, bandwidth: f64) -> Vec<f64> {
+    let top = std::f64::consts::PI / plant.dt * 0.9999;
+    let decades = (top / (1e-3 * bandwidth)).log10();
     let even = (0..2000).map(|k| top * 10_f64.powf(-decades * f64::from(k) / 2000.0));
     let mut grid: Vec<f64> = even.collect();
     for p in &plant.poles {
@@ -86,6 +84,14 @@ pub(crate) fn margins(plant: &Plant, found: &TunedLoop) -> Margins {
     }
     grid.retain(|w| *w > 0.0 && *w < top);
     grid.sort_by(f64::total_cmp);
+    grid
+}
+
+/// Margins by the signs between neighbours of that grid.
+pub(crate) fn margins(plant: &Plant, found: &TunedLoop) -> Margins {
+    let dt = plant.dt;
+    let modes = plant.modes();
+    let grid = frequencies(plant, found.bandwidth);
     let open = |w: f64| {
         let z = C::new(0.0, w * dt).exp();
         plant.response(&modes, z) * controller(plant, found, z)
