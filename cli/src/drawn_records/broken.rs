@@ -115,8 +115,8 @@ fn a_broken_line_is_refused_or_touches_no_other_number() {
     assert!(refused > 500 && said > 50 && alone > 20);
 }
 
-/// A number of which a digit or the point is wrong so that nothing else of the record is as far from
-/// its neighbours.
+/// A number of which a digit or the point is wrong so that nothing else of the record is as far
+/// from its neighbours.
 #[test]
 fn a_number_that_stands_alone_is_named() {
     for seed in 1..=200 {

@@ -15,7 +15,7 @@ impl Report<'_> {
     /// One line on what the model is worth, by both fits.
     pub(crate) fn verdict(&self) -> String {
         let [x0, x0c] = self.fits();
-        // A model fits as well with parameters that make up for a delay, and +- does not contain it.
+        // A model fits as well with parameters that make up for a delay, which +- does not contain.
         let off = self.found.poor_input.is_some() || self.found.delay_missed().is_some();
         let worth = if !self.found.estimate.reading.stable {
             "unstable"

@@ -32,9 +32,9 @@ impl Fit<'_> {
             };
             let next = (delay + found.shift.clamp(-FARTHEST, FARTHEST)).max(0.0);
             let step = (next - delay).abs();
-            // By a step s the input is bent by at most s^2/2 of its change, in units of a sample; the
-            // numerators and the denominator of the step before leave as much of this step as it is
-            // of that.
+            // By a step s the input is bent by at most s^2/2 of its change, in units of a sample;
+            // numerators and denominator of the step before leave as much of this step as it is of
+            // that.
             let bent = (0.5 * step * step).max(step * (step / before).min(1.0));
             before = step;
             if step < SETTLED && !(bent > BENT * found.sigma) {

@@ -2,8 +2,9 @@
 //! as its parameter.
 //!
 //! `B u(t - d h)` is linear in d between two samples: `d/dd = B (u(k-w-1) - u(k-w))`, w the whole
-//! samples of d, and what changes within a sample ([`Within`]) grows with it, too. With that column among the regressors the delay is one more unknown (Gauss and
-//! Newton), and every standard deviation contains that it is.
+//! samples of d, and what changes within a sample ([`Within`]) grows with it, too. With that column
+//! among the regressors the delay is one more unknown (Gauss and Newton), and every standard
+//! deviation contains that it is.
 
 use crate::instruments::lanes::{Design, Lane, Values};
 use crate::instruments::within::{Within, steps};

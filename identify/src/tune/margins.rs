@@ -52,8 +52,8 @@ impl Margins {
     }
 }
 
-/// Frequencies up to half the sampling frequency: evenly on a logarithmic scale, and close around the
-/// resonances of the plant, which may be narrower.
+/// Frequencies up to half the sampling frequency: evenly on a logarithmic scale, and close around
+/// the resonances of the plant, which may be narrower.
 fn frequencies(plant: &SampledPlant, bandwidth: f64) -> Vec<f64> {
     let top = 0.999 * PI / plant.dt;
     let decades = (top / (BELOW * bandwidth)).log10().max(DECADES);
@@ -91,7 +91,8 @@ pub(super) fn with_others(
     Some([nominal, worst])
 }
 
-/// The margins of a controller for a bandwidth with a plant; `None` where the sensitivity exceeds a limit.
+/// The margins of a controller for a bandwidth with a plant; `None` where the sensitivity exceeds a
+/// limit.
 ///
 /// The poles of the closed loop are found last, as their cost grows with the third power of the
 /// delay.
