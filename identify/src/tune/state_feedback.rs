@@ -28,8 +28,8 @@ const OBSERVER: f64 = 3.0;
 /// Gains of a state feedback with its observer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StateFeedback {
-    /// u per unit of each state: of y and its derivatives where the plant has no zeros, otherwise of
-    /// w and its derivatives, `A(s) w = u`, `y = B(s) w`.
+    /// u per unit of each state: of y and its derivatives where the plant has no zeros, otherwise
+    /// of w and its derivatives, `A(s) w = u`, `y = B(s) w`.
     pub k: Vec<f64>,
     /// u per unit of the input before, 0 unless the delay ends between samples.
     pub k_input: f64,
