@@ -23,7 +23,6 @@ impl Fit<'_> {
     /// # Errors
     /// As [`Fit::new`].
     pub fn with_free_delay(mut self) -> Result<Self, Error> {
-        let mut before = f64::INFINITY;
         for _ in 0..STEPS {
             self = self.around_delay()?;
             let delay = self.setting.delay;
@@ -32,11 +31,8 @@ impl Fit<'_> {
             };
             let next = (delay + found.shift.clamp(-FARTHEST, FARTHEST)).max(0.0);
             let step = (next - delay).abs();
-            // By a step s the input is bent by at most s^2/2 of its change, in units of a sample;
-            // numerators and denominator of the step before leave as much of this step as it is of
-            // that.
-            let bent = (0.5 * step * step).max(step * (step / before).min(1.0));
-            before = step;
+            // By a step s the input is bent by at most s^2/2 of its change, in units of a sample.
+            let bent = 0.5 * step * step;
             if step < SETTLED && !(bent > BENT * found.sigma) {
                 break;
             }

@@ -2,47 +2,47 @@
 //! as its parameter.
 //!
 //! `B u(t - d h)` is linear in d between two samples: `d/dd = B (u(k-w-1) - u(k-w))`, w the whole
-//! samples of d, and what changes within a sample ([`Within`]) grows with it, too. With that column
-//! among the regressors the delay is one more unknown (Gauss and Newton), and every standard
-//! deviation contains that it is.
+//! samples of d. With that column among the regressors the delay is one more unknown (Gauss and
+//! Newton), and every standard deviation contains that it is.
 
-use crate::instruments::lanes::{Design, Lane, Values};
-use crate::instruments::within::{Within, steps};
+use crate::instruments::lanes::{Design, Lane};
 use crate::signals::{Input, Signals};
+
+/// How much more an input would be, `delay` whole samples late, if it came one sample later.
+pub(super) fn steps(signals: &Signals, input: &Input, delay: f64) -> Vec<f32> {
+    let whole = delay.floor() as usize;
+    let at = |k: usize, d: usize| input.samples[k.saturating_sub(d)];
+    let step = |k: usize| signals.acting(k, at(k, whole + 1) - at(k, whole)) as f32;
+    (0..input.samples.len()).map(step).collect()
+}
 
 /// The part of one input.
 pub(super) struct Later {
     samples: Vec<f32>,
     trends: Box<dyn Lane>,
-    within: Option<Within>,
     numerators: Vec<f64>,
 }
 
 impl Later {
     /// The part of an input with these numerators in the plane of the trends, around a delay in
-    /// samples; `model` is the denominator.
+    /// samples.
     pub(super) fn of(
         (signals, input): (&Signals, &Input),
         delay: f64,
-        (numerators, model): (&[f64], &[f64]),
+        numerators: &[f64],
         design: &dyn Design,
     ) -> Self {
         Self {
             samples: steps(signals, input, delay),
             trends: design.of_input(input.hold),
-            within: Within::growth((signals, input), delay, model, design),
             numerators: numerators.to_vec(),
         }
     }
 
     /// The part of the column at sample `k`; every sample in turn.
     pub(super) fn at(&mut self, k: usize) -> f64 {
-        let mut trends: Values = self.trends.input(self.samples[k]);
-        let trends = &mut trends[..self.numerators.len()];
-        if let Some(within) = &mut self.within {
-            within.add(k, trends);
-        }
-        let terms = self.numerators.iter().zip(trends.iter());
+        let trends = self.trends.input(self.samples[k]);
+        let terms = self.numerators.iter().zip(&trends);
         terms.map(|(b, trend)| b * trend).sum()
     }
 }

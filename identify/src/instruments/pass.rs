@@ -109,8 +109,7 @@ impl Pass {
                 within: Within::of((signals, input), delay, &setting.model, &*design),
                 auxiliary,
                 later: setting.later.as_ref().filter(|_| input.delayed).map(|b| {
-                    let b = &b[place..place + terms];
-                    Later::of((signals, input), delay, (b, &setting.model), &*design)
+                    Later::of((signals, input), delay, &b[place..place + terms], &*design)
                 }),
             });
             place += terms;

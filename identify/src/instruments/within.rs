@@ -25,10 +25,8 @@ use nalgebra::DMatrix;
 use trendid::trends::Hold;
 
 use crate::instruments::lanes::{Design, Lane};
+use crate::instruments::later::steps;
 use crate::signals::{Input, Signals};
-
-/// Part of a sample over which a growth is a difference: weights are about square in it.
-const SHORT: f64 = 1e-3;
 
 /// What the change within a sample adds to the trends of an input.
 pub(super) struct Within {
@@ -50,38 +48,18 @@ impl Within {
             return None;
         }
         let weights = weights(model, signals.dt, part, input.hold)?;
-        Some(Self::weighted((signals, input), delay, weights, design))
-    }
-
-    /// How fast that grows with the delay \[1/sample\].
-    pub(super) fn growth(
-        (signals, input): (&Signals, &Input),
-        delay: f64,
-        model: &[f64],
-        design: &dyn Design,
-    ) -> Option<Self> {
-        let part = delay - delay.floor();
-        let [low, high] = [(part - SHORT).max(0.0), (part + SHORT).min(1.0)];
-        let at = |part: f64| weights(model, signals.dt, part, input.hold);
-        let weights = (at(high)? - at(low)?) / (high - low);
-        Some(Self::weighted((signals, input), delay, weights, design))
-    }
-
-    fn weighted(
-        (signals, input): (&Signals, &Input),
-        delay: f64,
-        weights: DMatrix<f64>,
-        design: &dyn Design,
-    ) -> Self {
-        let (samples, hold) = match input.hold {
-            Hold::First => (corners(signals, input, delay), Hold::Zero),
-            hold => (steps(signals, input, delay), hold),
-        };
-        Self {
-            samples,
-            trends: design.of_input(hold),
-            weights,
-        }
+        Some(match input.hold {
+            Hold::First => Self {
+                samples: corners(signals, input, delay),
+                trends: design.of_input(Hold::Zero),
+                weights,
+            },
+            hold => Self {
+                samples: steps(signals, input, delay),
+                trends: design.of_input(hold),
+                weights,
+            },
+        })
     }
 
     /// Its part of the regressors at sample `k`; every sample in turn.
@@ -92,14 +70,6 @@ impl Within {
             *phi += row.iter().zip(&trends).map(|(w, t)| w * t).sum::<f64>();
         }
     }
-}
-
-/// How much more an input would be, `delay` whole samples late, if it came one sample later.
-pub(super) fn steps(signals: &Signals, input: &Input, delay: f64) -> Vec<f32> {
-    let whole = delay.floor() as usize;
-    let at = |k: usize, d: usize| input.samples[k.saturating_sub(d)];
-    let step = |k: usize| signals.acting(k, at(k, whole + 1) - at(k, whole)) as f32;
-    (0..input.samples.len()).map(step).collect()
 }
 
 /// The change of slope within a sample, times minus its length, of an input `delay` samples late:
