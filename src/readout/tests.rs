@@ -1,6 +1,7 @@
 //! Readings of recursions that are put together here: covariances of each part alone.
 
 mod nominal;
+mod slope;
 mod white;
 
 use super::*;
@@ -73,8 +74,16 @@ impl Parts {
     }
 
     fn read(&self) -> ReadOut<'_, 3, 4, 1> {
+        self.read_as(&SERVO)
+    }
+
+    /// The same recursion taken for one of another structure.
+    fn read_as<'a, const I: usize>(
+        &'a self,
+        structure: &'a Structure<3, 4, I>,
+    ) -> ReadOut<'a, 3, 4, I> {
         ReadOut {
-            structure: &SERVO,
+            structure,
             design: &self.design,
             regressor: &self.regressor,
             bandwidth: BANDWIDTH,
@@ -209,66 +218,6 @@ fn a_position_far_away_is_rounded_and_that_is_no_white_noise() {
         let exact = more * parts.estimator.covariance(i, i) * unit * unit;
         assert!(close(added, exact, 0.02), "{i}: {added} {exact}");
     }
-}
-
-/// Whether the covariance about theta, which is of the size of `scale`, goes through the slope of
-/// the map.
-fn goes_through_the_slope(theta: [f32; 3], scale: [f32; 3]) {
-    // Trends of 20 ms samples: the map is no identity.
-    let trends = crate::trends::ExactTrends::<3>::for_bandwidth(2e-2, BANDWIDTH).expect("a filter");
-    let design = trends.design().clone();
-    let structure = Structure::<3, 3, 1>::INTEGRATING;
-    let found = Estimate {
-        structure,
-        theta,
-        covariance: [[900.0, 20.0, 1e5], [20.0, 4.0, 1e3], [1e5, 1e3, 1e9]],
-    };
-    let mapped = estimate_in_s_plane(found.clone(), &design, &[false; 3]);
-    assert!(
-        !close(mapped.theta[1], theta[1], 0.01),
-        "{:?}",
-        mapped.theta
-    );
-    let slope: [[f32; 3]; 3] = core::array::from_fn(|j| {
-        let step = 5e-3 * scale[j];
-        let at = |sign: f32| {
-            let mut theta = theta;
-            theta[j] += sign * step;
-            theta_in_s_plane(&theta, &structure, &design, &[false; 3])
-        };
-        let (up, down) = (at(1.0), at(-1.0));
-        core::array::from_fn(|i| (up[i] - down[i]) / (2.0 * step))
-    });
-    for i in 0..3 {
-        for j in 0..3 {
-            let mut exact = 0.0;
-            for k in 0..3 {
-                for l in 0..3 {
-                    exact += slope[k][i] * found.covariance[k][l] * slope[l][j];
-                }
-            }
-            let size = (mapped.covariance[i][i] * mapped.covariance[j][j]).sqrt();
-            let error = (mapped.covariance[i][j] - exact).abs();
-            assert!(
-                error < 0.02 * size,
-                "{i} {j}: {exact} {:?}",
-                mapped.covariance
-            );
-        }
-    }
-    // And back.
-    let back = s_plane::theta_in_trend_plane(&mapped.theta, &structure, &design, &[false; 3]);
-    assert!((0..3).all(|j| close(back[j], theta[j], 1e-3)), "{back:?}");
-}
-
-#[test]
-fn a_covariance_goes_through_the_slope_of_the_map_to_the_s_plane() {
-    goes_through_the_slope([400.0, 20.0, 1e6], [400.0, 20.0, 1e6]);
-}
-
-#[test]
-fn a_numerator_of_0_is_known_by_the_slope_of_any_other() {
-    goes_through_the_slope([400.0, 20.0, 0.0], [400.0, 20.0, 1e6]);
 }
 
 #[test]
