@@ -61,3 +61,26 @@ fn a_covariance_goes_through_the_slope_of_the_map_to_the_s_plane() {
 fn a_numerator_of_0_is_known_by_the_slope_of_any_other() {
     goes_through_the_slope([400.0, 20.0, 0.0], [400.0, 20.0, 1e6]);
 }
+
+#[test]
+fn what_a_parameter_was_told_to_be_it_stays_in_either_plane() {
+    let structure = Structure::<3, 3, 1>::INTEGRATING;
+    let (design, theta) = (filtered(), [4e4, 80.0, 1e6]);
+    let both = |known: &[bool; 3]| {
+        [
+            theta_in_s_plane(&theta, &structure, &design, known),
+            s_plane::theta_in_trend_plane(&theta, &structure, &design, known),
+        ]
+    };
+    let free = both(&[false; 3]);
+    for j in 0..3 {
+        let mut known = [false; 3];
+        known[j] = true;
+        for (found, free) in both(&known).into_iter().zip(free) {
+            assert!(free.iter().zip(theta).all(|(a, b)| *a != b), "{free:?}");
+            for i in 0..3 {
+                assert_eq!(found[i], if i == j { theta[i] } else { free[i] });
+            }
+        }
+    }
+}
