@@ -124,7 +124,7 @@ impl Known {
         let path = root.join("xtask/mutants/known.txt");
         let text =
             std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-        let mut entries = Vec::new();
+        let mut entries: Vec<[String; 4]> = Vec::new();
         for line in text
             .lines()
             .filter(|l| !l.is_empty() && !l.starts_with('#'))
