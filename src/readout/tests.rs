@@ -243,3 +243,40 @@ fn of_what_a_drive_has_just_become_nothing_is_known() {
     let found = parts.read().estimate();
     assert_eq!(found.covariance[3][3], f32::INFINITY);
 }
+
+#[test]
+fn what_is_left_of_another_drive_is_added_to_what_may_have_changed() {
+    for known in [[false; 4], [false, true, false, false]] {
+        let std = known.map(|known| if known { 0.0 } else { 1e2 });
+        let mut parts = Parts::new(filtered(), std, 0.999, 400);
+        let none = parts.read().estimate().covariance;
+        parts.former = Former::behind(false, 50.0, 0.01);
+        let found = parts.read().estimate().covariance;
+        // Neither the constant nor what is known is a coefficient of another drive.
+        let coefficients = [true, !known[1], true, false];
+        let (p, units) = (parts.estimator.covariances(), parts.regressor.units());
+        let left = || parts.forgetting.left();
+        let mut exact = [[0.0; 4]; 4];
+        (parts.former).add(coefficients, left, 20.0 * 1e-3, &p, &mut exact);
+        for i in 0..4 {
+            let added = (found[i][i] - none[i][i]) / (units[i] * units[i]);
+            assert!(close(added, exact[i][i], 1e-2), "{known:?} {i}: {added}");
+        }
+    }
+}
+
+#[test]
+fn an_initial_state_is_none_of_what_trends_bend() {
+    let mut parts = Parts::new(filtered(), [1e2; 4], 1.0, 400);
+    parts.prior_noise = 0.0;
+    // The floor alone is left.
+    parts.estimator = Estimator::new(*parts.estimator.theta(), [1e-9; 4], 1.0);
+    let initial = Servo::INTEGRATING_WITH_INITIAL_STATE;
+    let found = parts.read_as(&initial).estimate();
+    let share = |i: usize| libm::sqrtf(found.covariance[i][i]) / found.theta[i].abs();
+    assert!(
+        found.theta[3] != 0.0 && share(3) < 1e-2 * share(2),
+        "{}",
+        share(3)
+    );
+}

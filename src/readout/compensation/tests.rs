@@ -132,3 +132,22 @@ fn what_is_only_considered_counts_beside_the_row_of_a_parameter() {
     // A parameter that is known has no share.
     assert_eq!(found(true).considered(&[[0.0; 3]; 3], 0), 1.0);
 }
+
+#[test]
+fn a_score_moves_the_estimate_by_the_gain() {
+    let correction = Correction::of(&[1.0, -2.0, 0.5], &P, &noise(None).moments, 3.0, 0.9);
+    let correction = correction.expect("a correction");
+    let mut gain = P;
+    correction.add_gain(&mut gain);
+    let score = [0.3, -1.2, 0.7];
+    let mut along = P.map(|row| dot(&row, &score));
+    let before = along;
+    correction.add_along(&score, &mut along);
+    for i in 0..3 {
+        assert!(
+            (along[i] - dot(&gain[i], &score)).abs() < 1e-5,
+            "{i}: {along:?}"
+        );
+    }
+    assert!((along[1] - before[1]).abs() > 1e-3, "{along:?} {before:?}");
+}

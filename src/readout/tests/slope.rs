@@ -84,3 +84,15 @@ fn what_a_parameter_was_told_to_be_it_stays_in_either_plane() {
         }
     }
 }
+
+#[test]
+fn a_command_leads_to_the_same_speed_in_either_plane() {
+    let structure = Structure::<3, 3, 1>::INTEGRATING;
+    let theta = [4e4, 80.0, 1e6];
+    let found = theta_in_s_plane(&theta, &structure, &filtered(), &[false; 3]);
+    assert!(!close(found[2], theta[2], 1e-4), "{found:?}");
+    assert!(
+        close(found[2] / found[0], theta[2] / theta[0], 1e-5),
+        "{found:?}"
+    );
+}

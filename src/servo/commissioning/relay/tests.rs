@@ -1,7 +1,7 @@
 //! The relay on drives that obey, that do not, and that obey the other sign.
 
-mod away;
 mod ends;
+mod runs_out;
 
 use super::*;
 use crate::servo::commissioning::standstill::Standing;
