@@ -269,3 +269,32 @@ fn before_a_model_is_known_what_comes_behind_a_gap_is_taken_as_it_is() {
     let found = servo.update(drive.u, y + 5.0);
     assert!(!matches!(found, Outcome::Replaced { .. }), "{found:?}");
 }
+
+#[test]
+fn a_wrong_reading_behind_a_gap_is_left_out_where_the_prediction_was_off_too() {
+    let mut config = config();
+    config.memory = Some(2.0);
+    let (mut servo, mut drive): (Servo3, _) = trained(&config, 3000);
+    servo.skip(20);
+    // The drive has gone further than the model knows.
+    drive.gain = 1.3;
+    for _ in 0..20 {
+        let _ = drive.under(drive.u);
+    }
+    drive.gain = 1.0;
+    let before = servo.replaced();
+    let theta = *servo.estimator().theta();
+    let y = drive.under(drive.u);
+    let _ = servo.update(drive.u, y + 1e4);
+    let y = drive.under(drive.u);
+    let found = servo.update(drive.u, y);
+    assert!(matches!(found, Outcome::Held { .. }), "{found:?}");
+    assert_eq!(servo.replaced(), before + 1);
+    for k in 0..200 {
+        let [u, y] = drive.sample(k);
+        let _ = servo.update(u, y);
+    }
+    for (now, before) in servo.estimator().theta().iter().zip(theta) {
+        assert!((now / before - 1.0).abs() < 0.5, "{now} {before}");
+    }
+}
