@@ -122,9 +122,9 @@ pub struct StabilisedForgetting<const N: usize> {
     unsupported: [f32; N],
     /// Variance of nominal values that were set, in the same unit; 0 for those that follow.
     own: [f32; N],
-    /// Whether the nominal values were set; otherwise they follow the estimate where it is well
-    /// known.
-    set: bool,
+    /// How many nominal values were set, the first ones; the others follow the estimate where it is
+    /// well known.
+    set: usize,
     /// Samples within the round of 2N.
     turn: usize,
     /// Rounds, modulo 2^32: a row of U and of what the caller has is flushed by turns.
@@ -154,7 +154,7 @@ impl<const N: usize> StabilisedForgetting<N> {
             nominal,
             unsupported: [0.0; N],
             own: [0.0; N],
-            set: false,
+            set: 0,
             turn: 0,
             rounds: 0,
             left: VARIANCE * share,
@@ -209,7 +209,7 @@ impl<const N: usize> StabilisedForgetting<N> {
         let assumed = || if own > VARIANCE { own } else { VARIANCE };
         let variance = estimator.begin_observation(turn, *nominal, assumed, CERTAIN);
         if brings && variance < self.follows {
-            if !self.set {
+            if turn >= self.set {
                 *nominal = estimator.theta().get(turn).copied().unwrap_or(*nominal);
             }
             *unsupported = 0.0;
@@ -231,14 +231,25 @@ impl<const N: usize> StabilisedForgetting<N> {
     /// Sets the nominal values, to which the estimate returns where nothing is excited.
     pub const fn set_nominal(&mut self, nominal: [f32; N]) {
         self.nominal = nominal;
-        self.set = true;
+        self.set = N;
+    }
+
+    /// Lets the last nominal value follow the estimate whatever was set: that of an initial state,
+    /// of which each beginning has another one.
+    pub(crate) const fn let_last_follow(&mut self) {
+        if let Some(own) = self.own.last_mut() {
+            *own = 0.0;
+        }
+        if self.set == N {
+            self.set = N.saturating_sub(1);
+        }
     }
 
     /// Lets the nominal values follow the estimate again, from `nominal` on.
     pub const fn follow(&mut self, nominal: [f32; N]) {
         self.nominal = nominal;
         self.own = [0.0; N];
-        self.set = false;
+        self.set = 0;
     }
 
     /// Whether the present rows may move nominal values that follow.

@@ -5,6 +5,10 @@
 //! design size moves the trends by less than the expected noise of its samples does, and for one
 //! sample always; behind a longer gap the trends begin anew, and the estimate with them:
 //! the few rows before hold the noise of y(0) above all.
+//!
+//! Behind a gap that a model bridges the gate looks at the first reading as at any other: what made
+//! readings fail may make one wrong, and where the axis went another way the second reading says
+//! so. A position that stayed says nothing of where the axis is: there the gate is open.
 
 use crate::identifier::outcome::Refusal;
 use crate::identifier::plan::Plan;
@@ -82,7 +86,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         witness.inputs(&others.inputs);
         let before = self.signals.output.clone();
         self.signals.gate.aside = None;
-        self.signals.gate.keep_open(plan.times.gate_pause);
+        if !known {
+            self.signals.gate.keep_open(plan.times.gate_pause);
+        }
         self.go_on(plan, before, &others);
         if plan.forgets && self.adapting {
             self.let_pass();

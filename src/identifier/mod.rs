@@ -185,13 +185,12 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     }
 
     /// With a memory: makes the current estimate the nominal one, to which the estimate returns
-    /// where nothing excites it.
+    /// where nothing excites it; but for the initial state, which is another one of each beginning.
     ///
     /// Without this call the nominal values follow the estimate while it is well known.
     #[doc(alias = "trust")]
     pub fn set_nominal(&mut self) {
-        let noise = self.plan.noise.prior;
-        self.state.set_nominal(noise * noise);
+        self.state.set_nominal(&self.plan);
     }
 
     /// Adapts (`true`, as constructed) or holds the estimate; predictions go on.

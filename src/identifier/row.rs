@@ -6,6 +6,9 @@ use crate::identifier::signals::Others;
 use crate::identifier::state::State;
 use crate::trends::TrendOperator;
 
+/// Part of an implausible innovation below which the next one, implausible too, has another cause.
+const WRONG: f32 = 0.05;
+
 /// One over the third difference that noise does not make, in standard deviations of y: 4 times
 /// sqrt(20).
 const STEP: f32 = 1.0 / 18.0;
@@ -85,19 +88,29 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
     }
 
-    /// The row of y after all, where the sample before was replaced and should not have been.
+    /// The row of y after all, where the sample before was replaced, too.
+    ///
+    /// That should not have been where this `innovation` is off their mean as the one of then was.
+    /// Where it is by a small part of that, as of a prediction behind a gap, that one was wrong.
     #[inline(never)]
     pub(super) fn row_of_two(
         &mut self,
         plan: &Plan<T, M, N, I>,
         y: f32,
         others: &Others<M, I>,
+        innovation: f32,
     ) -> Row<N> {
         if let Some((newest, memory)) = self.signals.gate.aside.take() {
             self.signals.output = memory;
-            self.noise.correct_newest(newest);
-            self.signals.enter_output(plan, newest);
-            self.replaced = self.replaced.saturating_sub(1);
+            let predicted = self.signals.last;
+            let (before, now) = (newest - predicted, innovation - self.signals.gate.mean);
+            if !(now.abs() < WRONG * before.abs()) {
+                self.noise.correct_newest(newest);
+                self.signals.enter_output(plan, newest);
+                self.replaced = self.replaced.saturating_sub(1);
+            } else {
+                self.signals.enter_output(plan, predicted);
+            }
         }
         // Beyond all noise: the trends carry this step of the position or of the velocity for a
         // while.

@@ -100,7 +100,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
                 self.go_on(plan, before, others);
                 Err(row.innovation)
             }
-            SampleKind::Lasting => Ok((self.row_of_two(plan, y, others), None)),
+            SampleKind::Lasting => {
+                let row = self.row_of_two(plan, y, others, row.innovation);
+                Ok((row, None))
+            }
         }
     }
 

@@ -103,6 +103,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.forgetting.set_nominal(prior.theta);
         self.forgetting.set_nominal_std(&prior.std);
         self.forgetting.set_own(prior.std.map(|std| std * std));
+        self.free_initial_state(plan);
         self.postponed = Postponed::new(plan.forgetting);
         self.begin_sums(plan);
         self.change.begin();
@@ -172,13 +173,22 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.signals.last + self.signals.reference
     }
 
-    /// Makes the current estimate the nominal one, as well known as it is; `expected` is the
-    /// variance of psi from the noise that is expected.
-    pub(crate) fn set_nominal(&mut self, expected: f32) {
+    /// Makes the current estimate the nominal one, as well known as it is.
+    pub(crate) fn set_nominal(&mut self, plan: &Plan<T, M, N, I>) {
+        // The variance of psi from the noise that is expected.
+        let expected = plan.noise.prior * plan.noise.prior;
         self.forgetting.set_nominal(*self.estimator.theta());
         let noise = self.estimator.noise_variance().unwrap_or(expected) / expected;
         self.forgetting
             .set_own(self.estimator.variances().map(|variance| noise * variance));
+        self.free_initial_state(plan);
+    }
+
+    /// No beginning tells the initial state of the next one.
+    fn free_initial_state(&mut self, plan: &Plan<T, M, N, I>) {
+        if plan.structure.initial_state() {
+            self.forgetting.let_last_follow();
+        }
     }
 }
 

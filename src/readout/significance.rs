@@ -241,6 +241,7 @@ mod tests {
         found.undo(&mut theta);
         assert!((theta[0] - 10.0).abs() < 1e-4 && (theta[1] - 12.0).abs() < 1e-4);
     }
+
     #[test]
     fn what_no_data_show_of_a_constant_stays_in_the_covariance() {
         let of = |unseen: f32| {
@@ -253,5 +254,19 @@ mod tests {
         assert_eq!(of(1.0), P);
         assert_eq!(of(0.0)[0][0], P[0][0] - P[0][1]);
         assert_eq!(of(0.5)[0][0], P[0][0] - P[0][1] + 0.25);
+    }
+
+    #[test]
+    fn a_constant_keeps_its_variance_and_leaves_the_gain_what_no_data_show() {
+        let p: Matrix<2> = [[2.0, 0.5], [0.5, 0.25]];
+        let row_of = |i: usize| p.get(i).copied();
+        let found = Withdrawal::of(&COLUMNS, &[10.0, 0.0], row_of, &[1.0; 2], 4.0, 2.0);
+        let mut covariance = p;
+        let found = found.unwrap().unseen(0.5);
+        found.apply_to_covariance(&mut covariance);
+        // A gain that follows by 2: its variance without the constant, and a quarter of what the
+        // constant makes of it.
+        assert_eq!(covariance[0][0], 2.0 - 1.0 + 0.25);
+        assert_eq!(covariance[1][1], 0.25);
     }
 }

@@ -1,6 +1,7 @@
 //! Readings of recursions that are put together here: covariances of each part alone.
 
 mod nominal;
+mod slope;
 mod white;
 
 use super::*;
@@ -73,8 +74,16 @@ impl Parts {
     }
 
     fn read(&self) -> ReadOut<'_, 3, 4, 1> {
+        self.read_as(&SERVO)
+    }
+
+    /// The same recursion taken for one of another structure.
+    fn read_as<'a, const I: usize>(
+        &'a self,
+        structure: &'a Structure<3, 4, I>,
+    ) -> ReadOut<'a, 3, 4, I> {
         ReadOut {
-            structure: &SERVO,
+            structure,
             design: &self.design,
             regressor: &self.regressor,
             bandwidth: BANDWIDTH,
@@ -211,66 +220,6 @@ fn a_position_far_away_is_rounded_and_that_is_no_white_noise() {
     }
 }
 
-/// Whether the covariance about theta, which is of the size of `scale`, goes through the slope of
-/// the map.
-fn goes_through_the_slope(theta: [f32; 3], scale: [f32; 3]) {
-    // Trends of 20 ms samples: the map is no identity.
-    let trends = crate::trends::ExactTrends::<3>::for_bandwidth(2e-2, BANDWIDTH).expect("a filter");
-    let design = trends.design().clone();
-    let structure = Structure::<3, 3, 1>::INTEGRATING;
-    let found = Estimate {
-        structure,
-        theta,
-        covariance: [[900.0, 20.0, 1e5], [20.0, 4.0, 1e3], [1e5, 1e3, 1e9]],
-    };
-    let mapped = estimate_in_s_plane(found.clone(), &design, &[false; 3]);
-    assert!(
-        !close(mapped.theta[1], theta[1], 0.01),
-        "{:?}",
-        mapped.theta
-    );
-    let slope: [[f32; 3]; 3] = core::array::from_fn(|j| {
-        let step = 5e-3 * scale[j];
-        let at = |sign: f32| {
-            let mut theta = theta;
-            theta[j] += sign * step;
-            theta_in_s_plane(&theta, &structure, &design, &[false; 3])
-        };
-        let (up, down) = (at(1.0), at(-1.0));
-        core::array::from_fn(|i| (up[i] - down[i]) / (2.0 * step))
-    });
-    for i in 0..3 {
-        for j in 0..3 {
-            let mut exact = 0.0;
-            for k in 0..3 {
-                for l in 0..3 {
-                    exact += slope[k][i] * found.covariance[k][l] * slope[l][j];
-                }
-            }
-            let size = (mapped.covariance[i][i] * mapped.covariance[j][j]).sqrt();
-            let error = (mapped.covariance[i][j] - exact).abs();
-            assert!(
-                error < 0.02 * size,
-                "{i} {j}: {exact} {:?}",
-                mapped.covariance
-            );
-        }
-    }
-    // And back.
-    let back = s_plane::theta_in_trend_plane(&mapped.theta, &structure, &design, &[false; 3]);
-    assert!((0..3).all(|j| close(back[j], theta[j], 1e-3)), "{back:?}");
-}
-
-#[test]
-fn a_covariance_goes_through_the_slope_of_the_map_to_the_s_plane() {
-    goes_through_the_slope([400.0, 20.0, 1e6], [400.0, 20.0, 1e6]);
-}
-
-#[test]
-fn a_numerator_of_0_is_known_by_the_slope_of_any_other() {
-    goes_through_the_slope([400.0, 20.0, 0.0], [400.0, 20.0, 1e6]);
-}
-
 #[test]
 fn of_what_a_drive_has_just_become_nothing_is_known() {
     let mut parts = Parts::new(filtered(), [1e2; 4], 0.999, 400);
@@ -293,4 +242,41 @@ fn of_what_a_drive_has_just_become_nothing_is_known() {
     parts.estimator = Estimator::new([1.0, 1.0, 1.0, 0.0], [1e2; 4], 1.0);
     let found = parts.read().estimate();
     assert_eq!(found.covariance[3][3], f32::INFINITY);
+}
+
+#[test]
+fn what_is_left_of_another_drive_is_added_to_what_may_have_changed() {
+    for known in [[false; 4], [false, true, false, false]] {
+        let std = known.map(|known| if known { 0.0 } else { 1e2 });
+        let mut parts = Parts::new(filtered(), std, 0.999, 400);
+        let none = parts.read().estimate().covariance;
+        parts.former = Former::behind(false, 50.0, 0.01);
+        let found = parts.read().estimate().covariance;
+        // Neither the constant nor what is known is a coefficient of another drive.
+        let coefficients = [true, !known[1], true, false];
+        let (p, units) = (parts.estimator.covariances(), parts.regressor.units());
+        let left = || parts.forgetting.left();
+        let mut exact = [[0.0; 4]; 4];
+        (parts.former).add(coefficients, left, 20.0 * 1e-3, &p, &mut exact);
+        for i in 0..4 {
+            let added = (found[i][i] - none[i][i]) / (units[i] * units[i]);
+            assert!(close(added, exact[i][i], 1e-2), "{known:?} {i}: {added}");
+        }
+    }
+}
+
+#[test]
+fn an_initial_state_is_none_of_what_trends_bend() {
+    let mut parts = Parts::new(filtered(), [1e2; 4], 1.0, 400);
+    parts.prior_noise = 0.0;
+    // The floor alone is left.
+    parts.estimator = Estimator::new(*parts.estimator.theta(), [1e-9; 4], 1.0);
+    let initial = Servo::INTEGRATING_WITH_INITIAL_STATE;
+    let found = parts.read_as(&initial).estimate();
+    let share = |i: usize| libm::sqrtf(found.covariance[i][i]) / found.theta[i].abs();
+    assert!(
+        found.theta[3] != 0.0 && share(3) < 1e-2 * share(2),
+        "{}",
+        share(3)
+    );
 }

@@ -165,7 +165,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// Control begins at a motion of the controller, and lets it run out.
     ///
     /// An axis that was measured beyond an end is led back from there; one that is only expected
-    /// there, as its readings fail, may stand within the travel, which its reference does not leave.
+    /// there, as its readings fail, may stand within the travel, where its reference stays.
     fn engage(&mut self, model: Model, motion: Motion) {
         let along = self.drive.sign * self.limiter.last();
         self.guard.release();

@@ -31,6 +31,7 @@ mod far;
 mod faults;
 mod flash;
 mod forgetting;
+mod honest;
 #[cfg(feature = "thorough")]
 mod instrument_populations;
 mod instruments;

@@ -170,3 +170,25 @@ fn variances_of_nominal_values_are_of_the_prior_or_as_they_were_set() {
         assert_eq!(found.1, wanted.1);
     }
 }
+
+#[test]
+fn the_last_nominal_value_may_follow_where_the_others_are_set() {
+    let std = libm::sqrtf(0.05 * BOUND);
+    for follows in [false, true] {
+        let mut estimator = Estimator::<2>::new([3.0; 2], [std; 2], 0.99);
+        let mut stabilised = StabilisedForgetting::new([1.0; 2], 0.99);
+        stabilised.set_nominal([1.0; 2]);
+        stabilised.set_own([7.0; 2]);
+        if follows {
+            stabilised.let_last_follow();
+        }
+        for _ in 0..4 {
+            stabilised.apply(&mut estimator);
+        }
+        let [first, last] = *stabilised.nominal();
+        assert_eq!(first, 1.0);
+        assert_eq!((last - 3.0).abs() < 0.1, follows, "{last}");
+        let own = if follows { 0.0 } else { 7.0 };
+        assert_eq!(stabilised.own_variances(), [(false, 7.0), (false, own)]);
+    }
+}

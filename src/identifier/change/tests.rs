@@ -158,6 +158,12 @@ fn the_former_drive_is_all_there_is_until_a_row_of_the_new_one() {
         detector.answer(LAMBDA, settling, 0);
         assert_eq!(detector.former(LAMBDA), behind(settling > 0, 0.0));
     }
+    // What is left of it goes with the rows, which lose no more than the memory lets them.
+    detector.answer(LAMBDA, 0, 0);
+    assert_eq!(until(&mut detector, 0.01, 2000, 0.0, 0.0), None);
+    let rows = detector.usual.samples();
+    assert!((1000.0..=2000.0).contains(&rows), "{rows}");
+    assert_eq!(detector.former(LAMBDA), behind(false, rows));
     detector.begin();
     assert_eq!(
         detector.former(LAMBDA),

@@ -91,3 +91,31 @@ fn whatever_is_drawn_it_ends_and_is_finite() {
         }
     }
 }
+
+#[test]
+fn where_a_line_begins_is_known_as_well_as_it_says() {
+    let mut state = 3_u32;
+    // Of variance 1: even within +-sqrt(3).
+    let mut draw = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        ((state >> 8) as f32 / 8_388_608.0 - 1.0) * 3_f32.sqrt()
+    };
+    let (bend, mut sum, mut said) = (1e-4, 0.0, 0.0);
+    for _ in 0..4000 {
+        let first = draw();
+        let mut start = Start::new(first);
+        let at = (0..).find_map(|k| {
+            let y = if k == 0 { first } else { draw() };
+            match start.take(y, 1.0, StartPlan { bend, longest: 40 }) {
+                Verdict::Wait => None,
+                Verdict::Begin(at) => Some(at + first),
+                Verdict::Stay => Some(0.0),
+            }
+        });
+        let at = at.expect("a begin");
+        sum += at * at;
+        said += start.variance();
+    }
+    // 4/n, which is 2/n^2 too much.
+    assert!((sum / said - 1.0).abs() < 0.1, "{sum} {said}");
+}

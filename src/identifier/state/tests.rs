@@ -1,6 +1,8 @@
 //! Estimates that are given, and those that are trusted.
 
-use crate::identifier::tests::bench::{Drive, config, identifier, trained};
+use crate::estimation::Structure;
+use crate::identifier::Identifier;
+use crate::identifier::tests::bench::{Drive, config, identifier, trained, trends};
 
 fn near(found: f32, exact: f32) {
     assert!((found / exact - 1.0).abs() < 1e-4, "{found} for {exact}");
@@ -82,4 +84,46 @@ fn a_nominal_value_is_as_well_known_as_the_estimate_was() {
     fresh.set_nominal();
     let own = fresh.state.forgetting.own_variances();
     near(own[0].1, fresh.plan.prior.std[0] * fresh.plan.prior.std[0]);
+}
+
+#[test]
+fn no_begin_says_what_the_initial_state_of_the_next_one_is() {
+    let base = config();
+    let mut config = base.with_structure(Structure::<3, 5, 1>::SERVO);
+    config.memory = Some(0.2);
+    let warm = |servo: &mut Identifier<_, 3, 5, 1, 0>, set: bool| {
+        let theta = [400.0, 20.0, 1e6, 0.0, 0.0];
+        let std = [1.0, 0.1, 1e3, 1e2, 1.0];
+        match set {
+            true => servo.set_nominal(),
+            false => servo.warm_start(theta, std).expect("a start"),
+        }
+    };
+    for set in [false, true] {
+        let fresh = Identifier::<_, 3, 5, 1, 0>::try_new(&config, trends(20.0));
+        let (mut servo, mut drive) = (fresh.expect("settings"), Drive::new(1e-4));
+        for k in 0..3000 {
+            if k == 2000 {
+                warm(&mut servo, set);
+            }
+            let [u, y] = drive.sample(k);
+            let _ = servo.update(u, y);
+        }
+        let before = *servo.state.forgetting.nominal();
+        // The trends begin anew in a motion, which is another initial state.
+        servo.restart_trends();
+        for k in 3000..5000 {
+            let [u, y] = drive.sample(k);
+            let _ = servo.update(u, y);
+        }
+        let (nominal, theta) = (servo.state.forgetting.nominal(), servo.estimator().theta());
+        assert_eq!(nominal[..4], before[..4], "{set}");
+        assert!((before[4] - theta[4]).abs() > 1e-2, "{set}: {theta:?}");
+        assert!(
+            (nominal[4] / theta[4] - 1.0).abs() < 0.01,
+            "{set}: {nominal:?}"
+        );
+        let own = servo.state.forgetting.own_variances();
+        assert!(own[0].1 > 0.0 && own[4] == (false, 0.0), "{set}: {own:?}");
+    }
 }

@@ -102,3 +102,52 @@ fn the_residual_is_split_into_noise_and_the_rest() {
         assert_eq!(split(0.1, samples).even, 0.0);
     }
 }
+
+#[test]
+fn what_is_only_considered_counts_beside_the_row_of_a_parameter() {
+    let found = |considered: bool| Compensated::<2, 3> {
+        theta: [1.0; 3],
+        correction: None,
+        left: [0.0; 3],
+        residual: noise(None).split(1.0, 100.0, 0.02),
+        begun: Some(Begun {
+            direction: [0.2, 0.0, -1.0],
+            gamma: 3.0,
+            variance: 0.5,
+            considered,
+        }),
+    };
+    // Direction squared times the variance, over P.
+    for (index, exact) in [
+        (0, 1.0 + 0.02 / 0.04),
+        (1, 1.0),
+        (2, 1.0 + 0.5 / 0.25),
+        (3, 1.0),
+    ] {
+        let share = found(true).considered(&P, index);
+        assert!((share - exact).abs() < 1e-6, "{index}: {share}");
+        // As a part of the estimate it is in the row.
+        assert_eq!(found(false).considered(&P, index), 1.0);
+    }
+    // A parameter that is known has no share.
+    assert_eq!(found(true).considered(&[[0.0; 3]; 3], 0), 1.0);
+}
+
+#[test]
+fn a_score_moves_the_estimate_by_the_gain() {
+    let correction = Correction::of(&[1.0, -2.0, 0.5], &P, &noise(None).moments, 3.0, 0.9);
+    let correction = correction.expect("a correction");
+    let mut gain = P;
+    correction.add_gain(&mut gain);
+    let score = [0.3, -1.2, 0.7];
+    let mut along = P.map(|row| dot(&row, &score));
+    let before = along;
+    correction.add_along(&score, &mut along);
+    for i in 0..3 {
+        assert!(
+            (along[i] - dot(&gain[i], &score)).abs() < 1e-5,
+            "{i}: {along:?}"
+        );
+    }
+    assert!((along[1] - before[1]).abs() > 1e-3, "{along:?} {before:?}");
+}

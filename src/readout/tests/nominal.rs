@@ -89,20 +89,35 @@ fn adds_what_nominal_values_leave(rows: u32, std: f32) {
 fn a_nominal_value_counts_for_a_part_of_the_bound_where_the_data_say_more() {
     let mut parts = Parts::new(filtered(), [1e2; 4], 0.999, 400);
     let bound = parts.forgetting.bound();
-    parts.forgetting.set_own([bound; 4]);
     let mut p = [[0.0; 4]; 4];
     let small = 1e-3 * bound;
     p[0][0] = small;
-    let mut found = [[0.0; 4]; 4];
-    parts.read().add_nominal_values(&p, &mut found);
-    // An eighth of the bound.
-    let whole = 0.125 * bound;
-    let missing = bound * parts.prior_noise * parts.prior_noise - whole * parts.read().residual();
-    let exact = small / whole * (small / whole) * missing;
-    assert!(
-        missing > 0.0 && close(found[0][0], exact, 1e-3),
-        "{found:?} {exact}"
-    );
+    let eighth = 0.125 * bound;
+    // As it was set, or of a prior: one that is wider than the bound leaves itself.
+    for (prior, own, whole) in [
+        (false, bound, eighth),
+        (false, 2.0 * bound, eighth),
+        (true, 0.5 * bound, eighth),
+        (true, 2.0 * bound, 2.0 * bound),
+    ] {
+        parts.forgetting.set_own([0.0; 4]);
+        parts.forgetting.set_nominal_std(&[0.0; 4]);
+        if prior {
+            let std = [libm::sqrtf(own), 0.0, 0.0, 0.0];
+            parts.forgetting.set_nominal_std(&std);
+        } else {
+            parts.forgetting.set_own([own, 0.0, 0.0, 0.0]);
+        }
+        let mut found = [[0.0; 4]; 4];
+        parts.read().add_nominal_values(&p, &mut found);
+        let expected = own * parts.prior_noise * parts.prior_noise;
+        let missing = expected - whole * parts.read().residual();
+        let exact = small / whole * (small / whole) * missing;
+        assert!(
+            missing > 0.0 && close(found[0][0], exact, 1e-3),
+            "{prior} {own}: {found:?} {exact}"
+        );
+    }
 }
 
 #[test]
@@ -196,4 +211,14 @@ fn the_variance_of_a_constant_is_that_of_the_recursion_without_a_filter() {
     let exact = parts.estimator.covariance(3, 3) * read.residual();
     assert!(exact > 0.0 && close(read.constant_variance()[0], exact, 1e-5));
     assert_eq!(read.constant_variance()[1], 0.0);
+}
+
+#[test]
+fn a_constant_beyond_its_limit_stays() {
+    let mut parts = Parts::new(filtered(), [1e2; 4], 1.0, 400);
+    parts.significance = 3.0;
+    let found = parts.read().estimate();
+    let std = libm::sqrtf(found.covariance[3][3]);
+    assert!(found.theta[3].abs() > 10.0 * std, "{std}");
+    assert!(close(found.theta[3], THETA[3], 0.05), "{:?}", found.theta);
 }

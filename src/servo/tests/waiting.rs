@@ -2,6 +2,9 @@
 
 use super::*;
 use crate::identifier::Outcome;
+use crate::servo::commissioning::Found;
+use crate::servo::design::TuningDesign;
+use crate::servo::design::constants::DELAY_MAX;
 use crate::servo::identification::look;
 use crate::servo::motion::Setpoint;
 use crate::servo::supervision::event::Spare;
@@ -82,4 +85,54 @@ fn a_sample_in_which_other_gains_come_into_force_has_no_time_to_think() {
     assert_eq!(bench.servo.spare(), Spare::Step);
     let _ = bench.worst(2);
     assert_eq!(bench.servo.spare(), Spare::Thought);
+}
+
+#[test]
+fn the_search_behind_a_commissioning_is_one_for_what_it_found_and_ends_with_poles_that_hold() {
+    // In whole samples, and no more of them than a controller remembers.
+    for (delay, samples) in [(0.0, 0), (2.4e-3, 2), (2.6e-3, 3), (1.0, DELAY_MAX)] {
+        let mut bench = Bench::without_a_model(MODEL, &Bench::config());
+        let found = Found {
+            model: MODEL,
+            delay,
+            sign: 1.0,
+            noise: 2e-4,
+            dead_volume: f32::INFINITY,
+        };
+        let design = TuningDesign {
+            sample_time: 1e-3,
+            delay: 1e-3 * samples as f32,
+            dead_volume: f32::INFINITY,
+            noise: 2e-4,
+            bandwidth_max: f32::INFINITY,
+        };
+        let mut alone = Tuning::new(&design, &MODEL);
+        while !(alone.step() || alone.has_some()) {}
+        let poles = |bench: &Bench| {
+            bench
+                .servo
+                .takeover
+                .tuning
+                .as_ref()
+                .map(|t| t.tuning.poles())
+        };
+        // The sample that finds them says so.
+        let mut calls = 0;
+        while !bench.servo.search_poles(&found, 1) {
+            assert_ne!(poles(&bench), Some(alone.poles()), "{delay}");
+            calls += 1;
+            assert!(calls < 20_000, "{delay}");
+        }
+        // What is faster is for control: nothing more of it before.
+        for _ in 0..3000 {
+            assert!(bench.servo.search_poles(&found, 6));
+            assert_eq!(poles(&bench), Some(alone.poles()), "{delay}");
+        }
+        // Another model begins anew.
+        let other = Found {
+            model: Model { a2: 21.0, ..MODEL },
+            ..found
+        };
+        assert!(!bench.servo.search_poles(&other, 6));
+    }
 }

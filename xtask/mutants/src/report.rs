@@ -124,7 +124,7 @@ impl Known {
         let path = root.join("xtask/mutants/known.txt");
         let text =
             std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-        let mut entries = Vec::new();
+        let mut entries: Vec<[String; 4]> = Vec::new();
         for line in text
             .lines()
             .filter(|l| !l.is_empty() && !l.starts_with('#'))
@@ -134,6 +134,11 @@ impl Known {
                 .try_into()
                 .map_err(|_| format!("four parts: {line}"))?;
             entries.push(parts);
+        }
+        for entry @ [file, _, source, _] in &entries {
+            if !has_line(&root.join(file), source) {
+                eprintln!("a reason for a line that is no more: {}", entry.join(" @ "));
+            }
         }
         let mut sources = BTreeMap::new();
         for mutant in mutants {
@@ -154,9 +159,23 @@ impl Known {
     }
 }
 
+/// Whether the source `file` has this line.
+fn has_line(file: &Path, line: &str) -> bool {
+    let source = std::fs::read_to_string(file).unwrap_or_default();
+    source.lines().any(|own| own.trim() == line)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_line_is_there_as_a_whole_or_is_no_more() {
+        let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/report.rs");
+        assert!(has_line(&own, "const LEAST: f64 = 0.9;"));
+        assert!(!has_line(&own, "const LEAST: f64 = 0.8;"));
+        assert!(!has_line(&own.join("none.rs"), ""));
+    }
 
     #[test]
     fn the_interval_of_wilson() {

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::servo::commissioning::probe::LATENESS;
+use crate::servo::motion::Motion;
 
 const STEP: f32 = 1e-3;
 
@@ -259,7 +260,35 @@ fn a_swing_takes_a_period_and_more_where_damping_slows_it() {
         assert!((Known::of(&model, 1e-3).swing - exact).abs() < 1e-5, "{a2}");
     }
     // The longer one of model and relay, whose half periods are two of them.
-    standstill.inform(1.0, 0.0);
+    standstill.inform(0.8, 0.0);
     let swing = standstill.known(Some(&MODEL)).swing;
-    assert!((swing - 2.0 - LATENESS).abs() < 1e-5, "{swing}");
+    assert!((swing - 1.6 - LATENESS).abs() < 1e-5, "{swing}");
+    // Before there is a model what a relay shows of a lightly damped axis is too short: 0.3 s.
+    for (half, exact) in [(0.05, 0.3), (0.135, 0.3), (0.145, 0.31), (0.8, 1.62)] {
+        standstill.inform(half, 0.0);
+        let swing = standstill.known(None).swing;
+        assert!((swing - exact).abs() < 1e-5, "{half}: {swing}");
+    }
+}
+
+#[test]
+fn a_model_says_how_far_a_swing_takes_an_axis_better_than_a_relay() {
+    for (model, frequency) in [(None, 5.0 / 1.2), (Some(MODEL), 20.0)] {
+        let mut standstill = Standstill::new(0.5, 1e-3, 0.1, true);
+        standstill.inform(core::f32::consts::PI / 5.0, 0.0);
+        // It goes back at half a travel per s, as an axis does that swings by that over w.
+        let gone = (0..1000).find_map(|k| {
+            let position = 0.5 - 0.5 * STEP * k as f32;
+            let _ = standstill.update(position, false, 0.3, STEP, model.as_ref());
+            let motion = Motion {
+                velocity: -0.5,
+                ..Motion::at(position)
+            };
+            (standstill.is_out_of_reach(&motion, 0.3, STEP)).then_some(0.5 - position)
+        });
+        // Two swings behind where it was after the lateness, and two movements that count.
+        let exact = 0.5 * LATENESS + 2.0 * 0.5 / frequency + 2e-3;
+        let gone = gone.expect("no swing goes on");
+        assert!((gone - exact).abs() < 2e-3, "{frequency}: {gone} {exact}");
+    }
 }

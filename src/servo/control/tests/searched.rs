@@ -93,6 +93,10 @@ fn poles_hold_in_the_middle_and_near_an_end_and_are_quiet() {
                 margins.delay > 0.5 * STEP && margins.delay < 1.0,
                 "{margins:?}"
             );
+            // The time that the loop bears in the middle.
+            let (sweep, _) = swept(&DESIGN, &model, &poles, 1.0).expect("in the middle");
+            let delay = sweep.margins().delay / w;
+            assert!((margins.delay / delay - 1.0).abs() < 1e-4, "{margins:?}");
             assert!((poles.disturbance / poles.bandwidth - 0.3).abs() < 1e-5);
             assert!(poles.observer <= 0.3 / STEP * 1.0001);
             assert!((0.15..=3.0).contains(&(poles.bandwidth / w)), "{poles:?}");
@@ -202,7 +206,7 @@ fn exhaustive(design: &TuningDesign, model: &Model) -> Option<Poles> {
 
 #[test]
 fn a_search_ends_with_the_largest_integral_gain_of_what_holds() {
-    // The last two are limited by the noise of the command.
+    // The later ones are limited by the noise of the command, some of them near an end only.
     for (w, damping, [delay, dead_volume, noise]) in [
         (25.0_f32, 0.2, [4e-3, 0.06, 0.01]),
         (25.0, 0.7, [12e-3, 0.02, 0.01]),
@@ -211,6 +215,10 @@ fn a_search_ends_with_the_largest_integral_gain_of_what_holds() {
         (12.0, 0.4, [0.0, 0.01, 0.1]),
         (25.0, 0.5, [2e-3, 0.02, 0.3]),
         (25.0, 0.5, [2e-3, 0.02, 3.0]),
+        (40.0, 0.344, [2e-3, 0.196, 0.38]),
+        (34.0, 0.289, [0.0, 0.06, 0.6]),
+        (34.9, 0.99, [3e-3, 0.05, 2.6]),
+        (52.0, 0.86, [3e-3, 0.17, 1.6]),
     ] {
         let model = Model::linear(w * w, 2.0 * damping * w, 1200.0 * w * w);
         let design = TuningDesign {
@@ -233,5 +241,14 @@ fn a_search_ends_with_the_largest_integral_gain_of_what_holds() {
                 "{w} {damping}: {found} {exact}"
             );
         }
+    }
+}
+
+#[test]
+fn what_begins_in_a_search_are_its_frequencies_a_drive_and_a_controller() {
+    let mut tuning = Tuning::new(&DESIGN, &Model::linear(625.0, 25.0, 1e6));
+    for begins in [true, true, true, false, false] {
+        assert_eq!(tuning.begins(), begins);
+        assert!(!tuning.step());
     }
 }
