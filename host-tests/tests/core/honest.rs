@@ -233,8 +233,7 @@ proptest! {
             let std = f64::from(estimate.std()[j]);
             // 200 samples are few that tell something new: their deviation is a guess itself.
             let times = if memory == Some(0.2) { 10.0 } else { 5.0 };
-            // Without noise a begin in motion is left, which no residual shows: up to 0.9 % in 37 000
-            // draws.
+            // Without noise a begin in motion is left, which no residual shows.
             let left = if noise == 0.0 { 0.01 } else { 0.003 };
             let within = error <= times * std + left * truth;
             prop_assert!(within, "{}: off by {} of {}, +-{}", j, error, truth, std);
