@@ -1,8 +1,8 @@
 //! One cell or line broken: refused with its line, or no other number is touched and what was done
 //! is said.
 
-use super::{CLOCK, Draw, Drive, read};
-use crate::record::{Record, Resampling};
+use super::{Draw, Drive, read};
+use crate::record::{Clock, Record, Resampling};
 
 /// What a slip of an editor or a lost byte puts in.
 const BYTES: &[u8] = b"0123456789.,;-+eE \"\t#xn";
@@ -78,11 +78,11 @@ fn a_broken_line_is_refused_or_touches_no_other_number() {
     for seed in 1..=1500 {
         let mut draw = Draw::of(seed);
         let drive = Drive::of(&mut draw, 400, 0.0, 0.01);
-        let plain = read(drive.table(3).as_bytes(), CLOCK).expect("the plain record");
+        let plain = read(drive.table(3).as_bytes(), Clock::SECONDS).expect("the plain record");
         let broken = Broken::of(&drive, &mut draw);
         let (line, what) = (broken.line, broken.what);
         let at = broken.text.lines().nth(line - 1).unwrap_or_default();
-        match read(broken.text.as_bytes(), CLOCK) {
+        match read(broken.text.as_bytes(), Clock::SECONDS) {
             Err(error) => {
                 refused += 1;
                 let error = error.to_string();
@@ -122,7 +122,7 @@ fn a_number_that_stands_alone_is_named() {
     for seed in 1..=200 {
         let mut draw = Draw::of(seed);
         let mut drive = Drive::of(&mut draw, 400, 0.0, 0.01);
-        let clean = read(drive.table(3).as_bytes(), CLOCK).expect("a record");
+        let clean = read(drive.table(3).as_bytes(), Clock::SECONDS).expect("a record");
         assert!(
             clean.notes.alone.is_empty(),
             "{seed}: {:?}",
@@ -133,7 +133,7 @@ fn a_number_that_stands_alone_is_named() {
         let right = drive.rows[row][column];
         let wrong = right + draw.one(&[-999.0, 50.0, 1e6]);
         drive.rows[row][column] = wrong;
-        let found = read(drive.table(3).as_bytes(), CLOCK).expect("a record");
+        let found = read(drive.table(3).as_bytes(), Clock::SECONDS).expect("a record");
         let [alone] = found.notes.alone.as_slice() else {
             panic!("{seed}: {:?}", found.notes.alone);
         };

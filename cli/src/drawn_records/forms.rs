@@ -1,7 +1,7 @@
 //! One record in many forms, and the same drive under jitter and with missing rows.
 
-use super::{CLOCK, Clock, Draw, Drive, read};
-use crate::record::{Record, Resampling};
+use super::{Draw, Drive, read};
+use crate::record::{Clock, Record, Resampling};
 use trendid_identify::{
     Choice, Freedom, Hold, Input, Options, Problem, Signals, Structure, identify,
 };
@@ -119,11 +119,11 @@ fn a_record_is_the_same_in_every_form() {
     for seed in 1..=400 {
         let mut draw = Draw::of(seed);
         let drive = Drive::of(&mut draw, 60, 0.0, 0.01);
-        let plain = read(drive.table(6).as_bytes(), CLOCK).expect("the plain record");
+        let plain = read(drive.table(6).as_bytes(), Clock::SECONDS).expect("the plain record");
         let form = Form::of(&mut draw);
         let text = form.text(&drive, &mut draw);
         let shown = String::from_utf8_lossy(&text).into_owned();
-        let found = read(&text, CLOCK).unwrap_or_else(|e| panic!("{seed}: {e}\n{shown}"));
+        let found = read(&text, Clock::SECONDS).unwrap_or_else(|e| panic!("{seed}: {e}\n{shown}"));
         assert_eq!(found.signals, plain.signals, "{seed}\n{shown}");
         assert!(
             (found.dt / drive.dt - 1.0).abs() < 1e-6,
@@ -144,7 +144,7 @@ fn a_record_is_the_same_in_every_form() {
         // Without its stamps, at their interval.
         let clock = Clock {
             dt: Some(drive.dt),
-            ..CLOCK
+            ..Clock::SECONDS
         };
         let found = read(&text, clock).expect("without stamps");
         assert_eq!(
@@ -197,7 +197,7 @@ fn jitter_and_missing_rows_are_within_the_deviations() {
             let row = 1 + draw.below(drive.rows.len() - 2);
             drive.rows.remove(row);
         }
-        let record = read(drive.table(9).as_bytes(), CLOCK).expect("a record");
+        let record = read(drive.table(9).as_bytes(), Clock::SECONDS).expect("a record");
         let resampling = record.notes.resampling;
         assert_eq!(resampling.filled, missing, "{seed}");
         assert_eq!(resampling.jitter.is_some(), jitter > 0.01, "{seed}");

@@ -97,11 +97,3 @@ fn read(text: &[u8], clock: Clock) -> Result<Record, RecordError> {
     let signals = ["y", "u", "w"].map(str::to_owned);
     Record::parse(Path::new("x.csv"), text, clock, &signals)
 }
-
-const CLOCK: Clock = Clock {
-    column: "t",
-    unit: None,
-    dt: None,
-    held: true,
-    span: [None; 2],
-};

@@ -37,6 +37,18 @@ pub(crate) struct Clock<'a> {
     pub span: [Option<f64>; 2],
 }
 
+#[cfg(test)]
+impl Clock<'_> {
+    /// Seconds in a column `t`.
+    pub(crate) const SECONDS: Self = Self {
+        column: "t",
+        unit: None,
+        dt: None,
+        held: true,
+        span: [None; 2],
+    };
+}
+
 /// Equally sampled signals read from one file.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Record {

@@ -3,17 +3,14 @@
 use super::error::TIME;
 use super::*;
 
-const SECONDS: Clock = Clock {
-    column: "t",
-    unit: None,
-    dt: None,
-    held: true,
-    span: [None; 2],
-};
-
 fn parse(text: &str, signals: &[&str]) -> Result<Record, RecordError> {
     let signals: Vec<String> = signals.iter().map(|s| (*s).to_owned()).collect();
-    Record::parse(Path::new("x.csv"), text.as_bytes(), SECONDS, &signals)
+    Record::parse(
+        Path::new("x.csv"),
+        text.as_bytes(),
+        Clock::SECONDS,
+        &signals,
+    )
 }
 
 fn refusal(text: &str) -> String {
@@ -54,7 +51,7 @@ fn columns_not_asked_for_may_hold_anything() {
 
 #[test]
 fn a_missing_file_is_named() {
-    let e = Record::read(Path::new("no/such.csv"), SECONDS, &[]).unwrap_err();
+    let e = Record::read(Path::new("no/such.csv"), Clock::SECONDS, &[]).unwrap_err();
     assert_eq!(e.to_string(), "cannot read `no/such.csv`: no such file");
 }
 
@@ -138,7 +135,7 @@ fn the_unit_of_a_clock_is_in_its_name() {
         let clock = Clock {
             column,
             unit,
-            ..SECONDS
+            ..Clock::SECONDS
         };
         let signals = ["u".to_owned()];
         Record::parse(Path::new("x.csv"), text.as_bytes(), clock, &signals)
@@ -259,7 +256,7 @@ fn stamps_outside_of_the_span_are_not_judged() {
     let text = without(&[7, 300, 301, 302, 303], 400);
     let clock = Clock {
         span: [Some(5.0), Some(149.0)],
-        ..SECONDS
+        ..Clock::SECONDS
     };
     let found = Record::parse(
         Path::new("x.csv"),
@@ -276,7 +273,7 @@ fn stamps_outside_of_the_span_are_not_judged() {
 fn a_given_interval_needs_no_time_stamps() {
     let clock = Clock {
         dt: Some(0.25),
-        ..SECONDS
+        ..Clock::SECONDS
     };
     let text = b"u,y\n1,2\n3,4\n";
     let names = ["y".to_owned(), "u".to_owned()];
