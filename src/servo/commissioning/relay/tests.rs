@@ -30,6 +30,11 @@ impl Drive {
     }
 }
 
+/// The relay of an axis that a command of 0.1 has moved to `side` of 0.5.
+fn beside(side: f32) -> Relay {
+    Relay::new(0.5, 1e-3, 0.1, 1.0, side)
+}
+
 /// What the relay ends with, after how many samples, and its largest command.
 fn ended(relay: &mut Relay, drive: &mut Drive) -> (Relayed, u32, f32) {
     let mut largest = 0.0_f32;
@@ -80,7 +85,7 @@ fn a_drive_that_obeys_is_braked_and_turned() {
 fn a_drive_that_obeys_the_other_sign_runs_away_and_is_caught() {
     for gain in [0.6, 2.0, 6.0] {
         for side in [1.0, -1.0] {
-            let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
+            let mut relay = beside(side);
             let mut drive = Drive::new(-gain, side);
             let (found, _, _) = ended(&mut relay, &mut drive);
             let Relayed::Obeys { sign, .. } = found else {
@@ -137,7 +142,7 @@ fn the_command_grows_where_the_axis_stays_on_one_side() {
 
 #[test]
 fn what_neither_turns_nor_runs_away_disobeys_in_the_end() {
-    let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, 1.0);
+    let mut relay = beside(1.0);
     let end =
         (1..10_000).find(|_| matches!(relay.update(0.51, 0.0, STEP, AMPLITUDE), Relayed::Disobeys));
     // Twice the longest time.
@@ -146,7 +151,7 @@ fn what_neither_turns_nor_runs_away_disobeys_in_the_end() {
         "{end:?}"
     );
     // An axis that runs away whatever the sign.
-    let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, 1.0);
+    let mut relay = beside(1.0);
     let (mut flips, mut last, mut found) = (0, 1.0, None);
     let (mut y, mut v) = (0.5, 0.0);
     for k in 0..10_000 {
@@ -170,7 +175,7 @@ fn what_neither_turns_nor_runs_away_disobeys_in_the_end() {
 fn an_axis_that_ran_away_is_turned_with_half_of_what_stopped_it() {
     for side in [1.0, -1.0] {
         for (flips, command, exact) in [(0, 0.4, 0.4), (1, 0.4, 0.2), (1, 1e-6, COMMAND_MIN)] {
-            let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
+            let mut relay = beside(side);
             (relay.flips, relay.command) = (flips, command);
             let _ = relay.update(0.5 - 0.1 * side, 0.0, STEP, AMPLITUDE);
             assert_eq!((relay.side, relay.command), (-side, exact));
@@ -181,7 +186,7 @@ fn an_axis_that_ran_away_is_turned_with_half_of_what_stopped_it() {
 #[test]
 fn an_axis_that_has_turned_once_obeys_at_the_end_of_the_time() {
     for side in [1.0, -1.0] {
-        let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
+        let mut relay = beside(side);
         let ended = (1..2000).find_map(|k| {
             let place = if k < 120 { 0.01 } else { -0.01 };
             match relay.update(0.5 + place * side, 0.0, STEP, AMPLITUDE) {

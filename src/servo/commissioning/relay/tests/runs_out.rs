@@ -14,7 +14,7 @@ fn an_axis_that_coasts_outward_keeps_its_sign_and_one_that_gains_speed_does_not(
             (0.2, 0.12, true),
             (0.3, 0.0, false),
         ] {
-            let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
+            let mut relay = beside(side);
             let mut last = 1.0;
             for k in 1..=195 {
                 let time = STEP * k as f32;
@@ -44,7 +44,7 @@ fn an_axis_that_is_fast_all_at_once_obeys_the_other_sign_before_it_is_far() {
             (0.26, 40, None),
             (0.6, 100, Some(120)),
         ] {
-            let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
+            let mut relay = beside(side);
             let turned = (1..=140).find(|k| {
                 let v = if *k < begins { 0.0 } else { side * speed };
                 reverses(&mut relay, 0.5 + 0.02 * side, v)
@@ -60,7 +60,7 @@ fn an_axis_that_is_fast_all_at_once_obeys_the_other_sign_before_it_is_far() {
 fn an_axis_that_is_near_keeps_its_sign_whatever_speed_it_gains_late() {
     for side in [1.0, -1.0] {
         for (away, turns) in [(0.01, false), (0.029, false), (0.031, true)] {
-            let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
+            let mut relay = beside(side);
             let turned = (1..=230).any(|k| {
                 let v = if k < 165 { 0.0 } else { 0.2 * side };
                 reverses(&mut relay, 0.5 + away * side, v)
@@ -75,7 +75,7 @@ fn an_axis_that_gains_speed_for_ever_keeps_its_sign_for_a_fifth_of_a_second() {
     for side in [1.0, -1.0] {
         // Three looks of 30 or 31 ms: 0.028 per s, of which 0.02 are too many, or 0.019 at most.
         for (growth, turns) in [(0.3, true), (0.2, false)] {
-            let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
+            let mut relay = beside(side);
             let turned = (1..=400).find(|k| {
                 let time = STEP * *k as f32;
                 let y = 0.5 + side * (0.04 + 0.5 * growth * time * time);
@@ -94,7 +94,7 @@ fn an_axis_that_gains_speed_for_ever_keeps_its_sign_for_a_fifth_of_a_second() {
             ([0.02, 0.02, 0.0], false),
             ([0.02, 0.01, 0.02], true),
         ] {
-            let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
+            let mut relay = beside(side);
             let mut speed = 0.0;
             let turned = (1..=260).any(|k| {
                 speed += match k {
@@ -114,7 +114,7 @@ fn an_axis_that_gains_speed_for_ever_keeps_its_sign_for_a_fifth_of_a_second() {
 fn what_ran_away_once_does_so_again_at_twice_the_speed_that_it_then_had() {
     for side in [1.0, -1.0] {
         for (speed, turns) in [(0.5, false), (0.56, true)] {
-            let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, side);
+            let mut relay = beside(side);
             let y = 0.5 + 0.02 * side;
             let first = (1..=140).find(|k| {
                 let v = if *k < 70 { 0.0 } else { 0.26 * side };
