@@ -2,9 +2,11 @@
 //! motion.
 
 use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
 use trendid::trends::{FilteredTrends, Scheme};
 use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::plants::linear::LinearPlant;
+use trendid_host_tests::random::Random;
 
 type Servo = Identifier<FilteredTrends<3>, 3, 5, 1, 0>;
 
@@ -67,7 +69,7 @@ struct Bench {
     truth: [f64; 3],
     command: f64,
     noise: f64,
-    state: u64,
+    random: Random,
     /// Samples of motion until a spike is one: before, it is where a motion begins.
     settles: u32,
 }
@@ -82,18 +84,14 @@ impl Bench {
             truth,
             command: 0.0,
             noise,
-            state: u64::from(seed),
+            random: Random::seed_from_u64(u64::from(seed)),
             settles: 0,
         }
     }
 
     /// Even within 0..1.
     fn roll(&mut self) -> f64 {
-        self.state = self
-            .state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.state >> 11) as f64 / (1_u64 << 53) as f64
+        self.random.random()
     }
 
     fn normal(&mut self) -> f64 {
