@@ -6,7 +6,10 @@ use crate::identifier::signals::Others;
 use crate::identifier::state::State;
 use crate::trends::TrendOperator;
 
-/// Part of an implausible innovation below which the next one, implausible too, has another cause.
+/// Part of an implausible innovation below which the next one, implausible too, has another cause:
+/// of a position that has changed they are alike, of an error s on a prediction that is off by p
+/// the next is p of p + s. How far a change may have gone back by then is not derived: with 0.5
+/// changes of the drive are followed late.
 const WRONG: f32 = 0.05;
 
 /// One over the third difference that noise does not make, in standard deviations of y: 4 times
