@@ -8,7 +8,7 @@ use crate::servo::supervision::event::{Event, LoopSample, Spare};
 use crate::servo::supervision::evidence::Challenger;
 use crate::servo::supervision::state::State;
 use crate::servo::supervision::supervisor::Supervisor;
-use crate::servo::supervision::unknown_flow::unknown_flow;
+use crate::servo::supervision::unknown::unknown_flow;
 #[cfg(test)]
 use crate::servo::supervision::validation::ValidationWindow;
 
@@ -70,7 +70,10 @@ impl Supervisor {
                 (self.window).begin(design, &used, challenger, seen.motion, seen.flow);
                 self.comparison = Comparison::Runs;
             }
-            Comparison::Runs if !self.window.is_over() => self.window.update(seen.flow, seen.y),
+            Comparison::Runs if !self.window.is_over() => {
+                (self.window).update(seen.flow, seen.y, seen.motion.velocity);
+            }
+            Comparison::Runs if !self.window.explain() => {}
             Comparison::Runs => {
                 let grain = self.design.drift;
                 let sums =

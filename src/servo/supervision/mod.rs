@@ -11,5 +11,5 @@ mod known;
 pub(crate) mod screening;
 pub(crate) mod state;
 pub(crate) mod supervisor;
-pub(crate) mod unknown_flow;
+pub(crate) mod unknown;
 pub(crate) mod validation;

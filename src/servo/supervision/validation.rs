@@ -7,7 +7,7 @@ use crate::servo::design::ValidationDesign;
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
 use crate::servo::supervision::bank;
-use crate::servo::supervision::unknown_flow::{Errors, UnknownFlow};
+use crate::servo::supervision::unknown::{Errors, Responses, Unknown};
 
 /// How well a model followed the drive in free simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -46,6 +46,8 @@ struct Runner {
     /// 1/C.
     inverse_gain: f32,
     errors: Errors,
+    /// What the unknown does not explain of their squares.
+    left: f32,
 }
 
 impl Runner {
@@ -56,21 +58,28 @@ impl Runner {
             observer,
             inverse_gain: model.a1 / model.b0,
             errors: Errors::default(),
+            left: 0.0,
         }
     }
 
-    /// One sample on under the flow that was in force.
+    /// The flow that moves it at its velocity.
     #[inline]
-    fn predict(&mut self, flow: MovedFlow) {
-        let velocity = self.observer.motion().velocity;
-        self.observer.predict(flow.at(velocity, self.inverse_gain));
+    fn flow(&self, driving: MovedFlow) -> f32 {
+        driving.at(self.observer.motion().velocity, self.inverse_gain)
     }
 
-    /// The end of a sample of free simulation, with the response to the unknown flow.
+    /// An observed sample, under the flow that was in force.
     #[inline]
-    fn simulate(&mut self, y: f32, response: f32) {
-        self.errors
-            .add(y - self.observer.motion().position, response);
+    fn observe(&mut self, driving: MovedFlow, y: f32) {
+        self.observer.observe(self.flow(driving), y);
+    }
+
+    /// A sample of free simulation, with the responses to what is not known.
+    #[inline]
+    fn simulate(&mut self, driving: MovedFlow, y: f32, responses: Responses) {
+        self.observer.predict(self.flow(driving));
+        let error = y - self.observer.motion().position;
+        self.errors.add(error, responses);
     }
 }
 
@@ -79,8 +88,8 @@ impl Runner {
 ///
 /// All get the same samples, newer than any of them. In the first phase an observer finds position,
 /// velocity and acceleration; in the second the models run on the commands alone and the squared
-/// errors of the position are summed, but for what explains them without another model: a flow that
-/// the model in use may not know, and a grain at the begin. Models are of the middle of the travel;
+/// errors of the position are summed, but for what explains them without another model: a flow and
+/// a friction that the model in use may not know, and a grain at the begin. Models are of the middle of the travel;
 /// they run at the stiffness that the axis has where it is, or a motion near an end would speak for
 /// a model that is too stiff for the middle.
 ///
@@ -90,17 +99,22 @@ impl Runner {
 pub(crate) struct ValidationWindow {
     bank: [Runner; bank::SIZE],
     challenger: Option<Runner>,
-    unknown: UnknownFlow,
+    unknown: Unknown,
     /// The flow in force until the next sample.
     flow: PlacedFlow,
     /// Samples of observation that are left, and of free simulation in all and so far.
     observe: u32,
     window: u32,
     samples: u32,
+    /// Runners whose errors are explained.
+    explained: usize,
     origin: f32,
     sum: f32,
     squares: f32,
 }
+
+/// Runners whose errors are explained in a sample.
+const EXPLAINED: usize = 4;
 
 /// Sums of squares of a window.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -144,11 +158,12 @@ impl ValidationWindow {
         Self {
             bank: core::array::from_fn(|_| runner.clone()),
             challenger: None,
-            unknown: UnknownFlow::new(&nothing, design.observer.sample_time),
+            unknown: Unknown::new(&nothing),
             flow: PlacedFlow::in_the_middle(0.0),
             observe: 0,
             window: 0,
             samples: 0,
+            explained: 0,
             origin: 0.0,
             sum: 0.0,
             squares: 0.0,
@@ -168,33 +183,31 @@ impl ValidationWindow {
             *runner = Runner::new(design, model, motion);
         }
         self.challenger = challenger.map(|model| Runner::new(design, model, motion));
-        self.unknown = UnknownFlow::new(used, design.observer.sample_time);
+        self.unknown = Unknown::new(used);
         self.flow = flow;
-        (self.observe, self.window, self.samples) = (design.observe, design.window, 0);
+        (self.observe, self.window) = (design.observe, design.window);
+        (self.samples, self.explained) = (0, 0);
         self.origin = motion.position;
         (self.sum, self.squares) = (0.0, 0.0);
     }
 
-    /// Takes the position y(k) and the flow in force from now on.
+    /// Takes the position y(k), the velocity of the axis and the flow in force from now on.
     ///
     /// Cost: about 60 instructions per model.
-    pub(crate) fn update(&mut self, flow: PlacedFlow, y: f32) {
+    pub(crate) fn update(&mut self, flow: PlacedFlow, y: f32, velocity: f32) {
         let before = core::mem::replace(&mut self.flow, flow);
         let driving = before.moved();
-        let runners = self.bank.iter_mut().chain(&mut self.challenger);
+        let used = &self.bank[bank::USED].observer;
         if self.observe > 0 {
-            runners.for_each(|run| {
-                run.predict(driving);
-                run.observer.correct(y);
-            });
+            self.unknown.observe(used, before, velocity);
+            let runners = self.bank.iter_mut().chain(&mut self.challenger);
+            runners.for_each(|run| run.observe(driving, y));
             self.observe -= 1;
             return;
         }
-        let response = self.unknown.update(before);
-        runners.for_each(|run| {
-            run.predict(driving);
-            run.simulate(y, response);
-        });
+        let responses = self.unknown.update(used, before, velocity);
+        let runners = self.bank.iter_mut().chain(&mut self.challenger);
+        runners.for_each(|run| run.simulate(driving, y, responses));
         let moved = y - self.origin;
         self.sum += moved;
         self.squares += moved * moved;
@@ -206,7 +219,19 @@ impl ValidationWindow {
         self.samples >= self.window
     }
 
-    /// What it showed; `None` when the axis moved by less than `least` about its mean. One that
+    /// Explains some errors by what is not known, behind the last sample; whether it was all of
+    /// them. Cost: about 60 instructions for each of 4 models.
+    pub(crate) fn explain(&mut self) -> bool {
+        let unknown = &self.unknown;
+        let runners = self.bank.iter_mut().chain(&mut self.challenger);
+        for run in runners.skip(self.explained).take(EXPLAINED) {
+            run.left = unknown.left(&run.errors);
+        }
+        self.explained += EXPLAINED;
+        self.explained > bank::SIZE
+    }
+
+    /// What it showed when all errors are explained; `None` when the axis moved by less than `least` about its mean. One that
     /// moved by `whole` or more is a whole window; errors of `grain` rms say nothing.
     pub(crate) fn sums(&self, least: f32, whole: f32, grain: f32) -> Option<WindowSums> {
         let count = self.samples as f32;
@@ -214,7 +239,7 @@ impl ValidationWindow {
         let part = moved / (whole * whole * count);
         let explained = grain * grain * count;
         let beyond = |run: &Runner| {
-            let left = self.unknown.left(&run.errors) - explained;
+            let left = run.left - explained;
             // NaN stays: such a model is astray.
             if left < 0.0 { 0.0 } else { left }
         };

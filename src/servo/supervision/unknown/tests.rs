@@ -1,36 +1,70 @@
-//! What is left of errors that a flow within the unknown part of a dead zone explains.
+//! What is left of errors that an unknown dead zone and an unknown friction explain.
 
 use super::*;
-use crate::servo::motion::Motion;
+use crate::servo::config::Config;
+use crate::servo::control::friction::StickSlip;
+use crate::servo::motion::Travel;
 
-/// A dead zone of 0.1, of which 0.05 may be unknown.
+/// A dead zone of 0.1, of which 0.05 may be unknown, and a friction of which the half.
 const MODEL: Model = Model {
     dead_zone: 0.1,
+    friction: 4000.0,
     ..Model::linear(900.0, 15.0, 9e5)
 };
-const BOUND: f32 = 0.05;
-/// Samples of a window.
-const FREE: usize = 60;
+const FLOW: f32 = 0.05;
+const FRICTION: f32 = 2000.0;
+/// Observed samples, and free ones of a window.
+const OBSERVED: usize = 40;
+const FREE: usize = 100;
 
-/// The flow of a window that turns after so many samples.
-fn flow(turns: usize, k: usize) -> f32 {
-    if (k / turns).is_multiple_of(2) {
-        0.02
-    } else {
-        -0.3
-    }
+/// The model in use, whose friction acts on no response.
+fn used() -> Observer {
+    let travel = Travel {
+        min: 0.0,
+        max: 400.0,
+    };
+    let design = Config::new(1e-3, 30.0, travel).resolve().expect("settings");
+    let free = Model {
+        friction: 0.0,
+        ..MODEL
+    };
+    Observer::new(&design.supervision.validation.observer, free)
 }
 
-/// What errors of each sample and its response come to: the flow, their sums, and the responses.
-fn window(turns: usize, error: impl Fn(usize, f32) -> f32) -> (UnknownFlow, Errors, [f32; FREE]) {
-    let mut unknown = UnknownFlow::new(&MODEL, 1e-3);
+/// The flow and the direction of a window, each of which turns after so many samples.
+fn drive([flow, axis]: [usize; 2], k: usize) -> (f32, f32) {
+    let even = |turns: usize| (k / turns).is_multiple_of(2);
+    let flow = if even(flow) { 0.02 } else { -0.3 };
+    (flow, if even(axis) { 50.0 } else { -120.0 })
+}
+
+/// What errors of each sample and its responses come to: their sums, and the responses.
+fn window(
+    turns: [usize; 2],
+    error: impl Fn(usize, Responses) -> f32,
+) -> (Unknown, Errors, [Responses; FREE]) {
+    let used = used();
+    let mut unknown = Unknown::new(&MODEL);
     let mut errors = Errors::default();
+    for k in 0..OBSERVED {
+        let (flow, velocity) = drive(turns, k);
+        unknown.observe(&used, PlacedFlow::in_the_middle(flow), velocity);
+    }
     let responses = core::array::from_fn(|k| {
-        let response = unknown.update(PlacedFlow::in_the_middle(flow(turns, k)));
-        errors.add(error(k, response), response);
-        response
+        let (flow, velocity) = drive(turns, OBSERVED + k);
+        let responses = unknown.update(&used, PlacedFlow::in_the_middle(flow), velocity);
+        errors.add(error(k, responses), responses);
+        responses
     });
     (unknown, errors, responses)
+}
+
+/// Turns of flow and axis: seldom, often, and not at all.
+const TURNS: [[usize; 2]; 5] = [[1000, 1000], [100, 60], [40, 95], [30, 30], [7, 1000]];
+
+/// Errors of a flow and a friction.
+fn of(flow: f32, friction: f32) -> impl Fn(usize, Responses) -> f32 {
+    move |_, responses| flow * responses.flow + friction * responses.friction
 }
 
 #[test]
