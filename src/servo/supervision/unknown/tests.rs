@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::servo::config::Config;
-use crate::servo::control::friction::StickSlip;
 use crate::servo::motion::Travel;
 
 /// A dead zone of 0.1, of which 0.05 may be unknown, and a friction of which the half.
@@ -68,50 +67,70 @@ fn of(flow: f32, friction: f32) -> impl Fn(usize, Responses) -> f32 {
 }
 
 #[test]
-fn a_response_is_how_far_a_dead_zone_moves_that_is_wrong_by_one() {
-    // Two axes, the dead zone of one wider by 0.01.
-    for turns in [100, 30, 7] {
+fn responses_are_how_far_a_dead_zone_and_a_friction_move_that_are_wrong_by_one() {
+    // Two axes: the dead zone of one wider by 0.01, and its friction by 100.
+    for turns in TURNS {
         let (mut model, mut axis) = (Motion::default(), Motion::default());
-        let (_, _, responses) = window(turns, |_, _| 0.0);
-        for (k, response) in responses.into_iter().enumerate() {
-            let flow = flow(turns, k);
+        let (_, _, responses) = window(turns, of(0.0, 0.0));
+        let mut direction = 0.0;
+        let mut gone = |axis: &mut Motion, k: usize| {
+            let (_, velocity) = drive(turns, k);
+            if direction != 0.0 {
+                axis.acceleration -= 100.0 * (velocity.signum() - direction);
+            }
+            direction = velocity.signum();
+        };
+        // What was observed before: of friction alone.
+        let observer = used();
+        for k in 0..OBSERVED {
+            observer.deviate_observed(&mut axis, 0.0);
+            gone(&mut axis, k);
+        }
+        for (k, responses) in responses.into_iter().enumerate() {
+            let (flow, _) = drive(turns, OBSERVED + k);
             MODEL.advance(&mut model, flow, 1e-3);
             MODEL.advance(&mut axis, flow - libm::copysignf(0.01, flow), 1e-3);
-            let apart = model.position - axis.position;
-            let exact = 0.01 * response;
+            gone(&mut axis, OBSERVED + k);
+            let apart = axis.position - model.position;
+            let exact = 100.0 * responses.friction - 0.01 * responses.flow;
             assert!((apart - exact).abs() < 1e-4 * (1.0 + exact.abs()), "{k}");
         }
     }
 }
 
 #[test]
-fn without_flow_there_is_no_response_and_all_errors_are_left() {
-    let mut unknown = UnknownFlow::new(&MODEL, 1e-3);
+fn without_flow_and_reversal_there_is_no_response_and_all_errors_are_left() {
+    let used = used();
+    let mut unknown = Unknown::new(&MODEL);
     let mut errors = Errors::default();
     for _ in 0..60 {
-        let response = unknown.update(PlacedFlow::in_the_middle(0.0));
-        assert_eq!(response, 0.0);
-        errors.add(2.0, response);
+        let responses = unknown.update(&used, PlacedFlow::in_the_middle(0.0), 30.0);
+        assert_eq!(responses, Responses::default());
+        errors.add(2.0, responses);
     }
     assert_eq!(unknown.left(&errors), 240.0);
 }
 
 #[test]
-fn a_dead_zone_wrong_within_the_bound_leaves_nothing_in_any_window() {
-    for turns in [100, 40, 30, 7] {
-        for wrong in [-BOUND, -0.02, 1e-4, 0.03, BOUND] {
-            let (unknown, errors, _) = window(turns, |_, response| wrong * response);
-            let left = unknown.left(&errors);
-            assert!(left <= 1e-5 * errors.squares, "{turns}, {wrong}: {left}");
+fn what_is_wrong_within_the_bounds_leaves_nothing_in_any_window() {
+    for turns in TURNS {
+        for flow in [-FLOW, -0.02, 0.0, 0.03, FLOW] {
+            for friction in [-FRICTION, 0.0, 300.0, FRICTION] {
+                let (unknown, errors, _) = window(turns, of(flow, friction));
+                let left = unknown.left(&errors);
+                let all = errors.squares + 1e-9;
+                assert!(left <= 3e-5 * all, "{turns:?}, {flow}, {friction}: {left}");
+            }
         }
     }
 }
 
 #[test]
-fn of_more_than_the_bound_the_rest_is_left() {
+fn of_more_than_the_bounds_the_rest_is_left() {
     for (wrong, rest) in [(0.06, 0.01), (-0.15, 0.1), (0.3, 0.25)] {
-        let (unknown, errors, _) = window(30, |_, response| wrong * response);
-        let exact = rest * rest * unknown.squares;
+        // No reversal.
+        let (unknown, errors, _) = window([30, 1000], of(wrong, 0.0));
+        let exact = rest * rest * unknown.squares.flow;
         let left = unknown.left(&errors);
         assert!((left / exact - 1.0).abs() < 1e-3, "{wrong}: {left}");
     }
@@ -126,29 +145,33 @@ fn a_narrow_dead_zone_may_be_wrong_by_more_than_its_half() {
 }
 
 #[test]
-fn what_is_left_is_the_least_of_all_flows_within_the_bound() {
-    // Errors of any kind, drawn: never more than without a flow, never less than nothing, and less
-    // than with any other flow within the bound.
+fn what_is_left_is_the_least_of_all_within_the_bounds() {
+    // Errors of any kind, drawn: never more than all, never less than nothing, and no more than
+    // with any flow and friction within the bounds.
     let mut draw = 1_u32;
     let mut random = || {
         draw = draw.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (draw >> 8) as f32 / 8_388_608.0 - 1.0
     };
-    for turns in 1..=FREE {
+    for k in 1..=FREE {
+        let turns = [k, 10 + 3 * (k % 17)];
         let drawn: [f32; FREE] = core::array::from_fn(|_| random());
-        let (wrong, size) = (0.2 * random(), random());
-        let errors_of = |k: usize, response: f32| wrong * response + size * drawn[k];
+        let (flow, friction, size) = (0.2 * random(), 3.0 * FRICTION * random(), random());
+        let errors_of =
+            |k: usize, r: Responses| flow * r.flow + friction * r.friction + size * drawn[k];
         let (unknown, errors, responses) = window(turns, errors_of);
         let left = unknown.left(&errors);
-        assert!((0.0..=errors.squares).contains(&left));
-        for part in -10..=10 {
-            let flow = 0.1 * BOUND * part as f32;
-            let with = |(k, s): (usize, &f32)| {
-                let error = errors_of(k, *s) - flow * s;
+        let rounding = 1e-4 * errors.squares;
+        assert!((-rounding..=errors.squares).contains(&left));
+        for part in 0..21 * 21 {
+            let c = 0.1 * FLOW * ((part % 21) as f32 - 10.0);
+            let d = 0.1 * FRICTION * ((part / 21) as f32 - 10.0);
+            let with = |(k, r): (usize, &Responses)| {
+                let error = errors_of(k, *r) - c * r.flow - d * r.friction;
                 error * error
             };
             let sum: f32 = responses.iter().enumerate().map(with).sum();
-            assert!(left <= sum + 1e-4 * errors.squares, "{turns}, {flow}");
+            assert!(left <= sum + rounding, "{turns:?}, {c}, {d}: {left} {sum}");
         }
     }
 }
@@ -156,7 +179,7 @@ fn what_is_left_is_the_least_of_all_flows_within_the_bound() {
 #[test]
 fn errors_that_are_not_finite_leave_none_that_are() {
     for error in [f32::NAN, f32::INFINITY, 1e30] {
-        let (unknown, errors, _) = window(30, |_, _| error);
+        let (unknown, errors, _) = window([30, 60], |_, _| error);
         assert!(!unknown.left(&errors).is_finite(), "{error}");
     }
 }

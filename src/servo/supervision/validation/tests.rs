@@ -51,7 +51,7 @@ fn seen_there(
     while !window.is_over() {
         let turned = libm::sinf(per_second * core::f32::consts::PI * 1e-3 * samples as f32);
         let flow = if turned < 0.0 { -0.3 } else { 0.3 };
-        window.update(at(flow), motion.position);
+        window.update(at(flow), motion.position, motion.velocity);
         there.advance(&mut motion, flow - libm::copysignf(unknown, flow), 1e-3);
         samples += 1;
     }
@@ -59,6 +59,7 @@ fn seen_there(
         samples,
         design.validation.observe + design.validation.window
     );
+    while !window.explain() {}
     Ok(window)
 }
 
@@ -236,7 +237,7 @@ fn a_small_motion_keeps_its_digits_far_from_zero() -> Result<(), Error> {
     let mut window = ValidationWindow::none(&design.validation);
     window.begin(&design.validation, &USED, None, Motion::at(place(0)), rest);
     for k in 0.. {
-        window.update(rest, place(k));
+        window.update(rest, place(k), 0.0);
         if window.is_over() {
             break;
         }

@@ -42,8 +42,9 @@ fn a_window_counts_by_its_motion_over_what_friction_and_drift_hide() -> Result<(
         let seen = step(&mut motion, &used, k);
         let before = supervisor.running().cloned();
         assert_eq!(supervisor.compare(&seen), Event::None);
-        if let (Some(window), None) = (before, supervisor.running()) {
+        if let (Some(mut window), None) = (before, supervisor.running()) {
             assert!(window.is_over());
+            while !window.explain() {}
             let sums = window.sums(0.1, 5.192, 1.0).expect("it moves");
             assert!((0.2..0.8).contains(&sums.weight), "{sums:?}");
             let mut expected = Evidence::NONE;
