@@ -56,12 +56,16 @@ impl Supervisor {
 
     /// What this sample is for, of those that compare models.
     pub(crate) fn compare(&mut self, seen: &LoopSample) -> Event {
+        if matches!(self.comparison, Comparison::Runs) && !self.window.is_over() {
+            (self.window).update(seen.flow, seen.y, seen.motion.velocity);
+            return Event::None;
+        }
+        if self.comparison.rests() || seen.spare == Spare::Nothing {
+            return Event::None;
+        }
         let Some(used) = self.verified_model else {
             return Event::None;
         };
-        if seen.spare == Spare::Nothing && self.steps() {
-            return Event::None;
-        }
         match self.comparison {
             Comparison::Rests => {}
             Comparison::Begins => {
@@ -69,9 +73,6 @@ impl Supervisor {
                 let design = &self.design.validation;
                 (self.window).begin(design, &used, challenger, seen.motion, seen.flow);
                 self.comparison = Comparison::Runs;
-            }
-            Comparison::Runs if !self.window.is_over() => {
-                (self.window).update(seen.flow, seen.y, seen.motion.velocity);
             }
             Comparison::Runs if !self.window.explain() => {}
             Comparison::Runs => {

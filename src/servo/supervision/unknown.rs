@@ -138,7 +138,14 @@ impl Unknown {
         let flow = -slope * self.by_friction.velocity;
         used.deviate(&mut self.by_friction, flow);
         self.reverse(velocity);
-        let flow = at.stiffness * sign(at.flow) - slope * self.by_flow.velocity;
+        let moved = if at.flow > 0.0 {
+            at.stiffness
+        } else if at.flow < 0.0 {
+            -at.stiffness
+        } else {
+            0.0
+        };
+        let flow = moved - slope * self.by_flow.velocity;
         used.deviate(&mut self.by_flow, flow);
         let responses = Responses {
             flow: self.by_flow.position,
@@ -160,10 +167,13 @@ impl Unknown {
     /// Friction turns with the axis: a jump of the acceleration.
     #[inline]
     fn reverse(&mut self, velocity: f32) {
-        if velocity * self.direction > 0.0 || velocity == 0.0 {
+        if velocity * self.direction > 0.0 {
             return;
         }
         let direction = sign(velocity);
+        if direction == 0.0 {
+            return;
+        }
         if self.direction != 0.0 {
             self.by_friction.acceleration -= direction - self.direction;
         }
