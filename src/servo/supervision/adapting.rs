@@ -74,19 +74,10 @@ impl Supervisor {
                 (self.window).begin(design, &used, challenger, seen.motion, seen.flow);
                 self.comparison = Comparison::Runs;
             }
-            Comparison::Runs if !self.window.explain() => {}
             Comparison::Runs => {
-                let grain = self.design.drift;
-                let sums =
-                    (self.window).sums(self.design.min_travel, unknown(&used) + grain, grain);
-                if let Some(sums) = &sums {
-                    self.report = self.window.report(sums);
-                    self.evidence.add(sums);
+                if self.window.explain() {
+                    self.weigh(&used);
                 }
-                self.comparison = match sums {
-                    Some(_) => Comparison::Decides,
-                    None => Comparison::Rests,
-                };
             }
             Comparison::Decides => {
                 self.comparison = Comparison::Rests;
@@ -102,6 +93,20 @@ impl Supervisor {
             }
         }
         Event::None
+    }
+
+    /// Adds what a window showed to the evidence.
+    #[inline]
+    fn weigh(&mut self, used: &Model) {
+        let grain = self.design.drift;
+        let sums = (self.window).sums(self.design.min_travel, unknown(used) + grain, grain);
+        self.comparison = if let Some(sums) = sums {
+            self.report = self.window.report(&sums);
+            self.evidence.add(&sums);
+            Comparison::Decides
+        } else {
+            Comparison::Rests
+        };
     }
 
     /// Whether the next sample is for a step from a window to another model, not for another sample
