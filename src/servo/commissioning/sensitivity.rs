@@ -235,15 +235,15 @@ impl Sensitivity {
             p,
             stiffer: [k, slope],
         } = acts;
-        let gain = theta.b0 - theta.kappa * side * p;
+        let (gain, lost) = (theta.b0 - theta.kappa * side * p, side * flow * p);
         [
             -v * k,
             flow * k,
             gain * dead_zone,
             gain * offset,
             gain * delay,
-            -side * flow * p * k,
-            (self.theta.b0 * flow - self.theta.a1 * v - self.theta.kappa * side * flow * p) * slope,
+            -lost * k,
+            (self.theta.b0 * flow - self.theta.a1 * v - self.theta.kappa * lost) * slope,
             -theta.kappa * side * flow,
         ]
     }
