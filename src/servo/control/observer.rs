@@ -67,8 +67,8 @@ impl Observer {
         self.friction.stop(&mut self.motion);
     }
 
-    /// One observed sample: on under the flow that was in force, then to the measured position. Cost:
-    /// about 50 instructions.
+    /// One observed sample: on under the flow that was in force, then to the measured position.
+    /// Cost: about 50 instructions.
     #[inline]
     pub(crate) fn observe(&mut self, flow: f32, y: f32) {
         if self.friction.sticks() {

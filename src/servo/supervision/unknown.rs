@@ -55,24 +55,26 @@ impl Errors {
 /// would. So what such a flow and such a friction explain speaks against no model:
 ///
 /// ```text
-/// s        response of the model in use to the sign of the flow, from where it runs freely
-/// r        its response to the sign of the velocity as a deceleration, from the begin of the window on: observed, then free
-/// e        errors of a model in free simulation
-/// left     min  Sum (e - c s - d r)^2,   |c| <= the larger of half of the dead zone and 0.04,   |d| <= half of the friction
+/// s      response of the model in use to the sign of the flow, from where it runs freely
+/// r      its response to the sign of the velocity as a deceleration, from the begin of the
+///        window on: observed, then free
+/// e      errors of a model in free simulation
+/// left   min  Sum (e - c s - d r)^2
+///        |c| <= the larger of half of the dead zone and 0.04,  |d| <= half of the friction
 /// ```
 ///
-/// An axis that is the model in use with dead zone and friction wrong by no more than the bounds has
-/// errors of c s + d r, and of what the observation before got wrong by c: a window, and any number
-/// of them, leaves nothing of the first; of the second, at a wrong c an observer of rate w is wrong
-/// in velocity by `3 (w0/w)^2` of what that flow moves. A wrong gain leaves errors in proportion to
-/// the flow: in a large motion those beyond the bounds remain, in a slow one, and in one that friction
-/// rules, the window cannot tell.
+/// An axis that is the model in use, with dead zone and friction wrong by no more than the bounds,
+/// has errors of c s + d r, and of what the observation before got wrong by c: a window, and any
+/// number of them, leaves nothing of the first; of the second, at a wrong c an observer of rate w
+/// is wrong in velocity by `3 (w0/w)^2` of what that flow moves. A wrong gain leaves errors in
+/// proportion to the flow: in a large motion those beyond the bounds remain; in a slow one, and in
+/// one that friction rules, the window cannot tell.
 ///
 /// The sum is a parabola in c and d, with its lowest point at (c0, d0). Where only one of both is
 /// out of its bound, that one is at its bound: on the line on which the other is best the sum grows
-/// with the distance from c0, d0. Where both are, the least lies on the side of one or the other. So
-/// of two points one is the least within the bounds: c0 in its bound with the best d for it, and d0
-/// with the best c.
+/// with the distance from c0, d0. Where both are, the least lies on the side of one or the other.
+/// So of two points one is the least within the bounds: c0 in its bound with the best d for it, and
+/// d0 with the best c.
 ///
 /// Known as: nuisance parameters, profiled out of a sum of squares (profile likelihood, Cox and
 /// Hinkley 1974), here within bounds.

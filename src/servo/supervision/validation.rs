@@ -89,9 +89,9 @@ impl Runner {
 /// All get the same samples, newer than any of them. In the first phase an observer finds position,
 /// velocity and acceleration; in the second the models run on the commands alone and the squared
 /// errors of the position are summed, but for what explains them without another model: a flow and
-/// a friction that the model in use may not know, and a grain at the begin. Models are of the middle of the travel;
-/// they run at the stiffness that the axis has where it is, or a motion near an end would speak for
-/// a model that is too stiff for the middle.
+/// a friction that the model in use may not know, and a grain at the begin. Models are of the
+/// middle of the travel; they run at the stiffness that the axis has where it is, or a motion near
+/// an end would speak for a model that is too stiff for the middle.
 ///
 /// Known as: hold-out validation, cross-validation by simulation (Ljung 1999, chapter 16), of a
 /// bank of models (multiple-model estimation, Li and Bar-Shalom 1996).
@@ -231,8 +231,9 @@ impl ValidationWindow {
         self.explained > bank::SIZE
     }
 
-    /// What it showed when all errors are explained; `None` when the axis moved by less than `least` about its mean. One that
-    /// moved by `whole` or more is a whole window; errors of `grain` rms say nothing.
+    /// What it showed when all errors are explained; `None` when the axis moved by less than
+    /// `least` about its mean. One that moved by `whole` or more is a whole window; errors of
+    /// `grain` rms say nothing.
     pub(crate) fn sums(&self, least: f32, whole: f32, grain: f32) -> Option<WindowSums> {
         let count = self.samples as f32;
         let moved = self.squares - self.sum * self.sum / count;
