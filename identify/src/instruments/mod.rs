@@ -27,6 +27,7 @@ mod free_delay;
 mod lanes;
 mod later;
 mod layout;
+mod numerators;
 mod output_noise;
 mod pass;
 mod rounding;
