@@ -47,6 +47,7 @@ impl Report<'_> {
                 Friction::HeldAtRest => "of the model, also at rest",
             },
             "delay_alike": found.delay_alike,
+            "delay_imitated": found.delay_imitated.map(number),
             "poor_input": found.poor_input.map(PoorInput::name),
             "method": way,
             "least_squares": least_squares.map(|e| json!({"theta": list(&e.theta), "sigma": list(&e.sigma)})),

@@ -84,6 +84,7 @@ pub(super) fn recursion(
         delay_at_end: false,
         delay_alike: None,
         delay_found: None,
+        delay_imitated: None,
         poor_input,
         friction: Friction::Measured,
         free_run: problem.free_run(simulated, tuning.delay as f64, n / 2..n),
