@@ -66,6 +66,7 @@ impl Report<'_> {
             "samples": p.samples(),
             "jitter": self.notes.resampling.jitter.map(number),
             "filled": self.notes.resampling.filled,
+            "clock": self.notes.clock.map(number),
             "granted": self.notes.granted,
             "alone": self.notes.alone_json(),
             "dead_zone": self.dead_zone.map(|z| json!({"half_width": number(z.half_width), "centre": number(z.centre)})),
