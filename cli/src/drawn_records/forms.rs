@@ -119,8 +119,9 @@ impl Form {
             cells.splice(at..at, [a, b]);
         }
         let space = if self.spaces { " " } else { "" };
-        let apart =
-            |cell: &str| cell.contains(self.separator) && !(self.bare && !cell.contains('['));
+        // Those in a name never stand bare.
+        let may_be_apart = |cell: &str| !self.bare || cell.contains('[');
+        let apart = |cell: &str| may_be_apart(cell) && cell.contains(self.separator);
         let quoted = |cell: &&str| match self.quoted || apart(cell) {
             true => format!("\"{cell}\""),
             false => format!("{space}{cell}{space}"),

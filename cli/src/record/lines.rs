@@ -102,16 +102,9 @@ impl Lines {
             lengths.count(row.len(), line);
             points |= row.iter().any(|cell| cell.contains('.'));
         }
-        lengths.check()?;
         // With a decimal comma the last cell, one of a column that nobody asks for, may be empty.
         let commas = separator == b',' && !points && !wanted.contains(&(names.len() - 1));
-        if let Some(long) = lengths.longer(names.len()).filter(|_| commas) {
-            return Err(RecordError::LongLine {
-                line: long.line,
-                found: long.cells,
-                expected: names.len(),
-            });
-        }
+        lengths.check(commas.then_some(names.len()))?;
         Ok(Table {
             time: time.unwrap_or_default(),
             columns,
@@ -165,21 +158,23 @@ impl Lengths {
         }
     }
 
-    /// Rows with more cells than the header has names.
-    fn longer(&self, names: usize) -> Option<&Length> {
-        self.0.iter().find(|length| length.cells > names)
-    }
-
-    /// Refuses the first row that is longer or shorter than most.
-    fn check(&self) -> Result<(), RecordError> {
+    /// Refuses the first row that is longer or shorter than most, or longer than some names.
+    fn check(&self, names: Option<usize>) -> Result<(), RecordError> {
         let Some(usual) = self.0.iter().max_by_key(|length| length.rows) else {
             return Ok(());
         };
-        match self.0.iter().find(|length| length.cells != usual.cells) {
-            Some(other) => Err(RecordError::OtherLength {
+        if let Some(other) = self.0.iter().find(|length| length.cells != usual.cells) {
+            return Err(RecordError::OtherLength {
                 line: other.line,
                 found: other.cells,
                 expected: usual.cells,
+            });
+        }
+        match names.filter(|names| usual.cells > *names) {
+            Some(names) => Err(RecordError::LongLine {
+                line: usual.line,
+                found: usual.cells,
+                expected: names,
             }),
             None => Ok(()),
         }

@@ -45,6 +45,21 @@ pub(super) struct Timing {
     pub clock: Option<f64>,
 }
 
+/// How many intervals a step is.
+fn intervals(step: f64, median: f64) -> f64 {
+    (step / median).round().max(1.0)
+}
+
+/// The first step over more missing samples than are filled, of which there are so many in all.
+fn gap(steps: &[f64], median: f64, missing: usize) -> Option<usize> {
+    let over = |samples: usize| move |step: &f64| intervals(*step, median) > (samples + 1) as f64;
+    let long = steps.iter().position(over(LONGEST_GAP));
+    long.or_else(|| {
+        let first = steps.iter().position(over(0));
+        first.filter(|_| missing.saturating_mul(RARE) > steps.len() + 1)
+    })
+}
+
 /// The sampling interval of the stamps in s, which are written in a `unit` of so many: their median
 /// step decides what is irregular and what is missing, their whole span gives the figure; where they
 /// are those of a coarse clock, the line through all of them.
@@ -82,7 +97,7 @@ pub(super) fn timing(
             found: stamps[k + 1],
         });
     }
-    let intervals = |step: f64| (step / median).round().max(1.0);
+    let intervals = |step: f64| intervals(step, median);
     let departure = |step: f64| (step / median - intervals(step)).abs();
     if let Some(k) = steps.iter().position(|s| departure(*s) > JITTER) {
         return Err(RecordError::IrregularTime {
@@ -94,12 +109,7 @@ pub(super) fn timing(
     }
     let all: f64 = steps.iter().map(|step| intervals(*step)).sum();
     let filled = (all as usize).saturating_sub(steps.len());
-    let long = |step: &f64| intervals(*step) > (LONGEST_GAP + 1) as f64;
-    let gap = steps.iter().position(long).or_else(|| {
-        let first = steps.iter().position(|step| intervals(*step) > 1.0);
-        first.filter(|_| filled.saturating_mul(RARE) > stamps.len())
-    });
-    if let Some(k) = gap {
+    if let Some(k) = gap(&steps, median, filled) {
         return Err(RecordError::Missing {
             line: lines[k + 1],
             column: column.to_owned(),

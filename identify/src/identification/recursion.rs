@@ -48,12 +48,9 @@ pub(super) fn recursion(
                 options: Options::default(),
                 ..*problem
             };
-            let pole = match pole {
-                Choice::Given(None) => Choice::Auto,
-                other => other,
-            };
+            let raw = pole == Choice::Given(None);
+            let pole = if raw { Choice::Auto } else { pole };
             let sharp = sharp(&plain, Freedom { pole, delay }, &())?;
-            let raw = freedom.pole == Choice::Given(None);
             let tuning = Tuning {
                 pole: sharp.tuning(&plain).pole.filter(|_| !raw),
                 ..sharp.tuning(&plain)
