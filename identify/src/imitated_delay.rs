@@ -1,7 +1,7 @@
 //! A longer delay in the place of a zero in the right half plane that imitates it.
 //!
-//! `1 - s/z` over `1 + s/z` is late by `2/z` at low frequencies, so that a shorter delay with such a
-//! zero simulates nearly as well: a valley of its own, from which no step leads to the right one.
+//! `1 - s/z` over `1 + s/z` is late by `2/z` at low frequencies, so that a shorter delay with such
+//! a zero simulates nearly as well: a valley of its own, from which no step leads to the right one.
 //! That one is narrow, and ends where it is deepest: behind a delay that is longer than that of the
 //! record no causal model is left. So the longest delays within the reach of the zeros that have a
 //! model are followed, too, and taken where they simulate better by more than chance. Where they
@@ -34,8 +34,8 @@ fn imitated(problem: &Problem, fit: &Fit) -> f64 {
     late / problem.signals.dt
 }
 
-/// Shares of the pole of the filter that are tried, too: behind a fast one no delay near that of the
-/// record may have a stable model.
+/// Shares of the pole of the filter that are tried, too: behind a fast one no delay near that of
+/// the record may have a stable model.
 const POLES: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 
 /// The fit behind a filter at the longest of some whole delays that has a model, or of the one
@@ -122,8 +122,8 @@ impl Other {
         })
     }
 
-    /// A model, at its delay in samples, with the error that it makes of it not to be told from this
-    /// one.
+    /// A model, at its delay in samples, with the error that it makes of it not to be told from
+    /// this one.
     pub(crate) fn contained_in(&self, problem: &Problem, (delay, found): (f64, Found)) -> Found {
         let here = &found.estimate.theta;
         let moves: Vec<f64> = self.theta.iter().zip(here).map(|(o, h)| o - h).collect();

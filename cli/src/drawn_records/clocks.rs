@@ -1,6 +1,6 @@
 //! Stamps of a clock as coarse as the rows: read right, or refused.
 
-use super::moved::deviations;
+use super::uneven::deviations;
 use super::{Drive, read};
 use crate::draws::Uniform;
 use crate::record::{Clock, Resampling};

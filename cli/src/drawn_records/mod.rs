@@ -6,7 +6,7 @@
 mod broken;
 mod clocks;
 mod forms;
-mod moved;
+mod uneven;
 
 use std::path::Path;
 

@@ -1,8 +1,8 @@
 //! Time stamps of equal intervals that are rounded to a clock as coarse as they are.
 //!
-//! A clock that counts in steps of r writes `t0 + k dt` as a multiple of r at most r away, always to
-//! the same side of it or to the nearest one: the stamps lie within a band of the height r about a
-//! line over the rows. Steps of such stamps differ, or are 0, but in an order that has one slope
+//! A clock that counts in steps of r writes `t0 + k dt` as a multiple of r at most r away, always
+//! to the same side of it or to the nearest one: the stamps lie within a band of the height r about
+//! a line over the rows. Steps of such stamps differ, or are 0, but in an order that has one slope
 //! only: where rows are missing, or written twice, the band is wider, unless that happens at equal
 //! distances. One or two other steps lie within such a band whatever they are.
 
@@ -12,8 +12,8 @@ const OTHERS: usize = 3;
 /// Decimal places of a stamp in its own unit that are looked at.
 const PLACES: i32 = 9;
 
-/// How far from a whole number of its last place a stamp may be, in parts of it: digits that f64 has
-/// no room for behind a date in s.
+/// How far from a whole number of its last place a stamp may be, in parts of it: digits that f64
+/// has no room for behind a date in s.
 const WHOLE: f64 = 0.02;
 
 /// Halvings of the interval of slopes: to the last digit.

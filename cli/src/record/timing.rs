@@ -61,8 +61,8 @@ fn gap(steps: &[f64], median: f64, missing: usize) -> Option<usize> {
 }
 
 /// The sampling interval of the stamps in s, which are written in a `unit` of so many: their median
-/// step decides what is irregular and what is missing, their whole span gives the figure; where they
-/// are those of a coarse clock, the line through all of them.
+/// step decides what is irregular and what is missing, their whole span gives the figure; where
+/// they are those of a coarse clock, the line through all of them.
 pub(super) fn timing(
     (stamps, unit): (&[f64], f64),
     lines: &[u64],

@@ -33,9 +33,9 @@ impl Fit<'_> {
             };
             let next = (delay + found.shift.clamp(-FARTHEST, FARTHEST)).max(0.0);
             let step = (next - delay).abs();
-            // By a step s the input is bent by at most s^2/2 of its change, in units of a sample; and
-            // the numerators, which belong to the step before, leave as much of this step as it is
-            // of that one. Steps that are no longer smaller are rounding.
+            // By a step s the input is bent by at most s^2/2 of its change, in units of a sample;
+            // and the numerators, which belong to the step before, leave as much of this step as it
+            // is of that one. Steps that are no longer smaller are rounding.
             let left = (0.5 * step * step).max(step * (step / before).min(1.0));
             let rounding = step >= before && step < found.sigma;
             if step < SETTLED && (rounding || !(left > BENT * found.sigma)) {

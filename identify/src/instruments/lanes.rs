@@ -6,10 +6,8 @@ use trendid::trends::{
 use trendid::{ConfigError, trends::AnyMemory};
 
 use crate::instruments::numerators::Numerators;
+pub(crate) use crate::instruments::numerators::Values;
 use crate::polynomials::{Pole, from_roots, roots};
-
-/// Trends 0 .. m-1 and the top one, then zeros.
-pub(crate) type Values = [f64; 5];
 
 /// Trends of one signal, whatever their order.
 pub(crate) trait Lane: Send {

@@ -19,7 +19,8 @@
 use nalgebra::{DMatrix, DVector};
 use trendid::trends::Hold;
 
-use crate::instruments::lanes::Values;
+/// Trends 0 .. m-1 and the top one, then zeros.
+pub(crate) type Values = [f64; 5];
 
 /// Terms of `tanh(x)/x`, of which each is about `4/pi^2` of the one before for |x| = 1: the next
 /// one is below the last digit.

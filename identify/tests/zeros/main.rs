@@ -24,6 +24,8 @@ struct Deviations {
     refused: usize,
     /// Records with one beyond three.
     beyond: usize,
+    /// Records with one beyond ten of which nothing is said.
+    silent: usize,
 }
 
 impl Deviations {
@@ -34,8 +36,9 @@ impl Deviations {
         }
         let within = found.all.iter().filter(|z| z.abs() < 3.0).count();
         println!(
-            "noise {noise}: records beyond 3 {}, refused {}, of {}; numbers within 3 {:.2} % of {}, largest {:.1}",
+            "noise {noise}: records beyond 3 {}, beyond 10 in silence {}, refused {}, of {}; numbers within 3 {:.2} % of {}, largest {:.1}",
             found.beyond,
+            found.silent,
             found.refused,
             found.records,
             100.0 * within as f64 / found.all.len() as f64,
@@ -63,9 +66,12 @@ impl Deviations {
         z.extend(sigma.map(|sigma| (found.delay - drawn.delay) / sigma));
         if !z.iter().all(|z| z.abs() < 3.0) {
             self.beyond += 1;
-            let said = found.filter_dependence().is_some();
+            let said = found.filter_dependence().is_some() || found.delay_imitated.is_some();
+            if !said && !z.iter().all(|z| z.abs() < 10.0) {
+                self.silent += 1;
+            }
             println!(
-                "{seed}, {:?}: delay {} for {}, depends on the filter {said}, {z:.1?}",
+                "{seed}, {:?}: delay {} for {}, said {said}, {z:.1?}",
                 drawn.structure, found.delay, drawn.delay
             );
         }
@@ -77,10 +83,11 @@ impl Deviations {
     }
 }
 
-/// What is left is rounding, whose deviations are its size, not those of a distribution.
+/// What is left is rounding, whose deviations are its size, not those of a distribution; and now and
+/// then a shorter delay, beside which the model depends on the filter: it is said.
 fn assert_rounding(seeds: std::ops::Range<u64>) {
     let found = Deviations::of(seeds, 0.0);
-    assert!(found.largest() < 10.0 && 25 * found.beyond <= found.records);
+    assert!(found.silent == 0 && 25 * found.beyond <= found.records);
     assert!(10 * found.refused <= found.records);
 }
 
