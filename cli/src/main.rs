@@ -3,6 +3,9 @@
 
 #[cfg(test)]
 mod drawn_records;
+#[cfg(test)]
+#[path = "../../identify/tests/draws/mod.rs"]
+mod draws;
 mod drives;
 mod endurance;
 mod format;

@@ -122,7 +122,7 @@ fn likely<'a>(problem: &'a Problem<'a>, poles: &[f64]) -> Option<Judged<'a>> {
     best_of(side_by_side(poles, at).into_iter().flatten())
 }
 
-fn best_of<'a>(all: impl Iterator<Item = Judged<'a>>) -> Option<Judged<'a>> {
+pub(crate) fn best_of<'a>(all: impl Iterator<Item = Judged<'a>>) -> Option<Judged<'a>> {
     all.min_by(|x, y| error(x).total_cmp(&error(y)))
 }
 
@@ -207,21 +207,16 @@ impl Delays {
 pub(crate) fn between_samples<'a>(problem: &'a Problem<'a>, judged: Judged<'a>) -> Judged<'a> {
     let mut best = judged;
     for step in [0.5, 0.25] {
-        for delay in [best.fit.delay() - step, best.fit.delay() + step] {
-            if delay < 0.0 {
-                continue;
-            }
-            let fit = Fit::new(problem, best.fit.filter(), delay, best.fit.method());
-            let Some((fit, folds)) = fit
-                .ok()
-                .and_then(|fit| Folds::of(problem, &fit).map(|f| (fit, f)))
-            else {
-                continue;
-            };
-            if folds.total(Refitted::StateAndConstant) < BETTER * error(&best) {
-                best = Judged { fit, folds, ..best };
-                break;
-            }
+        let at = |delay: f64| {
+            let fit = Fit::new(problem, best.fit.filter(), delay, best.fit.method()).ok()?;
+            let folds = Folds::of(problem, &fit)?;
+            Some(Judged { fit, folds, ..best })
+        };
+        let beside = [best.fit.delay() - step, best.fit.delay() + step];
+        let beside = beside.into_iter().filter(|delay| *delay >= 0.0);
+        let beside = best_of(beside.filter_map(at));
+        if let Some(beside) = beside.filter(|beside| error(beside) < BETTER * error(&best)) {
+            best = beside;
         }
     }
     best

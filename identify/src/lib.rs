@@ -62,6 +62,7 @@ pub mod folds;
 pub mod free_run;
 pub mod held_friction;
 pub mod identification;
+mod imitated_delay;
 pub mod instruments;
 pub mod polynomials;
 pub mod poor_input;

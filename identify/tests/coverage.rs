@@ -40,10 +40,7 @@ struct Drawn {
 
 impl Drawn {
     fn of(seed: u64, kind: Kind) -> Self {
-        let mut draw = Uniform(seed);
-        for _ in 0..9 {
-            draw.next();
-        }
+        let mut draw = Uniform::of(seed);
         let dt = draw.between(0.5e-3, 10e-3);
         let samples = 2000 + (2000.0 * draw.next()) as usize;
         let rate = draw.between(15.0 / (samples as f64 * dt), 0.05 / dt);

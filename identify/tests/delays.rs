@@ -22,10 +22,7 @@ struct Drawn {
 impl Drawn {
     /// Order 1 to 3, 0.5 to 10 ms, a delay up to 150 samples; binary commands, steps or a sweep.
     fn of(seed: u64, integrator: bool, noise: f64) -> Self {
-        let mut draw = Uniform(seed);
-        for _ in 0..9 {
-            draw.next();
-        }
+        let mut draw = Uniform::of(seed);
         let dt = draw.between(0.5e-3, 10e-3);
         let samples = 2000 + (3000.0 * draw.next()) as usize;
         let order = 1 + (seed % 3) as usize;

@@ -1,6 +1,9 @@
 //! Populations of records from simulations that share nothing with the library: what is found is as
 //! near to the truth as its standard deviations say.
 
+mod draws;
+
+use draws::Uniform;
 use trendid_identify::coulomb_input::{signs, velocity};
 use trendid_identify::derived::COULOMB;
 use trendid_identify::standstill::standstill;
@@ -10,27 +13,16 @@ use trendid_identify::{
     identify,
 };
 
-/// Uniform numbers from -1 to 1 of a seed.
-struct Uniform(u64);
-
-impl Uniform {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005);
-        self.0 = self.0.wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    /// Binary commands held for so many samples.
-    fn binary(&mut self, samples: usize, hold: usize) -> Vec<f64> {
-        let mut u = 0.0;
-        let mut next = |k: usize| {
-            if k.is_multiple_of(hold) {
-                u = self.next().signum();
-            }
-            u
-        };
-        (0..samples).map(&mut next).collect()
-    }
+/// Binary commands held for so many samples.
+fn binary(draw: &mut Uniform, samples: usize, hold: usize) -> Vec<f64> {
+    let mut u = 0.0;
+    let next = |k: usize| {
+        if k.is_multiple_of(hold) {
+            u = draw.either_side().signum();
+        }
+        u
+    };
+    (0..samples).map(next).collect()
 }
 
 /// Steps of a simulation within a sample.
@@ -89,14 +81,17 @@ fn deviations_contain_a_delay_that_is_searched() {
     for seed in 200_001..200_025_u64 {
         let mut uniform = Uniform(seed);
         let dt = 2e-3;
-        let a = 12.0 + 8.0 * uniform.next();
+        let a = 12.0 + 8.0 * uniform.either_side();
         let b = 100.0 * a;
         // Of whole steps.
-        let delay = (FINE as f64 * (2.0 + 2.0 * uniform.next())).round() / FINE as f64;
-        let u = uniform.binary(3000, 37);
+        let delay = (FINE as f64 * (2.0 + 2.0 * uniform.either_side())).round() / FINE as f64;
+        let u = binary(&mut uniform, 3000, 37);
         let y = axis(&u, dt, [a, b, 0.0], delay);
         let noise = 1e-3 * y.iter().fold(0.0_f64, |m, y| m.max(y.abs()));
-        let y: Vec<f64> = y.iter().map(|y| y + noise * uniform.next()).collect();
+        let y: Vec<f64> = y
+            .iter()
+            .map(|y| y + noise * uniform.either_side())
+            .collect();
         let signals = Signals::held(dt, &u, &y);
         let problem = Problem::new(&signals, AXIS, Options::default()).expect("a problem");
         let freedom = Freedom {
@@ -116,9 +111,9 @@ fn deviations_contain_a_delay_that_is_searched() {
 fn deviations_of_a_selected_model_contain_its_delay_too() {
     for seed in 1..=4_u64 {
         let mut uniform = Uniform(seed);
-        let u = uniform.binary(3000, 37);
+        let u = binary(&mut uniform, 3000, 37);
         let y = axis(&u, 2e-3, [12.0, 1200.0, 0.0], 2.6);
-        let y: Vec<f64> = y.iter().map(|y| y + 0.01 * uniform.next()).collect();
+        let y: Vec<f64> = y.iter().map(|y| y + 0.01 * uniform.either_side()).collect();
         let signals = Signals::held(2e-3, &u, &y);
         let freedom = Freedom {
             pole: Choice::Given(Some(15.0)),
@@ -159,9 +154,9 @@ fn a_missing_delay_is_said() {
     for seed in 200_001..200_013_u64 {
         for (k, delay) in [0.0, 1.3].into_iter().enumerate() {
             let mut uniform = Uniform(seed);
-            let u = uniform.binary(3000, 37);
+            let u = binary(&mut uniform, 3000, 37);
             let y = axis(&u, 2e-3, [12.0, 1200.0, 0.0], delay);
-            let y: Vec<f64> = y.iter().map(|y| y + 0.01 * uniform.next()).collect();
+            let y: Vec<f64> = y.iter().map(|y| y + 0.01 * uniform.either_side()).collect();
             let signals = Signals::held(2e-3, &u, &y);
             let problem = Problem::new(&signals, AXIS, Options::default()).expect("a problem");
             let found = identify(&problem, Freedom::default(), 0, &()).expect("a model");
@@ -183,10 +178,10 @@ fn friction_is_found_where_the_axis_turns_and_rests() {
     for seed in 200_001..200_017_u64 {
         let mut uniform = Uniform(seed);
         let dt = 2e-3;
-        let a = 6.0 + 4.0 * uniform.next();
+        let a = 6.0 + 4.0 * uniform.either_side();
         let b = 100.0;
-        let friction = b * (0.225 + 0.175 * uniform.next());
-        let mut u = uniform.binary(6000, 61);
+        let friction = b * (0.225 + 0.175 * uniform.either_side());
+        let mut u = binary(&mut uniform, 6000, 61);
         if seed % 2 == 0 {
             let pauses = u.iter_mut().enumerate().filter(|(k, _)| k / 122 % 2 == 0);
             pauses.for_each(|(_, u)| *u = 0.0);
@@ -195,7 +190,7 @@ fn friction_is_found_where_the_axis_turns_and_rests() {
         let range = y.iter().fold(0.0_f64, |m, y| m.max(y.abs()));
         let y: Vec<f64> = y
             .iter()
-            .map(|y| y + 1e-3 * range * uniform.next())
+            .map(|y| y + 1e-3 * range * uniform.either_side())
             .collect();
         let v = velocity(&y, dt).expect("a velocity");
         let (signs, still) = (signs(&v), standstill(&y));

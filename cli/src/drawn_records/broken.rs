@@ -1,7 +1,8 @@
 //! One cell or line broken: refused with its line, or no other number is touched and what was done
 //! is said.
 
-use super::{Draw, Drive, read};
+use super::{Drive, read};
+use crate::draws::Uniform;
 use crate::record::{Clock, Record, Resampling};
 
 /// What a slip of an editor or a lost byte puts in.
@@ -22,7 +23,7 @@ struct Broken {
 
 impl Broken {
     /// The columns t, u, w, y, another number and a note.
-    fn of(drive: &Drive, draw: &mut Draw) -> Self {
+    fn of(drive: &Drive, draw: &mut Uniform) -> Self {
         let mut lines = vec!["t,u,w,y,v,note".to_owned()];
         for [t, u, w, y] in &drive.rows {
             let note = draw.one(&["", "start"]);
@@ -76,7 +77,7 @@ fn differences(found: &Record, plain: &Record, row: usize) -> [usize; 2] {
 fn a_broken_line_is_refused_or_touches_no_other_number() {
     let (mut refused, mut said, mut alone) = (0, 0, 0);
     for seed in 1..=1500 {
-        let mut draw = Draw::of(seed);
+        let mut draw = Uniform::of(seed);
         let drive = Drive::of(&mut draw, 400, 0.0, 0.01);
         let plain = read(drive.table(3).as_bytes(), Clock::SECONDS).expect("the plain record");
         let broken = Broken::of(&drive, &mut draw);
@@ -120,7 +121,7 @@ fn a_broken_line_is_refused_or_touches_no_other_number() {
 #[test]
 fn a_number_that_stands_alone_is_named() {
     for seed in 1..=200 {
-        let mut draw = Draw::of(seed);
+        let mut draw = Uniform::of(seed);
         let mut drive = Drive::of(&mut draw, 400, 0.0, 0.01);
         let clean = read(drive.table(3).as_bytes(), Clock::SECONDS).expect("a record");
         assert!(

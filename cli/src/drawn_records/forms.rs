@@ -1,10 +1,11 @@
-//! One record in many forms, and the same drive under jitter and with missing rows.
+//! One record in many forms, from a file and in pieces, and with decimal commas.
 
-use super::{Draw, Drive, read};
-use crate::record::{Clock, Record, Resampling};
-use trendid_identify::{
-    Choice, Freedom, Hold, Input, Options, Problem, Signals, Structure, identify,
-};
+use std::io::{Error, ErrorKind, Read};
+use std::path::Path;
+
+use super::{Drive, read};
+use crate::draws::Uniform;
+use crate::record::{self, Clock, RecordError, Resampling};
 
 /// How a file writes its table.
 struct Form {
@@ -18,6 +19,10 @@ struct Form {
     latin_1: bool,
     spaces: bool,
     exponents: bool,
+    /// Whether numbers have decimal commas.
+    commas: bool,
+    /// Whether those stand without quotes among commas that separate the cells.
+    bare: bool,
     comments: bool,
     /// Whether there are columns that nobody asks for, and whether they come first.
     others: Option<bool>,
@@ -26,7 +31,7 @@ struct Form {
 }
 
 impl Form {
-    fn of(draw: &mut Draw) -> Self {
+    fn of(draw: &mut Uniform) -> Self {
         let (time, counts) = draw.one(&[
             ("t", 1.0),
             ("t [s]", 1.0),
@@ -49,13 +54,15 @@ impl Form {
             latin_1: draw.yes(),
             spaces: draw.yes(),
             exponents: draw.yes(),
+            commas: false,
+            bare: false,
             comments: draw.yes(),
             others: draw.one(&[None, Some(false), Some(true)]),
             start: draw.one(&[0.0, -3.0, 17.25, 86_400.0]),
         }
     }
 
-    fn text(&self, drive: &Drive, draw: &mut Draw) -> Vec<u8> {
+    fn text(&self, drive: &Drive, draw: &mut Uniform) -> Vec<u8> {
         let mut text = match self.byte_order_mark && !self.latin_1 {
             true => "\u{feff}".to_owned(),
             false => String::new(),
@@ -72,10 +79,7 @@ impl Form {
                 text += self.line_end;
             }
             let [t, y] = [(t + self.start) * self.counts, (y * 1e6).round() / 1e6];
-            let cells = [t, *u, *w, y].map(|value| match self.exponents {
-                true => format!("{value:e}"),
-                false => format!("{value}"),
-            });
+            let cells = [t, *u, *w, y].map(|value| self.number(value));
             let mut cells: Vec<&str> = cells.iter().map(String::as_str).collect();
             let note = if k % 3 == 0 { "start" } else { "" };
             self.line(
@@ -93,6 +97,17 @@ impl Form {
         }
     }
 
+    fn number(&self, value: f64) -> String {
+        let text = match self.exponents {
+            true => format!("{value:e}"),
+            false => format!("{value}"),
+        };
+        match self.commas {
+            true => text.replace('.', ","),
+            false => text,
+        }
+    }
+
     fn line<'a>(
         &self,
         text: &mut String,
@@ -104,7 +119,10 @@ impl Form {
             cells.splice(at..at, [a, b]);
         }
         let space = if self.spaces { " " } else { "" };
-        let quoted = |cell: &&str| match self.quoted || cell.contains(self.separator) {
+        // Those in a name never stand bare.
+        let may_be_apart = |cell: &str| !self.bare || cell.contains('[');
+        let apart = |cell: &str| may_be_apart(cell) && cell.contains(self.separator);
+        let quoted = |cell: &&str| match self.quoted || apart(cell) {
             true => format!("\"{cell}\""),
             false => format!("{space}{cell}{space}"),
         };
@@ -117,7 +135,7 @@ impl Form {
 #[test]
 fn a_record_is_the_same_in_every_form() {
     for seed in 1..=400 {
-        let mut draw = Draw::of(seed);
+        let mut draw = Uniform::of(seed);
         let drive = Drive::of(&mut draw, 60, 0.0, 0.01);
         let plain = read(drive.table(6).as_bytes(), Clock::SECONDS).expect("the plain record");
         let form = Form::of(&mut draw);
@@ -125,6 +143,14 @@ fn a_record_is_the_same_in_every_form() {
         let shown = String::from_utf8_lossy(&text).into_owned();
         let found = read(&text, Clock::SECONDS).unwrap_or_else(|e| panic!("{seed}: {e}\n{shown}"));
         assert_eq!(found.signals, plain.signals, "{seed}\n{shown}");
+        let piped = record::bytes(
+            Path::new("-"),
+            &mut Pieces {
+                left: &text,
+                next: 0,
+            },
+        );
+        assert_eq!(piped.as_deref(), Ok(&*text), "{seed}");
         assert!(
             (found.dt / drive.dt - 1.0).abs() < 1e-6,
             "{seed}: {}",
@@ -155,57 +181,79 @@ fn a_record_is_the_same_in_every_form() {
     }
 }
 
-/// Deviations of the model of a record from the truth, in standard deviations.
-fn deviations(record: &Record, truth: &[f64]) -> Vec<f64> {
-    let input = |name, c: usize| Input {
-        name,
-        samples: &record.signals[c],
-        delayed: true,
-        hold: Hold::Zero,
-    };
-    let signals = Signals {
-        dt: record.dt,
-        output: &record.signals[0],
-        inputs: vec![input("u", 1), input("w", 2)],
-        standstill: None,
-    };
-    let structure = Structure::of_order(1);
-    let problem = Problem::new(&signals, structure, Options::default()).expect("a problem");
-    let freedom = Freedom {
-        delay: Choice::Given(0),
-        ..Freedom::default()
-    };
-    let e = identify(&problem, freedom, 0, &())
-        .expect("a model")
-        .estimate;
-    let each = truth.iter().zip(e.theta.iter().zip(&e.sigma));
-    each.map(|(truth, (found, sigma))| (found - truth) / sigma)
-        .collect()
+/// What comes in pieces of a few bytes, with interruptions between them.
+struct Pieces<'a> {
+    left: &'a [u8],
+    next: usize,
 }
 
-/// Rows that are missing are not known: what the inputs did in them is in the noise.
-#[test]
-fn jitter_and_missing_rows_are_within_the_deviations() {
-    let mut all = Vec::new();
-    for seed in 1..=40_u64 {
-        let mut draw = Draw::of(seed);
-        let jitter = draw.one(&[0.0, 0.02, 0.08, 0.15]);
-        let noise = draw.one(&[1e-2, 1e-3, 1e-4]);
-        let mut drive = Drive::of(&mut draw, 1500, jitter, noise);
-        let missing = draw.one(&[0, 1, 10]);
-        for _ in 0..missing {
-            let row = 1 + draw.below(drive.rows.len() - 2);
-            drive.rows.remove(row);
+impl Read for Pieces<'_> {
+    fn read(&mut self, into: &mut [u8]) -> Result<usize, Error> {
+        self.next = (self.next + 5) % 8;
+        if self.next == 2 {
+            return Err(ErrorKind::Interrupted.into());
         }
-        let record = read(drive.table(9).as_bytes(), Clock::SECONDS).expect("a record");
-        let resampling = record.notes.resampling;
-        assert_eq!(resampling.filled, missing, "{seed}");
-        assert_eq!(resampling.jitter.is_some(), jitter > 0.01, "{seed}");
-        let z = deviations(&record, &drive.truth);
-        assert!(z.iter().all(|z| z.abs() < 5.0), "{seed}: {z:?}");
-        all.extend(z);
+        let piece = (self.next + 1).min(into.len()).min(self.left.len());
+        let (now, later) = self.left.split_at(piece);
+        into[..piece].copy_from_slice(now);
+        self.left = later;
+        Ok(piece)
     }
-    let rms = (all.iter().map(|z| z * z).sum::<f64>() / all.len() as f64).sqrt();
-    println!("rms {rms:.2}");
-    assert!(rms < 1.5, "{rms}");
+}
+
+/// The line of the first row with a decimal comma in what is read, with its column and its cell.
+fn first_comma(form: &Form, drive: &Drive, text: &[u8]) -> Option<(usize, &'static str, String)> {
+    let text = String::from_utf8_lossy(text).replace("\r\n", "\n");
+    let text = text.replace('\r', "\n");
+    let lines = text.lines().enumerate().filter(|(_, line)| {
+        let line = line.trim();
+        !line.is_empty() && !line.starts_with('#')
+    });
+    for ((place, _), [t, u, w, y]) in lines.skip(1).zip(&drive.rows) {
+        let [t, y] = [(t + form.start) * form.counts, (y * 1e6).round() / 1e6];
+        // In the order in which the columns are asked for.
+        for (name, value) in [(form.time, t), ("y", y), ("u", *u), ("w", *w)] {
+            let cell = form.number(value);
+            if cell.contains(',') {
+                return Some((place + 1, name, cell));
+            }
+        }
+    }
+    None
+}
+
+#[test]
+fn decimal_commas_are_refused_with_their_place() {
+    let (mut named, mut longer) = (0, 0);
+    for seed in 1..=400 {
+        let mut draw = Uniform::of(seed);
+        let drive = Drive::of(&mut draw, 60, 0.0, 0.01);
+        let form = Form {
+            commas: true,
+            bare: seed % 2 == 0,
+            ..Form::of(&mut draw)
+        };
+        let text = form.text(&drive, &mut draw);
+        let shown = String::from_utf8_lossy(&text).into_owned();
+        let (line, column, value) = first_comma(&form, &drive, &text).expect("a comma");
+        let error = read(&text, Clock::SECONDS).expect_err(&format!("{seed}\n{shown}"));
+        match error {
+            RecordError::DecimalComma { .. } => {
+                named += 1;
+                let wanted = format!(
+                    "line {line}, column `{column}`: `{value}` has a decimal comma; write a point"
+                );
+                assert_eq!(error.to_string(), wanted, "{seed}\n{shown}");
+            }
+            // Where the cells are separated by commas, too.
+            RecordError::LongLine { line: found, .. } => {
+                longer += 1;
+                assert_eq!(found, line as u64, "{seed}\n{shown}");
+                assert!(form.bare && form.separator == ',' && !form.quoted, "{seed}");
+            }
+            other => panic!("{seed}: {other}\n{shown}"),
+        }
+    }
+    println!("named {named}, as rows that are too long {longer}");
+    assert!(named > 200 && longer > 20);
 }

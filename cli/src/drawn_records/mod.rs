@@ -1,50 +1,17 @@
 //! Record files drawn at random, as loggers and spreadsheets write them: the same record whatever
-//! its form, the same model where stamps jitter and rows are missing, and no silent wrong number
-//! where one cell or line is broken.
+//! its form and on whatever way it comes, the same model where stamps jitter, rows are missing or
+//! the clock is coarse, and no silent wrong number where one cell or line is broken or the numbers
+//! have decimal commas.
 
 mod broken;
+mod clocks;
 mod forms;
+mod uneven;
 
 use std::path::Path;
 
+use crate::draws::Uniform;
 use crate::record::{Clock, Record, RecordError};
-
-/// Numbers of a seed.
-struct Draw(u64);
-
-impl Draw {
-    fn of(seed: u64) -> Self {
-        let mut draw = Self(seed);
-        for _ in 0..9 {
-            draw.next();
-        }
-        draw
-    }
-
-    /// From 0 to 1.
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005);
-        self.0 = self.0.wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        (self.next() * count as f64) as usize
-    }
-
-    fn one<T: Copy>(&mut self, of: &[T]) -> T {
-        of[self.below(of.len())]
-    }
-
-    fn yes(&mut self) -> bool {
-        self.next() < 0.5
-    }
-
-    /// Of mean 0 and deviation 1.
-    fn normal(&mut self) -> f64 {
-        (0..12).map(|_| self.next()).sum::<f64>() - 6.0
-    }
-}
 
 /// `y' = b0 u + b1 w - a y + noise` at its stamps, u and w held from stamp to stamp.
 struct Drive {
@@ -57,7 +24,7 @@ struct Drive {
 
 impl Drive {
     /// `jitter` is that of the stamps in sampling intervals, to both sides.
-    fn of(draw: &mut Draw, samples: usize, jitter: f64, noise: f64) -> Self {
+    fn of(draw: &mut Uniform, samples: usize, jitter: f64, noise: f64) -> Self {
         let dt = draw.one(&[1e-3, 2e-3, 5e-3, 1e-2]);
         let a = (0.02 + 0.08 * draw.next()) / dt;
         let truth = [a, a * (1.0 + 3.0 * draw.next()), a * (0.5 + draw.next())];
@@ -65,7 +32,7 @@ impl Drive {
         let mut inputs = [0.0; 2];
         let (mut y, mut rows) = (0.0, Vec::new());
         let mut stamp = |k: usize| {
-            let moved = jitter * (2.0 * draw.next() - 1.0);
+            let moved = jitter * draw.either_side();
             (k as f64 + if k == 0 { 0.0 } else { moved }) * dt
         };
         let stamps: Vec<f64> = (0..=samples).map(&mut stamp).collect();

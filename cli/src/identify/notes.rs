@@ -11,6 +11,11 @@ impl Notes {
     pub(crate) fn text(&self) -> String {
         let granted = self.granted.as_ref();
         let mut text = granted.map_or(String::new(), |granted| format!("{granted}\n"));
+        if let Some(clock) = self.clock {
+            let clock = significant(clock, 4);
+            text +=
+                &format!("time stamps are rounded to {clock} s: rows taken as equally spaced\n");
+        }
         if let Some(jitter) = self.resampling.jitter {
             let percent = significant(100.0 * jitter, 2);
             text += &format!("time steps vary by up to {percent} %: moved to equal intervals\n");

@@ -22,11 +22,6 @@ impl Report<'_> {
         }
         let [x0, x0c] = self.fits();
         let (found, errors) = (self.found, self.found.errors);
-        let way = match found.way {
-            Way::Instruments => "instruments",
-            Way::WeakInstruments => "least squares",
-            Way::Recursion => "recursion",
-        };
         let least_squares = found.least_squares.as_ref();
         let predicted = |sum: f64| match self.diverged() {
             true => Value::Null,
@@ -47,8 +42,9 @@ impl Report<'_> {
                 Friction::HeldAtRest => "of the model, also at rest",
             },
             "delay_alike": found.delay_alike,
+            "delay_imitated": found.delay_imitated.map(number),
             "poor_input": found.poor_input.map(PoorInput::name),
-            "method": way,
+            "method": self.method(),
             "least_squares": least_squares.map(|e| json!({"theta": list(&e.theta), "sigma": list(&e.sigma)})),
             "effective_blocks": found.effective_blocks.map(number),
             "standstill_s": number(self.standstill_s()),
@@ -65,11 +61,20 @@ impl Report<'_> {
             "samples": p.samples(),
             "jitter": self.notes.resampling.jitter.map(number),
             "filled": self.notes.resampling.filled,
+            "clock": self.notes.clock.map(number),
             "granted": self.notes.granted,
             "alone": self.notes.alone_json(),
             "dead_zone": self.dead_zone.map(|z| json!({"half_width": number(z.half_width), "centre": number(z.centre)})),
             "physical": self.physical_json(),
         })
+    }
+
+    fn method(&self) -> &'static str {
+        match self.found.way {
+            Way::Instruments => "instruments",
+            Way::WeakInstruments => "least squares",
+            Way::Recursion => "recursion",
+        }
     }
 
     fn physical_json(&self) -> Value {

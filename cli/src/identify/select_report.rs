@@ -226,6 +226,7 @@ impl SelectReport<'_> {
             "alone": self.notes.alone_json(),
             "jitter": self.notes.resampling.jitter.map(number),
             "filled": self.notes.resampling.filled,
+            "clock": self.notes.clock.map(number),
         })
     }
 }

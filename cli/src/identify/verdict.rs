@@ -16,7 +16,10 @@ impl Report<'_> {
     pub(crate) fn verdict(&self) -> String {
         let [x0, x0c] = self.fits();
         // A model fits as well with parameters that make up for a delay, which +- does not contain.
-        let off = self.found.poor_input.is_some() || self.found.delay_missed().is_some();
+        let found = self.found;
+        let off = found.poor_input.is_some()
+            || found.delay_missed().is_some()
+            || found.delay_imitated.is_some();
         let worth = if !self.found.estimate.reading.stable {
             "unstable"
         } else if !(x0c >= POOR) {
@@ -39,6 +42,12 @@ impl Report<'_> {
         }
         if let Some(poor) = self.found.poor_input {
             verdict += &format!("; doubtful: delay and parameters rest on {}", poor.name());
+        }
+        if let Some(longer) = self.found.delay_imitated {
+            verdict += &format!(
+                "; doubtful: a delay of about {} samples simulates as well in the place of the zero in the right half plane (+- contains it)",
+                significant(longer, 3)
+            );
         }
         if let Some([missed, sigma]) = self.found.delay_missed() {
             verdict += &format!(
@@ -81,7 +90,7 @@ impl Report<'_> {
         if !self.found.estimate.reading.stable {
             doubts.push("is unstable".to_owned());
         }
-        if self.found.poor_input.is_some() {
+        if self.found.poor_input.is_some() || self.found.delay_imitated.is_some() {
             doubts.push("does not tell its delay".to_owned());
         }
         if !(self.fits()[1] >= POOR) {

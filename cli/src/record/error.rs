@@ -18,6 +18,14 @@ fn by_time(wanted: &str) -> &'static str {
     }
 }
 
+/// How to do without stamps of a clock that is too coarse for the rows.
+fn by_interval(coarse: bool) -> &'static str {
+    match coarse {
+        true => "; where its clock is coarser than the rows, --dt S takes them as equally spaced",
+        false => "",
+    }
+}
+
 /// What the cells of a header that has one name only may lack.
 fn by_separator(present: &str) -> &'static str {
     match present.contains("`, `") {
@@ -109,7 +117,10 @@ pub(crate) enum RecordError {
         value: String,
     },
     /// The time stamps stay or go back.
-    #[error("line {line}: time does not advance, from {before} to {found} s (column `{column}`)")]
+    #[error(
+        "line {line}: time does not advance, from {before} to {found} s (column `{column}`){}",
+        by_interval(before == found)
+    )]
     NoAdvance {
         line: u64,
         column: String,
@@ -129,7 +140,7 @@ pub(crate) enum RecordError {
     },
     /// Samples are missing, more than can be filled.
     #[error(
-        "line {line}: {} missing before it (column `{column}`), {all} of {of} in all; {LONGEST_GAP} in a row and {} % of all are filled at most: --from and --to choose a part without",
+        "line {line}: {} missing before it (column `{column}`), {all} of {of} in all; {LONGEST_GAP} in a row and {} % of all are filled at most: --from and --to choose a part without, --dt S takes the rows as equally spaced where none is missing",
         counted(*samples as usize, "sample"), 100 / RARE
     )]
     Missing {

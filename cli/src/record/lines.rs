@@ -59,8 +59,9 @@ impl Lines {
         let header = header.ok_or_else(|| RecordError::NoHeader {
             path: path.to_owned(),
         })?;
+        let separator = delimiter(header);
         let mut rows = csv::ReaderBuilder::new()
-            .delimiter(delimiter(header))
+            .delimiter(separator)
             .flexible(true)
             .trim(csv::Trim::All)
             .from_reader(self.table.as_bytes());
@@ -78,7 +79,7 @@ impl Lines {
             wanted.push(position(path, &names, name)?);
         }
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); wanted.len()];
-        let (mut numbers, mut lengths) = (Vec::new(), Lengths::default());
+        let (mut numbers, mut lengths, mut points) = (Vec::new(), Lengths::default(), false);
         let mut row = csv::StringRecord::new();
         while rows.read_record(&mut row).map_err(unreadable)? {
             let place = row.position().map_or(0, |p| p.line() as usize - 1);
@@ -99,8 +100,11 @@ impl Lines {
             }
             numbers.push(line);
             lengths.count(row.len(), line);
+            points |= row.iter().any(|cell| cell.contains('.'));
         }
-        lengths.check()?;
+        // With a decimal comma the last cell, one of a column that nobody asks for, may be empty.
+        let commas = separator == b',' && !points && !wanted.contains(&(names.len() - 1));
+        lengths.check(commas.then_some(names.len()))?;
         Ok(Table {
             time: time.unwrap_or_default(),
             columns,
@@ -154,18 +158,51 @@ impl Lengths {
         }
     }
 
-    /// Refuses the first row that is longer or shorter than most.
-    fn check(&self) -> Result<(), RecordError> {
+    /// Refuses the first row that is longer or shorter than most, or longer than some names.
+    fn check(&self, names: Option<usize>) -> Result<(), RecordError> {
         let Some(usual) = self.0.iter().max_by_key(|length| length.rows) else {
             return Ok(());
         };
-        match self.0.iter().find(|length| length.cells != usual.cells) {
-            Some(other) => Err(RecordError::OtherLength {
+        if let Some(other) = self.0.iter().find(|length| length.cells != usual.cells) {
+            return Err(RecordError::OtherLength {
                 line: other.line,
                 found: other.cells,
                 expected: usual.cells,
+            });
+        }
+        match names.filter(|names| usual.cells > *names) {
+            Some(names) => Err(RecordError::LongLine {
+                line: usual.line,
+                found: usual.cells,
+                expected: names,
             }),
             None => Ok(()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str, signal: &str) -> Result<Table, RecordError> {
+        Lines::of(text).columns(Path::new("x.csv"), Some("t"), &[signal.to_owned()])
+    }
+
+    /// Whose fraction would stand under the name of the notes.
+    #[test]
+    fn an_empty_last_cell_hides_no_decimal_comma() {
+        let refused = read("t,y,note\n0,1,5,\n1,2,5,\n", "y").err();
+        let wanted = RecordError::LongLine {
+            line: 2,
+            found: 4,
+            expected: 3,
+        };
+        assert_eq!(refused, Some(wanted));
+        // A separator behind each row: with points, or behind what is asked for.
+        for text in ["t,y,note\n0,1.5,5,\n1,2,5,\n", "t,v,y\n0,1,5,\n1,2,5,\n"] {
+            assert!(read(text, "y").is_ok(), "{text}");
+        }
+        assert!(read("t;y;note\n0;1;5;\n1;2;5;\n", "y").is_ok());
     }
 }

@@ -7,8 +7,10 @@ mod error;
 mod lines;
 mod notes;
 mod resample;
+mod rounded;
 #[cfg(test)]
 mod tests;
+mod timing;
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -16,11 +18,12 @@ use std::path::Path;
 
 pub(crate) use alone::Alone;
 use alone::alone;
-use cells::{Timing, timing, unit_of};
+use cells::unit_of;
 pub(crate) use error::RecordError;
 use lines::{Lines, Table};
 pub(crate) use notes::Notes;
 pub(crate) use resample::Resampling;
+use timing::{Timing, timing};
 
 /// The column of the time stamps.
 #[derive(Debug, Clone, Copy)]
@@ -72,26 +75,14 @@ impl Record {
     /// semicolons or tabs, whichever the header has most of, as many in each row.
     /// Quoted cells, CRLF, a byte order mark and Latin-1 are understood. Columns that are not asked
     /// for need not hold numbers. Stamps with jitter are moved to equal intervals, and
-    /// few missing samples filled on straight lines.
+    /// few missing samples filled on straight lines; those of a clock as coarse as the intervals
+    /// give the interval by the line through all of them.
     ///
     /// # Errors
     ///
     /// [`RecordError`] names the first thing that is wrong and its line.
     pub(crate) fn read(path: &Path, clock: Clock, signals: &[String]) -> Result<Self, RecordError> {
-        let bytes = if path.as_os_str() == "-" {
-            let mut bytes = Vec::new();
-            std::io::stdin().read_to_end(&mut bytes).map(|_| bytes)
-        } else {
-            std::fs::read(path)
-        };
-        let bytes = bytes.map_err(|e| RecordError::Unreadable {
-            path: path.to_owned(),
-            reason: match e.kind() {
-                std::io::ErrorKind::NotFound => "no such file".into(),
-                std::io::ErrorKind::IsADirectory => "it is a directory".into(),
-                _ => e.to_string(),
-            },
-        })?;
+        let bytes = bytes(path, &mut std::io::stdin())?;
         Self::parse(path, &bytes, clock, signals)
     }
 
@@ -116,8 +107,8 @@ impl Record {
         let wanted_time = clock.dt.is_none().then_some(clock.column);
         let mut table = lines.columns(path, wanted_time, signals)?;
         let time = cells::printable(&table.time);
-        let (mut stamps, granted) = stamps(&mut table, &clock, &time);
-        if let Some(rows) = cells::within(&stamps, clock.span) {
+        let (mut stamps, unit, granted) = stamps(&mut table, &clock, &time);
+        if let Some(rows) = timing::within(&stamps, clock.span) {
             for column in table.columns.iter_mut().chain([&mut stamps]) {
                 *column = rows.iter().map(|row| column[*row]).collect();
             }
@@ -139,8 +130,9 @@ impl Record {
                 dt,
                 samples: stamps.len(),
                 resampling: Resampling::default(),
+                clock: None,
             },
-            None => timing(&stamps, &table.numbers, &time)?,
+            None => timing((&stamps, unit), &table.numbers, &time)?,
         };
         let Timing { dt, samples, .. } = timing;
         let mut signals = table.columns;
@@ -154,6 +146,7 @@ impl Record {
             notes: Notes {
                 granted,
                 resampling: timing.resampling,
+                clock: timing.clock,
                 alone,
             },
             signals,
@@ -216,11 +209,30 @@ impl Record {
     }
 }
 
-/// The time stamps in s, taken out of a table, and what was taken for granted of them.
-fn stamps(table: &mut Table, clock: &Clock, time: &str) -> (Vec<f64>, Option<String>) {
+/// What a file holds, or for `-` a reader.
+pub(crate) fn bytes(path: &Path, stdin: &mut dyn Read) -> Result<Vec<u8>, RecordError> {
+    let bytes = if path.as_os_str() == "-" {
+        let mut bytes = Vec::new();
+        stdin.read_to_end(&mut bytes).map(|_| bytes)
+    } else {
+        std::fs::read(path)
+    };
+    bytes.map_err(|e| RecordError::Unreadable {
+        path: path.to_owned(),
+        reason: match e.kind() {
+            std::io::ErrorKind::NotFound => "no such file".into(),
+            std::io::ErrorKind::IsADirectory => "it is a directory".into(),
+            _ => e.to_string(),
+        },
+    })
+}
+
+/// The time stamps in s, taken out of a table, the unit in s that they are written in, and what was
+/// taken for granted of them.
+fn stamps(table: &mut Table, clock: &Clock, time: &str) -> (Vec<f64>, f64, Option<String>) {
     if let Some(dt) = clock.dt {
         let rows = 0..table.numbers.len();
-        return (rows.map(|k| k as f64 * dt).collect(), None);
+        return (rows.map(|k| k as f64 * dt).collect(), 1.0, None);
     }
     let counts = table.columns.remove(0);
     let by_name = unit_of(&table.time);
@@ -230,6 +242,7 @@ fn stamps(table: &mut Table, clock: &Clock, time: &str) -> (Vec<f64>, Option<Str
         (None, Some((name, _))) => Some(format!("`{time}` counts {name} by its name")),
         (None, None) => cells::whole_seconds(&counts, time),
     };
-    let stamps = counts.iter().map(|t| unit.unwrap_or(1.0) * t).collect();
-    (stamps, granted)
+    let unit = unit.unwrap_or(1.0);
+    let stamps = counts.iter().map(|t| unit * t).collect();
+    (stamps, unit, granted)
 }

@@ -10,6 +10,8 @@ pub(crate) struct Notes {
     pub granted: Option<String>,
     /// What was done to have equal intervals.
     pub resampling: Resampling,
+    /// The step in s of a coarse clock that the stamps are rounded to.
+    pub clock: Option<f64>,
     /// Numbers that do not go with those around them, one of each signal at most.
     pub alone: Vec<Alone>,
 }

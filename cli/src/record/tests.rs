@@ -238,7 +238,7 @@ fn missing_samples_are_filled_and_said() {
 fn more_missing_samples_than_can_be_filled_are_refused() {
     assert_eq!(
         refusal(&without(&[7, 200, 201, 202, 203], 1000)),
-        "line 201: 4 samples missing before it (column `t`), 5 of 1000 in all; 3 in a row and 1 % of all are filled at most: --from and --to choose a part without"
+        "line 201: 4 samples missing before it (column `t`), 5 of 1000 in all; 3 in a row and 1 % of all are filled at most: --from and --to choose a part without, --dt S takes the rows as equally spaced where none is missing"
     );
     let said = refusal("t,u,y\n0,1,2\n0.1,3,4\n0.2,3,4\n1e30,3,4\n");
     assert!(said.starts_with("line 5: 1"), "{said}");

@@ -4,6 +4,8 @@ mod commands;
 mod common;
 mod dead_zones;
 mod demo;
+#[path = "../../../identify/tests/draws/mod.rs"]
+mod draws;
 mod paper;
 mod records;
 mod records_spread;
@@ -12,6 +14,7 @@ mod refusals_of_values;
 mod reports;
 mod selected;
 mod simulated;
+mod stdin;
 mod tuned;
 mod users;
 mod verdicts;

@@ -42,7 +42,7 @@ fn time_stamps_that_do_not_advance() {
     let text = table(50, |k| format!("{},{},{k}", k - k / 30, k % 2));
     assert_eq!(
         identified("twice", &text, &[]),
-        "line 33: time does not advance, from 29 to 29 s (column `t`)"
+        "line 33: time does not advance, from 29 to 29 s (column `t`); where its clock is coarser than the rows, --dt S takes them as equally spaced"
     );
 }
 

@@ -5,6 +5,7 @@ use crate::delay_choice::{Delays, LONGEST_DELAY, between_samples};
 use crate::error::{Error, Weakness};
 use crate::estimate::Estimate;
 use crate::filter_choice::{self, Elsewhere, Judged, choose, guarded, with_own_filter};
+use crate::imitated_delay::{Longer, Other, longer};
 use crate::instruments::{Fit, Found, Method};
 use crate::poor_input::PoorInput;
 use crate::problem::Problem;
@@ -47,6 +48,8 @@ pub(super) struct Chosen {
     delay: f64,
     pub(super) at_end: bool,
     pub(super) delay_alike: Option<[usize; 2]>,
+    /// A longer delay that a zero in the right half plane imitates.
+    pub(super) imitated: Option<Other>,
     method: Method,
 }
 
@@ -88,7 +91,7 @@ fn chosen(problem: &Problem, freedom: Freedom, progress: &dyn Progress) -> Resul
     progress.begin(poles.len());
     let given = given(freedom.delay);
     let judged = choose(problem, &poles, given as f64, progress);
-    let (mut at_end, mut delay_alike) = (false, None);
+    let (mut at_end, mut delay_alike, mut imitated) = (false, None, None);
     let mut judged = match freedom.delay {
         Choice::Given(_) => judged?,
         Choice::Auto => {
@@ -99,7 +102,19 @@ fn chosen(problem: &Problem, freedom: Freedom, progress: &dyn Progress) -> Resul
                 true => judged,
                 false => choose(problem, &poles, delay as f64, &())?,
             };
-            between_samples(problem, judged)
+            let judged = between_samples(problem, judged);
+            match longer(problem, &judged) {
+                Some(Longer::Better(longer)) => {
+                    let delay = longer.fit.delay();
+                    delay_alike = Some([delay.floor() as usize, delay.ceil() as usize]);
+                    longer
+                }
+                Some(Longer::Alike(longer)) => {
+                    imitated = Other::of(&longer);
+                    judged
+                }
+                None => judged,
+            }
         }
     };
     if freedom.pole == Choice::Auto {
@@ -113,6 +128,7 @@ fn chosen(problem: &Problem, freedom: Freedom, progress: &dyn Progress) -> Resul
         delay: fit.delay(),
         at_end,
         delay_alike,
+        imitated,
         method: fit.method(),
     })
 }

@@ -58,6 +58,10 @@ pub struct Identification {
     /// The delay as an unknown: what the record would add to the one that was given, or to the one
     /// that was searched where that is at an end. `None` for the recursion.
     pub delay_found: Option<DelayFound>,
+    /// A longer delay in samples that simulates as well in the place of a zero in the right half
+    /// plane, where the delay was searched: the record does not tell the two, and the standard
+    /// deviations contain how far the model moves.
+    pub delay_imitated: Option<f64>,
     /// What the input is where it says too little for the delay, which was searched.
     pub poor_input: Option<PoorInput>,
     /// Where the friction is from.

@@ -27,6 +27,10 @@ pub(super) fn once(
         Err(error) => return Err(inseparable(problem, given(freedom.delay)).unwrap_or(error)),
     };
     problem.check(&sharp.found.estimate)?;
+    let found = match &sharp.chosen.imitated {
+        Some(other) => other.contained_in(problem, (sharp.delay, sharp.found.clone())),
+        None => sharp.found.clone(),
+    };
     let tuning = sharp.tuning(problem);
     let (errors, trace) = recursive_errors(problem, tuning, trace_points).unwrap_or_default();
     let elsewhere = match freedom.pole {
@@ -47,17 +51,18 @@ pub(super) fn once(
         delay: sharp.delay,
         delay_at_end: sharp.chosen.at_end,
         delay_alike: sharp.chosen.delay_alike,
-        delay_found: sharp.found.delay,
+        delay_imitated: sharp.chosen.imitated.as_ref().map(|other| other.delay),
+        delay_found: found.delay,
         poor_input: sharp.poor_input,
         friction: Friction::Measured,
         free_run: problem.free_run(&simulated, delay, n / 2..n),
         held_out,
         errors,
         trace,
-        effective_blocks: Some(sharp.found.effective_blocks),
+        effective_blocks: Some(found.effective_blocks),
         estimate: match elsewhere {
-            Some(elsewhere) => elsewhere.contained_in(problem, sharp.found.estimate),
-            None => sharp.found.estimate,
+            Some(elsewhere) => elsewhere.contained_in(problem, found.estimate),
+            None => found.estimate,
         },
         least_squares: sharp.least_squares,
     })

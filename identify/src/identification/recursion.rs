@@ -48,12 +48,9 @@ pub(super) fn recursion(
                 options: Options::default(),
                 ..*problem
             };
-            let pole = match pole {
-                Choice::Given(None) => Choice::Auto,
-                other => other,
-            };
+            let raw = pole == Choice::Given(None);
+            let pole = if raw { Choice::Auto } else { pole };
             let sharp = sharp(&plain, Freedom { pole, delay }, &())?;
-            let raw = freedom.pole == Choice::Given(None);
             let tuning = Tuning {
                 pole: sharp.tuning(&plain).pole.filter(|_| !raw),
                 ..sharp.tuning(&plain)
@@ -84,6 +81,7 @@ pub(super) fn recursion(
         delay_at_end: false,
         delay_alike: None,
         delay_found: None,
+        delay_imitated: None,
         poor_input,
         friction: Friction::Measured,
         free_run: problem.free_run(simulated, tuning.delay as f64, n / 2..n),

@@ -12,8 +12,9 @@ const SETTLED: f64 = 0.01;
 /// it.
 const BENT: f64 = 0.1;
 
-/// Steps at most, each of at most one sample: the sums are linear in the delay over no more.
-const STEPS: usize = 6;
+/// Steps at most, each of at most one sample: the sums are linear in the delay over no more. Each
+/// leaves about a tenth of itself, so that eight lead from a sample to its rounding; twice as many.
+const STEPS: usize = 16;
 const FARTHEST: f64 = 1.0;
 
 impl Fit<'_> {
@@ -23,6 +24,7 @@ impl Fit<'_> {
     /// # Errors
     /// As [`Fit::new`].
     pub fn with_free_delay(mut self) -> Result<Self, Error> {
+        let mut before = FARTHEST;
         for _ in 0..STEPS {
             self = self.around_delay()?;
             let delay = self.setting.delay;
@@ -31,11 +33,15 @@ impl Fit<'_> {
             };
             let next = (delay + found.shift.clamp(-FARTHEST, FARTHEST)).max(0.0);
             let step = (next - delay).abs();
-            // By a step s the input is bent by at most s^2/2 of its change, in units of a sample.
-            let bent = 0.5 * step * step;
-            if step < SETTLED && !(bent > BENT * found.sigma) {
+            // By a step s the input is bent by at most s^2/2 of its change, in units of a sample;
+            // and the numerators, which belong to the step before, leave as much of this step as it
+            // is of that one. Steps that are no longer smaller are rounding.
+            let left = (0.5 * step * step).max(step * (step / before).min(1.0));
+            let rounding = step >= before && step < found.sigma;
+            if step < SETTLED && (rounding || !(left > BENT * found.sigma)) {
                 break;
             }
+            before = step;
             self.setting.delay = next;
             self.setting.later = None;
             self.sums = Sums::of(self.problem, &self.setting)?;

@@ -5,10 +5,9 @@ use trendid::trends::{
 };
 use trendid::{ConfigError, trends::AnyMemory};
 
+use crate::instruments::numerators::Numerators;
+pub(crate) use crate::instruments::numerators::Values;
 use crate::polynomials::{Pole, from_roots, roots};
-
-/// Trends 0 .. m-1 and the top one, then zeros.
-pub(crate) type Values = [f64; 5];
 
 /// Trends of one signal, whatever their order.
 pub(crate) trait Lane: Send {
@@ -34,12 +33,16 @@ pub(crate) trait Design: Send {
 
 struct Operator<const M: usize> {
     trends: AnyTrends<M>,
+    /// The chain of exact trends with their numerators.
+    exact: Option<(AnyTrends<M>, Numerators)>,
     /// As it is, and as the trends take it.
     sample_time: (f64, f32),
 }
 
 struct Signal<const M: usize> {
     trends: AnyTrends<M>,
+    /// Those of an input behind exact trends.
+    numerators: Option<Numerators>,
     memory: AnyMemory<M>,
     form: Form,
     hold: Hold,
@@ -78,17 +81,25 @@ fn sized<const M: usize>(
     model: Option<&[f64]>,
 ) -> Result<Box<dyn Design>, ConfigError> {
     let sample_time = (dt, dt as f32);
-    let (dt, filter) = (dt as f32, narrow(filter));
-    let trends = match model {
-        None => AnyTrends::Filtered(FilteredTrends::from_polynomial(Scheme::Tustin, dt, filter)?),
-        Some(model) => {
-            let exact = ExactTrends::from_polynomial(dt, filter)?;
-            // A model that is too fast for the sampling leaves the numerators of the filter.
-            AnyTrends::Exact(exact.with_model(narrow(model)).unwrap_or(exact))
-        }
+    let plain = |filter| FilteredTrends::from_polynomial(Scheme::Tustin, sample_time.1, filter);
+    let Some(model) = model else {
+        return Ok(Box::new(Operator::<M> {
+            trends: AnyTrends::Filtered(plain(narrow(filter))?),
+            exact: None,
+            sample_time,
+        }));
     };
+    let own = ExactTrends::<M>::from_polynomial(sample_time.1, narrow(filter))?;
+    // A model that is too fast for the sampling leaves the numerators of the filter.
+    let (exact, model) = match own.with_model(narrow(model)) {
+        Ok(exact) => (exact, model),
+        Err(_) => (own, filter),
+    };
+    let image = exact.design().filter.unwrap_or([0.0; M]);
+    let numerators = Numerators::of(model, &image.map(f64::from), (dt, f64::from(sample_time.1)));
     Ok(Box::new(Operator::<M> {
-        trends,
+        exact: Some((AnyTrends::Filtered(plain(image)?), numerators)),
+        trends: AnyTrends::Exact(exact),
         sample_time,
     }))
 }
@@ -97,6 +108,7 @@ impl<const M: usize> Design for Operator<M> {
     fn of_output(&self, form: Form, first: f32) -> Box<dyn Lane> {
         Box::new(Signal {
             trends: self.trends.clone(),
+            numerators: None,
             memory: Memory::output_at_rest(self.trends.design(), form, first),
             form,
             hold: Hold::Zero,
@@ -104,9 +116,14 @@ impl<const M: usize> Design for Operator<M> {
     }
 
     fn of_input(&self, hold: Hold) -> Box<dyn Lane> {
+        let (trends, numerators) = match &self.exact {
+            Some((chain, numerators)) => (chain, Some(numerators.clone())),
+            None => (&self.trends, None),
+        };
         Box::new(Signal {
-            trends: self.trends.clone(),
-            memory: Memory::input_at_rest(self.trends.design(), hold, 0.0),
+            trends: trends.clone(),
+            numerators,
+            memory: Memory::input_at_rest(trends.design(), hold, 0.0),
             form: Form::Position,
             hold,
         })
@@ -119,22 +136,25 @@ impl<const M: usize> Design for Operator<M> {
 
     fn to_s_plane(&self, a: &[f64], integrators: usize, zeros: bool) -> Option<(Vec<f64>, f64)> {
         let design = self.trends.design();
-        match design.to_s_plane(&narrow(a), integrators, zeros) {
-            Some(mapped) if matches!(self.trends, AnyTrends::Exact(_)) => {
+        match (
+            design.to_s_plane(&narrow(a), integrators, zeros),
+            &self.exact,
+        ) {
+            (Some(_), Some((_, numerators))) => {
                 let exact = poles_of_s_plane(a, integrators, self.sample_time)?;
-                let numerator = f64::from(mapped.numerator);
-                let numerator = match (mapped.a.get(integrators), exact.get(integrators)) {
-                    (Some(rounded), Some(exact)) => numerator * exact / f64::from(*rounded),
-                    _ => numerator,
+                // The gain behind the integrators stays.
+                let gain = match (a.get(integrators), exact.get(integrators)) {
+                    (Some(found), Some(exact)) if *found != 0.0 => exact / found,
+                    _ => 1.0,
                 };
-                Some((exact, numerator))
+                Some((exact, numerators.at_rest() * gain))
             }
-            Some(mapped) => {
+            (Some(mapped), None) => {
                 let a = mapped.a.iter().copied().map(f64::from).collect();
                 Some((a, f64::from(mapped.numerator)))
             }
-            None if matches!(self.trends, AnyTrends::Exact(_)) => None,
-            None => Some((a.to_vec(), 1.0)),
+            (None, Some(_)) => None,
+            (None, None) => Some((a.to_vec(), 1.0)),
         }
     }
 }
@@ -167,7 +187,11 @@ impl<const M: usize> Lane for Signal<M> {
     }
 
     fn input(&mut self, u: f32) -> Values {
-        wide(&self.trends.input(&mut self.memory, u, self.hold))
+        let trends = self.trends.input(&mut self.memory, u, self.hold);
+        match &self.numerators {
+            Some(numerators) => numerators.apply(&trends, u, self.hold),
+            None => wide(&trends),
+        }
     }
 }
 

@@ -14,8 +14,7 @@
 //! estimate is free of bias whatever the noise. Behind an integrator `s^i y = s^(i-1) v` and
 //! `v = B/A' u`: nothing is integrated, nothing drifts. The equations are linear in the rows of the
 //! sums, so the numerators b may change afterwards for all past samples. The m coefficients of the
-//! initial state of plant and filter are further regressors, so that a record may begin anywhere
-//! and a filter be slow.
+//! initial state are regressors, too: a record may begin anywhere, and filters may be slow.
 //!
 //! All trends are the core's; the sums are in f64. Cost: (r + p) (p + 1) multiplications per sample
 //! and pass for r twice filtered rows and p regressors, two or three passes.
@@ -27,6 +26,7 @@ mod free_delay;
 mod lanes;
 mod later;
 mod layout;
+mod numerators;
 mod output_noise;
 mod pass;
 mod rounding;
