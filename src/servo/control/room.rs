@@ -1,8 +1,6 @@
 //! How much flow an axis may be given on its way to an end of its travel.
 
-use crate::math::smaller;
 use crate::servo::control::controller::Controller;
-use crate::servo::design::constants::BREAKAWAY_RATIO;
 use crate::servo::motion::Setpoint;
 
 /// Speed of a flow over the one that takes the room to an end within 1/w: what swings runs ahead of
@@ -31,9 +29,7 @@ impl Approach {
     /// Behind a closed valve a drive without damping goes `a/w^2 + sqrt((v/w)^2 + (a/w^2)^2)`
     /// further, which is less than the first, where v and a that lead away count as 0; one that is
     /// damped comes to rest after `p/w^2`. Of an axis that is held, a and p are what its drive is
-    /// beyond friction: so it hops by the first when it is let go. That drive is the largest
-    /// breakaway at most, 2.5 frictions, whatever was integrated: more would have moved it, and one
-    /// that counted would end the push that it needs. With that flow all the time, a
+    /// beyond friction: so it hops by the first when it is let go. With that flow all the time, a
     /// drive with a damping of 0.05 or more meets its end with less than a tenth of its speed, or
     /// not at all.
     ///
@@ -62,11 +58,7 @@ impl Controller {
             (-1.0, state.position - travel.min)
         };
         let velocity = way * state.velocity;
-        let mut drive = way * state.drive;
-        if self.sticks() {
-            drive = smaller(drive, BREAKAWAY_RATIO * model.friction);
-        }
-        drive -= model.friction;
+        let drive = way * state.drive - model.friction;
         let approach = Approach {
             distance,
             velocity,

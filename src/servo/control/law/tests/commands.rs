@@ -1,7 +1,6 @@
 //! From a rate of the drive to a command of the valve.
 
 use super::*;
-use crate::math::larger;
 use crate::servo::control::holding::Slip;
 use crate::servo::motion::Travel;
 
@@ -111,34 +110,6 @@ fn a_flow_is_bounded_by_the_room_in_front_of_it_or_by_what_the_reference_takes()
         near(bounded(0.0, 0.0, 0.15, &r), 0.15);
         // Backwards there is no room.
         near(bounded(0.0, 0.0, -0.5, &rest), 0.0);
-    }
-}
-
-#[test]
-fn a_held_axis_has_room_for_a_hop_from_the_largest_breakaway() {
-    // With 1.9 and nearly 4 times its friction, of which 2.5 count where it is held; 10 and 3 in
-    // front of the end.
-    for (drive, counts, distance) in [
-        (1500.0, 1500.0, 10.0),
-        (3190.0, 2000.0, 10.0),
-        (3190.0, 2000.0, 3.0),
-    ] {
-        let allowed = |held: bool| {
-            let mut controller = at(0.0, drive);
-            for _ in 0..100 {
-                let _ = controller.anchor.update(200.0, held);
-            }
-            assert_eq!(controller.sticks(), held);
-            controller.design.estimator.travel = Travel {
-                min: 100.0,
-                max: 200.0 + distance,
-            };
-            controller.with_room(0.5, &reference(0.0, 0.0, 0.0))
-        };
-        // 0.7 (10 w - 2 a/w) over a speed of 1600, a beyond friction.
-        let room = |drive: f32| 0.7 * (distance * 25.0 - 2.0 * (drive - 800.0) / 25.0) / 1600.0;
-        near(allowed(false), larger(room(drive), 0.0));
-        near(allowed(true), larger(room(counts), 0.0));
     }
 }
 
