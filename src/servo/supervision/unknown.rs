@@ -1,7 +1,7 @@
 //! What a dead zone and a friction that are not quite known move: the nuisance parameters of a
 //! window.
 
-use crate::math::within;
+use crate::math::{sign, within};
 use crate::servo::control::observer::Observer;
 use crate::servo::control::place::PlacedFlow;
 use crate::servo::design::constants::{UNKNOWN_FLOW, UNKNOWN_PART};
@@ -92,18 +92,6 @@ pub(crate) struct Unknown {
     /// Sums of the squares of the responses, and of their product.
     squares: Responses,
     product: f32,
-}
-
-/// -1, 0 or 1.
-#[inline]
-fn sign(value: f32) -> f32 {
-    if value > 0.0 {
-        1.0
-    } else if value < 0.0 {
-        -1.0
-    } else {
-        0.0
-    }
 }
 
 impl Unknown {
