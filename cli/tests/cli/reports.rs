@@ -1,9 +1,6 @@
 //! What `identify` and `select` say beside the model: sigmas, remarks, what was left out.
 
-use std::io::Write;
-use std::process::{Command, Stdio};
-
-use crate::common::{Scratch, json, near, stdout};
+use crate::common::{Scratch, json, near, piped, stdout};
 
 /// A record of `n` samples every 10 ms: `t,u,w,y` with a binary input u and a slower one w.
 fn record(n: usize, mut plant: impl FnMut(usize, f64, f64) -> f64) -> String {
@@ -123,17 +120,20 @@ fn a_record_comes_from_the_standard_input_and_in_ms() {
         let t: f64 = t.parse().expect("a time");
         in_ms += &format!("{:.0},{rest}\n", 1e3 * t);
     }
-    let mut child = Command::new(env!("CARGO_BIN_EXE_trendid"))
-        .args(["identify", "-", "--order", "1", "--filter", "2", "--json"])
-        .args(["--time", "t_ms", "--time-unit", "ms"])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .expect("the binary starts");
-    let mut stdin = child.stdin.take().expect("a pipe");
-    stdin.write_all(in_ms.as_bytes()).expect("it reads");
-    drop(stdin);
-    let out = child.wait_with_output().expect("it ends");
+    let from_ms = [
+        "identify",
+        "-",
+        "--order",
+        "1",
+        "--filter",
+        "2",
+        "--json",
+        "--time",
+        "t_ms",
+        "--time-unit",
+        "ms",
+    ];
+    let out = piped(&from_ms, &in_ms);
     let from_stdin: serde_json::Value = serde_json::from_slice(&out.stdout).expect("JSON");
     let a = |value: &serde_json::Value| value["a"][0].as_f64().expect("a number");
     assert!((a(&from_file) / a(&from_stdin) - 1.0).abs() < 1e-5);

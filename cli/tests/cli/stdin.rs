@@ -1,9 +1,6 @@
 //! Records in drawn forms from the standard input: what is printed is that of the file.
 
-use std::io::Write;
-use std::process::{Command, Output, Stdio};
-
-use crate::common::{Scratch, trendid};
+use crate::common::{Scratch, piped, trendid};
 use crate::draws::Uniform;
 
 /// `y' = -a y + b u` with a ripple, in one of the forms of tables; a broken one is refused.
@@ -34,21 +31,6 @@ fn table(draw: &mut Uniform, broken: bool) -> String {
         y = decay * y + (1.0 - decay) * gain * u;
     }
     text
-}
-
-/// The program with a text on its standard input.
-fn piped(args: &[&str], text: &str) -> Output {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_trendid"))
-        .args(args)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the binary starts");
-    let mut stdin = child.stdin.take().expect("a pipe");
-    stdin.write_all(text.as_bytes()).expect("it reads");
-    drop(stdin);
-    child.wait_with_output().expect("it ends")
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! A prediction of the fit with its sensitivities, a point at a time.
 
+use crate::math::sign;
 use crate::servo::commissioning::predictor::{PARAMETERS, Point, Prediction, Theta};
 use crate::servo::control::place::{off_middle, stiffness};
 
@@ -185,10 +186,10 @@ impl Sensitivity {
         let theta = self.theta.stiffer(k);
         let mean = |newer: f32, older: f32| newer + part * (older - newer);
         let (newer, older) = (theta.flow(newer), theta.flow(older));
-        let (n, o) = (direction_of(newer), direction_of(older));
+        let (n, o) = (sign(newer), sign(older));
         let flow = mean(newer, older);
         let bent = [-mean(n, o), mean(n * n, o * o), (older - newer) * inverse];
-        let side = direction_of(flow);
+        let side = sign(flow);
         let loss = theta.kappa * side * flow;
         let mut acts = Acts {
             theta,
@@ -282,18 +283,6 @@ const fn driven(slopes: &mut [Prediction; PARAMETERS]) -> [&mut Prediction; 8] {
     let [a1, _, b0, dead_zone, offset, _, others @ ..] = slopes;
     let [delay, kappa, stiffening, load] = others;
     [a1, b0, dead_zone, offset, delay, kappa, stiffening, load]
-}
-
-/// Direction of a flow, 0 for none.
-#[inline]
-fn direction_of(flow: f32) -> f32 {
-    if flow > 0.0 {
-        1.0
-    } else if flow < 0.0 {
-        -1.0
-    } else {
-        0.0
-    }
 }
 
 #[cfg(test)]

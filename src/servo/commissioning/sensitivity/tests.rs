@@ -248,5 +248,5 @@ fn a_prediction_without_its_slopes_is_that_of_the_model() {
 
 #[test]
 fn a_flow_has_a_direction_or_none() {
-    assert_eq!([2.0, -3.0, 0.0].map(direction_of), [1.0, -1.0, 0.0]);
+    assert_eq!([2.0, -3.0, 0.0].map(sign), [1.0, -1.0, 0.0]);
 }
