@@ -29,7 +29,7 @@ impl Controller {
         self.anchor.restart();
         self.transfer.settle();
         self.heading = 0.0;
-        self.pause = 0;
+        self.pushed = 0;
         self.rest.wake();
     }
 

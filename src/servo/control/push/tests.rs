@@ -3,6 +3,15 @@
 use super::*;
 use crate::servo::control::law::tests::{at, near, reference};
 
+/// A controller whose axis friction holds at 200.
+fn held_at(drive: f32) -> Controller {
+    let mut controller = at(0.0, drive);
+    while !controller.sticks() {
+        let _ = controller.anchor.update(200.0, true);
+    }
+    controller
+}
+
 #[test]
 fn a_push_is_quick_to_where_friction_lets_go_and_then_grows() {
     for way in [1.0, -1.0] {
@@ -17,25 +26,26 @@ fn a_push_is_quick_to_where_friction_lets_go_and_then_grows() {
         near(push(900.0, true), 0.25 * 800.0 * 16.0);
         near(push(600.0, false), 300.0 * 200.0);
         near(push(790.0, false), 3.0 * 800.0 * 16.0);
-        // It grows by 0.3 per time constant for which the axis has been held, 11 ms and 687; by
-        // half at most behind a moving reference, or as far as in the pause before.
-        for (samples, rest, moving) in [(11, 1.0528, 1.0528), (750, 4.2976, 1.5)] {
-            let mut held = at(0.0, way * 800.0);
+        // At rest it grows by 0.3 per time constant for which the axis is held elsewhere, 11 ms and
+        // 687; behind a moving reference it is as quick as it was there, where that is quicker.
+        for (samples, rest, moving) in [(11, 1.0528, 1.0), (687, 4.2976, 3.2976)] {
+            let mut held = held_at(way * 800.0);
             for _ in 0..samples {
-                let _ = held.anchor.update(200.0, true);
+                held.wait_at_rest();
             }
             let r = reference(way, 0.0, 0.0);
             near(way * held.break_away(&r, true, 0.0), 3200.0 * rest);
             near(way * held.break_away(&r, false, 0.0), 38_400.0 * moving);
-            held.pauses();
-            let most = if samples == 11 { moving } else { rest - 1.0 };
-            near(way * held.break_away(&r, false, 0.0), 38_400.0 * most);
-            // The next one is none that a pause has made.
-            assert!(held.resumed() == (samples == 750) && !held.resumed());
-            // Of ten samples no push has grown.
-            held.pause = 10;
-            assert!(!held.resumed());
-            near(way * held.break_away(&r, false, 0.0), 38_400.0 * moving);
+            // The next one is none that a push at rest has made.
+            assert!(held.resumed() == (samples == 687) && !held.resumed());
+            near(way * held.break_away(&r, false, 0.0), 38_400.0);
+            // Held by then, it grows by as much a sample, to half more.
+            for (samples, grown) in [(11, 1.0528), (739, 1.5)] {
+                for _ in 0..samples {
+                    let _ = held.anchor.update(200.0, true);
+                }
+                near(way * held.break_away(&r, false, 0.0), 38_400.0 * grown);
+            }
         }
         // From four frictions on the error counts where it asks for more: k0 error - k2 drive.
         let slid = |drive: f32, error: f32| {
@@ -53,6 +63,24 @@ fn a_push_is_quick_to_where_friction_lets_go_and_then_grows() {
         late.break_away(&reference(1.0, 0.0, 0.0), true, 0.0),
         100.0 * 800.0,
     );
+}
+
+#[test]
+fn a_rest_at_the_target_makes_no_push_quicker() {
+    let r = reference(1.0, 0.0, 0.0);
+    let mut held = held_at(800.0);
+    let first = held.break_away(&r, true, 0.0);
+    for _ in 0..100 {
+        held.wait_at_rest();
+    }
+    assert!(held.break_away(&r, true, 0.0) > first);
+    // Within its window the valve rests, however long that is; what was missing before is over.
+    held.rest.update(0.0, true);
+    assert!(held.rest.rests());
+    for _ in 0..10_000 {
+        held.wait_at_rest();
+    }
+    near(held.break_away(&r, true, 0.0), first);
 }
 
 #[test]
