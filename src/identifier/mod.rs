@@ -193,6 +193,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.state.set_nominal(&self.plan);
     }
 
+    /// The same of an estimate that later data have confirmed, for less.
+    pub(crate) fn set_nominal_as_shown(&mut self) {
+        self.state.set_nominal_as_shown(&self.plan);
+    }
+
     /// Adapts (`true`, as constructed) or holds the estimate; predictions go on.
     pub fn adapt(&mut self, on: bool) {
         self.state.adapt(on);

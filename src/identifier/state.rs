@@ -175,13 +175,25 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// Makes the current estimate the nominal one, as well known as it is.
     pub(crate) fn set_nominal(&mut self, plan: &Plan<T, M, N, I>) {
-        // The variance of psi from the noise that is expected.
-        let expected = plan.noise.prior * plan.noise.prior;
+        let (theta, p) = (*self.estimator.theta(), self.estimator.covariances());
+        self.forgetting.set_known(theta, &p, self.noise_share(plan));
+        self.free_initial_state(plan);
+    }
+
+    /// The same of an estimate that the data have shown, whatever was nominal before: by P alone,
+    /// for a sample that has to do other things.
+    pub(crate) fn set_nominal_as_shown(&mut self, plan: &Plan<T, M, N, I>) {
+        let noise = self.noise_share(plan);
         self.forgetting.set_nominal(*self.estimator.theta());
-        let noise = self.estimator.noise_variance().unwrap_or(expected) / expected;
         self.forgetting
             .set_own(self.estimator.variances().map(|variance| noise * variance));
         self.free_initial_state(plan);
+    }
+
+    /// The variance of psi over that of the noise that is expected.
+    fn noise_share(&self, plan: &Plan<T, M, N, I>) -> f32 {
+        let expected = plan.noise.prior * plan.noise.prior;
+        self.estimator.noise_variance().unwrap_or(expected) / expected
     }
 
     /// No beginning tells the initial state of the next one.

@@ -3,22 +3,18 @@
 use crate::estimation::beginning::Beginning;
 use crate::estimation::forgetting::StabilisedForgetting;
 use crate::estimation::noise_level::NoiseLevel;
-use crate::estimation::postponed::PAUSE;
 use crate::estimation::regressor::Regressor;
 use crate::estimation::rls::Estimator;
 use crate::estimation::start_error::StartError;
 use crate::estimation::structure::Structure;
 use crate::estimation::terms::{Parameter, index_of};
 use crate::math::matrix::Matrix;
-use crate::math::{larger, smaller};
+use crate::math::smaller;
 use crate::readout::former::Former;
 use crate::trends::Design;
 
 /// Share of a variance below which what a prior adds to it is left out.
 const SHOWN: f32 = 1e-3;
-
-/// Share of the bound at which P_kk stays under rows that bring little.
-const LEAST: f32 = 1.0 / (1.0 + PAUSE as f32);
 
 /// The recursion and its plan, borrowed for one reading.
 pub(crate) struct ReadOut<'a, const M: usize, const N: usize, const I: usize> {
@@ -56,35 +52,25 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             .unwrap_or(self.prior_noise * self.prior_noise)
     }
 
-    /// Adds the uncertainty of nominal values that no data support or that were set: P counts them
-    /// as if the noise of the data, where that is less than expected, were all of it.
+    /// Adds the uncertainty of nominal values that no data support or that were set:
+    /// [`StabilisedForgetting::lacking`].
     ///
-    /// ```text
-    /// whole   what the nominal value alone leaves of P_kk       own   its variance, relative to that of the expected noise sigma_0
-    /// Sigma <- Sigma + (P e_k / whole) (P e_k / whole)' (own sigma_0^2 - whole sigma^2)
-    /// ```
-    ///
-    /// A prior alone leaves itself, observations of the value the bound or, as motion that shows
-    /// little is forgotten for at every eighth row only, an eighth of it: as much as P_kk is
-    /// between the least of these and the bound. So a value is taken for all that is known down to
-    /// there, and by the share of P_kk below. Without a memory what the data have shown is left
-    /// out: no entry i would grow by more than a thousandth.
+    /// Without a memory what the data have shown is left out: no entry i would grow by more than a
+    /// thousandth.
     pub(super) fn add_nominal_values(&self, p: &Matrix<N>, covariance: &mut Matrix<N>) {
         let (expected, residual) = (self.prior_noise * self.prior_noise, self.residual());
+        let noise = residual / expected;
         let bound = self.forgetting.bound();
-        for (k, (prior, own)) in self.forgetting.own_variances().iter().enumerate() {
-            let whole = match *prior && *own > bound {
-                true => *own,
-                false => between(smaller(*own, LEAST * bound), p[k][k], bound),
-            };
-            let missing = own * expected - whole * residual;
-            let shown = bound == 0.0 && p[k][k] * missing < SHOWN * whole * (whole * residual);
+        for (k, own) in self.forgetting.own_variances().into_iter().enumerate() {
+            let [whole, missing] = self.forgetting.lacking(own, p[k][k], noise);
+            let shown = bound == 0.0 && p[k][k] * missing < SHOWN * whole * (whole * noise);
             if shown || !(missing > 0.0) {
                 continue;
             }
             for i in 0..N {
                 for j in 0..N {
-                    covariance[i][j] += (p[i][k] / whole) * (p[j][k] / whole) * missing;
+                    covariance[i][j] +=
+                        (p[i][k] / whole) * (p[j][k] / whole) * (missing * expected);
                 }
             }
         }
@@ -122,23 +108,5 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// P, normalised.
     pub(super) fn covariance(&self) -> Matrix<N> {
         self.estimator.covariances()
-    }
-}
-
-/// `value`, but no less than `least` and no more than `most`.
-const fn between(least: f32, value: f32, most: f32) -> f32 {
-    smaller(larger(value, least), most)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_value_is_kept_between_its_limits_of_which_the_upper_one_counts_most() {
-        for (value, kept) in [(0.5, 1.0), (2.0, 2.0), (4.0, 3.0)] {
-            assert_eq!(between(1.0, value, 3.0), kept);
-        }
-        assert_eq!(between(5.0, 1.0, 3.0), 3.0);
     }
 }

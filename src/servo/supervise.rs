@@ -124,7 +124,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                     self.retune(model);
                     // What oscillated was the loop on the model before.
                     self.derate(1.0);
-                    self.identifier.set_nominal();
+                    self.identifier.set_nominal_as_shown();
                 }
                 true
             }

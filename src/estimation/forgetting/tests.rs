@@ -172,6 +172,38 @@ fn variances_of_nominal_values_are_of_the_prior_or_as_they_were_set() {
 }
 
 #[test]
+fn a_nominal_value_that_is_set_is_as_well_known_as_its_estimate() {
+    let near = |found: f32, wanted: f32| {
+        assert!((found / wanted - 1.0).abs() < 1e-5, "{found}, not {wanted}");
+    };
+    let mut stabilised = StabilisedForgetting::<2>::new([0.0; 2], 0.99);
+    let prior = 1e3 * stabilised.bound();
+    let p = [[4.0, 30.0], [30.0, prior]];
+    // Of values that follow: P alone, by the noise of the data.
+    stabilised.set_known([1.0, 2.0], &p, 0.01);
+    assert_eq!(stabilised.nominal(), &[1.0, 2.0]);
+    let [(_, first), (_, last)] = stabilised.own_variances();
+    near(first, 0.04);
+    near(last, 0.01 * prior);
+    // The last one is that of a prior, which the data have not shown: it keeps its own variance,
+    // whatever their noise is, and the first one has its share of that.
+    let mut stabilised = StabilisedForgetting::<2>::new([0.0; 2], 0.99);
+    stabilised.set_nominal_std(&[0.0, libm::sqrtf(prior)]);
+    stabilised.set_known([1.0, 2.0], &p, 0.01);
+    stabilised.unsupported = [0.0; 2];
+    let [(_, first), (_, last)] = stabilised.own_variances();
+    near(last, prior);
+    let share = 30.0 / prior;
+    near(first, 0.04 + share * share * 0.99 * prior);
+    // Again, before any more data: as well known as before.
+    stabilised.set_known([1.0, 2.0], &[[4.0, 0.0], [0.0, stabilised.bound()]], 0.01);
+    near(stabilised.own_variances()[1].1, prior);
+    // More noise than was expected: P says enough.
+    stabilised.set_known([1.0, 2.0], &[[4.0, 0.0], [0.0, 1.0]], 1e9);
+    near(stabilised.own_variances()[1].1, 1e9);
+}
+
+#[test]
 fn the_last_nominal_value_may_follow_where_the_others_are_set() {
     let std = libm::sqrtf(0.05 * BOUND);
     for follows in [false, true] {

@@ -1,6 +1,16 @@
 //! How well nominal values are known, and what they leave of P without data.
 
 use crate::estimation::forgetting::StabilisedForgetting;
+use crate::estimation::postponed::PAUSE;
+use crate::math::{larger, smaller};
+
+/// Share of the bound at which P_kk stays under rows that bring little.
+const LEAST: f32 = 1.0 / (1.0 + PAUSE as f32);
+
+/// `value`, but no less than `least` and no more than `most`.
+const fn between(least: f32, value: f32, most: f32) -> f32 {
+    smaller(larger(value, least), most)
+}
 
 impl<const N: usize> StabilisedForgetting<N> {
     /// Sets the standard deviations of the present nominal values, relative to the noise of psi.
@@ -25,6 +35,48 @@ impl<const N: usize> StabilisedForgetting<N> {
             prior if prior > 0.0 => (true, prior),
             _ => (false, self.own[i]),
         })
+    }
+
+    /// P_kk that nominal value `k` alone leaves of what is `now`, and how much of its own variance
+    /// P lacks, which counts it as if it had the `noise` of the data, relative to the expected one.
+    ///
+    /// ```text
+    /// Sigma <- sigma_0^2 (noise P + sum over k: (P e_k / whole_k) (P e_k / whole_k)' (own_k - whole_k noise))
+    /// ```
+    ///
+    /// A prior alone leaves itself, observations of the value the bound or, as motion that shows
+    /// little is forgotten for at every eighth row only, an eighth of it: as much as P_kk is
+    /// between the least of these and the bound. So a value is taken for all that is known down to
+    /// there, and by the share of P_kk below.
+    pub(crate) fn lacking(&self, (prior, own): (bool, f32), now: f32, noise: f32) -> [f32; 2] {
+        let whole = match prior && own > self.bound {
+            true => own,
+            false => between(smaller(own, LEAST * self.bound), now, self.bound),
+        };
+        [whole, own - whole * noise]
+    }
+
+    /// Sets the present estimate as nominal, as well known as it is: by `p`, under this `noise` of
+    /// the data over the expected one, and by the nominal values before.
+    ///
+    /// With P alone a value that only a prior tells would count as one that was measured by the
+    /// noise of the data: from then on wrong values, for certain.
+    pub(crate) fn set_known(&mut self, theta: [f32; N], p: &[[f32; N]; N], noise: f32) {
+        let own = self.own_variances();
+        let mut known: [f32; N] = core::array::from_fn(|i| noise * p[i][i]);
+        for (k, own) in own.into_iter().enumerate() {
+            let [whole, missing] = self.lacking(own, p[k][k], noise);
+            if !(whole > 0.0 && missing > 0.0) {
+                continue;
+            }
+            let inverse = 1.0 / whole;
+            for (known, row) in known.iter_mut().zip(p) {
+                let share = row[k] * inverse;
+                *known += share * share * missing;
+            }
+        }
+        self.set_nominal(theta);
+        self.set_own(known);
     }
 
     /// P_ii that each nominal value alone leaves, and its own variance.

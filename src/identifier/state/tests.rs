@@ -79,6 +79,12 @@ fn a_nominal_value_is_as_well_known_as_the_estimate_was() {
         near(variance, variances[j] * measured / (expected * expected));
     }
     assert_eq!(servo.state.forgetting.nominal(), servo.estimator().theta());
+    // All of these were shown.
+    let known = servo.state.forgetting.own_variances();
+    servo.set_nominal_as_shown();
+    for (known, shown) in known.iter().zip(servo.state.forgetting.own_variances()) {
+        near(known.1, shown.1);
+    }
     // Without a memory of the noise it is that which is expected.
     let mut fresh = identifier(&config);
     fresh.set_nominal();

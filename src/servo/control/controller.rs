@@ -75,8 +75,10 @@ pub struct Controller {
     pub(super) load: Load,
     pub(super) holding: Holding,
     pub(super) hop: Hop,
-    /// Samples for which the axis was held elsewhere while the reference rested, until its motion.
-    pub(super) pushed: u32,
+    /// Samples for which the axis was held while the reference rested before its motion.
+    pub(super) pause: u32,
+    /// Samples since the axis began to stick after which the valve rested last.
+    pub(super) rested: u32,
     /// Error and reference at the last breakaway.
     pub(super) left: [f32; 2],
     pub(super) transfer: Transfer,
@@ -121,7 +123,8 @@ impl Controller {
             load: Load::default(),
             holding: Holding::NONE,
             hop: Hop::default(),
-            pushed: 0,
+            pause: 0,
+            rested: 0,
             left: [0.0; 2],
             transfer: Transfer::default(),
         };
@@ -151,10 +154,10 @@ impl Controller {
         self.bear(&r);
         self.hop.follow(setpoint.position, setpoint.velocity);
         if rests {
+            self.pauses();
             let still = self.is_still();
             let error = setpoint.position - self.estimator.now().position;
             self.rest.update(error, still);
-            self.wait_at_rest();
         } else {
             self.rest.wake();
         }

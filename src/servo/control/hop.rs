@@ -15,7 +15,7 @@
 /// h is no longer than it. If h is too long, the hops that are made are shorter, and h comes back;
 /// if it is too short, they lead past the reference. The shares make h one of the longer hops: a
 /// hop too many costs all of it, one too few at most half. Ways along a reference that goes far
-/// itself are none, and one that a long push at rest began is that of a quicker one. An axis that
+/// itself are none, and one behind a pause of the reference is that of a quicker push. An axis that
 /// goes on as before is nearer to its breakaway than one that turns, and hops less: each has its
 /// length.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -35,7 +35,7 @@ const SHARE: [f32; 2] = [0.5, 0.1];
 
 impl Hop {
     /// The axis sticks again after a motion in a direction, that led from one error to another;
-    /// `counts`: the reference went less far than the axis, and no push at rest began it.
+    /// `counts`: the reference went less far than the axis, and had not paused before.
     pub(crate) fn ended(&mut self, direction: f32, [before, after]: [f32; 2], counts: bool) {
         let length = &mut self.lengths[usize::from(direction * self.last < 0.0)];
         self.last = direction;

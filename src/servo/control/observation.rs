@@ -29,7 +29,7 @@ impl Controller {
         self.anchor.restart();
         self.transfer.settle();
         self.heading = 0.0;
-        self.pushed = 0;
+        (self.pause, self.rested) = (0, 0);
         self.rest.wake();
     }
 
@@ -76,6 +76,7 @@ impl Controller {
     pub fn applied(&mut self, command: f32) {
         // What the valve lets through at rest holds the axis: nothing is left of it.
         let flow = if self.rest.rests() && !self.centres() {
+            self.rested = self.anchor.since();
             0.0
         } else {
             let flow = self.believed(self.estimator.model(), command);
@@ -120,6 +121,7 @@ impl Controller {
             let counts = !self.resumed() && still;
             self.hop.ended(sign(-hop), [before, error], counts);
             self.left[0] = 0.0;
+            self.rested = 0;
         }
         let rests = self.rest.rests() && self.sticks();
         self.holding.pass(self.sample_time(), rests);

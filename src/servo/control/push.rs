@@ -32,12 +32,12 @@ impl Controller {
     /// known to a quarter: what is missing then has a sign only beyond a quarter of the way that
     /// the reference goes meanwhile. A push the wrong way would cost the whole hop.
     ///
-    /// At rest it begins slowly and grows with the time for which the axis is missing, so that a
-    /// hop is as short as it can be, and comes. A rest at the target is no such time: a small step
-    /// behind it would be met by a push of any rate. Behind a moving reference it grows so that the
-    /// axis hops when as much is missing as a hop is long: see [`due`]. A reference that had rested
-    /// where the axis was not may be followed by as quick a push as was reached there: a move that
-    /// begins so outruns the hop, which says nothing about those to come.
+    /// Behind a moving reference it grows so that the axis hops when as much is missing as a hop is
+    /// long: see [`due`]. After a pause of the reference it may grow faster, by the time of it: a
+    /// move that begins there outruns the hop, which says nothing about those to come. At rest it
+    /// begins slowly and grows with the time for which the axis is held, so that a hop is as short
+    /// as it can be, and comes. Time for which the valve rested does not count: nothing was missing
+    /// then, and a small step behind a long rest would be met by a push of any rate.
     ///
     /// The drive of an axis that sticks is only integrated, up to a limit. Beyond it, a load is in
     /// the way or the drive is less than it seems: then the error counts, as for an axis that
@@ -73,14 +73,15 @@ impl Controller {
             return if rate > 0.0 { direction * rate } else { 0.0 };
         }
         let growth = self.growth();
-        let waited = growth * self.pushed as f32;
+        let rested = if at_rest { self.rested } else { 0 };
+        let grown = 1.0 + growth * self.anchor.since().saturating_sub(rested) as f32;
         let rate = if at_rest {
-            PUSH_AT_REST * wc * (1.0 + waited)
+            PUSH_AT_REST * wc * grown
         } else {
             let left = self.hop.length(direction) - direction * error;
-            let grown = 1.0 + growth * self.anchor.since() as f32;
             let grown = if grown < GROWN { grown } else { GROWN };
-            let most = if waited > grown { waited } else { grown };
+            let pause = growth * self.pause as f32;
+            let most = if pause > grown { pause } else { grown };
             due(left, direction * velocity, PUSH_MOST * wc * most)
         };
         let least = rate * model.friction;
@@ -100,19 +101,18 @@ impl Controller {
 
     /// One sample of a reference that rests.
     #[inline]
-    pub(super) const fn wait_at_rest(&mut self) {
-        self.pushed = if self.sticks() && !self.rest.rests() {
-            self.pushed.saturating_add(1)
+    pub(super) const fn pauses(&mut self) {
+        self.pause = if self.sticks() {
+            self.anchor.since()
         } else {
             0
         };
     }
 
-    /// Whether a push at rest made the motion that ends, and a quicker one than any behind a moving
-    /// reference; the next one is not.
+    /// Whether the motion that ends was pushed by the pause before it; it is none for the next one.
     pub(super) fn resumed(&mut self) -> bool {
-        let pushed = core::mem::take(&mut self.pushed);
-        self.growth() * pushed as f32 > GROWN
+        let pause = core::mem::take(&mut self.pause);
+        self.growth() * pause as f32 > GROWN
     }
 }
 

@@ -94,17 +94,17 @@ fn a_hop_past_a_reference_that_went_less_far_is_a_hunt_and_has_its_length() {
 }
 
 #[test]
-fn a_hop_of_a_push_at_rest_says_nothing_about_the_next() {
-    // The hop of above behind no push at rest, and one of ten seconds.
-    for (pushed, learns) in [(0, true), (10_000, false)] {
+fn a_hop_behind_a_pause_of_the_reference_says_nothing_about_the_next() {
+    // The hop of above behind a pause of no time, and of ten seconds.
+    for (pause, learns) in [(0, true), (10_000, false)] {
         let mut controller = standing(MODEL);
         measure(&mut controller, 200.0, 203.0);
         controller.hop = Hop::default();
-        controller.pushed = pushed;
+        controller.pause = pause;
         controller.observe(200.002, 203.0, true);
         measure(&mut controller, 205.0, 203.0);
-        assert_eq!(controller.hop.length(1.0) > 0.0, learns, "{pushed}");
-        assert_eq!(controller.pushed, 0);
+        assert_eq!(controller.hop.length(1.0) > 0.0, learns, "{pause}");
+        assert_eq!(controller.pause, 0);
     }
 }
 

@@ -2,15 +2,9 @@
 
 use super::*;
 use crate::servo::control::law::tests::{at, near, reference};
-
-/// A controller whose axis friction holds at 200.
-fn held_at(drive: f32) -> Controller {
-    let mut controller = at(0.0, drive);
-    while !controller.sticks() {
-        let _ = controller.anchor.update(200.0, true);
-    }
-    controller
-}
+use crate::servo::control::tests::by_hand;
+use crate::servo::model::Model;
+use crate::servo::motion::Motion;
 
 #[test]
 fn a_push_is_quick_to_where_friction_lets_go_and_then_grows() {
@@ -26,26 +20,24 @@ fn a_push_is_quick_to_where_friction_lets_go_and_then_grows() {
         near(push(900.0, true), 0.25 * 800.0 * 16.0);
         near(push(600.0, false), 300.0 * 200.0);
         near(push(790.0, false), 3.0 * 800.0 * 16.0);
-        // At rest it grows by 0.3 per time constant for which the axis is held elsewhere, 11 ms and
-        // 687; behind a moving reference it is as quick as it was there, where that is quicker.
-        for (samples, rest, moving) in [(11, 1.0528, 1.0), (687, 4.2976, 3.2976)] {
-            let mut held = held_at(way * 800.0);
+        // Behind a moving reference it grows by 0.3 per time constant for which the axis has been
+        // held, 11 ms and 687; by half at most, or as far as in the pause before.
+        for (samples, moving) in [(11, 1.0528), (750, 1.5)] {
+            let mut held = at(0.0, way * 800.0);
             for _ in 0..samples {
-                held.wait_at_rest();
+                let _ = held.anchor.update(200.0, true);
             }
             let r = reference(way, 0.0, 0.0);
-            near(way * held.break_away(&r, true, 0.0), 3200.0 * rest);
             near(way * held.break_away(&r, false, 0.0), 38_400.0 * moving);
-            // The next one is none that a push at rest has made.
-            assert!(held.resumed() == (samples == 687) && !held.resumed());
-            near(way * held.break_away(&r, false, 0.0), 38_400.0);
-            // Held by then, it grows by as much a sample, to half more.
-            for (samples, grown) in [(11, 1.0528), (739, 1.5)] {
-                for _ in 0..samples {
-                    let _ = held.anchor.update(200.0, true);
-                }
-                near(way * held.break_away(&r, false, 0.0), 38_400.0 * grown);
-            }
+            held.pauses();
+            let most = if samples == 11 { moving } else { 3.2976 };
+            near(way * held.break_away(&r, false, 0.0), 38_400.0 * most);
+            // The next one is none that a pause has made.
+            assert!(held.resumed() == (samples == 750) && !held.resumed());
+            // Of ten samples no push has grown.
+            held.pause = 10;
+            assert!(!held.resumed());
+            near(way * held.break_away(&r, false, 0.0), 38_400.0 * moving);
         }
         // From four frictions on the error counts where it asks for more: k0 error - k2 drive.
         let slid = |drive: f32, error: f32| {
@@ -66,21 +58,52 @@ fn a_push_is_quick_to_where_friction_lets_go_and_then_grows() {
 }
 
 #[test]
-fn a_rest_at_the_target_makes_no_push_quicker() {
+fn a_push_at_rest_grows_while_the_axis_is_held_and_something_is_missing() {
     let r = reference(1.0, 0.0, 0.0);
-    let mut held = held_at(800.0);
-    let first = held.break_away(&r, true, 0.0);
-    for _ in 0..100 {
-        held.wait_at_rest();
-    }
-    assert!(held.break_away(&r, true, 0.0) > first);
-    // Within its window the valve rests, however long that is; what was missing before is over.
-    held.rest.update(0.0, true);
+    let mut held = at(0.0, 800.0);
+    let rate = |held: &Controller| held.break_away(&r, true, 0.0);
+    let pass = |held: &mut Controller, samples: u32| {
+        for _ in 0..samples {
+            let _ = held.anchor.update(200.0, true);
+        }
+    };
+    near(rate(&held), 3200.0);
+    pass(&mut held, 11);
+    near(rate(&held), 3200.0 * 1.0528);
+    // From where it sticks, 63 samples on, not from the motion before.
+    pass(&mut held, 739);
+    near(rate(&held), 3200.0 * 4.2976);
+    // A rest makes the next push no quicker.
+    held.rested = held.anchor.since();
+    near(rate(&held), 3200.0);
+    pass(&mut held, 11);
+    near(rate(&held), 3200.0 * 1.0528);
+}
+
+#[test]
+fn a_rest_is_no_time_for_which_something_is_missing() {
+    let mut held = by_hand::controller(Model {
+        friction: 800.0,
+        ..Model::linear(625.0, 20.0, 1e6)
+    });
+    held.place(Motion::at(200.0));
+    let pass = |held: &mut Controller, samples: u32, target: f32| {
+        for _ in 0..samples {
+            let _ = held.update(&Setpoint::at(target), 200.0);
+            held.applied(0.0);
+        }
+        held.anchor.since() - held.rested
+    };
+    assert_eq!(pass(&mut held, 5000, 200.0), 0);
     assert!(held.rest.rests());
-    for _ in 0..10_000 {
-        held.wait_at_rest();
+    assert_eq!(pass(&mut held, 70, 201.0), 70);
+    // It slides, and sticks elsewhere.
+    let _ = held.update(&Setpoint::at(201.0), 200.5);
+    for _ in 0..500 {
+        let _ = held.update(&Setpoint::at(201.0), 200.5);
+        held.applied(0.0);
     }
-    near(held.break_away(&r, true, 0.0), first);
+    assert!(held.sticks() && held.rested == 0);
 }
 
 #[test]
