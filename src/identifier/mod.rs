@@ -7,6 +7,7 @@ mod exceptions;
 mod gaps;
 mod gate;
 pub mod inputs;
+mod nominal;
 pub(crate) mod outcome;
 mod plan;
 mod prior;
@@ -182,20 +183,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let prior = self.plan.prior_of(&theta, &std)?;
         self.state.warm_start(&self.plan, prior);
         Ok(())
-    }
-
-    /// With a memory: makes the current estimate the nominal one, to which the estimate returns
-    /// where nothing excites it; but for the initial state, which is another one of each beginning.
-    ///
-    /// Without this call the nominal values follow the estimate while it is well known.
-    #[doc(alias = "trust")]
-    pub fn set_nominal(&mut self) {
-        self.state.set_nominal(&self.plan);
-    }
-
-    /// The same of an estimate that later data have confirmed, for less.
-    pub(crate) fn set_nominal_as_shown(&mut self) {
-        self.state.set_nominal_as_shown(&self.plan);
     }
 
     /// Adapts (`true`, as constructed) or holds the estimate; predictions go on.
