@@ -1,4 +1,5 @@
 use super::*;
+use crate::estimation::postponed::PAUSE;
 
 /// Without data the prior stays what it was: neither forgotten nor taken for knowledge.
 #[test]
@@ -169,6 +170,26 @@ fn variances_of_nominal_values_are_of_the_prior_or_as_they_were_set() {
         assert!((found.0 / wanted.0 - 1.0).abs() < 1e-4, "{found:?}");
         assert_eq!(found.1, wanted.1);
     }
+}
+
+#[test]
+fn a_prior_leaves_itself_and_observations_what_there_is_within_their_bound() {
+    let stabilised = StabilisedForgetting::<2>::new([0.0; 2], 0.99);
+    let bound = stabilised.bound();
+    let whole = |own: (bool, f32), now: f32| stabilised.lacking(own, now, 0.0)[0];
+    assert_eq!(whole((true, 2.0 * bound), 1.0), 2.0 * bound);
+    // Set, the same variance counts as observations of the value: between an eighth and all.
+    let least = bound / (1.0 + PAUSE as f32);
+    for (now, kept) in [
+        (0.0, least),
+        (0.5 * bound, 0.5 * bound),
+        (9.0 * bound, bound),
+    ] {
+        assert_eq!(whole((false, 2.0 * bound), now), kept);
+    }
+    assert_eq!(whole((true, 1.0), 0.0), 1.0);
+    // What P lacks of it, by the noise that it counts.
+    assert_eq!(stabilised.lacking((false, 5.0), 0.0, 0.5), [5.0, 2.5]);
 }
 
 #[test]
