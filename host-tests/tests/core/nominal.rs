@@ -19,6 +19,15 @@ struct Work {
     begins_with_noise: bool,
 }
 
+/// Largest error of a1, a2, b0 over its standard deviation.
+fn in_sigma(identifier: &Identifier<FilteredTrends<3>, 3, 5>, truth: [f64; 3]) -> f64 {
+    let estimate = identifier.estimate();
+    let pairs = estimate.theta().into_iter().zip(estimate.std()).zip(truth);
+    pairs
+        .map(|((found, std), truth)| (f64::from(found) - truth).abs() / f64::from(std))
+        .fold(0.0, f64::max)
+}
+
 /// Largest error of a1, a2, b0 over its standard deviation in two minutes behind a start from
 /// values that are wrong by up to 1.7 standard deviations `share`, relative to them.
 fn over_sigma(seed: u64, memory: Option<f32>, share: f64, work: Work) -> f64 {
@@ -50,11 +59,7 @@ fn over_sigma(seed: u64, memory: Option<f32>, share: f64, work: Work) -> f64 {
         let _ = identifier.update(u as f32, y as f32);
         axis.step(u);
         if k > 100 && k % 499 == 0 {
-            let estimate = identifier.estimate();
-            let pairs = estimate.theta().into_iter().zip(estimate.std()).zip(truth);
-            for ((found, std), truth) in pairs.take(3) {
-                over = over.max((f64::from(found) - truth).abs() / f64::from(std));
-            }
+            over = over.max(in_sigma(&identifier, truth));
         }
     }
     over
@@ -157,11 +162,7 @@ fn behind_a_rash_call(seed: u64) -> f64 {
             let _ = identifier.update(u as f32, y as f32);
             axis.step(u);
             if part > 1 && k % 499 == 0 {
-                let estimate = identifier.estimate();
-                let pairs = estimate.theta().into_iter().zip(estimate.std()).zip(truth);
-                for ((found, std), truth) in pairs.take(3) {
-                    over = over.max((f64::from(found) - truth).abs() / f64::from(std));
-                }
+                over = over.max(in_sigma(&identifier, truth));
             }
         }
     }

@@ -91,3 +91,16 @@ impl<const N: usize> StabilisedForgetting<N> {
         (self.unsupported).map(|own| if own > self.left { own } else { self.left })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_is_kept_between_its_limits_of_which_the_upper_one_counts_most() {
+        for (value, kept) in [(0.5, 1.0), (2.0, 2.0), (4.0, 3.0)] {
+            assert_eq!(between(1.0, value, 3.0), kept);
+        }
+        assert_eq!(between(5.0, 1.0, 3.0), 3.0);
+    }
+}

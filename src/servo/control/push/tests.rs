@@ -20,17 +20,18 @@ fn a_push_is_quick_to_where_friction_lets_go_and_then_grows() {
         near(push(900.0, true), 0.25 * 800.0 * 16.0);
         near(push(600.0, false), 300.0 * 200.0);
         near(push(790.0, false), 3.0 * 800.0 * 16.0);
-        // Behind a moving reference it grows by 0.3 per time constant for which the axis has been
-        // held, 11 ms and 687; by half at most, or as far as in the pause before.
-        for (samples, moving) in [(11, 1.0528), (750, 1.5)] {
+        // It grows by 0.3 per time constant for which the axis has been held, 11 ms and 687; by
+        // half at most behind a moving reference, or as far as in the pause before.
+        for (samples, rest, moving) in [(11, 1.0528, 1.0528), (750, 4.2976, 1.5)] {
             let mut held = at(0.0, way * 800.0);
             for _ in 0..samples {
                 let _ = held.anchor.update(200.0, true);
             }
             let r = reference(way, 0.0, 0.0);
+            near(way * held.break_away(&r, true, 0.0), 3200.0 * rest);
             near(way * held.break_away(&r, false, 0.0), 38_400.0 * moving);
             held.pauses();
-            let most = if samples == 11 { moving } else { 3.2976 };
+            let most = if samples == 11 { moving } else { rest - 1.0 };
             near(way * held.break_away(&r, false, 0.0), 38_400.0 * most);
             // The next one is none that a pause has made.
             assert!(held.resumed() == (samples == 750) && !held.resumed());
@@ -58,26 +59,20 @@ fn a_push_is_quick_to_where_friction_lets_go_and_then_grows() {
 }
 
 #[test]
-fn a_push_at_rest_grows_while_the_axis_is_held_and_something_is_missing() {
+fn a_rest_makes_the_next_push_no_quicker() {
     let r = reference(1.0, 0.0, 0.0);
     let mut held = at(0.0, 800.0);
-    let rate = |held: &Controller| held.break_away(&r, true, 0.0);
     let pass = |held: &mut Controller, samples: u32| {
         for _ in 0..samples {
             let _ = held.anchor.update(200.0, true);
         }
+        held.break_away(&r, true, 0.0)
     };
-    near(rate(&held), 3200.0);
-    pass(&mut held, 11);
-    near(rate(&held), 3200.0 * 1.0528);
     // From where it sticks, 63 samples on, not from the motion before.
-    pass(&mut held, 739);
-    near(rate(&held), 3200.0 * 4.2976);
-    // A rest makes the next push no quicker.
+    near(pass(&mut held, 750), 3200.0 * 4.2976);
     held.rested = held.anchor.since();
-    near(rate(&held), 3200.0);
-    pass(&mut held, 11);
-    near(rate(&held), 3200.0 * 1.0528);
+    near(pass(&mut held, 0), 3200.0);
+    near(pass(&mut held, 11), 3200.0 * 1.0528);
 }
 
 #[test]
