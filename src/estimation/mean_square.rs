@@ -28,10 +28,15 @@ pub(crate) struct MeanSquare {
 impl MeanSquare {
     /// Nothing seen yet; `forgetting` is lambda in (0, 1].
     pub(crate) const fn new(forgetting: f32) -> Self {
+        Self::of(forgetting, 0.0, 0.0)
+    }
+
+    /// So many `samples` whose squares are `squares` in all.
+    pub(crate) const fn of(forgetting: f32, squares: f32, samples: f32) -> Self {
         Self {
             forgetting,
-            squares: 0.0,
-            samples: 0.0,
+            squares,
+            samples,
         }
     }
 

@@ -271,12 +271,17 @@ impl<const N: usize> Estimator<N> {
     ///
     /// `None` until there are more samples than such parameters.
     pub fn noise_variance(&self) -> Option<f32> {
+        let freedom = self.residual.samples() - self.free();
+        (freedom > 0.0).then(|| self.residual.squares() / freedom)
+    }
+
+    /// How many parameters are not known.
+    pub(crate) fn free(&self) -> f32 {
         let mut free: u8 = 0;
         for variance in self.diagonal() {
             free += u8::from(*variance > 0.0);
         }
-        let freedom = self.residual.samples() - f32::from(free);
-        (freedom > 0.0).then(|| self.residual.squares() / freedom)
+        f32::from(free)
     }
 
     /// What the next row is forgotten for: lambda or 1.

@@ -10,16 +10,16 @@ use crate::readout::s_plane::{theta_in_s_plane, theta_in_trend_plane};
 use crate::trends::TrendOperator;
 
 /// Covariance inflation at a change of the filter.
-const INFLATION: f32 = 5.0;
+const INFLATION: f32 = 2.0;
 
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
     Identifier<T, M, N, I, D>
 {
     /// Goes on from the estimate with other trends: a filter nearer to the plant.
     ///
-    /// The estimate and its covariance stay, so nothing jumps. The new filter begins at the present
-    /// position; while its transient lasts, for `settling` seconds, the estimate is held, and the
-    /// initial state becomes uncertain again. Three time constants of the slowest pole beside that
+    /// The estimate stays, with twice the variance, so nothing jumps. The new filter begins at
+    /// the present position; while its transient lasts, for `settling` seconds, the estimate is
+    /// held, and the initial state becomes uncertain again. Three time constants of the slowest pole beside that
     /// of the initial state leave 5 % of the transient; no standard deviation contains this rest.
     /// A structure without an initial state has no column for the slow pole: the estimate is held
     /// until what the pole carries of a motion of `output_range` is below `output_noise`, 7 of its
@@ -38,7 +38,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         check_range("sample_time", new.sample_time, [sample_time; 2])?;
         check_not_negative("settling", settling)?;
         // The noise bias belongs to the old filter: taken out now, the new one makes its own.
-        let mut theta = self.read_out().trend_theta();
+        let found = self.read_out().handed_over();
+        let mut theta = *found.theta();
         // The covariance scales with the noise in band behind each filter.
         let a = plan.structure.denominator(&theta);
         let scale = match (old.filter, new.filter) {
@@ -47,7 +48,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             }
             _ => 1.0,
         };
-        let scale = INFLATION * if positive(scale) { scale } else { 1.0 };
+        let scale = if positive(scale) { scale } else { 1.0 };
         let units = plan.regressor.units();
         let moved = |theta: &[f32; N]| {
             if old.shares_plane(new) {
@@ -69,7 +70,13 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         state.call_in();
         state.postponed.suspect();
         state.remain_known();
-        state.estimator.resume(theta, scale, &limit);
+        let noise = state.estimator.noise_variance();
+        state.estimator.widen(found.beyond(), &limit);
+        state.estimator.resume(theta, INFLATION * scale, &limit);
+        if let Some(noise) = noise {
+            // The variance of the estimate is that of P times it.
+            state.estimator.expect_noise(noise / scale);
+        }
         state.beginning = Beginning::new(!self.plan.structure.initial_state());
         state.start_error.end(scale, self.plan.forgets);
         state.forgetting.replace_nominal(nominal);

@@ -15,6 +15,15 @@
 //! rows varies by sqrt(2/nu): in a direction whose rest is less than that nothing is known to have
 //! moved, and no more is taken out. What is left there then is added to the uncertainty.
 //!
+//! How much is left no estimate tells by itself: where the rows are mostly noise it is that of noise
+//! alone, `M theta = m`, whose bias is none. So the noise in doubt, what the limit leaves or
+//! w sqrt(2/nu) where that is more, is considered for a drive that is off from the one found by the
+//! design size of a parameter of y, each on its own:
+//!
+//! ```text
+//! sum over i: v_i v_i'        v_i = Q w_doubt M e_i        normalised: a design size is 1
+//! ```
+//!
 //! The residual holds more than white noise explains: friction, a wrong model, or drift of y. Of
 //! these drift alone is in the regressors, and no residual tells it from the others. As a random
 //! walk it is the sum of white noise, whose moments its trends have one order lower: M_d, m_d, and
@@ -31,8 +40,8 @@
 mod correction;
 
 use crate::math::matrix::{Matrix, dot};
-use crate::math::sqrt;
-use crate::readout::beginning::Begun;
+use crate::math::{larger, sqrt};
+use crate::readout::beginning::{Considered, Regression};
 use crate::readout::compensation::correction::{Correction, NoiseMoments};
 use crate::readout::source::ReadOut;
 
@@ -58,10 +67,14 @@ struct Noise<const M: usize> {
 }
 
 impl<const M: usize> Noise<M> {
-    /// Of so many independent `rows`.
-    fn of<const N: usize, const I: usize>(source: &ReadOut<'_, M, N, I>, rows: f32) -> Self {
+    /// Of so many independent `rows` that have led to `bare`.
+    fn of<const N: usize, const I: usize>(
+        source: &ReadOut<'_, M, N, I>,
+        bare: &[f32; N],
+        rows: f32,
+    ) -> Self {
         let moments = moments::<0, M, N, I>(source);
-        let spread = moments.spread(source.estimator.theta());
+        let spread = moments.spread(bare);
         let residual = source.residual();
         let allowed = if spread > 0.0 { residual / spread } else { 0.0 };
         // A third difference that the residual cannot explain is that of the signal: nothing is
@@ -168,10 +181,13 @@ pub(crate) struct Compensated<const M: usize, const N: usize> {
     /// `None` where nothing was corrected.
     correction: Option<Correction<M, N>>,
     /// Bias of each parameter by noise that was not taken out, in the user's units.
-    pub(crate) left: [f32; N],
+    pub(super) left: [f32; N],
+    /// Bias by the noise of which is not known whether it was taken out, for a drive that is off by
+    /// the design size of a parameter of y each, in the user's units.
+    pub(super) in_doubt: [[f32; N]; M],
     pub(crate) residual: Residual,
-    /// The noise of y(0), which theta is without.
-    pub(super) begun: Option<Begun<N>>,
+    /// The error of y(0), of which theta knows nothing.
+    pub(super) considered: Option<Considered<N>>,
 }
 
 impl<const M: usize, const N: usize> Compensated<M, N> {
@@ -206,19 +222,14 @@ impl<const M: usize, const N: usize> Compensated<M, N> {
         if let Some(correction) = &self.correction {
             correction.add_row(index, &mut row);
         }
-        if let Some(begun) = &self.begun {
-            begun.add_row(index, &mut row);
-        }
         Some(row)
     }
 
     /// The variance of a parameter over that of its row, by what is only considered.
     #[inline(never)]
     pub(crate) fn considered(&self, p: &Matrix<N>, index: usize) -> f32 {
-        let more = self
-            .begun
-            .as_ref()
-            .map_or(0.0, |begun| begun.considered(index));
+        let considered = self.considered.as_ref();
+        let more = considered.map_or(0.0, |considered| considered.of(index));
         if more == 0.0 {
             return 1.0;
         }
@@ -226,64 +237,77 @@ impl<const M: usize, const N: usize> Compensated<M, N> {
         let own = row.and_then(|row| row.get(index).copied()).unwrap_or(0.0);
         1.0 + if own > 0.0 { more / own } else { 0.0 }
     }
+
+    /// Adds the bias by noise that was not taken out, and that in doubt, in the user's units.
+    pub(crate) fn add_left(&self, covariance: &mut Matrix<N>) {
+        for bias in self.biases() {
+            for (own, row) in bias.iter().zip(covariance.iter_mut()) {
+                for (entry, other) in row.iter_mut().zip(&bias) {
+                    *entry += own * other;
+                }
+            }
+        }
+    }
+
+    /// The vectors whose squares that adds.
+    pub(crate) fn biases(&self) -> impl Iterator<Item = [f32; N]> {
+        core::iter::once(self.left).chain(self.in_doubt)
+    }
+
+    /// The vectors whose squares P_c has beyond P.
+    pub(crate) fn beyond(&self) -> impl Iterator<Item = [f32; N]> {
+        let columns = |of| self.correction.as_ref().map(|found| found.columns(of));
+        (0..M).filter_map(columns).flatten()
+    }
 }
 
-/// The correction of the recursion with the covariance `p`; without `deviations` nothing of what is
-/// left in.
+/// The correction of a regression; without `deviations` nothing of what is left in.
 ///
 /// Inlined, with what it calls, where it is called once: the matrices that it hands over are not
 /// copied then.
 #[inline(always)]
 pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
     source: &ReadOut<'_, M, N, I>,
-    p: &Matrix<N>,
+    Regression { theta: bare, p }: &Regression<N>,
     deviations: bool,
 ) -> Compensated<M, N> {
-    let bare = source.estimator.theta();
     let samples = source.estimator.samples();
     let angle = source.bandwidth * source.design.sample_time;
     let rows = samples * angle;
-    let noise = Noise::of(source, rows.max(1.0));
+    let noise = Noise::of(source, bare, rows.max(1.0));
     let level = samples * noise.white.unwrap_or(0.0) * (rows / (rows + FULLER));
     let correction = match noise.white {
         Some(_) => Correction::of(bare, p, &noise.moments, level, known_share(rows)),
         None => None,
     };
     let found = correction.as_ref();
-    let mut theta = found.map_or(*bare, |found| found.theta);
-    let mut left = [0.0; N];
+    let theta = found.map_or(*bare, |found| found.theta);
+    let (mut left, mut in_doubt) = ([0.0; N], [[0.0; N]; M]);
     if deviations {
         if let Some(found) = found {
             left = found.left(p, &noise.moments, level);
+            let share = larger(1.0 - found.share, 1.0 - known_share(rows));
+            in_doubt = found.in_doubt(p, &noise.moments, share * level);
         }
         let drift = noise.drift(source, [bare, &theta], p, found);
         for (left, drift) in left.iter_mut().zip(drift) {
             *left += drift;
         }
     }
-    let column = source.beginning.square > 0.0;
-    let score = match column {
-        true => source.beginning.moments,
-        false => source.start_score(&theta),
-    };
+    let score = source.start_score(&theta);
     let mut direction = core::array::from_fn(|i| dot(&p[i], &score));
     if let Some(found) = found {
         found.add_along(&score, &mut direction);
     }
-    let begun = match column {
-        true => source.begun(&theta, direction),
-        false => source.started(direction, noise.spread),
-    };
-    if let Some(begun) = &begun {
-        begun.take_out(&mut theta);
-    }
+    let considered = source.considered(direction, noise.spread);
     let units = source.regressor.units();
     Compensated {
         theta: core::array::from_fn(|j| theta[j] * units[j]),
         left: core::array::from_fn(|j| left[j] * units[j]),
         correction,
+        in_doubt: in_doubt.map(|bias| core::array::from_fn(|j| bias[j] * units[j])),
         residual: noise.split(source.regressor.top_scale(), samples, angle),
-        begun,
+        considered,
     }
 }
 

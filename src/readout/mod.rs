@@ -23,10 +23,11 @@
 //! Known as: bias-compensated least squares with sandwich covariance and a pre-test; sources in the
 //! files.
 
-mod beginning;
+pub(crate) mod beginning;
 mod compensation;
 pub(crate) mod estimate;
 mod former;
+mod handing_over;
 mod residual_spectrum;
 pub(crate) mod s_plane;
 mod sandwich;
@@ -34,6 +35,7 @@ mod scores;
 mod significance;
 mod source;
 
+use beginning::Regression;
 pub use estimate::Estimate;
 pub(crate) use former::Former;
 pub(crate) use residual_spectrum::in_band;
@@ -79,13 +81,16 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     #[inline(always)]
     fn compensated(
         &self,
-        p: &Matrix<N>,
+        regression: &Regression<N>,
         deviations: bool,
     ) -> (Compensated<M, N>, Option<Withdrawal<N>>) {
-        let mut found = compensate(self, p, deviations);
-        // Before the noise is known every constant counts: after a change of the filter nothing
-        // jumps.
-        let withdrawal = self.estimator.noise_variance().and_then(|_| {
+        let p = &regression.p;
+        let mut found = compensate(self, regression, deviations);
+        // Before there are rows that tell the noise every constant counts: after a change of the
+        // filter nothing jumps.
+        let told = self.estimator.noise_variance();
+        let told = told.filter(|_| self.estimator.samples() > self.estimator.free());
+        let withdrawal = told.and_then(|_| {
             let parameters = self.structure.parameters();
             let constant = index_of(&parameters, Parameter::Constant)?;
             Withdrawal::of(
@@ -109,7 +114,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// Not inlined: whoever reads them, in whatever language, calls the same code.
     #[inline(never)]
     pub(crate) fn trend_theta(&self) -> [f32; N] {
-        self.compensated(&self.covariance(), false).0.theta
+        self.compensated(&self.regression(), false).0.theta
     }
 
     /// The parameters of the s plane, in the user's units.
@@ -120,12 +125,13 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
 
     /// Parameters and covariance in the user's units.
     pub(crate) fn estimate(&self) -> Estimate<M, N, I> {
-        let p = self.covariance();
-        let (found, withdrawal) = self.compensated(&p, true);
+        let regression = self.regression();
+        let (found, withdrawal) = self.compensated(&regression, true);
+        let p = regression.p;
         let (mut covariance, floor) = self.shaped(&p, &found);
         self.add_nominal_values(&p, &mut covariance);
-        if let Some(begun) = &found.begun {
-            begun.add_to(&mut covariance, self.residual());
+        if let Some(considered) = &found.considered {
+            considered.add_to(&mut covariance, self.residual());
         }
         let units = self.regressor.units();
         let parameters = self.structure.parameters();
@@ -140,13 +146,13 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         for i in 0..N {
             for j in 0..N {
                 covariance[i][j] *= units[i] * units[j];
-                covariance[i][j] += found.left[i] * found.left[j];
                 if errs(i) && errs(j) {
                     covariance[i][j] +=
                         self.common(i == j) * (floor * found.theta[i]) * (floor * found.theta[j]);
                 }
             }
         }
+        found.add_left(&mut covariance);
         if let Some(withdrawal) = &withdrawal {
             withdrawal.apply_to_covariance(&mut covariance);
         }

@@ -33,8 +33,9 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         &self,
         of: impl FnOnce(&[f32; N], &Matrix<N>) -> Option<Matrix<N>>,
     ) -> Option<Estimate<M, N, I>> {
-        let p = self.covariance();
-        let (found, withdrawal) = self.compensated(&p, true);
+        let regression = self.regression();
+        let (found, withdrawal) = self.compensated(&regression, true);
+        let p = regression.p;
         if !(found.share() >= MOSTLY) {
             return None;
         }
@@ -46,15 +47,15 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         let centre = core::array::from_fn(|j| before[j] / units[j]);
         let mut covariance = of(&centre, &found.gain(&p))?;
         self.add_nominal(&p, &mut covariance);
-        if let Some(begun) = &found.begun {
-            begun.add_to(&mut covariance, self.residual());
+        if let Some(considered) = &found.considered {
+            considered.add_to(&mut covariance, self.residual());
         }
         for i in 0..N {
             for j in 0..N {
                 covariance[i][j] *= units[i] * units[j];
-                covariance[i][j] += found.left[i] * found.left[j];
             }
         }
+        found.add_left(&mut covariance);
         self.add_floor(&found.theta, &mut covariance, |i| p[i][i] == 0.0);
         if let Some(withdrawal) = &withdrawal {
             withdrawal.apply_to_covariance(&mut covariance);
@@ -88,8 +89,9 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// Variance by which the recursion judges its constant, normalised, 0 without one; and the
     /// share of it that is the prior's.
     pub(crate) fn constant_variance(&self) -> [f32; 2] {
-        let p = self.covariance();
-        let found = compensate(self, &p, false);
+        let regression = self.regression();
+        let found = compensate(self, &regression, false);
+        let p = regression.p;
         let variance =
             index_of(&self.structure.parameters(), Parameter::Constant).and_then(|index| {
                 let own = *found.covariance_row(&p, index)?.get(index)?;

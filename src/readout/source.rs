@@ -46,7 +46,7 @@ pub(crate) struct ReadOut<'a, const M: usize, const N: usize, const I: usize> {
 impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// Variance of the innovation of psi, the prior one until there are more samples than
     /// parameters.
-    pub(super) fn residual(&self) -> f32 {
+    pub(crate) fn residual(&self) -> f32 {
         self.estimator
             .noise_variance()
             .unwrap_or(self.prior_noise * self.prior_noise)

@@ -17,7 +17,6 @@ fn a_wrong_bandwidth_is_mended_by_retuning() {
     let seeds = 19100..19200_u64;
     for (rough, gain_limit) in [(7.0_f32, 0.72), (60.0, 0.87)] {
         let (mut fixed, mut tuned) = ([const { Vec::new() }; 3], [const { Vec::new() }; 3]);
-        let mut gain_of_retuned = Vec::new();
         for seed in seeds.clone() {
             let record = Experiment::reference(Condition::white_relative(16.72), 3.0).record(seed);
             let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 0.001, rough).unwrap();
@@ -50,26 +49,26 @@ fn a_wrong_bandwidth_is_mended_by_retuning() {
                     }
                 }
             }
+            if !retuned {
+                continue;
+            }
             for (errors, identifier) in [(&mut fixed, &plain), (&mut tuned, &other)] {
                 let error = found(identifier.theta()).map_or([1e3; 3], |s| s.error_pct(&REFERENCE));
                 for (list, e) in errors.iter_mut().zip(error) {
                     list.push(e);
                 }
             }
-            if retuned {
-                gain_of_retuned.extend(tuned[0].last());
-            }
         }
-        let (count, gain) = (gain_of_retuned.len(), rms(&gain_of_retuned));
+        let count = tuned[0].len();
         let (fixed, tuned) = (fixed.map(|e| rms(&e)), tuned.map(|e| rms(&e)));
         println!(
-            "rough bandwidth {rough} rad/s for 20, N/S 16.7 %, 3 s, seeds {seeds:?}: rms of C/omega0/xi fixed {fixed:.2?} %, retuned {tuned:.2?} %; {count} of 100 were sure enough of omega0 to be retuned, C of these {gain:.2} %"
+            "rough bandwidth {rough} rad/s for 20, N/S 16.7 %, 3 s, seeds {seeds:?}: {count} of 100 were sure enough of omega0 to be retuned, rms of their C/omega0/xi fixed {fixed:.2?} %, retuned {tuned:.2?} %"
         );
         // C is found by any slow filter, and retuning costs it the rows in which the new one
         // settles; omega0 and xi need one near the plant.
         assert!(tuned[1] < 0.75 * fixed[1] && tuned[2] < 0.85 * fixed[2]);
         assert!(tuned[0] < gain_limit && tuned[1] < 2.2 && tuned[2] < 3.5);
-        assert!(count >= 90 && gain < gain_limit);
+        assert!(count >= 90);
     }
 }
 

@@ -215,6 +215,34 @@ fn the_spread_of_a_row_is_its_square_in_the_covariance() {
 }
 
 #[test]
+fn squares_of_vectors_are_added_but_no_further_than_the_limit() {
+    let before = folded(0.99, 100);
+    let vectors = [[0.3, -0.1, 0.2], [0.0, 0.4, -0.5], [f32::NAN, 1.0, 1.0]];
+    let mut after = before;
+    after.widen(vectors.into_iter(), &[1e9; 3]);
+    for i in 0..3 {
+        for j in 0..3 {
+            let square = |vector: [f32; 3]| vector[i] * vector[j];
+            let wanted = square(vectors[0]) + square(vectors[1]);
+            let added = after.covariance(i, j) - before.covariance(i, j);
+            assert!((added - wanted).abs() < 1e-5, "{i} {j}: {added}");
+        }
+    }
+    // However large, no factor exceeds the limit, or what it was.
+    let limit = [1e-9, 2.0, 2.0];
+    after = before;
+    after.widen([[1e3, -2e3, 3e3]; 20].into_iter(), &limit);
+    after.widen([[1e3, -2e3, 3e3]; 20].into_iter(), &limit);
+    for ((d, before), limit) in after.diagonal().iter().zip(before.diagonal()).zip(limit) {
+        assert!(*d <= before.max(limit) && *d >= *before);
+    }
+    // What is known is in no vector, and stays so.
+    let mut known = Factors::independent(&[0.0, 1.0, 2.0]);
+    known.widen([[0.0, 1.0, 1.0]].into_iter(), &[0.0, 1e9, 1e9]);
+    assert_eq!((known.covariance(0, 0), known.covariance(1, 2)), (0.0, 1.0));
+}
+
+#[test]
 fn a_known_parameter_stays_known_when_the_last_one_is_widened() {
     let mut factors = Factors::independent(&[0.0, 0.0, 2.0]);
     factors.inflate_last(5.0);

@@ -25,4 +25,17 @@ impl<const N: usize> Estimator<N> {
         self.residual = MeanSquare::new(self.forgetting);
         self.samples = 0.0;
     }
+
+    /// P + v v' for each vector, as [`Factors::widen`](crate::estimation::factors::Factors::widen)
+    /// has it.
+    pub(crate) fn widen(&mut self, vectors: impl Iterator<Item = [f32; N]>, limit: &[f32; N]) {
+        self.finish_observation();
+        self.factors.widen(vectors, limit);
+    }
+
+    /// Takes the noise of psi for known, with the weight of one row: the first ones tell it anew.
+    pub(crate) fn expect_noise(&mut self, variance: f32) {
+        let samples = self.free() + 1.0;
+        self.residual = MeanSquare::of(self.forgetting, variance, samples);
+    }
 }

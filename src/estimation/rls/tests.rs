@@ -105,6 +105,20 @@ fn it_goes_on_from_another_estimate_with_more_of_its_covariance() {
 }
 
 #[test]
+fn an_expected_noise_has_the_weight_of_one_row() {
+    let mut estimator = moved(0.99, 50);
+    estimator.resume([1.0, 2.0, 3.0], 4.0, &[1e9; 3]);
+    estimator.expect_noise(0.5);
+    assert_eq!(estimator.noise_variance(), Some(0.5));
+    for _ in 0..200 {
+        let psi = estimator.theta()[0];
+        let _ = estimator.update(&[1.0, 0.0, 0.0], psi);
+    }
+    // Rows without noise.
+    assert!(estimator.noise_variance().is_some_and(|v| v < 0.01));
+}
+
+#[test]
 fn a_weight_that_counts_for_nothing_becomes_zero() {
     let mut estimator = Estimator::<1>::new([0.0], [1.0], 0.5);
     let _ = estimator.update(&[1.0], 1.0);

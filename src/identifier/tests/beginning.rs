@@ -2,7 +2,7 @@
 
 use crate::Structure;
 use crate::identifier::{Config, Identifier};
-use crate::math::matrix::dot;
+use crate::readout::beginning::{Column, Regression};
 use crate::trends::{FilteredTrends, Scheme};
 
 const ERROR: f32 = 0.05;
@@ -29,9 +29,8 @@ fn motor(error: f32) -> Motor {
 
 /// What its beginning has done: gamma.
 fn begun(of: &Motor) -> f32 {
-    let (read, p) = (of.read_out(), of.estimator().covariances());
-    let direction = core::array::from_fn(|i| dot(&p[i], &read.beginning.moments));
-    let found = read.begun(of.estimator().theta(), direction);
+    let read = of.read_out();
+    let found = read.column(&read.recursion_alone());
     found.expect("a beginning").gamma
 }
 
@@ -50,14 +49,22 @@ fn an_error_of_the_first_sample_is_found_by_its_residue_and_taken_out() {
     assert!(errors[0] < 0.3 * errors[1], "{errors:?}");
 }
 
+/// The column where a P says that all of the sums is that of the first parameter.
+fn of_parameters<const M: usize, const N: usize>(
+    of: &Identifier<FilteredTrends<M>, M, N>,
+    theta: [f32; N],
+) -> Column<N> {
+    let read = of.read_out();
+    let (sums, mut p) = (read.beginning, [[0.0; N]; N]);
+    p[0][0] = 2.0 * sums.square / (sums.moments[0] * sums.moments[0]);
+    let found = read.column(&Regression { theta, p });
+    found.expect("a beginning")
+}
+
 #[test]
 fn a_beginning_that_no_row_has_seen_stays_as_uncertain_as_noise_leaves_it() {
     let motor = motor(ERROR);
-    // A direction in which all of the sums is that of the parameters.
-    let along = motor.read_out().beginning.square / motor.read_out().beginning.moments[0];
-    let theta = motor.estimator().theta();
-    let found = motor.read_out().begun(theta, [2.0 * along, 0.0]);
-    let found = found.expect("a beginning");
+    let found = of_parameters(&motor, *motor.estimator().theta());
     assert_eq!(found.gamma, 0.0);
     let [a1, _] = motor.recursion().theta();
     let kappa = (1.21 - 1.1 * a1) / (1.1 * 9.9);
@@ -74,14 +81,13 @@ fn behind_a_pair_of_poles_the_residue_is_that_of_the_slow_one() {
     for k in 0..200 {
         let _ = servo.update(1.0, 1e-6 * (k * k) as f32);
     }
-    let read = servo.read_out();
-    let sums = read.beginning;
-    let found = read.begun(&[0.0; 3], [sums.square / sums.moments[0], 0.0, 0.0]);
-    // Poles 2.2 and those of s^2 + 30.8 s + 484, A = s^3.
-    let kappa = 2.2_f32.powi(3) / (2.2 * (2.2 * 2.2 - 30.8 * 2.2 + 484.0));
-    let variance = found.expect("a beginning").variance;
-    assert!(
-        (variance / (kappa * kappa) - 1.0).abs() < 1e-2,
-        "{variance}"
-    );
+    let found = of_parameters(&servo, [0.0; 3]);
+    // Poles 2.2 and those of s^2 + 30.8 s + 484; A = s^3, whose a_1 is as uncertain as P says.
+    let steep = 2.2 * (2.2 * 2.2 - 30.8 * 2.2 + 484.0);
+    let (sums, scale) = (servo.state.beginning, servo.plan.regressor.units()[0]);
+    let p = 2.0 * sums.square / (sums.moments[0] * sums.moments[0]);
+    let of_a1 = (2.2 * scale) * (2.2 * scale) * p * servo.read_out().residual();
+    let square = (2.2_f32.powi(6) + of_a1) / (steep * steep);
+    assert!((found.variance / square - 1.0).abs() < 1e-2, "{found:?}");
+    assert!(of_a1 > 0.1 * 2.2_f32.powi(6));
 }

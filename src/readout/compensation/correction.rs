@@ -48,15 +48,25 @@ impl<const M: usize> NoiseMoments<M> {
     ) -> [f32; N] {
         let score: [f32; M] =
             core::array::from_fn(|i| level * (along(&self.matrix[i], theta) - self.vector[i]));
-        let mut bias = core::array::from_fn(|i| along(&score, &p[i]));
-        if let Some(Correction { y, .. }) = found {
-            let seen = transposed(y, &score);
-            for (bias, y) in bias.iter_mut().zip(y) {
-                *bias += dot(y, &seen);
-            }
-        }
-        bias
+        moved(&score, p, found)
     }
+}
+
+/// Change of the estimate by a change of its scores, of the parameters of y: P, or Q of what was
+/// taken out, times that.
+fn moved<const M: usize, const N: usize>(
+    score: &[f32; M],
+    p: &Matrix<N>,
+    found: Option<&Correction<M, N>>,
+) -> [f32; N] {
+    let mut change = core::array::from_fn(|i| along(score, &p[i]));
+    if let Some(Correction { y, .. }) = found {
+        let seen = transposed(y, score);
+        for (change, y) in change.iter_mut().zip(y) {
+            *change += dot(y, &seen);
+        }
+    }
+    change
 }
 
 /// Sum over the parameters of y, which are the first.
@@ -144,6 +154,26 @@ impl<const M: usize, const N: usize> Correction<M, N> {
             return [0.0; N];
         }
         noise.bias(&self.theta, p, Some(self), (1.0 - self.share) * level)
+    }
+
+    /// The change of the estimate by so much noise in its rows, or so much less, per unit by which
+    /// each parameter of y is off.
+    pub(super) fn in_doubt(
+        &self,
+        p: &Matrix<N>,
+        noise: &NoiseMoments<M>,
+        level: f32,
+    ) -> [[f32; N]; M] {
+        // M is symmetric.
+        (noise.matrix).map(|row| moved(&row.map(|moment| level * moment), p, Some(self)))
+    }
+
+    /// Column `index` of Y and of Z.
+    pub(super) fn columns(&self, index: usize) -> [[f32; N]; 2] {
+        let column = |rows: &[[f32; M]; N]| {
+            core::array::from_fn(|j| rows[j].get(index).copied().unwrap_or(0.0))
+        };
+        [column(&self.y), column(&self.z)]
     }
 
     /// Adds Q - P to P.

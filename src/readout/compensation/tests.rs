@@ -29,7 +29,8 @@ fn without_a_correction_everything_is_that_of_the_recursion() {
         correction: None,
         left: [0.0; 3],
         residual: noise(None).split(1.0, 100.0, 0.02),
-        begun: None,
+        in_doubt: [[0.0; 3]; 2],
+        considered: None,
     };
     assert_eq!((found.covariance(&P), found.gain(&P)), (P, P));
     assert_eq!(
@@ -54,7 +55,8 @@ fn a_correction_is_read_in_its_three_ways() {
         correction,
         left: [0.0; 3],
         residual: noise(None).split(1.0, 100.0, 0.02),
-        begun: None,
+        in_doubt: [[0.0; 3]; 2],
+        considered: None,
     };
     let (gain, covariance) = (found.gain(&P), found.covariance(&P));
     for i in 0..3 {
@@ -105,16 +107,15 @@ fn the_residual_is_split_into_noise_and_the_rest() {
 
 #[test]
 fn what_is_only_considered_counts_beside_the_row_of_a_parameter() {
-    let found = |considered: bool| Compensated::<2, 3> {
+    let found = Compensated::<2, 3> {
         theta: [1.0; 3],
         correction: None,
         left: [0.0; 3],
+        in_doubt: [[0.0; 3]; 2],
         residual: noise(None).split(1.0, 100.0, 0.02),
-        begun: Some(Begun {
+        considered: Some(Considered {
             direction: [0.2, 0.0, -1.0],
-            gamma: 3.0,
             variance: 0.5,
-            considered,
         }),
     };
     // Direction squared times the variance, over P.
@@ -124,13 +125,11 @@ fn what_is_only_considered_counts_beside_the_row_of_a_parameter() {
         (2, 1.0 + 0.5 / 0.25),
         (3, 1.0),
     ] {
-        let share = found(true).considered(&P, index);
+        let share = found.considered(&P, index);
         assert!((share - exact).abs() < 1e-6, "{index}: {share}");
-        // As a part of the estimate it is in the row.
-        assert_eq!(found(false).considered(&P, index), 1.0);
     }
     // A parameter that is known has no share.
-    assert_eq!(found(true).considered(&[[0.0; 3]; 3], 0), 1.0);
+    assert_eq!(found.considered(&[[0.0; 3]; 3], 0), 1.0);
 }
 
 #[test]

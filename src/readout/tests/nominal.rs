@@ -60,7 +60,7 @@ fn adds_what_nominal_values_leave(rows: u32, std: f32) {
         Some(scores)
     });
     let found = found.expect("an estimate");
-    let left = compensate(&parts.read(), &p, true).left;
+    let left = compensate(&parts.read(), &parts.read().regression(), true).left;
     let seen = parts.read().residual();
     let floor = parts.read().floor(20.0, &[0.0, 400.0, 20.0], &THETA);
     let variances = parts.forgetting.nominal_variances();

@@ -54,7 +54,7 @@ fn white_noise_is_what_the_residual_can_explain_and_none_beyond() {
     ] {
         parts.noise = level(share * all);
         let read = parts.read();
-        let found = compensate(&read, &read.covariance(), true);
+        let found = compensate(&read, &read.regression(), true);
         let exact = top * top * white * all;
         let error = (found.residual.shaped - exact).abs();
         assert!(error <= 2e-3 * exact, "{share}: {error} of {exact}");
@@ -66,14 +66,14 @@ fn white_noise_is_what_the_residual_can_explain_and_none_beyond() {
     parts.noise = NoiseLevel::new(1.0);
     let read = parts.read();
     assert_eq!(
-        compensate(&read, &read.covariance(), true).residual.shaped,
+        compensate(&read, &read.regression(), true).residual.shaped,
         0.0
     );
     let mut parts = Parts::new(raw(), [1e2; 4], 1.0, 400);
     parts.noise = level(0.25 * all);
     let read = parts.read();
     assert_eq!(
-        compensate(&read, &read.covariance(), true).residual.shaped,
+        compensate(&read, &read.regression(), true).residual.shaped,
         0.0
     );
 }
@@ -110,7 +110,7 @@ fn a_residual_that_is_small_by_chance_is_as_uncertain_as_a_slow_one() {
     for (share, lucky) in [(1.35, true), (1.6, true), (1.75, false), (9.0, false)] {
         let parts = blind(2e-3, share, 10_000);
         let read = parts.read();
-        let found = compensate(&read, &read.covariance(), true).residual;
+        let found = compensate(&read, &read.regression(), true).residual;
         let dependent = if lucky { 2.0 / 0.02 } else { 1.0 };
         assert!(
             close(found.even, dependent * read.residual(), 1e-3),
@@ -125,7 +125,7 @@ fn what_few_rows_leave_of_a_bias_is_uncertain() {
     let parts = blind(2e-3, 0.5, 100);
     let read = parts.read();
     let p = read.covariance();
-    let found = compensate(&read, &p, true);
+    let found = compensate(&read, &read.regression(), true);
     let units = parts.regressor.units();
     let bare: [f32; 4] = core::array::from_fn(|j| units[j] * parts.estimator.theta()[j]);
     assert!(found.share() < 1.0, "{}", found.share());
@@ -134,6 +134,9 @@ fn what_few_rows_leave_of_a_bias_is_uncertain() {
     for i in 0..4 {
         // A hundred rows are two that tell something new: nothing is taken out.
         assert_eq!(found.theta[i], bare[i]);
+        for bias in found.biases() {
+            assert!(i < 2 || bias[i] == 0.0, "{i}: {bias:?}");
+        }
         assert_eq!(found.left[i] != 0.0, i < 2, "{i}: {}", found.left[i]);
         for j in 0..4 {
             let common = match (i < 3 && j < 3, i == j) {
@@ -142,7 +145,7 @@ fn what_few_rows_leave_of_a_bias_is_uncertain() {
                 _ => 1.0,
             };
             let exact = shaped[i][j] * units[i] * units[j]
-                + found.left[i] * found.left[j]
+                + found.biases().map(|bias| bias[i] * bias[j]).sum::<f32>()
                 + common * floor * floor * found.theta[i] * found.theta[j];
             let size = libm::sqrtf(covariance[i][i] * covariance[j][j]);
             let error = (covariance[i][j] - exact).abs();
@@ -157,7 +160,7 @@ fn a_bias_that_is_left_is_that_of_the_noise_in_the_rows_and_of_drift() {
         let parts = blind(2e-3, share, 100);
         let read = parts.read();
         let p = read.covariance();
-        let found = compensate(&read, &p, true);
+        let found = compensate(&read, &read.regression(), true);
         assert!(found.share() < 1e-4, "nothing is taken out");
         let white = parts.noise.variance().expect("a level");
         // n s / (1 + 4/nu) of a hundred rows, two of which tell something new.
@@ -182,6 +185,14 @@ fn a_bias_that_is_left_is_that_of_the_noise_in_the_rows_and_of_drift() {
                 error <= 3e-3 * exact.abs(),
                 "{share} {i}: {error} of {exact}"
             );
+            // All of the noise is in doubt, of a drive that is a design size off.
+            for (k, bias) in found.in_doubt.iter().enumerate() {
+                let (matrix, ..) = parts.regressor.noise_moments::<0>(gain);
+                let of = |moment: f32| units[i] * p[i][i] * level * moment;
+                let size = of(libm::sqrtf(matrix[i][i] * matrix[k][k]));
+                let error = (bias[i] - of(matrix[i][k])).abs();
+                assert!(error <= 3e-3 * size, "{i} {k}: {error} of {size}");
+            }
         }
     }
 }
@@ -203,7 +214,7 @@ fn white_noise_counts_by_its_spectrum_behind_the_filter_and_rounding_in_the_band
         let rows = f32::from(rows);
         let read = parts.read_as(&structure);
         let p = read.covariance();
-        let found = compensate(&read, &p, true);
+        let found = compensate(&read, &read.regression(), true);
         let (covariance, _) = read.shaped(&p, &found);
         let [a1, a2, ..] = found.theta;
         let natural = libm::sqrtf(a1);

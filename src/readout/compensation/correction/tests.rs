@@ -107,6 +107,11 @@ fn a_bias_is_what_the_normal_equations_without_the_noise_differ_by() {
     let found = Correction::of(&theta, &P, &NOISE, 1.0, 0.99).expect("a correction");
     let (gain, _) = read(&found, &P);
     let corrected = NOISE.bias(&theta, &P, Some(&found), level);
+    for (k, of_one) in found.in_doubt(&P, &NOISE, level).iter().enumerate() {
+        for i in 0..3 {
+            close(of_one[i], level * dot(&gain[i], &matrix[k]), 1.0);
+        }
+    }
     for i in 0..3 {
         close(bare[i], dot(&P[i], &score), 1.0);
         close(corrected[i], dot(&gain[i], &score), 1.0);
