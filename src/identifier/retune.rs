@@ -26,7 +26,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// time constants by default.
     /// Where the filter is the same and only the numerators are new, the signals go on and nothing
     /// is held. [`Identifier::reset`] leads back to the trends of the construction. Cost: about
-    /// 9000 instructions for order 3, once; not for every sample.
+    /// 11000 instructions for order 3, once; not for every sample.
     ///
     /// # Errors
     /// [`ConfigError::OutOfRange`] for another sample time or a negative time; nothing is changed
