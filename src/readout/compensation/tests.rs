@@ -1,6 +1,7 @@
 //! How much of the noise is taken out, and what that leaves of the residual.
 
 use super::*;
+use crate::readout::beginning::Considered;
 
 const P: Matrix<3> = [
     [0.04, 0.01, 0.005],
