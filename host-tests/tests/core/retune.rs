@@ -6,6 +6,9 @@ use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::plants::servo::{REFERENCE, Servo};
 use trendid_host_tests::signals::experiment::Experiment;
 use trendid_host_tests::signals::noise::{Condition, rms};
+use trendid_host_tests::users::draw::User;
+use trendid_host_tests::users::kind::Kind;
+use trendid_host_tests::users::trial::Trial;
 
 fn found(theta: [f32; 5]) -> Option<Servo> {
     let [a1, a2, b0, ..] = theta.map(f64::from);
@@ -145,4 +148,23 @@ fn a_filter_is_exchanged_as_often_as_one_likes() {
             assert!(worst < 1e-4 && largest <= 2.01, "{worst} {largest}");
         }
     }
+}
+
+/// Users who tell their bandwidth anew: with the covariance of the recursion alone 9.3 % of what
+/// they read later was beyond three deviations, 3 % beyond ten.
+#[test]
+fn behind_another_filter_the_deviations_are_those_of_the_estimate() {
+    let users = (500_001..502_001).map(|seed| User::of(seed, None));
+    let retuned = users.filter(|u| u.told.retuned.is_some() && u.kind != Kind::ServoDeadZone);
+    let readings: Vec<_> = retuned
+        .flat_map(|user| Trial::run(user.seed, None).read.unwrap_or_default())
+        .filter(|reading| reading.time > 26.0)
+        .collect();
+    let beyond = |deviations: f64| {
+        let beyond = readings.iter().filter(|r| r.exceeds(deviations));
+        1e2 * beyond.count() as f64 / readings.len() as f64
+    };
+    let (count, found) = (readings.len(), [3.0, 10.0].map(beyond));
+    println!("{count} readings: {found:.1?} % are beyond three, ten deviations");
+    assert!(count > 300 && found[0] < 6.0 && found[1] < 1.5, "{found:?}");
 }
