@@ -9,18 +9,20 @@ use crate::readout::in_band;
 use crate::readout::s_plane::{theta_in_s_plane, theta_in_trend_plane};
 use crate::trends::TrendOperator;
 
-/// Covariance inflation at a change of the filter, for what is left of its transient.
+/// Covariance inflation at a change of the filter, for what is left of its transient and of the
+/// errors of the old trends.
 ///
 /// Of 1, 2, 3 and 5, over users drawn at random, more lets fewer readings err by three deviations
-/// (6.6, 5.6, 5.6, 5.3 %) and fewer be within 10 % of the truth (89.7, 89.2, 88.8, 88.1 %).
-const INFLATION: f32 = 2.0;
+/// (6.6, 5.6, 5.6, 5.3 %) and fewer be within 10 % of the truth (89.7, 89.2, 88.8, 88.1 %); with
+/// less than 3 the bent model of slow samples stays too long.
+const INFLATION: f32 = 5.0;
 
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
     Identifier<T, M, N, I, D>
 {
     /// Goes on from the estimate with other trends: a filter nearer to the plant.
     ///
-    /// The estimate stays, with twice the variance, so nothing jumps. The new filter begins at
+    /// The estimate stays, with five times the variance, so nothing jumps. The new filter begins at
     /// the present position; while its transient lasts, for `settling` seconds, the estimate is
     /// held, and the initial state becomes uncertain again. Three time constants of the slowest
     /// pole beside that of the initial state leave 5 % of the transient; no standard deviation
@@ -30,7 +32,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// time constants by default.
     /// Where the filter is the same and only the numerators are new, the signals go on and nothing
     /// is held. [`Identifier::reset`] leads back to the trends of the construction. Cost: about
-    /// 11000 instructions for order 3, once; not for every sample.
+    /// 13000 instructions for order 3, once; not for every sample.
     ///
     /// # Errors
     /// [`ConfigError::OutOfRange`] for another sample time or a negative time; nothing is changed

@@ -109,9 +109,9 @@ fn nominal_values_and_debts_are_of_the_old_filter() {
     let before = handed_over(&rested, 2);
     rested.retune(trends(20.0), 0.0).expect("a filter");
     assert!(!rested.estimator().is_inflating() && rested.state.learns);
-    // 2000 samples of memory, 1500 or so owed: the rest costs that share, the change twice.
+    // 2000 samples of memory, 1500 or so owed: the rest costs that share, the change five times.
     let growth = rested.estimator().covariance(2, 2) / before;
-    assert!(growth > 2.2 && growth < 2.0 * libm::expf(0.75), "{growth}");
+    assert!(growth > 5.5 && growth < 5.0 * libm::expf(0.75), "{growth}");
     // For five memories every sample forgets, with a row or without.
     for _ in 0..10 {
         let before = rested.estimator().covariance(2, 2);
