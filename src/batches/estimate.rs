@@ -2,7 +2,7 @@
 
 use crate::batches::Batched;
 use crate::estimation::rls::Estimator;
-use crate::math::matrix::Matrix;
+use crate::math::matrix::{Matrix, add_square};
 use crate::readout::estimate::Estimate;
 use crate::trends::TrendOperator;
 
@@ -38,11 +38,7 @@ impl<const N: usize> Spread<'_, N> {
     fn add(&mut self, score: &[f32; N], samples: f32) {
         let influence: [f32; N] =
             core::array::from_fn(|i| self.gain[i].iter().zip(score).map(|(g, s)| g * s).sum());
-        for i in 0..N {
-            for j in 0..N {
-                self.covariance[i][j] += influence[i] * influence[j];
-            }
-        }
+        add_square(&mut self.covariance, &influence, 1.0);
         self.samples += samples;
         self.squares += samples * samples;
     }

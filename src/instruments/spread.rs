@@ -27,7 +27,7 @@
 //!   ```
 
 use crate::instruments::solve::Factored;
-use crate::math::matrix::Matrix;
+use crate::math::matrix::{Matrix, add_square};
 use crate::math::sqrt;
 
 /// Correlation between neighbours over what theta leaves of it beyond a standard deviation of
@@ -100,12 +100,10 @@ impl<const N: usize> Spread<N> {
         let twice = times(&share, &once);
         let whole: [f32; N] =
             core::array::from_fn(|i| influence[i] + 0.5 * once[i] + 0.375 * twice[i]);
-        for i in 0..N {
-            for j in 0..N {
-                self.covariance[i][j] += whole[i] * whole[j];
-            }
-            let square = whole[i] * whole[i];
-            self.fourth[i] += square * square;
+        add_square(&mut self.covariance, &whole, 1.0);
+        for (fourth, whole) in self.fourth.iter_mut().zip(whole) {
+            let square = whole * whole;
+            *fourth += square * square;
         }
         (self.score, self.influence, self.share) = (score, influence, share);
     }

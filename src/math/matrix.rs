@@ -13,6 +13,16 @@ pub(crate) fn dot<const N: usize>(a: &[f32; N], b: &[f32; N]) -> f32 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+/// A + `weight` a a'.
+#[inline(always)]
+pub(crate) fn add_square<const N: usize>(sum: &mut Matrix<N>, a: &[f32; N], weight: f32) {
+    for (own, row) in a.iter().zip(sum) {
+        for (entry, other) in row.iter_mut().zip(a) {
+            *entry += (own * other) * weight;
+        }
+    }
+}
+
 /// A B.
 pub(crate) fn product<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
     core::array::from_fn(|i| product_row(&a[i], b))

@@ -51,6 +51,13 @@ pub(crate) fn value_at(c: &[f32], s: Complex) -> Complex {
     })
 }
 
+/// The polynomial and its slope at a real x.
+pub(crate) fn value_and_slope<const M: usize>(c: &[f32; M], x: f32) -> [f32; 2] {
+    c.iter().rev().fold([1.0, 0.0], |[value, slope], c| {
+        [c + x * value, value + x * slope]
+    })
+}
+
 /// The largest of |c_i|^(1/(m-i)): no root is beyond twice this.
 pub(crate) fn largest_rate<const M: usize>(c: &[f32; M]) -> f32 {
     let rates = c.iter().enumerate();
@@ -152,6 +159,13 @@ mod tests {
             value,
             value_at(&[7.0, 5.0, 3.0], Complex { re: 0.0, im: 2.0 })
         );
+    }
+
+    #[test]
+    fn a_value_with_its_slope() {
+        // x^3 + 2 x^2 - 3 x + 5 and 3 x^2 + 4 x - 3 at -2.
+        assert_eq!(value_and_slope(&[5.0, -3.0, 2.0], -2.0), [11.0, 1.0]);
+        assert_eq!(value_and_slope(&[], 7.0), [1.0, 0.0]);
     }
 
     #[test]

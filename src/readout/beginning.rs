@@ -28,8 +28,9 @@
 //! known, pi = 0, with the variance that A(-p) has then.
 
 use crate::estimation::terms::Parameter;
-use crate::math::matrix::{Matrix, dot};
-use crate::math::raised;
+use crate::math::matrix::{Matrix, add_square, dot};
+use crate::math::polynomial::value_and_slope;
+use crate::math::{larger, raised};
 use crate::readout::source::ReadOut;
 
 /// Estimate and P of the recursion with the column of its beginning, normalised.
@@ -51,14 +52,11 @@ pub(crate) struct Column<const N: usize> {
 
 impl<const N: usize> Column<N> {
     /// Makes the recursion one with the column.
-    fn enter(&self, regression: &mut Regression<N>) {
-        let Regression { theta, p } = regression;
-        for ((value, row), own) in theta.iter_mut().zip(p).zip(&self.direction) {
-            *value -= own * self.gamma;
-            for (entry, direction) in row.iter_mut().zip(&self.direction) {
-                *entry += (own * direction) * self.variance;
-            }
+    pub(crate) fn enter(&self, regression: &mut Regression<N>) {
+        for (value, direction) in regression.theta.iter_mut().zip(&self.direction) {
+            *value -= direction * self.gamma;
         }
+        add_square(&mut regression.p, &self.direction, self.variance);
     }
 }
 
@@ -82,11 +80,7 @@ impl<const N: usize> Considered<N> {
     /// Adds to a covariance, that of a `residual` of such a variance.
     #[inline(never)]
     pub(super) fn add_to(&self, covariance: &mut Matrix<N>, residual: f32) {
-        for (own, row) in self.direction.iter().zip(covariance) {
-            for (entry, direction) in row.iter_mut().zip(&self.direction) {
-                *entry += (own * direction) * (self.variance * residual);
-            }
-        }
+        add_square(covariance, &self.direction, self.variance * residual);
     }
 }
 
@@ -109,7 +103,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         }
     }
 
-    /// The column of the beginning beside the recursion; `None` without one, or where no number
+    /// The column of the beginning beside a recursion; `None` without one, or where no number
     /// tells it.
     #[inline(never)]
     pub(crate) fn column(&self, recursion: &Regression<N>) -> Option<Column<N>> {
@@ -134,7 +128,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             .sum();
         let square = model * model + (spread + along * along * free) * self.residual();
         let pi = self.slow_residue(filter) / square;
-        let variance = 1.0 / (seen.max(0.0) + pi);
+        let variance = 1.0 / (larger(seen, 0.0) + pi);
         let gamma = if seen > 0.0 { left * variance } else { 0.0 };
         (gamma.is_finite() && variance.is_finite()).then_some(Column {
             direction,
@@ -143,35 +137,26 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         })
     }
 
-    /// -p, the slow pole of the filter.
-    fn slow_pole(&self) -> f32 {
-        (self.design.slow_mode - 1.0) / self.design.sample_time
-    }
-
     /// A(-p) per unit of each parameter; what a parameter of 0 has is [`slow_top`](Self::slow_top).
     fn slow_gradient(&self) -> [f32; N] {
         let (parameters, units) = (self.structure.parameters(), self.regressor.units());
+        let pole = self.design.slow_pole();
         core::array::from_fn(|j| match parameters[j] {
-            Parameter::Output { power } => units[j] * raised(self.slow_pole(), power),
+            Parameter::Output { power } => units[j] * raised(pole, power),
             _ => 0.0,
         })
     }
 
     /// (-p)^m.
     fn slow_top(&self) -> f32 {
-        raised(self.slow_pole(), M)
+        raised(self.design.slow_pole(), M)
     }
 
     /// The square of p A_f'(-p), or of what it is with another pole as far from p as p is.
     fn slow_residue(&self, filter: &[f32; M]) -> f32 {
-        let pole = self.slow_pole();
-        let (mut value, mut slope) = (1.0, 0.0);
-        for f in filter.iter().rev() {
-            slope = value + pole * slope;
-            value = f + pole * value;
-        }
-        let (steep, least) = ((pole * slope).abs(), raised(-pole, M));
-        let steep = if steep > least { steep } else { least };
+        let pole = self.design.slow_pole();
+        let [_, slope] = value_and_slope(filter, pole);
+        let steep = larger((pole * slope).abs(), raised(-pole, M));
         steep * steep
     }
 

@@ -51,7 +51,11 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// What another filter goes on from.
     #[inline(never)]
     pub(crate) fn handed_over(&self) -> HandedOver<M, N> {
-        let (recursion, regression) = (self.recursion_alone(), self.regression());
+        let mut regression = self.recursion_alone();
+        let column = self.column(&regression);
+        if let Some(column) = &column {
+            column.enter(&mut regression);
+        }
         let found = self.compensated(&regression, true).0;
         let common = self.common(false);
         let (units, deviation) = (self.regressor.units(), sqrt(self.residual()));
@@ -59,7 +63,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             unseen: self.floor_of(&found.theta),
             shares: [common, self.common(true) - common],
             found,
-            column: self.column(&recursion),
+            column,
             scales: units.map(|unit| 1.0 / (unit * deviation)),
         }
     }

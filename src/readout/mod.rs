@@ -190,7 +190,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             filter,
             natural: natural_frequency(&denominator, self.bandwidth),
             duration: self.estimator.samples().max(1.0) * sample_time,
-            slowest: (1.0 - self.design.slow_mode) / sample_time,
+            slowest: -self.design.slow_pole(),
         };
         let angle = spectrum.natural * sample_time;
         let floor = self.floor(spectrum.natural, &denominator, &found.theta);

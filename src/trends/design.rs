@@ -104,6 +104,11 @@ impl<const M: usize> Design<M> {
         raised(each, M)
     }
 
+    /// The slow pole of the filter in rad/s, below 0.
+    pub(crate) fn slow_pole(&self) -> f32 {
+        (self.slow_mode - 1.0) / self.sample_time
+    }
+
     /// Share of the discretisation error that these trends leave to a model with the denominator
     /// `found`, 0 to 1; `zeros` states whether an input has a b_i beyond b_0.
     ///

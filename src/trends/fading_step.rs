@@ -9,6 +9,7 @@
 //!
 //! Trapezoids are stable however long the steps are, and 0.1 % off at `omega` times 0.1 of one.
 
+use crate::math::polynomial::value_and_slope;
 use crate::math::raised;
 use crate::trends::chain::Integrators;
 use crate::trends::design::Design;
@@ -30,12 +31,8 @@ impl<const M: usize> FadingStep<M> {
     pub(crate) fn new(design: &Design<M>, time: f32) -> Self {
         let filter = design.filter.unwrap_or([1.0; M]);
         let trapezoids = Integrators::new(Scheme::Tustin, time, filter);
-        let pole = (design.slow_mode - 1.0) / design.sample_time;
-        let (mut value, mut slope) = (1.0, 0.0);
-        for f in filter.iter().rev() {
-            slope = value + pole * slope;
-            value = f + pole * value;
-        }
+        let pole = design.slow_pole();
+        let [_, slope] = value_and_slope(&filter, pole);
         let mut states = [0.0; M];
         if design.filter.is_some() {
             states[0] = 1.0 / filter[0];

@@ -8,6 +8,7 @@ use trendid::trends::{FilteredTrends, Scheme};
 use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::plants::linear::LinearPlant;
 use trendid_host_tests::signals::noise::{Additive, Condition, numbered, rms_about_mean};
+use trendid_host_tests::users::figures::{Figures, Part};
 use trendid_host_tests::users::kind::Kind;
 use trendid_host_tests::users::trial::{Special, Trial};
 
@@ -99,26 +100,21 @@ fn the_noise_of_the_first_position_is_in_estimate_and_deviations() {
     }
 }
 
-/// Share of the readings of users to whom nothing special happened that are beyond so many
-/// deviations \[%\].
-fn beyond(deviations: f64, kind: Kind, seeds: Range<u64>) -> f64 {
+/// Figures of the readings of users to whom nothing special happened.
+fn figures(kind: Kind, seeds: Range<u64>) -> Figures {
     let trials = seeds.map(|seed| Trial::run(seed, Some(kind)));
     let usual = |trial: &Trial| {
         let mut happened = Special::HAPPENS.into_iter();
         !happened.any(|special| special != Special::Memory && trial.has(special))
     };
-    let readings: Vec<_> = trials
-        .filter(usual)
-        .flat_map(|trial| trial.read.unwrap_or_default())
-        .collect();
-    let beyond = readings.iter().filter(|r| r.exceeds(deviations));
-    1e2 * beyond.count() as f64 / readings.len() as f64
+    let trials: Vec<_> = trials.filter(usual).collect();
+    Figures::new(&Part::All.readings(&trials))
 }
 
 /// Without a pause at the beginning 15 % of the readings are beyond three deviations.
 #[test]
 fn an_offset_that_kicks_a_drive_through_a_zero_has_passed_before_a_row_is_taken() {
-    let found = beyond(3.0, Kind::ServoZero, USERS);
+    let [_, found, ..] = figures(Kind::ServoZero, USERS).beyond;
     println!("{found:.1} % of the readings are beyond three deviations");
     assert!(found < 9.0, "{found}");
 }
@@ -128,7 +124,7 @@ fn an_offset_that_kicks_a_drive_through_a_zero_has_passed_before_a_row_is_taken(
 #[test]
 fn the_noise_of_the_first_position_is_in_the_deviations_beside_an_initial_state() {
     for (kind, limit) in [(Kind::Servo, 3.0), (Kind::Fourth, 8.5), (Kind::Motor, 3.0)] {
-        let found = beyond(3.0, kind, USERS);
+        let [_, found, ..] = figures(kind, USERS).beyond;
         println!("{kind:?}: {found:.1} % of the readings are beyond three deviations");
         assert!(found < limit, "{kind:?}: {found}");
     }
@@ -139,7 +135,7 @@ fn the_noise_of_the_first_position_is_in_the_deviations_beside_an_initial_state(
 /// an a_0 near 0.
 #[test]
 fn a_pole_near_a_zero_is_not_known_from_the_noise_of_the_beginning() {
-    let found = beyond(10.0, Kind::OscillatorZero, 700_001..700_501);
+    let [.., found] = figures(Kind::OscillatorZero, 700_001..700_501).beyond;
     println!("{found:.1} % of the readings are beyond ten deviations");
     assert!(found < 0.8, "{found}");
 }

@@ -7,6 +7,7 @@ use trendid_host_tests::plants::servo::{REFERENCE, Servo};
 use trendid_host_tests::signals::experiment::Experiment;
 use trendid_host_tests::signals::noise::{Condition, rms};
 use trendid_host_tests::users::draw::User;
+use trendid_host_tests::users::figures::Figures;
 use trendid_host_tests::users::kind::Kind;
 use trendid_host_tests::users::trial::Trial;
 
@@ -160,11 +161,9 @@ fn behind_another_filter_the_deviations_are_those_of_the_estimate() {
         .flat_map(|user| Trial::run(user.seed, None).read.unwrap_or_default())
         .filter(|reading| reading.time > 26.0)
         .collect();
-    let beyond = |deviations: f64| {
-        let beyond = readings.iter().filter(|r| r.exceeds(deviations));
-        1e2 * beyond.count() as f64 / readings.len() as f64
-    };
-    let (count, found) = (readings.len(), [3.0, 10.0].map(beyond));
+    let figures = Figures::new(&readings.iter().collect::<Vec<_>>());
+    let [_, three, _, ten] = figures.beyond;
+    let (count, found) = (figures.readings, [three, ten]);
     println!("{count} readings: {found:.1?} % are beyond three, ten deviations");
     assert!(count > 300 && found[0] < 6.0 && found[1] < 1.5, "{found:?}");
 }

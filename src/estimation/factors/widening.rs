@@ -4,6 +4,7 @@
 //! Sequential Estimation (1977), ch. III.
 
 use crate::estimation::factors::Factors;
+use crate::math::{larger, smaller};
 
 impl<const N: usize> Factors<N> {
     /// Makes the last parameter uncertain again: adds `variance` to P_nn and leaves all other
@@ -42,7 +43,7 @@ impl<const N: usize> Factors<N> {
             self.add_square_of(&mut vector, 1.0);
         }
         for ((d, before), limit) in self.diagonal.iter_mut().zip(before).zip(limit) {
-            *d = d.min(before.max(*limit));
+            *d = smaller(*d, larger(before, *limit));
         }
     }
 

@@ -1,6 +1,6 @@
 //! The estimate without the bias of white noise, and what is unknown of it.
 
-use crate::math::matrix::Matrix;
+use crate::math::matrix::{Matrix, add_square};
 use crate::readout::beginning::Considered;
 use crate::readout::compensation::correction::Correction;
 
@@ -81,11 +81,7 @@ impl<const M: usize, const N: usize> Compensated<M, N> {
     /// Adds the bias by noise that was not taken out, and that in doubt, in the user's units.
     pub(crate) fn add_left(&self, covariance: &mut Matrix<N>) {
         for bias in self.biases() {
-            for (own, row) in bias.iter().zip(covariance.iter_mut()) {
-                for (entry, other) in row.iter_mut().zip(&bias) {
-                    *entry += own * other;
-                }
-            }
+            add_square(covariance, &bias, 1.0);
         }
     }
 
