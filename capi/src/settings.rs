@@ -35,7 +35,7 @@ pub struct Settings {
     /// `trendid_any`).
     pub delay: [u32; INPUTS_MAX],
     /// Largest half width of the dead zone, in the unit of the first input; only for kinds with a
-    /// dead zone.
+    /// dead zone. Commands below it tell no deviation until they are known to lie outside.
     pub dead_zone_max: f32,
     /// Samples between corrections of the dead zone; default 300.
     pub dead_zone_block: u32,

@@ -46,6 +46,7 @@ functions! {
     row_dead_zone(rows::DeadZone, f32) -> Outcome, |state, u, y| {
         state.update_inputs(rows::dead_zone_inputs(u), y)
     };
+    row_valved(rows::Valved, f32) -> Outcome, |state, u, y| state.update(u, y);
     row_full(rows::Full, f32) -> Outcome, |state, u, y| state.update(u, y);
     row_exact(rows::Exact, f32) -> Outcome, |state, u, y| state.update(u, y);
     row_bank(rows::Bank, f32) -> Outcome, |state, u, y| state.update_inputs([u], y);

@@ -23,7 +23,7 @@ use functions::{
     row_batches, row_bounded_3, row_bounded_4, row_bounded_5, row_bounded_6, row_constant,
     row_dead_zone, row_default, row_estimate, row_exact, row_exact_estimate, row_filtered,
     row_full, row_instruments, row_integral, row_nothing, row_raw, row_reading, row_readings,
-    row_retune, row_servo, row_std,
+    row_retune, row_servo, row_std, row_valved,
 };
 use meter::Meter;
 use position_loop::{Still, motion, servo};
@@ -119,6 +119,7 @@ fn options(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
         "with start", 4, *row_constant, rows::started()?, samples();
         "with constant", 4, *row_constant, rows::offset()?, samples();
         "with dead zone", 5, *row_dead_zone, rows::dead_zoned()?, samples();
+        "dead zone measured", 5, *row_valved, rows::valved()?, samples();
     }
     Ok(())
 }

@@ -176,6 +176,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         witness.begin();
         let others = self.signals.again(plan, others.acting);
         witness.inputs(&others.inputs);
+        witness.acting(&others.acting);
     }
 
     /// The initial state is again as uncertain as at the start; where no column stands for it the

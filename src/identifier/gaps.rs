@@ -84,6 +84,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.start_error.end(1.0, plan.forgets);
         let others = self.signals.other_trends_of_a_gap(plan, u);
         witness.inputs(&others.inputs);
+        witness.acting(&others.acting);
         let before = self.signals.output.clone();
         self.signals.gate.aside = None;
         if !known {
@@ -96,12 +97,20 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     }
 
     /// One sample time without y, under the newest inputs.
-    pub(crate) fn skip_held(
+    fn skip_held(&mut self, plan: &Plan<T, M, N, I>, witness: &mut impl Witness<M, N, I>) {
+        self.skip(plan, self.signals.last_inputs, witness);
+    }
+
+    /// So many sample times without y, under the newest inputs.
+    pub(crate) fn skip_all(
         &mut self,
         plan: &Plan<T, M, N, I>,
+        samples: u32,
         witness: &mut impl Witness<M, N, I>,
     ) {
-        self.skip(plan, self.signals.last_inputs, witness);
+        for _ in 0..samples.min(plan.times.longest_gap.saturating_add(1)) {
+            self.skip_held(plan, witness);
+        }
     }
 
     /// A refused sample is a sample time without y; inputs that cannot be taken stay what they

@@ -152,9 +152,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// As [`Identifier::skip`], with somebody who sees the trends.
     pub(crate) fn skip_seen(&mut self, samples: u32, witness: &mut impl Witness<M, N, I>) {
-        for _ in 0..samples.min(self.plan.times.longest_gap.saturating_add(1)) {
-            self.state.skip_held(&self.plan, witness);
-        }
+        self.state.skip_all(&self.plan, samples, witness);
     }
 
     /// How many samples of y were replaced by their prediction: implausible, refused, skipped.

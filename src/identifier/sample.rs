@@ -45,6 +45,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         }
         let others = self.signals.other_trends(plan, u);
         witness.inputs(&others.inputs);
+        witness.acting(&others.acting);
         if self.signals.remaining > 0 {
             self.signals.last = y;
             self.noise.update(y);

@@ -4,6 +4,7 @@ use crate::error::ConfigError;
 use crate::estimation::structure::Structure;
 use crate::identifier::Identifier;
 use crate::identifier::config::Config;
+use crate::identifier::inputs::{DeadZone, Valved};
 use crate::trends::filter::settling_time;
 use crate::trends::filtered::FilteredTrends;
 use crate::trends::{Design, Scheme, TrendOperator};
@@ -38,7 +39,7 @@ use crate::trends::{Design, Scheme, TrendOperator};
 /// ```
 pub type Servo<const D: usize = 0> = Identifier<FilteredTrends<3>, 3, 5, 1, D>;
 
-/// As [`Servo`] with the two inputs of a valve that has a [`DeadZone`](crate::inputs::DeadZone).
+/// As [`Servo`] behind a valve that has a [`DeadZone`].
 ///
 /// theta = (a1, a2, b0, b0 of the sign, constant, initial state).
 ///
@@ -55,17 +56,17 @@ pub type Servo<const D: usize = 0> = Identifier<FilteredTrends<3>, 3, 5, 1, D>;
 /// #     }
 /// #     now
 /// # };
-/// let mut servo = trendid::ValveServo::new(0.001, 20.0, 0.2, 50.0, 0.7)?; // a memory of 0.7 s
-/// let mut valve = trendid::inputs::DeadZone::new(0.0, 0.1, 300); // a width of up to 0.1, corrected every 300 samples
+/// let valve = trendid::inputs::DeadZone::new(0.0, 0.1, 300); // a width of up to 0.1, corrected every 300 samples
+/// let mut servo = trendid::ValveServo::new(0.001, 20.0, 0.2, 50.0, 0.7, valve)?; // a memory of 0.7 s
 /// for k in 0..4000 {
 ///     let u = [0.2, -0.1, 0.05, -0.15][k / 150 % 4];
-///     let _ = valve.identify(&mut servo, u, drive(u));
+///     let _ = servo.update(u, drive(u));
 /// }
-/// assert!((valve.delta() - 0.03).abs() < 5e-4);
+/// assert!((servo.dead_zone().delta() - 0.03).abs() < 5e-4);
 /// assert!((servo.estimate().physical().gain.unwrap() - 2500.0).abs() < 25.0);
 /// # Ok::<(), trendid::ConfigError>(())
 /// ```
-pub type ValveServo<const D: usize = 0> = Identifier<FilteredTrends<3>, 3, 6, 2, D>;
+pub type ValveServo<const D: usize = 0> = Valved<FilteredTrends<3>, 3, 6, 2, D>;
 
 /// Trends and configuration of a servo, to be changed where something else is known.
 fn servo<const N: usize, const I: usize>(
@@ -114,8 +115,7 @@ impl<const D: usize> Servo<D> {
 }
 
 impl ValveServo {
-    /// As [`Servo::new`], forgetting with `memory` (s), about two blocks of the
-    /// [`DeadZone`](crate::inputs::DeadZone).
+    /// As [`Servo::new`], forgetting with `memory` (s), about two blocks of the dead zone.
     ///
     /// # Errors
     /// As [`Servo::new`].
@@ -125,10 +125,11 @@ impl ValveServo {
         input_range: f32,
         output_range: f32,
         memory: f32,
+        dead_zone: DeadZone,
     ) -> Result<Self, ConfigError> {
         let (mut config, trends) = servo(sample_time, bandwidth, [input_range, 1.0], output_range)?;
         config.memory = Some(memory);
-        Identifier::try_new(&config, trends)
+        Self::try_new(&config, trends, dead_zone)
     }
 }
 

@@ -9,6 +9,9 @@ pub(crate) trait Witness<const M: usize, const N: usize, const I: usize> {
     fn begin(&mut self);
     /// The trends of the inputs of a sample, also of one without y.
     fn inputs(&mut self, trends: &[[f32; M]; I]);
+    /// The inputs of the same sample as they act, behind their delays.
+    #[inline(always)]
+    fn acting(&mut self, _inputs: &[f32; I]) {}
     /// A row that the estimator has taken: the normalised regressor and its left-hand side, and
     /// whether lambda was applied before.
     fn row(&mut self, phi: &[f32; N], psi: f32, estimator: &Estimator<N>, forgot: bool);

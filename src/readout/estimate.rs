@@ -62,6 +62,21 @@ impl<const M: usize, const N: usize, const I: usize> Estimate<M, N, I> {
         self.covariance
     }
 
+    /// Adds the square of a bias that is not known; where it may be anything the deviation is
+    /// infinite.
+    pub(crate) fn consider(&mut self, bias: &[f32; N]) {
+        for i in 0..N {
+            for j in 0..N {
+                let square = bias[i] * bias[j];
+                if square.is_finite() {
+                    self.covariance[i][j] += square;
+                } else if i == j {
+                    self.covariance[i][i] = f32::INFINITY;
+                }
+            }
+        }
+    }
+
     /// The structure of the model.
     pub const fn structure(&self) -> &Structure<M, N, I> {
         &self.structure

@@ -28,6 +28,7 @@ mod compensation;
 pub(crate) mod estimate;
 mod former;
 mod handing_over;
+mod input_error;
 mod residual_spectrum;
 pub(crate) mod s_plane;
 mod sandwich;

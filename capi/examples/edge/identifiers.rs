@@ -17,12 +17,8 @@ fn rust_servo(servo: &mut Servo<7>, u: f32, y: f32) -> Outcome {
 }
 
 #[inline(never)]
-fn rust_valve(
-    (servo, zone): &mut (trendid::ValveServo<7>, trendid::inputs::DeadZone),
-    u: f32,
-    y: f32,
-) -> Outcome {
-    zone.identify(servo, u, y)
+fn rust_valve(servo: &mut ValveServo<7>, u: f32, y: f32) -> Outcome {
+    servo.update(u, y)
 }
 
 #[inline(never)]
@@ -111,10 +107,8 @@ fn valve(clock: &Clock, idle: f32) -> Result<(), trendid::ConfigError> {
             0.001,
             20.0,
         )?;
-        let mut native = (
-            ValveServo::<7>::try_new(&config, trends)?,
-            trendid::inputs::DeadZone::new(0.0, 0.1, 300),
-        );
+        let zone = trendid::inputs::DeadZone::new(0.0, 0.1, 300);
+        let mut native = ValveServo::<7>::try_new(&config, trends, zone)?;
         row(clock, idle, "valve3 update", |_, u, y| {
             let rust = clock.ticks(|| rust_valve(&mut native, u, y));
             let edge = clock.ticks(|| update(handle, u, y, &raw mut outcome));

@@ -169,9 +169,9 @@ impl<K: Kind> Table<K> {
 
     unsafe fn change(identifier: *mut Identifier, change: Change<'_>) -> Result<(), Detail> {
         // SAFETY: the handle is of this kind and nobody else uses it.
-        let kind = unsafe { kind_mut::<K>(identifier) };
-        kind.follow(&change);
-        kind.core_mut().change(change)
+        unsafe { kind_mut::<K>(identifier) }
+            .core_mut()
+            .change(change)
     }
 
     unsafe fn theta(identifier: *const Identifier, theta: &mut [f32]) -> Result<(), Error> {
@@ -206,6 +206,6 @@ impl<K: Kind> Table<K> {
         // SAFETY: the handle is of this kind and nobody writes it.
         let kind = unsafe { kind::<K>(identifier) };
         // SAFETY: NULL, or memory of the caller for a status.
-        unsafe { write(to, kind.core().status(kind.dead_zone())) }
+        unsafe { write(to, kind.core().status()) }
     }
 }

@@ -4,7 +4,7 @@ use trendid::Structure;
 use trendid::inputs::DeadZone;
 
 use crate::detail::Detail;
-use crate::identifier::recursion::{Change, Filtered, Recursion};
+use crate::identifier::recursion::{Filtered, FilteredBehindValve, Recursion};
 use crate::settings::Settings;
 
 /// One kind: an identifier of the core and what makes its inputs.
@@ -12,15 +12,12 @@ pub(crate) trait Kind {
     type Core: Recursion;
     fn core(&self) -> &Self::Core;
     fn core_mut(&mut self) -> &mut Self::Core;
-    fn dead_zone(&self) -> Option<&DeadZone>;
     /// Inputs of the model that are in use.
     fn inputs(&self) -> usize;
     /// Whether the caller gives one input, in every object of the kind.
     const SINGLE: bool;
     /// Takes the inputs of the caller; `None` when their number is not that of the kind.
     fn update(&mut self, u: &[f32], y: f32) -> Option<trendid::Outcome>;
-    /// What belongs to the dead zone of a change.
-    fn follow(&mut self, change: &Change<'_>);
 }
 
 /// Inputs as they come; of `I` inputs of the model the caller gives the first `G`, the others are
@@ -59,10 +56,6 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize> Kind for Pl
         &mut self.identifier
     }
 
-    fn dead_zone(&self) -> Option<&DeadZone> {
-        None
-    }
-
     fn inputs(&self) -> usize {
         self.given
     }
@@ -79,16 +72,11 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize> Kind for Pl
         }
         Some(self.identifier.update_inputs(inputs, y))
     }
-
-    fn follow(&mut self, _: &Change<'_>) {}
 }
 
 /// A first input through a valve with a dead zone, which becomes the first two of the model.
 pub(crate) struct Valve<const M: usize, const N: usize, const I: usize, const D: usize> {
-    pub(crate) identifier: Filtered<M, N, I, D>,
-    pub(crate) dead_zone: DeadZone,
-    /// The dead zone as constructed.
-    pub(crate) unknown: DeadZone,
+    pub(crate) identifier: FilteredBehindValve<M, N, I, D>,
 }
 
 impl<const M: usize, const N: usize, const I: usize, const D: usize> Valve<M, N, I, D> {
@@ -112,16 +100,15 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize> Valve<M, N,
             return Err(Detail::not_positive("dead_zone_block", 0.0));
         }
         let config = settings.config(structure, own);
-        self.identifier.reconfigure(&config, settings.trends()?)?;
-        self.unknown = DeadZone::new(0.0, dead_zone_max, dead_zone_block);
-        self.dead_zone = self.unknown;
-        Ok(())
+        let unknown = DeadZone::new(0.0, dead_zone_max, dead_zone_block);
+        let trends = settings.trends()?;
+        Ok(self.identifier.reconfigure(&config, trends, unknown)?)
     }
 }
 
 impl<const M: usize, const N: usize, const I: usize, const D: usize> Kind for Valve<M, N, I, D> {
     const SINGLE: bool = I == 2;
-    type Core = Filtered<M, N, I, D>;
+    type Core = FilteredBehindValve<M, N, I, D>;
 
     fn core(&self) -> &Self::Core {
         &self.identifier
@@ -129,10 +116,6 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize> Kind for Va
 
     fn core_mut(&mut self) -> &mut Self::Core {
         &mut self.identifier
-    }
-
-    fn dead_zone(&self) -> Option<&DeadZone> {
-        Some(&self.dead_zone)
     }
 
     fn inputs(&self) -> usize {
@@ -146,18 +129,9 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize> Kind for Va
             return None;
         }
         let mut inputs = [0.0; I];
-        let pair = self.dead_zone.inputs(*command);
-        for (place, value) in inputs.iter_mut().zip(pair.iter().chain(others)) {
+        for (place, value) in inputs.iter_mut().skip(2).zip(others) {
             *place = *value;
         }
-        let outcome = self.identifier.update_inputs(inputs, y);
-        let _ = self.dead_zone.update(&self.identifier);
-        Some(outcome)
-    }
-
-    fn follow(&mut self, change: &Change<'_>) {
-        if let Change::Reset = change {
-            self.dead_zone = self.unknown;
-        }
+        Some(self.identifier.update_inputs(*command, inputs, y))
     }
 }

@@ -2,7 +2,7 @@
 
 use trendid::ConfigError;
 use trendid::identifier::Identifier as Core;
-use trendid::inputs::DeadZone;
+use trendid::inputs::{DeadZone, Valved};
 use trendid::trends::FilteredTrends;
 
 use crate::detail::Detail;
@@ -12,6 +12,14 @@ use crate::identifier::outputs::{Estimate, Parameter, Status};
 /// The core behind the default filter.
 pub(crate) type Filtered<const M: usize, const N: usize, const I: usize, const D: usize> =
     Core<FilteredTrends<M>, M, N, I, D>;
+
+/// The same behind a valve with a dead zone.
+pub(crate) type FilteredBehindValve<
+    const M: usize,
+    const N: usize,
+    const I: usize,
+    const D: usize,
+> = Valved<FilteredTrends<M>, M, N, I, D>;
 
 /// What the main loop asks of an identifier.
 pub(crate) enum Change<'a> {
@@ -31,7 +39,7 @@ pub(crate) trait Recursion {
     fn estimate(&self) -> Estimate;
     fn covariance(&self, covariance: &mut [f32]) -> Result<(), Error>;
     fn parameters(&self, parameters: &mut [Parameter]) -> Result<(), Error>;
-    fn status(&self, dead_zone: Option<&DeadZone>) -> Status;
+    fn status(&self) -> Status;
 }
 
 /// Copies into a list of the caller that has exactly this length.
@@ -59,35 +67,50 @@ fn found<const M: usize, const N: usize, const I: usize, const D: usize>(
     identifier.estimate()
 }
 
-impl<const M: usize, const N: usize, const I: usize, const D: usize> Recursion
-    for Filtered<M, N, I, D>
-{
-    fn change(&mut self, change: Change<'_>) -> Result<(), Detail> {
-        let done: Result<(), ConfigError> = match change {
-            Change::WarmStart(theta, std) => self.warm_start(array(theta)?, array(std)?),
-            Change::Retune(omega0) => self.retune_to(omega0),
+/// The same behind a valve.
+#[inline(never)]
+fn found_behind_valve<const M: usize, const N: usize, const I: usize, const D: usize>(
+    identifier: &FilteredBehindValve<M, N, I, D>,
+) -> trendid::Estimate<M, N, I> {
+    identifier.estimate()
+}
+
+/// Carries out a change on either.
+macro_rules! carry_out {
+    ($identifier:ident, $change:ident) => {{
+        let done: Result<(), ConfigError> = match $change {
+            Change::WarmStart(theta, std) => $identifier.warm_start(array(theta)?, array(std)?),
+            Change::Retune(omega0) => $identifier.retune_to(omega0),
             Change::Skip(samples) => {
-                self.skip(samples);
+                $identifier.skip(samples);
                 Ok(())
             }
             Change::Reset => {
-                self.reset();
+                $identifier.reset();
                 Ok(())
             }
             Change::RestartTrends => {
-                self.restart_trends();
+                $identifier.restart_trends();
                 Ok(())
             }
             Change::SetNominal => {
-                self.set_nominal();
+                $identifier.set_nominal();
                 Ok(())
             }
             Change::Adapt(on) => {
-                self.adapt(on);
+                $identifier.adapt(on);
                 Ok(())
             }
         };
         Ok(done?)
+    }};
+}
+
+impl<const M: usize, const N: usize, const I: usize, const D: usize> Recursion
+    for Filtered<M, N, I, D>
+{
+    fn change(&mut self, change: Change<'_>) -> Result<(), Detail> {
+        carry_out!(self, change)
     }
 
     #[inline(always)]
@@ -111,19 +134,59 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize> Recursion
         )
     }
 
-    fn status(&self, dead_zone: Option<&DeadZone>) -> Status {
-        let errors = self.prediction_error();
-        let noise_std = self.noise_std();
-        Status {
-            prediction: self.prediction(),
-            noise_std: noise_std.unwrap_or(0.0),
-            ise: errors.ise(),
-            iae: errors.iae(),
-            samples: errors.samples(),
-            replaced: self.replaced(),
-            dead_zone: dead_zone.map_or(0.0, DeadZone::delta),
-            dead_zone_std: dead_zone.map_or(0.0, DeadZone::std),
-            has_noise_std: noise_std.is_some(),
-        }
+    fn status(&self) -> Status {
+        status(self, None)
+    }
+}
+
+impl<const M: usize, const N: usize, const I: usize, const D: usize> Recursion
+    for FilteredBehindValve<M, N, I, D>
+{
+    fn change(&mut self, change: Change<'_>) -> Result<(), Detail> {
+        carry_out!(self, change)
+    }
+
+    #[inline(always)]
+    fn theta(&self, theta: &mut [f32]) -> Result<(), Error> {
+        Recursion::theta(self.identifier(), theta)
+    }
+
+    #[inline(always)]
+    fn estimate(&self) -> Estimate {
+        Estimate::from(&found_behind_valve(self))
+    }
+
+    fn covariance(&self, covariance: &mut [f32]) -> Result<(), Error> {
+        copy(
+            found_behind_valve(self).covariance().as_flattened(),
+            covariance,
+        )
+    }
+
+    fn parameters(&self, parameters: &mut [Parameter]) -> Result<(), Error> {
+        Recursion::parameters(self.identifier(), parameters)
+    }
+
+    fn status(&self) -> Status {
+        status(self.identifier(), Some(self.dead_zone()))
+    }
+}
+
+fn status<const M: usize, const N: usize, const I: usize, const D: usize>(
+    identifier: &Filtered<M, N, I, D>,
+    dead_zone: Option<&DeadZone>,
+) -> Status {
+    let errors = identifier.prediction_error();
+    let noise_std = identifier.noise_std();
+    Status {
+        prediction: identifier.prediction(),
+        noise_std: noise_std.unwrap_or(0.0),
+        ise: errors.ise(),
+        iae: errors.iae(),
+        samples: errors.samples(),
+        replaced: identifier.replaced(),
+        dead_zone: dead_zone.map_or(0.0, DeadZone::delta),
+        dead_zone_std: dead_zone.map_or(0.0, DeadZone::std),
+        has_noise_std: noise_std.is_some(),
     }
 }

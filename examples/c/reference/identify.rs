@@ -2,9 +2,9 @@
 
 use trendid::estimation::Terms;
 use trendid::identifier::{DelayBank, Identifier};
-use trendid::inputs::{DeadZone, coulomb};
+use trendid::inputs::{DeadZone, Valved, coulomb};
 use trendid::trends::{FilteredTrends, Scheme};
-use trendid::{Config, ConfigError, Outcome, Servo, Structure};
+use trendid::{Config, ConfigError, Estimate, Outcome, Servo, Structure};
 use trendid_example_support::hash::Hash;
 use trendid_example_support::record::{SAMPLE_TIME, samples};
 
@@ -13,28 +13,56 @@ use crate::outcome::{take_all, take_outcome};
 const EVERY: usize = 10;
 const MEMORY: f32 = 0.7;
 
+/// An identifier, alone or behind a valve.
+trait Core<const M: usize, const N: usize, const I: usize, const D: usize> {
+    fn identifier(&self) -> &Identifier<FilteredTrends<M>, M, N, I, D>;
+    fn estimate(&self) -> Estimate<M, N, I>;
+}
+
+impl<const M: usize, const N: usize, const I: usize, const D: usize> Core<M, N, I, D>
+    for Identifier<FilteredTrends<M>, M, N, I, D>
+{
+    fn identifier(&self) -> &Self {
+        self
+    }
+
+    fn estimate(&self) -> Estimate<M, N, I> {
+        Self::estimate(self)
+    }
+}
+
+impl<const M: usize, const N: usize, const I: usize, const D: usize> Core<M, N, I, D>
+    for Valved<FilteredTrends<M>, M, N, I, D>
+{
+    fn identifier(&self) -> &Identifier<FilteredTrends<M>, M, N, I, D> {
+        Self::identifier(self)
+    }
+
+    fn estimate(&self) -> Estimate<M, N, I> {
+        Self::estimate(self)
+    }
+}
+
 /// The record through an identifier; `update` gives the outcome, `inputs` of the caller and the
 /// dead zone after it.
-fn run<const M: usize, const N: usize, const I: usize, const D: usize>(
+fn run<C, const M: usize, const N: usize, const I: usize, const D: usize>(
     name: &str,
-    mut identifier: Identifier<FilteredTrends<M>, M, N, I, D>,
-    mut update: impl FnMut(
-        &mut Identifier<FilteredTrends<M>, M, N, I, D>,
-        [f32; 2],
-        f32,
-    ) -> (Outcome, f32),
-) {
+    mut core: C,
+    mut update: impl FnMut(&mut C, [f32; 2], f32) -> (Outcome, f32),
+) where
+    C: Core<M, N, I, D>,
+{
     let mut hash = Hash::new();
     let (mut last, mut width) = (0.0, 0.0);
     for (k, (u, y)) in samples().enumerate() {
         let sign = coulomb((y - last) / SAMPLE_TIME, 50.0);
         last = y;
-        let (outcome, now) = update(&mut identifier, [u, sign], y);
+        let (outcome, now) = update(&mut core, [u, sign], y);
         width = now;
         take_outcome(&mut hash, outcome);
-        take_all(&mut hash, identifier.theta());
+        take_all(&mut hash, core.identifier().theta());
         if k % EVERY == EVERY - 1 {
-            let found = identifier.estimate();
+            let found = core.estimate();
             let physical = found.physical();
             take_all(&mut hash, found.std());
             hash.take(physical.gain.unwrap_or(0.0));
@@ -43,6 +71,7 @@ fn run<const M: usize, const N: usize, const I: usize, const D: usize>(
             hash.take(found.physical_std().map_or(0.0, |std| std[1]));
         }
     }
+    let identifier = core.identifier();
     let errors = identifier.prediction_error();
     hash.take(identifier.prediction());
     hash.take(identifier.noise_std().unwrap_or(0.0));
@@ -54,19 +83,30 @@ fn run<const M: usize, const N: usize, const I: usize, const D: usize>(
     println!("{name} {hash}");
 }
 
-/// An identifier for the record.
-fn of<const M: usize, const N: usize, const I: usize, const D: usize>(
+/// Settings and trends for the record.
+fn settings<const M: usize, const N: usize, const I: usize>(
     structure: Structure<M, N, I>,
     memory: Option<f32>,
     delay: usize,
-) -> Result<Identifier<FilteredTrends<M>, M, N, I, D>, ConfigError> {
+) -> Result<(Config<M, N, I>, FilteredTrends<M>), ConfigError> {
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, SAMPLE_TIME, 20.0)?;
     let mut config = Config::new(structure, 20.0, [1.0; I], 50.0);
     config.memory = memory;
     if let Some(first) = config.delays.first_mut() {
         *first = delay;
     }
-    Identifier::try_new(&config, trends)
+    Ok((config, trends))
+}
+
+/// The record through an identifier alone.
+fn alone<const M: usize, const N: usize, const I: usize, const D: usize>(
+    name: &str,
+    (config, trends): (Config<M, N, I>, FilteredTrends<M>),
+    mut update: impl FnMut(&mut Identifier<FilteredTrends<M>, M, N, I, D>, [f32; 2], f32) -> Outcome,
+) -> Result<(), ConfigError> {
+    let core = Identifier::try_new(&config, trends)?;
+    run(name, core, |core, u, y| (update(core, u, y), 0.0));
+    Ok(())
 }
 
 /// The record through a valve: the command becomes two inputs.
@@ -74,18 +114,13 @@ fn run_valve<const M: usize, const N: usize, const I: usize>(
     name: &str,
     structure: Structure<M, N, I>,
 ) -> Result<(), ConfigError> {
-    let mut zone = DeadZone::new(0.0, 0.1, 300);
-    run::<M, N, I, 7>(
-        name,
-        of(structure, Some(MEMORY), 0)?,
-        |identifier, [u, sign], y| {
-            let [command, direction] = zone.inputs(u);
-            let all = [command, direction, sign];
-            let outcome = identifier.update_inputs(std::array::from_fn(|input| all[input]), y);
-            let _ = zone.update(identifier);
-            (outcome, zone.delta())
-        },
-    );
+    let zone = DeadZone::new(0.0, 0.1, 300);
+    let (config, trends) = settings(structure, Some(MEMORY), 0)?;
+    let core: Valved<_, M, N, I, 7> = Valved::try_new(&config, trends, zone)?;
+    run(name, core, |core, [u, sign], y| {
+        let outcome = core.update_inputs(u, [sign; I], y);
+        (outcome, core.dead_zone().delta())
+    });
     Ok(())
 }
 
@@ -97,33 +132,39 @@ fn friction<const N: usize, const I: usize>() -> Result<Structure<3, N, I>, Conf
 
 pub(crate) fn identify() -> Result<(), ConfigError> {
     let forget = Some(MEMORY);
-    run::<2, 4, 1, 7>(
+    alone::<2, 4, 1, 7>(
         "servo2",
-        of(Structure::SERVO, forget, 0)?,
-        |id, [u, _], y| (id.update(u, y), 0.0),
-    );
+        settings(Structure::SERVO, forget, 0)?,
+        |id, [u, _], y| id.update(u, y),
+    )?;
     run_valve::<2, 5, 2>("valve2", Structure::SERVO)?;
     run_valve::<3, 6, 2>("valve3", Structure::SERVO)?;
-    run::<2, 5, 2, 7>("coulomb2", of(Structure::SERVO, forget, 0)?, |id, u, y| {
-        (id.update_inputs(u, y), 0.0)
-    });
-    run::<3, 6, 2, 7>("coulomb3", of(friction()?, forget, 0)?, |id, u, y| {
-        (id.update_inputs(u, y), 0.0)
-    });
+    alone::<2, 5, 2, 7>(
+        "coulomb2",
+        settings(Structure::SERVO, forget, 0)?,
+        |id, u, y| id.update_inputs(u, y),
+    )?;
+    alone::<3, 6, 2, 7>("coulomb3", settings(friction()?, forget, 0)?, |id, u, y| {
+        id.update_inputs(u, y)
+    })?;
     run_valve::<2, 6, 3>("valve-coulomb2", Structure::SERVO)?;
     run_valve::<3, 7, 3>("valve-coulomb3", friction()?)?;
-    run::<3, 5, 1, 0>("servo3", of(Structure::SERVO, None, 0)?, |id, [u, _], y| {
-        (id.update(u, y), 0.0)
-    });
-    run::<3, 5, 1, 7>("late", of(Structure::SERVO, None, 2)?, |id, [u, _], y| {
-        (id.update(u, y), 0.0)
-    });
+    alone::<3, 5, 1, 0>(
+        "servo3",
+        settings(Structure::SERVO, None, 0)?,
+        |id, [u, _], y| id.update(u, y),
+    )?;
+    alone::<3, 5, 1, 7>(
+        "late",
+        settings(Structure::SERVO, None, 2)?,
+        |id, [u, _], y| id.update(u, y),
+    )?;
     bank()?;
-    run::<3, 6, 1, 0>(
+    alone::<3, 6, 1, 0>(
         "any-full3",
-        of(Structure::FULL, None, 0)?,
-        |id, [u, _], y| (id.update(u, y), 0.0),
-    );
+        settings(Structure::FULL, None, 0)?,
+        |id, [u, _], y| id.update(u, y),
+    )?;
     Ok(())
 }
 

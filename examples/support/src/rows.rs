@@ -1,7 +1,7 @@
 //! The structures that are checked bit for bit and counted.
 
 use trendid::identifier::DelayBank;
-use trendid::inputs::dead_zone;
+use trendid::inputs::{self, dead_zone};
 use trendid::trends::{ExactTrends, FilteredTrends, IntegralTrends, RawTrends, Scheme};
 use trendid::{Config, ConfigError, Identifier, Structure};
 
@@ -24,6 +24,8 @@ pub type Late = Identifier<FilteredTrends<3>, 3, 4, 1, 4>;
 pub type Default = Identifier<FilteredTrends<3>, 3, 5>;
 /// The reference structure with both inputs of a dead zone and a constant.
 pub type DeadZone = Identifier<FilteredTrends<3>, 3, 5, 2>;
+/// The same with a dead zone whose width is measured.
+pub type Valved = inputs::Valved<FilteredTrends<3>, 3, 5>;
 /// Every a_i and b_i of order three.
 pub type Full = Identifier<FilteredTrends<3>, 3, 6>;
 
@@ -144,6 +146,14 @@ pub fn late() -> Result<Late, ConfigError> {
 pub fn dead_zoned() -> Result<DeadZone, ConfigError> {
     let config = Config::new(Structure::INTEGRATING_WITH_CONSTANT, 25.0, [1.0; 2], 50.0);
     DeadZone::try_new(&config, filter(Scheme::Tustin)?)
+}
+
+/// The same behind a valve; no block ends within a million samples.
+pub fn valved() -> Result<Valved, ConfigError> {
+    let mut config = Config::new(Structure::INTEGRATING_WITH_CONSTANT, 25.0, [1.0; 2], 50.0);
+    config.memory = Some(2.0);
+    let zone = inputs::DeadZone::new(DEAD_ZONE, 4.0 * DEAD_ZONE, 1_000_000);
+    Valved::try_new(&config, filter(Scheme::Tustin)?, zone)
 }
 
 /// Every a_i and b_i.

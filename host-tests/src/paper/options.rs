@@ -1,7 +1,7 @@
 //! One run of each option of the core: the same record without it and with it.
 
 use trendid::identifier::DelayBank;
-use trendid::inputs::DeadZone;
+use trendid::inputs::{DeadZone, Valved};
 use trendid::trends::{ExactTrends, FilteredTrends, RawTrends, Scheme, TrendOperator};
 use trendid::{Config, Identifier, Structure};
 
@@ -114,17 +114,17 @@ pub fn dead_zone(seed: u64) -> Pair {
     let structure = Structure::<3, 5, 2>::INTEGRATING_WITH_CONSTANT;
     let mut config = Config::new(structure, BANDWIDTH, [0.2, 0.05], 50.0);
     config.memory = Some(0.7);
-    let mut with: Identifier<_, 3, 5, 2> =
-        Identifier::try_new(&config, trends(BANDWIDTH)).expect("a servo with two inputs");
     // Its width is found on the way, from two thirds of the truth.
-    let mut valve = DeadZone::new(0.02, 0.1, 300);
+    let valve = DeadZone::new(0.02, 0.1, 300);
+    let mut with: Valved<_, 3, 5> =
+        Valved::try_new(&config, trends(BANDWIDTH), valve).expect("a servo with two inputs");
     for s in record.samples() {
         let _ = without.update(s.u as f32, s.y as f32);
-        let _ = valve.identify(&mut with, s.u as f32, s.y as f32);
+        let _ = with.update(s.u as f32, s.y as f32);
     }
     [
         Servo::errors_of(&without.theta(), &REFERENCE),
-        Servo::errors_of(&with.theta(), &REFERENCE),
+        Servo::errors_of(&with.identifier().theta(), &REFERENCE),
     ]
 }
 

@@ -1,7 +1,7 @@
 //! The identifier of the core on the record of a user.
 
 use trendid::estimation::{Parameter, Terms};
-use trendid::inputs::DeadZone;
+use trendid::inputs::{DeadZone, Valved};
 use trendid::trends::{FilteredTrends, Scheme};
 use trendid::{Config, ConfigError, Estimate, Identifier, Structure};
 
@@ -19,6 +19,61 @@ const RETUNED_AFTER: f64 = 25.0;
 /// Least noise that is told over the range that is told: a digit or two of f32.
 const LEAST_NOISE: f64 = 1e-5;
 
+/// An identifier, and what is around it.
+trait Core<const M: usize, const N: usize, const I: usize> {
+    /// Takes a command and a position.
+    fn take(&mut self, u: f32, y: f32);
+    fn skip(&mut self, samples: u32);
+    fn retune_to(&mut self, omega: f32) -> Result<(), ConfigError>;
+    fn estimate(&self) -> Estimate<M, N, I>;
+    /// The dead zone, where one is measured.
+    fn dead_zone(&self) -> Option<&DeadZone>;
+}
+
+impl<const M: usize, const N: usize> Core<M, N, 1> for Identifier<FilteredTrends<M>, M, N> {
+    fn take(&mut self, u: f32, y: f32) {
+        let _ = self.update(u, y);
+    }
+
+    fn skip(&mut self, samples: u32) {
+        Self::skip(self, samples);
+    }
+
+    fn retune_to(&mut self, omega: f32) -> Result<(), ConfigError> {
+        Self::retune_to(self, omega)
+    }
+
+    fn estimate(&self) -> Estimate<M, N, 1> {
+        Self::estimate(self)
+    }
+
+    fn dead_zone(&self) -> Option<&DeadZone> {
+        None
+    }
+}
+
+impl<const M: usize, const N: usize> Core<M, N, 2> for Valved<FilteredTrends<M>, M, N> {
+    fn take(&mut self, u: f32, y: f32) {
+        let _ = self.update(u, y);
+    }
+
+    fn skip(&mut self, samples: u32) {
+        Self::skip(self, samples);
+    }
+
+    fn retune_to(&mut self, omega: f32) -> Result<(), ConfigError> {
+        Self::retune_to(self, omega)
+    }
+
+    fn estimate(&self) -> Estimate<M, N, 2> {
+        Self::estimate(self)
+    }
+
+    fn dead_zone(&self) -> Option<&DeadZone> {
+        Some(Self::dead_zone(self))
+    }
+}
+
 /// What a user reads of the identifier.
 ///
 /// # Errors
@@ -31,50 +86,53 @@ pub fn readings(user: &User, record: &Record) -> Result<Vec<Reading>, ConfigErro
         Kind::ServoPlain => run(user, record, Structure::<3, 3, 1>::INTEGRATING),
         Kind::ServoZero => {
             let terms = Structure::try_with_initial_state(of(&[1, 2]), [pair], true)?;
-            run::<3, 6, 1>(user, record, terms)
+            run::<3, 6>(user, record, terms)
         }
-        Kind::ServoDeadZone => run(user, record, Structure::<3, 6, 2>::SERVO),
+        Kind::ServoDeadZone => run_valved(user, record, Structure::<3, 6, 2>::SERVO),
         Kind::Fourth => run(user, record, Structure::<4, 6, 1>::SERVO),
         Kind::Motor => run(user, record, Structure::<2, 4, 1>::SERVO),
         Kind::MotorPlain => run(user, record, Structure::<2, 2, 1>::INTEGRATING),
-        Kind::Oscillator => run::<2, 4, 1>(user, record, Structure::try_new(pair, [b0], true)?),
-        Kind::OscillatorPlain => {
-            run::<2, 3, 1>(user, record, Structure::try_new(pair, [b0], false)?)
-        }
+        Kind::Oscillator => run::<2, 4>(user, record, Structure::try_new(pair, [b0], true)?),
+        Kind::OscillatorPlain => run::<2, 3>(user, record, Structure::try_new(pair, [b0], false)?),
         Kind::OscillatorZero => run(user, record, Structure::<2, 4, 1>::FULL),
-        Kind::Lag => run::<1, 3, 1>(user, record, Structure::try_new(b0, [b0], true)?),
+        Kind::Lag => run::<1, 3>(user, record, Structure::try_new(b0, [b0], true)?),
         Kind::LagPlain => run(user, record, Structure::<1, 2, 1>::FULL),
     }
 }
 
-/// An identifier with what is around it.
-struct Run<'a, const M: usize, const N: usize, const I: usize> {
+/// A core that takes a record.
+struct Run<'a, C> {
     user: &'a User,
     record: &'a Record,
-    identifier: Identifier<FilteredTrends<M>, M, N, I>,
-    valve: DeadZone,
+    core: C,
 }
 
-fn run<const M: usize, const N: usize, const I: usize>(
+fn trends<const M: usize>(user: &User, bandwidth: f32) -> Result<FilteredTrends<M>, ConfigError> {
+    FilteredTrends::for_bandwidth(Scheme::Tustin, user.sample_time as f32, bandwidth)
+}
+
+fn run<const M: usize, const N: usize>(
     user: &User,
     record: &Record,
-    structure: Structure<M, N, I>,
+    structure: Structure<M, N, 1>,
 ) -> Result<Vec<Reading>, ConfigError> {
     let config = told(user, record, structure);
-    let (scheme, dt) = (Scheme::Tustin, user.sample_time as f32);
-    let trends = FilteredTrends::for_bandwidth(scheme, dt, config.bandwidth)?;
+    let core = Identifier::<_, M, N>::try_new(&config, trends(user, config.bandwidth)?)?;
+    Run { user, record, core }.all()
+}
+
+fn run_valved<const M: usize, const N: usize>(
+    user: &User,
+    record: &Record,
+    structure: Structure<M, N, 2>,
+) -> Result<Vec<Reading>, ConfigError> {
+    let config = told(user, record, structure);
     let block = 0.5 * user.told.memory.unwrap_or(1.0) / user.sample_time;
-    let mut run = Run {
-        user,
-        record,
-        identifier: Identifier::try_new(&config, trends)?,
-        valve: DeadZone::new(
-            0.0,
-            (LARGEST_DEAD_ZONE * user.sizes[0]) as f32,
-            block.max(2.0) as u32,
-        ),
-    };
-    run.all()
+    let largest = (LARGEST_DEAD_ZONE * user.sizes[0]) as f32;
+    let dead_zone = DeadZone::new(0.0, largest, block.max(2.0) as u32);
+    let trends = trends(user, config.bandwidth)?;
+    let core = Valved::<_, M, N>::try_new(&config, trends, dead_zone)?;
+    Run { user, record, core }.all()
 }
 
 /// What the user tells.
@@ -98,8 +156,13 @@ fn told<const M: usize, const N: usize, const I: usize>(
     config
 }
 
-impl<const M: usize, const N: usize, const I: usize> Run<'_, M, N, I> {
-    fn all(&mut self) -> Result<Vec<Reading>, ConfigError> {
+impl<C> Run<'_, C> {
+    fn all<const M: usize, const N: usize, const I: usize>(
+        &mut self,
+    ) -> Result<Vec<Reading>, ConfigError>
+    where
+        C: Core<M, N, I>,
+    {
         let mut due = Record::readings(self.user).into_iter().peekable();
         let mut retuned = self.user.told.retuned;
         let mut readings = Vec::new();
@@ -107,11 +170,11 @@ impl<const M: usize, const N: usize, const I: usize> Run<'_, M, N, I> {
         for event in &self.record.events {
             match *event {
                 Event::Skip(samples) => {
-                    self.identifier.skip(samples);
+                    self.core.skip(samples);
                     k += samples as usize;
                 }
                 Event::Sample { u, y } => {
-                    self.take(u as f32, y as f32);
+                    self.core.take(u as f32, y as f32);
                     k += 1;
                 }
             }
@@ -119,8 +182,7 @@ impl<const M: usize, const N: usize, const I: usize> Run<'_, M, N, I> {
             if time > RETUNED_AFTER
                 && let Some(factor) = retuned.take()
             {
-                self.identifier
-                    .retune_to((self.user.omega * factor) as f32)?;
+                self.core.retune_to((self.user.omega * factor) as f32)?;
             }
             if due.peek().is_some_and(|at| k >= *at) {
                 while due.next_if(|at| k >= *at).is_some() {}
@@ -130,30 +192,29 @@ impl<const M: usize, const N: usize, const I: usize> Run<'_, M, N, I> {
         Ok(readings)
     }
 
-    fn take(&mut self, u: f32, y: f32) {
-        let with_dead_zone = self.valve.inputs(u);
-        let inputs = std::array::from_fn(|i| match I {
-            1 => u,
-            _ => with_dead_zone[i],
-        });
-        let _ = self.identifier.update_inputs(inputs, y);
-        if I == 2 {
-            let _ = self.valve.update(&self.identifier);
-        }
-    }
-
-    fn reading(&self, time: f64) -> Reading {
-        let estimate = self.identifier.estimate();
+    fn reading<const M: usize, const N: usize, const I: usize>(&self, time: f64) -> Reading
+    where
+        C: Core<M, N, I>,
+    {
+        let estimate = self.core.estimate();
         let mut quantities = self.parameters(&estimate);
         quantities.extend(self.physical(&estimate));
+        if let Some(dead_zone) = self.core.dead_zone() {
+            let truth = self.user.dead_zone * self.user.sizes[0];
+            let [value, deviation] = [dead_zone.delta(), dead_zone.std()].map(f64::from);
+            quantities.push(Quantity::new("delta", value, truth, deviation));
+        }
         Reading { time, quantities }
     }
 
-    fn parameters(&self, estimate: &Estimate<M, N, I>) -> Vec<Quantity> {
+    fn parameters<const M: usize, const N: usize, const I: usize>(
+        &self,
+        estimate: &Estimate<M, N, I>,
+    ) -> Vec<Quantity> {
         let User { a, b, sizes, .. } = self.user;
         let (offset, width) = (self.user.offset * sizes[0], self.user.dead_zone * sizes[0]);
         let made = (b[0] * self.record.command).abs();
-        let parameters = self.identifier.structure().parameters();
+        let parameters = estimate.structure().parameters();
         let read = parameters
             .into_iter()
             .zip(estimate.theta())
@@ -179,8 +240,11 @@ impl<const M: usize, const N: usize, const I: usize> Run<'_, M, N, I> {
         read.filter_map(one).collect()
     }
 
-    /// C, omega0 and xi, where they exist; the width of the dead zone, where there is one.
-    fn physical(&self, estimate: &Estimate<M, N, I>) -> Vec<Quantity> {
+    /// C, omega0 and xi, where they exist.
+    fn physical<const M: usize, const N: usize, const I: usize>(
+        &self,
+        estimate: &Estimate<M, N, I>,
+    ) -> Vec<Quantity> {
         let mut quantities = Vec::new();
         if let Some(deviations) = estimate.physical_std() {
             let read = estimate.physical();
@@ -193,11 +257,6 @@ impl<const M: usize, const N: usize, const I: usize> Run<'_, M, N, I> {
                     Quantity::new(name, f64::from(value), truth, f64::from(deviation))
                 }));
             }
-        }
-        if self.user.kind == Kind::ServoDeadZone {
-            let truth = self.user.dead_zone * self.user.sizes[0];
-            let [value, deviation] = [self.valve.delta(), self.valve.std()].map(f64::from);
-            quantities.push(Quantity::new("delta", value, truth, deviation));
         }
         quantities
     }

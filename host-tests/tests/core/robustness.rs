@@ -8,7 +8,7 @@ use trendid::inputs::DeadZone;
 use trendid::trends::{
     AnyTrends, DelayLine, FilteredTrends, Hold, RawTrends, Scheme, TrendOperator,
 };
-use trendid::{Config, Identifier, Outcome, Structure, structure};
+use trendid::{Config, Identifier, Outcome, Structure, ValveServo, structure};
 
 /// Any f32 at all, with the awkward ones often.
 fn number() -> impl Strategy<Value = f32> {
@@ -233,13 +233,17 @@ proptest! {
     ) {
         let mut line = DelayLine::<3>::new();
         let mut level = NoiseLevel::new(0.99);
-        let mut valve = DeadZone::new(numbers[0], numbers[1], 3);
+        let valve = DeadZone::new(numbers[0], numbers[1], 3);
+        let mut servo = ValveServo::new(0.001, 20.0, 1.0, 50.0, 0.7, valve).unwrap();
         let mut estimator = Estimator::<2>::new([0.0; 2], [1.0; 2], 0.99);
         for pair in numbers.windows(3) {
             let _ = line.update(pair[0], delay);
             level.update(pair[0]);
-            let _ = valve.correct([pair[1], pair[2]], pair[0]);
+            let _ = servo.update(pair[1], pair[2]);
+            let valve = servo.dead_zone();
             prop_assert!(valve.delta().is_finite() && valve.delta() >= 0.0);
+            prop_assert!(valve.std() >= 0.0);
+            prop_assert!(servo.estimate().std().iter().all(|std| *std >= 0.0));
             let _ = valve.inputs(pair[0]);
             let _ = estimator.update(&[pair[0], pair[1]], pair[2]);
             let _ = (level.variance(), estimator.covariance(index, 0), estimator.noise_variance());

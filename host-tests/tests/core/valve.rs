@@ -1,6 +1,6 @@
 //! Defects of valve and drive in the core: offset, dead zone, unequal gains, Coulomb friction.
 
-use trendid::inputs::{DeadZone, asymmetric, coulomb, dead_zone};
+use trendid::inputs::{DeadZone, Valved, asymmetric, coulomb, dead_zone};
 use trendid::trends::{FilteredTrends, Scheme};
 use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::plants::servo::{REFERENCE, Servo};
@@ -68,12 +68,15 @@ fn offset_of_ten_percent() {
 fn dead_zone_found(record: &Record, start: f32) -> ([f64; 3], f32) {
     let mut config = Config::new(Structure::<3, 6, 2>::SERVO, 20.0, [0.2, 0.05], 50.0);
     config.memory = Some(0.7);
-    let mut identifier: Identifier<_, 3, 6, 2> = Identifier::try_new(&config, trends()).unwrap();
-    let mut valve = DeadZone::new(start, 0.1, 300);
+    let valve = DeadZone::new(start, 0.1, 300);
+    let mut servo: Valved<_, 3, 6> = Valved::try_new(&config, trends(), valve).unwrap();
     for s in record.samples() {
-        let _ = valve.identify(&mut identifier, s.u as f32, s.y as f32);
+        let _ = servo.update(s.u as f32, s.y as f32);
     }
-    (errors(&identifier.theta()), valve.delta())
+    (
+        errors(&servo.identifier().theta()),
+        servo.dead_zone().delta(),
+    )
 }
 
 #[test]

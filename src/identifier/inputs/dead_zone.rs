@@ -2,14 +2,14 @@
 
 use crate::error::positive;
 use crate::estimation::terms::{Parameter, index_of};
-use crate::identifier::Identifier;
-use crate::identifier::outcome::Outcome;
-use crate::math::deviation;
+use crate::math::{deviation, larger, smaller};
 use crate::readout::Estimate;
-use crate::trends::TrendOperator;
 
 /// Standard deviations by which the width in the inputs stays below the one found.
 const CAUTION: f32 = 2.0;
+
+/// Standard deviations of its denominator within which a quotient may be anything.
+const DISTANCE: f32 = 3.0;
 
 /// The two inputs that a valve with the dead zone `delta` needs beside a constant.
 ///
@@ -34,17 +34,18 @@ pub fn dead_zone(u: f32, delta: f32) -> [f32; 2] {
     }
 }
 
-/// The two inputs of a valve with an unknown dead zone, and the estimate of its width.
+/// The width of an unknown dead zone, and the two inputs that are made with it.
 ///
 /// With the inputs of [`dead_zone`] for a width delta near the true one, the numerators give the
 /// true one:
 ///
 /// ```text
 /// delta <- -b_sgn / b_u                       once per block
-/// w     <- max(0, delta - 2 sigma_delta)      the width in the inputs
+/// w     <- max(0, delta - 2 sigma)            the width in the inputs; sigma by noise alone
+/// upper <- delta + bias + 2 sigma             the largest that is possible; see `Valved`
 /// ```
 ///
-/// b_u and b_sgn are the b_0 of the first and the second input of the identifier. Samples with an
+/// The last is what [`Valved`](super::Valved) counts with. b_u and b_sgn are the b_0 of the first and the second input of the identifier. Samples with an
 /// old width contain its error and have to be forgotten: give the identifier a memory of about two
 /// blocks.
 ///
@@ -53,15 +54,18 @@ pub fn dead_zone(u: f32, delta: f32) -> [f32; 2] {
 /// inputs confirms the error. So the inputs are made with the width less two of its standard
 /// deviations. Begin with a width that is too small (0 is good).
 ///
+/// A quotient has a standard deviation while its denominator is more than three of its own away
+/// from 0 (Fieller, 1954): `sigma / (1 - g)`, `g = (3 sigma_b / b_u)^2`, where sigma is that to
+/// first order; from g = 1 on it is infinite.
+///
 /// # Limits
 /// Two levels of the command do not determine gain, width and constant; three do if each of them
-/// lasts long enough, some 3 / bandwidth. Until then [`DeadZone::std`] is large. A smooth command,
-/// a sine or a triangle, is for a part of the time between the width in the inputs and the true
-/// one; such rows contradict the model, and width and deviations stay wrong.
+/// lasts long enough, some 3 / bandwidth. Until then [`DeadZone::std`] is large.
 ///
 /// | symbol | argument | unit |
 /// |---|---|---|
 /// | delta | `delta`, start; at most `largest` | of u |
+/// | - | `largest`: no dead zone is wider | of u |
 /// | - | `block` | samples between corrections |
 ///
 /// Measured on the reference servo in closed loop (dead zone 0.03, memory 0.7 s, blocks of 0.3 s, 4
@@ -71,12 +75,10 @@ pub fn dead_zone(u: f32, delta: f32) -> [f32; 2] {
 /// # Examples
 /// See [`ValveServo`](crate::ValveServo) for a whole identification.
 /// ```
-/// let mut valve = trendid::inputs::DeadZone::new(0.0, 0.1, 2);
-/// assert_eq!(valve.inputs(0.02), [0.02, 1.0]);
-/// assert!(valve.correct([2.0, -0.06], 0.002)); // delta = 0.06 / 2, known to 0.002
-/// assert!((valve.delta() - 0.03).abs() < 1e-7);
+/// let valve = trendid::inputs::DeadZone::new(0.025, 0.1, 300);
 /// assert_eq!(valve.inputs(0.02), [0.0, 0.0]);
-/// assert_eq!(valve.inputs(0.028), [0.028, 1.0]); // may pass the valve
+/// assert_eq!(valve.inputs(0.03), [0.03, 1.0]);
+/// assert!(valve.std().is_infinite()); // until a block has been measured
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -85,6 +87,8 @@ pub struct DeadZone {
     std: f32,
     /// The width in the inputs.
     cautious: f32,
+    /// The largest that is possible.
+    upper: f32,
     largest: f32,
     block: u32,
     count: u32,
@@ -105,6 +109,7 @@ impl DeadZone {
             delta,
             std: f32::INFINITY,
             cautious: delta,
+            upper: largest,
             largest,
             block,
             count: 0,
@@ -116,10 +121,15 @@ impl DeadZone {
         self.delta
     }
 
-    /// Standard deviation of -b_sgn / b_u at the last correction, in the unit of u; infinite
+    /// Standard deviation of the half width at the last correction, in the unit of u; infinite
     /// before.
     pub const fn std(&self) -> f32 {
         self.std
+    }
+
+    /// The largest width that is possible, in the unit of u.
+    pub(super) const fn upper(&self) -> f32 {
+        self.upper
     }
 
     /// The two inputs for a command. Cost: 6 instructions.
@@ -128,77 +138,78 @@ impl DeadZone {
         dead_zone(u, self.cautious)
     }
 
-    /// Takes u(k) and y(k) into an identifier with these two inputs and corrects the width at the
-    /// end of a block.
+    /// Counts a sample; whether a block ends with it.
     #[inline]
-    pub fn identify<T: TrendOperator<M>, const M: usize, const N: usize, const D: usize>(
-        &mut self,
-        identifier: &mut Identifier<T, M, N, 2, D>,
-        u: f32,
-        y: f32,
-    ) -> Outcome {
-        let outcome = identifier.update_inputs(self.inputs(u), y);
-        let _ = self.update(identifier);
-        outcome
-    }
-
-    /// Counts a sample; at the end of a block corrects the width by the numerators of the
-    /// identifier.
-    ///
-    /// Returns whether it was corrected.
-    #[inline]
-    pub fn update<
-        T: TrendOperator<M>,
-        const M: usize,
-        const N: usize,
-        const I: usize,
-        const D: usize,
-    >(
-        &mut self,
-        identifier: &Identifier<T, M, N, I, D>,
-    ) -> bool {
+    pub(super) const fn is_due(&mut self) -> bool {
         self.count = self.count.saturating_add(1);
-        if self.count < self.block || self.block == 0 {
-            return false;
+        let due = self.block > 0 && self.count >= self.block;
+        if due {
+            self.count = 0;
         }
-        self.count = 0;
-        match numerators(&identifier.estimate()) {
-            Some((numerators, std)) => self.correct(numerators, std),
-            None => false,
-        }
+        due
     }
 
-    /// Corrects the width by the numerators `[b_u, b_sgn]`, whose quotient has the standard
-    /// deviation `std`.
+    /// Corrects the width by an estimate, its deviations by noise alone, and its `bias` by the
+    /// largest width that is possible.
     ///
     /// Returns whether it was corrected: a quotient outside 0 ..= `largest` changes the width in
     /// the inputs alone.
-    pub fn correct(&mut self, [linear, sign]: [f32; 2], std: f32) -> bool {
-        let delta = -sign / linear;
+    pub(super) fn take<const M: usize, const N: usize, const I: usize>(
+        &mut self,
+        estimate: &Estimate<M, N, I>,
+        bias: &[f32; N],
+    ) -> bool {
+        Quotient::of(estimate, bias).is_some_and(|found| self.correct(found))
+    }
+
+    fn correct(&mut self, found: Quotient) -> bool {
+        let Quotient { delta, noise, bias } = found;
         let accepted = delta >= 0.0 && delta <= self.largest;
         if accepted {
             self.delta = delta;
         }
-        self.std = if std >= 0.0 { std } else { f32::INFINITY };
-        self.cautious = (self.delta - CAUTION * self.std).max(0.0);
+        let noise = if noise >= 0.0 { noise } else { f32::INFINITY };
+        let bias = if bias >= 0.0 { bias } else { f32::INFINITY };
+        self.std = deviation(noise * noise + bias * bias);
+        self.cautious = larger(self.delta - CAUTION * noise, 0.0);
+        self.upper = smaller(self.delta + (bias + CAUTION * noise), self.largest);
         accepted
     }
 }
 
-/// `[b_u, b_sgn]` of a model with two inputs, and the standard deviation of their quotient to first
-/// order.
-fn numerators<const M: usize, const N: usize, const I: usize>(
-    estimate: &Estimate<M, N, I>,
-) -> Option<([f32; 2], f32)> {
-    let parameters = estimate.structure().parameters();
-    let (theta, covariance) = (estimate.theta(), estimate.covariance());
-    let b0 = |input| index_of(&parameters, Parameter::Input { input, power: 0 });
-    let (u, sgn) = (b0(0)?, b0(1)?);
-    let (linear, sign) = (*theta.get(u)?, *theta.get(sgn)?);
-    let entry = |i: usize, j: usize| covariance.get(i)?.get(j).copied();
-    let quotient = sign / linear;
-    let variance = entry(sgn, sgn)? + quotient * (quotient * entry(u, u)? - 2.0 * entry(u, sgn)?);
-    Some(([linear, sign], deviation(variance) / linear.abs()))
+/// -b_sgn / b_u, and what is unknown of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Quotient {
+    delta: f32,
+    /// Standard deviation by noise.
+    noise: f32,
+    /// Size of the bias.
+    bias: f32,
+}
+
+impl Quotient {
+    /// That of a model with two inputs.
+    fn of<const M: usize, const N: usize, const I: usize>(
+        estimate: &Estimate<M, N, I>,
+        bias: &[f32; N],
+    ) -> Option<Self> {
+        let parameters = estimate.structure().parameters();
+        let (theta, covariance) = (estimate.theta(), estimate.covariance());
+        let b0 = |input| index_of(&parameters, Parameter::Input { input, power: 0 });
+        let (u, sgn) = (b0(0)?, b0(1)?);
+        let (linear, sign) = (*theta.get(u)?, *theta.get(sgn)?);
+        let entry = |i: usize, j: usize| covariance.get(i)?.get(j).copied();
+        let quotient = sign / linear;
+        let own = entry(u, u)?;
+        let variance = entry(sgn, sgn)? + quotient * (quotient * own - 2.0 * entry(u, sgn)?);
+        let near = DISTANCE * DISTANCE * own / (linear * linear);
+        let known = if near < 1.0 { 1.0 - near } else { 0.0 };
+        Some(Self {
+            delta: -quotient,
+            noise: deviation(variance) / (linear.abs() * known),
+            bias: (bias.get(sgn)? - quotient * bias.get(u)?).abs() / linear.abs(),
+        })
+    }
 }
 
 #[cfg(test)]

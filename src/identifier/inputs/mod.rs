@@ -3,9 +3,12 @@
 
 mod dead_zone;
 mod friction;
+mod valved;
+mod width_error;
 
 pub use dead_zone::{DeadZone, dead_zone};
 pub use friction::{Coulomb, coulomb};
+pub use valved::Valved;
 
 /// The two inputs of an actuator with another gain in each direction: `max(u, 0)` and `min(u, 0)`.
 ///

@@ -17,7 +17,7 @@ use crate::settings::Settings;
 const VALVE_COULOMB3: CoreStructure<3, 7, 3> = with_friction();
 
 /// Words of 8 bytes of a `trendid_valve2`.
-pub const VALVE2_WORDS: usize = 196;
+pub const VALVE2_WORDS: usize = 216;
 
 /// Memory of an identifier of `b0 / (s (s + a1)) behind a valve with a dead zone`.
 ///
@@ -46,7 +46,7 @@ pub unsafe extern "C" fn trendid_valve2_init(
 }
 
 /// Words of 8 bytes of a `trendid_valve3`.
-pub const VALVE3_WORDS: usize = 232;
+pub const VALVE3_WORDS: usize = 248;
 
 /// Memory of an identifier of `b0 / (s (s^2 + a2 s + a1)) behind a valve with a dead zone`.
 ///
@@ -75,7 +75,7 @@ pub unsafe extern "C" fn trendid_valve3_init(
 }
 
 /// Words of 8 bytes of a `trendid_valve_coulomb2`.
-pub const VALVE_COULOMB2_WORDS: usize = 224;
+pub const VALVE_COULOMB2_WORDS: usize = 244;
 
 /// Memory of an identifier of
 /// `b0 / (s (s + a1)) with Coulomb friction, behind a valve with a dead zone`.
@@ -110,7 +110,7 @@ pub unsafe extern "C" fn trendid_valve_coulomb2_init(
 }
 
 /// Words of 8 bytes of a `trendid_valve_coulomb3`.
-pub const VALVE_COULOMB3_WORDS: usize = 256;
+pub const VALVE_COULOMB3_WORDS: usize = 276;
 
 /// Memory of an identifier of
 /// `b0 / (s (s^2 + a2 s + a1)) with Coulomb friction, behind a valve with a dead zone`.

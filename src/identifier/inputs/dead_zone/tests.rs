@@ -1,13 +1,34 @@
 //! Widths that are found, and those that are refused.
 
 use super::*;
-use crate::identifier::servo::ValveServo;
+use crate::estimation::structure::Structure;
+use crate::estimation::terms::Terms;
 
 #[test]
 fn inputs_at_the_edge() {
     assert_eq!(dead_zone(0.03, 0.03), [0.0, 0.0]);
     assert_eq!(dead_zone(-0.03, 0.03), [0.0, 0.0]);
     assert_eq!(dead_zone(f32::NAN, 0.03), [0.0, 0.0]);
+}
+
+fn found(delta: f32, noise: f32, bias: f32) -> Quotient {
+    Quotient { delta, noise, bias }
+}
+
+/// The quotient of numerators with these variances, not correlated, with these biases.
+fn quotient([linear, sign]: [f32; 2], variances: [f32; 2], bias: [f32; 2]) -> Quotient {
+    let estimate = Estimate::<1, 3, 2> {
+        structure: structure(),
+        theta: [2.0, linear, sign],
+        covariance: [[0.0; 3], [0.0, variances[0], 0.0], [0.0, 0.0, variances[1]]],
+    };
+    Quotient::of(&estimate, &[7.0, bias[0], bias[1]]).expect("two inputs")
+}
+
+/// a_0 and b_0 of two inputs.
+fn structure() -> Structure<1, 3, 2> {
+    let of = Terms::of(&[0]);
+    Structure::try_new(of, [of; 2], false).expect("three parameters")
 }
 
 #[test]
@@ -22,99 +43,84 @@ fn a_dead_zone_refuses_nonsense() {
         [0.0, -0.1],
     ] {
         let mut valve = fresh;
-        assert!(!valve.correct(numerators, 0.0));
+        assert!(!valve.correct(quotient(numerators, [0.0; 2], [0.0; 2])));
         assert_eq!(valve.delta(), 0.02);
+        assert!(valve.std() >= 0.0 && valve.cautious >= 0.0 && valve.upper <= 0.1);
     }
     assert_eq!(DeadZone::new(f32::NAN, 0.1, 1).delta(), 0.0);
     assert_eq!(DeadZone::new(0.2, 0.1, 1).delta(), 0.0);
     assert_eq!(DeadZone::new(0.2, f32::NAN, 1).delta(), 0.0);
-    let mut valve = DeadZone::new(0.02, 0.1, 0);
-    let servo = ValveServo::new(0.001, 20.0, 1.0, 50.0, 0.7).unwrap();
-    for _ in 0..10 {
-        assert!(!valve.update(&servo));
-    }
-    assert_eq!(valve.delta(), 0.02);
 }
 
 #[test]
 fn a_block_has_as_many_samples_as_it_says() {
     let mut valve = DeadZone::new(0.02, 0.1, 3);
-    let servo = ValveServo::new(0.001, 20.0, 1.0, 50.0, 0.7).unwrap();
     for k in 1..=9 {
-        let _ = valve.update(&servo);
-        assert_eq!(valve.count, k % 3);
+        assert_eq!(valve.is_due(), k % 3 == 0);
     }
+    let mut never = DeadZone::new(0.02, 0.1, 0);
+    assert!((0..9).all(|_| !never.is_due()));
 }
 
 #[test]
 fn the_inputs_are_made_with_a_width_that_is_not_too_large() {
     let mut valve = DeadZone::new(0.02, 0.1, 1);
     assert_eq!((valve.std(), valve.inputs(0.02)), (f32::INFINITY, [0.0; 2]));
-    assert!(valve.correct([1.0, -0.0625], 0.015625));
+    assert!(valve.correct(found(0.0625, 0.015625, 0.0)));
     assert_eq!((valve.delta(), valve.std()), (0.0625, 0.015625));
     assert_eq!(valve.inputs(0.03125), [0.0; 2]);
     assert_eq!(valve.inputs(0.032), [0.032, 1.0]);
+    assert_eq!([valve.cautious, valve.upper], [0.03125, 0.09375]);
     // A quotient that is no width says that the one before was wrong by its deviation, too.
-    assert!(!valve.correct([1.0, 0.0625], 0.05));
+    assert!(!valve.correct(found(-0.0625, 0.05, 0.0)));
     assert_eq!((valve.delta(), valve.inputs(0.001)), (0.0625, [0.001, 1.0]));
     for std in [f32::NAN, f32::INFINITY, -1.0] {
-        assert!(valve.correct([1.0, -0.05], std));
+        assert!(valve.correct(found(0.05, std, 0.0)));
         assert_eq!(
             (valve.delta(), valve.inputs(-0.001)),
             (0.05, [-0.001, -1.0])
         );
+        assert_eq!((valve.std(), valve.upper()), (f32::INFINITY, 0.1));
     }
-}
-
-/// A valve of this half width in front of `y'' = -20 y' + 2000 (flow + 0.02)`, exactly between
-/// samples; steps of three sizes.
-fn valve_servo(half: f32) -> (ValveServo, DeadZone, u32) {
-    let mut servo = ValveServo::new(1e-3, 20.0, 0.4, 50.0, 0.7).unwrap();
-    let mut valve = DeadZone::new(0.0, 0.1, 300);
-    let (mut y, mut v, mut a, mut corrected) = (0.0_f32, 0.0_f32, 0.0_f32, 0);
-    let mut state = 1_u32;
-    for k in 0..6000 {
-        if k % 170 == 0 {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        }
-        let size = 0.05 + 0.35 * ((state >> 16) % 5) as f32 / 4.0;
-        let u = if y > 0.0 { -size } else { size };
-        let noise = ((k * 7919) % 13) as f32 * 1e-4;
-        let _ = servo.update_inputs(valve.inputs(u), y + noise);
-        corrected += u32::from(valve.update(&servo));
-        let flow = u - half.min(u.abs()) * u.signum();
-        for _ in 0..10 {
-            let jerk = 2e5 * flow - 400.0 * v - 20.0 * a;
-            (y, v, a) = (y + 1e-4 * v, v + 1e-4 * a, a + 1e-4 * jerk);
-        }
-    }
-    (servo, valve, corrected)
 }
 
 #[test]
-fn a_width_is_found_once_per_block_with_its_deviation() {
-    for half in [0.02, 0.04] {
-        let (servo, valve, corrected) = valve_servo(half);
-        // 6000 samples are 20 blocks; the first ones may show none.
-        assert!((15..=20).contains(&corrected), "{corrected}");
-        assert!((valve.delta() - half).abs() < 0.003, "{valve:?}");
-        assert!(valve.std() > 0.0 && valve.std() < 0.003, "{valve:?}");
-        // The quotient of the numerators, and its deviation by small changes of both.
-        let estimate = servo.estimate();
-        let ([linear, sign], std) = numerators(&estimate).expect("two inputs");
-        let (theta, covariance) = (estimate.theta(), estimate.covariance());
-        let at = |value: f32| theta.iter().position(|t| *t == value).expect("a parameter");
-        let (i, j) = (at(linear), at(sign));
-        let slope = [-sign / (linear * linear), 1.0 / linear];
-        let variance = slope[0] * slope[0] * covariance[i][i]
-            + slope[1] * slope[1] * covariance[j][j]
-            + 2.0 * slope[0] * slope[1] * covariance[i][j];
-        assert!(
-            (std * std / variance - 1.0).abs() < 1e-2,
-            "{std} {variance}"
-        );
-        let mut other = valve;
-        assert!(other.correct([linear, sign], std));
-        assert!((other.delta() + sign / linear).abs() < 1e-6 && other.std() == std);
+fn a_bias_makes_the_largest_width_larger_and_leaves_the_inputs() {
+    let mut valve = DeadZone::new(0.0, 0.1, 1);
+    assert!(valve.correct(found(0.05, 0.003, 0.004)));
+    assert!((valve.std() - 0.005).abs() < 1e-8);
+    assert!((valve.cautious - 0.044).abs() < 1e-7 && (valve.upper - 0.06).abs() < 1e-7);
+    // Never beyond what was told.
+    assert!(valve.correct(found(0.095, 0.003, 0.004)));
+    assert_eq!(valve.upper(), 0.1);
+    // Of a bias that may be anything only the largest width is a bound.
+    for bias in [f32::INFINITY, f32::NAN] {
+        assert!(valve.correct(found(0.05, 0.003, bias)));
+        assert_eq!((valve.std(), valve.upper()), (f32::INFINITY, 0.1));
+        assert!((valve.cautious - 0.044).abs() < 1e-7);
     }
+}
+
+/// To first order far from 0, wider near it, and without bound where the denominator may be 0.
+#[test]
+fn a_quotient_has_no_deviation_where_its_denominator_may_be_zero() {
+    let of = |variances| quotient([100.0, -5.0], variances, [0.0; 2]);
+    let first = |[linear, sign]: [f32; 2]| (sign + 0.05 * 0.05 * linear).sqrt() / 100.0;
+    let far = of([1e-4, 1e-6]);
+    assert!((far.delta - 0.05).abs() < 1e-7);
+    assert!((far.noise / first([1e-4, 1e-6]) - 1.0).abs() < 1e-4);
+    let near = [400.0, 0.01];
+    assert!((of(near).noise / first(near) * (1.0 - 0.36) - 1.0).abs() < 1e-4);
+    for deviation in [34.0_f32, 1000.0] {
+        assert_eq!(of([deviation * deviation, 0.01]).noise, f32::INFINITY);
+    }
+}
+
+#[test]
+fn the_bias_of_a_quotient_is_that_of_both_numerators() {
+    let of = |bias| quotient([100.0, -5.0], [1.0, 1.0], bias).bias;
+    // In step with each other the quotient stays.
+    assert!(of([10.0, -0.5]) < 1e-8);
+    assert!((of([10.0, 0.0]) - 0.005).abs() < 1e-8);
+    assert!((of([0.0, 1.0]) - 0.01).abs() < 1e-8);
 }
