@@ -67,16 +67,16 @@
 #define TRENDID_COULOMB3_WORDS 228
 
 // Words of 8 bytes of a `trendid_valve2`.
-#define TRENDID_VALVE2_WORDS 196
+#define TRENDID_VALVE2_WORDS 216
 
 // Words of 8 bytes of a `trendid_valve3`.
-#define TRENDID_VALVE3_WORDS 232
+#define TRENDID_VALVE3_WORDS 248
 
 // Words of 8 bytes of a `trendid_valve_coulomb2`.
-#define TRENDID_VALVE_COULOMB2_WORDS 224
+#define TRENDID_VALVE_COULOMB2_WORDS 244
 
 // Words of 8 bytes of a `trendid_valve_coulomb3`.
-#define TRENDID_VALVE_COULOMB3_WORDS 256
+#define TRENDID_VALVE_COULOMB3_WORDS 276
 
 // Most parameters of a model.
 #define TRENDID_PARAMETERS_MAX 8
@@ -343,7 +343,7 @@ typedef struct trendid_settings {
   // `trendid_any`).
   uint32_t delay[TRENDID_INPUTS_MAX];
   // Largest half width of the dead zone, in the unit of the first input; only for kinds with a
-  // dead zone.
+  // dead zone. Commands below it tell no deviation until they are known to lie outside.
   float dead_zone_max;
   // Samples between corrections of the dead zone; default 300.
   uint32_t dead_zone_block;

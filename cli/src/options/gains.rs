@@ -52,7 +52,7 @@ static OPTIONS: [Tried; 9] = [
     },
     Tried {
         option: "inputs of a dead zone",
-        cost: sample(("with dead zone", 5), ("with constant", 4)),
+        cost: sample(("dead zone measured", 5), ("default with memory", 5)),
         condition: "dead zone of 3 %, closed loop, 20 um, 4 s",
         run: runs::dead_zone,
     },

@@ -42,10 +42,10 @@ pub fn dead_zone(u: f32, delta: f32) -> [f32; 2] {
 /// ```text
 /// delta <- -b_sgn / b_u                       once per block
 /// w     <- max(0, delta - 2 sigma)            the width in the inputs; sigma by noise alone
-/// upper <- delta + bias + 2 sigma             the largest that is possible; see `Valved`
+/// upper <- delta + bias + 2 sigma             the largest that is possible
 /// ```
 ///
-/// The last is what [`Valved`](super::Valved) counts with. b_u and b_sgn are the b_0 of the first and the second input of the identifier. Samples with an
+/// b_u and b_sgn are the b_0 of the first and the second input of the identifier. Samples with an
 /// old width contain its error and have to be forgotten: give the identifier a memory of about two
 /// blocks.
 ///
@@ -73,7 +73,8 @@ pub fn dead_zone(u: f32, delta: f32) -> [f32; 2] {
 /// omega0 and xi within 1 %; with 0.1 mm their rms errors stay below 1 %.
 ///
 /// # Examples
-/// See [`ValveServo`](crate::ValveServo) for a whole identification.
+/// See [`ValveServo`](crate::ValveServo) for a whole identification, and [`Valved`](super::Valved)
+/// for what the largest width that is possible means to the deviations.
 /// ```
 /// let valve = trendid::inputs::DeadZone::new(0.025, 0.1, 300);
 /// assert_eq!(valve.inputs(0.02), [0.0, 0.0]);

@@ -30,15 +30,20 @@ use crate::trends::{FilteredTrends, TrendOperator};
 /// |b_0| <= |b_0 found| / (1 - rho)
 /// ```
 ///
-/// and from rho = 1 on no deviation is finite: all commands may have been inside the dead zone. Once
-/// per block the largest width becomes the one found, and its bias, and two deviations by noise.
+/// and from rho = 1 on no deviation is finite: all commands may have been inside the dead zone.
+/// Once per block the largest width becomes the one found, and its bias, and two deviations by
+/// noise.
 ///
-/// Guarantees: as [`Identifier`]. Cost: see the table of instruction counts.
+/// Guarantees: as [`Identifier`]. Cost: see the table of instruction counts; the sample that ends a
+/// block costs a reading besides.
 ///
 /// # Limits
-/// [`Identifier::estimate`] of [`Valved::identifier`] has the deviations by noise alone. A narrow
-/// `largest` of the [`DeadZone`] shows the sooner that commands lie outside it. After
-/// [`Valved::retune`] the bias is counted with the inflation of the variance.
+/// [`Identifier::estimate`] of [`Valved::identifier`] has the deviations by noise alone. The rows
+/// are not asked which widths they exclude: while every command lies below the `largest` width of
+/// the [`DeadZone`] no deviation is finite, however well they fit. Give one below the smallest
+/// command that surely moves the drive. An offset that acts before the dead zone makes it another
+/// one in each direction, which these inputs do not describe. After [`Valved::retune`] the bias is
+/// counted with the inflation of the variance.
 ///
 /// # Examples
 /// See [`ValveServo`](crate::ValveServo).
@@ -126,10 +131,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         state.skip_all(plan, samples, &mut seen);
     }
 
+    /// The end of a block.
+    #[inline(never)]
     fn measure(&mut self) {
-        let noise = self.identifier.estimate();
-        let read_out = self.identifier.read_out();
-        let bias = read_out.bias_by_input(self.error.scores());
+        let (noise, bias) = (self.identifier.estimate(), self.bias());
         let _ = self.dead_zone.take(&noise, &bias);
         self.error.set_width(self.dead_zone.upper());
     }
@@ -143,8 +148,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// The model found, with its uncertainty, that of the width included.
     pub fn estimate(&self) -> Estimate<M, N, I> {
         let mut estimate = self.identifier.estimate();
-        let bias = self.bias();
-        estimate.consider(&bias);
+        estimate.consider(&self.bias());
         estimate
     }
 
