@@ -89,9 +89,9 @@ fn all(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     }
     #[cfg(all(target_os = "none", target_abi = "eabihf"))]
     telemetry::rows(meter, samples(), samples().take(CALLS));
-    // Its code is the largest: 256 KiB have no room for it beside the others.
+    // Their code is the largest: 256 KiB have no room for it beside the others.
     if cfg!(target_has_atomic = "32") {
-        full(meter)?;
+        largest(meter)?;
     }
     estimators(meter);
     bounded_estimators(meter);
@@ -119,14 +119,14 @@ fn options(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
         "with start", 4, *row_constant, rows::started()?, samples();
         "with constant", 4, *row_constant, rows::offset()?, samples();
         "with dead zone", 5, *row_dead_zone, rows::dead_zoned()?, samples();
-        "dead zone measured", 5, *row_valved, rows::valved()?, samples();
     }
     Ok(())
 }
 
 #[inline(never)]
-fn full(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
+fn largest(meter: &mut impl Meter) -> Result<(), trendid::ConfigError> {
     rows! { meter;
+        "dead zone measured", 5, *row_valved, rows::valved()?, samples();
         "order 3 full", 6, *row_full, rows::full()?, samples();
     }
     Ok(())
