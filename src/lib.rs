@@ -34,7 +34,7 @@
 //! | [`identifier`] | [`Identifier`], [`Config`], [`Outcome`], [`Servo`] | all of it behind one call per sample |
 //! | [`batches`] | [`batches::Batched`] | standard deviations of least squares by batch means |
 //! | [`instruments`] | [`instruments::Instrumented`] | estimates without the bias of noise, standard deviations by batch means |
-//! | [`inputs`] | [`inputs::DeadZone`], [`inputs::coulomb`] | inputs for valves and friction |
+//! | [`inputs`] | [`inputs::Valved`], [`inputs::DeadZone`], [`inputs::coulomb`] | inputs for valves and friction; an identifier behind a valve |
 //! | [`hardware`] | [`hardware::PositionSensor`], [`hardware::Valve`] | the edge to sensors and valves: traits, drivers, scale |
 //! | [`servo`] | [`servo::ServoLoop`], [`servo::Config`] | trajectory, pole placement on a verified model, supervision; the whole loop in one call per sample |
 //!

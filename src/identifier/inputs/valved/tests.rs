@@ -186,3 +186,57 @@ fn no_sum_becomes_subnormal() {
         assert!(servo.error.is_normal(), "{k} {:?}", servo.error);
     }
 }
+
+/// Calls in any order, with any numbers: nothing that is none comes out.
+#[test]
+fn any_calls_leave_numbers() {
+    let numbers = [
+        0.0,
+        1e-30,
+        0.01,
+        -0.2,
+        0.4,
+        3.0,
+        -1e6,
+        1e30,
+        f32::NAN,
+        f32::INFINITY,
+    ];
+    for seed in 1..60_u32 {
+        let mut state = seed;
+        let mut any = |below: usize| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as usize % below
+        };
+        let valve = DeadZone::new(0.0, numbers[2 + any(4)], 1 + any(50) as u32);
+        let mut servo = ValveServo::new(DT, 20.0, 0.4, 50.0, 0.1 + any(3) as f32, valve).unwrap();
+        let mut drive = Drive::new(0.02);
+        for _ in 0..400 {
+            match any(40) {
+                0 => servo.skip(any(1000) as u32),
+                1 => servo.restart_trends(),
+                2 => servo.adapt(any(2) == 0),
+                3 => servo.set_nominal(),
+                4 => _ = servo.retune_to(numbers[any(numbers.len())]),
+                5 => _ = servo.warm_start([numbers[any(numbers.len())]; 6], [1.0; 6]),
+                6 => servo.reset(),
+                7 => _ = servo.update(numbers[any(numbers.len())], numbers[any(numbers.len())]),
+                _ => {
+                    let u = 0.1 * any(9) as f32 - 0.4;
+                    for _ in 0..10 {
+                        let _ = servo.update(u, drive.position());
+                        drive.take(u);
+                    }
+                }
+            }
+            let (valve, estimate) = (servo.dead_zone(), servo.estimate());
+            assert!(valve.std() >= 0.0 && valve.delta() >= 0.0, "{valve:?}");
+            assert!(servo.error.scores().iter().all(|sum| sum.is_finite()));
+            assert!(estimate.theta().iter().all(|value| value.is_finite()));
+            assert!(estimate.std().iter().all(|std| *std >= 0.0), "{estimate:?}");
+            if let Some(std) = estimate.physical_std() {
+                assert!(std.iter().all(|std| *std >= 0.0), "{std:?}");
+            }
+        }
+    }
+}
