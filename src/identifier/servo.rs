@@ -56,14 +56,17 @@ pub type Servo<const D: usize = 0> = Identifier<FilteredTrends<3>, 3, 5, 1, D>;
 /// #     }
 /// #     now
 /// # };
-/// let valve = trendid::inputs::DeadZone::new(0.0, 0.1, 300); // a width of up to 0.1, corrected every 300 samples
+/// // A width of up to 0.045, below every command; corrected every 300 samples.
+/// let valve = trendid::inputs::DeadZone::new(0.0, 0.045, 300);
 /// let mut servo = trendid::ValveServo::new(0.001, 20.0, 0.2, 50.0, 0.7, valve)?; // a memory of 0.7 s
 /// for k in 0..4000 {
 ///     let u = [0.2, -0.1, 0.05, -0.15][k / 150 % 4];
 ///     let _ = servo.update(u, drive(u));
 /// }
 /// assert!((servo.dead_zone().delta() - 0.03).abs() < 5e-4);
-/// assert!((servo.estimate().physical().gain.unwrap() - 2500.0).abs() < 25.0);
+/// let found = servo.estimate();
+/// assert!((found.physical().gain.unwrap() - 2500.0).abs() < 25.0);
+/// assert!(found.physical_std().unwrap()[0] < 25.0);
 /// # Ok::<(), trendid::ConfigError>(())
 /// ```
 pub type ValveServo<const D: usize = 0> = Valved<FilteredTrends<3>, 3, 6, 2, D>;

@@ -38,7 +38,8 @@ use crate::trends::{FilteredTrends, TrendOperator};
 /// block costs a reading besides.
 ///
 /// # Limits
-/// [`Identifier::estimate`] of [`Valved::identifier`] has the deviations by noise alone. The rows
+/// [`Identifier::estimate`] of [`Valved::identifier`] has the deviations by noise alone. A width in
+/// the inputs that is too large all the same is not counted, but for its two deviations. The rows
 /// are not asked which widths they exclude: while every command lies below the `largest` width of
 /// the [`DeadZone`] no deviation is finite, however well they fit. Give one below the smallest
 /// command that surely moves the drive. An offset that acts before the dead zone makes it another
