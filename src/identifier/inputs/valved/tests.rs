@@ -6,6 +6,8 @@ use crate::identifier::Refusal;
 use crate::identifier::servo::ValveServo;
 use crate::trends::Scheme;
 
+mod bias;
+
 const DT: f32 = 1e-3;
 
 fn servo(largest: f32) -> ValveServo {
@@ -239,4 +241,35 @@ fn any_calls_leave_numbers() {
             }
         }
     }
+}
+
+#[test]
+fn calls_reach_the_identifier() {
+    let mut servo = identified(0.03, 0.05, 0.1, 2000);
+    servo.adapt(false);
+    // The observation that was begun is finished with the next sample.
+    let _ = servo.update(0.2, 0.0);
+    let held = *servo.identifier().estimator().theta();
+    for k in 0..500 {
+        let _ = servo.update(0.2, k as f32);
+    }
+    assert_eq!(*servo.identifier().estimator().theta(), held);
+    servo.adapt(true);
+    let replaced = servo.identifier().replaced();
+    servo.skip(3);
+    assert_eq!(servo.identifier().replaced(), replaced + 3);
+    let filter = servo.identifier().trends().filter();
+    servo.retune_to(30.0).unwrap();
+    assert_ne!(servo.identifier().trends().filter(), filter);
+    assert!(servo.retune_to(0.0).is_err());
+    // Other settings in the same place: as if made with them.
+    let valve = DeadZone::new(0.0, 0.2, 100);
+    let mut config = Config::new(Structure::SERVO, 10.0, [0.2, 1.0], 20.0);
+    config.memory = Some(2.0);
+    let trends = || FilteredTrends::for_bandwidth(Scheme::Tustin, DT, 10.0).unwrap();
+    servo.reconfigure(&config, trends(), valve).unwrap();
+    let made: ValveServo = Valved::try_new(&config, trends(), valve).unwrap();
+    assert_eq!(servo.dead_zone(), made.dead_zone());
+    assert_eq!(servo.error, made.error);
+    assert_eq!(servo.identifier().trends(), made.identifier().trends());
 }

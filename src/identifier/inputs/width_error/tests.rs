@@ -100,3 +100,14 @@ fn a_beginning_forgets_the_commands_and_a_change_the_rows() {
     Witness::<3, 2, 2>::changed(&mut seen);
     assert_eq!(seen.error.scores, [0.0; 2]);
 }
+
+#[test]
+fn what_has_decayed_becomes_zero() {
+    let trends = trends();
+    let mut error = taken(0.1, 0.04);
+    for _ in 0..1000 {
+        take(&mut error, 0.0, 200, &trends);
+        assert!(error.is_normal(), "{error:?}");
+    }
+    assert_eq!((error.column, *error.scores()), (0.0, [0.0; 2]));
+}
