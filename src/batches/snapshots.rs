@@ -222,7 +222,7 @@ impl<const M: usize, const N: usize, const I: usize> Witness<M, N, I> for Snapsh
     fn begin(&mut self) {}
 
     #[inline(always)]
-    fn inputs(&mut self, _: &[[f32; M]; I]) {}
+    fn inputs(&mut self, _: &[[f32; M]; I], _: &[f32; I]) {}
 
     #[inline(always)]
     fn row(&mut self, _: &[f32; N], _: f32, estimator: &Estimator<N>, forgot: bool) {

@@ -175,8 +175,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.start_error.end(1.0, plan.forgets);
         witness.begin();
         let others = self.signals.again(plan, others.acting);
-        witness.inputs(&others.inputs);
-        witness.acting(&others.acting);
+        witness.inputs(&others.inputs, &others.acting);
     }
 
     /// The initial state is again as uncertain as at the start; where no column stands for it the

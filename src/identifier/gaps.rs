@@ -83,8 +83,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.signals.start = None;
         self.start_error.end(1.0, plan.forgets);
         let others = self.signals.other_trends_of_a_gap(plan, u);
-        witness.inputs(&others.inputs);
-        witness.acting(&others.acting);
+        witness.inputs(&others.inputs, &others.acting);
         let before = self.signals.output.clone();
         self.signals.gate.aside = None;
         if !known {

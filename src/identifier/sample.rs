@@ -44,8 +44,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             self.give_back(plan);
         }
         let others = self.signals.other_trends(plan, u);
-        witness.inputs(&others.inputs);
-        witness.acting(&others.acting);
+        witness.inputs(&others.inputs, &others.acting);
         if self.signals.remaining > 0 {
             self.signals.last = y;
             self.noise.update(y);

@@ -7,11 +7,9 @@ use crate::estimation::rls::Estimator;
 pub(crate) trait Witness<const M: usize, const N: usize, const I: usize> {
     /// The trends of the inputs begin anew, at rest.
     fn begin(&mut self);
-    /// The trends of the inputs of a sample, also of one without y.
-    fn inputs(&mut self, trends: &[[f32; M]; I]);
-    /// The inputs of the same sample as they act, behind their delays.
-    #[inline(always)]
-    fn acting(&mut self, _inputs: &[f32; I]) {}
+    /// The trends of the inputs of a sample, also of one without y, and the inputs as they act,
+    /// behind their delays.
+    fn inputs(&mut self, trends: &[[f32; M]; I], acting: &[f32; I]);
     /// A row that the estimator has taken: the normalised regressor and its left-hand side, and
     /// whether lambda was applied before.
     fn row(&mut self, phi: &[f32; N], psi: f32, estimator: &Estimator<N>, forgot: bool);
@@ -29,7 +27,7 @@ impl<const M: usize, const N: usize, const I: usize> Witness<M, N, I> for () {
     #[inline(always)]
     fn begin(&mut self) {}
     #[inline(always)]
-    fn inputs(&mut self, _: &[[f32; M]; I]) {}
+    fn inputs(&mut self, _: &[[f32; M]; I], _: &[f32; I]) {}
     #[inline(always)]
     fn row(&mut self, _: &[f32; N], _: f32, _: &Estimator<N>, _: bool) {}
 }

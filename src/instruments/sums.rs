@@ -92,7 +92,7 @@ impl<const M: usize, const N: usize, const I: usize, const R: usize> Witness<M, 
     }
 
     #[inline(always)]
-    fn inputs(&mut self, trends: &[[f32; M]; I]) {
+    fn inputs(&mut self, trends: &[[f32; M]; I], _: &[f32; I]) {
         match self.group.left.checked_sub(1) {
             Some(left) => self.group.left = left,
             None => self.next_group(trends),

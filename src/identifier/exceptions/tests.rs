@@ -19,7 +19,7 @@ impl<const N: usize> Witness<3, N, 1> for Seen {
     fn begin(&mut self) {
         self.begun += 1;
     }
-    fn inputs(&mut self, _: &[[f32; 3]; 1]) {}
+    fn inputs(&mut self, _: &[[f32; 3]; 1], _: &[f32; 1]) {}
     fn row(&mut self, _: &[f32; N], _: f32, _: &Estimator<N>, _: bool) {}
     fn widened(&mut self) {
         self.widened += 1;

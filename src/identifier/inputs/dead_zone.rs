@@ -141,7 +141,7 @@ impl DeadZone {
 
     /// Counts a sample; whether a block ends with it.
     #[inline]
-    pub(super) const fn is_due(&mut self) -> bool {
+    pub(super) const fn count_sample(&mut self) -> bool {
         self.count = self.count.saturating_add(1);
         let due = self.block > 0 && self.count >= self.block;
         if due {
@@ -152,17 +152,18 @@ impl DeadZone {
 
     /// Corrects the width by an estimate, its deviations by noise alone, and its `bias` by the
     /// largest width that is possible.
-    ///
-    /// Returns whether it was corrected: a quotient outside 0 ..= `largest` changes the width in
-    /// the inputs alone.
     pub(super) fn take<const M: usize, const N: usize, const I: usize>(
         &mut self,
         estimate: &Estimate<M, N, I>,
         bias: &[f32; N],
-    ) -> bool {
-        Quotient::of(estimate, bias).is_some_and(|found| self.correct(found))
+    ) {
+        if let Some(found) = Quotient::of(estimate, bias) {
+            let _ = self.correct(found);
+        }
     }
 
+    /// Returns whether it was corrected: a quotient outside 0 ..= `largest` changes the width in
+    /// the inputs alone.
     fn correct(&mut self, found: Quotient) -> bool {
         let Quotient { delta, noise, bias } = found;
         let accepted = delta >= 0.0 && delta <= self.largest;

@@ -119,7 +119,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let Identifier { plan, state } = &mut self.identifier;
         let mut seen = self.error.seen(plan);
         let outcome = state.update(plan, inputs, y, &mut seen);
-        if self.dead_zone.is_due() {
+        if self.dead_zone.count_sample() {
             self.measure();
         }
         outcome
@@ -136,7 +136,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     #[inline(never)]
     fn measure(&mut self) {
         let (noise, bias) = (self.identifier.estimate(), self.bias());
-        let _ = self.dead_zone.take(&noise, &bias);
+        self.dead_zone.take(&noise, &bias);
         self.error.set_width(self.dead_zone.upper());
     }
 
@@ -174,10 +174,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// As [`Identifier::warm_start`].
     pub fn warm_start(&mut self, theta: [f32; N], std: [f32; N]) -> Result<(), ConfigError> {
         self.identifier.warm_start(theta, std)?;
-        self.error = WidthError::new(
-            self.dead_zone.upper(),
-            self.identifier.read_out().scale_of_b0(),
-        );
+        self.forget_rows();
         Ok(())
     }
 
@@ -197,6 +194,11 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     fn begin(&mut self) {
         self.dead_zone = self.unknown;
+        self.forget_rows();
+    }
+
+    /// Of the width is known what was, of the rows nothing.
+    fn forget_rows(&mut self) {
         self.error = WidthError::new(
             self.dead_zone.upper(),
             self.identifier.read_out().scale_of_b0(),

@@ -122,13 +122,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Witnes
         self.error.memory = None;
     }
 
-    #[inline(always)]
-    fn inputs(&mut self, _: &[[f32; M]; I]) {}
-
     /// A command that the inputs have as 0 passes no width that is possible.
     #[inline(always)]
-    fn acting(&mut self, inputs: &[f32; I]) {
-        let u = inputs.first().copied().unwrap_or(0.0);
+    fn inputs(&mut self, _: &[[f32; M]; I], acting: &[f32; I]) {
+        let u = acting.first().copied().unwrap_or(0.0);
         let error = &mut *self.error;
         error.turn = error.turn.wrapping_add(1);
         if error.turn.is_multiple_of(FLUSHED) {

@@ -118,7 +118,7 @@ fn far_from_zero_rows_are_weighed_by_where_the_drive_is() {
     struct Rows(f32);
     impl<const N: usize> Witness<3, N, 1> for Rows {
         fn begin(&mut self) {}
-        fn inputs(&mut self, _: &[[f32; 3]; 1]) {}
+        fn inputs(&mut self, _: &[[f32; 3]; 1], _: &[f32; 1]) {}
         fn row(&mut self, phi: &[f32; N], _: f32, _: &Estimator<N>, _: bool) {
             self.0 = phi[0];
         }

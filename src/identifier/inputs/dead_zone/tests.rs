@@ -56,10 +56,10 @@ fn a_dead_zone_refuses_nonsense() {
 fn a_block_has_as_many_samples_as_it_says() {
     let mut valve = DeadZone::new(0.02, 0.1, 3);
     for k in 1..=9 {
-        assert_eq!(valve.is_due(), k % 3 == 0);
+        assert_eq!(valve.count_sample(), k % 3 == 0);
     }
     let mut never = DeadZone::new(0.02, 0.1, 0);
-    assert!((0..9).all(|_| !never.is_due()));
+    assert!((0..9).all(|_| !never.count_sample()));
 }
 
 #[test]

@@ -28,7 +28,7 @@ fn take(error: &mut Error, u: f32, samples: usize, trends: &FilteredTrends<3>) {
     };
     let estimator = Estimator::<2>::new([0.0; 2], [1.0; 2], 0.999);
     for _ in 0..samples {
-        seen.acting(&[u, u]);
+        seen.inputs(&[[0.0; 3]; 2], &[u, u]);
         Witness::<3, 2, 2>::row(&mut seen, &[1.0, 2.0], 0.0, &estimator, true);
     }
 }
