@@ -49,7 +49,8 @@
 //! Nominal values that follow are former estimates, each taken while its standard deviation was
 //! below a third of the one that the observations alone leave: without data they stand still, and
 //! theta with them. They do too while f32 resolves the position worse than its noise and than at
-//! the start: what such rows teach is forgotten, not kept for ever.
+//! the start, and while the noise of y(0) is in theta: what such rows teach is forgotten, not kept
+//! for ever.
 //!
 //! # In two parts
 //! An observation passes through the columns of U and D one by one, from i to N-1. All but the last
@@ -250,6 +251,26 @@ impl<const N: usize> StabilisedForgetting<N> {
         self.nominal = nominal;
         self.own = [0.0; N];
         self.set = 0;
+    }
+
+    /// Whether all nominal values were set: none follows.
+    pub(crate) const fn is_set(&self) -> bool {
+        self.set == N
+    }
+
+    /// Lets nominal values follow an estimate once, where this diagonal of its P says that it is
+    /// well known.
+    pub(crate) fn follow_known(&mut self, theta: &[f32; N], diagonal: &[f32; N]) {
+        let known = FOLLOWS * self.bound;
+        let own = self.nominal.iter_mut().zip(&mut self.unsupported);
+        for (turn, (own, found)) in own.zip(theta.iter().zip(diagonal)).enumerate() {
+            if *found.1 < known {
+                if turn >= self.set {
+                    *own.0 = *found.0;
+                }
+                *own.1 = 0.0;
+            }
+        }
     }
 
     /// Whether the present rows may move nominal values that follow.

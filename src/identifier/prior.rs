@@ -14,9 +14,9 @@ const UNKNOWN: f32 = 1e8;
 /// Prior standard deviation of a normalised parameter whose size by design is 1.
 const PRIOR: f32 = 10.0;
 
-/// The same of the constant of a drive that integrates: valves rest within some percent of their
-/// command.
-const OFFSET: f32 = 0.03;
+/// The same of the constant of a drive that integrates: valves rest within a tenth of the range of
+/// their command.
+const OFFSET: f32 = 0.3;
 
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T, M, N, I> {
     /// The prior of the settings.

@@ -17,6 +17,7 @@ use crate::identifier::plan::{Plan, Prior};
 use crate::identifier::signals::Signals;
 use crate::identifier::standstill::Standstill;
 use crate::model::evaluation::PredictionError;
+use crate::readout::ReadOut;
 use crate::trends::TrendOperator;
 
 /// Everything that a sample changes.
@@ -62,6 +63,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let Prior { theta, std } = plan.prior;
         let mut forgetting = StabilisedForgetting::new(theta, plan.forgetting);
         forgetting.set_nominal_std(&std);
+        forgetting.heed(plan.structure.initial_state());
         Self {
             estimator: Estimator::new(theta, std, plan.forgetting),
             noise: NoiseLevel::new(plan.forgetting),
@@ -136,7 +138,14 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// The rows of before count no more, and nothing of what they tell of the beginning.
     pub(super) fn begin_sums(&mut self, plan: &Plan<T, M, N, I>) {
         self.beginning = Beginning::new(!plan.structure.initial_state());
+        self.forgetting.heed(!self.begins());
         self.start_error.clear();
+    }
+
+    /// Whether theta holds what the noise of y(0) has done to it, which only a reading takes out,
+    /// and would hand it over to nominal values.
+    pub(super) fn begins(&self) -> bool {
+        self.beginning.lasts && !self.forgetting.is_set()
     }
 
     /// Calls in what forgetting is owed, all at once. Not for the 1 ms path.
@@ -166,6 +175,26 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     pub(crate) const fn adapt(&mut self, on: bool) {
         self.adapting = on;
         self.learns = on && !self.estimator.is_inflating();
+    }
+
+    /// What a reading needs.
+    pub(crate) fn read_out<'a>(&'a self, plan: &'a Plan<T, M, N, I>) -> ReadOut<'a, M, N, I> {
+        ReadOut {
+            structure: &plan.structure,
+            design: plan.trends.design(),
+            regressor: &plan.regressor,
+            bandwidth: plan.bandwidth,
+            prior_noise: plan.noise.prior,
+            significance: plan.offset_significance,
+            estimator: &self.estimator,
+            forgetting: &self.forgetting,
+            turns: plan.turns(),
+            former: self.change.former(plan.forgetting),
+            position: self.position(),
+            noise: &self.noise,
+            beginning: &self.beginning,
+            start_error: &self.start_error,
+        }
     }
 
     /// The newest y.

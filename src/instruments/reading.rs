@@ -55,7 +55,7 @@ pub struct Reading<const N: usize, const R: usize> {
     factored: Option<Factored<N>>,
     spread: Spread<N>,
     /// Of the constant, by the recursion, and the share of it that is the prior's.
-    constant_variance: [f32; 2],
+    constant_variance: f32,
 }
 
 impl<const N: usize, const R: usize> Default for Reading<N, R> {
@@ -76,7 +76,7 @@ impl<const N: usize, const R: usize> Reading<N, R> {
             fixed: [false; N],
             factored: None,
             spread: Spread::ZERO,
-            constant_variance: [0.0; 2],
+            constant_variance: 0.0,
         }
     }
 

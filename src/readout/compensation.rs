@@ -15,13 +15,21 @@
 //! rows varies by sqrt(2/nu): in a direction whose rest is less than that nothing is known to have
 //! moved, and no more is taken out. What is left there then is added to the uncertainty.
 //!
-//! How much is left no estimate tells by itself: where the rows are mostly noise it is that of
-//! noise alone, `M theta = m`, whose bias is none. So the noise in doubt, what the limit leaves or
-//! w sqrt(2/nu) where that is more, is considered for a drive that is off from the one found by the
-//! design size of a parameter of y, each on its own:
+//! Of the noise in doubt, w_doubt, which is what the limit leaves or w sqrt(2/nu) where that is
+//! more, is not known whether it was taken out. To the drive it makes the bias
 //!
 //! ```text
-//! sum over i: v_i v_i'        v_i = Q w_doubt M e_i        normalised: a design size is 1
+//! e = Q w_doubt (M theta_0 - m)       theta_0 = theta_c - e, the drive
+//! ```
+//!
+//! which is that of theta_c to first order. The second one is `Q w_doubt M e`: where the rows are
+//! mostly noise theta_c is that of noise alone, `M theta = m`, whose bias is none, and tells
+//! nothing of the drive. The share of that, r, is at most the trace of `Q w_doubt M`; and the drive
+//! is off by no more than what a bandwidth that is told within a factor of three makes of each
+//! parameter of y. So these, each on its own, are considered besides:
+//!
+//! ```text
+//! sum over i: v_i v_i'        v_i = r (3^(m-k) - 1) Q w_doubt M e_i        of a_k, normalised: a design size is 1
 //! ```
 //!
 //! The residual holds more than white noise explains: friction, a wrong model, or drift of y. Of
@@ -40,8 +48,9 @@
 mod compensated;
 mod correction;
 
+use crate::estimation::terms::Parameter;
 use crate::math::matrix::{Matrix, dot};
-use crate::math::{larger, sqrt};
+use crate::math::{larger, raised, sqrt};
 use crate::readout::beginning::Regression;
 pub(crate) use crate::readout::compensation::compensated::{Compensated, Residual};
 use crate::readout::compensation::correction::{Correction, NoiseMoments};
@@ -190,9 +199,9 @@ pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
     let (mut left, mut in_doubt) = ([0.0; N], [[0.0; N]; M]);
     if deviations {
         if let Some(found) = found {
-            left = found.left(p, &noise.moments, level);
-            let share = larger(1.0 - found.share, 1.0 - known_share(rows));
-            in_doubt = found.in_doubt(p, &noise.moments, share * level);
+            let doubt = level * larger(1.0 - found.share, 1.0 - known_share(rows));
+            left = noise.moments.bias(&theta, p, Some(found), doubt);
+            in_doubt = found.in_doubt(p, &noise.moments, doubt, &source.sizes());
         }
         let drift = noise.drift(source, [bare, &theta], p, found);
         for (left, drift) in left.iter_mut().zip(drift) {
@@ -213,6 +222,18 @@ pub(crate) fn compensate<const M: usize, const N: usize, const I: usize>(
         in_doubt: in_doubt.map(|bias| core::array::from_fn(|j| bias[j] * units[j])),
         residual: noise.split(source.regressor.top_scale(), samples, angle),
         considered,
+    }
+}
+
+impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
+    /// By how much each parameter of y is off where the bandwidth is by a factor of three,
+    /// normalised.
+    fn sizes(&self) -> [f32; M] {
+        let parameters = self.structure.parameters();
+        core::array::from_fn(|i| match parameters.get(i) {
+            Some(Parameter::Output { power }) => raised(3.0, M - power) - 1.0,
+            _ => 0.0,
+        })
     }
 }
 

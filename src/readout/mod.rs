@@ -103,7 +103,6 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
                 self.significance,
             )
         });
-        let withdrawal = withdrawal.map(|found| found.unseen(self.unseen_constant(p)));
         if let Some(withdrawal) = &withdrawal {
             withdrawal.apply(&mut found.theta);
         }

@@ -86,9 +86,8 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         }
     }
 
-    /// Variance by which the recursion judges its constant, normalised, 0 without one; and the
-    /// share of it that is the prior's.
-    pub(crate) fn constant_variance(&self) -> [f32; 2] {
+    /// Variance by which the recursion judges its constant, normalised, 0 without one.
+    pub(crate) fn constant_variance(&self) -> f32 {
         let regression = self.regression();
         let found = compensate(self, &regression, false);
         let p = regression.p;
@@ -97,8 +96,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
                 let own = *found.covariance_row(&p, index)?.get(index)?;
                 Some(own * found.considered(&p, index))
             });
-        let variance = variance.unwrap_or(0.0) * found.residual.significance;
-        [variance, self.unseen_constant(&p)]
+        variance.unwrap_or(0.0) * found.residual.significance
     }
 
     /// Adds the error that no residual shows; everything in the user's units.
@@ -141,7 +139,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         theta: &[f32; N],
         covariance: &Matrix<N>,
         direction: Option<[f32; N]>,
-        [of_recursion, unseen]: [f32; 2],
+        of_recursion: f32,
     ) -> Estimate<M, N, I> {
         let units = self.regressor.units();
         let parameters = self.structure.parameters();
@@ -155,16 +153,19 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
                 of_recursion
             };
             let length = *direction.get(index)?;
+            let residual = variance / length;
             Withdrawal::of(
                 &parameters,
                 &theta,
-                |_| Some(direction),
+                |of| match of == index {
+                    true => Some(direction),
+                    false => Some(covariance.get(of)?.map(|entry| entry / residual)),
+                },
                 units,
-                variance / length,
+                residual,
                 self.significance,
             )
         });
-        let withdrawal = withdrawal.map(|found| found.unseen(unseen));
         if let Some(withdrawal) = &withdrawal {
             withdrawal.apply(&mut theta);
         }

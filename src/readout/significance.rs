@@ -17,39 +17,63 @@
 //!
 //! The recursion is not changed by it, and nothing jumps when an offset shows itself.
 //!
-//! That a constant is insignificant speaks for none as far as the data show it. While a command
-//! has had one level only, gain and constant are not told apart, and theta_c is the mean of the
-//! prior. So of P_cc the square of its share in the variance of the prior stays in the deviations:
-//! a constant as large as the prior's deviation is off by 2.3 of them at most, and what the data
-//! show of it stands in theta_c.
+//! A constant is b_0 times an offset of the command. Where b_0 itself may be 0, as in rows that are
+//! mostly noise, a constant of 0 says nothing of the offset: `b_0 = c = 0` is a drive of which
+//! nothing is known, and to hold c there would make b_0 certain to be 0. So nothing is withdrawn
+//! where what that leaves of b_0 is below half a deviation of b_0 with the constant, and all of s
+//! from a whole one on.
+//!
+//! That a constant lies within its deviation sigma_c speaks for none as far as an offset would
+//! show. Offsets lie anywhere within some percent of the command's range, e, and so within sigma_c
+//! with a probability of about `sigma_c / (b_0 e)`: that share of sigma_c^2 stays in the
+//! deviations. While a command has had one level only, gain and constant are not told apart; it is
+//! all then. Beside a second input it is none: the width of a dead zone is that of a valve without
+//! an offset, and two levels of a command determine neither.
 
 use crate::estimation::terms::{Parameter, index_of};
 use crate::math::matrix::Matrix;
-use crate::math::sqrt;
+use crate::math::{larger, smaller, sqrt};
+
+/// e: offsets lie within this share of the range of the command. Valves are not built worse.
+const OFFSETS: f32 = 0.1;
+
+/// Deviations below which the gain of the command may be 0.
+const NONE: f32 = 0.5;
+
+/// The gain of the command.
+const GAIN: Parameter = Parameter::Input { input: 0, power: 0 };
+
+/// Whether the drive has inputs beside its command.
+const fn is_another_input(parameter: &Parameter) -> bool {
+    matches!(parameter, Parameter::Input { input: 1.., .. })
+}
 
 /// The withdrawn share of the constant, and the change of the other parameters.
 pub(crate) struct Withdrawal<const N: usize> {
     index: usize,
     /// |theta_c| over the limit below which all of it is withdrawn, in [0, 2).
     ratio: f32,
+    /// How far the gain of the command is known not to be 0, in (0, 1].
+    known: f32,
+    /// A constant as large as offsets are, in the user's units; 0 where there is no such gain, and
+    /// infinite where none counts.
+    offset: f32,
     /// The constant before, in the user's units.
     value: f32,
     /// g in the user's units: change of each parameter per unit of the constant.
     direction: [f32; N],
-    /// Share of the variance of the constant that is the prior's, in [0, 1].
-    unseen: f32,
 }
 
 impl<const N: usize> Withdrawal<N> {
     /// The withdrawal from the estimate `theta`, in the user's units; `None` for a significant
-    /// constant.
+    /// constant, or beside a gain that may be 0.
     ///
     /// `row_of` gives a row of P, normalised; `residual` the variance of the innovation, or more
     /// where it is not white; `limit` the number of standard deviations.
     pub(crate) fn of(
         columns: &[Parameter; N],
         theta: &[f32; N],
-        row_of: impl FnOnce(usize) -> Option<[f32; N]>,
+        row_of: impl Fn(usize) -> Option<[f32; N]>,
         units: &[f32; N],
         residual: f32,
         limit: f32,
@@ -62,23 +86,33 @@ impl<const N: usize> Withdrawal<N> {
         if !(variance > 0.0 && value.abs() < 2.0 * limit) {
             return None;
         }
-        Some(Self {
+        let mut found = Self {
             index,
             ratio: value.abs() / limit,
+            known: 1.0,
+            offset: 0.0,
             value,
             direction: core::array::from_fn(|j| row[j] / variance * (units[j] / unit)),
-            unseen: 0.0,
-        })
-    }
-
-    /// With the share of the variance of the constant that no data have made smaller.
-    pub(crate) fn unseen(self, unseen: f32) -> Self {
-        Self { unseen, ..self }
+        };
+        if let Some(gain) = index_of(columns, GAIN) {
+            let step = *found.direction.get(gain)? * value;
+            let left = (*theta.get(gain)? - step) / *units.get(gain)?;
+            let chance = NONE * sqrt(residual * *row_of(gain)?.get(gain)?);
+            found.offset = match columns.iter().any(is_another_input) {
+                true => f32::INFINITY,
+                false => OFFSETS * (left * unit).abs(),
+            };
+            // A known gain is not 0.
+            if chance > 0.0 {
+                found.known = smaller(left.abs() / chance - 1.0, 1.0);
+            }
+        }
+        (found.known > 0.0).then_some(found)
     }
 
     /// s, in (0, 1].
     fn share(&self) -> f32 {
-        (2.0 - self.ratio).min(1.0)
+        self.known * smaller(2.0 - self.ratio, 1.0)
     }
 
     /// Takes the share out of the estimate.
@@ -107,9 +141,10 @@ impl<const N: usize> Withdrawal<N> {
         let g = self.direction.map(|direction| share * direction);
         // Part of the withdrawn value stays as variance. The factor 0.6 keeps 3-sigma coverage
         // above 90 % for offsets of one sigma, and 1-sigma coverage below 75 % for none.
-        let depth = self.ratio.min(1.0);
+        let depth = smaller(self.ratio, 1.0);
         let seen = own + 0.6 * depth * (1.0 + depth) * self.value * self.value;
-        let left = seen + self.unseen * (self.unseen * own);
+        let deviation = sqrt(larger(own, 0.0));
+        let left = seen + smaller(deviation / self.offset, 1.0) * own;
         for i in 0..N {
             for j in 0..N {
                 covariance[i][j] += left * g[i] * g[j] - g[i] * row[j] - g[j] * row[i];
@@ -125,148 +160,4 @@ impl<const N: usize> Withdrawal<N> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const COLUMNS: [Parameter; 2] = [Parameter::Input { input: 0, power: 0 }, Parameter::Constant];
-    const P: Matrix<2> = [[2.0, 1.0], [1.0, 1.0]];
-
-    fn withdrawal(constant: f32) -> Option<Withdrawal<2>> {
-        Withdrawal::of(
-            &COLUMNS,
-            &[10.0, constant],
-            |i| P.get(i).copied(),
-            &[1.0; 2],
-            4.0,
-            2.0,
-        )
-    }
-
-    #[test]
-    fn a_constant_within_its_uncertainty_goes_and_one_beyond_stays() {
-        // sigma_c = 2: all is withdrawn up to 4, nothing from 8 on, half of it at 6.
-        for (constant, gain, left) in [(3.0, 7.0, 0.0), (-4.0, 14.0, 0.0), (6.0, 7.0, 3.0)] {
-            let mut theta = [10.0, constant];
-            withdrawal(constant).unwrap().apply(&mut theta);
-            assert_eq!(theta, [gain, left]);
-        }
-        assert!(withdrawal(8.0).is_none() && withdrawal(f32::NAN).is_none());
-    }
-
-    #[test]
-    fn a_known_constant_stays() {
-        let known = [[2.0, 0.0], [0.0, 0.0]];
-        let found = Withdrawal::of(
-            &COLUMNS,
-            &[10.0, 0.1],
-            |i| known.get(i).copied(),
-            &[1.0; 2],
-            4.0,
-            2.0,
-        );
-        assert!(found.is_none());
-        assert!(
-            Withdrawal::of(
-                &COLUMNS,
-                &[10.0, 0.0],
-                |i| P.get(i).copied(),
-                &[1.0; 2],
-                0.0,
-                2.0
-            )
-            .is_none()
-        );
-    }
-
-    #[test]
-    fn the_limit_grows_with_the_root_of_residual_and_variance() {
-        let p: Matrix<2> = [[2.0, 0.1], [0.1, 0.25]];
-        // sigma_c = 1: nothing is withdrawn from 4 on.
-        for (constant, goes) in [(3.9, true), (4.1, false)] {
-            let theta = [10.0, constant];
-            let found =
-                Withdrawal::of(&COLUMNS, &theta, |i| p.get(i).copied(), &[1.0; 2], 4.0, 2.0);
-            assert_eq!(found.is_some(), goes, "{constant}");
-        }
-    }
-
-    #[test]
-    fn the_covariance_is_that_without_the_constant_and_a_part_of_it() {
-        let mut covariance = P;
-        withdrawal(3.0)
-            .unwrap()
-            .apply_to_covariance(&mut covariance);
-        // Without the constant the variance of the gain is 2 - 1/1; 3 is three quarters of the
-        // limit.
-        let left = 9.0 * 0.6 * 0.75 * 1.75;
-        assert!((covariance[0][0] - (1.0 + left)).abs() < 1e-6);
-        assert!((covariance[1][1] - left).abs() < 1e-6);
-    }
-
-    #[test]
-    fn what_is_withdrawn_in_part_takes_that_part_of_the_covariance_along() {
-        let p: Matrix<2> = [[2.0, 0.8], [0.8, 1.0]];
-        let found = Withdrawal::of(
-            &COLUMNS,
-            &[10.0, 6.0],
-            |i| p.get(i).copied(),
-            &[1.0; 2],
-            4.0,
-            2.0,
-        );
-        let mut covariance = p;
-        found.unwrap().apply_to_covariance(&mut covariance);
-        // Half of 6, which is one and a half times the limit: g = (0.8, 1) / 2, and the variance
-        // of the constant with 0.6 (1 + 1) 36.
-        let left = 1.0 + 1.2 * 36.0;
-        let wanted = [
-            [2.0 + left * 0.16 - 0.64, 0.8 + left * 0.2 - 0.8],
-            [0.8 + left * 0.2 - 0.8, 1.0 + left * 0.25 - 1.0],
-        ];
-        for (found, wanted) in covariance.iter().flatten().zip(wanted.iter().flatten()) {
-            assert!((found - wanted).abs() < 1e-4, "{covariance:?} {wanted}");
-        }
-    }
-
-    #[test]
-    fn what_was_taken_out_can_be_put_back() {
-        // In the user's units the constant is 5 times, the gain 30 times the normalised one.
-        let (units, before) = ([30.0, 5.0], [10.0, 12.0]);
-        let row_of = |i: usize| P.get(i).copied();
-        let found = Withdrawal::of(&COLUMNS, &before, row_of, &units, 4.0, 2.0).unwrap();
-        let mut theta = before;
-        found.apply(&mut theta);
-        // All of it: within 20. The gain follows by P_gc/P_cc = 1 in its units.
-        assert!((theta[0] - (10.0 - 12.0 * 6.0)).abs() < 1e-4 && theta[1].abs() < 1e-5);
-        found.undo(&mut theta);
-        assert!((theta[0] - 10.0).abs() < 1e-4 && (theta[1] - 12.0).abs() < 1e-4);
-    }
-
-    #[test]
-    fn what_no_data_show_of_a_constant_stays_in_the_covariance() {
-        let of = |unseen: f32| {
-            let mut covariance = P;
-            let found = withdrawal(0.0).unwrap().unseen(unseen);
-            found.apply_to_covariance(&mut covariance);
-            covariance
-        };
-        // All of it is the prior's: as before the withdrawal.
-        assert_eq!(of(1.0), P);
-        assert_eq!(of(0.0)[0][0], P[0][0] - P[0][1]);
-        assert_eq!(of(0.5)[0][0], P[0][0] - P[0][1] + 0.25);
-    }
-
-    #[test]
-    fn a_constant_keeps_its_variance_and_leaves_the_gain_what_no_data_show() {
-        let p: Matrix<2> = [[2.0, 0.5], [0.5, 0.25]];
-        let row_of = |i: usize| p.get(i).copied();
-        let found = Withdrawal::of(&COLUMNS, &[10.0, 0.0], row_of, &[1.0; 2], 4.0, 2.0);
-        let mut covariance = p;
-        let found = found.unwrap().unseen(0.5);
-        found.apply_to_covariance(&mut covariance);
-        // A gain that follows by 2: its variance without the constant, and a quarter of what the
-        // constant makes of it.
-        assert_eq!(covariance[0][0], 2.0 - 1.0 + 0.25);
-        assert_eq!(covariance[1][1], 0.25);
-    }
-}
+mod tests;

@@ -7,9 +7,7 @@ use crate::estimation::regressor::Regressor;
 use crate::estimation::rls::Estimator;
 use crate::estimation::start_error::StartError;
 use crate::estimation::structure::Structure;
-use crate::estimation::terms::{Parameter, index_of};
 use crate::math::matrix::Matrix;
-use crate::math::smaller;
 use crate::readout::former::Former;
 use crate::trends::Design;
 
@@ -74,21 +72,6 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
                 }
             }
         }
-    }
-
-    /// Share of the variance of the constant that is the prior's: no data have made it smaller.
-    ///
-    /// 0 beside several inputs: two levels of a command determine neither the width of a dead zone
-    /// nor a constant, and the widths that are found take the constant for none.
-    pub(super) fn unseen_constant(&self, p: &Matrix<N>) -> f32 {
-        if I > 1 {
-            return 0.0;
-        }
-        let found = index_of(&self.structure.parameters(), Parameter::Constant).and_then(|c| {
-            let (prior, own) = *self.forgetting.own_variances().get(c)?;
-            prior.then_some(p.get(c)?.get(c)? / own)
-        });
-        smaller(found.unwrap_or(0.0), 1.0)
     }
 
     /// Share of the [`DISCRETE`](super::DISCRETE) errors of two parameters that is common to both.

@@ -184,10 +184,9 @@ fn the_error_of_trends_is_common_to_all_coefficients_and_no_known_one_has_it() {
             );
         }
     }
-    let zero =
-        parts
-            .read()
-            .with_covariance(parts.estimator.theta(), &[[0.0; 4]; 4], None, [0.0; 2]);
+    let zero = parts
+        .read()
+        .with_covariance(parts.estimator.theta(), &[[0.0; 4]; 4], None, 0.0);
     assert_eq!(zero.covariance, [[0.0; 4]; 4], "everything is known");
 }
 

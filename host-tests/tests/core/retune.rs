@@ -36,7 +36,7 @@ fn a_wrong_bandwidth_is_mended_by_retuning() {
                     let before = estimate.theta();
                     let (reading, sigma) = (estimate.physical().omega0, estimate.physical_std());
                     if let (Some(omega0), Some(sigma)) = (reading, sigma)
-                        && sigma[1] < 0.3 * omega0
+                        && sigma[1] < 0.4 * omega0
                     {
                         let omega0 = omega0.clamp(2.0, 200.0);
                         other.retune_to(omega0).unwrap();

@@ -8,17 +8,18 @@ use crate::trends::{FilteredTrends, Scheme};
 
 type Servo = Identifier<FilteredTrends<3>, 3, 5>;
 
-/// The servo after so many samples, y(0) off by `error`.
+/// The servo after so many samples, y(0) off by `error`; known to have no offset.
 fn servo(error: f32, samples: u32, memory: Option<f32>) -> Servo {
-    measured(1e-6, error, samples, memory)
+    measured(1e-6, error, samples, memory, true)
 }
 
-/// The same with a sensor of this resolution.
-fn measured(step: f32, error: f32, samples: u32, memory: Option<f32>) -> Servo {
+/// The same with a sensor of this resolution, and perhaps an offset.
+fn measured(step: f32, error: f32, samples: u32, memory: Option<f32>, centred: bool) -> Servo {
     let mut config = Config::new(Structure::SERVO, 20.0, [0.4], 50.0);
     (config.output_noise, config.memory) = (1e-4, memory);
     // A constant that is withdrawn is another estimate.
     config.offset_significance = 0.0;
+    config.known[3] = centred;
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, 1e-3, 20.0);
     let mut found = Servo::try_new(&config, trends.expect("a filter")).expect("settings");
     let mut drive = Drive::new(step);
@@ -70,7 +71,7 @@ fn what_it_may_have_done_is_in_the_deviations_and_is_forgotten() {
         };
         read.estimate().std()[0] / without.estimate().std()[0]
     };
-    let found = widened(&measured(0.02, 0.0, 300, None));
+    let found = widened(&measured(0.02, 0.0, 300, None, false));
     assert!(found > 1.005, "{found}");
     let (lasting, forgotten) = (servo(0.0, 3000, None), servo(0.0, 9000, Some(0.5)));
     assert!(!lasting.state.start_error.lasts && !forgotten.state.start_error.lasts);

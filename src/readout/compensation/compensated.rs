@@ -20,10 +20,10 @@ pub(crate) struct Compensated<const M: usize, const N: usize> {
     pub(crate) theta: [f32; N],
     /// `None` where nothing was corrected.
     pub(super) correction: Option<Correction<M, N>>,
-    /// Bias of each parameter by noise that was not taken out, in the user's units.
+    /// Bias of each parameter by noise that was not taken out or is in doubt, in the user's units.
     pub(in crate::readout) left: [f32; N],
-    /// Bias by the noise of which is not known whether it was taken out, for a drive that is off by
-    /// the design size of a parameter of y each, in the user's units.
+    /// The same by the noise in doubt for a drive that the estimate does not tell, parameter of y
+    /// by parameter.
     pub(in crate::readout) in_doubt: [[f32; N]; M],
     pub(crate) residual: Residual,
     /// The error of y(0), of which theta knows nothing.

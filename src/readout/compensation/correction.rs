@@ -15,7 +15,7 @@
 //! Known as: matrix inversion lemma. Golub and Van Loan, Matrix Computations (1996), ch. 2.1.3.
 
 use crate::math::matrix::{Matrix, backward, dot, factor, forward, root};
-use crate::math::sqrt;
+use crate::math::{smaller, sqrt};
 
 /// M, m and the same of psi psi, per sample of noise of variance 1, of the parameters of y.
 pub(super) struct NoiseMoments<const M: usize> {
@@ -148,24 +148,26 @@ impl<const M: usize, const N: usize> Correction<M, N> {
         Some(Self { theta, y, z, share })
     }
 
-    /// The bias by what the limit has left in.
-    pub(super) fn left(&self, p: &Matrix<N>, noise: &NoiseMoments<M>, level: f32) -> [f32; N] {
-        if self.share == 1.0 {
-            return [0.0; N];
-        }
-        noise.bias(&self.theta, p, Some(self), (1.0 - self.share) * level)
-    }
-
-    /// The change of the estimate by so much noise in its rows, or so much less, per unit by which
-    /// each parameter of y is off.
+    /// The change of the estimate by the noise `level` in its rows, or as much less, for a drive
+    /// whose parameters of y are off by these `sizes`, each on its own; the share of it that no
+    /// estimate tells.
     pub(super) fn in_doubt(
         &self,
         p: &Matrix<N>,
         noise: &NoiseMoments<M>,
         level: f32,
+        sizes: &[f32; M],
     ) -> [[f32; N]; M] {
         // M is symmetric.
-        (noise.matrix).map(|row| moved(&row.map(|moment| level * moment), p, Some(self)))
+        let mut changes =
+            (noise.matrix).map(|row| moved(&row.map(|moment| level * moment), p, Some(self)));
+        let own = changes.iter().enumerate();
+        let trace = own.map(|(i, change)| change.get(i).copied().unwrap_or(0.0));
+        let share = smaller(trace.sum(), 1.0);
+        for (change, size) in changes.iter_mut().zip(sizes) {
+            *change = change.map(|value| share * size * value);
+        }
+        changes
     }
 
     /// Column `index` of Y and of Z.

@@ -48,10 +48,7 @@ fn noise_is_taken_out_of_the_normal_equations() {
     let (matrix, vector) = wide(&NOISE);
     for level in [0.0, 0.1, 1.0, 6.0] {
         let found = Correction::of(&bare, &P, &NOISE, level, 0.99).expect("a correction");
-        assert_eq!(
-            (found.share, found.left(&P, &NOISE, level)),
-            (1.0, [0.0; 3])
-        );
+        assert_eq!(found.share, 1.0);
         let (gain, covariance) = read(&found, &P);
         // Q (P^-1 - w M) = 1 and P_c = Q P^-1 Q, both without P^-1.
         let (seen, squared) = (
@@ -88,9 +85,10 @@ fn what_a_limit_leaves_is_told() {
     let (matrix, vector) = wide(&NOISE);
     let left: [f32; 3] =
         core::array::from_fn(|i| (level - weight) * (dot(&matrix[i], &found.theta) - vector[i]));
-    for (i, found) in found.left(&P, &NOISE, level).into_iter().enumerate() {
-        close(found, dot(&gain[i], &left), 1.0);
-        assert!(found != 0.0);
+    let bias = NOISE.bias(&found.theta, &P, Some(&found), level - weight);
+    for (i, bias) in bias.into_iter().enumerate() {
+        close(bias, dot(&gain[i], &left), 1.0);
+        assert!(bias != 0.0);
     }
     // Where nothing may be taken, nothing is, and all of it is left.
     let found = Correction::of(&bare, &P, &NOISE, level, 0.0).expect("a correction");
@@ -107,9 +105,16 @@ fn a_bias_is_what_the_normal_equations_without_the_noise_differ_by() {
     let found = Correction::of(&theta, &P, &NOISE, 1.0, 0.99).expect("a correction");
     let (gain, _) = read(&found, &P);
     let corrected = NOISE.bias(&theta, &P, Some(&found), level);
-    for (k, of_one) in found.in_doubt(&P, &NOISE, level).iter().enumerate() {
-        for i in 0..3 {
-            close(of_one[i], level * dot(&gain[i], &matrix[k]), 1.0);
+    let of = |k: usize, i: usize| dot(&gain[i], &matrix[k]);
+    let sizes = [3.0, 1.0];
+    // The trace of Q level M, and no more than all.
+    for (level, share) in [(level, level * (of(0, 0) + of(1, 1))), (10.0, 1.0)] {
+        assert!(share > 0.05 && share <= 1.0, "{share}");
+        let in_doubt = found.in_doubt(&P, &NOISE, level, &sizes);
+        for (k, (change, size)) in in_doubt.iter().zip(sizes).enumerate() {
+            for i in 0..3 {
+                close(change[i], share * size * level * of(k, i), size * level);
+            }
         }
     }
     for i in 0..3 {
