@@ -258,21 +258,6 @@ impl<const N: usize> StabilisedForgetting<N> {
         self.set == N
     }
 
-    /// Lets nominal values follow an estimate once, where this diagonal of its P says that it is
-    /// well known.
-    pub(crate) fn follow_known(&mut self, theta: &[f32; N], diagonal: &[f32; N]) {
-        let known = FOLLOWS * self.bound;
-        let own = self.nominal.iter_mut().zip(&mut self.unsupported);
-        for (turn, (own, found)) in own.zip(theta.iter().zip(diagonal)).enumerate() {
-            if *found.1 < known {
-                if turn >= self.set {
-                    *own.0 = *found.0;
-                }
-                *own.1 = 0.0;
-            }
-        }
-    }
-
     /// Whether the present rows may move nominal values that follow.
     pub(crate) const fn heed(&mut self, rows: bool) {
         self.follows = if rows { FOLLOWS * self.bound } else { 0.0 };

@@ -209,7 +209,30 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     }
 
     pub(crate) fn read_out(&self) -> ReadOut<'_, M, N, I> {
-        self.state.read_out(&self.plan)
+        let Plan {
+            structure,
+            trends,
+            regressor,
+            bandwidth,
+            noise,
+            ..
+        } = &self.plan;
+        ReadOut {
+            structure,
+            design: trends.design(),
+            regressor,
+            bandwidth: *bandwidth,
+            prior_noise: noise.prior,
+            significance: self.plan.offset_significance,
+            estimator: &self.state.estimator,
+            forgetting: &self.state.forgetting,
+            turns: self.plan.turns(),
+            former: self.state.change.former(self.plan.forgetting),
+            position: self.state.position(),
+            noise: &self.state.noise,
+            beginning: &self.state.beginning,
+            start_error: &self.state.start_error,
+        }
     }
 
     /// Standard deviation of the innovation in the unit of y, `None` until there are more samples

@@ -15,7 +15,7 @@ const UNKNOWN: f32 = 1e8;
 const PRIOR: f32 = 10.0;
 
 /// The same of the constant of a drive that integrates: valves rest within a tenth of the range of
-/// their command.
+/// their command, and a drive may be three times as strong as its design size.
 const OFFSET: f32 = 0.3;
 
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T, M, N, I> {

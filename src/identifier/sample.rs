@@ -245,7 +245,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             brings = self.postponed.take(spread, &mut self.estimator);
         }
         if let Some(part) = self.forgetting.turn(&mut self.estimator, brings) {
-            self.tidy(plan, part, brings);
+            self.tidy(plan, part);
         }
     }
 
@@ -253,29 +253,16 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// a part of [`flush`](Self::flush).
     ///
     /// They do while f32 resolves the position as well as the noise that is expected, or half as
-    /// well as where it began. While theta holds what the noise of y(0) has done to it they follow
-    /// here, and what a reading would find: as they are they would outlast the rows that tell one
-    /// from the other.
+    /// well as where it began; and not while theta holds what the noise of y(0) has done to it,
+    /// which only a reading takes out: as a nominal value it would outlast the rows that tell it.
     #[inline(never)]
-    fn tidy(&mut self, plan: &Plan<T, M, N, I>, part: u32, brings: bool) {
+    fn tidy(&mut self, plan: &Plan<T, M, N, I>, part: u32) {
         if part.is_multiple_of(8) {
             let far = self.position().abs();
             let resolved = far <= plan.noise.coarse || far <= 2.0 * self.signals.reference.abs();
-            let begins = self.begins();
-            self.forgetting.heed(resolved && !begins);
-            if resolved && begins && brings {
-                self.follow_reading(plan);
-            }
+            self.forgetting.heed(resolved && !self.begins());
         }
         self.flush(part);
-    }
-
-    /// Nominal values become what a reading finds, where it is well known.
-    #[inline(never)]
-    fn follow_reading(&mut self, plan: &Plan<T, M, N, I>) {
-        let found = self.read_out(plan).regression();
-        let variances = core::array::from_fn(|i| found.p[i][i]);
-        self.forgetting.follow_known(&found.theta, &variances);
     }
 
     /// Once in a while, a part at a time: what has decayed becomes zero before it becomes

@@ -17,7 +17,6 @@ use crate::identifier::plan::{Plan, Prior};
 use crate::identifier::signals::Signals;
 use crate::identifier::standstill::Standstill;
 use crate::model::evaluation::PredictionError;
-use crate::readout::ReadOut;
 use crate::trends::TrendOperator;
 
 /// Everything that a sample changes.
@@ -55,6 +54,14 @@ pub(crate) struct State<
     pub(crate) start_error: StartError<M, N>,
 }
 
+/// The sums beside a structure without an initial state; without a filter there is nothing to sum.
+pub(super) fn beginning<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
+    plan: &Plan<T, M, N, I>,
+) -> Beginning<N> {
+    let filtered = plan.trends.design().filter.is_some();
+    Beginning::new(filtered && !plan.structure.initial_state())
+}
+
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
     State<T, M, N, I, D>
 {
@@ -63,7 +70,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let Prior { theta, std } = plan.prior;
         let mut forgetting = StabilisedForgetting::new(theta, plan.forgetting);
         forgetting.set_nominal_std(&std);
-        forgetting.heed(plan.structure.initial_state());
+        let beginning = beginning(plan);
+        forgetting.heed(!beginning.lasts);
         Self {
             estimator: Estimator::new(theta, std, plan.forgetting),
             noise: NoiseLevel::new(plan.forgetting),
@@ -80,7 +88,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             forgetting,
             postponed: Postponed::new(plan.forgetting),
             moving: 0,
-            beginning: Beginning::new(!plan.structure.initial_state()),
+            beginning,
             start_error: StartError::new(plan.trends.design(), plan.times.start_pace),
         }
     }
@@ -137,15 +145,15 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// The rows of before count no more, and nothing of what they tell of the beginning.
     pub(super) fn begin_sums(&mut self, plan: &Plan<T, M, N, I>) {
-        self.beginning = Beginning::new(!plan.structure.initial_state());
-        self.forgetting.heed(!self.begins());
+        self.beginning = beginning(plan);
+        self.forgetting
+            .heed(!self.beginning.lasts || self.forgetting.is_set());
         self.start_error.clear();
     }
 
-    /// Whether theta holds what the noise of y(0) has done to it, which only a reading takes out,
-    /// and would hand it over to nominal values.
+    /// Whether theta would hand over to nominal values what the noise of y(0) has done to it.
     pub(super) fn begins(&self) -> bool {
-        self.beginning.lasts && !self.forgetting.is_set()
+        self.beginning.is_held() && !self.forgetting.is_set()
     }
 
     /// Calls in what forgetting is owed, all at once. Not for the 1 ms path.
@@ -175,26 +183,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     pub(crate) const fn adapt(&mut self, on: bool) {
         self.adapting = on;
         self.learns = on && !self.estimator.is_inflating();
-    }
-
-    /// What a reading needs.
-    pub(crate) fn read_out<'a>(&'a self, plan: &'a Plan<T, M, N, I>) -> ReadOut<'a, M, N, I> {
-        ReadOut {
-            structure: &plan.structure,
-            design: plan.trends.design(),
-            regressor: &plan.regressor,
-            bandwidth: plan.bandwidth,
-            prior_noise: plan.noise.prior,
-            significance: plan.offset_significance,
-            estimator: &self.estimator,
-            forgetting: &self.forgetting,
-            turns: plan.turns(),
-            former: self.change.former(plan.forgetting),
-            position: self.position(),
-            noise: &self.noise,
-            beginning: &self.beginning,
-            start_error: &self.start_error,
-        }
     }
 
     /// The newest y.

@@ -134,31 +134,6 @@ fn a_nominal_value_follows_what_is_known_to_a_tenth_of_the_bound() {
 }
 
 #[test]
-fn nominal_values_follow_another_estimate_once_where_that_is_well_known() {
-    let stabilised = StabilisedForgetting::new([1.0; 3], 0.99);
-    let known = 0.1 * stabilised.bound();
-    let (theta, diagonal) = ([3.0; 3], [0.99 * known, 1.01 * known, 0.0]);
-    for set in [false, true] {
-        let mut stabilised = stabilised.clone();
-        stabilised.set_nominal_std(&[0.5; 3]);
-        if set {
-            stabilised.set_nominal([1.0; 3]);
-        }
-        assert_eq!(stabilised.is_set(), set);
-        // Whatever the recursion may move.
-        stabilised.heed(false);
-        let before = stabilised.clone();
-        stabilised.follow_known(&theta, &diagonal);
-        let wanted = if set { [1.0; 3] } else { [3.0, 1.0, 3.0] };
-        assert_eq!(stabilised.nominal(), &wanted);
-        // A prior that the data support is none any more.
-        let own = stabilised.own_variances().map(|(prior, _)| prior);
-        assert_eq!(own, [false, true, false]);
-        assert_eq!(stabilised.follows, before.follows);
-    }
-}
-
-#[test]
 fn nominal_values_are_set_replaced_and_let_go() {
     let std = libm::sqrtf(0.05 * BOUND);
     let mut estimator = Estimator::<1>::new([3.0], [std], 0.99);
@@ -169,7 +144,9 @@ fn nominal_values_are_set_replaced_and_let_go() {
         }
         *stabilised.nominal()
     };
+    assert!(!stabilised.is_set());
     stabilised.set_nominal([1.0]);
+    assert!(stabilised.is_set());
     stabilised.set_own([7.0]);
     stabilised.replace_nominal([2.0]);
     // It goes on as it was, set.

@@ -226,7 +226,7 @@ fn nominal_values_follow_where_the_position_is_resolved() {
             if part % 8 == 0 {
                 wanted.heed(resolved);
             }
-            state.tidy(plan, part, true);
+            state.tidy(plan, part);
             assert_eq!(state.forgetting, wanted, "{reference} {position}");
             state.forgetting.heed(!resolved);
         }
@@ -234,47 +234,28 @@ fn nominal_values_follow_where_the_position_is_resolved() {
 }
 
 #[test]
-fn while_the_noise_of_the_start_is_in_theta_nominal_values_are_those_of_a_reading() {
+fn while_the_noise_of_the_start_is_in_theta_no_nominal_value_follows_it() {
     let mut config = config();
     config.memory = Some(2.0);
-    let mut servo = identifier(&config);
-    let mut drive = Drive::new(1e-4);
-    for k in 0..2000 {
-        let [u, y] = drive.sample(k);
-        let _ = servo.update(u, if k == 0 { y + 0.05 } else { y });
-    }
-    assert!(servo.state.beginning.lasts);
-    let read = servo.read_out().regression().theta;
-    assert!(read != *servo.estimator().theta());
+    let (servo, _) = trained(&config, 2000);
     let (plan, before) = (&servo.plan, &servo.state);
-    for (brings, resolved, set) in [
-        (true, true, false),
-        (false, true, false),
-        (true, false, false),
-        (true, true, true),
-    ] {
+    assert!(before.beginning.is_held());
+    for (held, set) in [(true, false), (false, false), (true, true)] {
         let mut state = before.clone();
-        let at = if resolved { 0.9 } else { 1.1 };
-        (state.signals.last, state.signals.reference) = (at * plan.noise.coarse, 0.0);
+        if !held {
+            state.beginning.square = 0.0;
+        }
         if set {
             state.forgetting.set_nominal([7.0; 3]);
-        } else {
-            state.forgetting.follow([7.0; 3]);
         }
         let mut wanted = state.forgetting.clone();
-        state.tidy(plan, 8, brings);
+        state.tidy(plan, 8);
         // Those that were set go on as they were.
-        wanted.heed(resolved && set);
-        if brings && resolved && !set {
-            wanted.follow_known(&read, &[0.0; 3]);
-        }
-        assert_eq!(state.forgetting, wanted, "{brings} {resolved} {set}");
+        wanted.heed(!held || set);
+        assert_eq!(state.forgetting, wanted, "{held} {set}");
+        state.forgetting.heed(held);
+        state.begin_sums(plan);
+        wanted.heed(set);
+        assert_eq!(state.forgetting, wanted, "{held} {set}");
     }
-    // Without a noise of the start the recursion moves them, sample by sample.
-    let mut state = before.clone();
-    state.beginning.lasts = false;
-    state.tidy(plan, 8, true);
-    let mut wanted = before.forgetting.clone();
-    wanted.heed(true);
-    assert_eq!(state.forgetting, wanted);
 }
