@@ -20,8 +20,8 @@
 //! A constant is b_0 times an offset of the command. Where b_0 itself may be 0, as in rows that are
 //! mostly noise, a constant of 0 says nothing of the offset: `b_0 = c = 0` is a drive of which
 //! nothing is known, and to hold c there would make b_0 certain to be 0. So nothing is withdrawn
-//! where what that leaves of b_0 is below half a deviation of b_0 with the constant, and all of s
-//! from a whole one on.
+//! where what that leaves of b_0 is below a tenth of a deviation of b_0 with the constant, and all
+//! of s from two tenths on.
 //!
 //! That a constant lies within its deviation sigma_c speaks for none as far as an offset would
 //! show. Offsets lie anywhere within some percent of the command's range, e, and so within sigma_c
@@ -37,8 +37,9 @@ use crate::math::{larger, smaller, sqrt};
 /// e: offsets lie within this share of the range of the command. Valves are not built worse.
 const OFFSETS: f32 = 0.1;
 
-/// Deviations below which the gain of the command may be 0.
-const NONE: f32 = 0.5;
+/// Deviations below which the gain of the command may be 0. Where noise hides the drive what is left
+/// of it is some hundredths of one; in a short record of a drive it is about one or more.
+const NONE: f32 = 0.1;
 
 /// The gain of the command.
 const GAIN: Parameter = Parameter::Input { input: 0, power: 0 };

@@ -40,23 +40,24 @@ fn a_constant_beside_a_gain_that_may_be_none_stays() {
     // sigma_b = 2.
     let p: Matrix<2> = [[1.0, 0.5], [0.5, 1.0]];
     for (gain, share) in [
-        (0.3, 0.0),
-        (-1.0, 0.0),
-        (1.5, 0.5),
-        (-1.75, 0.75),
-        (2.0, 1.0),
+        (0.06, 0.0),
+        (-0.2, 0.0),
+        (0.3, 0.5),
+        (-0.35, 0.75),
+        (0.4, 1.0),
         (20.0, 1.0),
     ] {
         let found = of([gain, 0.0], p, [1.0; 2], 4.0);
-        assert_eq!(found.map_or(0.0, |found| found.share()), share, "{gain}");
+        let found = found.map_or(0.0, |found| found.share());
+        assert!((found - share).abs() < 1e-5, "{gain}: {found}");
     }
     // A constant of 2 takes 1 of it; in other units it is the same.
     for units in [[1.0; 2], [30.0, 5.0]] {
-        let theta = [2.0 * units[0], 2.0 * units[1]];
+        let theta = [1.15 * units[0], 2.0 * units[1]];
         assert!(of(theta, p, units, 4.0).is_none());
-        let theta = [2.5 * units[0], 2.0 * units[1]];
+        let theta = [1.3 * units[0], 2.0 * units[1]];
         let share = of(theta, p, units, 4.0).unwrap().share();
-        assert!((share - 0.5).abs() < 1e-6, "{share}");
+        assert!((share - 0.5).abs() < 1e-5, "{share}");
     }
     // A gain that is known has no deviation.
     let known: Matrix<2> = [[0.0, 0.0], [0.0, 1.0]];
