@@ -54,7 +54,7 @@ pub struct Reading<const N: usize, const R: usize> {
     fixed: [bool; N],
     factored: Option<Factored<N>>,
     spread: Spread<N>,
-    /// Of the constant, by the recursion, and the share of it that is the prior's.
+    /// Of the constant, by the recursion.
     constant_variance: f32,
 }
 
