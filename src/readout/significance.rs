@@ -37,8 +37,8 @@ use crate::math::{larger, smaller, sqrt};
 /// e: offsets lie within this share of the range of the command. Valves are not built worse.
 const OFFSETS: f32 = 0.1;
 
-/// Deviations below which the gain of the command may be 0. Where noise hides the drive what is left
-/// of it is some hundredths of one; in a short record of a drive it is about one or more.
+/// Deviations below which the gain of the command may be 0. Where noise hides the drive what is
+/// left of it is some hundredths of one; in a short record of a drive it is about one or more.
 const NONE: f32 = 0.1;
 
 /// The gain of the command.
