@@ -20,11 +20,6 @@
 /// A sum of squares below this, where a row at the beginning has 1, counts for nothing.
 const NEGLIGIBLE: f32 = 1e-9;
 
-/// A sum of squares below which theta holds nothing of the column: gamma is up to 10^2 deviations
-/// of a row, with a slow pole at a tenth of the bandwidth, and moves theta by `gamma^2 d` at most,
-/// in variances of it.
-const HELD: f32 = 1e-5;
-
 /// The sums of the column that begins with 1, all normalised.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Beginning<const N: usize> {
@@ -58,11 +53,6 @@ impl<const N: usize> Beginning<N> {
         }
         self.square = forgetting * self.square + column * column;
         self.product = forgetting * self.product + column * psi;
-    }
-
-    /// Whether theta of the recursion holds what the column has done to it.
-    pub(crate) fn is_held(&self) -> bool {
-        self.lasts && self.square >= HELD
     }
 
     /// Ends where no row changes the sums any more: without a memory with the column, otherwise
@@ -135,11 +125,7 @@ mod tests {
         );
         beginning.lasts = true;
         beginning.end(0.0, true);
-        assert!(beginning.lasts && beginning.is_held());
-        for (square, held) in [(HELD, true), (0.99 * HELD, false)] {
-            beginning.square = square;
-            assert_eq!(beginning.is_held(), held);
-        }
+        assert!(beginning.lasts);
         beginning.square = 0.5 * NEGLIGIBLE;
         beginning.end(0.0, true);
         assert_eq!(beginning, Beginning::new(false));

@@ -49,8 +49,7 @@
 //! Nominal values that follow are former estimates, each taken while its standard deviation was
 //! below a third of the one that the observations alone leave: without data they stand still, and
 //! theta with them. They do too while f32 resolves the position worse than its noise and than at
-//! the start, and while the noise of y(0) is in theta: what such rows teach is forgotten, not kept
-//! for ever.
+//! the start: what such rows teach is forgotten, not kept for ever.
 //!
 //! # In two parts
 //! An observation passes through the columns of U and D one by one, from i to N-1. All but the last
@@ -251,11 +250,6 @@ impl<const N: usize> StabilisedForgetting<N> {
         self.nominal = nominal;
         self.own = [0.0; N];
         self.set = 0;
-    }
-
-    /// Whether all nominal values were set: none follows.
-    pub(crate) const fn is_set(&self) -> bool {
-        self.set == N
     }
 
     /// Whether the present rows may move nominal values that follow.

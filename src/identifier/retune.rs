@@ -3,8 +3,8 @@
 use core::array::from_fn;
 
 use crate::error::{ConfigError, check_not_negative, check_range, positive};
+use crate::estimation::beginning::Beginning;
 use crate::identifier::Identifier;
-use crate::identifier::state::beginning;
 use crate::readout::in_band;
 use crate::readout::s_plane::{theta_in_s_plane, theta_in_trend_plane};
 use crate::trends::TrendOperator;
@@ -83,7 +83,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             // The variance of the estimate is that of P times it.
             state.estimator.expect_noise(noise / scale);
         }
-        state.beginning = beginning(&self.plan);
+        state.beginning = Beginning::new(!self.plan.structure.initial_state());
         state.start_error.end(scale, self.plan.forgets);
         state.forgetting.replace_nominal(nominal);
         if same_filter {

@@ -253,14 +253,13 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
     /// a part of [`flush`](Self::flush).
     ///
     /// They do while f32 resolves the position as well as the noise that is expected, or half as
-    /// well as where it began; and not while theta holds what the noise of y(0) has done to it,
-    /// which only a reading takes out: as a nominal value it would outlast the rows that tell it.
+    /// well as where it began.
     #[inline(never)]
     fn tidy(&mut self, plan: &Plan<T, M, N, I>, part: u32) {
         if part.is_multiple_of(8) {
             let far = self.position().abs();
             let resolved = far <= plan.noise.coarse || far <= 2.0 * self.signals.reference.abs();
-            self.forgetting.heed(resolved && !self.begins());
+            self.forgetting.heed(resolved);
         }
         self.flush(part);
     }

@@ -54,14 +54,6 @@ pub(crate) struct State<
     pub(crate) start_error: StartError<M, N>,
 }
 
-/// The sums beside a structure without an initial state; without a filter there is nothing to sum.
-pub(super) fn beginning<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize>(
-    plan: &Plan<T, M, N, I>,
-) -> Beginning<N> {
-    let filtered = plan.trends.design().filter.is_some();
-    Beginning::new(filtered && !plan.structure.initial_state())
-}
-
 impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const D: usize>
     State<T, M, N, I, D>
 {
@@ -70,8 +62,6 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         let Prior { theta, std } = plan.prior;
         let mut forgetting = StabilisedForgetting::new(theta, plan.forgetting);
         forgetting.set_nominal_std(&std);
-        let beginning = beginning(plan);
-        forgetting.heed(!beginning.lasts);
         Self {
             estimator: Estimator::new(theta, std, plan.forgetting),
             noise: NoiseLevel::new(plan.forgetting),
@@ -88,7 +78,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             forgetting,
             postponed: Postponed::new(plan.forgetting),
             moving: 0,
-            beginning,
+            beginning: Beginning::new(!plan.structure.initial_state()),
             start_error: StartError::new(plan.trends.design(), plan.times.start_pace),
         }
     }
@@ -145,15 +135,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
 
     /// The rows of before count no more, and nothing of what they tell of the beginning.
     pub(super) fn begin_sums(&mut self, plan: &Plan<T, M, N, I>) {
-        self.beginning = beginning(plan);
-        self.forgetting
-            .heed(!self.beginning.lasts || self.forgetting.is_set());
+        self.beginning = Beginning::new(!plan.structure.initial_state());
         self.start_error.clear();
-    }
-
-    /// Whether theta would hand over to nominal values what the noise of y(0) has done to it.
-    pub(super) fn begins(&self) -> bool {
-        self.beginning.is_held() && !self.forgetting.is_set()
     }
 
     /// Calls in what forgetting is owed, all at once. Not for the 1 ms path.

@@ -99,7 +99,12 @@ impl<const N: usize> Withdrawal<N> {
             let step = *found.direction.get(gain)? * value;
             let left = (*theta.get(gain)? - step) / *units.get(gain)?;
             let chance = NONE * sqrt(residual * *row_of(gain)?.get(gain)?);
-            found.offset = match columns.iter().any(is_another_input) {
+            // An input whose parameters are known is none.
+            let free = |(j, parameter)| {
+                is_another_input(parameter)
+                    && row_of(j).is_some_and(|row| row.get(j).is_some_and(|own| *own > 0.0))
+            };
+            found.offset = match columns.iter().enumerate().any(free) {
                 true => f32::INFINITY,
                 false => OFFSETS * (left * unit).abs(),
             };

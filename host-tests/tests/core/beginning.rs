@@ -8,7 +8,6 @@ use trendid::trends::{FilteredTrends, Scheme};
 use trendid::{Config, Identifier, Structure};
 use trendid_host_tests::plants::linear::LinearPlant;
 use trendid_host_tests::signals::noise::{Additive, Condition, numbered, rms_about_mean};
-use trendid_host_tests::users::command::Command;
 use trendid_host_tests::users::figures::{Figures, Part};
 use trendid_host_tests::users::kind::Kind;
 use trendid_host_tests::users::trial::{Special, Trial};
@@ -139,24 +138,4 @@ fn a_pole_near_a_zero_is_not_known_from_the_noise_of_the_beginning() {
     let [.., found] = figures(Kind::OscillatorZero, 700_001..700_501).beyond;
     println!("{found:.1} % of the readings are beyond ten deviations");
     assert!(found < 0.8, "{found}");
-}
-
-/// A sine shows two numbers of three; the third is what the first seconds have left. Where nominal
-/// values took the noise of the beginning over, 3 and 1.8 % of the readings were beyond ten
-/// deviations.
-#[test]
-fn what_the_beginning_has_left_outlasts_the_memory_without_its_noise() {
-    for kind in [Kind::OscillatorPlain, Kind::Oscillator] {
-        let trials = (701_001..701_501).map(|seed| Trial::run(seed, Some(kind)));
-        let sine =
-            |trial: &Trial| trial.has(Special::Memory) && trial.user.command == Command::Sine;
-        let trials: Vec<_> = trials.filter(sine).collect();
-        let found = Figures::new(&Part::All.readings(&trials));
-        println!(
-            "{kind:?}: {:.1?} % of {} readings are beyond one to ten deviations",
-            found.beyond, found.readings
-        );
-        let [_, three, _, ten] = found.beyond;
-        assert!(three < 3.6 && ten < 1.2, "{found:?}");
-    }
 }

@@ -97,19 +97,19 @@ fn terms<const M: usize, const N: usize, const I: usize>(
 }
 
 /// Theta of the dense stabilised forgetting in f64, in turn as the core's; `scale` makes noise of
-/// variance 1. Nominal values follow below this share of the bound.
+/// variance 1.
 fn forgotten<const N: usize>(
     memory: f32,
     prior: [f64; N],
     units: [f64; N],
-    (scale, follows): (f64, f64),
+    scale: f64,
     (phi, target): (&DMatrix<f64>, &DVector<f64>),
 ) -> Vec<f64> {
     let lambda = 1.0 - DT / memory;
     let bound = StabilisedForgetting::new([0.0; N], lambda).bound();
     let kind = Kind::InTurn {
         variance: 16_384.0,
-        follows: follows * f64::from(bound),
+        follows: 0.1 * f64::from(bound),
     };
     let mut dense = Forgetting::<N>::new(kind, prior, 1.0 / f64::from(1.0 - lambda));
     for (k, psi) in target.iter().enumerate() {
@@ -197,13 +197,7 @@ fn gap<const M: usize, const N: usize, const I: usize>(
             // The prior is ten design sizes, and its variance counts noise in the normalised
             // equation.
             let scale = 10.0 / prior[0].sqrt() / noise;
-            // Beside a filter and without an initial state no nominal value follows for eighteen
-            // memories, which are longer than any record here.
-            let follows = match f.is_some() && start.is_none() {
-                true => 0.0,
-                false => 0.1,
-            };
-            forgotten(memory, prior, units, (scale, follows), (&phi, &target))
+            forgotten(memory, prior, units, scale, (&phi, &target))
         }
     };
     let batch = in_s_plane(&batch, &config.structure, &design);

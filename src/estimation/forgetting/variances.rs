@@ -1,6 +1,6 @@
 //! How well nominal values are known, and what they leave of P without data.
 
-use crate::estimation::forgetting::{FOLLOWS, StabilisedForgetting};
+use crate::estimation::forgetting::StabilisedForgetting;
 use crate::estimation::postponed::PAUSE;
 use crate::math::{larger, smaller};
 
@@ -73,12 +73,6 @@ impl<const N: usize> StabilisedForgetting<N> {
             for (known, row) in known.iter_mut().zip(p) {
                 let share = row[k] * inverse;
                 *known += share * share * missing;
-            }
-        }
-        for (k, unsupported) in self.unsupported.iter_mut().enumerate() {
-            // The data have shown it, whatever nominal values were allowed to follow.
-            if p[k][k] < FOLLOWS * self.bound {
-                *unsupported = 0.0;
             }
         }
         self.set_nominal(theta);

@@ -1,7 +1,6 @@
 //! What stays and what changes with another filter.
 
 use super::*;
-use crate::estimation::beginning::Beginning;
 use crate::estimation::structure::Structure;
 use crate::identifier::tests::bench::{Drive, Servo3, Trends, config, trained, trends};
 use crate::identifier::{Config, Outcome};

@@ -206,8 +206,6 @@ fn nominal_values_follow_where_the_position_is_resolved() {
     config.memory = Some(2.0);
     let mut servo = identifier(&config);
     let (plan, state) = (&servo.plan, &mut servo.state);
-    // As once nothing of the beginning is left.
-    state.beginning.lasts = false;
     for (reference, position, resolved) in [
         (0.0, 0.99, true),
         (0.0, 1.01, false),
@@ -230,32 +228,5 @@ fn nominal_values_follow_where_the_position_is_resolved() {
             assert_eq!(state.forgetting, wanted, "{reference} {position}");
             state.forgetting.heed(!resolved);
         }
-    }
-}
-
-#[test]
-fn while_the_noise_of_the_start_is_in_theta_no_nominal_value_follows_it() {
-    let mut config = config();
-    config.memory = Some(2.0);
-    let (servo, _) = trained(&config, 2000);
-    let (plan, before) = (&servo.plan, &servo.state);
-    assert!(before.beginning.is_held());
-    for (held, set) in [(true, false), (false, false), (true, true)] {
-        let mut state = before.clone();
-        if !held {
-            state.beginning.square = 0.0;
-        }
-        if set {
-            state.forgetting.set_nominal([7.0; 3]);
-        }
-        let mut wanted = state.forgetting.clone();
-        state.tidy(plan, 8);
-        // Those that were set go on as they were.
-        wanted.heed(!held || set);
-        assert_eq!(state.forgetting, wanted, "{held} {set}");
-        state.forgetting.heed(held);
-        state.begin_sums(plan);
-        wanted.heed(set);
-        assert_eq!(state.forgetting, wanted, "{held} {set}");
     }
 }
