@@ -35,8 +35,9 @@ fn a_wrong_bandwidth_is_mended_by_retuning() {
                     let estimate = other.estimate();
                     let before = estimate.theta();
                     let (reading, sigma) = (estimate.physical().omega0, estimate.physical_std());
+                    // With 0.3 the one record falls out that is 14 % off at 60 rad/s.
                     if let (Some(omega0), Some(sigma)) = (reading, sigma)
-                        && sigma[1] < 0.4 * omega0
+                        && sigma[1] < 0.35 * omega0
                     {
                         let omega0 = omega0.clamp(2.0, 200.0);
                         other.retune_to(omega0).unwrap();

@@ -145,10 +145,13 @@ fn a_constant_that_may_be_an_offset_stays_in_the_covariance() {
     // Beside a second input it is none.
     let second = Parameter::Input { input: 1, power: 0 };
     let columns = [COLUMNS[0], second, COLUMNS[1]];
-    let p: Matrix<3> = [[2.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 1.0]];
-    let (theta, row_of) = ([10.0, 1.0, 0.0], |i: usize| p.get(i).copied());
-    let found = Withdrawal::of(&columns, &theta, row_of, &[1.0; 3], 1e-4, 2.0);
-    let mut covariance = p;
-    found.unwrap().apply_to_covariance(&mut covariance);
-    assert_eq!((covariance[0][0], covariance[2][2]), (1.0, 1.0));
+    // One that is known is no input: an offset of 1 leaves all of a variance of 1.
+    for (own, left) in [(1.0, 1.0), (0.0, 2.0)] {
+        let p: Matrix<3> = [[2.0, 0.0, 1.0], [0.0, own, 0.0], [1.0, 0.0, 1.0]];
+        let (theta, row_of) = ([10.0, 1.0, 0.0], |i: usize| p.get(i).copied());
+        let found = Withdrawal::of(&columns, &theta, row_of, &[1.0; 3], 1e-4, 2.0);
+        let mut covariance = p;
+        found.unwrap().apply_to_covariance(&mut covariance);
+        assert_eq!((covariance[0][0], covariance[2][2]), (left, 1.0));
+    }
 }
