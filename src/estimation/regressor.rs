@@ -59,6 +59,7 @@ impl<const M: usize, const N: usize> Regressor<M, N> {
             size /= bandwidth;
             *s = size;
         }
+        const { assert!(M + I * M < 255, "every trend has a number of 8 bits") };
         let mut regressor = Self {
             sources: [Source {
                 index: 0,

@@ -249,7 +249,7 @@ const RANGE: [f32; 2] = [1e-9, 1e9];
 
 /// Noise over the typical movement: below 10^-7 f32 has none; noise beyond the movement is no
 /// measurement.
-const NOISE: [f32; 2] = [1e-7, 10.0];
+pub(crate) const NOISE: [f32; 2] = [1e-7, 10.0];
 
 /// Longest memory in samples: of a longer one `1 - lambda` has no digits in f32.
 const LONGEST: f32 = 1_048_576.0;

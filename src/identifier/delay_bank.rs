@@ -194,7 +194,8 @@ impl<
     }
 
     /// Prediction error of the second best candidate over that of the best: at least 1, larger for
-    /// a clearer choice.
+    /// a clearer choice. `None` until every candidate has an error, with one candidate, and where
+    /// the best has no error at all, as at rest without noise.
     pub fn margin(&self) -> Option<f32> {
         let best = self.best()?;
         let errors = self.errors();
@@ -204,7 +205,8 @@ impl<
                 next = next.min(error?);
             }
         }
-        Some(next / (*errors.get(best)?)?)
+        let margin = next / (*errors.get(best)?)?;
+        margin.is_finite().then_some(margin)
     }
 
     /// The identifier with the best delay, to go on with a clone of it.

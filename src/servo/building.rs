@@ -51,6 +51,6 @@ pub(crate) fn tuned(config: &Config, found: &Found) -> Config {
     tuned.bandwidth = Some(w);
     tuned.delay = found.delay.min(DELAY_MAX as f32 * config.sample_time);
     tuned.controller.dead_volume = Some(found.dead_volume);
-    tuned.noise = Some(config.noise.unwrap_or(found.noise));
+    tuned.noise = Some(config.noise_beside(found.noise));
     tuned
 }

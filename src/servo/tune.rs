@@ -4,8 +4,7 @@ use crate::hardware::{PositionSensor, Valve};
 use crate::servo::building::tuned;
 use crate::servo::commissioning::Found;
 use crate::servo::control::tuning::Tuned;
-use crate::servo::design::TuningDesign;
-use crate::servo::design::constants::DELAY_MAX;
+use crate::servo::design::{Clock, TuningDesign};
 use crate::servo::error::Error;
 use crate::servo::servo_loop::ServoLoop;
 use crate::servo::store::Record;
@@ -29,12 +28,12 @@ impl<S, V> ServoLoop<S, V> {
         {
             let time = self.config.sample_time;
             let settings = &self.config.controller;
-            let samples = (found.delay / time + 0.5) as usize;
+            let clock = Clock { sample_time: time };
             let design = TuningDesign {
                 sample_time: time,
-                delay: samples.min(DELAY_MAX) as f32 * time,
+                delay: clock.delay(found.delay) as f32 * time,
                 dead_volume: found.dead_volume,
-                noise: self.config.noise.unwrap_or(found.noise),
+                noise: self.config.noise_beside(found.noise),
                 bandwidth_max: settings.bandwidth.unwrap_or(f32::INFINITY),
             };
             self.takeover.tuning = Some(Tuned::new(&design, found.model));
@@ -146,7 +145,7 @@ impl<S, V> ServoLoop<S, V> {
             .admits(&model)
             .map_err(Error::Model)?;
         // The observer that knows it is replaced.
-        let motion = self.present_motion(&model, self.config.noise.unwrap_or(noise));
+        let motion = self.present_motion(&model, self.config.noise_beside(noise));
         let before = self.takeover.building.take();
         loop {
             match self.build(&found) {

@@ -37,19 +37,7 @@ impl<const D: usize> DelayLine<D> {
     /// Takes u(k), gives u(k - delay); a delay beyond `D` gives u(k - D).
     #[inline]
     pub fn update(&mut self, value: f32, delay: usize) -> f32 {
-        let delay = if delay < D { delay } else { D };
-        if D == 0 || delay == 0 {
-            self.push(value);
-            return value;
-        }
-        // The ring holds u(k-1) at `newest`, u(k-2) before it, and so on.
-        let back = delay - 1;
-        let index = if self.newest >= back {
-            self.newest - back
-        } else {
-            self.newest + D - back
-        };
-        let out = self.ring.get(index).copied().unwrap_or(0.0);
+        let out = self.past(value, delay);
         self.push(value);
         out
     }
@@ -59,7 +47,7 @@ impl<const D: usize> DelayLine<D> {
     /// `(1 - part) u(k - delay) + part u(k - delay - 1)`.
     ///
     /// What a held input integrates to over an interval is exact with it; a delay beyond `D - 1`
-    /// counts as that.
+    /// counts as that, and a line of length 0 delays nothing.
     ///
     /// # Examples
     /// ```
@@ -72,20 +60,21 @@ impl<const D: usize> DelayLine<D> {
     /// ```
     #[inline(never)]
     pub fn update_between(&mut self, value: f32, delay: usize, part: f32) -> f32 {
-        // Before the push u(k-1) is the newest of the ring.
-        let older = self.past(delay + 1);
-        let newer = match delay {
-            0 => value,
-            _ => self.past(delay),
-        };
+        let delay = delay.min(D.saturating_sub(1));
+        let newer = self.past(value, delay);
+        let older = self.past(value, delay + 1);
         self.push(value);
         newer + part * (older - newer)
     }
 
-    /// u(k - back) before u(k) is in the ring.
-    fn past(&self, back: usize) -> f32 {
-        let back = if back < D { back } else { D };
-        let back = back.saturating_sub(1);
+    /// u(k - delay) before u(k), which is `value`, is in the ring.
+    #[inline]
+    fn past(&self, value: f32, delay: usize) -> f32 {
+        let delay = if delay < D { delay } else { D };
+        // The ring holds u(k-1) at `newest`, u(k-2) before it, and so on.
+        let Some(back) = delay.checked_sub(1) else {
+            return value;
+        };
         let index = if self.newest >= back {
             self.newest - back
         } else {
@@ -132,6 +121,24 @@ mod tests {
             }
         }
         assert_eq!(DelayLine::<0>::default().update(7.0, 3), 7.0);
+    }
+
+    #[test]
+    fn between_two_samples_of_a_line() {
+        for delay in [0, 1, 2, 3, 4, 6, usize::MAX] {
+            for part in [0.0, 0.25, 1.0] {
+                let mut line = DelayLine::<4>::new();
+                let late = if delay < 3 { delay } else { 3 } as f32 + part;
+                for k in 0..20 {
+                    // Of a ramp the mean of two samples lies between them.
+                    let out = line.update_between(k as f32, delay, part);
+                    if k > 4 {
+                        assert_eq!(out, k as f32 - late, "delay {delay} + {part}, sample {k}");
+                    }
+                }
+            }
+        }
+        assert_eq!(DelayLine::<0>::new().update_between(7.0, 3, 0.25), 7.0);
     }
 
     #[test]

@@ -46,6 +46,23 @@ fn the_delay_is_that_of_the_smallest_error() {
 }
 
 #[test]
+fn a_choice_among_nothing_has_no_margin() {
+    let mut bank = bank();
+    for _ in 0..500 {
+        let _ = bank.update_inputs([0.0], 0.0);
+    }
+    assert_eq!(bank.errors(), [Some(0.0); 4]);
+    assert_eq!(bank.margin(), None);
+    let alone = DelayBank::<Identifier<Trends, 3, 3, 1, 3>, 1>::try_new(&config(), trends(20.0), 0);
+    let (mut alone, mut drive) = (alone.expect("settings"), Drive::new(1e-4));
+    for k in 0..2500 {
+        let [u, y] = drive.sample(k);
+        let _ = alone.update_inputs([u], y);
+    }
+    assert_eq!((alone.best(), alone.margin()), (Some(0), None));
+}
+
+#[test]
 fn a_delay_between_samples_is_the_lowest_point_of_a_parabola() {
     for part in [0.3, 0.5, 0.7] {
         let bank = late(1, part);

@@ -26,7 +26,8 @@ impl Commissioning {
             delay: theta.delay,
             sign: self.sign,
             noise: length * self.still.sigma,
-            dead_volume: dead_volume(theta.stiffening),
+            // What was stated stays, also where no fit goes so far.
+            dead_volume: (self.design.dead_volume).unwrap_or_else(|| dead_volume(theta.stiffening)),
         }
     }
 

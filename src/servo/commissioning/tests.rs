@@ -4,6 +4,7 @@ mod plant;
 
 use super::*;
 use crate::servo::commissioning::tests::plant::{COUNT, Plant, STEP, TRAVEL};
+use crate::servo::commissioning::verdict::tests::THETA;
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
 
@@ -64,6 +65,17 @@ fn commissioned(design: CommissioningDesign, plant: &mut Plant, sign: Option<f32
         *high = high.max(plant.motion.position);
     }
     ended
+}
+
+#[test]
+fn a_stated_dead_volume_stays_as_it_is() {
+    // Of a very small one no fit goes so far.
+    for stated in [0.005, 0.01, 0.1, f32::INFINITY] {
+        let mut design = design();
+        design.dead_volume = Some(stated);
+        let found = Commissioning::new(design).found(&THETA);
+        assert_eq!(found.dead_volume, stated);
+    }
 }
 
 #[test]

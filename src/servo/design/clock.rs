@@ -1,5 +1,7 @@
 //! From seconds to samples.
 
+use crate::servo::design::constants::DELAY_MAX;
+
 /// Turns seconds into samples and rates per s into steps per sample.
 #[derive(Clone, Copy)]
 pub(crate) struct Clock {
@@ -11,6 +13,11 @@ impl Clock {
     pub(crate) fn samples(self, seconds: f32) -> u32 {
         let samples = (seconds / self.sample_time + 0.5) as u32;
         if samples > 0 { samples } else { 1 }
+    }
+
+    /// The nearest number of samples to a delay, at most as many as commands are remembered.
+    pub(crate) fn delay(self, seconds: f32) -> usize {
+        ((seconds / self.sample_time + 0.5) as usize).min(DELAY_MAX)
     }
 
     /// The whole samples that fit into a time.

@@ -1,7 +1,7 @@
 //! What the controller follows from.
 
 use crate::servo::config::Config;
-use crate::servo::design::clock::Clock;
+use crate::servo::design::Clock;
 use crate::servo::design::constants as c;
 use crate::servo::design::{AnchorDesign, ControllerDesign, EstimatorDesign, TuningDesign};
 use crate::servo::error::Error;
@@ -15,7 +15,7 @@ const DEAD_VOLUME: f32 = 0.06;
 impl Config {
     /// The resolution is that of a sensor, see [`ControllerDesign::with_resolution`].
     pub(crate) fn controller(&self, clock: Clock) -> Result<ControllerDesign, Error> {
-        let (settings, length) = (&self.controller, self.travel.length());
+        let settings = &self.controller;
         if let Some(bandwidth) = settings.bandwidth {
             Error::unless_positive("controller.bandwidth", bandwidth)?;
         }
@@ -28,8 +28,7 @@ impl Config {
         if volume != f32::INFINITY {
             Error::unless_within("controller.dead_volume", volume, DEAD_VOLUME_MIN, f32::MAX)?;
         }
-        let noise = self.noise.unwrap_or(c::NOISE_RATIO * length);
-        let delay = (self.delay / self.sample_time + 0.5) as usize;
+        let delay = clock.delay(self.delay);
         let predicted = delay as f32 * self.sample_time;
         let design = ControllerDesign {
             estimator: EstimatorDesign {
@@ -47,7 +46,7 @@ impl Config {
                 sample_time: self.sample_time,
                 delay: predicted,
                 dead_volume: volume,
-                noise,
+                noise: self.noise_beside(0.0),
                 bandwidth_max: settings.bandwidth.unwrap_or(f32::INFINITY),
             },
             rest_window: 0.0,

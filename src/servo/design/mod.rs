@@ -8,6 +8,8 @@ mod monitoring;
 mod resolve;
 mod supervision;
 
+pub(crate) use clock::Clock;
+
 use crate::servo::motion::{MotionLimits, Travel};
 
 /// The settings after [`Config::resolve`](crate::servo::Config::resolve): checked, in samples,
@@ -77,7 +79,7 @@ pub(crate) struct ControllerDesign {
 pub(crate) struct AnchorDesign {
     /// Distance from the anchor that is motion: resolution and 3 sigma.
     pub(crate) band: f32,
-    /// Samples within the band after which friction holds, before the poles are known.
+    /// Time in s within the band after which friction holds; 0 before the poles are known.
     pub(crate) time: f32,
     pub(crate) sample_time: f32,
 }

@@ -1,28 +1,25 @@
 //! Design of the fault monitors, the part that needs no model.
 
 use crate::servo::config::Config;
+use crate::servo::design::Clock;
 use crate::servo::design::MonitoringDesign;
-use crate::servo::design::clock::Clock;
 use crate::servo::design::constants as c;
 
 impl Config {
     /// The resolution is that of a sensor, see [`MonitoringDesign::with_resolution`].
     pub(crate) fn monitoring(&self, clock: Clock, tracking_rate: f32) -> MonitoringDesign {
         let length = self.travel.length();
-        let noise = self.noise.unwrap_or(c::NOISE_RATIO * length);
+        let noise = self.noise_beside(0.0);
         let fastest = self.bandwidth.unwrap_or(c::BANDWIDTH_MAX);
         MonitoringDesign {
             sample_time: self.sample_time,
             delay: self.delay,
-            delay_samples: (self.delay / self.sample_time + 0.5) as usize,
+            delay_samples: clock.delay(self.delay),
             travel: self.travel,
             noise,
             resolution: 0.0,
             grain: 8.0 * noise,
-            error: self
-                .supervision
-                .error_deadband
-                .unwrap_or(c::ERROR_DEADBAND_RATIO * length),
+            error: self.error_deadband(),
             acceleration: c::FIRST_ACCELERATION_RATIO * length * fastest * fastest,
             tracking_lag: 0.27 / (tracking_rate * tracking_rate),
             jump: clock.samples(c::JUMP_TIME),

@@ -1,7 +1,9 @@
 //! From settings to numbers: checks, defaults, samples.
 
+use crate::identifier::config::NOISE;
+use crate::math::larger;
 use crate::servo::config::Config;
-use crate::servo::design::clock::Clock;
+use crate::servo::design::Clock;
 use crate::servo::design::constants as c;
 use crate::servo::design::constants::DELAY_MAX;
 use crate::servo::design::{Design, IdentificationDesign, LimiterDesign, MonitorDesign};
@@ -36,7 +38,7 @@ impl Config {
                 trends_rate: c::TRENDS_RATIO * self.rough_bandwidth(),
                 input_range: self.excitation.amplitude,
                 output_range: c::OUTPUT_RANGE_RATIO * length,
-                output_noise: self.noise.unwrap_or(c::NOISE_RATIO * length),
+                output_noise: self.noise_beside(0.0),
                 memory: self.memory,
                 settled: (c::SETTLED_RATIO / (c::TRENDS_RATIO * w * self.sample_time)) as u32,
             },
@@ -68,6 +70,12 @@ impl Config {
         Error::unless_positive("range", self.range)?;
         Error::unless_within("range", self.range, 0.0, 1.0)?;
         Error::unless_positive("rate", self.rate)?;
+        if let Some(noise) = self.noise {
+            let range = c::OUTPUT_RANGE_RATIO * self.travel.length();
+            let [least, most] = NOISE.map(|share| share * range);
+            Error::unless_within("noise", noise, least, most)?;
+        }
+        Error::unless_positive("memory", self.memory)?;
         let delay_max = DELAY_MAX as f32 * self.sample_time;
         Error::unless_within("delay", self.delay, 0.0, delay_max)?;
         Error::unless_within("min_excitation", self.min_excitation, 0.0, 1.0)
@@ -86,6 +94,29 @@ impl Config {
         Ok(limits)
     }
 
+    /// Standard deviation of the position noise: stated, or `found`, 0 where it was not; what is
+    /// taken for it until then. No less than the identifier resolves.
+    pub(crate) fn noise_beside(&self, found: f32) -> f32 {
+        let length = self.travel.length();
+        let [least, _] = NOISE.map(|share| share * (c::OUTPUT_RANGE_RATIO * length));
+        self.noise.unwrap_or(match found > 0.0 {
+            true => larger(found, least),
+            false => c::NOISE_RATIO * length,
+        })
+    }
+
+    /// Tracking error that the user tolerates.
+    pub(crate) fn error_deadband(&self) -> f32 {
+        let least = c::ERROR_DEADBAND_RATIO * self.travel.length();
+        self.supervision.error_deadband.unwrap_or(least)
+    }
+
+    /// Movement within the time of excitation below which there is none.
+    pub(crate) fn min_travel(&self) -> f32 {
+        let least = c::TRAVEL_MIN_RATIO * self.travel.length();
+        self.supervision.min_travel.unwrap_or(least)
+    }
+
     /// Velocity below which the axis does not count as moving.
     pub(crate) fn min_speed(&self) -> f32 {
         let settings = &self.supervision;
@@ -97,9 +128,7 @@ impl Config {
     /// Velocity with which the axis has not moved: less than what counts within the time of
     /// excitation.
     pub(crate) fn creep(&self) -> f32 {
-        let settings = &self.supervision;
-        let least = c::TRAVEL_MIN_RATIO * self.travel.length();
-        settings.min_travel.unwrap_or(least) / settings.excite_time
+        self.min_travel() / self.supervision.excite_time
     }
 
     fn check_excitation(&self) -> Result<(), Error> {

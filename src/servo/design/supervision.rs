@@ -1,7 +1,7 @@
 //! Design of the supervisor, its screening and its validation.
 
 use crate::servo::config::Config;
-use crate::servo::design::clock::Clock;
+use crate::servo::design::Clock;
 use crate::servo::design::constants as c;
 use crate::servo::design::{
     ChangeDesign, ObserverDesign, ScreeningDesign, SupervisionDesign, ValidationDesign,
@@ -25,11 +25,8 @@ impl SupervisionDesign {
 
 impl Config {
     pub(crate) fn supervision(&self, clock: Clock) -> Result<SupervisionDesign, Error> {
-        let (settings, length) = (&self.supervision, self.travel.length());
-        let min_travel = settings.min_travel.unwrap_or(c::TRAVEL_MIN_RATIO * length);
-        let deadband = settings
-            .error_deadband
-            .unwrap_or(c::ERROR_DEADBAND_RATIO * length);
+        let settings = &self.supervision;
+        let (min_travel, deadband) = (self.min_travel(), self.error_deadband());
         let window = settings
             .validation_time
             .unwrap_or(c::VALIDATION_TIME_RATIO / self.rough_bandwidth());
@@ -55,7 +52,6 @@ impl Config {
         count("supervision.time_limit", settings.time_limit)?;
         let excite = count("supervision.excite_time", settings.excite_time)?;
         let observer = self.validation_observer();
-        let noise = self.noise.unwrap_or(c::NOISE_RATIO * length);
         let drift_ratio = observer.rate * window * ROOT_THIRD;
         Ok(SupervisionDesign {
             screening: self.screening()?,
@@ -70,7 +66,7 @@ impl Config {
             min_improvement: settings.min_improvement,
             min_speed: self.min_speed(),
             min_travel,
-            drift: drift_ratio * 2.0 * noise,
+            drift: drift_ratio * 2.0 * self.noise_beside(0.0),
             drift_ratio,
             error_deadband: deadband,
             error_least: match settings.error_deadband {

@@ -2,7 +2,6 @@
 
 use crate::hardware::{PositionSensor, Valve};
 use crate::math::sqrt;
-use crate::servo::design::constants::NOISE_RATIO;
 use crate::servo::model::Model;
 use crate::servo::motion::Motion;
 use crate::servo::servo_loop::ServoLoop;
@@ -58,12 +57,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
 
     /// Standard deviation of the position: stated, found, or what is taken for it before.
     pub(crate) fn noise(&self) -> f32 {
-        let found = if self.drive.noise > 0.0 {
-            self.drive.noise
-        } else {
-            NOISE_RATIO * self.config.travel.length()
-        };
-        self.config.noise.unwrap_or(found)
+        self.config.noise_beside(self.drive.noise)
     }
 
     /// Whether control was asked for before anybody knew how the axis moves: its valve is in its

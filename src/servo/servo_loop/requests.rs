@@ -16,9 +16,11 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// until the readings show it, for less than 1/w of the axis. Searches the poles at once, some
     /// million instructions: not for the 1 ms path.
     ///
-    /// How stiff the axis is near its ends is no part of a [`Model`]: it is that of the settings
-    /// ([`dead_volume`](crate::servo::ControllerSettings::dead_volume)), or of a commissioning
-    /// before.
+    /// What is no part of a [`Model`] is that of the settings, or of a commissioning before: the
+    /// sign of the valve ([`reversed`](crate::servo::Config::reversed)), its delay, the noise, and
+    /// how stiff the axis is near its ends
+    /// ([`dead_volume`](crate::servo::ControllerSettings::dead_volume)). Of a stored model
+    /// [`resume`](Self::resume) takes them from the record.
     ///
     /// An axis that stands a little beyond an end of its travel is led back to it, slowly. One that
     /// stands further out is not moved: before the first reading nobody knows, and control then

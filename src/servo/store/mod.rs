@@ -15,7 +15,7 @@
 //!    after 8000 years.
 //!
 //! A record of another version, machine or configuration is refused with the reason ([`Refused`]).
-//! What is read is not valid yet: [`ServoLoop::install`](crate::servo::ServoLoop::install) holds
+//! What is read is not valid yet: [`ServoLoop::resume`](crate::servo::ServoLoop::resume) holds
 //! it against every limit that a candidate of the identifier must keep.
 //!
 //! # Where the time goes

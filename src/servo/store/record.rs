@@ -68,7 +68,7 @@ pub struct Record {
     pub delay: f32,
     /// Sign of the valve: -1 when the axis moves against a positive command.
     pub sign: f32,
-    /// Standard deviation of the position, in units of y.
+    /// Standard deviation of the position, in units of y; 0 where no commissioning has found it.
     pub noise: f32,
     /// Dead volume of a chamber over that of the stroke, see
     /// [`ControllerSettings::dead_volume`](crate::servo::ControllerSettings::dead_volume).

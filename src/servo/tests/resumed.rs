@@ -31,6 +31,27 @@ fn the_measured_motion_goes_on_behind_a_record() {
 }
 
 #[test]
+fn a_model_that_was_installed_is_resumed_from_its_own_record() {
+    let mut config = Bench::config();
+    config.noise = None;
+    // No commissioning has found the noise; one has, finer than the identifier resolves.
+    for found in [None, Some(1e-7)] {
+        let mut bench = Bench::without_a_model(MODEL, &config);
+        bench.servo.install(MODEL).expect("a model");
+        let _ = bench.worst(500);
+        let mut record = bench.servo.record().expect("a record");
+        assert_eq!((record.model, record.noise), (MODEL, 0.0));
+        record.noise = found.unwrap_or(record.noise);
+        let mut next = Bench::without_a_model(MODEL, &config);
+        next.servo.resume(&record).expect("its own record");
+        for _ in 0..500 {
+            let (report, _) = next.step();
+            assert!(report.state.is_controlling(), "{:?}", report.state);
+        }
+    }
+}
+
+#[test]
 fn a_record_before_the_first_reading_begins_at_that_reading() {
     let axis = bench::axis();
     let sensor = bench::Code((300.0 / bench::SCALE) as i32);
