@@ -14,6 +14,7 @@
 //! | [`signals`] | inputs and output, checked |
 //! | [`problem`] | a structure over signals that can carry it |
 //! | [`run`] | passes of the core over the signals |
+//! | [`dead_zone`] | the width of a dead zone, by trying |
 //! | [`free_run`] | simulation on the inputs alone, the judge of a model |
 //! | [`instruments`] | instrumental variables over a whole record, standard deviations by batch means |
 //! | [`folds`] | a model judged by what it has not seen |

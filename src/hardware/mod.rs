@@ -110,6 +110,12 @@ impl Axis {
     pub const fn position(self, counts: i32) -> f32 {
         self.scale.units(counts.wrapping_sub(self.reference))
     }
+
+    /// Length of one code, in units of the scale.
+    #[must_use]
+    pub const fn resolution(self) -> f32 {
+        self.scale.units(1).abs()
+    }
 }
 
 /// The command that an output can carry: limited to -1..=1, zero for NaN.

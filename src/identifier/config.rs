@@ -37,8 +37,8 @@ pub struct Config<const M: usize, const N: usize, const I: usize> {
     /// Input in equilibrium before the first sample; default 0.
     #[doc(alias = "rest")]
     pub initial_input: [f32; I],
-    /// Memory of the estimator in s, from N (N - 1) samples to 2^20 samples; `None` forgets nothing
-    /// (default).
+    /// Memory of the estimator in s, from N (N - 1) samples, 3 at least, to 2^20 samples; `None`
+    /// forgets nothing (default).
     ///
     /// In motion: while samples bring little information it is up to eight times as long, and while
     /// the drive does not move the estimate is held and nothing forgotten; an innovation of six
@@ -215,7 +215,7 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
                 [-reach, reach],
             )?;
             let part = self.delay_parts[input];
-            check_range(("delay_parts", input), part, [0.0, 0.999_999])?;
+            check_range(("delay_parts", input), part, [0.0, BELOW_ONE])?;
             // Between samples one more of them is remembered.
             let delay = self.delays[input] as f32 + if part > 0.0 { 1.0 } else { 0.0 };
             check_range(("delays", input), delay, [0.0, capacity as f32])?;
@@ -240,9 +240,12 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
     }
 }
 
+/// The largest number below 1.
+const BELOW_ONE: f32 = 1.0 - 0.5 * f32::EPSILON;
+
 /// Bandwidth times sample time: below, f32 has no digits for the trends; above, they do not follow
 /// the plant.
-const ANGLE: [f32; 2] = [1e-4, 1.0];
+pub(crate) const ANGLE: [f32; 2] = [1e-4, 1.0];
 
 /// Typical sizes of signals: within, every scale and its square fit f32.
 const RANGE: [f32; 2] = [1e-9, 1e9];

@@ -31,8 +31,9 @@ pub enum Outcome {
         /// y(k) minus its prediction, in the unit of y.
         innovation: f32,
     },
-    /// The sample was predicted; the estimate is held, by the user or because the drive does not
-    /// move.
+    /// The sample was predicted; the estimate is held: by the user, because the drive does not
+    /// move, behind a lasting step of y, or while the filter forgets the drive before a change or
+    /// the estimator what it owes.
     Held {
         /// y(k) minus its prediction, in the unit of y.
         innovation: f32,
@@ -45,7 +46,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// y(k) minus its prediction; `None` where there was none.
+    /// y(k) minus its prediction, of a sample that was taken as it was measured; `None` for others.
     pub fn innovation(self) -> Option<f32> {
         match self {
             Self::Held { innovation } | Self::Estimated { innovation } => Some(innovation),

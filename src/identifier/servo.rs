@@ -1,9 +1,9 @@
 //! The common cases in one statement each: a servo behind the default filter.
 
-use crate::error::ConfigError;
+use crate::error::{ConfigError, check_positive, check_range};
 use crate::estimation::structure::Structure;
 use crate::identifier::Identifier;
-use crate::identifier::config::Config;
+use crate::identifier::config::{ANGLE, Config};
 use crate::identifier::inputs::{DeadZone, Valved};
 use crate::trends::filter::settling_time;
 use crate::trends::filtered::FilteredTrends;
@@ -140,7 +140,8 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize>
     Identifier<FilteredTrends<M>, M, N, I, D>
 {
     /// Goes on with the default filter for a plant of the bandwidth `omega0` (rad/s), as
-    /// [`Identifier::retune`].
+    /// [`Identifier::retune`]. Times and sizes that follow from the bandwidth of the settings stay
+    /// theirs.
     ///
     /// The estimate is held for three time constants of the filter's pair; in a structure without
     /// an initial state for those of the slow pole, as [`Identifier::retune`] says.
@@ -170,13 +171,17 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize>
     /// # Ok::<(), trendid::ConfigError>(())
     /// ```
     /// # Errors
-    /// [`ConfigError::NotPositive`] for `omega0`; nothing is changed then.
+    /// [`ConfigError::NotPositive`] and [`ConfigError::OutOfRange`] for `omega0`, as the bandwidth
+    /// of [`Config`], and [`ConfigError::Unstable`] where the filter is not stable at this sample
+    /// time; nothing is changed then.
     pub fn retune_to(&mut self, omega0: f32) -> Result<(), ConfigError> {
         let Design {
             scheme,
             sample_time,
             ..
         } = *self.trends().design();
+        check_positive("omega0", omega0)?;
+        check_range("omega0", omega0, ANGLE.map(|angle| angle / sample_time))?;
         let trends = FilteredTrends::for_bandwidth(scheme, sample_time, omega0)?;
         self.retune(trends, settling_time(omega0))
     }

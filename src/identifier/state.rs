@@ -3,7 +3,9 @@
 //! | file | what changes it |
 //! |---|---|
 //! | `sample` | a sample: u and y to a row of the equation, and that into the estimate |
+//! | `row` | the row of a sample, with its innovation |
 //! | `gaps` | a sample time without y |
+//! | `stuck` | a sample of a drive that its friction holds |
 //! | `exceptions` | a sample that is not of the model: standstill, a change of the drive |
 
 use crate::estimation::beginning::Beginning;

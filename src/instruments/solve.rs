@@ -4,7 +4,7 @@
 //! with the right-hand side as a further column (Bjorck, BIT 7 (1967)): as stable as Householder's,
 //! and without pivots there is no index that could be out of bounds.
 
-use crate::math::matrix::Matrix;
+use crate::math::matrix::{Matrix, dot};
 use crate::math::sqrt;
 
 /// A column that keeps less than this share of its length beside the others is one of them.
@@ -107,10 +107,6 @@ impl<const N: usize> Factored<N> {
         }
         x
     }
-}
-
-fn dot<const N: usize>(a: &[f32; N], b: &[f32; N]) -> f32 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn length<const N: usize>(a: &[f32; N]) -> f32 {

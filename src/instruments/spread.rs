@@ -27,7 +27,7 @@
 //!   ```
 
 use crate::instruments::solve::Factored;
-use crate::math::matrix::{Matrix, add_square};
+use crate::math::matrix::{Matrix, add_square, dot};
 use crate::math::sqrt;
 
 /// Correlation between neighbours over what theta leaves of it beyond a standard deviation of
@@ -147,10 +147,6 @@ impl<const N: usize> Spread<N> {
             effective: effective * independent,
         }
     }
-}
-
-fn dot<const N: usize>(a: &[f32; N], b: &[f32; N]) -> f32 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn times<const N: usize>(a: &Matrix<N>, x: &[f32; N]) -> [f32; N] {

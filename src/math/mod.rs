@@ -1,7 +1,8 @@
 //! Arithmetic below everything else; the only file that names libm.
 //!
-//! The functions of libm are not called in the 1 ms path: on a Cortex-M4F they are
-//! software, and several go through soft doubles.
+//! The identifier calls no function of libm for a sample: on a Cortex-M4F they are software, and
+//! several go through soft doubles. The position loop does in few: see
+//! [`ServoLoop`](crate::servo::ServoLoop).
 
 pub(crate) mod complex;
 pub(crate) mod matrix;
@@ -38,7 +39,7 @@ pub(crate) const fn power(value: f32, mut power: u32) -> f32 {
     product
 }
 
-/// `value` to a whole power.
+/// `value` to a whole power as small as an order, rounded at every product.
 pub(crate) fn raised(value: f32, power: usize) -> f32 {
     let mut product = 1.0;
     for _ in 0..power {

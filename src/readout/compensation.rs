@@ -106,7 +106,7 @@ impl<const M: usize> Noise<M> {
             residual,
             white,
             lucky: white.is_none()
-                && known.is_some_and(|white| white * (1.0 - 4.0 * sqrt(2.0 / rows)) <= allowed),
+                && known.is_some_and(|white| white * (1.0 - chance(rows)) <= allowed),
         }
     }
 
@@ -115,7 +115,7 @@ impl<const M: usize> Noise<M> {
         let Some(white) = self.white else {
             return self.residual;
         };
-        let chance = 4.0 * sqrt(2.0 / samples.max(1.0));
+        let chance = chance(samples.max(1.0));
         (self.residual - white * self.spread * (1.0 + chance)).max(0.0)
     }
 
@@ -140,12 +140,12 @@ impl<const M: usize> Noise<M> {
 
     /// Splits the residual into the part that white noise explains and the rest.
     ///
-    /// The rest is slow (drift, friction, a wrong model): about `2/(omega Delta)` samples count as
-    /// one; `angle` is omega Delta. So does all of a residual that is small by chance: where the
-    /// filter is slower than the drive, white noise has few independent values there.
+    /// The rest is slow (drift, friction, a wrong model): its samples are [`dependent`]; `angle` is
+    /// omega Delta. So is all of a residual that is small by chance: where the filter is slower than
+    /// the drive, white noise has few independent values there.
     fn split(&self, top_scale: f32, samples: f32, angle: f32) -> Residual {
         let Some(white) = self.white else {
-            let dependent = if self.lucky { 2.0 / angle } else { 1.0 };
+            let dependent = if self.lucky { dependent(angle) } else { 1.0 };
             return Residual {
                 shaped: 0.0,
                 even: self.residual * dependent,
@@ -156,10 +156,20 @@ impl<const M: usize> Noise<M> {
         let unexplained = (self.residual - white * self.spread).max(0.0);
         Residual {
             shaped: top_scale * top_scale * white,
-            even: self.rest(samples) * 2.0 / angle,
-            significance: self.residual + unexplained * 2.0 / angle,
+            even: self.rest(samples) * dependent(angle),
+            significance: self.residual + unexplained * dependent(angle),
         }
     }
+}
+
+/// What chance makes of a variance by so many samples, as a share of it: four deviations.
+fn chance(samples: f32) -> f32 {
+    4.0 * sqrt(2.0 / samples)
+}
+
+/// Samples of something as slow as the drive that count as one; `angle` is omega Delta.
+pub(super) fn dependent(angle: f32) -> f32 {
+    2.0 / angle
 }
 
 /// The moments of white noise on y, summed up over time `SUMS` times.

@@ -44,7 +44,7 @@ pub(crate) use source::ReadOut;
 
 use crate::estimation::terms::{Parameter, index_of};
 use crate::math::matrix::Matrix;
-use crate::readout::compensation::{Compensated, compensate};
+use crate::readout::compensation::{Compensated, compensate, dependent};
 use crate::readout::residual_spectrum::{ResidualSpectrum, natural_frequency};
 use crate::readout::s_plane::{estimate_in_s_plane, theta_in_s_plane};
 use crate::readout::sandwich::{sandwich, transform};
@@ -203,7 +203,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         let rounding = ROUNDING / angle;
         let even = even
             + self.estimator.samples().max(1.0) * rounding * rounding
-            + self.resolution(shaped) * 2.0 / angle;
+            + self.resolution(shaped) * dependent(angle);
         for i in 0..N {
             for j in 0..N {
                 covariance[i][j] = shaped * in_band[i][j] + even * covariance[i][j];
@@ -217,7 +217,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     ///
     /// Where the drive has gone so far that the last digit of its position is larger than the
     /// noise, the rounding goes through all its values as slowly as the position passes them: it is
-    /// no white noise. About `2/(omega Delta)` samples count as one.
+    /// no white noise: its samples are [`dependent`].
     fn resolution(&self, white: f32) -> f32 {
         let step = self.regressor.top_scale() * ROUNDING * self.position;
         let square = step * step;

@@ -144,5 +144,5 @@ impl<S, V> ServoLoop<S, V> {
 
 /// Length of one code of the sensor.
 fn resolution(axis: &Axis) -> f32 {
-    axis.scale.units(1).abs()
+    axis.resolution()
 }

@@ -115,11 +115,12 @@ pub struct SupervisionSettings {
     /// default 0.95.
     pub min_r_squared_adapting: f32,
     /// A model replaces another, and a change of all parameters one of a single number, when its
-    /// squared error is below this share of the other's; default 0.7 ..
+    /// squared error is below this share of the other's, and
+    /// [`min_improvement`](Self::min_improvement) holds; default 0.7.
     #[doc(alias = "better")]
     pub replace_ratio: f32,
-    /// .. and the difference is at least this share of the movement: there is something to gain;
-    /// default 0.1.
+    /// Least difference of the two squared errors, as a share of the movement, at which a model
+    /// replaces another: there is something to gain; default 0.1.
     #[doc(alias = "worth")]
     pub min_improvement: f32,
     /// Least time of excitation before a model is considered, in s; default 0.3.
@@ -147,7 +148,8 @@ pub struct SupervisionSettings {
     pub error_deadband: Option<f32>,
 }
 
-/// Bandwidth per sample before it is known.
+/// Bandwidth per sample before it is known: who samples an axis does so some 300 times in a period
+/// of it, 2 pi/0.02.
 const PROVISIONAL_STEP: f32 = 0.02;
 
 impl Config {

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use crate::error::{ConfigError, check_positive, check_range};
+use crate::servo::design::constants::ACCELERATION_MAX;
 use crate::servo::supervision::state::Reason;
 
 /// A configuration of the servo loop that cannot work, with the setting, its value and the expected
@@ -51,7 +52,7 @@ impl fmt::Display for Error {
             Self::Setting(error) => write!(f, "{error}"),
             Self::Unit { acceleration } => write!(
                 f,
-                "bandwidth squared times travel is {acceleration} units of y per s^2, more than 1e7: give y in a larger unit, mm and not um"
+                "bandwidth squared times travel is {acceleration} units of y per s^2, more than {ACCELERATION_MAX:e}: give y in a larger unit, mm and not um"
             ),
             Self::Model(reason) => write!(f, "the model may not control: {reason}"),
             Self::Identifier(error) => write!(f, "identifier: {error}"),

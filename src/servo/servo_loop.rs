@@ -35,7 +35,9 @@ use crate::servo::supervision::supervisor::Supervisor;
 /// The adaptive position loop.
 ///
 /// One call of [`ServoLoop::update`] per sample. Guarantees: the command never leaves
-/// its range and never changes faster than its rate; no panic; only + - x / in the update.
+/// its range and never changes faster than its rate; no panic; + - x / in the update, and square
+/// roots and powers by libm, with the same bits on every machine, where the commissioning looks how
+/// far an axis may swing and where poles are searched.
 ///
 /// # Examples
 /// ```

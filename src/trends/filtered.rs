@@ -36,7 +36,7 @@ use crate::trends::operator::{Form, Hold, TrendOperator, sealed};
 /// Most of what trapezoids bend of an oscillator and of an integrating drive of order 3 is taken
 /// out when the model is read (`trapezoids`).
 ///
-/// Best poles: 1 to 1.5 times the natural frequency of the plant.
+/// Poles that were measured to be good: [`for_bandwidth`](Self::for_bandwidth).
 ///
 /// # Examples
 /// ```

@@ -17,8 +17,8 @@
 //! B. Ninness, G. C. Goodwin: The relationship between discrete time and continuous time linear
 //! estimation. 1991. Trends (4).
 //!
-//! All operators give trends in the unit of the signal times s^(i-m) (filtered)
-//! or s^-i (raw), so that theta is the transfer function's in SI units.
+//! Trend i has the unit of the signal times s^(m-i) (filtered) or s^-i (raw), s being a second, and
+//! that of the raw one over a span; so theta is the transfer function's in SI units.
 
 pub(crate) mod any;
 pub(crate) mod bilinear;

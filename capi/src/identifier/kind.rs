@@ -20,8 +20,8 @@ pub(crate) trait Kind {
     fn update(&mut self, u: &[f32], y: f32) -> Option<trendid::Outcome>;
 }
 
-/// Inputs as they come; of `I` inputs of the model the caller gives the first `G`, the others are
-/// not used.
+/// Inputs as they come; of `I` inputs of the model the caller gives the first ones, `given` of
+/// them; the others are not used.
 pub(crate) struct Plain<const M: usize, const N: usize, const I: usize, const D: usize> {
     pub(crate) identifier: Filtered<M, N, I, D>,
     /// Number of inputs of the caller.

@@ -34,8 +34,8 @@ use crate::trends::{FilteredTrends, TrendOperator};
 /// Once per block the largest width becomes the one found, and its bias, and two deviations by
 /// noise.
 ///
-/// Guarantees: as [`Identifier`]. Cost: see the table of instruction counts; the sample that ends a
-/// block costs a reading besides.
+/// Guarantees: as [`Identifier`]; the sample that ends a block is a reading besides, with roots and
+/// powers. Cost: see the table of instruction counts.
 ///
 /// # Limits
 /// [`Identifier::estimate`] of [`Valved::identifier`] has the deviations by noise alone. A width in

@@ -96,6 +96,9 @@ pub(crate) struct Commissioning {
     design: CommissioningDesign,
     stage: Stage,
     still: Still,
+    /// Command that surely moved the axis, for the first time; 0 before, and where that one tells
+    /// nothing.
+    moving_command: f32,
     sign: f32,
     known_sign: Option<f32>,
     suspicion: Suspicion,
@@ -130,6 +133,7 @@ impl Commissioning {
         Self {
             stage: Stage::Resting(Rest::default()),
             still: Still::default(),
+            moving_command: 0.0,
             sign: 1.0,
             known_sign: None,
             suspicion: Suspicion::default(),
@@ -162,6 +166,7 @@ impl Commissioning {
         self.suspicion = Suspicion::default();
         self.stage = Stage::Resting(Rest::default());
         self.still = Still::default();
+        self.moving_command = 0.0;
         self.sign = 1.0;
         self.outside = 0.0;
         self.first_guess = None;

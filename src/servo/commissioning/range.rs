@@ -3,6 +3,7 @@
 use crate::math::sqrt;
 use crate::servo::commissioning::predictor::{PARAMETERS, Theta};
 use crate::servo::control::load::loss_over_gain;
+use crate::servo::design::constants::{GAIN_MAX_RATIO, VALVE_MAX};
 
 /// The stiffening that is taken for a drive that shows none: between 0, of a drive of the same
 /// stiffness everywhere, and 3.2 of a usual cylinder, nearer to the cylinder, which strikes its end
@@ -10,6 +11,17 @@ use crate::servo::control::load::loss_over_gain;
 const STIFFENING_USUAL: f32 = 2.2;
 /// Largest e of k(x): a dead volume of 0.035.
 const STIFFENING_MAX: f32 = 3.5;
+
+/// Natural frequencies in rad/s, squared, that are looked for: an axis that takes two seconds for a
+/// swing, and one that has twenty samples of 1 ms for it.
+const STIFFNESS: [f32; 2] = [3.0 * 3.0, 300.0 * 300.0];
+/// Velocity gains in travels per s: one that takes minutes for its travel, and the most that a
+/// setting allows by default.
+const GAIN: [f32; 2] = [1e-3, GAIN_MAX_RATIO];
+/// a2 over the natural frequency: of a damping of 0.01, and of 4.
+const DAMPING: [f32; 2] = [0.02, 8.0];
+/// Longest delay in s: of a valve behind a bus.
+const DELAY: f32 = 0.03;
 
 /// Largest loss of flow over the velocity gain: twice that of a cylinder.
 const LOSS_MOST: f32 = 5.6;
@@ -52,17 +64,17 @@ pub(crate) fn bounded(theta: [f32; PARAMETERS]) -> Theta {
         }
     };
     let free = Theta::from_array(theta);
-    let a1 = within(free.a1, 9.0, 9e4);
+    let a1 = within(free.a1, STIFFNESS[0], STIFFNESS[1]);
     let w = sqrt(a1);
-    let b0 = within(free.b0, 1e-3 * a1, 50.0 * a1);
+    let b0 = within(free.b0, GAIN[0] * a1, GAIN[1] * a1);
     Theta {
         a1,
-        a2: within(free.a2, 0.02 * w, 8.0 * w),
+        a2: within(free.a2, DAMPING[0] * w, DAMPING[1] * w),
         b0,
-        dead_zone: within(free.dead_zone, 0.0, 0.3),
-        offset: within(free.offset, -0.3, 0.3),
+        dead_zone: within(free.dead_zone, 0.0, VALVE_MAX),
+        offset: within(free.offset, -VALVE_MAX, VALVE_MAX),
         friction: within(free.friction, 0.0, b0 / w),
-        delay: within(free.delay, 0.0, 0.03),
+        delay: within(free.delay, 0.0, DELAY),
         kappa: within(free.kappa, 0.0, LOSS_MOST * b0 / a1),
         stiffening: within(free.stiffening, 0.0, STIFFENING_MAX),
         load: within(free.load, -LOAD_MOST * a1, LOAD_MOST * a1),

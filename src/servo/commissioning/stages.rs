@@ -44,7 +44,7 @@ impl Commissioning {
                 let first = relay.update(y, v, self.design.sample_time, self.design.amplitude);
                 self.stage = Stage::Relaying(relay);
                 self.standstill = Standstill::new(y, detection, command, side > 0.0);
-                self.still.since = tried;
+                self.moving_command = tried;
                 match first {
                     Relayed::Command { command, .. } => Progress::Command(command),
                     _ => Progress::Command(0.0),
@@ -70,8 +70,8 @@ impl Commissioning {
                     return self.doubt(relay, known, y, v);
                 }
                 self.sign = sign;
-                if self.still.since == 0.0 {
-                    self.still.since = relay.moving();
+                if self.moving_command == 0.0 {
+                    self.moving_command = relay.moving();
                 }
                 self.begin_search(half, y)
             }
@@ -104,7 +104,7 @@ impl Commissioning {
             .unwrap_or(core::f32::consts::PI / half);
         let half = core::f32::consts::PI / frequency;
         let spacing = SPACING_MAX.min(half / POINTS_PER_HALF);
-        let dead_zone = (0.5 * self.still.since).min(0.1);
+        let dead_zone = (0.5 * self.moving_command).min(0.1);
         self.first_guess = Some([spacing / step, frequency, dead_zone]);
         self.tracking.retune(tracking_rate(frequency, step));
         self.standstill
@@ -152,7 +152,7 @@ impl Commissioning {
         {
             self.informed = theta.a1;
             let half = 2.6 / crate::math::sqrt(theta.a1);
-            let least = DEAD_ZONE_MIN * self.still.since.min(0.25);
+            let least = DEAD_ZONE_MIN * self.moving_command.min(0.25);
             sweep.inform(half.min(0.35), theta.dead_zone.max(least), theta.offset);
         }
         let acceleration = self.tracking.motion().acceleration;

@@ -54,8 +54,9 @@ pub(crate) const TRACKING_RATIO: f32 = 12.0;
 pub(crate) const VALIDATION_OBSERVER_RATIO: f32 = 6.0;
 /// Largest rate of these per sample: an explicit correction is unstable from a half on.
 pub(crate) const VALIDATION_STEP_MAX: f32 = 0.3;
-/// Time over that of these observers for which they observe.
-pub(crate) const VALIDATION_OBSERVE_RATIO: f32 = 8.4;
+/// Time over that of three equal poles after which they have a hundredth of their way to go: of the
+/// observers of a validation, and of the alpha-beta-gamma filter.
+pub(crate) const SETTLING_RATIO: f32 = 8.4;
 /// Time over 1/w of a window of free simulation: half a period.
 pub(crate) const VALIDATION_TIME_RATIO: f32 = 3.1;
 /// Pole over w of a motion that is taken over and runs out.
@@ -143,9 +144,8 @@ pub(crate) const EXPECTATION_TIME_RATIO: f32 = 4.0;
 /// Flow by which dead zone and offset of a verified model may be wrong together.
 pub(crate) const FLOW_SLACK: f32 = UNKNOWN_FLOW + 0.02;
 /// Deflections `friction / a1` by which an axis that friction holds and its expectation differ: a
-/// breakaway of 2.5 times the Coulomb friction, and the friction that stops the other one on the
-/// far side.
-pub(crate) const HELD_DEFLECTIONS: f32 = 3.5;
+/// breakaway, and the friction that stops the other one on the far side.
+pub(crate) const HELD_DEFLECTIONS: f32 = BREAKAWAY_RATIO + 1.0;
 /// Time without motion, and against the command: the rise time of the drive, and half of it.
 pub(crate) const NO_MOTION_TIME_RATIO: f32 = 1.0;
 pub(crate) const OPPOSITE_TIME_RATIO: f32 = 0.5;

@@ -57,7 +57,7 @@ impl Config {
             screening: self.screening()?,
             validation: ValidationDesign {
                 observer,
-                observe: clock.whole(c::VALIDATION_OBSERVE_RATIO / observer.rate),
+                observe: clock.whole(c::SETTLING_RATIO / observer.rate),
                 window: count("supervision.validation_time", window)?,
             },
             change: self.change(excite),

@@ -69,7 +69,7 @@ fields! { of config, axis, design:
     config: config.clone(),
     supervisor: Supervisor::new(&design.supervision),
     controller: Controller::provisional(
-        &design.controller.with_resolution(axis.scale.units(1).abs()),
+        &design.controller.with_resolution(axis.resolution()),
         placeholder(config),
     ),
     commissioning: Commissioning::new(commissioning(config, &axis)),
@@ -92,7 +92,7 @@ fields! { of config, axis, design:
     sensed: Sensed::new(design.sensor_errors),
     guard: Guard {
         monitors: Monitors::new(
-            &design.monitoring.with_resolution(axis.scale.units(1).abs()),
+            &design.monitoring.with_resolution(axis.resolution()),
             &design.supervision.validation.observer,
             placeholder(config),
         ),
@@ -109,7 +109,7 @@ fn commissioning(config: &Config, axis: &Axis) -> CommissioningDesign {
     CommissioningDesign {
         sample_time: config.sample_time,
         travel: config.travel,
-        resolution: axis.scale.units(1).abs() / config.travel.length(),
+        resolution: axis.resolution() / config.travel.length(),
         amplitude: config.excitation.amplitude,
         frequency: config.bandwidth,
         delay: config.delay,

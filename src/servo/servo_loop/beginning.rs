@@ -52,7 +52,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
 
     /// What one code of the sensor and its noise leave unknown of a position.
     fn grain(&self, noise: f32) -> f32 {
-        self.axis.scale.units(1).abs() + 2.0 * noise
+        self.axis.resolution() + 2.0 * noise
     }
 
     /// Standard deviation of the position: stated, found, or what is taken for it before.

@@ -1,5 +1,6 @@
 //! The motion that is wanted, and the one that is measured.
 
+use crate::servo::design::constants::SETTLING_RATIO;
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
 use crate::servo::motion::trajectory::Trajectory;
 
@@ -21,16 +22,12 @@ pub(crate) struct Moves {
     pub(crate) gap: Gap,
 }
 
-/// Time over that of the filter of the measured positions in which it settles: three poles then
-/// have a hundredth of their way to go.
-const SETTLED: f32 = 8.4;
-
 impl Moves {
     /// The filter has a first position, or other poles: how the axis moves is known when it has
     /// settled.
     #[cold]
     pub(crate) fn unsettle(&mut self, sample_time: f32) {
-        let samples = SETTLED / (self.tracking.rate() * sample_time);
+        let samples = SETTLING_RATIO / (self.tracking.rate() * sample_time);
         self.unsettled = 1 + samples as u32;
         self.astray = 0.0;
     }

@@ -33,7 +33,8 @@ pub enum Reason {
     ValveStuck,
     /// The position code does not change at all, not even by noise.
     SensorStuck,
-    /// The sensor reported errors for 3 ms in a row.
+    /// The sensor reported errors for 3 ms in a row, or for more than half of the readings, or the
+    /// caller skipped as many.
     SensorFault,
     /// The valve reported an error.
     ValveFault,
@@ -117,7 +118,8 @@ impl fmt::Display for Reason {
 #[repr(u8)]
 #[non_exhaustive]
 pub enum State {
-    /// No model yet, the valve is at zero.
+    /// Nothing controls: before a commissioning, and behind an abort. The valve is in its middle, as
+    /// far as that is known.
     Idle,
     /// The axis is moved; too early for a model.
     Exciting,

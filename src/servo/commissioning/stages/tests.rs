@@ -233,7 +233,7 @@ fn a_first_movement_is_braked_from_its_side_and_its_way_is_known_to_open() {
         let Stage::Relaying(relay) = commissioning.stage else {
             panic!("{:?}", commissioning.stage);
         };
-        assert!(!relay.is_away(0.5) && (commissioning.still.since - moved).abs() < 1e-4);
+        assert!(!relay.is_away(0.5) && (commissioning.moving_command - moved).abs() < 1e-4);
         let [own, other] = [side > 0.0, side < 0.0].map(|up| commissioning.standstill.push(up));
         assert!((own - 1.5 * moved).abs() < 1e-4 && (other - own - 0.16).abs() < 1e-5);
     }
