@@ -13,7 +13,7 @@
 //! only the newest is worth controlling on.
 
 use crate::hardware::Axis;
-use crate::servo::building::{Building, Part, tuned};
+use crate::servo::building::{Building, Part, carried_out, tuned};
 use crate::servo::commissioning::Found;
 use crate::servo::control::controller::Controller;
 use crate::servo::identification::{expect_noise, replan, trends};
@@ -132,9 +132,11 @@ impl<S, V> ServoLoop<S, V> {
     /// The settings and the design for what was found.
     fn begin_building(&mut self, found: &Found) -> Result<bool, Reason> {
         let design = tuned(&self.config, found).resolve();
+        let mut design = design.map_err(|_| Reason::OutOfRange)?;
+        design.motion = carried_out(&self.config, design.motion, &found.model);
         self.takeover.building = Some(Building {
             model: found.model,
-            design: design.map_err(|_| Reason::OutOfRange)?,
+            design,
             trends: None,
             next: Part::Trends,
         });

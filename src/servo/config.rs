@@ -51,7 +51,9 @@ pub struct Config {
     pub min_excitation: f32,
     /// Whether the model follows the drive after the commissioning; default true.
     pub adaptive: bool,
-    /// Limits of moves; default 2 travels per s, and what the bandwidth allows.
+    /// Limits of moves; default 2 travels per s, what the bandwidth allows, and, once a model is
+    /// known, what the drive carries out: 0.6 of its speed at full command, dead zone and offset
+    /// taken off. Stated ones hold as they are.
     pub motion: Option<MotionLimits>,
     /// Requested dynamics.
     pub controller: ControllerSettings,

@@ -6,6 +6,7 @@ pub(super) mod bench;
 mod missing;
 mod patterns;
 mod resumed;
+mod slow;
 mod stopped;
 mod waiting;
 mod whole;

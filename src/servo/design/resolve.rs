@@ -29,7 +29,7 @@ impl Config {
         Ok(Design {
             sample_time: self.sample_time,
             travel: self.travel,
-            motion: self.motion_limits()?,
+            motion: self.motion_limits(w)?,
             run_out_rate: c::RUN_OUT_RATIO * w,
             tracking_rate,
             sensor_errors: clock.samples(c::SENSOR_ERROR_TIME),
@@ -81,8 +81,9 @@ impl Config {
         Error::unless_within("min_excitation", self.min_excitation, 0.0, 1.0)
     }
 
-    fn motion_limits(&self) -> Result<MotionLimits, Error> {
-        let (length, w) = (self.travel.length(), self.rough_bandwidth());
+    /// Limits of motion: stated, or those of an axis of the bandwidth `w` (rad/s).
+    pub(crate) fn motion_limits(&self, w: f32) -> Result<MotionLimits, Error> {
+        let length = self.travel.length();
         let limits = self.motion.unwrap_or(MotionLimits {
             velocity: c::VELOCITY_RATIO * length,
             acceleration: c::ACCELERATION_RATIO * length * w * w,

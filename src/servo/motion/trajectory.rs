@@ -73,6 +73,11 @@ impl Trajectory {
         }
     }
 
+    /// Other limits for what is planned from now on, positive and finite.
+    pub(crate) const fn limit(&mut self, limits: MotionLimits) {
+        self.limits = limits;
+    }
+
     /// Stands still at `position` from now on; a jump of the reference if it was elsewhere.
     pub(crate) fn hold(&mut self, position: f32) {
         self.setpoint = Setpoint::at(self.travel.nearest(position));

@@ -1,6 +1,7 @@
 //! The requests of the user.
 
 use crate::hardware::{PositionSensor, Valve};
+use crate::servo::building::{carried_out, rough};
 use crate::servo::design::constants::REOPENED_STD;
 use crate::servo::error::Error;
 use crate::servo::model::Model;
@@ -34,7 +35,13 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     pub fn install(&mut self, model: Model) -> Result<(), Error> {
         self.may_take_over()?;
         let motion = self.present_motion(&model, self.noise());
-        self.install_in(model, motion)
+        self.install_in(model, motion)?;
+        let w = self.config.bandwidth.unwrap_or(rough(&model));
+        if let Ok(limits) = self.config.motion_limits(w) {
+            let limits = carried_out(&self.config, limits, &model);
+            self.moves.trajectory.limit(limits);
+        }
+        Ok(())
     }
 
     /// The same in a motion; one that is not known is awaited.
