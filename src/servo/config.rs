@@ -1,5 +1,7 @@
 //! Settings of an axis.
 
+use crate::math::smaller;
+use crate::servo::design::constants::DELAY_MAX;
 use crate::servo::motion::{MotionLimits, Travel};
 
 /// Settings of an axis: its data, and overrides of the defaults.
@@ -40,7 +42,7 @@ pub struct Config {
     pub range: f32,
     /// Largest rate of the command per s; default 400.
     pub rate: f32,
-    /// Delay of the valve in s, at most 40 samples; default 2 ms. It is rounded to samples. What
+    /// Delay of the valve in s, at most 40 samples; default 2 ms, or that. It is rounded to samples. What
     /// the commissioning finds replaces it.
     pub delay: f32,
     /// Memory of the identifier in s; default 1.5.
@@ -150,9 +152,11 @@ pub struct SupervisionSettings {
     pub error_deadband: Option<f32>,
 }
 
-/// Bandwidth per sample before it is known: who samples an axis does so some 300 times in a period
-/// of it, 2 pi/0.02.
+/// Bandwidth before it is known: per sample, because who samples an axis does so some 300 times in a
+/// period of it, 2 pi/0.02; and at most in rad/s, because beyond 2 kHz the sample time tells of the
+/// computer and not of the axis.
 const PROVISIONAL_STEP: f32 = 0.02;
+const PROVISIONAL_MOST: f32 = 40.0;
 
 impl Config {
     /// The defaults for a `sample_time` (s) and a plant of a rough `bandwidth` (rad/s) on a
@@ -166,8 +170,10 @@ impl Config {
 
     /// The bandwidth that was stated, or one that serves until the commissioning has found it.
     pub(crate) fn rough_bandwidth(&self) -> f32 {
-        self.bandwidth
-            .unwrap_or(PROVISIONAL_STEP / self.sample_time)
+        self.bandwidth.unwrap_or(smaller(
+            PROVISIONAL_STEP / self.sample_time,
+            PROVISIONAL_MOST,
+        ))
     }
 
     /// The defaults for a plant of which nothing is known but `sample_time` (s) and `travel`.
@@ -180,7 +186,7 @@ impl Config {
             noise: None,
             range: 1.0,
             rate: 400.0,
-            delay: 2e-3,
+            delay: smaller(2e-3, DELAY_MAX as f32 * sample_time),
             memory: 1.5,
             min_excitation: 0.1,
             adaptive: true,

@@ -165,6 +165,28 @@ mod tests {
     }
 
     #[test]
+    fn an_axis_of_which_nothing_else_is_known_may_be_sampled_at_any_rate() {
+        for sample_time in [2e-5, 5e-5, 1e-4, 2.5e-4, 5e-4, 1e-3, 2e-3, 5e-3] {
+            for length in [0.4, 10.0, 100.0, 400.0, 1000.0, 6000.0] {
+                let travel = Travel {
+                    min: 0.0,
+                    max: length,
+                };
+                let config = Config::minimal(sample_time, travel);
+                assert!(config.resolve().is_ok(), "{sample_time} {length}");
+                // Up to 2 kHz 300 samples in a period, beyond as at 2 kHz.
+                let samples = config.rough_bandwidth() * sample_time;
+                let wanted = if sample_time < 5e-4 {
+                    40.0 * sample_time
+                } else {
+                    0.02
+                };
+                assert!((samples / wanted - 1.0).abs() < 1e-5, "{sample_time}");
+            }
+        }
+    }
+
+    #[test]
     fn at_2_khz_a_time_is_twice_as_many_samples_and_a_rate_half_as_much() -> Result<(), Error> {
         let slow = Config::new(1e-3, 25.0, TRAVEL).resolve()?;
         let fast = Config::new(5e-4, 25.0, TRAVEL).resolve()?;
