@@ -244,6 +244,11 @@ impl<const N: usize, const R: usize> Reading<N, R> {
             return self.recursion(identifier, Way::WeakInstruments);
         }
         let found = self.spread.found(blocks, parameters, &self.fixed);
+        // Behind a gap, and with a short memory, few blocks hold nearly all: their scores are those
+        // that the parameters have taken.
+        if !(found.effective >= parameters) {
+            return self.recursion(identifier, Way::TooFewBlocks);
+        }
         let without_constant = layout.constant().and_then(|index| {
             let unit = core::array::from_fn(|i| if i == index { 1.0 } else { 0.0 });
             Some(self.factored.as_ref()?.solve(&unit))

@@ -157,9 +157,16 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             withdrawal.apply_to_covariance(&mut covariance);
         }
         let theta = found.theta;
-        let mut found = self.in_s_plane(theta, covariance);
-        // No residual and no parameter to err by: nothing was seen, which is not to be certain.
-        // Nor was anything of what a drive has just become.
+        self.unless_unseen(self.in_s_plane(theta, covariance), known)
+    }
+
+    /// The estimate, unless nothing was seen: no residual and no parameter to err by is not to be
+    /// certain. Nor was anything of what a drive has just become.
+    fn unless_unseen(
+        &self,
+        mut found: Estimate<M, N, I>,
+        known: impl Fn(usize) -> bool,
+    ) -> Estimate<M, N, I> {
         for i in 0..N {
             if (self.former.alone || found.covariance[i][i] == 0.0) && !known(i) {
                 found.covariance[i][i] = f32::INFINITY;

@@ -176,6 +176,7 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         if let Some(withdrawal) = &withdrawal {
             withdrawal.apply_to_covariance(&mut in_units);
         }
-        self.in_s_plane(theta, in_units)
+        let known = self.known();
+        self.unless_unseen(self.in_s_plane(theta, in_units), |i| known[i])
     }
 }
