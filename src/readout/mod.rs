@@ -49,6 +49,7 @@ use crate::readout::residual_spectrum::{ResidualSpectrum, natural_frequency};
 use crate::readout::s_plane::{estimate_in_s_plane, theta_in_s_plane};
 use crate::readout::sandwich::{sandwich, transform};
 use crate::readout::significance::Withdrawal;
+use crate::trends::Scheme;
 
 /// Error of trends in place of derivatives, relative to a parameter, in units of
 /// `(omega_n Delta)^2`.
@@ -58,6 +59,14 @@ use crate::readout::significance::Withdrawal;
 /// tenth, so a gain `b_0/a_nu` hardly has it, unless friction turns with the velocity
 /// (`ReadOut::common`). Times what the trends leave of it (`Design::discretisation_share`).
 const DISCRETE: f32 = 0.2;
+
+/// Error of differences in place of derivatives, Goodwin's, relative to a parameter, for each power
+/// of s and in units of `omega_n Delta`.
+///
+/// A pole p is found as `(e^(p Delta) - 1)/Delta`, off by half of p Delta of itself, and a
+/// coefficient is a product of up to m of them. Of a lightly damped pair the damping is off by
+/// `omega_n Delta/(4 xi)` of itself, which is more.
+const FORWARD: f32 = 0.5;
 
 /// Error of f32, relative to a parameter.
 const ARITHMETIC: f32 = 2e-5;
@@ -180,27 +189,28 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     fn shaped(&self, p: &Matrix<N>, found: &Compensated<M, N>) -> (Matrix<N>, f32) {
         let mut covariance = found.covariance(p);
         let even = found.residual.even;
+        let parameters = self.structure.parameters();
+        let sample_time = self.design.sample_time;
+        let denominator = self.structure.denominator(&found.theta);
+        let natural = natural_frequency(&denominator, self.bandwidth);
+        let floor = self.floor(natural, &denominator, &found.theta);
         let Some(filter) = self.design.filter else {
             for entry in covariance.as_flattened_mut() {
                 *entry *= even;
             }
-            return (covariance, ARITHMETIC);
+            return (covariance, floor);
         };
-        let parameters = self.structure.parameters();
-        let sample_time = self.design.sample_time;
-        let denominator = self.structure.denominator(&found.theta);
         let spectrum = ResidualSpectrum {
             parameters,
             units: self.regressor.units(),
             theta: &found.theta,
             denominator,
             filter,
-            natural: natural_frequency(&denominator, self.bandwidth),
+            natural,
             duration: self.estimator.samples().max(1.0) * sample_time,
             slowest: -self.design.slow_pole(),
         };
-        let angle = spectrum.natural * sample_time;
-        let floor = self.floor(spectrum.natural, &denominator, &found.theta);
+        let angle = natural * sample_time;
         let (r, s) = spectrum.sums();
         let in_band = match transform(r, s, core::array::from_fn(|j| p[j][j] > 0.0)) {
             Some(t) => sandwich(&t, &covariance, &parameters),
@@ -239,7 +249,11 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         let angle = natural * self.design.sample_time;
         let zeros = self.structure.zeros(theta);
         let share = self.design.discretisation_share(denominator, zeros);
-        ARITHMETIC + DISCRETE * share * angle * angle
+        ARITHMETIC
+            + match self.design.scheme {
+                Scheme::Goodwin if self.design.is_of_s_plane() => FORWARD * M as f32 * angle,
+                _ => DISCRETE * share * angle * angle,
+            }
     }
 
     /// The recursion as it stands in the user's units, its covariance that of a white residual.

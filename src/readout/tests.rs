@@ -116,24 +116,24 @@ fn close(found: f32, exact: f32, share: f32) -> bool {
 }
 
 #[test]
-fn without_a_filter_the_covariance_is_that_of_least_squares_and_of_the_arithmetic() {
+fn without_a_filter_the_covariance_is_that_of_least_squares_and_of_the_trends() {
     let parts = Parts::new(raw(), [1e2; 4], 1.0, 400);
     let read = parts.read();
     let (found, bare) = (read.estimate(), read.recursion());
     assert_eq!(found.theta, bare.theta);
     for i in 0..4 {
         for j in 0..4 {
-            let coefficients = i < 3 && j < 3;
             let own = if i == j { 1.01 } else { 1.0 };
-            let floor = if coefficients {
-                own * ARITHMETIC * ARITHMETIC * THETA[i] * THETA[j]
-            } else {
-                0.0
-            };
+            // 20 rad/s at 1 ms.
+            let floor = ARITHMETIC + DISCRETE * 0.02 * 0.02;
+            let floor = own * floor * floor * found.theta[i] * found.theta[j];
             let exact = bare.covariance[i][j] + floor;
             let size = (bare.covariance[i][i] * bare.covariance[j][j]).sqrt();
             let error = (found.covariance[i][j] - exact).abs();
-            assert!(error < 2e-3 * (size + floor), "{i} {j}: {error} of {size}");
+            assert!(
+                error < 2e-3 * (size + floor.abs()),
+                "{i} {j}: {error} of {size}"
+            );
         }
         let units = parts.regressor.units();
         let p = parts.estimator.covariance(i, i);

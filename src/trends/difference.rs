@@ -4,7 +4,8 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Scheme {
-    /// Goodwin's delta operator `(q-1)/Delta`, equation (4).
+    /// Goodwin's delta operator `(q-1)/Delta`, equation (4). What it finds is off by the order of
+    /// omega Delta, which is in the standard deviations, but for a light damping, of which more is.
     Goodwin,
     /// The modified Tustin transformation, equation (8).
     #[default]
