@@ -124,7 +124,9 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
     /// Sets the delay of an input in samples, also between two of them; an input that does not
     /// exist is left out.
     ///
-    /// Exact for a held input, and for a straight one up to an eighth of its second difference.
+    /// Exact for the integral of a held input, and for that of a straight one up to an eighth of its
+    /// second difference. A drive on whose highest derivative the input acts, as a lag, is off by
+    /// the order of `(omega Delta)^2`, which the standard deviations hold.
     ///
     /// # Examples
     /// ```
@@ -196,9 +198,8 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
     /// Checks every value; `capacity` is the length D of the delay lines.
     pub(crate) fn check(&self, sample_time: f32, capacity: usize) -> Result<(), ConfigError> {
         check_positive("sample_time", sample_time)?;
-        let rate = 1.0 / sample_time;
         check_positive("bandwidth", self.bandwidth)?;
-        check_range("bandwidth", self.bandwidth, ANGLE.map(|angle| angle * rate))?;
+        check_range("bandwidth", self.bandwidth, bandwidths(sample_time))?;
         check_positive("output_range", self.output_range)?;
         check_range("output_range", self.output_range, RANGE)?;
         check_positive("output_noise", self.output_noise)?;
@@ -245,7 +246,14 @@ const BELOW_ONE: f32 = 1.0 - 0.5 * f32::EPSILON;
 
 /// Bandwidth times sample time: below, f32 has no digits for the trends; above, they do not follow
 /// the plant.
-pub(crate) const ANGLE: [f32; 2] = [1e-4, 1.0];
+const ANGLE: [f32; 2] = [1e-4, 1.0];
+
+/// The bandwidths in rad/s that a sample time allows. The limits themselves are among them, to
+/// whichever side they and the sample time were rounded.
+pub(crate) fn bandwidths(sample_time: f32) -> [f32; 2] {
+    let [low, high] = ANGLE.map(|angle| angle / sample_time);
+    [low * (1.0 - f32::EPSILON), high * (1.0 + f32::EPSILON)]
+}
 
 /// Typical sizes of signals: within, every scale and its square fit f32.
 const RANGE: [f32; 2] = [1e-9, 1e9];

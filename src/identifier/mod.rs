@@ -227,6 +227,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
             estimator: &self.state.estimator,
             forgetting: &self.state.forgetting,
             turns: self.plan.turns(),
+            delay_parts: &self.plan.inputs.delay_parts,
             former: self.state.change.former(self.plan.forgetting),
             position: self.state.position(),
             noise: &self.state.noise,

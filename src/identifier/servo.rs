@@ -3,7 +3,7 @@
 use crate::error::{ConfigError, check_positive, check_range};
 use crate::estimation::structure::Structure;
 use crate::identifier::Identifier;
-use crate::identifier::config::{ANGLE, Config};
+use crate::identifier::config::{Config, bandwidths};
 use crate::identifier::inputs::{DeadZone, Valved};
 use crate::trends::filter::settling_time;
 use crate::trends::filtered::FilteredTrends;
@@ -181,7 +181,7 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize>
             ..
         } = *self.trends().design();
         check_positive("omega0", omega0)?;
-        check_range("omega0", omega0, ANGLE.map(|angle| angle / sample_time))?;
+        check_range("omega0", omega0, bandwidths(sample_time))?;
         let trends = FilteredTrends::for_bandwidth(scheme, sample_time, omega0)?;
         self.retune(trends, settling_time(omega0))
     }

@@ -8,7 +8,7 @@
 //! Q       = (P^-1 - w M)^-1                    w = n s, a little less, and limited                 compensation
 //! theta_c = Q (P^-1 theta - w m)
 //! P_c     = Q P^-1 Q
-//! Sigma   = s T P_c T' + floor                                                 residual_spectrum, sandwich
+//! Sigma   = s T P_c T' + floor                                          residual_spectrum, sandwich, floor
 //! ```
 //!
 //! takes the bias out, at the read-out only: nothing is added to the 1 ms path but the level s. The
@@ -26,6 +26,7 @@
 pub(crate) mod beginning;
 mod compensation;
 pub(crate) mod estimate;
+mod floor;
 mod former;
 mod handing_over;
 mod input_error;
@@ -45,31 +46,11 @@ pub(crate) use source::ReadOut;
 use crate::estimation::terms::{Parameter, index_of};
 use crate::math::matrix::Matrix;
 use crate::readout::compensation::{Compensated, compensate, dependent};
+use crate::readout::floor::errs_by_the_trends;
 use crate::readout::residual_spectrum::{ResidualSpectrum, natural_frequency};
 use crate::readout::s_plane::{estimate_in_s_plane, theta_in_s_plane};
 use crate::readout::sandwich::{sandwich, transform};
 use crate::readout::significance::Withdrawal;
-use crate::trends::Scheme;
-
-/// Error of trends in place of derivatives, relative to a parameter, in units of
-/// `(omega_n Delta)^2`.
-///
-/// Measured without noise at 1 and 5 ms: 0.17 to 0.24 of every a_i and b_i of servos with damping
-/// 0.2 to 1, -0.08 of a lag, 0.1 to 0.22 of an oscillator. All parameters of a model share it to a
-/// tenth, so a gain `b_0/a_nu` hardly has it, unless friction turns with the velocity
-/// (`ReadOut::common`). Times what the trends leave of it (`Design::discretisation_share`).
-const DISCRETE: f32 = 0.2;
-
-/// Error of differences in place of derivatives, Goodwin's, relative to a parameter, for each power
-/// of s and in units of `omega_n Delta`.
-///
-/// A pole p is found as `(e^(p Delta) - 1)/Delta`, off by half of p Delta of itself, and a
-/// coefficient is a product of up to m of them. Of a lightly damped pair the damping is off by
-/// `omega_n Delta/(4 xi)` of itself, which is more.
-const FORWARD: f32 = 0.5;
-
-/// Error of f32, relative to a parameter.
-const ARITHMETIC: f32 = 2e-5;
 
 /// Rounding to f32, relative to what is rounded: a quarter of the distance between two numbers, the
 /// mean of what one costs.
@@ -79,12 +60,6 @@ const ARITHMETIC: f32 = 2e-5;
 /// rho in n rows move theta by `P sum phi rho_k`, whose entries are at most `rho sqrt(n P_ii)`,
 /// whatever their order and sign.
 const ROUNDING: f32 = 0.25 * f32::EPSILON;
-
-/// Whether trends in place of derivatives bend a parameter: a constant as b_0, with which it
-/// stands.
-pub(super) const fn errs_by_the_trends(parameter: Parameter) -> bool {
-    !matches!(parameter, Parameter::InitialState)
-}
 
 impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     /// The estimate without its noise bias, an insignificant constant withdrawn from theta.
@@ -242,18 +217,6 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             true => square * (square / white),
             false => square,
         }
-    }
-
-    /// Error relative to a parameter that no residual shows and all parameters share.
-    fn floor(&self, natural: f32, denominator: &[f32; M], theta: &[f32; N]) -> f32 {
-        let angle = natural * self.design.sample_time;
-        let zeros = self.structure.zeros(theta);
-        let share = self.design.discretisation_share(denominator, zeros);
-        ARITHMETIC
-            + match self.design.scheme {
-                Scheme::Goodwin if self.design.is_of_s_plane() => FORWARD * M as f32 * angle,
-                _ => DISCRETE * share * angle * angle,
-            }
     }
 
     /// The recursion as it stands in the user's units, its covariance that of a white residual.

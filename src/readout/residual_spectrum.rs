@@ -42,8 +42,7 @@ const FREQUENCIES: usize = 12;
 const LOWEST: f32 = 0.05;
 const STEP: f32 = 1.47;
 
-/// Half width over 1/T of the Lorentz curve through which a record of T seconds shows a spectrum:
-/// that of `sinc^2(w T/2)`, which T seconds of a sine have, is 2.8.
+/// Half width over 1/T of how T seconds show a line, as a Lorentz curve: of `sinc^2(w T/2)` 2.8.
 const BLUR: f32 = 3.0;
 
 /// Sums over the frequencies of W times `x^(2k)`, in `imaginary` times `x^(2k+1)`, k = 0, 1, ..

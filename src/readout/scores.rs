@@ -3,9 +3,7 @@
 use crate::estimation::terms::{Parameter, index_of};
 use crate::math::matrix::Matrix;
 use crate::readout::compensation::compensate;
-use crate::readout::errs_by_the_trends;
 use crate::readout::estimate::Estimate;
-use crate::readout::residual_spectrum::natural_frequency;
 use crate::readout::significance::Withdrawal;
 use crate::readout::source::ReadOut;
 
@@ -97,35 +95,6 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
                 Some(own * found.considered(&p, index))
             });
         variance.unwrap_or(0.0) * found.residual.significance
-    }
-
-    /// Adds the error that no residual shows; everything in the user's units.
-    fn add_floor(
-        &self,
-        theta: &[f32; N],
-        covariance: &mut Matrix<N>,
-        known: impl Fn(usize) -> bool,
-    ) {
-        let floor = self.floor_of(theta);
-        for i in 0..N {
-            for j in 0..N {
-                if !known(i) && !known(j) {
-                    covariance[i][j] += self.common(i == j) * floor[i] * floor[j];
-                }
-            }
-        }
-    }
-
-    /// The error of each parameter that no residual shows, in the user's units.
-    pub(super) fn floor_of(&self, theta: &[f32; N]) -> [f32; N] {
-        let denominator = self.structure.denominator(theta);
-        let natural = natural_frequency(&denominator, self.bandwidth);
-        let floor = self.floor(natural, &denominator, theta);
-        let parameters = self.structure.parameters();
-        core::array::from_fn(|i| match errs_by_the_trends(parameters[i]) {
-            true => floor * theta[i],
-            false => 0.0,
-        })
     }
 
     /// The estimate `theta` with its `covariance`, both normalised: an insignificant constant

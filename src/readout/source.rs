@@ -29,6 +29,8 @@ pub(crate) struct ReadOut<'a, const M: usize, const N: usize, const I: usize> {
     pub(crate) forgetting: &'a StabilisedForgetting<N>,
     /// Whether an input is the sign of the velocity: it turns within samples.
     pub(crate) turns: bool,
+    /// Part of a sample by which each input is late beside whole ones.
+    pub(crate) delay_parts: &'a [f32; I],
     /// What counts of the drive before the newest change.
     pub(crate) former: Former,
     /// The newest y.
@@ -71,20 +73,6 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
                         (p[i][k] / whole) * (p[j][k] / whole) * (missing * expected);
                 }
             }
-        }
-    }
-
-    /// Share of the [`DISCRETE`](super::DISCRETE) errors of two parameters that is common to both.
-    ///
-    /// Every parameter has a tenth of its own. Where friction turns with the velocity nothing is
-    /// common: when within the sample it turned is known to about `omega Delta/4`, in a share
-    /// `omega Delta/pi` of the samples, an error of the same order that moves the gain, the damping
-    /// and the friction each in its own way.
-    pub(super) const fn common(&self, same: bool) -> f32 {
-        match (same, self.turns) {
-            (true, _) => 1.01,
-            (false, false) => 1.0,
-            (false, true) => 0.0,
         }
     }
 

@@ -12,6 +12,7 @@ use crate::estimation::regressor::Regressor;
 use crate::estimation::rls::Estimator;
 use crate::estimation::start_error::StartError;
 use crate::estimation::structure::Structure;
+use crate::readout::floor::{ARITHMETIC, DISCRETE};
 use crate::trends::{Design, FilteredTrends, RawTrends, Scheme, TrendOperator};
 
 const BANDWIDTH: f32 = 20.0;
@@ -92,6 +93,7 @@ impl Parts {
             estimator: &self.estimator,
             forgetting: &self.forgetting,
             turns: false,
+            delay_parts: const { &[0.0; I] },
             former: self.former,
             position: self.position,
             noise: &self.noise,

@@ -212,6 +212,40 @@ fn deviations<T: TrendOperator<M>, const M: usize, const N: usize>(
     errors.fold(0.0, f64::max)
 }
 
+/// A held command that reaches a lag between two samples: its mean stands for it there, and the
+/// error of that is in the deviations.
+#[test]
+fn a_command_between_samples_is_in_the_deviations_of_a_lag() {
+    const PARTS: usize = 4;
+    let mut worst = 0.0_f32;
+    for (dt, late) in [(0.05, 1), (0.1, 2), (0.2, 2), (0.5, 1), (0.5, 3)] {
+        let input = Input::delayed(&[2.0], 2 * PARTS + late);
+        let step = dt / PARTS as f64;
+        let mut plant = LinearPlant::with_inputs(&[1.0], &[input], 0.0, step).unwrap();
+        let trends = ExactTrends::<1>::for_bandwidth(dt as f32, 1.0).unwrap();
+        let mut config = Config::new(Structure::<1, 2, 1>::FULL, 1.0, [1.0], 2.0);
+        config.set_delay(0, 2.0 + late as f32 / PARTS as f32);
+        let mut lag: Identifier<_, 1, 2, 1, 4> = Identifier::try_new(&config, trends).unwrap();
+        let (mut rng, mut u) = (Random::seed_from_u64(42_010), 0.0);
+        for k in 0..3000 {
+            if k % (1.5 / dt) as usize == 0 {
+                u = rng.random_range(-1.0..1.0);
+            }
+            let _ = lag.update(u as f32, plant.output() as f32);
+            (0..PARTS).for_each(|_| {
+                plant.step(&[u]);
+            });
+        }
+        let estimate = lag.estimate();
+        let found = estimate.theta().into_iter().zip(estimate.std());
+        for ((value, std), truth) in found.zip([1.0, 2.0]) {
+            worst = worst.max((value - truth).abs() / std);
+        }
+    }
+    println!("{worst:.2} deviations");
+    assert!(worst < 2.0, "{worst}");
+}
+
 /// What differences in place of derivatives do is in the deviations, without any noise that could
 /// hide it: of Goodwin's scheme, and of trends without a filter.
 #[test]

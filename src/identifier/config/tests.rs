@@ -28,6 +28,10 @@ fn within([low, high]: [f32; 2], set: impl Fn(&mut Servo, f32)) {
 #[test]
 fn every_setting_has_its_range() {
     within([0.1, 1000.0], |config, value| config.bandwidth = value);
+    // The limits themselves, however they are rounded.
+    for value in [0.1, 1000.0] {
+        assert!(accepted(|config| config.bandwidth = value), "{value}");
+    }
     within([1e-9, 1e9], |config, value| {
         (config.output_range, config.output_noise) = (value, 1e-3 * value);
     });

@@ -156,6 +156,18 @@ fn the_initial_state_becomes_uncertain_and_the_filter_settles() {
     };
     assert!((76..=77).contains(&remaining), "{remaining}");
     assert!(servo.retune_to(0.0).is_err());
+    // Bandwidths that no identifier begins with.
+    let before = servo.clone();
+    for omega0 in [0.099, 1001.0, 1e6, 1e12, f32::INFINITY, f32::NAN, -20.0] {
+        let refused = servo.retune_to(omega0).expect_err("out of range");
+        let (ConfigError::OutOfRange { setting, .. } | ConfigError::NotPositive { setting, .. }) =
+            refused
+        else {
+            panic!("{refused:?}");
+        };
+        assert_eq!(setting, "omega0".into());
+        assert_eq!(servo, before, "{omega0}");
+    }
 }
 
 #[test]
