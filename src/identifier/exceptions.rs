@@ -25,6 +25,10 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.noise.settle(settled);
         witness.begin();
         if self.estimator.samples() > 0.0 {
+            if plan.structure.initial_state() {
+                let before = self.estimator.theta().last().copied().unwrap_or(0.0);
+                witness.another_initial_state(before);
+            }
             self.lose_initial_state(plan);
             witness.widened();
         }

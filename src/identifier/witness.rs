@@ -13,6 +13,12 @@ pub(crate) trait Witness<const M: usize, const N: usize, const I: usize> {
     /// A row that the estimator has taken: the normalised regressor and its left-hand side, and
     /// whether lambda was applied before.
     fn row(&mut self, phi: &[f32; N], psi: f32, estimator: &Estimator<N>, forgot: bool);
+    /// The initial state is another one from now on; `before`, normalised, is the one that the rows
+    /// up to now had.
+    #[inline(always)]
+    fn another_initial_state(&mut self, before: f32) {
+        let _ = before;
+    }
     /// The covariance of the estimator was changed by something that is no row.
     #[inline(always)]
     fn widened(&mut self) {}

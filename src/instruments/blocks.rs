@@ -47,6 +47,19 @@ impl<const N: usize, const R: usize> Products<N, R> {
         }
     }
 
+    /// The last regressor, and instrument, counts no more: its parameter is `value`.
+    fn settle_last(&mut self, value: f32) {
+        for (phi, psi) in self.phi.iter_mut().zip(&mut self.psi) {
+            if let Some(phi) = phi.last_mut() {
+                *psi -= value * *phi;
+                *phi = 0.0;
+            }
+        }
+        if let (Some(phi), Some(psi)) = (self.phi.last_mut(), self.psi.last_mut()) {
+            (*phi, *psi) = ([0.0; N], 0.0);
+        }
+    }
+
     /// `own` times these plus `weight` times others.
     #[inline(never)]
     pub(crate) fn add(&mut self, own: f32, other: &Self, weight: f32) {
@@ -168,6 +181,16 @@ impl<const N: usize, const R: usize> Blocks<N, R> {
         if self.fresh_rows >= APART.min(self.length) || self.pair < BLOCKS / 2 {
             self.tidy(rows);
         }
+    }
+
+    /// The last parameter of the rows up to now is `value`, and that of the rows to come another
+    /// one. Whoever reads the blocks sees it in their changes.
+    pub(crate) fn settle_last(&mut self, value: f32) {
+        self.fresh.settle_last(value);
+        for block in &mut self.blocks {
+            block.sums.settle_last(value);
+        }
+        self.changes = self.changes.wrapping_add(1);
     }
 
     /// Leaves the blocks as they are for so many rows.

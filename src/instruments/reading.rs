@@ -8,8 +8,12 @@ use crate::instruments::solve::Factored;
 use crate::instruments::spread::Spread;
 use crate::instruments::sums::Instruments;
 use crate::instruments::weakness::is_weak;
-use crate::math::matrix::Matrix;
+use crate::math::larger;
+use crate::math::matrix::{Matrix, add_square};
 use crate::trends::TrendOperator;
+
+/// Rounding of a sum, relative to its largest term: 128 rows are added, and 128 of such sums.
+const ROUNDING: f32 = 2.0 * f32::EPSILON * 8.0;
 
 /// Solutions with the numerators of the one before.
 const REPETITIONS: usize = 3;
@@ -229,6 +233,32 @@ impl<const N: usize, const R: usize> Reading<N, R> {
         self.spread.add(factored, &matrix, score, follows);
     }
 
+    /// Adds what the rounding of the sums does to the estimate: `M^-1 e`, where the equation i errs
+    /// by a share of its largest term. Behind trends that begin in motion that is the initial
+    /// state, far above the noise.
+    fn add_rounding<const M: usize, const I: usize>(
+        &self,
+        layout: &Layout<M, N, I>,
+        covariance: &mut Matrix<N>,
+    ) {
+        let Some(factored) = &self.factored else {
+            return;
+        };
+        let (matrix, _) = self.equations(layout, &self.total, &self.combined);
+        for (i, line) in matrix.iter().enumerate() {
+            let terms = line
+                .iter()
+                .zip(&self.theta)
+                .map(|(entry, theta)| entry * theta);
+            let largest = terms.fold(0.0, |largest, term| larger(largest, term.abs()));
+            let unit = core::array::from_fn(|j| if i == j { 1.0 } else { 0.0 });
+            if !self.fixed[i] {
+                let error = ROUNDING * largest;
+                add_square(covariance, &factored.solve(&unit), error * error);
+            }
+        }
+    }
+
     fn finish<T: TrendOperator<M>, const M: usize, const I: usize, const D: usize>(
         &mut self,
         instruments: &Instruments<M, N, I, R>,
@@ -243,12 +273,8 @@ impl<const N: usize, const R: usize> Reading<N, R> {
         if is_weak::<M, N>(&layout.parameters, &self.theta, self.spread.scores()) {
             return self.recursion(identifier, Way::WeakInstruments);
         }
-        let found = self.spread.found(blocks, parameters, &self.fixed);
-        // Behind a gap, and with a short memory, few blocks hold nearly all: their scores are those
-        // that the parameters have taken.
-        if !(found.effective >= parameters) {
-            return self.recursion(identifier, Way::TooFewBlocks);
-        }
+        let mut found = self.spread.found(blocks, parameters, &self.fixed);
+        self.add_rounding(layout, &mut found.covariance);
         let without_constant = layout.constant().and_then(|index| {
             let unit = core::array::from_fn(|i| if i == index { 1.0 } else { 0.0 });
             Some(self.factored.as_ref()?.solve(&unit))

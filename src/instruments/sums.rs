@@ -120,6 +120,19 @@ impl<const M: usize, const N: usize, const I: usize, const R: usize> Witness<M, 
     }
 
     #[inline(never)]
+    fn another_initial_state(&mut self, before: f32) {
+        let group = &mut self.group;
+        if let Some(phi) = group.phi.last_mut() {
+            group.psi -= before * *phi;
+            *phi = 0.0;
+        }
+        if let Some(z) = self.z.last_mut() {
+            *z = 0.0;
+        }
+        self.blocks.settle_last(before);
+    }
+
+    #[inline(never)]
     fn changed(&mut self) {
         self.group.rows = 0;
         self.blocks.begin(self.forgetting);

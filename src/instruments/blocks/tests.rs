@@ -65,3 +65,22 @@ fn held_blocks_stay() {
     assert!(blocks.blocks != before);
     assert_eq!(total(&blocks), (520.0, 520.0));
 }
+
+#[test]
+fn another_last_parameter_leaves_the_sums_of_the_others() {
+    // psi = 3 phi_0 + 5 phi_1, and from then on another second parameter.
+    let row = |k: u32| [f32::from(k % 3 == 0), f32::from(k % 2 == 0)];
+    let (mut blocks, mut alone) = (Blocks::<2, 2>::new(1.0), Blocks::<2, 2>::new(1.0));
+    for k in 0..1000 {
+        let [first, last] = row(k);
+        blocks.update(&[first, last], &[first, last], 3.0 * first + 5.0 * last, 1);
+        alone.update(&[first, 0.0], &[first, 0.0], 3.0 * first, 1);
+    }
+    let before = blocks.changes;
+    blocks.settle_last(5.0);
+    assert_ne!(blocks.changes, before);
+    assert_eq!(blocks.fresh, alone.fresh);
+    for (found, exact) in blocks.blocks.iter().zip(&alone.blocks) {
+        assert_eq!(found, exact);
+    }
+}
