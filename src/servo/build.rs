@@ -97,12 +97,13 @@ impl<S, V> ServoLoop<S, V> {
     /// from what was measured so far, in every state. Begun elsewhere, the filter takes the first
     /// reading for a jump, and what it gets over within a time constant brakes an axis at rest.
     fn supervise_on(&mut self) {
-        let Some(Building { design, .. }) = &self.takeover.building else {
+        let Some(Building { design, model, .. }) = &self.takeover.building else {
             return;
         };
         let motion = self.moves.tracking.motion();
         self.moves.run_out_rate = design.run_out_rate;
-        self.moves.trajectory = Trajectory::new(design.motion, design.travel, design.sample_time);
+        let limits = carried_out(&self.config, design.motion, model);
+        self.moves.trajectory = Trajectory::new(limits, design.travel, design.sample_time);
         self.moves.trajectory.hold(motion.position);
         self.learning = Learning::new(design);
         let supervision = design.supervision.clone();
@@ -132,11 +133,9 @@ impl<S, V> ServoLoop<S, V> {
     /// The settings and the design for what was found.
     fn begin_building(&mut self, found: &Found) -> Result<bool, Reason> {
         let design = tuned(&self.config, found).resolve();
-        let mut design = design.map_err(|_| Reason::OutOfRange)?;
-        design.motion = carried_out(&self.config, design.motion, &found.model);
         self.takeover.building = Some(Building {
             model: found.model,
-            design,
+            design: design.map_err(|_| Reason::OutOfRange)?,
             trends: None,
             next: Part::Trends,
         });
