@@ -12,6 +12,8 @@ pub struct Controller {
     pub(super) c: RowDVector<f64>,
     /// D_r and D_y.
     pub(super) d: [f64; 2],
+    /// So many states at the end are the commands before, u(k-1) first.
+    pub(super) past: usize,
 }
 
 impl Controller {
@@ -25,6 +27,25 @@ impl Controller {
     /// Number of states.
     pub fn states(&self) -> usize {
         self.a.nrows()
+    }
+
+    /// Number of states that are no command before.
+    pub(super) fn own(&self) -> usize {
+        self.states() - self.past
+    }
+
+    /// For a plant whose gain is `gain` times that of the one that it is for.
+    pub(super) fn for_gain(mut self, gain: f64) -> Self {
+        let (own, all) = (self.own(), self.states());
+        // The commands before are in the new unit, the other states in the old one.
+        self.a.view_mut((0, own), (own, self.past)).scale_mut(gain);
+        for i in own..all {
+            self.a.view_mut((i, 0), (1, own)).unscale_mut(gain);
+            self.b.iter_mut().for_each(|b| b[i] /= gain);
+        }
+        self.c.columns_mut(0, own).unscale_mut(gain);
+        self.d = self.d.map(|d| d / gain);
+        self
     }
 }
 
@@ -121,5 +142,6 @@ fn from_rows(rows: &[[f64; 5]; 3], u: &[f64; 5]) -> Controller {
         b: [3, 4].map(|j| DVector::from_fn(3, |i, _| rows[i][j])),
         c: RowDVector::from_fn(3, |_, j| u[j]),
         d: [u[3], u[4]],
+        past: 0,
     }
 }

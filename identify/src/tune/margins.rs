@@ -2,11 +2,12 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::{Complex, DMatrix};
+use nalgebra::Complex;
 
 use super::controller::Controller;
-use super::frequency_response::{FrequencyResponse, balance};
+use super::frequency_response::FrequencyResponse;
 use super::plant::SampledPlant;
+use super::stability::is_stable;
 
 /// Frequencies of a sweep in a decade.
 const IN_A_DECADE: f64 = 80.0;
@@ -84,24 +85,23 @@ pub(super) fn with_others(
     controller: &Controller,
     (bandwidth, limit): (f64, f64),
 ) -> Option<[Margins; 2]> {
-    let nominal = margins(plant, controller, (bandwidth, limit))?;
-    let worst = others.iter().try_fold(nominal, |worst, plant| {
-        Some(worst.worse(margins(plant, controller, (bandwidth, limit))?))
-    })?;
+    let response = FrequencyResponse::new(controller, plant.dt);
+    let margins = |plant| margins(plant, (controller, &response), (bandwidth, limit));
+    let nominal = margins(plant)?;
+    let worst = others
+        .iter()
+        .try_fold(nominal, |worst, plant| Some(worst.worse(margins(plant)?)))?;
     Some([nominal, worst])
 }
 
 /// The margins of a controller for a bandwidth with a plant; `None` where the sensitivity exceeds a
 /// limit.
-///
-/// The poles of the closed loop are found last, as their cost grows with the third power of the
-/// delay.
 pub(super) fn margins(
     plant: &SampledPlant,
-    controller: &Controller,
+    (controller, response): (&Controller, &FrequencyResponse),
     (bandwidth, limit): (f64, f64),
 ) -> Option<Margins> {
-    let found = of_frequencies(plant, controller, bandwidth);
+    let found = of_frequencies(plant, response, (bandwidth, limit))?;
     (found.max_sensitivity <= limit).then(|| Margins {
         stable: is_stable(plant, controller),
         ..found
@@ -109,12 +109,17 @@ pub(super) fn margins(
 }
 
 /// What the frequency response shows, which does not tell whether the loop is stable.
-fn of_frequencies(plant: &SampledPlant, controller: &Controller, bandwidth: f64) -> Margins {
-    let dt = plant.dt;
-    let response = FrequencyResponse::new(controller, dt);
+fn of_frequencies(
+    plant: &SampledPlant,
+    response: &FrequencyResponse,
+    (bandwidth, limit): (f64, f64),
+) -> Option<Margins> {
     let open = |omega: f64| plant.response(omega) * response.at(omega);
+    let sensitivity = |l: Complex<f64>| 1.0 / (l + 1.0).norm();
     let grid = frequencies(plant, bandwidth);
-    let values: Vec<Complex<f64>> = grid.iter().map(|omega| open(*omega)).collect();
+    let within = |l: &Complex<f64>| sensitivity(*l) <= limit;
+    let values = grid.iter().map(|omega| Some(open(*omega)).filter(within));
+    let values: Vec<Complex<f64>> = values.collect::<Option<_>>()?;
     let mut found = Margins {
         gain: f64::INFINITY,
         phase_deg: f64::INFINITY,
@@ -123,7 +128,6 @@ fn of_frequencies(plant: &SampledPlant, controller: &Controller, bandwidth: f64)
         crossover: 0.0,
         stable: false,
     };
-    let sensitivity = |l: Complex<f64>| 1.0 / (l + 1.0).norm();
     for k in 0..grid.len() {
         found.max_sensitivity = found.max_sensitivity.max(sensitivity(values[k]));
         let Some((next, now)) = values.get(k + 1).zip(Some(values[k])) else {
@@ -166,7 +170,7 @@ fn of_frequencies(plant: &SampledPlant, controller: &Controller, bandwidth: f64)
             found.max_sensitivity = found.max_sensitivity.max(left.max(right));
         }
     }
-    found
+    Some(found)
 }
 
 fn crossing(low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
@@ -180,52 +184,4 @@ fn crossing(low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
         }
     }
     0.5 * (low + high)
-}
-
-/// Whether the closed loop is stable: states of the plant, past inputs, states of the controller.
-fn is_stable(plant: &SampledPlant, controller: &Controller) -> bool {
-    let (m, d, n) = (plant.order(), plant.delay + 1, controller.states());
-    let size = m + d + n;
-    let mut closed = DMatrix::zeros(size, size);
-    let chain = |lag: usize| m + lag - 1;
-    closed.view_mut((0, 0), (m, m)).copy_from(&plant.a);
-    // u(k) in all states.
-    let mut u = DMatrix::zeros(1, size);
-    for i in 0..m {
-        u[(0, i)] = controller.d[1] * plant.c[i];
-    }
-    for j in 0..n {
-        u[(0, m + d + j)] = controller.c[j];
-    }
-    for (share, lag) in plant.b.iter().zip([plant.delay, plant.delay + 1]) {
-        for i in 0..m {
-            match lag {
-                0 => (0..size).for_each(|j| closed[(i, j)] += share[i] * u[(0, j)]),
-                lag => closed[(i, chain(lag))] += share[i],
-            }
-        }
-    }
-    for j in 0..size {
-        closed[(chain(1), j)] = u[(0, j)];
-    }
-    for lag in 2..=d {
-        closed[(chain(lag), chain(lag - 1))] = 1.0;
-    }
-    for i in 0..n {
-        for j in 0..m {
-            closed[(m + d + i, j)] = controller.b[1][i] * plant.c[j];
-        }
-        for j in 0..n {
-            closed[(m + d + i, m + d + j)] = controller.a[(i, j)];
-        }
-    }
-    if !closed.iter().all(|v| v.is_finite()) {
-        return false;
-    }
-    balance(&mut closed);
-    let Some(schur) = closed.try_schur(f64::EPSILON, 100_000) else {
-        return false;
-    };
-    let eigenvalues = schur.complex_eigenvalues();
-    eigenvalues.iter().all(|z| z.norm() < 1.0 - 1e-9)
 }

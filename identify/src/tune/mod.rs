@@ -31,19 +31,21 @@
 
 mod controller;
 mod frequency_response;
+mod limits;
 mod margins;
 mod model;
 mod placement;
 mod plant;
+mod search;
 mod shaping;
+mod stability;
 mod state_feedback;
 
 use nalgebra::DVector;
 
-use crate::delay_choice::LONGEST_DELAY;
 use crate::error::Error;
 use frequency_response::FrequencyResponse;
-use state_feedback::IDLE;
+use search::Search;
 
 pub use controller::{Cascade, Controller, Pid};
 pub use margins::Margins;
@@ -55,17 +57,17 @@ pub use state_feedback::StateFeedback;
 /// of 34 degrees at least.
 pub const SENSITIVITY: f64 = 1.7;
 
-/// Bandwidths that are tried between the slowest and the fastest, and steps that sharpen the
-/// choice.
-const TRIED: usize = 24;
-const SHARPENED: usize = 5;
+/// Largest and smallest bandwidth \[rad per sample\]: held commands hardly follow above, and a loop
+/// is as good with fewer samples below.
+const FASTEST: f64 = 0.5;
+const SLOWEST: f64 = 1e-5;
 
 /// What the loops are for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Goal {
     /// Sample time of the controller \[s\].
     pub sample_time: f64,
-    /// Bandwidth \[rad/s\]; the largest robust one without.
+    /// Bandwidth \[rad/s\], 1e-5 to 0.5 radians per sample; the largest robust one of these without.
     pub bandwidth: Option<f64>,
 }
 
@@ -136,12 +138,20 @@ pub struct Tuned {
 impl TunedLoop {
     /// The answer of the loop to a step of the reference by 1, over so many seconds.
     pub fn step(&self, plant: &SampledPlant, seconds: f64) -> Vec<Sample> {
-        let samples = (seconds / plant.dt).round() as usize + 1;
+        let mut course = Vec::new();
+        self.step_while(plant, |sample| {
+            course.push(sample);
+            sample.time < seconds - 0.5 * plant.dt
+        });
+        course
+    }
+
+    /// The same, sample by sample for as long as `next` says.
+    pub fn step_while(&self, plant: &SampledPlant, mut next: impl FnMut(Sample) -> bool) {
         let mut state = DVector::zeros(plant.order());
         let mut inner = DVector::zeros(self.controller.states());
         let mut past = vec![0.0; plant.delay + 2];
-        let mut course = Vec::with_capacity(samples);
-        for k in 0..samples {
+        for k in 0u64.. {
             let output = (&plant.c * &state)[0];
             let command = self.controller.step(&mut inner, 1.0, output);
             past.rotate_right(1);
@@ -149,13 +159,36 @@ impl TunedLoop {
             state = &plant.a * &state
                 + &plant.b[0] * past[plant.delay]
                 + &plant.b[1] * past[plant.delay + 1];
-            course.push(Sample {
-                time: k as f64 * plant.dt,
+            let time = k as f64 * plant.dt;
+            let sample = Sample {
+                time,
                 output,
                 command,
-            });
+            };
+            if !next(sample) {
+                return;
+            }
         }
-        course
+    }
+
+    /// For a plant whose gain is `gain` times that of the one that it is for.
+    fn for_gain(self, gain: f64) -> Self {
+        let gains = match self.gains {
+            Gains::Cascade(gains) => Gains::Cascade(Cascade {
+                kp: gains.kp / gain,
+                ..gains
+            }),
+            Gains::Pid(gains) => Gains::Pid(Pid {
+                kp: gains.kp / gain,
+                ..gains
+            }),
+            Gains::StateFeedback(gains) => Gains::StateFeedback(gains.for_gain(gain)),
+        };
+        Self {
+            gains,
+            controller: self.controller.for_gain(gain),
+            ..self
+        }
     }
 
     /// The open loop, broken at the input of the plant, over the frequency \[rad/s\].
@@ -167,45 +200,40 @@ impl TunedLoop {
 
 /// Gains for a model; the margins hold for `around` too, models within what is known of it.
 ///
+/// Gains are found for a plant whose gain is one, and are in the units of the signals by division
+/// afterwards: they do not depend on these units. The search for a bandwidth goes from half a
+/// radian per sample down to a thousandth of the rate of the plant, or to 1e-5 radians per sample.
+///
 /// Cost: some 30 bandwidths for each kind of controller, each with a frequency response of every
 /// model.
 ///
 /// # Errors
-/// [`Error::Model`] for a model without a controller, [`Error::SampleTime`], [`Error::Bandwidth`].
+/// [`Error::SampleTime`], [`Error::Bandwidth`]; [`Error::Model`] for a model without a controller:
+/// numbers that are none of a drive, and a delay that is longer than 200 samples, also one of
+/// `around`, as nobody knows gains for a delay that nobody knows.
 pub fn tune(model: &Model, around: &[Model], goal: Goal) -> Result<Tuned, Error> {
-    model.check()?;
     let dt = goal.sample_time;
-    if !(dt > 0.0 && dt.is_finite()) {
-        return Err(Error::SampleTime(dt));
-    }
-    if !(model.delay <= LONGEST_DELAY as f64 * dt) {
-        let what = format!(
-            "its delay is longer than {LONGEST_DELAY} samples: a controller with a longer sample time does as well"
-        );
-        return Err(Error::Model(what));
-    }
-    let fastest = 0.5 / dt;
-    if let Some(bandwidth) = goal.bandwidth
-        && !(bandwidth > 0.0 && bandwidth <= fastest)
-    {
-        return Err(Error::Bandwidth { bandwidth, fastest });
-    }
-    let plant = SampledPlant::new(model, dt);
+    limits::check(model, around, goal)?;
+    let plant = limits::sampled(model, dt)?;
+    let gain = plant.gain();
+    let unit = model.divided(gain);
     let others: Vec<SampledPlant> = around
         .iter()
-        .filter(|model| model.check().is_ok())
-        .map(|model| SampledPlant::new(model, dt))
-        .collect();
+        .map(|model| Ok(limits::sampled(model, dt)?.divided(gain)))
+        .collect::<Result<_, Error>>()?;
+    let search = Search {
+        model: &unit,
+        plant: plant.divided(gain),
+        others,
+    };
     let (mut loops, mut refused) = (Vec::new(), Vec::new());
     for kind in KINDS {
-        let at =
-            |bandwidth: f64, limit: f64| judged(kind, model, (&plant, &others), bandwidth, limit);
         let found = match goal.bandwidth {
-            Some(bandwidth) => at(bandwidth, f64::INFINITY),
-            None => fastest_robust(&plant, |bandwidth| at(bandwidth, SENSITIVITY)),
+            Some(bandwidth) => search.at(kind, bandwidth, f64::INFINITY),
+            None => search.fastest_robust(kind),
         };
         match found {
-            Ok(found) => loops.push(found),
+            Ok(found) => loops.push(found.for_gain(gain)),
             Err(reason) => refused.push((kind, reason)),
         }
     }
@@ -215,85 +243,6 @@ pub fn tune(model: &Model, around: &[Model], goal: Goal) -> Result<Tuned, Error>
         refused,
         feedforward: model.feedforward(),
     })
-}
-
-/// Why a bandwidth has no gains.
-const UNSTABLE: &str = "the loop would be unstable at this bandwidth";
-
-/// A loop of a kind at a bandwidth with its margins, those of a plant and of others around it; an
-/// error where it is unstable, or where the sensitivity with one of them exceeds `limit`.
-fn judged(
-    kind: &str,
-    model: &Model,
-    (plant, others): (&SampledPlant, &[SampledPlant]),
-    bandwidth: f64,
-    limit: f64,
-) -> Result<TunedLoop, String> {
-    let dt = plant.dt;
-    let (gains, controller) = if kind == KINDS[0] {
-        if model.a[0] != 0.0 {
-            return Err("the plant does not integrate: its output is no position".into());
-        }
-        let cascade = shaping::cascade(plant, bandwidth).ok_or("no gain at this bandwidth")?;
-        (Gains::Cascade(cascade), cascade.controller(dt))
-    } else if kind == KINDS[1] {
-        let pid = shaping::pid(plant, bandwidth).ok_or("no gain at this bandwidth")?;
-        (Gains::Pid(pid), pid.controller(dt))
-    } else {
-        let (gains, controller) = state_feedback::design(plant, model, bandwidth)?;
-        (Gains::StateFeedback(gains), controller)
-    };
-    let [nominal, worst] = margins::with_others(plant, others, &controller, (bandwidth, limit))
-        .ok_or_else(|| format!("no bandwidth keeps the sensitivity below {limit}"))?;
-    if !nominal.stable {
-        return Err(UNSTABLE.into());
-    }
-    Ok(TunedLoop {
-        gains,
-        bandwidth,
-        controller,
-        margins: nominal,
-        worst: (!others.is_empty()).then_some(worst),
-    })
-}
-
-/// The loop with the largest bandwidth that is stable, of those whose sensitivity stays below its
-/// limit.
-fn fastest_robust(
-    plant: &SampledPlant,
-    at: impl Fn(f64) -> Result<TunedLoop, String>,
-) -> Result<TunedLoop, String> {
-    let robust = |bandwidth: f64| -> Result<TunedLoop, String> {
-        let found = at(bandwidth)?;
-        let stable = found.worst.is_none_or(|worst| worst.stable);
-        stable.then_some(found).ok_or_else(|| UNSTABLE.into())
-    };
-    let fastest = (0.5 / plant.dt).min(100.0 * plant.rate);
-    let slowest = 1e-3 * plant.rate.min(fastest);
-    let ratio = (fastest / slowest).powf(1.0 / (TRIED - 1) as f64);
-    let mut reason = String::new();
-    for k in 0..TRIED {
-        let bandwidth = fastest / ratio.powi(k as i32);
-        match robust(bandwidth) {
-            Ok(mut best) => {
-                let (mut low, mut high) = (bandwidth, bandwidth * ratio);
-                for _ in 0..SHARPENED {
-                    let middle = (low * high).sqrt();
-                    match robust(middle) {
-                        Ok(found) => (best, low) = (found, middle),
-                        Err(_) => high = middle,
-                    }
-                }
-                return Ok(best);
-            }
-            Err(why) if why == IDLE && !reason.is_empty() && reason != IDLE => {
-                return Err(format!("{reason} and is above a pole of the plant"));
-            }
-            Err(why) if why == UNSTABLE => reason = "no bandwidth leaves the loop stable".into(),
-            Err(why) => reason = why,
-        }
-    }
-    Err(reason)
 }
 
 #[cfg(test)]

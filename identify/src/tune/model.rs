@@ -2,7 +2,6 @@
 
 use nalgebra::DMatrix;
 
-use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::identification::Identification;
 use crate::problem::Problem;
@@ -53,7 +52,7 @@ impl Model {
     }
 
     /// Two standard deviations to both sides along each principal axis of the covariance, that of
-    /// the delay included where it was searched.
+    /// the delay included where it was searched; an infinite one where its deviation is not finite.
     pub fn around(problem: &Problem, found: &Identification) -> Vec<Self> {
         let estimate = &found.estimate;
         let (n, dt) = (estimate.theta.len(), problem.signals.dt);
@@ -64,6 +63,10 @@ impl Model {
         };
         let known = |j: &usize| sigma(*j).is_finite() && sigma(*j) > 0.0;
         let all = n + usize::from(searched.is_some());
+        if all > n && !sigma(n).is_finite() {
+            let delay = f64::INFINITY;
+            return vec![Self::of(estimate, delay)];
+        }
         let places: Vec<usize> = (0..all).filter(known).collect();
         // In units of the standard deviations: an axis depends on the units otherwise.
         let correlation = DMatrix::from_fn(places.len(), places.len(), |i, j| {
@@ -99,28 +102,12 @@ impl Model {
         models
     }
 
-    pub(super) fn check(&self) -> Result<(), Error> {
-        let refuse = |what: String| Err(Error::Model(what));
-        let m = self.a.len();
-        if !(1..=4).contains(&m) {
-            return refuse(format!("its order is {m}, not 1 to 4"));
+    /// With a gain divided by so much.
+    pub(super) fn divided(&self, gain: f64) -> Self {
+        Self {
+            b: self.b.iter().map(|b| b / gain).collect(),
+            ..self.clone()
         }
-        if self.b.is_empty() || self.b.len() > m {
-            return refuse(format!(
-                "{} numerator coefficients for order {m}; 1 to {m} are possible",
-                self.b.len()
-            ));
-        }
-        if !self.a.iter().chain(&self.b).all(|v| v.is_finite()) {
-            return refuse("a coefficient is not a finite number".into());
-        }
-        if self.b[0] == 0.0 {
-            return refuse("its numerator is 0 at rest: a constant command moves nothing".into());
-        }
-        if !(self.delay >= 0.0 && self.delay.is_finite()) {
-            return refuse(format!("its delay is {} s, not 0 or more", self.delay));
-        }
-        Ok(())
     }
 
     /// Coefficients of r, r', r'' .. in the command that lets the undelayed plant follow:

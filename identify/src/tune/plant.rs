@@ -5,6 +5,9 @@ use nalgebra::{Complex, DMatrix, DVector, RowDVector};
 
 use super::model::Model;
 
+/// Least unit of the states, per sample: slower plants differ by nothing that a loop shows.
+const SLOWEST: f64 = 1e-6;
+
 /// `x(k+1) = A x(k) + B_0 u(k-d) + B_1 u(k-d-1)`, `y = C x`.
 ///
 /// The states are those of the controllable form, entry i times `rate^(m-1-i)`, so that all are of
@@ -26,7 +29,10 @@ impl SampledPlant {
         let m = model.a.len();
         let of_order = |i: usize| model.a[m - i].abs().powf(1.0 / i as f64);
         let largest = (1..=m).map(of_order).fold(0.0, f64::max);
-        let rate = if largest > 0.0 { largest } else { 0.1 / dt };
+        let rate = match largest > 0.0 {
+            true => largest.max(SLOWEST / dt),
+            false => 0.1 / dt,
+        };
         let unit = |i: usize| rate.powi((m - 1 - i) as i32);
         let mut continuous = DMatrix::zeros(m + 1, m + 1);
         for i in 0..m {
@@ -62,6 +68,28 @@ impl SampledPlant {
             dt,
             rate,
         }
+    }
+
+    /// Sample time \[s\].
+    pub fn sample_time(&self) -> f64 {
+        self.dt
+    }
+
+    /// The size of the gain, with the sign of b_0: all gains of a controller are in units of it.
+    pub(super) fn gain(&self) -> f64 {
+        self.c.amax().copysign(self.c[0])
+    }
+
+    /// With a gain divided by so much.
+    pub(super) fn divided(&self, gain: f64) -> Self {
+        let c = &self.c / gain;
+        Self { c, ..self.clone() }
+    }
+
+    /// Whether all numbers are finite.
+    pub(super) fn is_finite(&self) -> bool {
+        let numbers = self.a.iter().chain(&self.b[0]).chain(&self.b[1]);
+        numbers.chain(&self.c).all(|v| v.is_finite())
     }
 
     /// Order of the plant.

@@ -1,4 +1,9 @@
 //! Gain and phase at the crossover: a cascade and a PID controller for a bandwidth.
+//!
+//! For plants whose b_0 is above 0: the gains are above 0, too. The characteristic function of a
+//! loop with an integral part is `k_i b_0` at s = 0 and grows towards infinity along the real axis,
+//! whatever the poles and the delay of the plant are, so it is 0 in between where `k_i b_0` is
+//! below 0.
 
 use nalgebra::Complex;
 
@@ -23,8 +28,7 @@ const INTEGRAL: f64 = 5.0;
 /// The filter of a derivative is so many times faster than what it is for.
 const FILTER: f64 = 10.0;
 
-/// The phase of a plant from 0 downwards, -360 to 0 degrees \[rad\]; its sign is that of the gain
-/// at rest.
+/// The phase of a plant from 0 downwards, -360 to 0 degrees \[rad\].
 fn lag(value: Complex<f64>) -> f64 {
     let turn = 2.0 * std::f64::consts::PI;
     let phase = value.arg().rem_euclid(turn) - turn;
@@ -34,19 +38,6 @@ fn lag(value: Complex<f64>) -> f64 {
 /// Integral time for a lag of the PI controller at `omega`.
 fn integral_time(lag: f64, omega: f64) -> f64 {
     1.0 / (omega * lag.clamp(LEAST_LAG, LARGEST_LAG).tan())
-}
-
-/// The sign of the gain at rest, of the velocity behind an integrator.
-fn sign(plant: &SampledPlant) -> f64 {
-    // Far below everything else the phase is that of the gain, or 90 degrees behind it.
-    let value = plant.response(1e-4 * plant.rate.min(0.1 / plant.dt));
-    let integrates = value.im.abs() > value.re.abs();
-    let positive = if integrates {
-        value.im < 0.0
-    } else {
-        value.re > 0.0
-    };
-    if positive { 1.0 } else { -1.0 }
 }
 
 /// Gains of a cascade whose position loop has this bandwidth \[rad/s\].
@@ -62,12 +53,11 @@ pub(super) fn cascade(plant: &SampledPlant, bandwidth: f64) -> Option<Cascade> {
     // The filtered difference of the position.
     let difference = (z - 1.0) / (z * dt);
     let filter = z * alpha / (z - (1.0 - alpha));
-    let sign = sign(plant);
-    let velocity = plant.response(inner) * difference * filter * sign;
+    let velocity = plant.response(inner) * difference * filter;
     let left = lag(velocity) + std::f64::consts::PI - INNER_MARGIN;
     let ti = integral_time(left, inner);
     let pi = Complex::new(1.0, -1.0 / (inner * ti));
-    let kp = sign / (velocity * pi).norm();
+    let kp = 1.0 / (velocity * pi).norm();
     kp.is_finite().then_some(Cascade {
         kv: bandwidth,
         kp,
@@ -78,8 +68,7 @@ pub(super) fn cascade(plant: &SampledPlant, bandwidth: f64) -> Option<Cascade> {
 
 /// Gains of a PID controller whose loop crosses one at this frequency \[rad/s\].
 pub(super) fn pid(plant: &SampledPlant, bandwidth: f64) -> Option<Pid> {
-    let sign = sign(plant);
-    let value = plant.response(bandwidth) * sign;
+    let value = plant.response(bandwidth);
     let wanted = MARGIN - std::f64::consts::PI - lag(value);
     let controller = |ti: f64, td: f64| {
         let s = Complex::new(0.0, bandwidth);
@@ -100,7 +89,7 @@ pub(super) fn pid(plant: &SampledPlant, bandwidth: f64) -> Option<Pid> {
         }
         (ti, high)
     };
-    let kp = sign / (value * controller(ti, td)).norm();
+    let kp = 1.0 / (value * controller(ti, td)).norm();
     kp.is_finite().then_some(Pid {
         kp,
         ti,

@@ -42,6 +42,20 @@ pub struct StateFeedback {
     pub derivatives: bool,
 }
 
+impl StateFeedback {
+    /// For a plant whose gain is `gain` times that of the one that it is for.
+    pub(super) fn for_gain(mut self, gain: f64) -> Self {
+        // y keeps its unit; w becomes smaller by the gain, as u and the disturbance do.
+        let kept = if self.derivatives { self.k.len() } else { 0 };
+        if self.derivatives {
+            self.k.iter_mut().for_each(|k| *k /= gain);
+        }
+        self.l.iter_mut().skip(kept).for_each(|l| *l /= gain);
+        self.n /= gain;
+        self
+    }
+}
+
 /// Why a bandwidth is none of a state feedback.
 pub(super) const IDLE: &str =
     "every pole of the plant is stable and at or above the bandwidth: nothing would be fed back";
@@ -211,5 +225,6 @@ fn controller(
         b,
         c,
         d: [n, 0.0],
+        past: d + 1,
     }
 }

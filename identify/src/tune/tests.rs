@@ -15,8 +15,17 @@
 //! ss.place_poles(Ad, Bd, np.exp(T * np.array([-21 + 1j * i, -21 - 1j * i, -30]))).gain_matrix
 //! ```
 
+mod limits;
+mod search;
+mod stability;
+
 use super::*;
 use nalgebra::Complex;
+
+const AUTO: Goal = Goal {
+    sample_time: 1e-3,
+    bandwidth: None,
+};
 
 fn servo(delay: f64) -> Model {
     Model {
@@ -56,8 +65,8 @@ fn the_sampled_plant_is_that_of_python_control() {
 #[test]
 fn the_margins_are_those_of_python_control() {
     let plant = SampledPlant::new(&servo(0.0), 1e-3);
-    let found =
-        margins::margins(&plant, &PID.controller(1e-3), (5.0, f64::INFINITY)).expect("no limit");
+    let [found, _] = margins::with_others(&plant, &[], &PID.controller(1e-3), (5.0, f64::INFINITY))
+        .expect("no limit");
     assert!(found.stable);
     near(found.gain, 8.942_676_995_649_878, 1e-5);
     near(found.phase_deg, 78.395_685_562_068_31, 1e-5);
@@ -92,15 +101,7 @@ fn grows(model: &Model, found: &TunedLoop) -> bool {
 #[test]
 fn in_simulation_the_margins_are_where_a_loop_begins_to_grow() {
     let model = servo(0.5e-3);
-    let tuned = tune(
-        &model,
-        &[],
-        Goal {
-            sample_time: 1e-3,
-            bandwidth: None,
-        },
-    )
-    .expect("gains");
+    let tuned = tune(&model, &[], AUTO).expect("gains");
     assert_eq!(tuned.loops.len(), 3, "{:?}", tuned.refused);
     for found in &tuned.loops {
         let with = |gain: f64, delay: f64| Model {
@@ -158,15 +159,7 @@ fn drawn_plants_get_robust_loops_that_follow() {
     let (mut loops, mut refused) = (0, 0);
     for seed in 200_001..200_041 {
         let model = drawn(seed);
-        let tuned = tune(
-            &model,
-            &[],
-            Goal {
-                sample_time: 1e-3,
-                bandwidth: None,
-            },
-        )
-        .expect("gains");
+        let tuned = tune(&model, &[], AUTO).expect("gains");
         assert!(
             !tuned.loops.is_empty(),
             "{seed} {model:?} {:?}",
@@ -212,10 +205,7 @@ fn the_command_of_the_feedforward_makes_the_plant_follow() {
 
 #[test]
 fn what_cannot_be_tuned_is_refused() {
-    let goal = Goal {
-        sample_time: 1e-3,
-        bandwidth: None,
-    };
+    let goal = AUTO;
     for (model, part) in [
         (
             Model {
@@ -281,6 +271,9 @@ fn a_state_feedback_that_moves_no_pole_is_none() {
         };
         let tuned = tune(&fast, &[], goal).expect("gains");
         let refused = tuned.refused.iter().find(|(kind, _)| *kind == KINDS[2]);
-        assert_eq!(refused.map(|(_, why)| why.as_str()), Some(IDLE));
+        assert_eq!(
+            refused.map(|(_, why)| why.as_str()),
+            Some(state_feedback::IDLE)
+        );
     }
 }
