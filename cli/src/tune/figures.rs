@@ -7,6 +7,9 @@ use trendid_identify::tune::Tuned;
 use crate::plot::{COLOURS, Curve, Figure, Panel};
 use crate::tune::report::span;
 
+/// Samples of a step that are shown, about.
+const SAMPLES: f64 = 4000.0;
+
 /// Points of a curve over the frequency, and decades around the bandwidth.
 const POINTS: usize = 400;
 const DECADES: f64 = 2.0;
@@ -37,9 +40,20 @@ fn panel(title: &str, x: &str, y: &str, curves: Vec<Curve>) -> Panel {
 fn step(tuned: &Tuned) -> Figure {
     let mut outputs = Vec::new();
     let mut commands = Vec::new();
-    let longest = tuned.loops.iter().map(span).fold(0.0, f64::max);
+    let spans = tuned.loops.iter().map(|found| span(found, &tuned.plant));
+    let longest = spans.fold(0.0, f64::max);
+    let every = (longest / tuned.plant.sample_time() / SAMPLES)
+        .ceil()
+        .max(1.0) as usize;
     for (found, colour) in tuned.loops.iter().zip(COLOURS) {
-        let course = found.step(&tuned.plant, longest);
+        let (mut course, mut k) = (Vec::new(), 0);
+        found.step_while(&tuned.plant, |sample| {
+            if k % every == 0 {
+                course.push(sample);
+            }
+            k += 1;
+            sample.time < longest
+        });
         let name = found.gains.name();
         let of = |value: fn(&trendid_identify::tune::Sample) -> f64| {
             course.iter().map(|s| (s.time, value(s))).collect()

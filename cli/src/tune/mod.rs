@@ -23,8 +23,10 @@ Examples:
 
 Three controllers: position P around velocity PI, PID with a filtered derivative of the
 output, and state feedback with an observer that finds a constant disturbance. `auto` is
-the largest bandwidth whose sensitivity max |1/(1+L)| stays at or below 1.7, for the
-model and for two standard deviations to both sides along each axis of its covariance.
+the largest bandwidth, from 1e-5 to 0.5 radians per sample, whose sensitivity
+max |1/(1+L)| stays at or below 1.7, for the model and for two standard deviations to
+both sides along each axis of its covariance, the delay included. A delay that may be
+longer than 200 samples within these has no gains.
 Margins are those of the sampled loop: held command, delay between samples, the
 difference equations that are printed. Nothing in them limits the command.";
 
@@ -54,7 +56,7 @@ struct ModelArgs {
         value_name = "B,..",
         value_delimiter = ',',
         required = true,
-        allow_negative_numbers = true
+        allow_hyphen_values = true
     )]
     numerator: Vec<f64>,
     /// Denominator, highest power of s first
@@ -63,14 +65,19 @@ struct ModelArgs {
         value_name = "A,..",
         value_delimiter = ',',
         required = true,
-        allow_negative_numbers = true
+        allow_hyphen_values = true
     )]
     denominator: Vec<f64>,
     /// Delay in samples of the controller, also between them
-    #[arg(long, value_name = "D", default_value_t = 0.0)]
+    #[arg(
+        long,
+        value_name = "D",
+        default_value_t = 0.0,
+        allow_hyphen_values = true
+    )]
     delay: f64,
     /// Sample time of the controller in s
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_hyphen_values = true)]
     sample_time: f64,
     #[command(flatten)]
     wanted: LoopArgs,
@@ -99,16 +106,16 @@ pub(crate) fn run(args: &TuneArgs) -> Result<(), Refusal> {
         goal,
         tuned: &tuned,
     };
-    match wanted.json {
-        true => emit_json(&report.json())?,
-        false => emit(&report.text())?,
+    // A picture that cannot be written is known before anything is printed.
+    let pictures = wanted.plot.as_ref().map(|dir| figures::save(dir, &tuned));
+    let pictures = pictures.transpose()?;
+    if wanted.json {
+        return emit_json(&report.json());
     }
-    if let Some(dir) = &wanted.plot {
-        let written = figures::save(dir, &tuned)?;
-        if !wanted.json {
-            let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
-            emit(&format!("\nPictures: {}\n", names.join(", ")))?;
-        }
+    emit(&report.text())?;
+    if let Some(written) = pictures {
+        let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
+        emit(&format!("\nPictures: {}\n", names.join(", ")))?;
     }
     Ok(())
 }

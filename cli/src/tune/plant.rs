@@ -10,6 +10,9 @@ use crate::record::Notes;
 /// A bandwidth so many times the rate of the filter is one at which the record says little.
 const FAR: f64 = 10.0;
 
+/// A fit below this \[%\] is that of a simulation that runs away.
+const RUNS_AWAY: f64 = -1e6;
+
 /// The plant that gains are for.
 pub(super) struct Plant {
     pub(super) model: Model,
@@ -40,12 +43,8 @@ pub(super) struct OfRecord {
 impl OfRecord {
     /// Lines above the gains.
     pub(super) fn text(&self) -> String {
-        let [x0, x0c] = self.fits;
-        let mut text = format!(
-            "{}fit {x0:.2} % (x0), {x0c:.2} % (x0+c), verdict: {}\n",
-            self.notes.text(),
-            self.verdict
-        );
+        let (notes, fit) = (self.notes.text(), fit(self.fits));
+        let mut text = format!("{notes}{fit}, verdict: {}\n", self.verdict);
         for remark in &self.remarks {
             text += &format!("  {remark}\n");
         }
@@ -81,5 +80,29 @@ impl OfRecord {
             "granted": self.notes.granted,
             "alone": self.notes.alone_json(),
         })
+    }
+}
+
+/// The two fits in words.
+fn fit(fits: [f64; 2]) -> String {
+    let [x0, x0c] = fits;
+    match fits.iter().all(|fit| *fit > RUNS_AWAY) {
+        true => format!("fit {x0:.2} % (x0), {x0c:.2} % (x0+c)"),
+        false => "the free simulation of the second half runs away".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fit;
+
+    #[test]
+    fn a_simulation_that_runs_away_has_no_fit() {
+        assert_eq!(fit([98.0, 99.5]), "fit 98.00 % (x0), 99.50 % (x0+c)");
+        for x0 in [f64::NAN, -2.58e27, f64::NEG_INFINITY] {
+            let said = "the free simulation of the second half runs away";
+            assert_eq!(fit([x0, 12.0]), said);
+            assert_eq!(fit([12.0, x0]), said);
+        }
     }
 }

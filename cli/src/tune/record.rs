@@ -16,22 +16,27 @@ pub(super) struct RecordArgs {
     #[command(flatten)]
     signals: SignalArgs,
     /// Order of the model, 1 to 4, the integrator included
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
     order: usize,
     /// The plant integrates: a0 = 0
     #[arg(long)]
     integrator: bool,
     /// Number of zeros
-    #[arg(long, value_name = "K", default_value_t = 0)]
+    #[arg(
+        long,
+        value_name = "K",
+        default_value_t = 0,
+        allow_hyphen_values = true
+    )]
     zeros: usize,
     /// Delay of the plant in samples of the record, or the best
-    #[arg(long, value_name = "D|auto", default_value = "auto", value_parser = delay)]
+    #[arg(long, value_name = "D|auto", default_value = "auto", value_parser = delay, allow_hyphen_values = true)]
     delay: Choice<usize>,
     /// Filter poles in rad/s, or `auto`
-    #[arg(long, value_name = "POLE|auto", default_value = "auto", value_parser = filter, allow_negative_numbers = true)]
+    #[arg(long, value_name = "POLE|auto", default_value = "auto", value_parser = filter, allow_hyphen_values = true)]
     filter: Choice<Option<f64>>,
     /// Sample time of the controller in s; that of the record without
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_hyphen_values = true)]
     sample_time: Option<f64>,
     #[command(flatten)]
     pub(super) wanted: LoopArgs,

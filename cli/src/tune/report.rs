@@ -1,7 +1,7 @@
 //! What `trendid tune` prints.
 
 use serde_json::{Value, json};
-use trendid_identify::tune::{Gains, Goal, Margins, Pid, Tuned, TunedLoop};
+use trendid_identify::tune::{Gains, Goal, Margins, Pid, SampledPlant, Tuned, TunedLoop};
 
 use crate::format::{counted, significant, transfer_function};
 use crate::output::number;
@@ -134,16 +134,26 @@ impl Report<'_> {
     }
 
     fn step(&self, found: &TunedLoop) -> String {
-        let course = found.step(&self.tuned.plant, span(found));
-        let highest = course.iter().map(|s| s.output).fold(0.0, f64::max);
-        let command = course.iter().map(|s| s.command.abs()).fold(0.0, f64::max);
-        let reached = |share: f64| {
-            let sample = course.iter().find(|s| s.output >= share);
-            sample.map_or(f64::NAN, |s| s.time)
+        let plant = &self.tuned.plant;
+        let span = span(found, plant);
+        let (mut highest, mut command) = (0.0f64, 0.0f64);
+        let mut reached = [0.1, 0.9].map(|share| (share, None));
+        found.step_while(plant, |sample| {
+            highest = highest.max(sample.output);
+            command = command.max(sample.command.abs());
+            for (share, time) in &mut reached {
+                if time.is_none() && sample.output >= *share {
+                    *time = Some(sample.time);
+                }
+            }
+            sample.time < span
+        });
+        let rise = match reached.map(|(_, time)| time) {
+            [Some(low), Some(high)] => format!("{} s", significant(high - low, 3)),
+            _ => format!("not within {} s", significant(span, 3)),
         };
         format!(
-            "  step of 1          rise (10 to 90 %) {} s, overshoot {} %, largest command {}\n",
-            significant(reached(0.9) - reached(0.1), 3),
+            "  step of 1          rise (10 to 90 %) {rise}, overshoot {} %, largest command {}\n",
             significant(100.0 * (highest - 1.0).max(0.0), 2),
             significant(command, 3)
         )
@@ -237,9 +247,27 @@ fn pid(c: &Pid, dt: f64) -> String {
     )
 }
 
-/// Seconds that show a step.
-pub(super) fn span(found: &TunedLoop) -> f64 {
-    15.0 / found.bandwidth
+/// Bandwidths, as times, that a step is shown over: where it rises, and where it is slow.
+const SHOWN: [f64; 2] = [15.0, 1000.0];
+
+/// What is shown after the rise, in units of the time up to it.
+const BEHIND: f64 = 3.0;
+
+/// The longest slow step \[samples\].
+const LONGEST: f64 = 2e6;
+
+/// Seconds that show a step, its rise included.
+pub(super) fn span(found: &TunedLoop, plant: &SampledPlant) -> f64 {
+    let [shortest, longest] = SHOWN.map(|times| times / found.bandwidth);
+    let longest = longest.min(LONGEST * plant.sample_time()).max(shortest);
+    let mut end = longest;
+    found.step_while(plant, |sample| {
+        if sample.output >= 0.9 {
+            end = (BEHIND * sample.time).clamp(shortest, longest);
+        }
+        sample.time < longest && sample.output < 0.9
+    });
+    end
 }
 
 fn title(gains: &Gains) -> &'static str {

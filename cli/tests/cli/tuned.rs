@@ -1,6 +1,7 @@
 //! What `tune record` says beside the gains.
 
-use crate::common::{Scratch, stdout};
+use crate::common::{Scratch, stdout, trendid};
+use crate::refusals::sentence;
 
 #[test]
 fn gains_come_with_what_speaks_against_their_model() {
@@ -139,4 +140,102 @@ fn a_bandwidth_with_which_the_loop_is_unstable_has_no_gains() {
         let refused = format!("no {kind}: the loop would be unstable at this bandwidth");
         assert!(text.contains(&refused), "{text}");
     }
+}
+
+const SERVO: [&str; 6] = [
+    "tune",
+    "model",
+    "--denominator",
+    "1,20,400,0",
+    "--sample-time",
+    "0.001",
+];
+
+#[test]
+fn values_with_a_minus_are_values() {
+    let zero = stdout(&[&SERVO[..], &["--numerator", "-1,50"]].concat());
+    assert!(zero.contains("y / u = (-s + 50)"), "{zero}");
+    for (args, said) in [
+        (
+            &["--numerator", "1", "--delay", "-1"][..],
+            "its delay is -0.001 s, not 0 or more",
+        ),
+        (
+            &["--numerator", "1", "--sample-time", "-1"],
+            "the sampling interval -1 s is not a positive number",
+        ),
+        (
+            &["--numerator", "1", "--sample-time", "nan"],
+            "the sampling interval NaN s is not a positive number",
+        ),
+    ] {
+        let model = match args.contains(&"--sample-time") {
+            true => &SERVO[..4],
+            false => &SERVO[..],
+        };
+        let found = sentence(&[model, args].concat());
+        assert!(found.contains(said), "{found}");
+    }
+    let bandwidth = [&SERVO[..], &["--numerator", "1", "--bandwidth", "-5"]].concat();
+    let found = trendid(&bandwidth);
+    let found = String::from_utf8_lossy(&found.stderr).into_owned();
+    assert!(
+        found.contains("expected a number of rad/s above 0"),
+        "{found}"
+    );
+}
+
+#[test]
+fn a_picture_that_cannot_be_written_leaves_nothing_printed() {
+    let dir = Scratch::new("tune-plot");
+    let file = dir.file("taken", "");
+    let found = sentence(&[&SERVO[..], &["--numerator", "1e6", "--plot", &file]].concat());
+    assert!(found.contains("cannot make the directory"), "{found}");
+}
+
+/// A loop that rises long after a dozen of its crossovers.
+#[test]
+fn a_slow_step_has_a_rise_time() {
+    let model = [
+        "tune",
+        "model",
+        "--numerator",
+        "90.2",
+        "--denominator",
+        "1,3.754,90.56",
+        "--sample-time",
+        "0.01",
+        "--delay",
+        "2.7",
+    ];
+    let text = stdout(&model);
+    let rises: Vec<&str> = text.lines().filter(|l| l.contains("rise (10")).collect();
+    assert!(!rises.is_empty(), "{text}");
+    for line in rises {
+        assert!(
+            !line.contains("NaN") && !line.contains("not within"),
+            "{text}"
+        );
+    }
+    let dir = Scratch::new("tune-slow");
+    let pictures = dir.path("pictures");
+    stdout(&[&model[..], &["--plot", &pictures]].concat());
+}
+
+/// Noise beside a square wave: the delay is some samples, and millions within its deviations.
+#[test]
+fn a_record_that_does_not_tell_the_delay_has_no_gains() {
+    let row = |k: usize| {
+        let (u, noise) = ([-1, 1][k / 20 % 2], (k * k * 7919 + 3 * k) % 1009);
+        format!("{:.2},{u},{noise}\n", 0.01 * k as f64)
+    };
+    let rows: String = (0..200).map(row).collect();
+    let dir = Scratch::new("tune-noise");
+    let file = dir.file("noise.csv", &format!("t,u,y\n{rows}"));
+    let args = ["tune", "record", &file, "--order", "2", "--integrator"];
+    let found = sentence(&args);
+    assert!(found.contains("its delay is not known, "), "{found}");
+    assert!(found.contains("more than 200: give the delay"), "{found}");
+    let given = stdout(&[&args[..], &["--delay", "0"]].concat());
+    assert!(given.contains("WARNING: the model"), "{given}");
 }

@@ -46,7 +46,7 @@ pub(super) fn check(model: &Model, around: &[Model], goal: Goal) -> Result<(), E
         let slowest = SLOWEST / dt;
         if bandwidth < slowest {
             return refuse(format!(
-                "a bandwidth of {bandwidth} rad/s, below {slowest} rad/s, {SLOWEST:e} radians per sample: a controller with a longer sample time does as well"
+                "a bandwidth of {bandwidth:e} rad/s, below {slowest:e} rad/s, {SLOWEST:e} radians per sample: a controller with a longer sample time does as well"
             ));
         }
     }

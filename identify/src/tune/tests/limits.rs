@@ -54,7 +54,7 @@ fn absurd_numbers_are_named_with_their_limit() {
         ..AUTO
     };
     let error = refusal(&servo(0.0), &[], slow);
-    assert!(error.contains("0.001 rad/s, below 0.01 rad/s"), "{error}");
+    assert!(error.contains("1e-3 rad/s, below 1e-2 rad/s"), "{error}");
 }
 
 #[test]
