@@ -154,7 +154,7 @@ const SERVO: [&str; 6] = [
 #[test]
 fn values_with_a_minus_are_values() {
     let zero = stdout(&[&SERVO[..], &["--numerator", "-1,50"]].concat());
-    assert!(zero.contains("y / u = (-s + 50)"), "{zero}");
+    assert!(zero.contains("y / u = (-s + 50.00) / "), "{zero}");
     for (args, said) in [
         (
             &["--numerator", "1", "--delay", "-1"][..],

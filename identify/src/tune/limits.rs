@@ -2,7 +2,7 @@
 
 use super::model::Model;
 use super::plant::SampledPlant;
-use super::{FASTEST, Goal, SLOWEST};
+use super::tuned_loop::{FASTEST, Goal, SLOWEST};
 use crate::delay_choice::LONGEST_DELAY;
 use crate::error::Error;
 

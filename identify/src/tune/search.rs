@@ -3,7 +3,7 @@
 use super::model::Model;
 use super::plant::SampledPlant;
 use super::state_feedback::IDLE;
-use super::{FASTEST, Gains, KINDS, SENSITIVITY, SLOWEST, TunedLoop};
+use super::tuned_loop::{FASTEST, Gains, KINDS, SENSITIVITY, SLOWEST, TunedLoop};
 use super::{margins, shaping, state_feedback};
 
 /// Bandwidths that are tried between the slowest and the fastest, and steps that sharpen the
@@ -31,7 +31,7 @@ impl Search<'_> {
     /// A loop of a kind at a bandwidth \[rad/s\] with its margins.
     ///
     /// # Errors
-    /// Why there is none: it is unstable, or the sensitivity with one of the plants exceeds `limit`.
+    /// Why there is none: it is unstable, or the sensitivity with a plant exceeds `limit`.
     pub(super) fn at(&self, kind: &str, bandwidth: f64, limit: f64) -> Result<TunedLoop, String> {
         let Self {
             model,

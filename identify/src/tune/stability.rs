@@ -8,8 +8,8 @@
 //! ```
 //!
 //! f is 1 at infinity and has no pole outside of the circle around 0 that all p_i have to be in. So
-//! along it f turns around 0 once for each p_i outside (argument principle): Nyquist's criterion for
-//! the closed loop itself, with nothing of the open loop to count.
+//! along it f turns around 0 once for each p_i outside (argument principle): Nyquist's criterion
+//! for the closed loop itself, with nothing of the open loop to count.
 
 use std::f64::consts::PI;
 
