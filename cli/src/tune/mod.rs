@@ -23,7 +23,7 @@ Examples:
 
 Three controllers: position P around velocity PI, PID with a filtered derivative of the
 output, and state feedback with an observer that finds a constant disturbance. `auto` is
-the largest bandwidth, from 1e-5 to 0.5 radians per sample, whose sensitivity
+the largest bandwidth, from 1e-8 to 0.5 radians per sample, whose sensitivity
 max |1/(1+L)| stays at or below 1.7, for the model and for two standard deviations to
 both sides along each axis of its covariance, the delay included. A delay that may be
 longer than 200 samples within these has no gains.

@@ -253,13 +253,13 @@ const SHOWN: [f64; 2] = [15.0, 1000.0];
 /// What is shown after the rise, in units of the time up to it.
 const BEHIND: f64 = 3.0;
 
-/// The longest slow step \[samples\].
+/// The longest step \[samples\].
 const LONGEST: f64 = 2e6;
 
 /// Seconds that show a step, its rise included.
 pub(super) fn span(found: &TunedLoop, plant: &SampledPlant) -> f64 {
-    let [shortest, longest] = SHOWN.map(|times| times / found.bandwidth);
-    let longest = longest.min(LONGEST * plant.sample_time()).max(shortest);
+    let most = LONGEST * plant.sample_time();
+    let [shortest, longest] = SHOWN.map(|times| (times / found.bandwidth).min(most));
     let mut end = longest;
     found.step_while(plant, |sample| {
         if sample.output >= 0.9 {

@@ -69,7 +69,7 @@ pub struct Tuned {
 ///
 /// Gains are found for a plant whose gain is one, and are in the units of the signals by division
 /// afterwards: they do not depend on these units. The search for a bandwidth goes from half a
-/// radian per sample down to a thousandth of the rate of the plant, or to 1e-5 radians per sample.
+/// radian per sample down to a thousandth of the rate of the plant, or to 1e-8 radians per sample.
 ///
 /// Cost: some 30 bandwidths for each kind of controller, each with a frequency response of every
 /// model.

@@ -6,9 +6,10 @@ use super::state_feedback::IDLE;
 use super::tuned_loop::{FASTEST, Gains, KINDS, SENSITIVITY, SLOWEST, TunedLoop};
 use super::{margins, shaping, state_feedback};
 
-/// Bandwidths that are tried between the slowest and the fastest, and steps that sharpen the
-/// choice.
+/// Bandwidths that are tried between the slowest and the fastest, at least in all and in a decade,
+/// and steps that sharpen the choice.
 const TRIED: usize = 24;
+const IN_A_DECADE: f64 = 5.0;
 const SHARPENED: usize = 5;
 
 /// The slowest bandwidth that is tried is this share of the rate of the plant, at most.
@@ -82,9 +83,11 @@ impl Search<'_> {
         let (dt, rate) = (self.plant.dt, self.plant.rate);
         let fastest = FASTEST / dt;
         let slowest = (BELOW * rate.min(fastest)).max(SLOWEST / dt);
-        let ratio = (fastest / slowest).powf(1.0 / (TRIED - 1) as f64);
+        let decades = (fastest / slowest).log10();
+        let tried = TRIED.max((IN_A_DECADE * decades).ceil() as usize);
+        let ratio = (fastest / slowest).powf(1.0 / (tried - 1) as f64);
         let mut reason = String::new();
-        for k in 0..TRIED {
+        for k in 0..tried {
             let bandwidth = fastest / ratio.powi(k as i32);
             match robust(bandwidth) {
                 Ok(best) if k == 0 => return Ok(best),

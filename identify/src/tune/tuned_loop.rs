@@ -12,17 +12,17 @@ use super::state_feedback::StateFeedback;
 /// of 34 degrees at least.
 pub const SENSITIVITY: f64 = 1.7;
 
-/// Largest and smallest bandwidth \[rad per sample\]: held commands hardly follow above, and a loop
-/// is as good with fewer samples below.
+/// Largest and smallest bandwidth \[rad per sample\]: held commands hardly follow above, and
+/// a loop is as good with fewer samples below, where its poles are hardly told from 1.
 pub(super) const FASTEST: f64 = 0.5;
-pub(super) const SLOWEST: f64 = 1e-5;
+pub(super) const SLOWEST: f64 = 1e-8;
 
 /// What the loops are for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Goal {
     /// Sample time of the controller \[s\].
     pub sample_time: f64,
-    /// Bandwidth \[rad/s\], 1e-5 to 0.5 radians per sample; without, the largest robust one.
+    /// Bandwidth \[rad/s\], 1e-8 to 0.5 radians per sample; without, the largest robust one.
     pub bandwidth: Option<f64>,
 }
 

@@ -50,11 +50,11 @@ fn absurd_numbers_are_named_with_their_limit() {
         assert!(error.contains(said), "{error}");
     }
     let slow = Goal {
-        bandwidth: Some(1e-3),
+        bandwidth: Some(1e-6),
         ..AUTO
     };
     let error = refusal(&servo(0.0), &[], slow);
-    assert!(error.contains("1e-3 rad/s, below 1e-2 rad/s"), "{error}");
+    assert!(error.contains("1e-6 rad/s, below 1e-5 rad/s"), "{error}");
 }
 
 #[test]
