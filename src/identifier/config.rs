@@ -124,9 +124,9 @@ impl<const M: usize, const N: usize, const I: usize> Config<M, N, I> {
     /// Sets the delay of an input in samples, also between two of them; an input that does not
     /// exist is left out.
     ///
-    /// Exact for the integral of a held input, and for that of a straight one up to an eighth of its
-    /// second difference. A drive on whose highest derivative the input acts, as a lag, is off by
-    /// the order of `(omega Delta)^2`, which the standard deviations hold.
+    /// Exact for the integral of a held input, and for that of a straight one up to an eighth of
+    /// its second difference. A drive on whose highest derivative the input acts, as a lag, is off
+    /// by the order of `(omega Delta)^2`, which the standard deviations hold.
     ///
     /// # Examples
     /// ```

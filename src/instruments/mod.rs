@@ -30,6 +30,7 @@ mod auxiliary;
 mod blocks;
 mod found;
 mod layout;
+mod products;
 mod reading;
 mod solve;
 mod spread;

@@ -1,9 +1,10 @@
 //! From the sums to an estimate, in steps that fit a sample each.
 
 use crate::identifier::Identifier;
-use crate::instruments::blocks::{BLOCKS, Products};
+use crate::instruments::blocks::BLOCKS;
 use crate::instruments::found::{Found, Way};
 use crate::instruments::layout::Layout;
+use crate::instruments::products::Products;
 use crate::instruments::solve::Factored;
 use crate::instruments::spread::Spread;
 use crate::instruments::sums::Instruments;

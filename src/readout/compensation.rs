@@ -141,8 +141,8 @@ impl<const M: usize> Noise<M> {
     /// Splits the residual into the part that white noise explains and the rest.
     ///
     /// The rest is slow (drift, friction, a wrong model): its samples are [`dependent`]; `angle` is
-    /// omega Delta. So is all of a residual that is small by chance: where the filter is slower than
-    /// the drive, white noise has few independent values there.
+    /// omega Delta. So is all of a residual that is small by chance: where the filter is slower
+    /// than the drive, white noise has few independent values there.
     fn split(&self, top_scale: f32, samples: f32, angle: f32) -> Residual {
         let Some(white) = self.white else {
             let dependent = if self.lucky { dependent(angle) } else { 1.0 };

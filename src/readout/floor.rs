@@ -24,8 +24,8 @@ pub(super) const DISCRETE: f32 = 0.2;
 /// `omega_n Delta/(4 xi)` of itself, which is more.
 const FORWARD: f32 = 0.5;
 
-/// Error of a held input that changes within a sample, whose mean over it stands for it, relative to
-/// a parameter, in units of `p (1 - p) (omega_n Delta)^2` at the part p of a sample.
+/// Error of a held input that changes within a sample, whose mean over it stands for it, relative
+/// to a parameter, in units of `p (1 - p) (omega_n Delta)^2` at the part p of a sample.
 ///
 /// Measured of a lag without noise: 0.73, with exact trends, from omega Delta of 0.05 to 0.5.
 const BETWEEN: f32 = 0.8;

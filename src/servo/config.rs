@@ -42,8 +42,8 @@ pub struct Config {
     pub range: f32,
     /// Largest rate of the command per s; default 400.
     pub rate: f32,
-    /// Delay of the valve in s, at most 40 samples; default 2 ms, or that. It is rounded to samples. What
-    /// the commissioning finds replaces it.
+    /// Delay of the valve in s, at most 40 samples; default 2 ms, or that. It is rounded to
+    /// samples. What the commissioning finds replaces it.
     pub delay: f32,
     /// Memory of the identifier in s; default 1.5.
     pub memory: f32,
@@ -152,9 +152,9 @@ pub struct SupervisionSettings {
     pub error_deadband: Option<f32>,
 }
 
-/// Bandwidth before it is known: per sample, because who samples an axis does so some 300 times in a
-/// period of it, 2 pi/0.02; and at most in rad/s, because beyond 2 kHz the sample time tells of the
-/// computer and not of the axis.
+/// Bandwidth before it is known: per sample, because who samples an axis does so some 300 times in
+/// a period of it, 2 pi/0.02; and at most in rad/s, because beyond 2 kHz the sample time tells of
+/// the computer and not of the axis.
 const PROVISIONAL_STEP: f32 = 0.02;
 const PROVISIONAL_MOST: f32 = 40.0;
 

@@ -29,11 +29,7 @@ fn on_its_own_model_the_loop_follows_every_reference() {
         let _ = bench.worst(1500);
         // A step of the jerk comes a delay late; a sine has none. What the blend of the dead zone
         // leaves at reversals of the flow comes on top.
-        let most = if dead_zone > 0.0 {
-            [0.5, 0.1]
-        } else {
-            [0.5, 0.03]
-        };
+        let most = [0.5, if dead_zone > 0.0 { 0.1 } else { 0.03 }];
         for target in [320.0, 80.0, 81.0, 200.0] {
             bench.servo.move_to(target).expect("a target");
             let worst = bench.worst(2500);

@@ -8,8 +8,8 @@ use trendid::servo as core_servo;
 #[repr(u8)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoopState {
-    /// Nothing controls: before a commissioning, and behind an abort. The valve is in its middle, as
-    /// far as that is known.
+    /// Nothing controls: before a commissioning, and behind an abort. The valve is in its middle,
+    /// as far as that is known.
     Idle = 0,
     /// The axis is moved; too early for a model.
     Exciting = 1,

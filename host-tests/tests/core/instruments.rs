@@ -16,6 +16,7 @@ use crate::dense::in_s_plane;
 use in_f64::in_f64;
 
 mod in_f64;
+mod restart;
 
 const SERVO: Structure<3, 5, 1> = Structure::SERVO;
 const ROWS: usize = instruments::rows(&SERVO);
@@ -228,43 +229,6 @@ fn weak_instruments_and_few_blocks_are_said() {
     assert_eq!(found.estimate, servo.identifier().estimate());
     servo.reset();
     assert!(servo == self::servo(|_| {}));
-}
-
-/// Readings of 40 records with a short memory, before the trends begin anew in motion and behind
-/// it: how many there are, and how many of them err by more than four deviations.
-fn readings_about_a_restart(memory: f32) -> [u32; 2] {
-    let (mut readings, mut far) = (0, 0);
-    for seed in 200_101..200_141 {
-        let record = Experiment::reference(Condition::white(10.0), 8.0).record(seed);
-        let mut servo = servo(|config| config.memory = Some(memory));
-        for (k, sample) in record.samples().enumerate() {
-            let _ = servo.update(sample.u as f32, sample.y as f32);
-            if k == 4000 {
-                servo.restart_trends();
-            }
-            if ![3999, 4500, 5000, 5500, 6000, 7000, 7999].contains(&k) {
-                continue;
-            }
-            let estimate = servo.estimate().estimate;
-            let (theta, std) = (estimate.theta(), estimate.std());
-            assert!(std.iter().all(|std| *std > 0.0), "{seed} {k}: {std:?}");
-            let errors = [400.0, 20.0, 1e6].iter().zip(theta).zip(std);
-            let worst = errors.map(|((truth, value), std)| (value - truth).abs() / std);
-            readings += 1;
-            far += u32::from(worst.fold(0.0_f32, f32::max) > 4.0);
-        }
-    }
-    [readings, far]
-}
-
-#[test]
-#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
-fn behind_a_restart_the_initial_state_of_before_is_none() {
-    for memory in [0.15, 0.3, 0.5, 1.0] {
-        let [readings, far] = readings_about_a_restart(memory);
-        println!("memory {memory} s: {far} of {readings} beyond four deviations");
-        assert_eq!(far, 0, "{memory}: of {readings}");
-    }
 }
 
 #[test]

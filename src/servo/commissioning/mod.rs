@@ -87,6 +87,16 @@ struct Suspicion {
     defied: bool,
 }
 
+/// An axis beyond the safe travel.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Outside {
+    /// Time in s without coming back.
+    time: f32,
+    /// Where that began, and the outermost place since then.
+    began: f32,
+    outermost: f32,
+}
+
 /// The commissioning. Memory: 4 kB of record, some 3 kB of sums.
 ///
 /// Cost per ms: some 4 points of a fit. The samples in which a fit ends or a model is taken cost
@@ -104,11 +114,7 @@ pub(crate) struct Commissioning {
     suspicion: Suspicion,
     time: f32,
     attempt: u32,
-    /// Time in s beyond the safe travel without coming back, the place where that began, and the
-    /// outermost since then.
-    outside: f32,
-    began: f32,
-    outermost: f32,
+    outside: Outside,
     tracking: AlphaBetaGamma,
     record: MotionRecord,
     search: Search,
@@ -139,9 +145,7 @@ impl Commissioning {
             suspicion: Suspicion::default(),
             time: 0.0,
             attempt: 0,
-            outside: 0.0,
-            began: 0.0,
-            outermost: 0.0,
+            outside: Outside::default(),
             tracking: AlphaBetaGamma::new(rate, design.sample_time),
             record: MotionRecord::new(),
             search: Search::new(
@@ -168,7 +172,7 @@ impl Commissioning {
         self.still = Still::default();
         self.moving_command = 0.0;
         self.sign = 1.0;
-        self.outside = 0.0;
+        self.outside.time = 0.0;
         self.first_guess = None;
         self.accepted = None;
         self.same = 0;

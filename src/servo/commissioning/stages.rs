@@ -135,7 +135,7 @@ impl Commissioning {
 
     pub(crate) fn sweep(&mut self, mut sweep: Sweep, y: f32, v: f32) -> Progress {
         if sweep.is_safe(y) {
-            self.outside = 0.0;
+            self.outside.time = 0.0;
         } else if let Some(progress) = self.stay_outside(y, v, sweep.half()) {
             return progress;
         }
@@ -167,24 +167,25 @@ impl Commissioning {
 
     /// A sample beyond the safe travel: the command leads inwards, and the axis has to follow.
     fn stay_outside(&mut self, y: f32, v: f32, half: f32) -> Option<Progress> {
+        let outside = &mut self.outside;
         let inward = if y < 0.5 { 1.0 } else { -1.0 };
-        let returned = inward * (y - self.outermost);
-        if self.outside == 0.0 || returned > RETURN_TIME * RETURN_SPEED {
-            (self.outside, self.began, self.outermost) = (0.0, y, y);
+        let returned = inward * (y - outside.outermost);
+        if outside.time == 0.0 || returned > RETURN_TIME * RETURN_SPEED {
+            (outside.time, outside.began, outside.outermost) = (0.0, y, y);
         } else if returned < 0.0 {
-            self.outermost = y;
+            outside.outermost = y;
         }
-        self.outside += self.design.sample_time;
-        if !(self.outside > RETURN_TIME) {
+        outside.time += self.design.sample_time;
+        if !(outside.time > RETURN_TIME) {
             return None;
         }
-        let mean = inward * (self.began - y) / RETURN_TIME;
+        let mean = inward * (outside.began - y) / RETURN_TIME;
         if mean > RETURN_SPEED && -inward * v > GOES_ON * mean {
             self.suspicion.closing = Some(ValveClosing::new(-inward * mean, half));
             return Some(Progress::Command(0.0));
         }
         // What stands is pushed until it moves, or nothing moves it.
-        self.outside = 0.0;
+        outside.time = 0.0;
         (mean > RETURN_SPEED && !at_end(y)).then_some(Progress::Failed(Reason::TravelEnd))
     }
 

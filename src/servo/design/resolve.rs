@@ -233,6 +233,27 @@ mod tests {
     }
 
     #[test]
+    fn noise_is_what_was_stated_or_found_and_no_less_than_is_resolved() {
+        let mut config = Config::new(1e-3, 25.0, TRAVEL);
+        for (found, noise) in [
+            (0.0, 400.0 * c::NOISE_RATIO),
+            (3e-3, 3e-3),
+            (1e-9, 40.0 * 1e-7),
+        ] {
+            let error = config.noise_beside(found) / noise - 1.0;
+            assert!(error.abs() < 1e-6, "{found}");
+        }
+        for (stated, accepted) in [(2e-4, true), (1e-9, false), (1e3, false), (f32::NAN, false)] {
+            config.noise = Some(stated);
+            let resolved = config.resolve();
+            assert_eq!(resolved.is_ok(), accepted, "{stated}");
+            if let Err(Error::Setting(error)) = resolved {
+                assert!(error.to_string().starts_with("noise"), "{error}");
+            }
+        }
+    }
+
+    #[test]
     fn an_amplitude_is_more_than_nothing_and_at_most_the_full_command() {
         let resolved = |amplitude: f32| {
             let mut config = Config::new(1e-3, 25.0, TRAVEL);

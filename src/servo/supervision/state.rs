@@ -118,8 +118,8 @@ impl fmt::Display for Reason {
 #[repr(u8)]
 #[non_exhaustive]
 pub enum State {
-    /// Nothing controls: before a commissioning, and behind an abort. The valve is in its middle, as
-    /// far as that is known.
+    /// Nothing controls: before a commissioning, and behind an abort. The valve is in its middle,
+    /// as far as that is known.
     Idle,
     /// The axis is moved; too early for a model.
     Exciting,

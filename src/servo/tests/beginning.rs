@@ -47,9 +47,6 @@ fn what_one_code_and_the_noise_leave_unknown_is_no_motion() {
     near(bench.servo.noise(), 400.0 * NOISE_RATIO);
     bench.servo.drive.noise = 3e-3;
     near(bench.servo.noise(), 3e-3);
-    // Less than the identifier resolves of its range, a tenth of the travel.
-    bench.servo.drive.noise = 1e-9;
-    near(bench.servo.noise(), 40.0 * 1e-7);
     // 8.4 over the rate of the filter before it has settled.
     let rate = bench.servo.moves.tracking.rate();
     bench.servo.moves.unsettle(1e-3);
