@@ -221,3 +221,27 @@ pub(crate) fn between_samples<'a>(problem: &'a Problem<'a>, judged: Judged<'a>) 
     }
     best
 }
+
+/// The same filter with the delay as an unknown, where that has a model.
+pub(crate) fn followed<'a>(problem: &'a Problem<'a>, start: &Judged<'a>) -> Option<Judged<'a>> {
+    let (filter, method) = (start.fit.filter(), start.fit.method());
+    let free = Fit::new(problem, filter, start.fit.delay(), method).ok()?;
+    let free = free.with_free_delay().ok()?;
+    let fit = Fit::new(problem, filter, free.delay(), method).ok()?;
+    let folds = Folds::of(problem, &fit)?;
+    Some(Judged {
+        fit,
+        folds,
+        ..*start
+    })
+}
+
+/// The same fit at the delay that the record shows, between samples where that simulates better.
+pub(crate) fn at_its_delay<'a>(problem: &'a Problem<'a>, judged: Judged<'a>) -> Judged<'a> {
+    let near = between_samples(problem, judged);
+    let free = followed(problem, &near);
+    match free.filter(|free| error(free) < BETTER * error(&near)) {
+        Some(free) => free,
+        None => near,
+    }
+}

@@ -9,9 +9,9 @@
 
 use std::ops::RangeInclusive;
 
-use crate::delay_choice::{LONGEST_DELAY, best_of};
+use crate::delay_choice::{LONGEST_DELAY, best_of, followed};
 use crate::filter_choice::{Judged, judged};
-use crate::folds::{Folds, Refitted};
+use crate::folds::Refitted;
 use crate::instruments::{Fit, Found, Method};
 use crate::problem::Problem;
 use crate::side_by_side::side_by_side;
@@ -55,20 +55,6 @@ fn longest<'a>(
     best_of(quarters.chain(whole))
 }
 
-/// The same filter with the delay as an unknown, where that has a model.
-fn followed<'a>(problem: &'a Problem<'a>, start: Judged<'a>) -> Option<Judged<'a>> {
-    let (filter, method) = (start.fit.filter().to_vec(), start.fit.method());
-    let free = Fit::new(problem, &filter, start.fit.delay(), method).ok()?;
-    let free = free.with_free_delay().ok()?;
-    let fit = Fit::new(problem, &filter, free.delay(), method).ok()?;
-    let folds = Folds::of(problem, &fit)?;
-    Some(Judged {
-        fit,
-        folds,
-        ..start
-    })
-}
-
 /// What a longer delay says of a fit.
 pub(crate) enum Longer<'a> {
     /// It simulates better by more than chance.
@@ -92,7 +78,7 @@ pub(crate) fn longer<'a>(problem: &'a Problem<'a>, found: &Judged<'a>) -> Option
     let at_end = side_by_side(&POLES, |share| {
         longest(problem, share * pole, tried.clone(), method)
     });
-    let longer = followed(problem, best_of(at_end.into_iter().flatten())?)?;
+    let longer = followed(problem, &best_of(at_end.into_iter().flatten())?)?;
     let beats = |one: &Judged, other: &Judged| {
         let simulated = (problem, one.fit.delay(), Refitted::StateAndConstant);
         one.folds.beat(simulated, &other.folds, (1, alternatives))

@@ -44,7 +44,7 @@ pub struct Shorter {
 impl Shorter {
     pub(super) fn of(problem: &Problem, judged: &Judged) -> Self {
         Self {
-            delay: judged.fit.delay() as usize,
+            delay: judged.fit.delay().round() as usize,
             fit_x0c: fit_x0c(problem, &judged.folds),
             folds: judged.folds.clone(),
         }

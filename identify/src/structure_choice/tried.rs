@@ -3,7 +3,7 @@
 use super::alike::{Missing, Shorter, fit_x0c};
 use super::candidate::Candidate;
 use super::drop::{Drop, cancels, rests_on};
-use crate::delay_choice::{DELAYS, Delays, LONGEST_DELAY};
+use crate::delay_choice::{DELAYS, Delays, LONGEST_DELAY, at_its_delay};
 use crate::filter_choice::{self, Judged};
 use crate::identification::{self, Behind, model_behind};
 use crate::poor_input::PoorInput;
@@ -44,13 +44,16 @@ pub(super) fn candidate(
         alike: Some(found.alike),
         ..asked
     };
+    // A model at a whole delay beside that of the record makes up for the rest of a sample by a zero
+    // or a pole, which then looks like one of the drive.
     let around = |delay: usize| {
         let near: Vec<f64> = poles
             .iter()
             .copied()
             .filter(|pole| (0.2..5.0).contains(&(pole / first.pole)))
             .collect();
-        filter_choice::choose(&problem, &near, delay as f64, &())
+        let judged = filter_choice::choose(&problem, &near, delay as f64, &());
+        judged.map(|judged| at_its_delay(&problem, judged))
     };
     let Ok(best) = around(delays[0]) else {
         return Ok(passed(&problem, first, asked)?);
@@ -117,7 +120,7 @@ fn passed(problem: &Problem, judged: Judged, asked: Asked) -> Result<Candidate, 
     if let Some(elsewhere) = elsewhere {
         found.estimate = elsewhere.contained_in(problem, found.estimate);
     }
-    let delay = judged.fit.delay() as usize;
+    let delay = judged.fit.delay().round() as usize;
     let delay_sigma = found.delay.as_ref().filter(|_| asked.alike.is_some());
     Ok(Candidate {
         structure,
