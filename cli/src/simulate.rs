@@ -19,7 +19,7 @@ Example (simulate ten seconds, then identify them):
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct SimulateArgs {
-    /// File to write: columns t [s], u, y [mm] (measured), x [mm] (true)
+    /// File to write, `-` for the standard output: columns t [s], u, y [mm] (measured), x [mm] (true)
     #[arg(long, value_name = "FILE.csv")]
     out: PathBuf,
     #[command(flatten)]
@@ -53,6 +53,14 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<(), Refusal> {
     text += "# t [s], u [1] held, y [mm] measured, x [mm] true\nt,u,y,x\n";
     for s in record.samples() {
         let _ = writeln!(text, "{:.3},{},{:.6},{:.6}", s.t, s.u, s.y, s.y_true);
+    }
+    if args.out.as_os_str() == "-" {
+        return match args.json {
+            true => Err(Refusal::new(
+                "--out - writes the record to the standard output, where --json has no place",
+            )),
+            false => emit(&text),
+        };
     }
     std::fs::write(&args.out, text)
         .map_err(|e| Refusal::new(format!("cannot write `{}`: {e}", args.out.display())))?;

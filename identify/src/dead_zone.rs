@@ -11,7 +11,7 @@
 //! folds of the record that the model has not seen, on a grid that is then refined.
 
 use crate::derived::sign_of;
-use crate::error::{Error, Weakness};
+use crate::error::Error;
 use crate::filter_choice::{choose, judged};
 use crate::folds::{Folds, Refitted};
 use crate::instruments::Method;
@@ -83,7 +83,7 @@ impl DeadZone {
             let problem = Problem::new(&signals, structure, options)?;
             let judged = match poles {
                 [pole] => judged(&problem, *pole, delay, Method::Instruments)
-                    .ok_or_else(|| problem.cannot_carry(Weakness::NoSimulation))?,
+                    .ok_or_else(|| problem.cannot_simulate())?,
                 _ => choose(&problem, poles, delay, &())?,
             };
             Ok((judged.folds, judged.pole))

@@ -78,7 +78,7 @@ pub enum Error {
         samples: usize,
     },
     /// The memory is too short or not finite.
-    #[error("a memory of {memory} s is not longer than two samples ({shortest} s)")]
+    #[error("{}", of_memory(*memory, *shortest))]
     Memory {
         /// The memory asked for \[s\].
         memory: f64,
@@ -157,6 +157,26 @@ const fn plural(count: usize) -> &'static str {
     }
 }
 
+/// What is wrong with a memory in s.
+fn of_memory(memory: f64, shortest: f64) -> String {
+    match memory.is_finite() {
+        true => format!("a memory of {memory} s is not longer than two samples ({shortest} s)"),
+        false => {
+            format!("a memory of {memory} s is no finite time: without one nothing is forgotten")
+        }
+    }
+}
+
+/// What may be wrong with a structure whose models are unstable.
+const fn otherwise(integrator: bool) -> &'static str {
+    match integrator {
+        true => {
+            "order, zeros or delay are others, or no input drives the output: try --delay auto, or `trendid select`"
+        }
+        false => "try --integrator, or `trendid select`",
+    }
+}
+
 /// The order that so many zeros need.
 fn needing(zeros: usize) -> String {
     match zeros {
@@ -191,9 +211,12 @@ pub enum Weakness {
     Delay,
     /// No model of the search can be simulated.
     #[error(
-        "each one, or one without an eighth of the record, is unstable: try --integrator, or `trendid select`"
+        "each one, or one without an eighth of the record, is unstable: {}", otherwise(*integrator)
     )]
-    NoSimulation,
+    NoSimulation {
+        /// Whether the structure integrates already.
+        integrator: bool,
+    },
     /// The prediction of held-out samples is not finite.
     #[error("its prediction of the second half is not finite")]
     NoPrediction,

@@ -5,7 +5,7 @@
 //! with the sharpest parameters is taken. Then the filter `1/A` of the model itself (iterative
 //! prefiltering: Steiglitz and McBride 1965; Young and Jakeman 1980), where it simulates better.
 
-use crate::error::{Error, Weakness};
+use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::folds::{Folds, Refitted};
 use crate::instruments::{Fit, Method};
@@ -111,7 +111,7 @@ pub fn choose<'a>(
             return Ok(best);
         }
     }
-    Err(problem.cannot_carry(Weakness::NoSimulation))
+    Err(problem.cannot_simulate())
 }
 
 /// The same with the filter of the model itself, for as long as that simulates better.

@@ -71,6 +71,7 @@ pub mod problem;
 pub mod run;
 mod sampled;
 pub mod search;
+mod separable;
 pub mod side_by_side;
 pub mod signals;
 pub mod standstill;

@@ -4,17 +4,10 @@ use trendid::trends::Scheme;
 
 use crate::dynamic::{INPUTS, PARAMETERS};
 use crate::error::{Error, Weakness};
-use crate::estimate::Estimate;
 use crate::signals::{Input, Signals};
 
 /// Samples that each parameter needs at least.
 const SAMPLES_PER_PARAMETER: usize = 10;
-
-/// Smallest eigenvalue of the correlation of the parameters that f32 distinguishes from zero.
-const SINGULAR: f64 = 1e-6;
-
-/// Share of a parameter in a singular direction from which it is named.
-const INVOLVED: f64 = 0.1;
 
 /// Which coefficients a model has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -156,30 +149,6 @@ impl<'a> Problem<'a> {
         names
     }
 
-    /// Whether the samples separate all parameters of an estimate.
-    ///
-    /// # Errors
-    /// [`Error::CannotCarry`] with what is missing.
-    pub fn check(&self, estimate: &Estimate) -> Result<(), Error> {
-        let parameters = estimate.theta.iter().chain(&estimate.sigma);
-        if !parameters.copied().all(f64::is_finite) {
-            return Err(self.cannot_carry(Weakness::NotFinite));
-        }
-        let correlation = estimate.correlation();
-        if !correlation.iter().copied().all(f64::is_finite) {
-            return Err(self.cannot_carry(Weakness::NoInfluence));
-        }
-        let modes = correlation.symmetric_eigen();
-        let (weakest, value) = modes.eigenvalues.argmin();
-        if value < SINGULAR {
-            let direction = modes.eigenvectors.column(weakest);
-            let mixed = self.parameter_names().into_iter().zip(direction.iter());
-            let names = mixed.filter(|(_, d)| d.abs() > INVOLVED).map(|(n, _)| n);
-            return Err(self.cannot_carry(Weakness::Inseparable(names.collect())));
-        }
-        Ok(())
-    }
-
     /// The error of a structure that fails on these signals.
     pub fn cannot_carry(&self, weakness: Weakness) -> Error {
         Error::CannotCarry {
@@ -187,6 +156,12 @@ impl<'a> Problem<'a> {
             parameters: self.parameter_names().len(),
             weakness,
         }
+    }
+
+    /// The error of a structure no model of which can be simulated.
+    pub(crate) fn cannot_simulate(&self) -> Error {
+        let integrator = self.structure.integrator;
+        self.cannot_carry(Weakness::NoSimulation { integrator })
     }
 }
 
@@ -272,5 +247,11 @@ mod tests {
             let refused = Problem::new(&signals, STRUCTURE, options);
             assert!(matches!(refused, Err(Error::Memory { .. })), "{memory}");
         }
+        let (memory, shortest) = (f64::INFINITY, 0.2);
+        let said = Error::Memory { memory, shortest }.to_string();
+        assert_eq!(
+            said,
+            "a memory of inf s is no finite time: without one nothing is forgotten"
+        );
     }
 }

@@ -195,7 +195,7 @@ impl Problem<'_> {
         for (c, input) in inputs.iter().enumerate() {
             settings.holds[c] = input.hold;
             if input.delayed {
-                settings.delays[c] = tuning.delay;
+                settings.set_delay(c, tuning.delay as f32);
             }
             if !structure.integrator {
                 settings.initial_input[c] = input.samples[0] as f32;

@@ -15,8 +15,8 @@ pub struct Tuning {
     pub pole: Option<f64>,
     /// The filter 1/A of a model in place of these poles.
     pub model: Option<ModelFilter>,
-    /// Delay in samples.
-    pub delay: usize,
+    /// Delay in samples, also between two of them.
+    pub delay: f64,
 }
 
 /// The filter 1/A with the poles of a model.

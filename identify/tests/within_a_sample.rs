@@ -1,6 +1,10 @@
 //! Delays that are not of whole samples, without noise, from an exact simulation that shares nothing
 //! with the library.
 
+mod draws;
+
+use draws::Uniform;
+use trendid_identify::structure_choice::{Range, select};
 use trendid_identify::{Choice, Freedom, Hold, Options, Problem, Signals, Structure, identify};
 
 /// `prod (s - p_i) y = b u(t - delay)`, mode by mode: the input changes within the sample.
@@ -140,6 +144,42 @@ fn an_integrator_is_late_by_parts_of_a_sample() {
             let late = (found.delay - part).abs();
             println!("pole {pole}, delay {part:.1}: {late:.6} samples");
             assert!(late < 1e-4, "pole {pole}: {} for {part}", found.delay);
+        }
+    }
+}
+
+/// Behind noise of a thousandth, where a whole delay beside that of the record would be made up for
+/// by a zero, or by a pole more.
+#[test]
+fn no_zero_and_no_pole_stands_for_a_part_of_a_sample() {
+    let u = commands(Hold::Zero);
+    let mut draw = Uniform::of(7);
+    for poles in [&[-3.0][..], &[-10.0], &[-3.0, -9.0], &[-10.0, -17.0]] {
+        for delay in [0.5, 2.5] {
+            let b = poles.iter().product::<f64>().abs();
+            let mut y = response(&u, Hold::Zero, 0.01, poles, b, delay);
+            y.iter_mut().for_each(|y| *y += 1e-3 * draw.normal());
+            let signals = Signals::held(0.01, &u, &y);
+            let range = Range {
+                max_order: 2,
+                integrating: false,
+                constant: false,
+            };
+            let freedom = Freedom {
+                pole: Choice::Auto,
+                delay: Choice::Auto,
+            };
+            let selection = select(&signals, range, Options::default(), freedom, &());
+            let selection = selection.expect("a structure");
+            let found = &selection.candidates[selection.recommended];
+            let structure = Structure::of_order(poles.len());
+            assert_eq!(found.structure, structure, "{poles:?}, delay {delay}");
+            let late = (found.compared_delay - delay).abs();
+            assert!(
+                late < 0.2,
+                "{poles:?}: {} for {delay}",
+                found.compared_delay
+            );
         }
     }
 }

@@ -42,16 +42,21 @@ pub(crate) struct IdentifyArgs {
     #[command(flatten)]
     signals: SignalArgs,
     /// Order of the model, 1 to 4, the integrator included
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
     order: usize,
     /// The plant integrates: a0 = 0
     #[arg(long)]
     integrator: bool,
     /// Number of zeros: b0 .. bK of each input are estimated
-    #[arg(long, value_name = "K", default_value_t = 0)]
+    #[arg(
+        long,
+        value_name = "K",
+        default_value_t = 0,
+        allow_negative_numbers = true
+    )]
     zeros: usize,
     /// Delay of the inputs in samples, or the best of 0 to 200
-    #[arg(long, value_name = "D|auto", default_value = "0", value_parser = delay)]
+    #[arg(long, value_name = "D|auto", default_value = "0", value_parser = delay, allow_negative_numbers = true)]
     delay: Choice<usize>,
     /// Filter poles in rad/s, `auto` (those whose model is sharpest where it simulates eighths of
     /// the record that it has not seen as well as the best, or the poles of that model itself where
@@ -59,7 +64,7 @@ pub(crate) struct IdentifyArgs {
     #[arg(long, value_name = "POLE|auto|none", default_value = "auto", value_parser = filter, allow_negative_numbers = true)]
     filter: Choice<Option<f64>>,
     /// Memory of the estimator; without it nothing is forgotten
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     memory: Option<f64>,
     /// Write pictures (SVG) into this directory
     #[arg(long, value_name = "DIR")]
@@ -109,18 +114,19 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<(), Refusal> {
         hold_out(&mut found, identify(&half, freedom, 0, &()));
     }
     bar.finish();
+    // Before the report, so that nothing is printed where they cannot be written.
+    let written = args.plot.as_ref();
+    let written = written.map(|dir| figures::save(dir, &problem, &found, loaded.start));
+    let written = written.transpose()?;
     let report = args.signals.report(&loaded, &problem, freedom, &found);
     if args.json {
         emit_json(&report.json())?;
     } else {
         emit(&report.text())?;
     }
-    if let Some(dir) = &args.plot {
-        let written = figures::save(dir, &problem, &found, loaded.start)?;
-        if !args.json {
-            let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
-            emit(&format!("\nPictures: {}\n", names.join(", ")))?;
-        }
+    if let Some(written) = written.filter(|_| !args.json) {
+        let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
+        emit(&format!("\nPictures: {}\n", names.join(", ")))?;
     }
     Ok(())
 }

@@ -35,6 +35,7 @@ impl Report<'_> {
             "delay_s": number(self.delay_s()),
             "delay_sigma_s": found.delay_sigma().map(|sigma| number(sigma * p.signals.dt)),
             "delay_missed_s": found.delay_missed().map(|both| list(&both.map(|d| d * p.signals.dt))),
+            "delay_untold": found.delay_untold(),
             "delay_at_end": found.delay_at_end,
             "friction": match found.friction {
                 Friction::Measured => "measured",

@@ -4,6 +4,7 @@ use clap::Args;
 use trendid_identify::structure_choice::{Range, select};
 use trendid_identify::{Choice, Freedom, Options};
 
+use crate::identify::names::SchemeName;
 use crate::identify::parse::{delay, filter};
 use crate::identify::select_report::SelectReport;
 use crate::identify::signals::SignalArgs;
@@ -34,13 +35,13 @@ pub(crate) struct SelectArgs {
     #[command(flatten)]
     signals: Option<SignalArgs>,
     /// Highest order tried, 1 to 4, the integrator included
-    #[arg(long, value_name = "M", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=4))]
+    #[arg(long, value_name = "M", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=4), allow_negative_numbers = true)]
     max_order: u8,
     /// Try only structures with an integrator (a0 = 0)
     #[arg(long)]
     integrator: bool,
     /// Delay in samples, or the best of 0 to 200
-    #[arg(long, value_name = "D|auto", default_value = "auto", value_parser = delay)]
+    #[arg(long, value_name = "D|auto", default_value = "auto", value_parser = delay, allow_negative_numbers = true)]
     delay: Choice<usize>,
     /// Filter poles in rad/s, or `auto`: for each structure its own
     #[arg(long, value_name = "POLE|auto", default_value = "auto", value_parser = filter, allow_negative_numbers = true)]
@@ -78,6 +79,12 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Refusal> {
     if args.filter == Choice::Given(None) {
         return Err(Refusal::new(
             "the structures are compared behind a filter: `none` is possible in `identify` only"
+                .to_owned(),
+        ));
+    }
+    if record.scheme != SchemeName::Tustin {
+        return Err(Refusal::new(
+            "the structures are compared by sums of Tustin's trends: `--scheme goodwin` is possible in `identify` only"
                 .to_owned(),
         ));
     }

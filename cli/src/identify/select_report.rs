@@ -131,7 +131,10 @@ impl SelectReport<'_> {
             ]);
         }
         if let Some(sigma) = c.delay_sigma {
-            let delay = with_sigma(c.model_delay, sigma);
+            let delay = match c.delay_untold() {
+                true => "not told by the record".into(),
+                false => with_sigma(c.model_delay, sigma),
+            };
             rows.push(vec!["delay [samples]".into(), delay, String::new()]);
         }
         text + &table(&rows)
@@ -158,7 +161,7 @@ impl SelectReport<'_> {
             };
             let mut row = structure_cells(c.structure).to_vec();
             row.extend([
-                c.delay.to_string(),
+                samples(c.compared_delay),
                 significant(c.pole, 3),
                 c.parameters().to_string(),
                 format!("{:.2} %", c.fit_x0c),
@@ -248,15 +251,24 @@ fn structure_cells(s: Structure) -> [String; 3] {
 }
 
 fn describe(c: &Candidate) -> String {
-    describe_at(c.structure, c.delay)
+    describe_at(c.structure, c.compared_delay)
 }
 
-fn describe_at(s: Structure, delay: usize) -> String {
+/// `2`, `0.49`.
+fn samples(delay: f64) -> String {
+    match delay.fract() == 0.0 {
+        true => format!("{delay}"),
+        false => format!("{delay:.2}"),
+    }
+}
+
+fn describe_at(s: Structure, delay: f64) -> String {
+    let plural = if delay == 1.0 { "" } else { "s" };
     format!(
-        "order {}{}, {}, delay {}",
+        "order {}{}, {}, delay {} sample{plural}",
         s.order,
         if s.integrator { " with integrator" } else { "" },
         counted(s.zeros, "zero"),
-        counted(delay, "sample")
+        samples(delay)
     )
 }

@@ -11,6 +11,7 @@ use trendid_identify::{
     standstill,
 };
 
+use crate::format::significant;
 use crate::identify::names::{HoldName, SchemeName, TimeUnit};
 use crate::identify::parse::{interval, power, width};
 use crate::identify::report::Report;
@@ -30,7 +31,7 @@ pub(crate) struct SignalArgs {
     #[arg(long, value_enum)]
     pub time_unit: Option<TimeUnit>,
     /// Sampling interval in s; the time stamps are then not read
-    #[arg(long, value_name = "S", value_parser = interval, conflicts_with_all = ["time", "time_unit"])]
+    #[arg(long, value_name = "S", value_parser = interval, allow_negative_numbers = true, conflicts_with_all = ["time", "time_unit"])]
     pub dt: Option<f64>,
     /// Input column, or COL^K for its K-th power; may be repeated
     #[arg(long, value_name = "COL", default_value = "u")]
@@ -89,6 +90,12 @@ struct LoadedInput {
 }
 
 impl LoadedInput {
+    /// The largest distance of a sample from a value.
+    fn farthest(&self, from: f64) -> f64 {
+        let distance = self.samples.iter().map(|u| (u - from).abs());
+        distance.fold(0.0, f64::max)
+    }
+
     /// Takes what passes a dead zone; gives the sign of it as another input.
     fn behind(&mut self, zone: DeadZone) -> Self {
         let [through, signs] = zone.inputs(&self.samples);
@@ -214,6 +221,15 @@ impl SignalArgs {
             });
         }
         if let (Some(zone), Some(u)) = (zone, inputs.first_mut()) {
+            let largest = u.farthest(zone.centre);
+            if largest > 0.0 && largest <= zone.half_width {
+                return Err(Refusal::new(format!(
+                    "the dead zone of {} swallows the whole input `{}`, which goes up to {} at most: give a narrower one",
+                    zone.half_width,
+                    u.name,
+                    significant(largest, 4)
+                )));
+            }
             let sign = u.behind(zone);
             inputs.insert(1, sign);
         }

@@ -11,6 +11,9 @@ const POOR: f64 = 50.0;
 /// From this fit on it says most.
 const GOOD: f64 = 80.0;
 
+/// Error of a simulation over that with the constant refitted, from which on an offset shows.
+const OFFSET: f64 = 1.25;
+
 impl Report<'_> {
     /// One line on what the model is worth, by both fits.
     pub(crate) fn verdict(&self) -> String {
@@ -19,6 +22,7 @@ impl Report<'_> {
         let found = self.found;
         let off = found.poor_input.is_some()
             || found.delay_missed().is_some()
+            || found.delay_untold()
             || found.delay_imitated.is_some();
         let worth = if !self.found.estimate.reading.stable {
             "unstable"
@@ -57,6 +61,9 @@ impl Report<'_> {
                 significant((missed / sigma).abs(), 2)
             );
         }
+        if self.found.delay_untold() {
+            verdict += "; doubtful: the record does not tell the delay";
+        }
         if let Some(far) = self.found.filter_dependence() {
             verdict += &format!(
                 "; {} depends on the filter ({} standard deviations; +- contains it)",
@@ -65,6 +72,12 @@ impl Report<'_> {
             );
         }
         verdict
+    }
+
+    /// Whether a constant takes much of what a model without one leaves.
+    fn offset(&self) -> bool {
+        let [x0, x0c] = self.fits();
+        !self.problem.structure.constant && 100.0 - x0 > OFFSET * (100.0 - x0c)
     }
 
     fn first(&self) -> String {
@@ -90,7 +103,9 @@ impl Report<'_> {
         if !self.found.estimate.reading.stable {
             doubts.push("is unstable".to_owned());
         }
-        if self.found.poor_input.is_some() || self.found.delay_imitated.is_some() {
+        let found = self.found;
+        let untold = found.poor_input.is_some() || found.delay_imitated.is_some();
+        if untold || found.delay_untold() {
             doubts.push("does not tell its delay".to_owned());
         }
         if !(self.fits()[1] >= POOR) {
@@ -136,7 +151,11 @@ impl Report<'_> {
                 "friction is that of the model, which reverses and rests where its own velocity does: the record is simulated better so than with measured signs",
             );
         }
-        if self.found.delay_missed().is_some() {
+        if self.found.delay_missed().is_some() && self.offset() {
+            remarks.push(
+                "an offset is in the record that the model does not hold: `--constant` first; where the delay is missed behind that too, `--delay auto` finds it, `trendid select` the structure",
+            );
+        } else if self.found.delay_missed().is_some() {
             remarks.push(
                 "another delay, a lag or a lead is in the record: `--delay auto` finds the delay, `trendid select` the structure",
             );

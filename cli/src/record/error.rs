@@ -150,6 +150,17 @@ pub(crate) enum RecordError {
         all: usize,
         of: usize,
     },
+    /// Rows without a number, more than can be filled, where no time stamps are read.
+    #[error(
+        "line {line}: {} without a number before it, {all} of {of} in all; {LONGEST_GAP} in a row and {} % of all are filled at most: --from and --to choose a part without, or take them out where they are no samples",
+        counted(*rows, "row"), 100 / RARE
+    )]
+    Empty {
+        line: u64,
+        rows: usize,
+        all: usize,
+        of: usize,
+    },
     /// The record or the chosen part of it is too short.
     #[error("only {} {part}, but at least {needed} are needed", counted(*found, "sample"))]
     TooFewSamples {

@@ -14,6 +14,8 @@ pub(super) struct Table {
     pub(super) columns: Vec<Vec<f64>>,
     /// Number of the line of each row.
     pub(super) numbers: Vec<u64>,
+    /// Those of the lines without any number between the first row and the last.
+    pub(super) empty: Vec<u64>,
 }
 
 /// The lines of a file by what they are.
@@ -23,6 +25,8 @@ pub(super) struct Lines {
     table: String,
     /// Number of each line of the table in the file.
     numbers: Vec<u64>,
+    /// Those of the blank lines.
+    blank: Vec<u64>,
 }
 
 impl Lines {
@@ -33,10 +37,11 @@ impl Lines {
             comments: Vec::new(),
             table: String::with_capacity(text.len()),
             numbers: Vec::new(),
+            blank: Vec::new(),
         };
         for (number, line) in (1..).zip(with_line_feeds(text).lines()) {
             match line.trim() {
-                "" => {}
+                "" => lines.blank.push(number),
                 l if l.starts_with('#') => lines.comments.push(l[1..].trim().to_owned()),
                 _ => {
                     lines.table.push_str(line);
@@ -80,7 +85,7 @@ impl Lines {
         }
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); wanted.len()];
         let (mut numbers, mut lengths, mut points) = (Vec::new(), Lengths::default(), false);
-        let mut row = csv::StringRecord::new();
+        let (mut row, mut empty) = (csv::StringRecord::new(), Vec::new());
         while rows.read_record(&mut row).map_err(unreadable)? {
             let place = row.position().map_or(0, |p| p.line() as usize - 1);
             let number = |place: usize| self.numbers.get(place).copied().unwrap_or(0);
@@ -92,6 +97,7 @@ impl Lines {
                 });
             }
             if row.iter().all(str::is_empty) {
+                empty.push(line);
                 continue;
             }
             surplus(line, &names, &row)?;
@@ -108,8 +114,25 @@ impl Lines {
         Ok(Table {
             time: time.unwrap_or_default(),
             columns,
+            empty: self.empty(empty, &numbers),
             numbers,
         })
+    }
+
+    /// The rows without a number and the blank lines between the rows; in a file with as many blank
+    /// lines as every second line these only space it.
+    fn empty(&self, mut empty: Vec<u64>, rows: &[u64]) -> Vec<u64> {
+        let (Some(first), Some(last)) = (rows.first(), rows.last()) else {
+            return Vec::new();
+        };
+        let between = |line: &u64| first < line && line < last;
+        let blank: Vec<u64> = self.blank.iter().copied().filter(between).collect();
+        if blank.len() + 1 < rows.len() {
+            empty.extend(blank);
+        }
+        empty.retain(between);
+        empty.sort_unstable();
+        empty
     }
 }
 

@@ -22,6 +22,7 @@ use cells::unit_of;
 pub(crate) use error::RecordError;
 use lines::{Lines, Table};
 pub(crate) use notes::Notes;
+#[cfg(test)]
 pub(crate) use resample::Resampling;
 use timing::{Timing, timing};
 
@@ -126,12 +127,7 @@ impl Record {
         });
         let alone: Vec<Alone> = alone.collect();
         let timing = match clock.dt {
-            Some(dt) => Timing {
-                dt,
-                samples: stamps.len(),
-                resampling: Resampling::default(),
-                clock: None,
-            },
+            Some(dt) => timing::of_rows(&stamps, dt, &table.numbers)?,
             None => timing((&stamps, unit), &table.numbers, &time)?,
         };
         let Timing { dt, samples, .. } = timing;
@@ -177,7 +173,8 @@ impl Record {
         let first = from.map_or(0, index).min(n);
         let last = match to {
             Some(t) if t < self.start => first,
-            Some(t) => (index(t) + 1).clamp(first, n),
+            // What is far beyond the end is the largest index.
+            Some(t) => index(t).saturating_add(1).clamp(first, n),
             None => n,
         };
         if last - first < needed {
@@ -231,8 +228,10 @@ pub(crate) fn bytes(path: &Path, stdin: &mut dyn Read) -> Result<Vec<u8>, Record
 /// taken for granted of them.
 fn stamps(table: &mut Table, clock: &Clock, time: &str) -> (Vec<f64>, f64, Option<String>) {
     if let Some(dt) = clock.dt {
-        let rows = 0..table.numbers.len();
-        return (rows.map(|k| k as f64 * dt).collect(), 1.0, None);
+        // A row without numbers is a sample that is missing.
+        let place = |(row, line): (usize, &u64)| row + table.empty.partition_point(|e| e < line);
+        let places = table.numbers.iter().enumerate().map(place);
+        return (places.map(|k| k as f64 * dt).collect(), 1.0, None);
     }
     let counts = table.columns.remove(0);
     let by_name = unit_of(&table.time);

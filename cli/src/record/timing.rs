@@ -60,6 +60,31 @@ fn gap(steps: &[f64], median: f64, missing: usize) -> Option<usize> {
     })
 }
 
+/// Stamps at multiples of an interval that is given; the samples of rows without numbers are missing
+/// between them.
+pub(super) fn of_rows(stamps: &[f64], dt: f64, lines: &[u64]) -> Result<Timing, RecordError> {
+    let steps: Vec<f64> = stamps.windows(2).map(|w| w[1] - w[0]).collect();
+    let all: f64 = steps.iter().map(|step| intervals(*step, dt)).sum();
+    let filled = (all as usize).saturating_sub(steps.len());
+    if let Some(k) = gap(&steps, dt, filled) {
+        return Err(RecordError::Empty {
+            line: lines[k + 1],
+            rows: intervals(steps[k], dt) as usize - 1,
+            all: filled,
+            of: filled + stamps.len(),
+        });
+    }
+    Ok(Timing {
+        dt,
+        samples: stamps.len() + filled,
+        resampling: Resampling {
+            jitter: None,
+            filled,
+        },
+        clock: None,
+    })
+}
+
 /// The sampling interval of the stamps in s, which are written in a `unit` of so many: their median
 /// step decides what is irregular and what is missing, their whole span gives the figure; where
 /// they are those of a coarse clock, the line through all of them.

@@ -6,10 +6,12 @@ mod dead_zones;
 mod demo;
 #[path = "../../../identify/tests/draws/mod.rs"]
 mod draws;
+mod empty_rows;
 mod paper;
 mod records;
 mod records_spread;
 mod refusals;
+mod refusals_of_options;
 mod refusals_of_values;
 mod reports;
 mod selected;

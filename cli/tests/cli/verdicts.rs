@@ -58,3 +58,47 @@ fn a_record_of_one_step_is_said_where_the_delay_is_searched() {
     assert!((late - 0.09).abs() < 4.0 * sigma && best["delay"] == 9);
     assert!(stdout(&["select", &often, "--max-order", "1"]).contains("delay [samples]"));
 }
+
+#[test]
+fn an_offset_that_the_model_does_not_hold_is_named_before_a_delay() {
+    let dir = Scratch::new("offset");
+    let steps = steps(&[200, 450, 700, 1100, 1500, 1800]);
+    let lifted = |row: &str| {
+        let (front, y) = row.rsplit_once(',').expect("cells");
+        let y = y
+            .parse::<f64>()
+            .map_or("y".to_owned(), |y| (y - 0.3).to_string());
+        format!("{front},{y}\n")
+    };
+    let file = dir.file("r.csv", &steps.lines().map(lifted).collect::<String>());
+    let args = ["identify", &file, "--order", "2", "--delay", "9", "--json"];
+    let found = json(&args);
+    assert!(!found["delay_missed_s"].is_null());
+    let remarks = found["remarks"].to_string();
+    assert!(remarks.contains("`--constant` first"), "{remarks}");
+    assert!(!remarks.contains("another delay"), "{remarks}");
+}
+
+#[test]
+fn a_delay_beyond_the_record_is_none() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/data/servo.csv");
+    let args = [
+        "identify",
+        file,
+        "--order",
+        "3",
+        "--integrator",
+        "--input",
+        "y",
+    ];
+    let found = json(&[&args[..], &["--json"]].concat());
+    let verdict = found["verdict"].as_str().unwrap();
+    assert!(
+        verdict.contains("the record does not tell the delay"),
+        "{verdict}"
+    );
+    assert!(!verdict.contains("samples, not 0"), "{verdict}");
+    assert!(found["delay_missed_s"].is_null() && found["delay_untold"] == true);
+    let select = ["select", file, "--input", "y", "--max-order", "2"];
+    assert!(!stdout(&select).contains(")e"));
+}

@@ -266,7 +266,7 @@ impl Sharp {
         Tuning {
             pole: Some(pole.max(slowest)),
             model: own.and_then(|_| ModelFilter::of(&self.found.estimate, integrator, pole)),
-            delay: self.delay.round() as usize,
+            delay: self.delay,
         }
     }
 }

@@ -56,7 +56,7 @@ pub struct Identification {
     /// standard error over parts of the record left out; `None` where the delay was given.
     pub delay_alike: Option<[usize; 2]>,
     /// The delay as an unknown: what the record would add to the one that was given, or to the one
-    /// that was searched where that is at an end. `None` for the recursion.
+    /// that was searched where that is at an end; of the recursion, by the sums. `None` where the sums have no model.
     pub delay_found: Option<DelayFound>,
     /// A longer delay in samples that simulates as well in the place of a zero in the right half
     /// plane, where the delay was searched: the record does not tell the two, and the standard
@@ -84,6 +84,10 @@ pub struct Identification {
     pub trace: Trace,
 }
 
+fn missed(found: &DelayFound) -> bool {
+    found.shift.abs() > MISSED * found.sigma
+}
+
 impl Identification {
     /// Standard deviation of the delay in samples, where it was searched.
     pub fn delay_sigma(&self) -> Option<f64> {
@@ -98,8 +102,18 @@ impl Identification {
     pub fn delay_missed(&self) -> Option<[f64; 2]> {
         let found = self.delay_found.as_ref();
         found
-            .filter(|found| found.shift.abs() > MISSED * found.sigma)
+            .filter(|found| missed(found) && found.shift.abs() <= found.reach)
             .map(|found| [found.shift, found.sigma])
+    }
+
+    /// Whether the record does not tell the delay: what it would add is more than chance and beyond
+    /// what the equations are linear over, or the delay was searched and its deviation is.
+    pub fn delay_untold(&self) -> bool {
+        let searched = self.delay_alike.is_some();
+        self.delay_found.as_ref().is_some_and(|found| {
+            (missed(found) && found.shift.abs() > found.reach)
+                || (searched && found.sigma > found.reach)
+        })
     }
 
     /// The larger one of `filter_shifts`, where it is more than chance: the model depends on the

@@ -26,7 +26,7 @@ pub(super) fn once(
         }
         Err(error) => return Err(inseparable(problem, given(freedom.delay)).unwrap_or(error)),
     };
-    problem.check(&sharp.found.estimate)?;
+    problem.check_centred(&sharp.found.estimate)?;
     let found = match &sharp.chosen.imitated {
         Some(other) => other.contained_in(problem, (sharp.delay, sharp.found.clone())),
         None => sharp.found.clone(),

@@ -34,28 +34,31 @@ pub(super) fn recursion(
     freedom: Freedom,
     trace_points: usize,
 ) -> Result<Identification, Error> {
-    let (tuning, poor_input) = match (freedom.pole, freedom.delay) {
+    let plain = Problem {
+        options: Options::default(),
+        ..*problem
+    };
+    let raw = freedom.pole == Choice::Given(None);
+    let pole = if raw { Choice::Auto } else { freedom.pole };
+    // Their model of the record says whether the delay, given or searched, is that of the record.
+    let sharp = sharp(&plain, Freedom { pole, ..freedom }, &());
+    let (tuning, sharp) = match (freedom.pole, freedom.delay) {
         (Choice::Given(pole), Choice::Given(delay)) => {
             let tuning = Tuning {
                 pole,
                 model: None,
-                delay,
+                delay: delay as f64,
             };
-            (tuning, None)
+            (tuning, sharp.ok())
         }
-        (pole, delay) => {
-            let plain = Problem {
-                options: Options::default(),
-                ..*problem
-            };
-            let raw = pole == Choice::Given(None);
-            let pole = if raw { Choice::Auto } else { pole };
-            let sharp = sharp(&plain, Freedom { pole, delay }, &())?;
+        _ => {
+            let sharp = sharp?;
+            let tuning = sharp.tuning(&plain);
             let tuning = Tuning {
-                pole: sharp.tuning(&plain).pole.filter(|_| !raw),
-                ..sharp.tuning(&plain)
+                pole: tuning.pole.filter(|_| !raw),
+                ..tuning
             };
-            (tuning, sharp.poor_input)
+            (tuning, Some(sharp))
         }
     };
     let mut trace = Trace::default();
@@ -69,6 +72,7 @@ pub(super) fn recursion(
     let held_out = problem.check(&half).is_ok();
     let simulated = if held_out { &half } else { &run.end };
     let n = problem.samples();
+    let sharp = sharp.as_ref();
     Ok(Identification {
         way: Way::Recursion,
         pole: tuning.pole,
@@ -77,14 +81,14 @@ pub(super) fn recursion(
             let coefficients = model.coefficients().iter().copied();
             coefficients.map(f64::from).collect()
         }),
-        delay: tuning.delay as f64,
-        delay_at_end: false,
-        delay_alike: None,
-        delay_found: None,
+        delay: tuning.delay,
+        delay_at_end: sharp.is_some_and(|sharp| sharp.chosen.at_end),
+        delay_alike: sharp.and_then(|sharp| sharp.chosen.delay_alike),
+        delay_found: sharp.and_then(|sharp| sharp.found.delay.clone()),
         delay_imitated: None,
-        poor_input,
+        poor_input: sharp.and_then(|sharp| sharp.poor_input),
         friction: Friction::Measured,
-        free_run: problem.free_run(simulated, tuning.delay as f64, n / 2..n),
+        free_run: problem.free_run(simulated, tuning.delay, n / 2..n),
         held_out,
         errors: run.errors,
         trace,
@@ -100,7 +104,7 @@ pub(super) fn inseparable(problem: &Problem, delay: usize) -> Option<Error> {
     let tuning = Tuning {
         pole: poles.get(poles.len() / 2).copied(),
         model: None,
-        delay,
+        delay: delay as f64,
     };
     let run = problem.run(tuning, None).ok()?;
     problem.check(&run.end).err()

@@ -92,7 +92,11 @@ fn what_no_filter_can_simulate_is_refused() {
     let structure = Structure::of_order(1);
     let problem = Problem::new(&signals, structure, Options::default()).expect("a problem");
     let refused = identify(&problem, Freedom::default(), 0, &());
-    assert_eq!(refused, Err(problem.cannot_carry(Weakness::NoSimulation)));
+    assert_eq!(refused, Err(problem.cannot_simulate()));
+    // What is tried already is not advised.
+    let advised = |integrator| Weakness::NoSimulation { integrator }.to_string();
+    assert!(advised(false).contains("try --integrator"));
+    assert!(!advised(true).contains("--integrator"));
 }
 
 /// A drive with friction behind an integrator, `v' = -v + 6 (u - 0.4 sgn v)`, which from a sample
@@ -219,4 +223,75 @@ fn deviations_contain_what_other_filters_move_a_compromise_by() {
         .reading_sigma
         .expect("deviations of a reading")[0];
     assert!(gain.is_finite() && gain > 0.0);
+}
+
+/// u and y of `y' = -10 (y - u(t - 2.5 h))`, with noise of a thousandth, beginning at `offset`.
+fn late(offset: f64) -> [Vec<f64>; 2] {
+    let half = (-0.05_f64).exp();
+    let mut state = 1_u32;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1 << 23) - 1.0
+    };
+    let (mut u, mut y, mut x) = (Vec::<f64>::new(), Vec::new(), 0.0);
+    for k in 0..4000_usize {
+        let before = u.last().copied().unwrap_or(1.0);
+        u.push(if k % 37 == 0 {
+            random().signum()
+        } else {
+            before
+        });
+        y.push(offset + x + 2e-3 * random());
+        for late in [3, 2] {
+            let acts = k.checked_sub(late).map_or(0.0, |k| u[k]);
+            x = half * x + (1.0 - half) * acts;
+        }
+    }
+    [u, y]
+}
+
+#[test]
+fn with_a_memory_the_delay_is_that_of_the_record() {
+    let [u, y] = late(0.0);
+    let signals = Signals::held(0.01, &u, &y);
+    let options = Options {
+        memory: Some(15.0),
+        ..Options::default()
+    };
+    let problem = Problem::new(&signals, Structure::of_order(1), options).expect("a problem");
+    let of = |delay| {
+        let pole = Choice::Auto;
+        identify(&problem, Freedom { pole, delay }, 0, &()).expect("a model")
+    };
+    let found = of(Choice::Auto);
+    assert_eq!((found.way, found.delay_missed()), (Way::Recursion, None));
+    assert!((found.delay - 2.5).abs() < 0.02, "{}", found.delay);
+    let off = (found.estimate.a[0] - 10.0).abs();
+    assert!(off < 4.0 * found.estimate.sigma[0], "{:?}", found.estimate);
+    // A delay that is given stays, and what the record shows is said.
+    let given = of(Choice::Given(0));
+    let [missed, sigma] = given.delay_missed().expect("another delay");
+    assert_eq!(given.delay, 0.0);
+    assert!(
+        (missed - 2.5).abs() < 0.5 && sigma < 0.1,
+        "{missed} +- {sigma}"
+    );
+}
+
+#[test]
+fn a_constant_is_told_from_the_rest_behind_a_large_offset() {
+    for offset in [0.0, 1e4] {
+        let [u, y] = late(offset);
+        let signals = Signals::held(0.01, &u, &y);
+        let problem = Problem::new(&signals, LAG, Options::default()).expect("a problem");
+        let freedom = Freedom {
+            delay: Choice::Auto,
+            ..Freedom::default()
+        };
+        let found = identify(&problem, freedom, 0, &())
+            .expect("a model")
+            .estimate;
+        let off = (found.theta[0] - 10.0).abs();
+        assert!(off < 4.0 * found.sigma[0] && off < 0.1, "{found:?}");
+    }
 }

@@ -6,6 +6,8 @@
 //! Newton), and every standard deviation contains that it is.
 
 use crate::instruments::lanes::{Design, Lane};
+use crate::polynomials::Polynomials;
+use crate::problem::Problem;
 use crate::signals::{Input, Signals};
 
 /// How much more an input would be, `delay` whole samples late, if it came one sample later.
@@ -56,4 +58,20 @@ pub struct DelayFound {
     pub sigma: f64,
     /// Covariances with the parameters, in the order of theta.
     pub with: Vec<f64>,
+    /// Samples beyond which `shift` and `sigma` say nothing: the equations are linear in the delay
+    /// over the time constants of the model, and a delay is shorter than the record.
+    pub reach: f64,
+}
+
+/// Time constants, and samples at least, over which a delay is taken to be linear.
+const TIME_CONSTANTS: f64 = 3.0;
+const FEW: f64 = 10.0;
+
+/// The reach of a delay, by the fastest pole of a model.
+pub(super) fn reach(problem: &Problem, model: &Polynomials) -> f64 {
+    let poles = model.poles(usize::from(problem.structure.integrator));
+    let rates = poles.iter().flatten();
+    let rates = rates.map(|(re, im)| re.hypot(*im) * problem.signals.dt);
+    let linear = (TIME_CONSTANTS / rates.fold(0.0, f64::max)).max(FEW);
+    linear.min(0.5 * problem.samples() as f64)
 }

@@ -263,6 +263,7 @@ impl<'a> Fit<'a> {
             Some(covariance) => {
                 let slope = self.slope(&solution.theta, &theta, covariance);
                 if let Some(delay) = &mut delay {
+                    delay.reach = later::reach(self.problem, &model);
                     let rounding = rounding_of_delay(&self.setting.filter, self.problem.signals.dt);
                     delay.sigma = delay.sigma.hypot(rounding);
                     let with = DVector::from_column_slice(&delay.with);
@@ -282,16 +283,15 @@ impl<'a> Fit<'a> {
     /// Derivatives of theta in the s plane by theta in the plane of the trends, by differences of a
     /// third of sigma.
     fn slope(&self, theta: &[f64], mapped: &[f64], covariance: &DMatrix<f64>) -> DMatrix<f64> {
-        let p = theta.len();
-        let mut slope = DMatrix::identity(p, p);
-        for j in 0..p {
+        let mut slope = DMatrix::identity(theta.len(), theta.len());
+        for j in 0..theta.len() {
             let step = 0.3 * covariance[(j, j)].sqrt() + 1e-3 * theta[j].abs();
             let mut moved = theta.to_vec();
             moved[j] += step;
             let Some((_, moved)) = self.in_s_plane(&moved).filter(|_| step > 0.0) else {
                 continue;
             };
-            for i in 0..p {
+            for i in 0..mapped.len() {
                 slope[(i, j)] = (moved[i] - mapped[i]) / step;
             }
         }

@@ -174,6 +174,7 @@ impl Sums {
             shift: whole.theta[p],
             sigma: covariance[(p, p)].sqrt(),
             with: (0..p).map(|j| covariance[(j, p)]).collect(),
+            reach: f64::INFINITY,
         });
         Some(Solution {
             theta: whole.theta.as_slice()[..p].to_vec(),

@@ -34,8 +34,8 @@ pub(super) fn fit_x0c(problem: &Problem, folds: &Folds) -> f64 {
 /// significant.
 #[derive(Debug, Clone)]
 pub struct Shorter {
-    /// Delay in samples.
-    pub delay: usize,
+    /// Delay in samples, also between two of them.
+    pub delay: f64,
     /// Free simulation of all folds, as that of a candidate \[%\].
     pub fit_x0c: f64,
     pub(super) folds: Folds,
@@ -44,7 +44,7 @@ pub struct Shorter {
 impl Shorter {
     pub(super) fn of(problem: &Problem, judged: &Judged) -> Self {
         Self {
-            delay: judged.fit.delay().round() as usize,
+            delay: judged.fit.delay(),
             fit_x0c: fit_x0c(problem, &judged.folds),
             folds: judged.folds.clone(),
         }

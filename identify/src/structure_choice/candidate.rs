@@ -11,8 +11,10 @@ use crate::problem::Structure;
 pub struct Candidate {
     /// The structure.
     pub structure: Structure,
-    /// Delay that it is compared at, in samples.
+    /// Delay that it is compared at, in whole samples.
     pub delay: usize,
+    /// The same as it is, also between two samples.
+    pub compared_delay: f64,
     /// Delay of the model `found` in samples, between two of them where it was searched.
     pub model_delay: f64,
     /// Its standard deviation in samples, contained in those of the parameters; `None` where it was
@@ -46,6 +48,14 @@ impl Candidate {
     /// Whether the delay is longer than those tried first, which every loop may have.
     pub const fn long_delay(&self) -> bool {
         self.delay >= DELAYS
+    }
+
+    /// Whether the deviation of a delay that was searched is beyond what the equations are linear
+    /// over.
+    pub fn delay_untold(&self) -> bool {
+        let delay = self.found.delay.as_ref();
+        let beyond = delay.is_some_and(|delay| delay.sigma > delay.reach);
+        self.delay_sigma.is_some() && beyond
     }
 
     /// The larger one of `filter_shifts`, where it is more than chance.

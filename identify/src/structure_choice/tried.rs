@@ -125,6 +125,7 @@ fn passed(problem: &Problem, judged: Judged, asked: Asked) -> Result<Candidate, 
     Ok(Candidate {
         structure,
         delay,
+        compared_delay: judged.fit.delay(),
         model_delay,
         delay_sigma: delay_sigma.map(|delay| delay.sigma),
         delay_at_end: delay == LONGEST_DELAY,
