@@ -37,16 +37,16 @@ impl Problem<'_> {
     pub(crate) fn check_centred(&self, estimate: &Estimate) -> Result<(), Error> {
         let p = estimate.theta.len();
         let covariance = DMatrix::from_fn(p, p, |i, j| estimate.covariance[i][j]);
-        let to_centred = self.to_centred(p);
-        let centred = &to_centred * covariance * to_centred.transpose();
+        let centring = self.centring(p);
+        let centred = &centring * covariance * centring.transpose();
         self.check_correlation(estimate, correlation(&centred))
     }
 
     /// `A (y - m) = B (u - n) + d' is A y = B u + d` with `d' = d - a_0 m + sum b_0 n`.
-    fn to_centred(&self, parameters: usize) -> DMatrix<f64> {
-        let mut to_centred = DMatrix::identity(parameters, parameters);
+    fn centring(&self, parameters: usize) -> DMatrix<f64> {
+        let mut centring = DMatrix::identity(parameters, parameters);
         if !self.structure.constant {
-            return to_centred;
+            return centring;
         }
         let signals = self.signals;
         let acting = (0..self.samples()).filter(|k| signals.acts(*k));
@@ -54,14 +54,14 @@ impl Problem<'_> {
         let mean = |x: &[f64]| acting.clone().map(|k| x[k]).sum::<f64>() / count;
         let last = parameters - 1;
         if !self.structure.integrator {
-            to_centred[(last, 0)] = -mean(signals.output);
+            centring[(last, 0)] = -mean(signals.output);
         }
         let mut place = self.structure.order - usize::from(self.structure.integrator);
         for input in &signals.inputs {
-            to_centred[(last, place)] = mean(input.samples);
+            centring[(last, place)] = mean(input.samples);
             place += self.terms(input);
         }
-        to_centred
+        centring
     }
 
     fn check_correlation(

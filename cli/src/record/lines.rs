@@ -14,7 +14,8 @@ pub(super) struct Table {
     pub(super) columns: Vec<Vec<f64>>,
     /// Number of the line of each row.
     pub(super) numbers: Vec<u64>,
-    /// Those of the lines without any number between the first row and the last.
+    /// Those of the rows without any cell that is filled between the first row and the last; a blank
+    /// line is no row.
     pub(super) empty: Vec<u64>,
 }
 
@@ -25,8 +26,6 @@ pub(super) struct Lines {
     table: String,
     /// Number of each line of the table in the file.
     numbers: Vec<u64>,
-    /// Those of the blank lines.
-    blank: Vec<u64>,
 }
 
 impl Lines {
@@ -37,11 +36,10 @@ impl Lines {
             comments: Vec::new(),
             table: String::with_capacity(text.len()),
             numbers: Vec::new(),
-            blank: Vec::new(),
         };
         for (number, line) in (1..).zip(with_line_feeds(text).lines()) {
             match line.trim() {
-                "" => lines.blank.push(number),
+                "" => {}
                 l if l.starts_with('#') => lines.comments.push(l[1..].trim().to_owned()),
                 _ => {
                     lines.table.push_str(line);
@@ -97,7 +95,8 @@ impl Lines {
                 });
             }
             if row.iter().all(str::is_empty) {
-                empty.push(line);
+                // Before the first row there is none to be missing.
+                empty.extend((!numbers.is_empty()).then_some(line));
                 continue;
             }
             surplus(line, &names, &row)?;
@@ -111,28 +110,14 @@ impl Lines {
         // With a decimal comma the last cell, one of a column that nobody asks for, may be empty.
         let commas = separator == b',' && !points && !wanted.contains(&(names.len() - 1));
         lengths.check(commas.then_some(names.len()))?;
+        let last = numbers.last().copied().unwrap_or(0);
+        empty.retain(|line| *line < last);
         Ok(Table {
             time: time.unwrap_or_default(),
             columns,
-            empty: self.empty(empty, &numbers),
             numbers,
+            empty,
         })
-    }
-
-    /// The rows without a number and the blank lines between the rows; in a file with as many blank
-    /// lines as every second line these only space it.
-    fn empty(&self, mut empty: Vec<u64>, rows: &[u64]) -> Vec<u64> {
-        let (Some(first), Some(last)) = (rows.first(), rows.last()) else {
-            return Vec::new();
-        };
-        let between = |line: &u64| first < line && line < last;
-        let blank: Vec<u64> = self.blank.iter().copied().filter(between).collect();
-        if blank.len() + 1 < rows.len() {
-            empty.extend(blank);
-        }
-        empty.retain(between);
-        empty.sort_unstable();
-        empty
     }
 }
 

@@ -1,7 +1,7 @@
 //! What the recursion of the core says of a record: a model, its prediction errors, the parameters
 //! it cannot separate.
 
-use super::by_sums::sharp;
+use super::by_sums::{Sharp, sharp};
 use super::model::{Friction, Identification, Way};
 use crate::error::Error;
 use crate::filter_choice;
@@ -27,13 +27,9 @@ pub(super) fn recursive_errors(
     Some((run.errors, trace))
 }
 
-/// The model by the recursion of the core, with the filter and the delay that instruments would
-/// take.
-pub(super) fn recursion(
-    problem: &Problem,
-    freedom: Freedom,
-    trace_points: usize,
-) -> Result<Identification, Error> {
+/// Filter and delay that instruments would take where they are not given, and what the sums say of
+/// the record at this delay.
+fn tuned(problem: &Problem, freedom: Freedom) -> Result<(Tuning, Option<Sharp>), Error> {
     let plain = Problem {
         options: Options::default(),
         ..*problem
@@ -42,7 +38,7 @@ pub(super) fn recursion(
     let pole = if raw { Choice::Auto } else { freedom.pole };
     // Their model of the record says whether the delay, given or searched, is that of the record.
     let sharp = sharp(&plain, Freedom { pole, ..freedom }, &());
-    let (tuning, sharp) = match (freedom.pole, freedom.delay) {
+    Ok(match (freedom.pole, freedom.delay) {
         (Choice::Given(pole), Choice::Given(delay)) => {
             let tuning = Tuning {
                 pole,
@@ -60,7 +56,17 @@ pub(super) fn recursion(
             };
             (tuning, Some(sharp))
         }
-    };
+    })
+}
+
+/// The model by the recursion of the core, with the filter and the delay that instruments would
+/// take.
+pub(super) fn recursion(
+    problem: &Problem,
+    freedom: Freedom,
+    trace_points: usize,
+) -> Result<Identification, Error> {
+    let (tuning, sharp) = tuned(problem, freedom)?;
     let mut trace = Trace::default();
     let every = problem
         .samples()
