@@ -19,7 +19,7 @@ Example (simulate ten seconds, then identify them):
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(crate) struct SimulateArgs {
-    /// File to write, `-` for the standard output: columns t [s], u, y [mm] (measured), x [mm] (true)
+    /// File to write, or `-`: columns t [s], u, y [mm] (measured), x [mm] (true)
     #[arg(long, value_name = "FILE.csv")]
     out: PathBuf,
     #[command(flatten)]

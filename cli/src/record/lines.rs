@@ -14,8 +14,8 @@ pub(super) struct Table {
     pub(super) columns: Vec<Vec<f64>>,
     /// Number of the line of each row.
     pub(super) numbers: Vec<u64>,
-    /// Those of the rows without any cell that is filled between the first row and the last; a blank
-    /// line is no row.
+    /// Those of the rows between the first and the last that have empty cells only; a blank line is
+    /// none.
     pub(super) empty: Vec<u64>,
 }
 

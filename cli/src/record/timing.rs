@@ -60,8 +60,8 @@ fn gap(steps: &[f64], median: f64, missing: usize) -> Option<usize> {
     })
 }
 
-/// Stamps at multiples of an interval that is given; the samples of rows without numbers are missing
-/// between them.
+/// Stamps at multiples of an interval that is given; the samples of rows without numbers are
+/// missing between them.
 pub(super) fn of_rows(stamps: &[f64], dt: f64, lines: &[u64]) -> Result<Timing, RecordError> {
     let steps: Vec<f64> = stamps.windows(2).map(|w| w[1] - w[0]).collect();
     let all: f64 = steps.iter().map(|step| intervals(*step, dt)).sum();

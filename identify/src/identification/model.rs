@@ -56,7 +56,8 @@ pub struct Identification {
     /// standard error over parts of the record left out; `None` where the delay was given.
     pub delay_alike: Option<[usize; 2]>,
     /// The delay as an unknown: what the record would add to the one that was given, or to the one
-    /// that was searched where that is at an end; of the recursion, by the sums. `None` where the sums have no model.
+    /// that was searched where that is at an end; of the recursion, by the sums. `None` where
+    /// the sums have no model.
     pub delay_found: Option<DelayFound>,
     /// A longer delay in samples that simulates as well in the place of a zero in the right half
     /// plane, where the delay was searched: the record does not tell the two, and the standard

@@ -44,8 +44,8 @@ pub(super) fn candidate(
         alike: Some(found.alike),
         ..asked
     };
-    // A model at a whole delay beside that of the record makes up for the rest of a sample by a zero
-    // or a pole, which then looks like one of the drive.
+    // A model at a whole delay beside that of the record makes up for the rest of a sample by a
+    // zero or a pole, which then looks like one of the drive.
     let around = |delay: usize| {
         let near: Vec<f64> = poles
             .iter()
