@@ -45,7 +45,7 @@ fn the_command_keeps_range_and_rate_in_a_million_wild_samples() {
             3 => assert!(servo.move_to(f32::NAN).is_err()),
             4..=6 => {
                 let frequency = random.random_range(0.1..5.0_f32);
-                oscillated += u32::from(servo.oscillate(60.0, frequency).is_ok());
+                oscillated += u32::from(servo.oscillate(30.0, frequency).is_ok());
             }
             7 => {
                 installed += u32::from(servo.install(any_model(&mut random)).is_ok());
