@@ -69,7 +69,12 @@ fn held_blocks_stay() {
 #[test]
 fn another_last_parameter_leaves_the_sums_of_the_others() {
     // psi = 3 phi_0 + 5 phi_1, and from then on another second parameter.
-    let row = |k: u32| [f32::from(k.is_multiple_of(3)), f32::from(k.is_multiple_of(2))];
+    let row = |k: u32| {
+        [
+            f32::from(k.is_multiple_of(3)),
+            f32::from(k.is_multiple_of(2)),
+        ]
+    };
     let (mut blocks, mut alone) = (Blocks::<2, 2>::new(1.0), Blocks::<2, 2>::new(1.0));
     for k in 0..1000 {
         let [first, last] = row(k);
