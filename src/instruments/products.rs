@@ -13,7 +13,7 @@ impl<const N: usize, const R: usize> Products<N, R> {
         psi: [0.0; R],
     };
 
-    /// Adds the products of a row, of the first `columns` regressors.
+    /// Adds the products of a row.
     #[inline(always)]
     pub(super) fn add_row(&mut self, z: &[f32; R], phi: &[f32; N], psi: f32) {
         for r in 0..R {

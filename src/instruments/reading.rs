@@ -13,7 +13,8 @@ use crate::math::larger;
 use crate::math::matrix::{Matrix, add_square};
 use crate::trends::TrendOperator;
 
-/// Rounding of a sum, relative to its largest term: 128 rows are added, and 128 of such sums.
+/// Rounding of a sum, relative to its largest term: that of 128 rows and of 128 such sums, 2^-24
+/// each, adds up by chance to `2 sqrt(128) 2^-24`, a little less than this.
 const ROUNDING: f32 = 2.0 * f32::EPSILON * 8.0;
 
 /// Solutions with the numerators of the one before.

@@ -12,7 +12,6 @@
 //! these parts. What can be refused comes before anything is replaced. Another model begins anew:
 //! only the newest is worth controlling on.
 
-use crate::hardware::Axis;
 use crate::servo::building::{Building, Part, carried_out, tuned};
 use crate::servo::commissioning::Found;
 use crate::servo::control::controller::Controller;
@@ -65,7 +64,7 @@ impl<S, V> ServoLoop<S, V> {
             }
             Part::Monitors => {
                 self.guard.monitors.redesign(
-                    &design.monitoring.with_resolution(resolution(&self.axis)),
+                    &design.monitoring.with_resolution(self.axis.resolution()),
                     &design.supervision.validation.observer,
                     found.model,
                 );
@@ -81,7 +80,7 @@ impl<S, V> ServoLoop<S, V> {
         let Some(Building { design, .. }) = &self.takeover.building else {
             return;
         };
-        let design = design.controller.with_resolution(resolution(&self.axis));
+        let design = design.controller.with_resolution(self.axis.resolution());
         self.controller = match &self.takeover.tuning {
             Some(tuned) if tuned.model == found.model => {
                 let (poles, margins) = tuned.tuning.poles();
@@ -108,7 +107,7 @@ impl<S, V> ServoLoop<S, V> {
         self.learning = Learning::new(design);
         let supervision = design.supervision.clone();
         self.supervisor
-            .redesign(supervision.with_resolution(resolution(&self.axis)));
+            .redesign(supervision.with_resolution(self.axis.resolution()));
         self.moves.tracking = AlphaBetaGamma::new(design.tracking_rate, design.sample_time);
         self.moves.tracking.begin(motion);
         if self.moves.unsettled > 0 {
@@ -141,9 +140,4 @@ impl<S, V> ServoLoop<S, V> {
         });
         Ok(false)
     }
-}
-
-/// Length of one code of the sensor.
-fn resolution(axis: &Axis) -> f32 {
-    axis.resolution()
 }

@@ -9,7 +9,7 @@ use trendid_identify::Choice;
 #[derive(Debug, Args)]
 pub(super) struct LoopArgs {
     /// Bandwidth in rad/s, up to half a radian per sample, or the largest robust one
-    #[arg(long, value_name = "W|auto", default_value = "auto", value_parser = parse_bandwidth, allow_hyphen_values = true)]
+    #[arg(long, value_name = "W|auto", default_value = "auto", value_parser = parse_bandwidth, allow_negative_numbers = true)]
     pub(super) bandwidth: Choice<f64>,
     /// Write pictures of the step and of the open loop (SVG) into this directory
     #[arg(long, value_name = "DIR")]

@@ -73,11 +73,11 @@ struct ModelArgs {
         long,
         value_name = "D",
         default_value_t = 0.0,
-        allow_hyphen_values = true
+        allow_negative_numbers = true
     )]
     delay: f64,
     /// Sample time of the controller in s
-    #[arg(long, value_name = "S", allow_hyphen_values = true)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     sample_time: f64,
     #[command(flatten)]
     wanted: LoopArgs,

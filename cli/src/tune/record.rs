@@ -16,7 +16,7 @@ pub(super) struct RecordArgs {
     #[command(flatten)]
     signals: SignalArgs,
     /// Order of the model, 1 to 4, the integrator included
-    #[arg(long, value_name = "M", allow_hyphen_values = true)]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
     order: usize,
     /// The plant integrates: a0 = 0
     #[arg(long)]
@@ -26,17 +26,17 @@ pub(super) struct RecordArgs {
         long,
         value_name = "K",
         default_value_t = 0,
-        allow_hyphen_values = true
+        allow_negative_numbers = true
     )]
     zeros: usize,
     /// Delay of the plant in samples of the record, or the best
-    #[arg(long, value_name = "D|auto", default_value = "auto", value_parser = delay, allow_hyphen_values = true)]
+    #[arg(long, value_name = "D|auto", default_value = "auto", value_parser = delay, allow_negative_numbers = true)]
     delay: Choice<usize>,
     /// Filter poles in rad/s, or `auto`
-    #[arg(long, value_name = "POLE|auto", default_value = "auto", value_parser = filter, allow_hyphen_values = true)]
+    #[arg(long, value_name = "POLE|auto", default_value = "auto", value_parser = filter, allow_negative_numbers = true)]
     filter: Choice<Option<f64>>,
     /// Sample time of the controller in s; that of the record without
-    #[arg(long, value_name = "S", allow_hyphen_values = true)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     sample_time: Option<f64>,
     #[command(flatten)]
     pub(super) wanted: LoopArgs,
