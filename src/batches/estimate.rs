@@ -20,7 +20,7 @@ pub struct Batches<const M: usize, const N: usize, const I: usize> {
     /// regressors is larger than the motion.
     pub by_blocks: bool,
     /// How many blocks of equal length would spread the samples as these.
-    pub blocks: f32,
+    pub effective_blocks: f32,
 }
 
 /// Spread of the estimate over the blocks.
@@ -63,7 +63,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         Batches {
             by_blocks: found.is_some(),
             estimate: found.unwrap_or_else(|| self.identifier.estimate()),
-            blocks,
+            effective_blocks: blocks,
         }
     }
 

@@ -58,7 +58,7 @@ use crate::trends::TrendOperator;
 ///     let _ = servo.update(u, drive(u) + 0.2 * (k as f32).sin());
 /// }
 /// let found = servo.estimate();
-/// assert!(found.by_blocks && found.blocks <= 17.0);
+/// assert!(found.by_blocks && found.effective_blocks <= 17.0);
 /// assert_eq!(found.estimate.theta(), servo.identifier().estimate().theta());
 /// # Ok::<(), trendid::ConfigError>(())
 /// ```

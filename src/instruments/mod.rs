@@ -175,6 +175,22 @@ impl<
         self.identifier.adapt(on);
     }
 
+    /// As [`Identifier::set_nominal`], with the estimate of the recursion.
+    pub fn set_nominal(&mut self) {
+        self.identifier.set_nominal();
+    }
+
+    /// As [`Identifier::warm_start`]; the sums begin anew, and until they have blocks again the
+    /// estimate is that of the recursion.
+    ///
+    /// # Errors
+    /// As [`Identifier::warm_start`].
+    pub fn warm_start(&mut self, theta: [f32; N], std: [f32; N]) -> Result<(), ConfigError> {
+        self.identifier.warm_start(theta, std)?;
+        self.instruments.begin_sums();
+        Ok(())
+    }
+
     /// Back to what was constructed.
     pub fn reset(&mut self) {
         self.identifier.reset();

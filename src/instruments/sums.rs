@@ -134,12 +134,17 @@ impl<const M: usize, const N: usize, const I: usize, const R: usize> Witness<M, 
 
     #[inline(never)]
     fn changed(&mut self) {
-        self.group.rows = 0;
-        self.blocks.begin(self.forgetting);
+        self.begin_sums();
     }
 }
 
 impl<const M: usize, const N: usize, const I: usize, const R: usize> Instruments<M, N, I, R> {
+    /// Rows up to now count no more; the filters go on.
+    pub(super) fn begin_sums(&mut self) {
+        self.group.rows = 0;
+        self.blocks.begin(self.forgetting);
+    }
+
     /// The products of the group enter the sums, and the instruments of the next one are those of
     /// these trends.
     #[inline(never)]

@@ -63,7 +63,7 @@ fn the_scores_of_the_recursion_are_those_of_f64_over_a_million_samples() {
         let (servo, without) = run(&record, servo(|config| config.offset_significance = 0.0));
         let found = servo.estimate();
         let (oracle, blocks) = in_f64(&record, without);
-        assert!(found.by_blocks && (f64::from(found.blocks) - blocks).abs() < 0.1);
+        assert!(found.by_blocks && (f64::from(found.effective_blocks) - blocks).abs() < 0.1);
         let (theta, std) = (found.estimate.theta(), found.estimate.std());
         for j in 0..3 {
             let (ours, theirs) = (f64::from(std[j]), oracle[j]);
@@ -153,9 +153,13 @@ fn there_are_eight_to_sixteen_blocks_whatever_the_length_and_the_memory() {
             let begun = 200 + (2000.0 * memory.unwrap_or(0.0)) as usize;
             if k > begun && k % 37 == 0 {
                 let found = servo.estimate();
-                assert!(found.by_blocks, "{memory:?} {k}: {}", found.blocks);
-                least = least.min(found.blocks);
-                most = most.max(found.blocks);
+                assert!(
+                    found.by_blocks,
+                    "{memory:?} {k}: {}",
+                    found.effective_blocks
+                );
+                least = least.min(found.effective_blocks);
+                most = most.max(found.effective_blocks);
             }
         }
         println!("memory {memory:?}: {least:.1} to {most:.1} blocks");
@@ -170,7 +174,7 @@ fn too_few_blocks_are_said_and_the_identifiers_own_deviations_stand_in() {
         config.follow_changes = true;
     });
     let found = servo.estimate();
-    assert!(!found.by_blocks && found.blocks == 0.0);
+    assert!(!found.by_blocks && found.effective_blocks == 0.0);
     assert_eq!(found.estimate, servo.identifier().estimate());
     let mut drive = Drive::new(200_130);
     let u = Excitation::ABSOLUTE.sequence(12_000, 1e-3, 200_131);
