@@ -97,7 +97,7 @@ pub(crate) fn statistics() -> Done {
         command.args(["--skip", "records::", "--skip", "records_spread::"]);
     }
     process::run(command)?;
-    soak::minute()
+    soak::of_every_change()
 }
 
 /// Formatting and lints.
