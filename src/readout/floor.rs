@@ -35,7 +35,7 @@ pub(super) const ARITHMETIC: f32 = 2e-5;
 
 /// Whether trends in place of derivatives bend a parameter: a constant as b_0, with which it
 /// stands.
-pub(super) const fn errs_by_the_trends(parameter: Parameter) -> bool {
+const fn errs_by_the_trends(parameter: Parameter) -> bool {
     !matches!(parameter, Parameter::InitialState)
 }
 
@@ -65,14 +65,14 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             }
     }
 
-    /// Adds the error that no residual shows; everything in the user's units.
+    /// Adds the `floor` of each parameter, the error that no residual shows; everything in the
+    /// user's units.
     pub(super) fn add_floor(
         &self,
-        theta: &[f32; N],
+        floor: &[f32; N],
         covariance: &mut Matrix<N>,
         known: impl Fn(usize) -> bool,
     ) {
-        let floor = self.floor_of(theta);
         for i in 0..N {
             for j in 0..N {
                 if !known(i) && !known(j) {
@@ -86,7 +86,11 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
     pub(super) fn floor_of(&self, theta: &[f32; N]) -> [f32; N] {
         let denominator = self.structure.denominator(theta);
         let natural = natural_frequency(&denominator, self.bandwidth);
-        let floor = self.floor(natural, &denominator, theta);
+        self.of_each(self.floor(natural, &denominator, theta), theta)
+    }
+
+    /// The error of each parameter by the one that all share, in the user's units.
+    pub(super) fn of_each(&self, floor: f32, theta: &[f32; N]) -> [f32; N] {
         let parameters = self.structure.parameters();
         core::array::from_fn(|i| match errs_by_the_trends(parameters[i]) {
             true => floor * theta[i],

@@ -46,7 +46,6 @@ pub(crate) use source::ReadOut;
 use crate::estimation::terms::{Parameter, index_of};
 use crate::math::matrix::Matrix;
 use crate::readout::compensation::{Compensated, compensate, dependent};
-use crate::readout::floor::errs_by_the_trends;
 use crate::readout::residual_spectrum::{ResidualSpectrum, natural_frequency};
 use crate::readout::s_plane::{estimate_in_s_plane, theta_in_s_plane};
 use crate::readout::sandwich::{sandwich, transform};
@@ -124,18 +123,14 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             |i: usize| !matches!(parameters[i], Parameter::Constant | Parameter::InitialState);
         let angle = self.bandwidth * self.design.sample_time;
         let coefficients = core::array::from_fn(|i| coefficient(i) && !known(i));
-        let errs = |i: usize| errs_by_the_trends(parameters[i]) && !known(i);
         let left = || self.forgetting.left();
         (self.former).add(coefficients, left, angle, &p, &mut covariance);
         for i in 0..N {
             for j in 0..N {
                 covariance[i][j] *= units[i] * units[j];
-                if errs(i) && errs(j) {
-                    covariance[i][j] +=
-                        self.common(i == j) * (floor * found.theta[i]) * (floor * found.theta[j]);
-                }
             }
         }
+        self.add_floor(&self.of_each(floor, &found.theta), &mut covariance, known);
         found.add_left(&mut covariance);
         if let Some(withdrawal) = &withdrawal {
             withdrawal.apply_to_covariance(&mut covariance);

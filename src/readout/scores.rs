@@ -54,7 +54,9 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
             }
         }
         found.add_left(&mut covariance);
-        self.add_floor(&found.theta, &mut covariance, |i| p[i][i] == 0.0);
+        self.add_floor(&self.floor_of(&found.theta), &mut covariance, |i| {
+            p[i][i] == 0.0
+        });
         if let Some(withdrawal) = &withdrawal {
             withdrawal.apply_to_covariance(&mut covariance);
         }
@@ -141,7 +143,9 @@ impl<const M: usize, const N: usize, const I: usize> ReadOut<'_, M, N, I> {
         let mut in_units: Matrix<N> = core::array::from_fn(|i| {
             core::array::from_fn(|j| covariance[i][j] * units[i] * units[j])
         });
-        self.add_floor(&theta, &mut in_units, |i| covariance[i][i] == 0.0);
+        self.add_floor(&self.floor_of(&theta), &mut in_units, |i| {
+            covariance[i][i] == 0.0
+        });
         if let Some(withdrawal) = &withdrawal {
             withdrawal.apply_to_covariance(&mut in_units);
         }
