@@ -5,12 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 use trendid_identify::dead_zone::DeadZone;
 use trendid_identify::{
-    Choice, Error, Freedom, Identification, Options, Problem, Signals, Structure, identify,
+    Choice, Error, Freedom, Identification, Options, Problem, Signals, identify,
 };
 
 use crate::identify::figures;
 use crate::identify::parse::{delay, filter};
 use crate::identify::signals::SignalArgs;
+use crate::identify::structure::StructureArgs;
 use crate::output::{Bar, Refusal, emit, emit_json};
 
 const EXAMPLE: &str = "\
@@ -41,20 +42,8 @@ const TRACE_POINTS: usize = 1000;
 pub(crate) struct IdentifyArgs {
     #[command(flatten)]
     signals: SignalArgs,
-    /// Order of the model, 1 to 4, the integrator included
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
-    order: usize,
-    /// The plant integrates: a0 = 0
-    #[arg(long)]
-    integrator: bool,
-    /// Number of zeros: b0 .. bK of each input are estimated
-    #[arg(
-        long,
-        value_name = "K",
-        default_value_t = 0,
-        allow_negative_numbers = true
-    )]
-    zeros: usize,
+    #[command(flatten)]
+    structure: StructureArgs,
     /// Delay of the inputs in samples, or the best of 0 to 200
     #[arg(long, value_name = "D|auto", default_value = "0", value_parser = delay, allow_negative_numbers = true)]
     delay: Choice<usize>,
@@ -80,12 +69,7 @@ pub(crate) struct IdentifyArgs {
 ///
 /// One sentence on what is wrong with the record or the structure.
 pub(crate) fn run(args: &IdentifyArgs) -> Result<(), Refusal> {
-    let structure = Structure {
-        order: args.order,
-        integrator: args.integrator,
-        zeros: args.zeros,
-        constant: args.signals.constant,
-    };
+    let structure = args.structure.with(args.signals.constant);
     let options = Options {
         scheme: args.signals.scheme.into(),
         memory: args.memory,

@@ -12,4 +12,5 @@ pub(crate) mod select;
 mod select_report;
 pub(crate) mod signals;
 mod simulated;
+pub(crate) mod structure;
 mod verdict;

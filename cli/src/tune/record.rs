@@ -2,11 +2,12 @@
 
 use clap::Args;
 use trendid_identify::tune::Model;
-use trendid_identify::{Choice, Freedom, Identification, Options, Problem, Structure, identify};
+use trendid_identify::{Choice, Freedom, Identification, Options, Problem, identify};
 
 use crate::format::significant;
 use crate::identify::parse::{delay, filter};
 use crate::identify::signals::{Loaded, SignalArgs};
+use crate::identify::structure::StructureArgs;
 use crate::output::{Bar, Refusal};
 use crate::tune::args::LoopArgs;
 use crate::tune::plant::{OfRecord, Plant};
@@ -15,20 +16,8 @@ use crate::tune::plant::{OfRecord, Plant};
 pub(super) struct RecordArgs {
     #[command(flatten)]
     signals: SignalArgs,
-    /// Order of the model, 1 to 4, the integrator included
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
-    order: usize,
-    /// The plant integrates: a0 = 0
-    #[arg(long)]
-    integrator: bool,
-    /// Number of zeros
-    #[arg(
-        long,
-        value_name = "K",
-        default_value_t = 0,
-        allow_negative_numbers = true
-    )]
-    zeros: usize,
+    #[command(flatten)]
+    structure: StructureArgs,
     /// Delay of the plant in samples of the record, or the best
     #[arg(long, value_name = "D|auto", default_value = "auto", value_parser = delay, allow_negative_numbers = true)]
     delay: Choice<usize>,
@@ -51,12 +40,7 @@ impl RecordArgs {
     pub(super) fn plant(&self) -> Result<Plant, Refusal> {
         let loaded = self.signals.load()?;
         let signals = loaded.signals();
-        let structure = Structure {
-            order: self.order,
-            integrator: self.integrator,
-            zeros: self.zeros,
-            constant: self.signals.constant,
-        };
+        let structure = self.structure.with(self.signals.constant);
         let options = Options {
             scheme: self.signals.scheme.into(),
             memory: None,
