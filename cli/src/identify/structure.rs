@@ -1,0 +1,34 @@
+//! The structure of a model, as options.
+
+use clap::Args;
+use trendid_identify::Structure;
+
+#[derive(Debug, Args)]
+pub(crate) struct StructureArgs {
+    /// Order of the model, 1 to 4, the integrator included
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    order: usize,
+    /// The plant integrates: a0 = 0
+    #[arg(long)]
+    integrator: bool,
+    /// Number of zeros: b0 .. bK of each input are estimated
+    #[arg(
+        long,
+        value_name = "K",
+        default_value_t = 0,
+        allow_negative_numbers = true
+    )]
+    zeros: usize,
+}
+
+impl StructureArgs {
+    /// The structure, with a constant input or without.
+    pub(crate) const fn with(&self, constant: bool) -> Structure {
+        Structure {
+            order: self.order,
+            integrator: self.integrator,
+            zeros: self.zeros,
+            constant,
+        }
+    }
+}
