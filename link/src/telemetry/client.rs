@@ -190,8 +190,9 @@ impl Client {
         if let Some((start, _)) = self.event
             && start != event.start
         {
-            // Another start of the target: its numbers begin again.
+            // Another start of the target: its numbers begin again, and no sample of it was seen.
             self.event = None;
+            self.seen = 0;
         }
         let next = self.event.map_or(event.oldest, |(_, next)| next);
         let gone = event.oldest.wrapping_sub(next).cast_signed() > 0;

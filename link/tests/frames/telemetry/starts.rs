@@ -68,6 +68,39 @@ fn events_of_a_start_are_not_acknowledged_for_that_before() {
     assert_eq!((told(60_000), told(100)), (2, 0));
 }
 
+/// A client that asks for no samples hears of the next start by its events, and acknowledges them.
+#[test]
+fn events_of_another_start_are_acknowledged_at_once() {
+    let mut client = Client::new(1);
+    let mut first = again(0, true);
+    let _ = heard(&mut client, &sent(&mut first));
+    for tick in 1..=50_000 {
+        let _ = first.sample(sample(tick));
+        let _ = heard(&mut client, &sent(&mut first));
+    }
+    let identity = Identity {
+        sample_time: 1e-3,
+        ..Identity::default()
+    };
+    let mut second = Station::new(identity, 4, 0);
+    second.event(Event::Fault(text("panic")));
+    let mut events = 0;
+    for tick in 1..=2000 {
+        let _ = second.sample(sample(tick));
+        let asked: Vec<u8> = std::iter::from_fn(|| client.next_byte(tick.into())).collect();
+        assert!(push(&mut second, &asked).is_empty());
+        let bytes = sent(&mut second);
+        let told = heard(&mut Client::new(1), &bytes);
+        events += told
+            .iter()
+            .filter(|c| matches!(c, Content::Event(_)))
+            .count();
+        let _ = heard(&mut client, &bytes);
+    }
+    // The fault and the state of the first sample, each once.
+    assert_eq!(events, 2);
+}
+
 #[test]
 fn who_asks_who_is_there_hears_it_however_full_the_line_is() {
     let mut station = station();
