@@ -52,12 +52,13 @@ impl Keep {
     }
 
     /// Saves a verified model that is worth it, a byte at a time, which delays a slot by 100 us at
-    /// most.
+    /// most. One of settings that the next start does not have is of no use to it, and would stand
+    /// before the one that is: that is saved for a request only.
     ///
     /// A sector that is full is erased at the next start: here it would stop the chip for longer
     /// than the watchdog waits.
     pub(crate) fn consider(&mut self, verified: &Verified, seconds: u32) {
-        if self.keeper.is_due(&verified.record.model, seconds) {
+        if verified.is_of_the_program() && self.keeper.is_due(&verified.record.model, seconds) {
             self.store(verified, seconds);
         }
     }

@@ -3,6 +3,7 @@
 pub(crate) mod requests;
 
 use core::cell::RefCell;
+use core::mem::{Discriminant, discriminant};
 use core::sync::atomic::Ordering;
 
 use cortex_m::interrupt::{Mutex, free};
@@ -27,6 +28,9 @@ use crate::{emulated, survival};
 /// Time in which a slot must have fed the watchdog.
 pub(crate) const WATCHDOG_MS: u32 = 10;
 
+/// The fault of a watchdog that does not take its period.
+pub(crate) const UNWATCHED: &str = "the watchdog does not run";
+
 /// Everything the interrupt owns.
 pub(crate) struct Slot {
     servo: ServoLoop<Sensor, Output>,
@@ -42,6 +46,8 @@ pub(crate) struct Slot {
     guided: bool,
     out: Producer<'static, Snapshot>,
     now: Snapshot,
+    /// The state that the idle loop was told last.
+    told: Discriminant<State>,
     slots: Slots,
     guard: Guard,
 }
@@ -99,9 +105,12 @@ impl Slot {
             watchdog,
             panel,
             wire,
-            guided: false,
+            // Between the targets only when the button asks for it: a model from the flash takes
+            // control without anybody.
+            guided: true,
             out,
             now,
+            told: discriminant(&State::Idle),
             slots: Slots::new(period),
             guard: Guard::new(),
         }
@@ -142,8 +151,9 @@ impl Slot {
         if let Ok(code) = self.servo.sensor_mut().counts() {
             self.now.position = AXIS.position(code);
         }
+        let slots = [self.now.overruns, self.now.longest];
         if let Some(wire) = &mut self.wire {
-            wire.rests(self.now.tick as u32, self.now.position);
+            wire.rests(self.now.tick as u32, self.now.position, slots);
         }
         // Stopped is a state in which the chip may stay, so that the fault can be read.
         if Guard::rest(safe, self.late()) == Verdict::Feed {
@@ -171,7 +181,6 @@ impl Slot {
                 self.servo.abort();
             }
         }
-        let before = core::mem::discriminant(&self.now.state);
         self.now.state = report.state;
         self.now.position = report.position;
         self.now.setpoint = report.setpoint.position;
@@ -206,7 +215,10 @@ impl Slot {
         };
         let us = (u64::from(ticks) * 1000 / u64::from(self.period)) as u32;
         self.now.longest = self.now.longest.max(us);
-        if core::mem::discriminant(&self.now.state) != before {
+        // Of a slot that was late, in the next one.
+        let state = discriminant(&self.now.state);
+        if state != self.told {
+            self.told = state;
             self.now.verified = Verified::of(&self.servo, &self.config);
             self.send();
         }
@@ -232,11 +244,13 @@ impl Slot {
         }
     }
 
-    /// To the idle loop.
-    fn send(&mut self) {
-        if self.out.enqueue(self.now).is_err() {
+    /// To the idle loop; whether there was room.
+    fn send(&mut self) -> bool {
+        let sent = self.out.enqueue(self.now).is_ok();
+        if !sent {
             self.now.dropped = self.now.dropped.saturating_add(1);
         }
+        sent
     }
 
     /// Whether the next slot has begun.

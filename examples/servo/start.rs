@@ -11,13 +11,14 @@ use trendid::hardware::Valve;
 use trendid::servo::ServoLoop;
 use trendid_example_support::brown_out::set_brown_out_level;
 use trendid_example_support::machine::{config, servo_loop};
-use trendid_example_support::reset::Causes;
+use trendid_example_support::reset;
+use trendid_example_support::survivor::{Fault, Survivor, Text};
 use trendid_example_support::watchdog::{at_least, set_period};
 use trendid_link::telemetry::Event;
 
 use crate::emulated::{self, Script};
 use crate::keep::Keep;
-use crate::slot::{self, Slot, WATCHDOG_MS, requests};
+use crate::slot::{self, Slot, UNWATCHED, WATCHDOG_MS, requests};
 use crate::snapshot::Snapshot;
 use crate::wire::{self, Pump};
 use crate::wiring::{self, CRYSTAL_MHZ, Chip, Output, Ports, Sensor, TELEMETRY};
@@ -71,10 +72,7 @@ fn begin() -> Idle {
     let mut core = cortex_m::Peripherals::take().unwrap();
     let watchdog = IndependentWatchdog::new(chip.IWDG);
     set_period(&mut Chip, START_MS);
-    // The flags collect until they are cleared.
-    let causes = Causes::from_csr(chip.RCC.csr().read().bits());
-    chip.RCC.csr().modify(|_, word| word.rmvf().set_bit());
-    let survivor = survival::begin(causes);
+    let (causes, mut survivor) = reset::take(&mut Chip, |causes| (causes, survival::begin(causes)));
 
     // The internal oscillator runs after reset on every chip; a clock control that does not know it
     // is QEMU's.
@@ -110,13 +108,13 @@ fn begin() -> Idle {
         slots.listen(timer::Event::Update);
     }
     let period = run_on(chip.TIM5);
-    let stopped = survivor.fault().is_some();
-    wait_for_flash();
+    watch(&mut survivor, KEEP_MS);
     // Nothing moves yet: option bytes may be written, as a sector may be erased.
     let brown_out = (!emulated).then(|| set_brown_out_level(&mut Chip, BROWN_OUT));
     log::start(&survivor, causes, brown_out);
     // QEMU has no flash controller.
-    let keep = (!emulated).then(|| kept(chip.FLASH, &mut servo, RESUME && !stopped));
+    let keep =
+        (!emulated).then(|| kept(chip.FLASH, &mut servo, RESUME && survivor.fault().is_none()));
 
     let identity = wire::identity(&config(), emulated);
     let begun = (&survivor, causes.main().name());
@@ -127,7 +125,8 @@ fn begin() -> Idle {
     }
     let queue = cortex_m::singleton!(: Queue<Snapshot, 32> = Queue::new()).unwrap();
     let (producer, consumer) = queue.split();
-    set_period(&mut Chip, WATCHDOG_MS);
+    watch(&mut survivor, WATCHDOG_MS);
+    let stopped = survivor.fault().is_some();
     let panel = (panel, wire);
     slot::hand_over(Slot::new(
         servo, slots, period, watchdog, panel, producer, stopped,
@@ -140,10 +139,14 @@ fn begin() -> Idle {
     (consumer, script, keep, pump)
 }
 
-/// Gives option bytes and stored model their time.
-fn wait_for_flash() {
-    if !set_period(&mut Chip, KEEP_MS) {
-        defmt::error!("the watchdog does not take its period");
+/// Gives the watchdog another period. A machine whose watchdog does not take it is stopped: nothing
+/// moves that nothing watches over.
+fn watch(survivor: &mut Survivor, ms: u32) {
+    if !set_period(&mut Chip, ms) {
+        survivor.latch(Fault::Stopped {
+            why: Text::end_of(UNWATCHED),
+        });
+        survival::update(|kept| *kept = *survivor);
     }
 }
 

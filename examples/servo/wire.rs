@@ -66,6 +66,7 @@ pub(crate) struct Wire {
     station: Station,
     line: Chosen,
     last: Sample,
+    health: Health,
 }
 
 /// Sets the line up, and what the idle loop has to do for it; no wire when the clock has no such
@@ -95,6 +96,7 @@ pub(crate) fn begin(
         station,
         line,
         last: Sample::default(),
+        health: Health::default(),
     });
     (wire, pump)
 }
@@ -145,6 +147,7 @@ impl Wire {
         [overruns, longest_us]: [u32; 2],
     ) -> bool {
         self.last = Sample::of(tick, report, servo);
+        self.health = Health::of(tick, report);
         let wanted = self.station.sample(self.last);
         if report.retuned || wanted.slow {
             let learned = Learned::of(tick, report, servo);
@@ -156,7 +159,7 @@ impl Wire {
                 self.station.health(Health {
                     overruns,
                     longest_us,
-                    ..Health::of(tick, report)
+                    ..self.health
                 });
             }
         }
@@ -165,19 +168,17 @@ impl Wire {
     }
 
     /// Tells a slot of a machine that is stopped.
-    pub(crate) fn rests(&mut self, tick: u32, position: f32) {
-        self.last = Sample {
-            tick,
-            position,
-            setpoint: [position, 0.0],
-            velocity: 0.0,
-            command: 0.0,
-            innovation: None,
-            retuned: false,
-            ..self.last
-        };
+    pub(crate) fn rests(&mut self, tick: u32, position: f32, [overruns, longest_us]: [u32; 2]) {
+        self.last = Sample::stopped(tick, position, &self.last);
         // Its output is safe already: nothing to stop.
-        let _ = self.station.sample(self.last);
+        if self.station.sample(self.last).slow {
+            self.station.health(Health {
+                tick,
+                overruns,
+                longest_us,
+                ..self.health
+            });
+        }
         self.send();
     }
 

@@ -62,8 +62,6 @@ type Pulse = PromptZero<PwmChannel<pac::TIM4, 0>, Chip>;
 pub(crate) enum Sensor {
     Encoder(SsiEncoder<EncoderBus>),
     Simulated(Drive),
-    /// None: in the place of one that goes over to another loop.
-    Absent,
 }
 
 impl PositionSensor for Sensor {
@@ -73,7 +71,6 @@ impl PositionSensor for Sensor {
         let counts = match self {
             Self::Encoder(encoder) => encoder.counts().map_err(drop),
             Self::Simulated(drive) => live::reading(drive),
-            Self::Absent => Err(()),
         };
         FRESH.store(counts.is_ok(), Ordering::Relaxed);
         counts
@@ -85,8 +82,6 @@ pub(crate) enum Output {
     Pwm(PwmValve<Pulse, PB7<PinOutput<PushPull>>>),
     Dac(DacValve<DacBus>),
     Simulated(SimulatedValve),
-    /// As of the sensor.
-    Absent,
 }
 
 impl Valve for Output {
@@ -97,7 +92,6 @@ impl Valve for Output {
             Self::Pwm(valve) => valve.drive(command).map_err(drop),
             Self::Dac(valve) => valve.drive(command).map_err(drop),
             Self::Simulated(valve) => live::drive(valve, command),
-            Self::Absent => Err(()),
         }
     }
 }

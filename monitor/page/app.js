@@ -9,7 +9,7 @@ const samples = new Samples(MOST);
 let learned = [];
 let machine = { name: "", unit: "mm", dt: 1e-3, travel: [0, 0], simulated: false };
 let states = [], reasons = [], settings = [];
-let socket = null, mine = false, up = false, paused = false, view = null, dirty = true, redraws = 0;
+let socket = null, mine = false, up = false, silent = false, paused = false, view = null, dirty = true, redraws = 0;
 let plots = null, cursorAt = null, hadSamples = false;
 
 // ---- the socket -------------------------------------------------------------------------------------------------
@@ -37,7 +37,7 @@ const heard = {
   rows(m) {
     for (const row of m.v) samples.push(row, machine.dt);
     dirty = true;
-    if (m.v.length) { if (!hadSamples) { hadSamples = true; enable(); } showState(); }
+    if (m.v.length) { silent = false; if (!hadSamples) { hadSamples = true; enable(); } showState(); }
   },
   learned(m) { learned.push(m); if (learned.length > ESTIMATES) learned.splice(0, learned.length - ESTIMATES); showModel(m); dirty = true; },
   health(m) { list($("counters"), Object.entries(m.counters)); },
@@ -46,7 +46,7 @@ const heard = {
   setting(m) { const input = document.querySelector(`[data-setting="${m.name}"]`); if (input && document.activeElement !== input) input.value = m.value === null ? "" : m.value; },
   control(m) { mine = m.yours; $("control").firstChild.textContent = mine ? `This page is in control${m.pages > 1 ? `; ${m.pages - 1} more open` : ""}. ` : m.taken ? "Another page is in control. " : "No page is in control. "; $("take").hidden = mine; enable(); },
   line(m) {
-    up = m.up; document.body.classList.toggle("gone", !up);
+    up = m.up; silent = m.silent; document.body.classList.toggle("gone", !up || silent);
     $("source").textContent = up ? m.words : `line lost: ${m.words}`;
     $("rate").textContent = m.rate; $("missing").textContent = m.missing; $("dropped").textContent = m.dropped; $("lost").textContent = m.lost + m.corrupt;
     if (m.recorded !== null) $("record-says").textContent = `recording: ${m.recorded} samples`;
@@ -85,6 +85,7 @@ function showMachine() {
 function showState() {
   const box = $("state"), i = samples.count - 1;
   if (!up || i < 0) { box.dataset.s = up ? "idle" : "bad"; $("state-name").textContent = up ? "no samples yet" : "no line"; $("state-why").textContent = ""; return; }
+  if (silent) { box.dataset.s = "bad"; $("state-name").textContent = "silent"; $("state-why").textContent = "the target sends no samples: what is shown is old"; return; }
   const state = samples.column.s[i], why = samples.column.why[i];
   const name = states[state] || `state ${state}`, words = why === 255 ? "" : reasons[why] || `reason ${why}`;
   box.dataset.s = LOOKS[state] || "idle";

@@ -12,6 +12,15 @@ from . import _trendid
 from ._signals import Array, column, count_of, flag_of, number_of
 
 
+#: The first words of the states.
+_STATES = ("idle", "exciting", "identifying", "verified", "adapting", "frozen", "rejected", "failed")
+
+
+def _begins(state: str, until: Any) -> bool:
+    """Whether a state of this first word may begin so."""
+    return isinstance(until, str) and until != "" and (state.startswith(until) or until.startswith(state))
+
+
 @dataclass(frozen=True)
 class Axis:
     """What differs from the axis of the project's figures: rodless, 32 mm bore, 400 mm stroke, 5 kg, 6 bar, dead zone 3 %."""
@@ -141,6 +150,8 @@ class ServoLoop:
         """Runs for a time [s], or until the state begins with ``until``; other threads of Python run meanwhile."""
         if not 0.0 <= number_of(seconds, "seconds") <= 1e6:
             raise _trendid.Refusal(f"seconds = {seconds} is not within 0..=1000000")
+        if until is not None and not any(_begins(state, until) for state in _STATES):
+            raise _trendid.Refusal(f"until is {until!r}, expected the begin of a state: {', '.join(_STATES)}")
         return Log(**self._loop.run(round(1000.0 * seconds), until))
 
     @property

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _trendid
 from ._record import Quantity, control_of, lti_of
-from ._signals import Array, column, count_of, flag_of, number_of
+from ._signals import Array, column, count_of, flag_of, number_of, numbers
 from ._trendid import Refusal
 
 
@@ -152,15 +152,15 @@ class Identifier:
         """
         # The scalars of numpy are neither numbers of Python nor sequences.
         single = isinstance(u, (int, float)) or np.ndim(u) == 0
-        values = [float(u)] if single else [float(one) for one in u]  # type: ignore[arg-type, union-attr]
-        return self._core.update(values, float(y))[1]
+        values = [_sample(u, "u")] if single else [_sample(one, "u") for one in u]  # type: ignore[union-attr]
+        return self._core.update(values, _sample(y, "y"))[1]
 
     def run(self, u: ArrayLike, y: ArrayLike, *, every: int = 1) -> Pass:
         """Takes whole arrays (u: n, or n x inputs), with the parameters after every so-many-th sample, 0 for none.
 
         Other threads of Python run meanwhile.
         """
-        table = np.asarray(u, dtype=np.float64)
+        table = numbers(u, "u")
         if table.ndim == 1:
             table = table.reshape(-1, 1)
         if table.ndim != 2:
@@ -184,7 +184,7 @@ class Identifier:
 
     def adapt(self, on: bool) -> None:
         """Lets the estimate move (as constructed) or holds it; predictions go on."""
-        self._core.adapt(bool(on))
+        self._core.adapt(flag_of(on, "on"))
 
     def reset(self) -> None:
         """Begins again from nothing."""
@@ -192,4 +192,9 @@ class Identifier:
 
     def warm_start(self, theta: Sequence[float], std: Sequence[float]) -> None:
         """Begins again from parameters with their standard deviations, in the order of ``theta``."""
-        self._core.warm_start([float(v) for v in theta], [float(v) for v in std])
+        self._core.warm_start(column(theta, "theta").tolist(), column(std, "std").tolist())
+
+
+def _sample(value: Any, name: str) -> float:
+    """A number of a sample; those of Python pass at once."""
+    return float(value) if isinstance(value, (int, float)) else number_of(value, name)

@@ -16,12 +16,25 @@ Array = NDArray[np.float64]
 _STEP_TOLERANCE = 0.01
 
 
-def column(values: Any, name: str) -> Array:
-    """One dimension of finite float64, whatever it was."""
+def numbers(values: Any, name: str) -> Array:
+    """Real numbers as float64; what is none is refused, where NumPy would make a number of it."""
+    if np.ma.is_masked(values):
+        place = int(np.flatnonzero(np.ma.getmaskarray(values))[0])
+        raise Refusal(f"{name} has masked samples, the first of them is number {place}: leave them out")
     try:
-        array = np.ascontiguousarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise Refusal(f"{name} is no array of numbers: {error}") from None
+        array = np.asarray(values)
+        kind = array.dtype.kind
+        # Complex numbers lose a part, dates become nanoseconds, texts are read.
+        if kind not in "biufO" or kind == "O" and any(isinstance(one, (str, bytes)) for one in array.flat):
+            raise Refusal(f"{name} is no array of numbers: its type is {array.dtype}")
+        return np.ascontiguousarray(array, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise error if isinstance(error, Refusal) else Refusal(f"{name} is no array of numbers: {error}") from None
+
+
+def column(values: Any, name: str) -> Array:
+    """One dimension of float64, whatever it was."""
+    array = numbers(values, name)
     if array.ndim == 2 and 1 in array.shape:
         array = array.reshape(-1)
     if array.ndim != 1:
@@ -32,12 +45,14 @@ def column(values: Any, name: str) -> Array:
 def sampling(t: Any) -> Tuple[float, float]:
     """Sampling interval and first time stamp [s]: of time stamps, or of the interval itself."""
     if np.ndim(t) == 0:
-        dt = float(t)
-        if not (math.isfinite(dt) and dt > 0.0):
-            raise Refusal(f"the sampling interval {dt} s is not a positive number")
+        dt = _real(t)
+        if dt is None or not (math.isfinite(dt) and dt > 0.0):
+            raise Refusal(f"the sampling interval {t} s is not a positive number")
         return dt, 0.0
+    if np.ma.is_masked(t):
+        raise Refusal("t has masked time stamps: leave them out")
     stamps = np.asarray(t)
-    if np.issubdtype(stamps.dtype, np.datetime64) or np.issubdtype(stamps.dtype, np.timedelta64):
+    if stamps.size and np.issubdtype(stamps.dtype, np.datetime64) or np.issubdtype(stamps.dtype, np.timedelta64):
         stamps = (stamps - stamps[0]) / np.timedelta64(1, "ns") * 1e-9
     stamps = column(stamps, "t")
     if len(stamps) < 2:
@@ -72,6 +87,9 @@ def inputs(u: Any, names: Optional[List[str]]) -> List[Tuple[str, Array]]:
     else:
         columns = [(str(getattr(u, "name", None) or "u"), u)]
     if names is not None:
+        if isinstance(names, str):
+            raise Refusal(f"names is {names!r}, expected a list of names")
+        names = [str(name) for name in names]
         if len(names) != len(columns):
             raise Refusal(f"{len(names)} names for {len(columns)} inputs")
         columns = list(zip(names, (values for _, values in columns)))
@@ -80,6 +98,21 @@ def inputs(u: Any, names: Optional[List[str]]) -> List[Tuple[str, Array]]:
         if name in (other for other, _ in columns[:k]):
             raise Refusal(f"two inputs have the name {name!r}")
     return [(name, column(values, f"the input {name!r}")) for name, values in columns]
+
+
+def _labels(values: Any) -> Any:
+    """The index of a series or table; None of everything else, a list and its method too."""
+    labels = getattr(values, "index", None)
+    return None if callable(labels) else labels
+
+
+def _aligned(y: Any, others: Any) -> None:
+    """Series and tables are taken by their places: labels that differ mean another order, or other samples."""
+    labels = _labels(y)
+    for name, one in others:
+        own = _labels(one)
+        if labels is not None and own is not None and not labels.equals(own):
+            raise Refusal(f"the index of {name} is not that of y: align them first")
 
 
 Coulomb = Union[bool, ArrayLike]
@@ -94,6 +127,8 @@ def signals(
     coulomb: Coulomb,
 ) -> Tuple[dict[str, Any], float]:
     """What the native part takes, and the first time stamp [s]."""
+    columns = list(u.items()) if isinstance(u, Mapping) else [("u", u)]
+    _aligned(y, [*columns, ("`coulomb`", coulomb)])
     dt, start = sampling(t)
     output = column(y, "y")
     if np.ndim(t) != 0 and len(np.asarray(t)) != len(output):

@@ -95,6 +95,8 @@ def tune(
         sample_time = model.dt if sample_time is None else sample_time
         delay = model.delay_s if delay is None else delay
     else:
+        if not isinstance(model, (tuple, list)) or len(model) != 2:
+            raise Refusal("the model is neither what identify() found nor a pair of coefficients (a, b)")
         a, b = list(column(model[0], "a")), list(column(model[1], "b"))
         if sample_time is None:
             raise Refusal("sample_time is missing: a transfer function has none of its own")

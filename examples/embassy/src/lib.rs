@@ -26,11 +26,11 @@
 #![no_std]
 
 use core::fmt::Write as _;
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::channel::Channel;
-use embassy_time::{Duration, Instant, Ticker};
+use embassy_time::{Duration, Instant, Ticker, Timer};
 use embedded_io_async::{Read, Write};
 use heapless::String;
 use trendid::hardware::{PositionSensor, Valve};
@@ -55,6 +55,9 @@ pub static REQUESTS: Channel<CriticalSectionRawMutex, Request, 8> = Channel::new
 
 /// Whether somebody has asked to stop, now.
 pub static STOP: AtomicBool = AtomicBool::new(false);
+
+/// Samples so far; wraps. A watchdog that another task feeds looks at it.
+pub static SAMPLES: AtomicU32 = AtomicU32::new(0);
 
 /// What the line shall tell.
 pub static MESSAGES: Channel<CriticalSectionRawMutex, Message, 32> = Channel::new();
@@ -101,6 +104,7 @@ pub async fn control<S: PositionSensor, V: Valve>(mut machine: Machine<S, V>) {
         let stops = STOP.swap(false, Ordering::Relaxed);
         let due = desk.due(tick, stops, || REQUESTS.try_receive().ok());
         let report = machine.update(due);
+        SAMPLES.fetch_add(1, Ordering::Relaxed);
         late += u32::from(begin.elapsed() > SLOT);
         if shown != Some(report.state) || tick.is_multiple_of(EVERY) {
             shown = Some(report.state);
@@ -119,16 +123,21 @@ pub async fn control<S: PositionSensor, V: Valve>(mut machine: Machine<S, V>) {
     }
 }
 
-/// Takes lines as requests until the line fails; what is none is answered.
-///
-/// # Errors
-/// That of the line.
-pub async fn listen<R: Read>(mut line: R) -> Result<(), R::Error> {
+/// Takes lines as requests, for ever; what is none is answered, as far as there is room. A line of
+/// which a byte was lost is none.
+pub async fn listen<R: Read>(mut line: R) -> ! {
     let mut said = Line::default();
     let mut byte = [0];
     loop {
-        if line.read(&mut byte).await? == 0 {
-            continue;
+        match line.read(&mut byte).await {
+            Ok(0) => continue,
+            Ok(_) => {}
+            Err(_) => {
+                said.spoil();
+                // One that fails again and again keeps no other task from running.
+                Timer::after_millis(1).await;
+                continue;
+            }
         }
         let Some(request) = said.push(byte[0]) else {
             continue;
@@ -139,7 +148,8 @@ pub async fn listen<R: Read>(mut line: R) -> Result<(), R::Error> {
             STOP.store(true, Ordering::Relaxed);
         } else if request.is_none_or(|request| REQUESTS.try_send(request).is_err()) {
             let text = said.text().try_into().unwrap_or_default();
-            MESSAGES.send(Message::NotHeard(text)).await;
+            // Whoever waits for room hears no stop meanwhile.
+            let _ = MESSAGES.try_send(Message::NotHeard(text));
         }
         said.clear();
     }

@@ -7,15 +7,15 @@
 
 use core::sync::atomic::{AtomicU8, Ordering};
 
-use trendid::servo::{Config, MotionLimits, ServoLoop};
+use trendid::servo::{Config, MotionLimits};
 use trendid_example_support::button::Request;
-use trendid_example_support::machine::{AXIS, Verified};
+use trendid_example_support::machine::{self, AXIS, Verified};
 use trendid_example_support::slots::Slots;
 use trendid_example_support::watchdog::set_period;
 use trendid_link::telemetry::{self, Refusal, SettingValue, operate, settings};
 
-use crate::slot::{Slot, WATCHDOG_MS};
-use crate::wiring::{Chip, Output, Panel, Sensor};
+use crate::slot::{Slot, UNWATCHED, WATCHDOG_MS};
+use crate::wiring::{Chip, Panel};
 use crate::{live, survival};
 
 /// Time in ms for a request that takes many slots.
@@ -115,9 +115,13 @@ impl Slot {
                 let verified = Verified::of(&self.servo, &self.config);
                 self.now.verified = Some(verified.ok_or(Refusal::NoModel)?);
                 self.now.store = true;
-                self.send();
+                let sent = self.send();
                 self.now.store = false;
-                return Ok(None);
+                return if sent {
+                    Ok(None)
+                } else {
+                    Err(Refusal::Storage)
+                };
             }
             // In motion no slot has time for it, and none for the refusal either.
             Request::Install(_) if self.moves() => return Err(Refusal::Moving),
@@ -133,10 +137,9 @@ impl Slot {
         Ok(Some(()))
     }
 
-    /// Whether the loop commissions or controls.
+    /// Whether the loop commissions or controls, or comes to rest for it.
     pub(super) fn moves(&self) -> bool {
-        let state = self.servo.supervisor().state();
-        state.is_commissioning() || state.is_controlling()
+        machine::moves(&self.servo, self.now.state)
     }
 
     /// A loop with other settings, idle; what was found before is forgotten.
@@ -145,10 +148,7 @@ impl Slot {
             return Err(Refusal::Moving);
         }
         self.unhurried(|slot| {
-            let mut servo = ServoLoop::try_new(&config, AXIS, Sensor::Absent, Output::Absent)?;
-            core::mem::swap(servo.sensor_mut(), slot.servo.sensor_mut());
-            core::mem::swap(servo.valve_mut(), slot.servo.valve_mut());
-            slot.servo = servo;
+            slot.servo.reconfigure(&config, AXIS)?;
             slot.config = config;
             Ok(())
         })
@@ -159,11 +159,13 @@ impl Slot {
         &mut self,
         act: impl FnOnce(&mut Self) -> Result<(), Refusal>,
     ) -> Result<(), Refusal> {
-        set_period(&mut Chip, LONG_MS);
+        let longer = set_period(&mut Chip, LONG_MS);
         let done = act(self);
         let _ = self.timer.wait();
         self.slots = Slots::new(self.period);
-        set_period(&mut Chip, WATCHDOG_MS);
+        if !(longer && set_period(&mut Chip, WATCHDOG_MS)) {
+            self.stop(UNWATCHED);
+        }
         done
     }
 }

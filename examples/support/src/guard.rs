@@ -83,6 +83,27 @@ impl Guard {
     }
 }
 
+/// Whether something that counts goes on: what feeds a watchdog besides may run while it hangs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Progress {
+    seen: u32,
+}
+
+impl Progress {
+    /// Begins at a count of zero.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { seen: 0 }
+    }
+
+    /// Whether the count is another one than at the last look.
+    pub const fn goes_on(&mut self, count: u32) -> bool {
+        let goes_on = count != self.seen;
+        self.seen = count;
+        goes_on
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -127,6 +148,18 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn what_hangs_makes_no_progress() {
+        let mut progress = Progress::new();
+        // Before its first sample, in the course, over the wrap, and when it hangs.
+        let counts = [0, 0, 1, 3, 3, 4, u32::MAX, 0, 1, 1, 1];
+        let goes_on = counts.map(|count| progress.goes_on(count));
+        let expected = [
+            false, false, true, true, false, true, true, true, true, false, false,
+        ];
+        assert_eq!(goes_on, expected);
     }
 
     #[test]

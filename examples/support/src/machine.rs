@@ -7,7 +7,7 @@
 
 use trendid::hardware::{Axis, PositionSensor, Scale, Valve};
 use trendid::servo::store::{Identity, Record};
-use trendid::servo::{Config, Error, Report, ServoLoop, Travel};
+use trendid::servo::{Config, Error, Report, ServoLoop, State, Travel};
 
 use crate::hash::Hash;
 use crate::request::{Action, Request};
@@ -81,6 +81,12 @@ pub struct Verified {
 }
 
 impl Verified {
+    /// Whether the next start of this program takes it.
+    #[must_use]
+    pub fn is_of_the_program(&self) -> bool {
+        self.identity == identity(&config())
+    }
+
     /// What a loop of these settings has verified; `None` before there is a model.
     #[must_use]
     pub fn of<S: PositionSensor, V: Valve>(
@@ -103,6 +109,16 @@ pub fn servo_loop<S: PositionSensor, V: Valve>(
     valve: V,
 ) -> Result<ServoLoop<S, V>, Error> {
     ServoLoop::try_new(&config(), AXIS, sensor, valve)
+}
+
+/// Whether a loop moves the axis or is about to: it may wait for the rest that it begins with,
+/// which the state that it `reported` last says alone.
+#[must_use]
+pub fn moves<S: PositionSensor, V: Valve>(servo: &ServoLoop<S, V>, reported: State) -> bool {
+    let states = [servo.supervisor().state(), reported];
+    states
+        .iter()
+        .any(|state| state.is_commissioning() || state.is_controlling())
 }
 
 /// The next move, when one is due in sample `tick`.
@@ -226,10 +242,12 @@ mod tests {
             for _ in 0..2000 {
                 let _ = servo.update();
             }
+            let verified = Verified::of(&servo, &settings).unwrap();
+            assert_eq!(verified.is_of_the_program(), delay == DELAY);
             let Verified {
                 identity: of,
                 record,
-            } = Verified::of(&servo, &settings).unwrap();
+            } = verified;
             let read = Record::from_bytes(&record.to_bytes(&of, 0), &identity(&config()));
             if delay == DELAY {
                 assert_eq!(read, Ok((record, 0)));
@@ -237,5 +255,32 @@ mod tests {
                 assert!(matches!(read, Err(Refused::Settings { .. })), "{read:?}");
             }
         }
+    }
+
+    /// Stopped in motion and commissioned at once: the axis comes to rest first, and a person who
+    /// presses the button meanwhile stops that.
+    #[test]
+    fn an_axis_that_comes_to_rest_for_its_commissioning_moves() {
+        let mut servo = servo_loop(Drive::new(ORIGIN), SimulatedValve).unwrap();
+        let mut state = State::Idle;
+        let mut run = |servo: &mut ServoLoop<_, _>, samples: u32, moving: bool| {
+            for sample in 0..samples {
+                state = servo.update().state;
+                assert_eq!(moves(servo, state), moving, "{sample}: {state:?}");
+            }
+            servo.supervisor().state()
+        };
+        assert_eq!(run(&mut servo, 10, false), State::Idle);
+        servo.commission();
+        assert!(run(&mut servo, 2000, true).is_controlling());
+        servo.move_to(350.0).unwrap();
+        assert!(run(&mut servo, 100, true).is_controlling());
+        servo.abort();
+        assert_eq!(run(&mut servo, 2, false), State::Idle);
+        servo.commission();
+        // The supervisor has not begun yet.
+        assert_eq!(run(&mut servo, 20, true), State::Idle);
+        servo.abort();
+        assert_eq!(run(&mut servo, 3000, false), State::Idle);
     }
 }

@@ -119,6 +119,12 @@ impl Line {
         }
     }
 
+    /// A byte was lost or damaged: the line that it was in is no request. It may have been the
+    /// first one of the next line, so between two lines that is spoiled.
+    pub fn spoil(&mut self) {
+        self.length = self.length.max(LONGEST).saturating_add(1);
+    }
+
     /// The line, or its begin.
     #[must_use]
     pub fn text(&self) -> &str {
@@ -213,6 +219,31 @@ mod tests {
         assert_eq!(desk.due(20, false, || None), None);
         assert!(request("stop").is_stop() && request("0 stop").is_stop());
         assert!(!request("7 stop").is_stop() && !request("run").is_stop());
+    }
+
+    #[test]
+    fn a_line_that_has_lost_a_byte_is_no_request_and_the_next_one_is_heard() {
+        let bytes = b"1501 move 280\nstop\n";
+        for lost in 0..bytes.len() {
+            let mut line = Line::default();
+            let mut found = std::vec::Vec::new();
+            for (place, &byte) in bytes.iter().enumerate() {
+                if place == lost {
+                    line.spoil();
+                } else if let Some(request) = line.push(byte) {
+                    found.push(request.map(|request| request.is_stop()));
+                    line.clear();
+                }
+            }
+            let expected: &[_] = match lost {
+                0..13 => &[None, Some(true)],
+                // The end of the first line: both are one.
+                13 => &[None],
+                14..18 => &[Some(false), None],
+                _ => &[Some(false)],
+            };
+            assert_eq!(found, expected, "{lost}");
+        }
     }
 
     #[test]

@@ -1,5 +1,11 @@
 //! Why the chip restarted: the flags of the STM32F405/407 as a cause (RM0090, RCC_CSR).
 
+use crate::registers::Registers;
+
+/// RCC_CSR, and its bit that clears the flags.
+const CSR: u32 = 0x4002_3874;
+const RMVF: u32 = 1 << 24;
+
 /// A cause of a reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
@@ -120,9 +126,52 @@ impl Causes {
     }
 }
 
+/// Gives the flags to `keep` and clears them, which collect until then.
+///
+/// In this order: a reset in between counts one cause twice, where the other order loses it.
+pub fn take<T>(registers: &mut impl Registers, keep: impl FnOnce(Causes) -> T) -> T {
+    let word = registers.read(CSR);
+    let kept = keep(Causes::from_csr(word));
+    registers.write(CSR, word | RMVF);
+    kept
+}
+
 #[cfg(test)]
 mod tests {
+    use core::cell::Cell;
+
     use super::*;
+
+    /// RCC_CSR, whose flags go with its bit.
+    struct Csr<'a>(&'a Cell<u32>);
+
+    impl Registers for Csr<'_> {
+        fn read(&mut self, address: u32) -> u32 {
+            assert_eq!(address, CSR);
+            self.0.get()
+        }
+
+        fn write(&mut self, address: u32, word: u32) {
+            assert_eq!((address, word & RMVF), (CSR, RMVF));
+            self.0.set(word & 3);
+        }
+
+        fn write_byte(&mut self, address: u32, _: u8) {
+            panic!("{address:x}");
+        }
+    }
+
+    #[test]
+    fn the_flags_are_cleared_when_they_are_kept_and_no_sooner() {
+        // The slow oscillator, which the watchdog runs on, stays on.
+        let csr = Cell::new(0x2400_0003);
+        let kept = take(&mut Csr(&csr), |causes| {
+            assert_eq!(csr.get(), 0x2400_0003, "a reset would forget them");
+            causes
+        });
+        assert!(kept.contain_watchdog() && csr.get() == 3);
+        assert_eq!(take(&mut Csr(&csr), Causes::main), Cause::Unknown);
+    }
 
     #[test]
     fn what_the_chip_sets_with_each_reset_is_one_cause() {

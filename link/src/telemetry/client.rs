@@ -69,8 +69,9 @@ impl Client {
     /// Asks for something; gives the number of the order, `None` when too many wait.
     ///
     /// A [`Request::Stop`] is sent at once, since what waits may wait for a line that brings no
-    /// answers, and is never one too many; one that waits already is the same order. What was asked
-    /// before it and moves the axis is given up, and what must not be done twice.
+    /// answers, and is never one too many. One that was not sent yet is the same order; one that
+    /// was is given up for the new one, since it may be done already, and the axis move again. What
+    /// was asked before it and moves the axis is given up, and what must not be done twice.
     pub fn ask(&mut self, request: Request) -> Option<u32> {
         if request == Request::Stop {
             return Some(self.stop());
@@ -89,6 +90,7 @@ impl Client {
     fn stop(&mut self) -> u32 {
         let is_stop = |order: &Order| order.request == Request::Stop;
         let known = self.waiting.iter().find(|order| is_stop(order));
+        let known = known.filter(|_| self.sent.is_none());
         let id = known.map_or(self.next_id, |order| order.id);
         if known.is_none() {
             self.next_id = id.wrapping_add(1);
@@ -103,12 +105,13 @@ impl Client {
             request: Request::Stop,
         });
         while let Some(order) = self.waiting.pop_front() {
-            if is_stop(&order) {
+            let number = order.id;
+            if number == id {
                 continue;
             }
-            let number = order.id;
-            let again = !order.request.moves()
-                && !matches!(order.request, Request::Acknowledge | Request::Store);
+            let once =
+                is_stop(&order) || matches!(order.request, Request::Acknowledge | Request::Store);
+            let again = !order.request.moves() && !once;
             if !again || kept.push_back(order).is_err() {
                 self.give_up(number);
             }
@@ -187,8 +190,9 @@ impl Client {
         if let Some((start, _)) = self.event
             && start != event.start
         {
-            // Another start of the target: its numbers begin again.
+            // Another start of the target: its numbers begin again, and no sample of it was seen.
             self.event = None;
+            self.seen = 0;
         }
         let next = self.event.map_or(event.oldest, |(_, next)| next);
         let gone = event.oldest.wrapping_sub(next).cast_signed() > 0;

@@ -20,7 +20,9 @@
 //!   refused when that is older than [`STALE_MS`]: bytes that were kept somewhere and arrive later
 //!   move nothing.
 //! - A watchdog can be asked for: without an intact order for that long the station asks the
-//!   machine to stop, once.
+//!   machine to stop, once for each silence.
+//! - What a start of the target was asked is not done in the next one: it acknowledges neither the
+//!   events nor the fault of that.
 //! - The slot never waits: what does not fit into the outbox of [`OUTBOX`] bytes is dropped
 //!   (samples) or waits (the rest).
 //!

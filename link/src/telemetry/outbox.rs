@@ -45,9 +45,14 @@ impl Outbox {
 
     /// Puts what may be dropped.
     pub(super) fn offer(&mut self, content: Content) {
-        if !self.put(content, RESERVE) {
+        if !self.fits(content) {
             self.dropped = self.dropped.saturating_add(1);
         }
+    }
+
+    /// Puts what waits for the room that samples have; whether it was there.
+    pub(super) fn fits(&mut self, content: Content) -> bool {
+        self.put(content, RESERVE)
     }
 
     /// Puts what must arrive; whether there was room.

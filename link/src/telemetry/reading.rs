@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 use trendid::hardware::{PositionSensor, Valve};
-use trendid::servo::{Report, ServoLoop};
+use trendid::servo::{Reason, Report, ServoLoop, State};
 
 use crate::code;
 
@@ -53,6 +53,26 @@ impl Sample {
             velocity: finite(servo.controller().motion().velocity),
             command: finite(report.command),
             innovation: report.innovation.filter(|e| e.is_finite()),
+        }
+    }
+
+    /// A machine that a fault has stopped stands behind a closed valve at this position: the loop
+    /// is at rest, and in none of the states in which it moves the axis.
+    #[must_use]
+    pub fn stopped(tick: u32, position: f32, before: &Self) -> Self {
+        let failed = State::Failed(Reason::Aborted).code();
+        let [state, reason] = if before.state == failed {
+            [failed, before.reason]
+        } else {
+            [State::Idle.code(), code::NO_REASON]
+        };
+        Self {
+            tick,
+            state,
+            reason,
+            position: finite(position),
+            setpoint: [finite(position), 0.0],
+            ..Self::default()
         }
     }
 }

@@ -35,9 +35,9 @@ pub enum Request {
     Alive,
     /// A [`Sample`](super::Sample) every so many samples; 0 for none.
     Stream(u16),
-    /// Stop when no order came for so many ms; 0 for never.
+    /// Stop whenever no order came for so many ms; 0 for never.
     Watchdog(u16),
-    /// Events up to this number have arrived.
+    /// Events of this start up to this number have arrived.
     Heard(u32),
     /// Commission the axis.
     Commission,
@@ -75,7 +75,7 @@ pub enum Request {
     Install([f32; 6]),
     /// Keep the verified model where it survives a loss of power.
     Store,
-    /// Acknowledge a latched fault.
+    /// Acknowledge a latched fault, but none of a later start.
     Acknowledge,
     /// Do this to a simulated machine; a real one refuses.
     Play(Trick),

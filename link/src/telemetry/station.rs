@@ -61,6 +61,10 @@ pub struct Station {
     again: u32,
     silent: u32,
     watchdog: u32,
+    /// Whether a fault was latched in this start.
+    latched: bool,
+    /// Whether somebody waits for the identity, which found no room.
+    introduces: bool,
     /// The last order, and what came of it; `None` while the machine has it.
     last: Option<(u32, Option<Outcome>)>,
     /// An answer that found no room.
@@ -107,14 +111,17 @@ impl Station {
         self.last = Some((id, None));
         let age = self.tick.wrapping_sub(seen).cast_signed();
         let recent = (0..=self.samples(STALE_MS).cast_signed()).contains(&age);
-        if request.moves() && !recent {
+        // Who saw a later sample than there was yet saw an earlier start of the target.
+        let earlier = age < 0;
+        let of_a_fault_before = earlier && self.latched && request == Request::Acknowledge;
+        if request.moves() && !recent || of_a_fault_before {
             self.answer(Outcome::Refused(Refusal::Stale));
             return None;
         }
         match request {
             Request::Hello => {
-                // The answer says that it was sent; a frame that is lost is asked for again.
-                self.outbox.offer(Content::Identity(self.identity.clone()));
+                self.introduces = true;
+                self.introduce();
                 self.outbox.again();
             }
             Request::Alive => {}
@@ -125,6 +132,8 @@ impl Station {
             Request::Watchdog(0) => self.watchdog = 0,
             // Less than a sample is one, and not never.
             Request::Watchdog(ms) => self.watchdog = self.samples(u32::from(ms)).max(1),
+            // The numbers of an earlier start are none of this one.
+            Request::Heard(_) if earlier => {}
             Request::Heard(number) => self.outbox.heard(number),
             request => return Some(request),
         }
@@ -159,6 +168,7 @@ impl Station {
         if let Some(answer) = self.owed.take() {
             self.send(answer);
         }
+        self.introduce();
         self.again += 1;
         if self.again >= self.samples(AGAIN_MS) {
             self.again = 0;
@@ -173,10 +183,9 @@ impl Station {
             }
         }
         self.silent = self.silent.saturating_add(1);
-        let stop = self.watchdog > 0 && self.silent > self.watchdog;
+        // Once: it watches again from the next order on.
+        let stop = self.watchdog > 0 && self.silent == self.watchdog.saturating_add(1);
         if stop {
-            // Once: the next order begins again.
-            self.watchdog = 0;
             self.event(Event::LineLost);
         }
         self.slow += 1;
@@ -207,13 +216,17 @@ impl Station {
         self.outbox.offer(Content::Health(health));
     }
 
-    /// Tells a value of the table of settings.
+    /// Tells a value of the table of settings, before samples: somebody has asked for it.
     pub fn setting(&mut self, value: SettingValue) {
-        self.outbox.offer(Content::Setting(value));
+        let value = Content::Setting(value);
+        if !self.outbox.urge(value.clone()) {
+            self.outbox.offer(value);
+        }
     }
 
     /// Keeps an event until it is acknowledged.
     pub fn event(&mut self, event: Event) {
+        self.latched |= matches!(event, Event::Fault(_));
         self.outbox.keep(self.tick, event);
         self.outbox.post();
     }
@@ -227,6 +240,14 @@ impl Station {
     #[must_use]
     pub fn is_quiet(&self) -> bool {
         self.outbox.is_empty()
+    }
+
+    /// Says who is there, as soon as there is room for it.
+    fn introduce(&mut self) {
+        if self.introduces {
+            let identity = Content::Identity(self.identity.clone());
+            self.introduces = !self.outbox.fits(identity);
+        }
     }
 
     fn samples(&self, ms: u32) -> u32 {

@@ -19,6 +19,8 @@ pub(super) struct Course {
     pub(super) rate: u64,
     /// Whether the line was there when this second began.
     up: bool,
+    /// Whether it was there all of the last second, and brought no sample: what is shown is old.
+    pub(super) silent: bool,
     rates: Option<[u64; 2]>,
     first: Option<u64>,
     full: Option<u64>,
@@ -31,6 +33,7 @@ impl Course {
             second: (now, 0),
             rate: 0,
             up: false,
+            silent: false,
             rates: None,
             first: resident(),
             full: None,
@@ -49,6 +52,7 @@ impl Course {
             let [least, most] = self.rates.unwrap_or([self.rate; 2]);
             self.rates = Some([least.min(self.rate), most.max(self.rate)]);
         }
+        self.silent = self.up && up && samples == count;
         self.up = up;
         self.second = (now, samples);
         if self.full.is_none() && now.duration_since(self.begin) >= FULL {
@@ -161,6 +165,27 @@ mod tests {
         assert_eq!(course.rates, Some([950, 1000]));
         let text = course.finish(Tally::default(), Losses::default()).text();
         assert!(text.contains("950 at least, 1000 at most"), "{text}");
+    }
+
+    #[test]
+    fn a_line_that_brings_no_sample_is_silent() {
+        let begin = Instant::now();
+        let mut course = Course::new(begin);
+        let seconds = [
+            // The line is there for a part of the first second only.
+            (0, true, false),
+            (0, true, true),
+            (1, true, false),
+            (1, true, true),
+            (1, false, false),
+            (1, true, false),
+            (1, true, true),
+            (900, true, false),
+        ];
+        for (second, (samples, up, silent)) in (1..).zip(seconds) {
+            assert!(course.turn(begin + second * SECOND, samples, up));
+            assert_eq!(course.silent, silent, "{second}");
+        }
     }
 
     #[cfg(target_os = "linux")]

@@ -204,7 +204,7 @@ pub(super) fn record(on: bool, path: &Path, rows: u64, why: &str) -> String {
 pub(super) fn line(
     up: bool,
     words: &str,
-    rate: u64,
+    (rate, silent): (u64, bool),
     tally: &Tally,
     losses: Losses,
     recorded: Option<u64>,
@@ -214,11 +214,11 @@ pub(super) fn line(
         "up": up,
         "words": words,
         "rate": rate,
+        "silent": silent,
         "samples": tally.samples,
         "missing": tally.missing,
         "dropped": tally.dropped,
-        "lost": losses.lost,
-        "corrupt": losses.corrupt,
+        "lost": losses.lost, "corrupt": losses.corrupt,
         "unanswered": losses.unanswered,
         "recorded": recorded,
     })

@@ -6,6 +6,7 @@
 
 mod course;
 mod kept;
+mod known;
 mod message;
 mod page;
 mod page_request;
@@ -22,8 +23,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use tokio::sync::mpsc::Receiver;
-use trendid_link::telemetry::settings::SETTINGS;
-use trendid_link::telemetry::{Client, Identity, Request, Sample};
+use trendid_link::telemetry::{Client, Sample};
 
 use crate::args::Args;
 use crate::claimed::Claimed;
@@ -35,6 +35,7 @@ use crate::source::Source;
 use course::Course;
 pub(crate) use course::Summary;
 use kept::Kept;
+use known::Known;
 use page::Page;
 pub(crate) use said::{FromPage, Tally};
 
@@ -44,17 +45,6 @@ const REDRAW: Duration = Duration::from_millis(25);
 
 /// How often the target hears that somebody is there.
 const ALIVE: Duration = Duration::from_millis(200);
-
-/// What is known of the target.
-struct Known {
-    /// What the line leads to, while it is there; why it is not.
-    up: Option<String>,
-    why: String,
-    /// The start of the target that speaks.
-    started: Option<u16>,
-    identity: Option<Identity>,
-    values: [Option<f32>; SETTINGS.len()],
-}
 
 /// The middle.
 pub(crate) struct Hub {
@@ -101,13 +91,7 @@ impl Hub {
             begin: now,
             watchdog: args.watchdog,
             out: args.out.clone(),
-            known: Known {
-                up: None,
-                started: None,
-                why: "waits for the source".into(),
-                identity: None,
-                values: [None; SETTINGS.len()],
-            },
+            known: Known::nothing(),
             tally: Tally::default(),
             kept: Kept::new(),
             pages: BTreeMap::new(),
@@ -154,7 +138,7 @@ impl Hub {
                 },
                 _ = redraw.tick() => self.redraw(),
                 _ = alive.tick() => if self.known.up.is_some() && self.client.is_quiet() {
-                    let _ = self.client.ask(Request::Alive);
+                    let _ = self.client.ask(self.known.alive());
                 },
                 () = &mut over => break,
                 () = &mut asked => break,
@@ -251,7 +235,7 @@ impl Hub {
         message::line(
             self.known.up.is_some(),
             words,
-            self.course.rate,
+            (self.course.rate, self.course.silent),
             &self.tally,
             self.client.losses(),
             recorded,

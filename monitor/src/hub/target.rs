@@ -54,6 +54,7 @@ impl Hub {
 
     /// What a target is asked at its start.
     pub(super) fn set_up(&mut self) {
+        self.known.introduced = false;
         let watchdog = Request::Watchdog(self.watchdog);
         let setup = [Request::Hello, Request::Stream(1), watchdog];
         let gets = (0..SETTINGS.len()).map(|place| Request::Get(place as u8));
@@ -66,6 +67,7 @@ impl Hub {
         match content {
             Content::Identity(identity) => {
                 self.known.identity = Some(identity);
+                self.known.introduced = true;
                 let hello = self.hello();
                 self.tell(&hello);
                 if let Some(file) = self.wanted.take() {

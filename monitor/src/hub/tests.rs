@@ -10,9 +10,12 @@ use std::time::Duration;
 use clap::Parser;
 use tokio::sync::mpsc::channel;
 
+use trendid_link::telemetry::{Content, Event, Identity, NumberedEvent, Request};
+
 use super::Hub;
 use crate::args::Args;
 use crate::record;
+use crate::source::Said;
 
 /// Listens until `end`; gives the datagrams.
 fn listen(end: &Arc<AtomicBool>) -> (String, thread::JoinHandle<Vec<String>>) {
@@ -99,4 +102,31 @@ fn record_and_tools_get_every_sample() {
         assert_eq!(commands.get(&row.tick), Some(&row.command), "{row:?}");
     }
     std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn a_target_is_asked_who_it_is_until_it_has_said_it() {
+    let args = Args::try_parse_from(["monitor", "--axis", "200007"]).unwrap();
+    let mut hub = Hub::new(&args).unwrap();
+    let event = |start, number| NumberedEvent {
+        start,
+        number,
+        oldest: 0,
+        tick: 1,
+        event: Event::Overrun,
+    };
+    assert_eq!(hub.known.alive(), Request::Hello);
+    for start in [7, 8] {
+        // Whoever was there before.
+        hub.hear(Said::Up("a line".into()));
+        assert_eq!(hub.known.alive(), Request::Hello);
+        hub.take(Content::Event(event(start, 0)));
+        assert_eq!(hub.known.alive(), Request::Hello);
+        hub.take(Content::Identity(Identity::default()));
+        hub.take(Content::Event(event(start, 1)));
+        assert_eq!(hub.known.alive(), Request::Alive);
+        // Another start may be another program.
+        hub.take(Content::Event(event(start + 10, 0)));
+        assert_eq!(hub.known.alive(), Request::Hello);
+    }
 }

@@ -5,6 +5,8 @@
 #![no_std]
 #![no_main]
 
+use core::sync::atomic::Ordering;
+
 use embassy_executor::{Executor, InterruptExecutor};
 use embassy_stm32::interrupt::{self, InterruptExt as _, Priority};
 use embassy_stm32::rcc::{
@@ -17,8 +19,9 @@ use embassy_stm32::{Config, bind_interrupts, peripherals};
 use embassy_time::Timer;
 use static_cell::StaticCell;
 use trendid::hardware::Valve;
-use trendid_example_embassy::{Output, Sensor, control, listen, tell};
+use trendid_example_embassy::{Output, SAMPLES, Sensor, control, listen, tell};
 use trendid_example_support::drive::{Drive, SimulatedValve};
+use trendid_example_support::guard::Progress;
 use trendid_example_support::machine::{Machine, ORIGIN};
 
 static HIGH: InterruptExecutor = InterruptExecutor::new();
@@ -48,8 +51,7 @@ async fn control_task(machine: Machine<Sensor, Output>) {
 
 #[embassy_executor::task]
 async fn listen_task(line: BufferedUartRx<'static>) {
-    // A line that failed is heard no more; control goes on.
-    let _ = listen(line).await;
+    listen(line).await
 }
 
 #[embassy_executor::task]
@@ -57,12 +59,16 @@ async fn tell_task(line: BufferedUartTx<'static>) {
     let _ = tell(line, || ()).await;
 }
 
-/// Restarts the chip when both executors were kept from running for longer than its time.
+/// Restarts the chip when control has taken no sample for longer than its time, or this executor
+/// was kept from running.
 #[embassy_executor::task]
 async fn watchdog_task(mut watchdog: IndependentWatchdog<'static, peripherals::IWDG>) {
     watchdog.unleash();
+    let mut control = Progress::new();
     loop {
-        watchdog.pet();
+        if control.goes_on(SAMPLES.load(Ordering::Relaxed)) {
+            watchdog.pet();
+        }
         Timer::after_millis(2).await;
     }
 }

@@ -3,3 +3,4 @@
 mod ends;
 mod layout;
 mod lockstep;
+mod receiver;

@@ -107,6 +107,27 @@ fn what_a_slow_line_cannot_carry_is_dropped_and_counted() {
     assert_eq!(samples + slow + dropped, 10_000 + 100, "{health:?}");
 }
 
+/// A line that comes back is watched as before: who asked for it once is not there to ask again.
+#[test]
+fn the_watchdog_of_the_line_watches_again_behind_a_silence() {
+    for request in [Request::Alive, Request::Stream(1), Request::Watchdog(250)] {
+        let mut station = station();
+        assert!(push(&mut station, &order(1, 0, Request::Watchdog(250))).is_empty());
+        let mut stops = Vec::new();
+        for tick in 1..=3000 {
+            if tick == 1000 || tick == 1100 {
+                let _ = push(&mut station, &order(tick, 0, request.clone()));
+            }
+            if station.sample(sample(tick)).stop {
+                stops.push(tick);
+            }
+        }
+        assert_eq!(stops, [251, 1350], "{request:?}");
+        let _ = push(&mut station, &order(2, 0, Request::Watchdog(0)));
+        assert!((3001..=6000).all(|tick| !station.sample(sample(tick)).stop));
+    }
+}
+
 #[test]
 fn the_watchdog_of_the_line_stops_once() {
     let mut station = station();

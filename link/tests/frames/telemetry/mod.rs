@@ -3,5 +3,6 @@
 mod damage;
 mod ends;
 mod line;
+mod starts;
 mod stop;
 mod values;

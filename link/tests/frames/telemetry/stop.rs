@@ -151,3 +151,22 @@ fn an_order_that_takes_its_time_is_no_answer_to_the_stop_behind_it() {
         [Content::Answer(answer)]
     );
 }
+
+/// The answer to a stop is lost, the axis is started by its button, and the stop is asked for again.
+#[test]
+fn a_stop_that_is_asked_again_is_carried_out_again() {
+    let mut ends = Ends::new();
+    ends.answered.clear();
+    let first = ends.client.ask(Request::Stop).expect("a number");
+    let done = ends.carry_out(10..60, || false);
+    assert_eq!(done, [(10, Request::Stop)]);
+    let second = ends.client.ask(Request::Stop).expect("a number");
+    let done = ends.carry_out(60..100, || true);
+    assert_eq!(done, [(60, Request::Stop)]);
+    // The first is told as one that nobody answered.
+    assert_eq!(ends.client.given_up(), Some(first));
+    assert_eq!(
+        (ends.answered, ends.client.given_up()),
+        (vec![second], None)
+    );
+}

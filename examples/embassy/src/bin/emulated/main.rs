@@ -48,7 +48,7 @@ async fn control_task(machine: Machine<Sensor, Output>) {
 
 #[embassy_executor::task]
 async fn listen_task(line: Receiver) {
-    let Ok(()) = listen(line).await;
+    listen(line).await
 }
 
 #[embassy_executor::task]
