@@ -28,7 +28,7 @@ function test_trendid(record)
   refused(@() trendid_identify(0.001, u, y, 'order', 5), 'order = 5');
   refused(@() trendid_identify(0.001, u, y, 'ordre', 3), 'ordre');
   refused(@() trendid_identify(0.001, u(1:10), y), 'u has 10 samples');
-  refused(@() trendid_identify(0.001, u, y, 'delay', 65), 'delays');
+  refused(@() trendid_identify(0.001, u, y, 'delay', 65), 'delay = 65');
   refused(@() trendid_identify(NaN, u, y), 'sample_time');
   refused(@() trendid_identify(0.001, u, y, 'order', 4, 'zeros', 3), 'more parameters');
   refused(@() trendid_identify(0.001, u, y, 'noise', [], 'delay', [1, 2]), 'noise must be one real number');
