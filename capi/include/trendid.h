@@ -674,6 +674,24 @@ typedef struct trendid_loop {
   uint64_t words[TRENDID_LOOP_WORDS];
 } trendid_loop;
 
+// Requested dynamics of a closed loop.
+typedef struct trendid_loop_controller {
+  // Largest bandwidth in rad/s; 0 (default) for what the margins allow.
+  float bandwidth;
+  // Half width of the flow over which the inverse of the dead zone changes sign; default 0.01.
+  float blend;
+  // Least position error within which the valve rests at standstill, in units of y; 0 (default)
+  // for one code and two standard deviations of the noise.
+  float rest_window;
+  // Dead volume of a chamber over that of the stroke: how much stiffer the axis gets towards its
+  // ends. Infinite for a drive that is as stiff everywhere; 0 (default) for what the
+  // commissioning finds. With a model that is installed it is to be stated: a stiff drive that
+  // is taken for a cylinder may swing near its ends.
+  float dead_volume;
+  // Time in s in which the offset of a bumpless change of gains fades; default 0.01.
+  float transition;
+} trendid_loop_controller;
+
 // Settings of a position loop, made by `trendid_loop_settings_init`; a setting of 0 follows from
 // the others unless said.
 typedef struct trendid_loop_settings {
@@ -714,8 +732,8 @@ typedef struct trendid_loop_settings {
   float acceleration;
   // Largest jerk of a move, in units of y per s^3.
   float jerk;
-  // Largest bandwidth of the closed loop in rad/s; 0 for what the margins allow.
-  float wanted_bandwidth;
+  // Requested dynamics.
+  struct trendid_loop_controller controller;
   // Largest command of the commissioning, within 0..=1; default 0.5.
   float excitation;
   // Longest commissioning in s; default 6.
@@ -774,6 +792,42 @@ typedef struct trendid_model {
   // Coulomb friction, as the acceleration that it takes away, in units of y per s^2.
   float friction;
 } trendid_model;
+
+// How good a loop is, and how well its drive is known: for who puts an axis into operation.
+typedef struct trendid_quality {
+  // Delay of the valve in s, as the commissioning found it.
+  float delay;
+  // 1 or -1: a positive command moves towards larger or smaller positions, as the commissioning
+  // found it.
+  int32_t direction;
+  // Bandwidth of the closed loop in rad/s.
+  float bandwidth;
+  // Largest sensitivity of the closed loop; with the next three 0 while `has_margins` is false.
+  float sensitivity;
+  // Phase margin in rad.
+  float phase_margin;
+  // The delay in s that may come on top, infinite where any may.
+  float delay_margin;
+  // Factor of the gain up to which the loop is stable, infinite where every one may be.
+  float gain_margin;
+  // Standard deviation of `a1` of the verified model; with the next two infinite for a model of
+  // the commissioning or of the caller.
+  float a1_std;
+  // Standard deviation of `a2`.
+  float a2_std;
+  // Standard deviation of `b0`.
+  float b0_std;
+  // Share of the movement that the last validated model explains in free simulation; negative
+  // where it is worse than a constant, minus infinity before there was one.
+  float r_squared;
+  // Models that were accepted.
+  uint32_t accepted;
+  // Models that were refused.
+  uint32_t refused;
+  // Whether there are margins: not before there are gains, nor where the slowest ones have less
+  // than what is wanted.
+  bool has_margins;
+} trendid_quality;
 
 #ifdef __cplusplus
 extern "C" {
@@ -1068,6 +1122,9 @@ trendid_error trendid_loop_load(struct trendid_loop *servo,
                                 uint32_t *sequence,
                                 struct trendid_detail *detail);
 
+// How good the loop is, and how well its drive is known.
+trendid_error trendid_loop_quality(const struct trendid_loop *servo, struct trendid_quality *quality);
+
 // Why a model was refused or the axis stopped, in static memory: a `trendid_reason`, 0 for none.
 const char *trendid_reason_text(uint8_t reason);
 
@@ -1112,7 +1169,8 @@ TRENDID_STATIC_ASSERT(sizeof(trendid_parameter) == 3, "trendid_parameter has ano
 TRENDID_STATIC_ASSERT(sizeof(trendid_pole) == 8, "trendid_pole has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_estimate) == 180, "trendid_estimate has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_status) == 44, "trendid_status has another layout");
-TRENDID_STATIC_ASSERT(sizeof(trendid_loop_settings) == 80, "trendid_loop_settings has another layout");
+TRENDID_STATIC_ASSERT(sizeof(trendid_loop_settings) == 96, "trendid_loop_settings has another layout");
+TRENDID_STATIC_ASSERT(sizeof(trendid_quality) == 56, "trendid_quality has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_report) == 52, "trendid_report has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_model) == 24, "trendid_model has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_servo2) == 8u * TRENDID_SERVO2_WORDS, "trendid_servo2 has another size");

@@ -273,6 +273,13 @@ class loop {
         return trendid_loop_install(&memory_, &model, why);
     }
 
+    /// Delay, margins, and how well the model is known.
+    result<trendid_quality> quality() const noexcept {
+        result<trendid_quality> made;
+        made.code = trendid_loop_quality(&memory_, &made.value);
+        return made;
+    }
+
     result<trendid_model> model() const noexcept {
         result<trendid_model> made;
         made.code = trendid_loop_model(&memory_, &made.value);

@@ -5,7 +5,7 @@ use crate::detail::Detail;
 use crate::friction::FRICTION_SIZES;
 use crate::identifier::{Estimate, INSTRUMENTED_SIZES, Outcome, Parameter, Pole, SIZES, Status};
 use crate::memory::Object;
-use crate::servo::{Body, Loop, LoopSettings, Model, Report};
+use crate::servo::{Body, Loop, LoopSettings, Model, Quality, Report};
 use crate::settings::{Settings, Structure};
 
 /// The types of memory.
@@ -52,8 +52,9 @@ const _: () = {
     assert!(size_of::<Pole>() == 8);
     assert!(size_of::<Estimate>() == 180);
     assert!(size_of::<Status>() == 44);
-    assert!(size_of::<LoopSettings>() == 80);
+    assert!(size_of::<LoopSettings>() == 96);
     assert!(size_of::<Report>() == 52);
+    assert!(size_of::<Quality>() == 56);
     assert!(size_of::<Model>() == 24);
 };
 

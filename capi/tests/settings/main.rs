@@ -2,6 +2,7 @@
 
 #![cfg(feature = "any")]
 
+mod axis;
 mod core_config;
 mod kinds;
 mod meaning;

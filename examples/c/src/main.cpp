@@ -105,7 +105,8 @@ bool control()
         hash_number(&all, report.value.innovation);
     }
     hash_line("loop", &all);
-    return axis.model().code == TRENDID_ERROR_OK;
+    const auto quality = axis.quality();
+    return axis.model() && quality && quality.value.has_margins && quality.value.accepted > 0;
 }
 
 }  // namespace
