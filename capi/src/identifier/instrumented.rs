@@ -3,6 +3,7 @@
 use core::mem::MaybeUninit;
 
 use trendid::Structure;
+use trendid::estimation::Terms;
 use trendid::instruments::{Found, Instrumented as Core, Way as CoreWay};
 use trendid::trends::FilteredTrends;
 
@@ -17,6 +18,19 @@ use crate::settings::{Settings, Takes};
 /// other sizes than that of the kinds without instruments: shared, it would be called there where
 /// it now stands in its place.
 const INPUTS: usize = 2;
+
+/// A servo, and that input.
+const fn servo<const M: usize, const N: usize>() -> Structure<M, N, INPUTS> {
+    let inputs = [Terms::of(&[0]), Terms::NONE];
+    match Structure::try_with_initial_state(Terms::between(1, M), inputs, true) {
+        Ok(structure) => structure,
+        Err(_) => panic!("the sizes contradict the terms"),
+    }
+}
+
+/// Order 2, and order 3.
+pub(crate) const SERVO2: Structure<2, 4, INPUTS> = servo();
+pub(crate) const SERVO3: Structure<3, 5, INPUTS> = servo();
 
 /// One command as it comes; `R` rows of instruments.
 pub(crate) struct Instrumented<const M: usize, const N: usize, const R: usize, const D: usize> {

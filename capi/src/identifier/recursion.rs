@@ -184,8 +184,8 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize> Recursion
     }
 }
 
-/// The poles of an estimate: of its denominator alone, so that the transfer function of the estimate
-/// has one caller, and stays in its place there.
+/// The poles of an estimate: of its denominator alone, so that the transfer function of the
+/// estimate has one caller, and stays in its place there.
 pub(super) fn poles_of<const M: usize, const N: usize, const I: usize>(
     found: &trendid::Estimate<M, N, I>,
     poles: &mut [Pole],

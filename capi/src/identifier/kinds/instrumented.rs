@@ -3,27 +3,13 @@
 //!
 //! One after another, as those of `plain`.
 
-use trendid::Structure as CoreStructure;
-use trendid::estimation::Terms;
-
 use crate::detail::Detail;
 use crate::error::Error;
 use crate::identifier::Identifier;
 use crate::identifier::body::begin;
+use crate::identifier::instrumented::{SERVO2, SERVO3};
 use crate::identifier::kinds::{OfInstrumented2, OfInstrumented3, of};
 use crate::settings::Settings;
-
-/// A servo, and an input without a term.
-const fn servo<const M: usize, const N: usize>() -> CoreStructure<M, N, 2> {
-    let inputs = [Terms::of(&[0]), Terms::NONE];
-    match CoreStructure::try_with_initial_state(Terms::between(1, M), inputs, true) {
-        Ok(structure) => structure,
-        Err(_) => panic!("the sizes contradict the terms"),
-    }
-}
-
-pub(super) const TWO: CoreStructure<2, 4, 2> = servo();
-pub(super) const THREE: CoreStructure<3, 5, 2> = servo();
 
 /// Words of 8 bytes of a `trendid_instrumented2`.
 pub const INSTRUMENTED2_WORDS: usize = 424;
@@ -51,7 +37,7 @@ pub unsafe extern "C" fn trendid_instrumented2_init(
     let configure = |kind: &mut OfInstrumented2| {
         // SAFETY: by the contract of the header.
         let settings = unsafe { of(settings) }?;
-        kind.configure(settings, TWO)
+        kind.configure(settings, SERVO2)
     };
     // SAFETY: by the contract of the header.
     unsafe { begin(memory, configure, identifier, detail) }
@@ -80,7 +66,7 @@ pub unsafe extern "C" fn trendid_instrumented3_init(
     let configure = |kind: &mut OfInstrumented3| {
         // SAFETY: by the contract of the header.
         let settings = unsafe { of(settings) }?;
-        kind.configure(settings, THREE)
+        kind.configure(settings, SERVO3)
     };
     // SAFETY: by the contract of the header.
     unsafe { begin(memory, configure, identifier, detail) }

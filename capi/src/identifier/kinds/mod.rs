@@ -14,7 +14,7 @@ use trendid::instruments::rows;
 
 use crate::detail::Detail;
 use crate::identifier::body::Body;
-use crate::identifier::instrumented::Instrumented;
+use crate::identifier::instrumented::{Instrumented, SERVO2, SERVO3};
 use crate::identifier::kind::{Plain, Valve};
 use crate::memory::Object;
 use crate::settings::{INPUTS_MAX, Settings};
@@ -75,8 +75,8 @@ type OfCoulomb2 = Plain<2, 5, 2, DELAY_MAX>;
 type OfCoulomb3 = Plain<3, 6, 2, DELAY_MAX>;
 type OfValveCoulomb2 = Valve<2, 6, 3, DELAY_MAX>;
 type OfValveCoulomb3 = Valve<3, 7, 3, DELAY_MAX>;
-type OfInstrumented2 = Instrumented<2, 4, { rows(&instrumented::TWO) }, DELAY_MAX>;
-type OfInstrumented3 = Instrumented<3, 5, { rows(&instrumented::THREE) }, DELAY_MAX>;
+type OfInstrumented2 = Instrumented<2, 4, { rows(&SERVO2) }, DELAY_MAX>;
+type OfInstrumented3 = Instrumented<3, 5, { rows(&SERVO3) }, DELAY_MAX>;
 type LargestAny = Plain<4, 6, INPUTS_MAX, ANY_DELAY_MAX>;
 
 /// Bytes of the memory of each kind, and how many of them this build uses.
