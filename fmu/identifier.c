@@ -44,7 +44,7 @@ trendid_error model_begin(void *object, struct values *values, trendid_detail *d
                                                       (float)reals[U_RANGE], (float)reals[Y_RANGE]);
     settings.output_noise = (float)reals[NOISE];
     settings.memory = (float)reals[MEMORY];
-    settings.delay[0] = (uint32_t)values->integers[DELAY];
+    settings.delay[0] = (float)values->integers[DELAY];
     for (int i = GAIN; i <= DAMPING_STD; i++) {
         values->reals[i] = known(false, 0.0F);
     }

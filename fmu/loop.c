@@ -47,7 +47,7 @@ trendid_error model_begin(void *memory, struct values *values, trendid_detail *d
         trendid_loop_settings_init(&settings, (float)reals[SAMPLE_TIME], (float)reals[TRAVEL_MIN], (float)reals[TRAVEL_MAX],
                                    (float)reals[UNITS_PER_COUNT], values->integers[REFERENCE_CODE]);
     settings.bandwidth = (float)reals[BANDWIDTH];
-    settings.wanted_bandwidth = (float)reals[WANTED_BANDWIDTH];
+    settings.controller.bandwidth = (float)reals[WANTED_BANDWIDTH];
     settings.direction = values->integers[DIRECTION];
     object->target = reals[TARGET];
     object->commission = 0;

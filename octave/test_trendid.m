@@ -9,7 +9,8 @@ function test_trendid(record)
   numbers = [numbers, found.innovation(~isnan(found.innovation)).'];
   printf('servo %s\n', sprintf('%08x', typecast(single(numbers), 'uint32')));
   full = trendid_identify(0.001, [u, [0; u(1:end - 1)]], y, 'order', 2, 'zeros', 0, 'constant', false, ...
-                          'initial', false, 'u_range', [0.4, 0.4], 'y_range', 50, 'memory', 1, 'delay', [1, 2]);
+                          'initial', false, 'u_range', [0.4, 0.4], 'y_range', 50, 'memory', 1, 'delay', [1.5, 2], 'hold', [0, 1], ...
+                          'follow_changes', true);
   printf('two %s\n', sprintf('%08x', typecast(single([full.theta, full.std]), 'uint32')));
 
   % The truth of the record, and the shape of the results.
@@ -28,7 +29,11 @@ function test_trendid(record)
   refused(@() trendid_identify(0.001, u, y, 'order', 5), 'order = 5');
   refused(@() trendid_identify(0.001, u, y, 'ordre', 3), 'ordre');
   refused(@() trendid_identify(0.001, u(1:10), y), 'u has 10 samples');
-  refused(@() trendid_identify(0.001, u, y, 'delay', 65), 'delays');
+  refused(@() trendid_identify(0.001, u, y, 'delay', 65), 'delay = 65');
+  refused(@() trendid_identify(0.001, u, y, 'delay', -0.5), 'delay = -0.5');
+  refused(@() trendid_identify(0.001, u, y, 'hold', 3), 'hold = 3');
+  refused(@() trendid_identify(0.001, u, y, 'hold', 0.5), 'hold = 0.5');
+  refused(@() trendid_identify(0.001, u, y, 'follow_changes', true), 'follow_changes = 1');
   refused(@() trendid_identify(NaN, u, y), 'sample_time');
   refused(@() trendid_identify(0.001, u, y, 'order', 4, 'zeros', 3), 'more parameters');
   refused(@() trendid_identify(0.001, u, y, 'noise', [], 'delay', [1, 2]), 'noise must be one real number');

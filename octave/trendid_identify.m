@@ -19,7 +19,9 @@
 %   'memory'       0                memory [s]; 0: nothing is forgotten
 %   'settling'     0                time without estimation at the start [s]
 %   'significance' 2                standard deviations below which the constant is withdrawn
-%   'delay'        0                delay of each input [samples], up to 64
+%   'delay'        0                delay of each input [samples], up to 64, also between samples
+%   'hold'         0                course of each input between samples: 0 held, 1 straight, 2 the mean since the one before
+%   'follow_changes' false          with a memory: it is short while the drive changes
 %
 %   found.theta, found.std    parameters (a_i, b_i of each input, constant, initial state) and standard deviations
 %   found.covariance          their covariance
@@ -53,7 +55,8 @@ function found = trendid_identify(t_sample, u, y, varargin)
   end
   set = struct('order', 3, 'integrator', true, 'zeros', 0, 'constant', true, 'initial', true, ...
                'bandwidth', 20, 'u_range', max(abs(u), [], 1), 'y_range', (max(y) - min(y)) / 2, ...
-               'noise', 0, 'memory', 0, 'settling', 0, 'significance', 2, 'delay', 0);
+               'noise', 0, 'memory', 0, 'settling', 0, 'significance', 2, 'delay', 0, 'hold', 0, ...
+               'follow_changes', false);
   if mod(numel(varargin), 2) ~= 0
     error('trendid:argument', 'options come in pairs of name and value');
   end
@@ -67,13 +70,13 @@ function found = trendid_identify(t_sample, u, y, varargin)
   for name = {'order', 'zeros', 'bandwidth', 'y_range', 'noise', 'memory', 'settling', 'significance'}
     set.(name{1}) = real_of(set.(name{1}), name{1}, true);
   end
-  for name = {'integrator', 'constant', 'initial'}
+  for name = {'integrator', 'constant', 'initial', 'follow_changes'}
     set.(name{1}) = real_of(set.(name{1}), name{1}, true);
     if ~any(set.(name{1}) == [0, 1])
       error('trendid:argument', '%s = %g is neither true nor false', name{1}, set.(name{1}));
     end
   end
-  for name = {'u_range', 'delay'}
+  for name = {'u_range', 'delay', 'hold'}
     set.(name{1}) = real_of(set.(name{1}), name{1}, false);
     if ~any(numel(set.(name{1})) == [1, inputs])
       error('trendid:argument', '%s has %d values, expected 1 or one per input', name{1}, numel(set.(name{1})));
@@ -91,7 +94,7 @@ function found = trendid_identify(t_sample, u, y, varargin)
   input_terms = pair(repmat(2 ^ (set.zeros + 1) - 1, 1, inputs), 0);
   structure = [set.order, inputs, output_terms, input_terms, set.constant, set.initial];
   options = [pair(set.u_range, 1), set.y_range, set.noise, set.memory, set.settling, set.significance, ...
-             pair(set.delay, 0)];
+             pair(set.delay, 0), pair(set.hold, 0), set.follow_changes];
   [theta, std, model, innovation, covariance] = ...
       trendid_mex(t_sample, set.bandwidth, structure, u, y, options);
   found = model;

@@ -5,7 +5,7 @@
  *
  * trendid_identify.m is the function for users; this one only passes arrays on. `structure` is [order, integrators?, ..] as
  * trendid_identify.m builds it: order, inputs, output terms, terms of both inputs, constant, initial state. `options` is
- * input ranges (2), output range, noise, memory, settling, significance, delays (2).
+ * input ranges (2), output range, noise, memory, settling, significance, delays (2), holds (2), whether changes are followed.
  *
  * No state between calls: the object lives on the stack of the call.
  */
@@ -95,7 +95,7 @@ void mexFunction(int nlhs, mxArray *plhs[], int nrhs, const mxArray *prhs[])
     const double *shape = reals(prhs[2], 7, "structure");
     const size_t samples = mxGetNumberOfElements(prhs[4]);
     const double *y = reals(prhs[4], samples, "y");
-    const double *option = reals(prhs[5], 9, "options");
+    const double *option = reals(prhs[5], 12, "options");
     const trendid_structure structure = {
         .order = byte_of(shape[0], "order"),
         .inputs = byte_of(shape[1], "inputs"),
@@ -118,8 +118,11 @@ void mexFunction(int nlhs, mxArray *plhs[], int nrhs, const mxArray *prhs[])
     settings.memory = (float)option[4];
     settings.settling = (float)option[5];
     settings.offset_significance = (float)option[6];
-    settings.delay[0] = byte_of(option[7], "delay");
-    settings.delay[1] = byte_of(option[8], "delay");
+    settings.delay[0] = (float)option[7];
+    settings.delay[1] = (float)option[8];
+    settings.hold[0] = byte_of(option[9], "hold");
+    settings.hold[1] = byte_of(option[10], "hold");
+    settings.follow_changes = byte_of(option[11], "follow_changes");
     if (error == TRENDID_ERROR_OK) {
         error = trendid_any_init(&memory, &settings, &structure, &identifier, &detail);
     }

@@ -34,13 +34,16 @@
 
 
 // Version of this interface: another number, another layout of the types.
-#define TRENDID_ABI_VERSION 1
+#define TRENDID_ABI_VERSION 2
 
 // Number of candidates: delays of 0 to 7 samples.
 #define TRENDID_DELAY_CANDIDATES (TRENDID_DELAY_MAX + 1)
 
 // Words of 8 bytes of a `trendid_delay_bank`.
 #define TRENDID_DELAY_BANK_WORDS 1552
+
+// Words of 8 bytes of a `trendid_friction`.
+#define TRENDID_FRICTION_WORDS 4
 
 // Longest delay of an input in samples.
 #define TRENDID_DELAY_MAX 7
@@ -53,6 +56,12 @@
 
 // Words of 8 bytes of a `trendid_any`.
 #define TRENDID_ANY_WORDS 300
+
+// Words of 8 bytes of a `trendid_instrumented2`.
+#define TRENDID_INSTRUMENTED2_WORDS 424
+
+// Words of 8 bytes of a `trendid_instrumented3`.
+#define TRENDID_INSTRUMENTED3_WORDS 548
 
 // Words of 8 bytes of a `trendid_servo2`.
 #define TRENDID_SERVO2_WORDS 168
@@ -151,9 +160,29 @@ enum trendid_error
   TRENDID_ERROR_OTHER = 22,
   // A motion was requested while the controller does not have the axis, or has not seen it yet.
   TRENDID_ERROR_NOT_CONTROLLING = 23,
+  // The kind of the object does not offer this call.
+  TRENDID_ERROR_NOT_OFFERED = 24,
 };
 #ifndef __cplusplus
 typedef int32_t trendid_error;
+#endif // __cplusplus
+
+// Course of an input between two samples.
+enum trendid_hold
+#ifdef __cplusplus
+  : int32_t
+#endif // __cplusplus
+ {
+  // Held until the next sample: a command that this controller gives.
+  TRENDID_HOLD_ZERO = 0,
+  // Straight from sample to sample: a measured quantity.
+  TRENDID_HOLD_FIRST = 1,
+  // The mean since the sample before: what is known only when it is over, as that of
+  // `trendid_friction_update`.
+  TRENDID_HOLD_MEAN = 2,
+};
+#ifndef __cplusplus
+typedef int32_t trendid_hold;
 #endif // __cplusplus
 
 // State of a loop.
@@ -213,6 +242,12 @@ enum trendid_object_kind
   TRENDID_OBJECT_KIND_DELAY_BANK = 9,
   // `trendid_loop`
   TRENDID_OBJECT_KIND_LOOP = 10,
+  // `trendid_instrumented2`
+  TRENDID_OBJECT_KIND_INSTRUMENTED2 = 11,
+  // `trendid_instrumented3`
+  TRENDID_OBJECT_KIND_INSTRUMENTED3 = 12,
+  // `trendid_friction`
+  TRENDID_OBJECT_KIND_FRICTION = 13,
 };
 #ifndef __cplusplus
 typedef int32_t trendid_object_kind;
@@ -309,6 +344,25 @@ enum trendid_sample_kind
 typedef uint8_t trendid_sample_kind;
 #endif // __cplusplus
 
+// What an estimate rests on.
+enum trendid_way
+#ifdef __cplusplus
+  : uint8_t
+#endif // __cplusplus
+ {
+  // The recursion.
+  TRENDID_WAY_RECURSION = 0,
+  // Instruments, with standard deviations from blocks of time.
+  TRENDID_WAY_INSTRUMENTS = 1,
+  // The recursion: there are too few blocks for instruments yet.
+  TRENDID_WAY_TOO_FEW_BLOCKS = 2,
+  // The recursion: the instruments are weak, they hardly move with what the position does.
+  TRENDID_WAY_WEAK_INSTRUMENTS = 3,
+};
+#ifndef __cplusplus
+typedef uint8_t trendid_way;
+#endif // __cplusplus
+
 // An identifier of any kind: the handle that the `_init` of its memory gives.
 typedef struct trendid_identifier trendid_identifier;
 
@@ -321,12 +375,17 @@ typedef struct trendid_delay_bank {
 } trendid_delay_bank;
 
 // Settings of an identifier, made by `trendid_settings_init`.
+//
+// A setting that means nothing for a kind must be as `trendid_settings_init` left it: that of an
+// input or a parameter that the kind does not have, a dead zone of a kind without one, a delay of
+// a bank that looks for it, a change to be followed without a memory, a significance without a
+// constant.
 typedef struct trendid_settings {
   // Sample time in s.
   float sample_time;
   // Rough bandwidth of the drive in rad/s, within a factor of three.
   float bandwidth;
-  // Typical size of each input, in its unit.
+  // Typical size of each input, in its unit; default 1 of the second one.
   float input_range[TRENDID_INPUTS_MAX];
   // Typical movement of the output, in its unit.
   float output_range;
@@ -335,18 +394,41 @@ typedef struct trendid_settings {
   float output_noise;
   // Memory in s; 0: nothing is forgotten. With a dead zone about two blocks of it.
   float memory;
-  // Time without estimation after the first sample, in s; default 0.
+  // With a memory: 1 makes it short where the drive changes, until the new drive is known; so
+  // long the deviations are infinite. 0 (default) forgets as fast as always. A drive with a
+  // friction or a dead zone that the model does not have shows itself as a change now and then.
+  int32_t follow_changes;
+  // Time without estimation after the first sample, in s; default 0, for a drive at rest.
   float settling;
   // Standard deviations below which the constant is insignificant and withdrawn; default 2, 0
   // always keeps it.
   float offset_significance;
-  // Delay of each input in samples, at most `TRENDID_DELAY_MAX` (`TRENDID_ANY_DELAY_MAX` for a
-  // `trendid_any`).
-  uint32_t delay[TRENDID_INPUTS_MAX];
-  // Largest half width of the dead zone, in the unit of the first input; only for kinds with a
-  // dead zone. Commands below it tell no deviation until they are known to lie outside.
+  // Course of each input between samples, a `trendid_hold`; default `TRENDID_HOLD_ZERO`.
+  int32_t hold[TRENDID_INPUTS_MAX];
+  // Delay of each input in samples, also between two of them, at most `TRENDID_DELAY_MAX`
+  // (`TRENDID_ANY_DELAY_MAX` for a `trendid_any`); default 0.
+  float delay[TRENDID_INPUTS_MAX];
+  // Each input in equilibrium before the first sample, in its unit; default 0.
+  float initial_input[TRENDID_INPUTS_MAX];
+  // The input that is the sign of the velocity, counted from 0: while it is 0 the axis may
+  // stick, and the estimate is held. 1 for the kinds with Coulomb friction; -1 (default): none.
+  int32_t friction_input;
+  // The parameters before the first sample, in the order and the units of `theta` of
+  // `trendid_estimate`; default 0.
+  float initial[TRENDID_PARAMETERS_MAX];
+  // Standard deviations of `initial`, in the same units: all 0 (default) for those that follow
+  // from the ranges, or each above 0 but for known parameters.
+  float prior_std[TRENDID_PARAMETERS_MAX];
+  // Bit i: parameter i is known to be `initial[i]`; default 0.
+  uint32_t known;
+  // Half width of the dead zone to begin with, in the unit of the first input, at most
+  // `dead_zone_max`; default 0. Too small is good, too large may confirm itself.
+  float dead_zone;
+  // Largest half width of the dead zone, in the unit of the first input; 0 (default): a quarter
+  // of `input_range[0]`. Commands below it tell no deviation until they are known to lie
+  // outside.
   float dead_zone_max;
-  // Samples between corrections of the dead zone; default 300.
+  // Samples between corrections of the dead zone; 0 (default): 300.
   uint32_t dead_zone_block;
 } trendid_settings;
 
@@ -372,7 +454,7 @@ typedef struct trendid_detail {
 typedef struct trendid_outcome {
   // What happened.
   trendid_sample_kind kind;
-  // Position of the refused input; else 0.
+  // Position of the refused input among those of the caller; else 0.
   uint8_t input;
   // Samples until the first estimate, while warming up; else 0.
   uint32_t remaining;
@@ -386,6 +468,14 @@ typedef struct trendid_outcome {
 typedef struct trendid_servo3 {
   uint64_t words[TRENDID_SERVO3_WORDS];
 } trendid_servo3;
+
+// The mean sign of the velocity from sample to sample, for the input of Coulomb friction: a drive
+// that turns in between has neither sign.
+//
+// That input has the hold `TRENDID_HOLD_MEAN`.
+typedef struct trendid_friction {
+  uint64_t words[TRENDID_FRICTION_WORDS];
+} trendid_friction;
 
 // Memory of an identifier of any structure: order 1 to 4, one or two inputs, up to
 // `TRENDID_ANY_PARAMETERS_MAX` parameters.
@@ -471,6 +561,14 @@ typedef struct trendid_parameter {
   uint8_t power;
 } trendid_parameter;
 
+// A pole of the model.
+typedef struct trendid_pole {
+  // Real part in rad/s.
+  float re;
+  // Imaginary part in rad/s.
+  float im;
+} trendid_pole;
+
 // What is known beside the model.
 typedef struct trendid_status {
   // Prediction of the newest position from the samples before it, in the unit of y.
@@ -485,14 +583,38 @@ typedef struct trendid_status {
   uint32_t samples;
   // How many samples of the position were replaced by their prediction.
   uint32_t replaced;
+  // How many changes of the drive were found and followed; 0 without `follow_changes`.
+  uint32_t changes;
   // Half width of the dead zone, in the unit of u; 0 for a kind without one.
   float dead_zone;
   // Standard deviation of `dead_zone`, infinite before the first correction; 0 for a kind
   // without one.
   float dead_zone_std;
+  // Blocks of time that carry the standard deviations by instruments, 16 at most; 0 for those of
+  // the recursion.
+  float blocks;
   // Whether there are more samples than parameters.
   bool has_noise_std;
+  // What the estimate rests on: the recursion, but for the kinds with instruments.
+  trendid_way way;
 } trendid_status;
+
+// Memory of an identifier as `trendid_servo2` with instruments beside its recursion: without the
+// bias that drift and coloured noise of the position make, and with standard deviations that
+// assume no noise model.
+//
+// theta = (a1, b0, constant, initial state); inputs: u. Every read-out costs as much as
+// `trendid_identifier_estimate`; a warm start, a retune and a nominal estimate are not offered.
+typedef struct trendid_instrumented2 {
+  uint64_t words[TRENDID_INSTRUMENTED2_WORDS];
+} trendid_instrumented2;
+
+// Memory of an identifier as `trendid_servo3` with instruments, as `trendid_instrumented2`.
+//
+// theta = (a1, a2, b0, constant, initial state); inputs: u.
+typedef struct trendid_instrumented3 {
+  uint64_t words[TRENDID_INSTRUMENTED3_WORDS];
+} trendid_instrumented3;
 
 // Memory of an identifier of `b0 / (s (s + a1))`.
 //
@@ -552,6 +674,24 @@ typedef struct trendid_loop {
   uint64_t words[TRENDID_LOOP_WORDS];
 } trendid_loop;
 
+// Requested dynamics of a closed loop.
+typedef struct trendid_loop_controller {
+  // Largest bandwidth in rad/s; 0 (default) for what the margins allow.
+  float bandwidth;
+  // Half width of the flow over which the inverse of the dead zone changes sign; default 0.01.
+  float blend;
+  // Least position error within which the valve rests at standstill, in units of y; 0 (default)
+  // for one code and two standard deviations of the noise.
+  float rest_window;
+  // Dead volume of a chamber over that of the stroke: how much stiffer the axis gets towards its
+  // ends. Infinite for a drive that is as stiff everywhere; 0 (default) for what the
+  // commissioning finds. With a model that is installed it is to be stated: a stiff drive that
+  // is taken for a cylinder may swing near its ends.
+  float dead_volume;
+  // Time in s in which the offset of a bumpless change of gains fades; default 0.01.
+  float transition;
+} trendid_loop_controller;
+
 // Settings of a position loop, made by `trendid_loop_settings_init`; a setting of 0 follows from
 // the others unless said.
 typedef struct trendid_loop_settings {
@@ -592,8 +732,8 @@ typedef struct trendid_loop_settings {
   float acceleration;
   // Largest jerk of a move, in units of y per s^3.
   float jerk;
-  // Largest bandwidth of the closed loop in rad/s; 0 for what the margins allow.
-  float wanted_bandwidth;
+  // Requested dynamics.
+  struct trendid_loop_controller controller;
   // Largest command of the commissioning, within 0..=1; default 0.5.
   float excitation;
   // Longest commissioning in s; default 6.
@@ -653,6 +793,42 @@ typedef struct trendid_model {
   float friction;
 } trendid_model;
 
+// How good a loop is, and how well its drive is known: for who puts an axis into operation.
+typedef struct trendid_quality {
+  // Delay of the valve in s, as the commissioning found it.
+  float delay;
+  // 1 or -1: a positive command moves towards larger or smaller positions, as the commissioning
+  // found it.
+  int32_t direction;
+  // Bandwidth of the closed loop in rad/s.
+  float bandwidth;
+  // Largest sensitivity of the closed loop; with the next three 0 while `has_margins` is false.
+  float sensitivity;
+  // Phase margin in rad.
+  float phase_margin;
+  // The delay in s that may come on top, infinite where any may.
+  float delay_margin;
+  // Factor of the gain up to which the loop is stable, infinite where every one may be.
+  float gain_margin;
+  // Standard deviation of `a1` of the verified model; with the next two infinite for a model of
+  // the commissioning or of the caller.
+  float a1_std;
+  // Standard deviation of `a2`.
+  float a2_std;
+  // Standard deviation of `b0`.
+  float b0_std;
+  // Share of the movement that the last validated model explains in free simulation; negative
+  // where it is worse than a constant, minus infinity before there was one.
+  float r_squared;
+  // Models that were accepted.
+  uint32_t accepted;
+  // Models that were refused.
+  uint32_t refused;
+  // Whether there are margins: not before there are gains, nor where the slowest ones have less
+  // than what is wanted.
+  bool has_margins;
+} trendid_quality;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -668,8 +844,8 @@ const char *trendid_version(void);
 // it.
 void rust_eh_personality(void);
 
-// Makes a bank; `delay` of the settings is not used. `detail`, if not NULL, says which setting was
-// refused.
+// Makes a bank; `delay` of the settings, which is looked for, must be 0. `detail`, if not NULL,
+// says which setting was refused.
 trendid_error trendid_delay_bank_init(struct trendid_delay_bank *memory,
                                       const struct trendid_settings *settings,
                                       struct trendid_detail *detail);
@@ -686,6 +862,10 @@ trendid_error trendid_delay_bank_update(struct trendid_delay_bank *bank,
 // `TRENDID_ERROR_NOT_YET` until all can be compared.
 trendid_error trendid_delay_bank_best(const struct trendid_delay_bank *bank, uint32_t *delay, float *margin);
 
+// The delay between the samples, half a sample from the one of `trendid_delay_bank_best` at most,
+// as a `delay` of the settings. `TRENDID_ERROR_NOT_YET` until all can be compared.
+trendid_error trendid_delay_bank_refined(const struct trendid_delay_bank *bank, float *delay);
+
 // The prediction error of each delay in the unit of y, infinite while unknown; `count` is
 // `TRENDID_DELAY_CANDIDATES`.
 trendid_error trendid_delay_bank_errors(const struct trendid_delay_bank *bank, float *errors, size_t count);
@@ -697,6 +877,16 @@ trendid_error trendid_delay_bank_chosen(const struct trendid_delay_bank *bank,
 
 // One sentence on a code, in static memory; of another number that it is none.
 const char *trendid_error_text(int32_t error);
+
+// Makes one of a drive at rest; velocities within `rest` of zero, in the unit of the velocity, are
+// zero.
+trendid_error trendid_friction_init(struct trendid_friction *memory, float rest, struct trendid_detail *detail);
+
+// Takes the velocity of a sample, NaN as zero; `sign` is the mean sign since the sample before,
+// within -1 and 1.
+//
+// For the interrupt of the sample.
+trendid_error trendid_friction_update(struct trendid_friction *friction, float velocity, float *sign);
 
 // Makes an identifier of this structure; `detail`, if not NULL, says which setting was refused.
 trendid_error trendid_any_init(struct trendid_any *memory,
@@ -776,11 +966,31 @@ trendid_error trendid_identifier_parameters(const struct trendid_identifier *ide
                                             struct trendid_parameter *parameters,
                                             size_t count);
 
-// Prediction, noise, sums of errors and dead zone.
+// The poles of the model, integrators first, then by rising distance from zero; `count` is the
+// order. `TRENDID_ERROR_NOT_YET` where they are not found.
+trendid_error trendid_identifier_poles(const struct trendid_identifier *identifier,
+                                       struct trendid_pole *poles,
+                                       size_t count);
+
+// Prediction, noise, sums of errors, changes, dead zone, and what the estimate rests on.
 trendid_error trendid_identifier_status(const struct trendid_identifier *identifier, struct trendid_status *status);
 
 // The input of Coulomb friction: the sign of the velocity, 0 within `rest` of zero and for NaN.
 float trendid_sign_of_velocity(float velocity, float rest);
+
+// Makes an identifier of the kind `trendid_instrumented2`; `detail`, if not NULL, says which
+// setting was refused.
+trendid_error trendid_instrumented2_init(struct trendid_instrumented2 *memory,
+                                         const struct trendid_settings *settings,
+                                         struct trendid_identifier **identifier,
+                                         struct trendid_detail *detail);
+
+// Makes an identifier of the kind `trendid_instrumented3`; `detail`, if not NULL, says which
+// setting was refused.
+trendid_error trendid_instrumented3_init(struct trendid_instrumented3 *memory,
+                                         const struct trendid_settings *settings,
+                                         struct trendid_identifier **identifier,
+                                         struct trendid_detail *detail);
 
 // Makes an identifier of the kind `trendid_servo2`; `detail`, if not NULL, says which setting was
 // refused.
@@ -912,6 +1122,9 @@ trendid_error trendid_loop_load(struct trendid_loop *servo,
                                 uint32_t *sequence,
                                 struct trendid_detail *detail);
 
+// How good the loop is, and how well its drive is known.
+trendid_error trendid_loop_quality(const struct trendid_loop *servo, struct trendid_quality *quality);
+
 // Why a model was refused or the axis stopped, in static memory: a `trendid_reason`, 0 for none.
 const char *trendid_reason_text(uint8_t reason);
 
@@ -949,13 +1162,15 @@ size_t trendid_object_used(int32_t kind);
 
 /* The other half of these stands in the library, for the Rust compiler. */
 TRENDID_STATIC_ASSERT(sizeof(trendid_detail) == 56, "trendid_detail has another layout");
-TRENDID_STATIC_ASSERT(sizeof(trendid_settings) == 52, "trendid_settings has another layout");
+TRENDID_STATIC_ASSERT(sizeof(trendid_settings) == 148, "trendid_settings has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_structure) == 7, "trendid_structure has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_outcome) == 12, "trendid_outcome has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_parameter) == 3, "trendid_parameter has another layout");
+TRENDID_STATIC_ASSERT(sizeof(trendid_pole) == 8, "trendid_pole has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_estimate) == 180, "trendid_estimate has another layout");
-TRENDID_STATIC_ASSERT(sizeof(trendid_status) == 36, "trendid_status has another layout");
-TRENDID_STATIC_ASSERT(sizeof(trendid_loop_settings) == 80, "trendid_loop_settings has another layout");
+TRENDID_STATIC_ASSERT(sizeof(trendid_status) == 44, "trendid_status has another layout");
+TRENDID_STATIC_ASSERT(sizeof(trendid_loop_settings) == 96, "trendid_loop_settings has another layout");
+TRENDID_STATIC_ASSERT(sizeof(trendid_quality) == 56, "trendid_quality has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_report) == 52, "trendid_report has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_model) == 24, "trendid_model has another layout");
 TRENDID_STATIC_ASSERT(sizeof(trendid_servo2) == 8u * TRENDID_SERVO2_WORDS, "trendid_servo2 has another size");
@@ -966,6 +1181,9 @@ TRENDID_STATIC_ASSERT(sizeof(trendid_coulomb2) == 8u * TRENDID_COULOMB2_WORDS, "
 TRENDID_STATIC_ASSERT(sizeof(trendid_coulomb3) == 8u * TRENDID_COULOMB3_WORDS, "trendid_coulomb3 has another size");
 TRENDID_STATIC_ASSERT(sizeof(trendid_valve_coulomb2) == 8u * TRENDID_VALVE_COULOMB2_WORDS, "trendid_valve_coulomb2 has another size");
 TRENDID_STATIC_ASSERT(sizeof(trendid_valve_coulomb3) == 8u * TRENDID_VALVE_COULOMB3_WORDS, "trendid_valve_coulomb3 has another size");
+TRENDID_STATIC_ASSERT(sizeof(trendid_instrumented2) == 8u * TRENDID_INSTRUMENTED2_WORDS, "trendid_instrumented2 has another size");
+TRENDID_STATIC_ASSERT(sizeof(trendid_instrumented3) == 8u * TRENDID_INSTRUMENTED3_WORDS, "trendid_instrumented3 has another size");
+TRENDID_STATIC_ASSERT(sizeof(trendid_friction) == 8u * TRENDID_FRICTION_WORDS, "trendid_friction has another size");
 TRENDID_STATIC_ASSERT(sizeof(trendid_any) == 8u * TRENDID_ANY_WORDS, "trendid_any has another size");
 TRENDID_STATIC_ASSERT(sizeof(trendid_delay_bank) == 8u * TRENDID_DELAY_BANK_WORDS, "trendid_delay_bank has another size");
 TRENDID_STATIC_ASSERT(sizeof(trendid_loop) == 8u * TRENDID_LOOP_WORDS, "trendid_loop has another size");

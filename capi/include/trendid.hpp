@@ -52,23 +52,26 @@ namespace internal {
 template <class Memory>
 struct kind;
 
-#define TRENDID_KIND(name, count, given)                                                                            \
+#define TRENDID_KIND(name, degree, count, given)                                                                    \
     template <>                                                                                                     \
     struct kind<trendid_##name> {                                                                                   \
+        static constexpr std::size_t order = degree;                                                                \
         static constexpr std::size_t parameters = count;                                                            \
         static constexpr std::size_t inputs = given;                                                                \
         static error init(trendid_##name *memory, const settings &of, trendid_identifier **handle, detail *why) {   \
             return trendid_##name##_init(memory, &of, handle, why);                                                 \
         }                                                                                                           \
     };
-TRENDID_KIND(servo2, 4, 1)
-TRENDID_KIND(servo3, 5, 1)
-TRENDID_KIND(valve2, 5, 1)
-TRENDID_KIND(valve3, 6, 1)
-TRENDID_KIND(coulomb2, 5, 2)
-TRENDID_KIND(coulomb3, 6, 2)
-TRENDID_KIND(valve_coulomb2, 6, 2)
-TRENDID_KIND(valve_coulomb3, 7, 2)
+TRENDID_KIND(servo2, 2, 4, 1)
+TRENDID_KIND(servo3, 3, 5, 1)
+TRENDID_KIND(valve2, 2, 5, 1)
+TRENDID_KIND(valve3, 3, 6, 1)
+TRENDID_KIND(coulomb2, 2, 5, 2)
+TRENDID_KIND(coulomb3, 3, 6, 2)
+TRENDID_KIND(valve_coulomb2, 2, 6, 2)
+TRENDID_KIND(valve_coulomb3, 3, 7, 2)
+TRENDID_KIND(instrumented2, 2, 4, 1)
+TRENDID_KIND(instrumented3, 3, 5, 1)
 #undef TRENDID_KIND
 
 }  // namespace internal
@@ -79,6 +82,7 @@ class identifier {
     using kind = internal::kind<Memory>;
 
   public:
+    static constexpr std::size_t order = kind::order;
     static constexpr std::size_t parameters = kind::parameters;
     static constexpr std::size_t inputs = kind::inputs;
     using vector = std::array<float, parameters>;
@@ -126,6 +130,13 @@ class identifier {
         return made;
     }
 
+    /// The poles, integrators first.
+    result<std::array<trendid_pole, order>> poles() const noexcept {
+        result<std::array<trendid_pole, order>> made;
+        made.code = trendid_identifier_poles(handle(), made.value.data(), order);
+        return made;
+    }
+
     result<trendid_status> status() const noexcept {
         result<trendid_status> made;
         made.code = trendid_identifier_status(handle(), &made.value);
@@ -165,6 +176,24 @@ using coulomb2 = identifier<trendid_coulomb2>;
 using coulomb3 = identifier<trendid_coulomb3>;
 using valve_coulomb2 = identifier<trendid_valve_coulomb2>;
 using valve_coulomb3 = identifier<trendid_valve_coulomb3>;
+using instrumented2 = identifier<trendid_instrumented2>;
+using instrumented3 = identifier<trendid_instrumented3>;
+
+/// The mean sign of the velocity from sample to sample, for an input of the hold `TRENDID_HOLD_MEAN`; not usable before `init`.
+class friction {
+  public:
+    /// Velocities within `rest` of zero are zero.
+    error init(float rest, detail *why = nullptr) noexcept { return trendid_friction_init(&memory_, rest, why); }
+
+    result<float> update(float velocity) noexcept {
+        result<float> made;
+        made.code = trendid_friction_update(&memory_, velocity, &made.value);
+        return made;
+    }
+
+  private:
+    trendid_friction memory_{};
+};
 
 /// The delay of a drive; not usable before `init`.
 class delay_bank {
@@ -187,6 +216,13 @@ class delay_bank {
     result<choice> best() const noexcept {
         result<choice> made;
         made.code = trendid_delay_bank_best(&memory_, &made.value.delay, &made.value.margin);
+        return made;
+    }
+
+    /// The delay between the samples.
+    result<float> refined() const noexcept {
+        result<float> made;
+        made.code = trendid_delay_bank_refined(&memory_, &made.value);
         return made;
     }
 
@@ -235,6 +271,13 @@ class loop {
     }
     error install(const trendid_model &model, detail *why = nullptr) noexcept {
         return trendid_loop_install(&memory_, &model, why);
+    }
+
+    /// Delay, margins, and how well the model is known.
+    result<trendid_quality> quality() const noexcept {
+        result<trendid_quality> made;
+        made.code = trendid_loop_quality(&memory_, &made.value);
+        return made;
     }
 
     result<trendid_model> model() const noexcept {

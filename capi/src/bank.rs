@@ -8,9 +8,10 @@ use crate::detail::Detail;
 use crate::error::{Error, code};
 use crate::identifier::{DELAY_MAX, Identifier, OfServo3, Outcome, Servo3, begin};
 use crate::memory::{
-    Inside, Object, blank, list_mut, make, object, object_mut, shared, wanted, write_if_wanted,
+    Inside, Object, blank, list_mut, make, object, object_mut, shared, wanted, write,
+    write_if_wanted,
 };
-use crate::settings::Settings;
+use crate::settings::{Settings, Takes};
 
 /// Number of candidates: delays of 0 to 7 samples.
 pub const DELAY_CANDIDATES: usize = DELAY_MAX + 1;
@@ -39,8 +40,8 @@ const fn at(bank: *const DelayBank) -> *const Object<Bank> {
     bank.cast()
 }
 
-/// Makes a bank; `delay` of the settings is not used. `detail`, if not NULL, says which setting was
-/// refused.
+/// Makes a bank; `delay` of the settings, which is looked for, must be 0. `detail`, if not NULL,
+/// says which setting was refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_delay_bank_init(
     memory: *mut DelayBank,
@@ -50,7 +51,17 @@ pub unsafe extern "C" fn trendid_delay_bank_init(
     let fill = |bank: *mut Bank| {
         // SAFETY: by the contract of the header.
         let settings = unsafe { shared(settings) }?;
-        let mut config = settings.config(Structure::<3, 5, 1>::SERVO, [Some(0)]);
+        let structure = Structure::<3, 5, 1>::SERVO;
+        settings.check(&Takes {
+            inputs: 1,
+            sign: 1,
+            // It is what is looked for.
+            delay: 0,
+            parameters: 5,
+            constant: structure.constant(),
+            dead_zone: false,
+        })?;
+        let mut config = settings.config(structure, [Some(0)]);
         // As `Bank::try_new`, each candidate where it is to stand.
         for delay in 0..DELAY_CANDIDATES {
             config.delays = [delay];
@@ -116,6 +127,19 @@ pub unsafe extern "C" fn trendid_delay_bank_best(
         }
         Err(error) => error,
     }
+}
+
+/// The delay between the samples, half a sample from the one of `trendid_delay_bank_best` at most,
+/// as a `delay` of the settings. `TRENDID_ERROR_NOT_YET` until all can be compared.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn trendid_delay_bank_refined(
+    bank: *const DelayBank,
+    delay: *mut f32,
+) -> Error {
+    // SAFETY: by the contract of the header.
+    let refined = unsafe { object(at(bank)) }.and_then(|bank| bank.refined().ok_or(Error::NotYet));
+    // SAFETY: by the contract of the header.
+    code(refined.and_then(|refined| unsafe { write(delay, refined) }))
 }
 
 /// The prediction error of each delay in the unit of y, infinite while unknown; `count` is

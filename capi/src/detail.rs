@@ -56,17 +56,17 @@ impl Detail {
     }
 
     /// A setting of the interface itself that is not above zero.
-    pub(crate) fn not_positive(name: &'static str, value: f32) -> Self {
+    pub(crate) fn not_positive(setting: impl Into<Setting>, value: f32) -> Self {
         Self::from(ConfigError::NotPositive {
-            setting: name.into(),
+            setting: setting.into(),
             value,
         })
     }
 
     /// A setting of the interface itself outside its limits.
-    pub(crate) fn out_of_range(name: &'static str, value: f32, limits: [f32; 2]) -> Self {
+    pub(crate) fn out_of_range(setting: impl Into<Setting>, value: f32, limits: [f32; 2]) -> Self {
         Self::from(ConfigError::OutOfRange {
-            setting: name.into(),
+            setting: setting.into(),
             value,
             limits,
         })

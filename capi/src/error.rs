@@ -56,6 +56,8 @@ pub enum Error {
     Other = 22,
     /// A motion was requested while the controller does not have the axis, or has not seen it yet.
     NotControlling = 23,
+    /// The kind of the object does not offer this call.
+    NotOffered = 24,
 }
 
 impl Error {
@@ -85,13 +87,14 @@ impl Error {
             Self::RecordSettings => c"the record was made under another sample time, delay or travel",
             Self::NoDeadZone => c"the object has no dead zone",
             Self::NotControlling => c"the axis is not under control",
+            Self::NotOffered => c"the kind of the object does not offer this call",
             Self::Other => c"an error that this version of the interface does not name",
         }
     }
 }
 
 /// Every code, by its number.
-const ALL: [Error; 24] = [
+const ALL: [Error; 25] = [
     Error::Ok,
     Error::Null,
     Error::Misaligned,
@@ -116,6 +119,7 @@ const ALL: [Error; 24] = [
     Error::NoDeadZone,
     Error::Other,
     Error::NotControlling,
+    Error::NotOffered,
 ];
 
 /// One sentence on a code, in static memory; of another number that it is none.

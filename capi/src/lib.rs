@@ -8,9 +8,10 @@
 //! |---|---|
 //! | error, detail | codes, their texts; which setting was refused |
 //! | memory | the checks of every pointer, and nearly all `unsafe` |
-//! | settings | settings of an identifier, any structure |
-//! | identifier | the objects that identify: one handle, ten kinds of memory |
+//! | settings | settings of an identifier, what each kind takes of them, any structure |
+//! | identifier | the objects that identify: one handle, eleven kinds of memory |
 //! | bank | the delay of a drive |
+//! | friction | the sign of the velocity, also of a drive that turns between samples |
 //! | servo | the position loop, and its model as a record |
 //! | sizes | bytes of the objects |
 //! | compiled | the core as this library has it, for comparisons in Rust |
@@ -30,6 +31,7 @@ mod bank;
 pub mod compiled;
 mod detail;
 mod error;
+mod friction;
 mod identifier;
 mod memory;
 mod servo;
@@ -39,6 +41,7 @@ mod sizes;
 pub use bank::*;
 pub use detail::*;
 pub use error::*;
+pub use friction::*;
 pub use identifier::*;
 pub use servo::*;
 pub use settings::*;
@@ -47,7 +50,7 @@ pub use sizes::*;
 use core::ffi::c_char;
 
 /// Version of this interface: another number, another layout of the types.
-pub const ABI_VERSION: u32 = 1;
+pub const ABI_VERSION: u32 = 2;
 
 /// The version of the interface that the library was built with, to be compared with
 /// `TRENDID_ABI_VERSION`.

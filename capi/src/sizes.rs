@@ -2,9 +2,10 @@
 
 use crate::bank::{Bank, DelayBank};
 use crate::detail::Detail;
-use crate::identifier::{Estimate, Outcome, Parameter, SIZES, Status};
+use crate::friction::FRICTION_SIZES;
+use crate::identifier::{Estimate, INSTRUMENTED_SIZES, Outcome, Parameter, Pole, SIZES, Status};
 use crate::memory::Object;
-use crate::servo::{Body, Loop, LoopSettings, Model, Report};
+use crate::servo::{Body, Loop, LoopSettings, Model, Quality, Report};
 use crate::settings::{Settings, Structure};
 
 /// The types of memory.
@@ -33,19 +34,27 @@ pub enum ObjectKind {
     DelayBank = 9,
     /// `trendid_loop`
     Loop = 10,
+    /// `trendid_instrumented2`
+    Instrumented2 = 11,
+    /// `trendid_instrumented3`
+    Instrumented3 = 12,
+    /// `trendid_friction`
+    Friction = 13,
 }
 
 // The other half of these stands in the header, for the compiler of the caller.
 const _: () = {
     assert!(size_of::<Detail>() == 56);
-    assert!(size_of::<Settings>() == 52);
+    assert!(size_of::<Settings>() == 148);
     assert!(size_of::<Structure>() == 7);
     assert!(size_of::<Outcome>() == 12);
     assert!(size_of::<Parameter>() == 3);
+    assert!(size_of::<Pole>() == 8);
     assert!(size_of::<Estimate>() == 180);
-    assert!(size_of::<Status>() == 36);
-    assert!(size_of::<LoopSettings>() == 80);
+    assert!(size_of::<Status>() == 44);
+    assert!(size_of::<LoopSettings>() == 96);
     assert!(size_of::<Report>() == 52);
+    assert!(size_of::<Quality>() == 56);
     assert!(size_of::<Model>() == 24);
 };
 
@@ -58,6 +67,8 @@ fn sizes(kind: i32) -> [usize; 2] {
     let found = SIZES
         .iter()
         .chain(&others)
+        .chain(&INSTRUMENTED_SIZES)
+        .chain([&FRICTION_SIZES])
         .zip(0..)
         .find(|(_, number)| *number == kind);
     found.map_or([0; 2], |(sizes, _)| *sizes)

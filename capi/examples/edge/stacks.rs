@@ -31,8 +31,9 @@ fn stack_of(name: &str, call: impl FnOnce() -> c::Error) {
 pub(crate) fn measure() {
     // SAFETY: every pointer is to a value of this function, or NULL where the header allows it.
     unsafe {
-        let mut settings = settings();
-        settings.dead_zone_max = 0.1;
+        let settings = settings();
+        let mut of_valve = settings;
+        of_valve.dead_zone_max = 0.1;
         let mut handle = null_mut();
         let mut memory = MaybeUninit::<c::Servo3>::uninit();
         stack_of("servo3 init", || {
@@ -47,7 +48,7 @@ pub(crate) fn measure() {
         });
         let mut memory = MaybeUninit::<c::ValveCoulomb3>::uninit();
         stack_of("valve_coulomb3 init", || {
-            c::trendid_valve_coulomb3_init(memory.as_mut_ptr(), &settings, &mut handle, null_mut())
+            c::trendid_valve_coulomb3_init(memory.as_mut_ptr(), &of_valve, &mut handle, null_mut())
         });
         stack_of("valve_coulomb3 estimate", || {
             c::trendid_identifier_estimate(handle, found.as_mut_ptr())

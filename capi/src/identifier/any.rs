@@ -58,7 +58,7 @@ fn sized<const M: usize, const N: usize>(
 ) -> Result<(), Detail> {
     let inputs = [Some(0), Some(1)];
     let given = usize::from(structure.inputs);
-    kind.configure(settings, structure.sized()?, inputs, given)
+    kind.configure(settings, structure.sized()?, inputs, given, 0)
 }
 
 /// Makes the identifier whose sizes are those of the structure.

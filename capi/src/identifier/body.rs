@@ -4,7 +4,7 @@ use crate::detail::Detail;
 use crate::error::Error;
 use crate::identifier::Identifier;
 use crate::identifier::kind::Kind;
-use crate::identifier::outputs::{Estimate, Outcome, Parameter, Status};
+use crate::identifier::outputs::{Estimate, Outcome, Parameter, Pole, Status};
 use crate::identifier::recursion::{Change, Recursion};
 use crate::memory::{Inside, Object, blank, check, make, object, wanted, write, write_if_wanted};
 
@@ -17,6 +17,7 @@ pub(crate) struct Methods {
     pub estimate: unsafe fn(*const Identifier, *mut Estimate) -> Result<(), Error>,
     pub covariance: unsafe fn(*const Identifier, &mut [f32]) -> Result<(), Error>,
     pub parameters: unsafe fn(*const Identifier, &mut [Parameter]) -> Result<(), Error>,
+    pub poles: unsafe fn(*const Identifier, &mut [Pole]) -> Result<(), Error>,
     pub status: unsafe fn(*const Identifier, *mut Status) -> Result<(), Error>,
 }
 
@@ -116,6 +117,7 @@ impl<K: Kind> Table<K> {
         estimate: Self::estimate,
         covariance: Self::covariance,
         parameters: Self::parameters,
+        poles: Self::poles,
         status: Self::status,
     };
 
@@ -184,9 +186,10 @@ impl<K: Kind> Table<K> {
         let kind = unsafe { kind::<K>(identifier) };
         // Before it is made: then it is made where it is to stand.
         check(to)?;
-        // SAFETY: checked, and by the contract memory of the caller for an estimate.
+        // SAFETY: checked, and by the contract memory of the caller for an estimate, which is made
+        // before it is changed.
         unsafe {
-            to.write(kind.core().estimate());
+            kind.core().estimate(&mut *to.cast());
             (*to).inputs = kind.inputs() as u8;
         }
         Ok(())
@@ -200,6 +203,11 @@ impl<K: Kind> Table<K> {
     unsafe fn parameters(identifier: *const Identifier, to: &mut [Parameter]) -> Result<(), Error> {
         // SAFETY: the handle is of this kind and nobody writes it.
         unsafe { kind::<K>(identifier) }.core().parameters(to)
+    }
+
+    unsafe fn poles(identifier: *const Identifier, to: &mut [Pole]) -> Result<(), Error> {
+        // SAFETY: the handle is of this kind and nobody writes it.
+        unsafe { kind::<K>(identifier) }.core().poles(to)
     }
 
     unsafe fn status(identifier: *const Identifier, to: *mut Status) -> Result<(), Error> {

@@ -4,7 +4,7 @@ use crate::detail::Detail;
 use crate::error::{Error, code};
 use crate::identifier::Identifier;
 use crate::identifier::body::{Methods, methods};
-use crate::identifier::outputs::{Estimate, Outcome, Parameter, Status};
+use crate::identifier::outputs::{Estimate, Outcome, Parameter, Pole, Status};
 use crate::identifier::recursion::Change;
 use crate::memory::{list, list_mut, wanted};
 
@@ -216,7 +216,23 @@ pub unsafe extern "C" fn trendid_identifier_parameters(
     }
 }
 
-/// Prediction, noise, sums of errors and dead zone.
+/// The poles of the model, integrators first, then by rising distance from zero; `count` is the
+/// order. `TRENDID_ERROR_NOT_YET` where they are not found.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn trendid_identifier_poles(
+    identifier: *const Identifier,
+    poles: *mut Pole,
+    count: usize,
+) -> Error {
+    // SAFETY: by the contract of the header, and the table belongs to the kind of the handle.
+    unsafe {
+        ask(identifier, |of| {
+            (of.poles)(identifier, list_mut(poles, count)?)
+        })
+    }
+}
+
+/// Prediction, noise, sums of errors, changes, dead zone, and what the estimate rests on.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_identifier_status(
     identifier: *const Identifier,

@@ -1,11 +1,12 @@
 //! What makes the inputs of an identifier: as they come, or through a valve with a dead zone.
 
-use trendid::Structure;
+use trendid::identifier::Refusal;
 use trendid::inputs::DeadZone;
+use trendid::{Outcome, Structure};
 
 use crate::detail::Detail;
 use crate::identifier::recursion::{Filtered, FilteredBehindValve, Recursion};
-use crate::settings::Settings;
+use crate::settings::{Settings, Takes, of_caller};
 
 /// One kind: an identifier of the core and what makes its inputs.
 pub(crate) trait Kind {
@@ -17,7 +18,7 @@ pub(crate) trait Kind {
     /// Whether the caller gives one input, in every object of the kind.
     const SINGLE: bool;
     /// Takes the inputs of the caller; `None` when their number is not that of the kind.
-    fn update(&mut self, u: &[f32], y: f32) -> Option<trendid::Outcome>;
+    fn update(&mut self, u: &[f32], y: f32) -> Option<Outcome>;
 }
 
 /// Inputs as they come; of `I` inputs of the model the caller gives the first ones, `given` of
@@ -29,16 +30,27 @@ pub(crate) struct Plain<const M: usize, const N: usize, const I: usize, const D:
 }
 
 impl<const M: usize, const N: usize, const I: usize, const D: usize> Plain<M, N, I, D> {
-    /// Makes all of it; `own` says which input of the caller an input of the model is.
+    /// Makes all of it; `own` says which input of the caller an input of the model is, `sign` the
+    /// first that may be the sign of the velocity.
     pub(crate) fn configure(
         &mut self,
         settings: &Settings,
         structure: Structure<M, N, I>,
         own: [Option<usize>; I],
         given: usize,
+        sign: usize,
     ) -> Result<(), Detail> {
+        settings.check(&Takes {
+            inputs: given,
+            sign,
+            delay: D,
+            parameters: N,
+            constant: structure.constant(),
+            dead_zone: false,
+        })?;
         let config = settings.config(structure, own);
-        self.identifier.reconfigure(&config, settings.trends()?)?;
+        let done = self.identifier.reconfigure(&config, settings.trends()?);
+        done.map_err(|error| of_caller(error, &own))?;
         self.given = given;
         Ok(())
     }
@@ -61,7 +73,7 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize> Kind for Pl
     }
 
     #[inline(always)]
-    fn update(&mut self, u: &[f32], y: f32) -> Option<trendid::Outcome> {
+    fn update(&mut self, u: &[f32], y: f32) -> Option<Outcome> {
         let wanted = if I == 1 { 1 } else { self.given };
         if u.len() != wanted {
             return None;
@@ -88,21 +100,29 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize> Valve<M, N,
         structure: Structure<M, N, I>,
         own: [Option<usize>; I],
     ) -> Result<(), Detail> {
-        let &Settings {
-            dead_zone_max,
-            dead_zone_block,
-            ..
-        } = settings;
-        if !(dead_zone_max > 0.0 && dead_zone_max.is_finite()) {
-            return Err(Detail::not_positive("dead_zone_max", dead_zone_max));
+        settings.check(&Takes {
+            inputs: I.saturating_sub(1),
+            sign: 1,
+            delay: D,
+            parameters: N,
+            constant: structure.constant(),
+            dead_zone: true,
+        })?;
+        let (largest, block) = settings.dead_zone_limits();
+        let unknown = DeadZone::new(settings.dead_zone, largest, block);
+        let mut config = settings.config(structure, own);
+        let command = settings.initial_input[0];
+        let made = match command.is_finite() {
+            true => unknown.inputs(command),
+            // Refused by the core.
+            false => [command; 2],
+        };
+        for (place, value) in config.initial_input.iter_mut().zip(made) {
+            *place = value;
         }
-        if dead_zone_block == 0 {
-            return Err(Detail::not_positive("dead_zone_block", 0.0));
-        }
-        let config = settings.config(structure, own);
-        let unknown = DeadZone::new(0.0, dead_zone_max, dead_zone_block);
         let trends = settings.trends()?;
-        Ok(self.identifier.reconfigure(&config, trends, unknown)?)
+        let done = self.identifier.reconfigure(&config, trends, unknown);
+        Ok(done.map_err(|error| of_caller(error, &own))?)
     }
 }
 
@@ -123,7 +143,7 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize> Kind for Va
     }
 
     #[inline(always)]
-    fn update(&mut self, u: &[f32], y: f32) -> Option<trendid::Outcome> {
+    fn update(&mut self, u: &[f32], y: f32) -> Option<Outcome> {
         let (command, others) = u.split_first()?;
         if others.len() + 2 != I {
             return None;
@@ -132,6 +152,13 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize> Kind for Va
         for (place, value) in inputs.iter_mut().skip(2).zip(others) {
             *place = *value;
         }
-        Some(self.identifier.update_inputs(*command, inputs, y))
+        let outcome = self.identifier.update_inputs(*command, inputs, y);
+        Some(match outcome {
+            // The sign of the command is no input of the caller.
+            Outcome::Refused(Refusal::Input(input)) => {
+                Outcome::Refused(Refusal::Input(input.saturating_sub(1)))
+            }
+            other => other,
+        })
     }
 }

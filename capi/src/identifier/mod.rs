@@ -4,6 +4,7 @@
 mod any;
 mod body;
 mod calls;
+mod instrumented;
 mod kind;
 mod kinds;
 mod outputs;
@@ -14,7 +15,7 @@ pub use any::*;
 pub(crate) use body::begin;
 pub use calls::*;
 pub use kinds::*;
-pub(crate) use kinds::{OfServo3, SIZES};
+pub(crate) use kinds::{INSTRUMENTED_SIZES, OfServo3, SIZES};
 pub use outputs::*;
 
 /// An identifier of any kind: the handle that the `_init` of its memory gives.

@@ -1,8 +1,10 @@
 //! What an identifier gives.
 
+use core::mem::MaybeUninit;
+
 use trendid::Estimate as CoreEstimate;
 use trendid::estimation::Parameter as CoreParameter;
-use trendid::model::Physical;
+use trendid::model::{Physical, Pole as CorePole};
 
 /// Most parameters of a model.
 pub const PARAMETERS_MAX: usize = 8;
@@ -39,7 +41,7 @@ pub enum SampleKind {
 pub struct Outcome {
     /// What happened.
     pub kind: SampleKind,
-    /// Position of the refused input; else 0.
+    /// Position of the refused input among those of the caller; else 0.
     pub input: u8,
     /// Samples until the first estimate, while warming up; else 0.
     pub remaining: u32,
@@ -181,23 +183,56 @@ pub struct Estimate {
     pub time_constants: [f32; ORDER_MAX],
 }
 
+/// What an estimate rests on.
+#[repr(u8)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Way {
+    /// The recursion.
+    Recursion = 0,
+    /// Instruments, with standard deviations from blocks of time.
+    Instruments = 1,
+    /// The recursion: there are too few blocks for instruments yet.
+    TooFewBlocks = 2,
+    /// The recursion: the instruments are weak, they hardly move with what the position does.
+    WeakInstruments = 3,
+}
+
+/// A pole of the model.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pole {
+    /// Real part in rad/s.
+    pub re: f32,
+    /// Imaginary part in rad/s.
+    pub im: f32,
+}
+
+impl From<CorePole> for Pole {
+    fn from(CorePole { re, im }: CorePole) -> Self {
+        Self { re, im }
+    }
+}
+
 /// As many numbers as there is room for.
 #[inline(always)]
 fn fill<const K: usize, const L: usize>(from: &[f32; K]) -> [f32; L] {
     core::array::from_fn(|k| from.get(k).copied().unwrap_or_default())
 }
 
-impl<const M: usize, const N: usize, const I: usize> From<&CoreEstimate<M, N, I>> for Estimate {
-    // Made where it is to stand: a copy of it is 45 words.
+impl Estimate {
+    /// Tells an estimate of the core, where it is to stand: a copy of it is 45 words.
     #[inline(always)]
-    fn from(found: &CoreEstimate<M, N, I>) -> Self {
+    pub(crate) fn tell<const M: usize, const N: usize, const I: usize>(
+        found: &CoreEstimate<M, N, I>,
+        to: &mut MaybeUninit<Self>,
+    ) {
         let std = found.physical_std();
         let transfer = found.transfer_function();
         let physical = Physical::of(&transfer, 0);
         // No constant: the compiler would call a function for nine zeros in a row.
         let none = [core::hint::black_box(0.0); ORDER_MAX];
         let [gain_std, omega0_std, damping_std] = std.unwrap_or([0.0; 3]);
-        Self {
+        to.write(Self {
             order: M as u8,
             inputs: I as u8,
             parameters: N as u8,
@@ -217,7 +252,7 @@ impl<const M: usize, const N: usize, const I: usize> From<&CoreEstimate<M, N, I>
             omega0_std,
             damping_std,
             time_constants: fill(&physical.time_constants.map(Option::unwrap_or_default)),
-        }
+        });
     }
 }
 
@@ -237,11 +272,18 @@ pub struct Status {
     pub samples: u32,
     /// How many samples of the position were replaced by their prediction.
     pub replaced: u32,
+    /// How many changes of the drive were found and followed; 0 without `follow_changes`.
+    pub changes: u32,
     /// Half width of the dead zone, in the unit of u; 0 for a kind without one.
     pub dead_zone: f32,
     /// Standard deviation of `dead_zone`, infinite before the first correction; 0 for a kind
     /// without one.
     pub dead_zone_std: f32,
+    /// Blocks of time that carry the standard deviations by instruments, 16 at most; 0 for those of
+    /// the recursion.
+    pub blocks: f32,
     /// Whether there are more samples than parameters.
     pub has_noise_std: bool,
+    /// What the estimate rests on: the recursion, but for the kinds with instruments.
+    pub way: Way,
 }

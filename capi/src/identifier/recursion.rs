@@ -1,13 +1,16 @@
 //! The identifiers of the core behind one face, whatever their sizes.
 
-use trendid::ConfigError;
+use core::mem::MaybeUninit;
+
+use trendid::estimation::Parameter as CoreParameter;
 use trendid::identifier::Identifier as Core;
 use trendid::inputs::{DeadZone, Valved};
 use trendid::trends::FilteredTrends;
+use trendid::{ConfigError, TransferFunction};
 
 use crate::detail::Detail;
 use crate::error::Error;
-use crate::identifier::outputs::{Estimate, Parameter, Status};
+use crate::identifier::outputs::{Estimate, Parameter, Pole, Status, Way};
 
 /// The core behind the default filter.
 pub(crate) type Filtered<const M: usize, const N: usize, const I: usize, const D: usize> =
@@ -36,15 +39,16 @@ pub(crate) enum Change<'a> {
 pub(crate) trait Recursion {
     fn change(&mut self, change: Change<'_>) -> Result<(), Detail>;
     fn theta(&self, theta: &mut [f32]) -> Result<(), Error>;
-    fn estimate(&self) -> Estimate;
+    fn estimate(&self, to: &mut MaybeUninit<Estimate>);
     fn covariance(&self, covariance: &mut [f32]) -> Result<(), Error>;
     fn parameters(&self, parameters: &mut [Parameter]) -> Result<(), Error>;
+    fn poles(&self, poles: &mut [Pole]) -> Result<(), Error>;
     fn status(&self) -> Status;
 }
 
 /// Copies into a list of the caller that has exactly this length.
 #[inline(always)]
-fn copy<T: Copy>(from: &[T], to: &mut [T]) -> Result<(), Error> {
+pub(super) fn copy<T: Copy>(from: &[T], to: &mut [T]) -> Result<(), Error> {
     if from.len() != to.len() {
         return Err(Error::Length);
     }
@@ -119,8 +123,8 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize> Recursion
     }
 
     #[inline(always)]
-    fn estimate(&self) -> Estimate {
-        Estimate::from(&found(self))
+    fn estimate(&self, to: &mut MaybeUninit<Estimate>) {
+        Estimate::tell(&found(self), to);
     }
 
     fn covariance(&self, covariance: &mut [f32]) -> Result<(), Error> {
@@ -132,6 +136,10 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize> Recursion
             &self.structure().parameters().map(Parameter::from),
             parameters,
         )
+    }
+
+    fn poles(&self, poles: &mut [Pole]) -> Result<(), Error> {
+        poles_of(&found(self), poles)
     }
 
     fn status(&self) -> Status {
@@ -152,8 +160,8 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize> Recursion
     }
 
     #[inline(always)]
-    fn estimate(&self) -> Estimate {
-        Estimate::from(&found_behind_valve(self))
+    fn estimate(&self, to: &mut MaybeUninit<Estimate>) {
+        Estimate::tell(&found_behind_valve(self), to);
     }
 
     fn covariance(&self, covariance: &mut [f32]) -> Result<(), Error> {
@@ -167,12 +175,39 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize> Recursion
         Recursion::parameters(self.identifier(), parameters)
     }
 
+    fn poles(&self, poles: &mut [Pole]) -> Result<(), Error> {
+        poles_of(&found_behind_valve(self), poles)
+    }
+
     fn status(&self) -> Status {
         status(self.identifier(), Some(self.dead_zone()))
     }
 }
 
-fn status<const M: usize, const N: usize, const I: usize, const D: usize>(
+/// The poles of an estimate: of its denominator alone, so that the transfer function of the
+/// estimate has one caller, and stays in its place there.
+pub(super) fn poles_of<const M: usize, const N: usize, const I: usize>(
+    found: &trendid::Estimate<M, N, I>,
+    poles: &mut [Pole],
+) -> Result<(), Error> {
+    let mut denominator = TransferFunction::<M, 0> {
+        a: [0.0; M],
+        b: [],
+        constant: 0.0,
+    };
+    let parameters = found.structure().parameters();
+    for (parameter, value) in parameters.into_iter().zip(found.theta()) {
+        if let CoreParameter::Output { power } = parameter
+            && let Some(place) = denominator.a.get_mut(power)
+        {
+            *place = value;
+        }
+    }
+    let found = denominator.poles().ok_or(Error::NotYet)?;
+    copy(&found.map(Pole::from), poles)
+}
+
+pub(super) fn status<const M: usize, const N: usize, const I: usize, const D: usize>(
     identifier: &Filtered<M, N, I, D>,
     dead_zone: Option<&DeadZone>,
 ) -> Status {
@@ -185,8 +220,11 @@ fn status<const M: usize, const N: usize, const I: usize, const D: usize>(
         iae: errors.iae(),
         samples: errors.samples(),
         replaced: identifier.replaced(),
+        changes: identifier.changes(),
         dead_zone: dead_zone.map_or(0.0, DeadZone::delta),
         dead_zone_std: dead_zone.map_or(0.0, DeadZone::std),
+        blocks: 0.0,
         has_noise_std: noise_std.is_some(),
+        way: Way::Recursion,
     }
 }

@@ -27,7 +27,7 @@ pub struct Loop {
 }
 
 /// The object in the memory of the caller.
-const fn at(servo: *const Loop) -> *const Object<Body> {
+pub(super) const fn at(servo: *const Loop) -> *const Object<Body> {
     servo.cast()
 }
 
@@ -59,7 +59,8 @@ pub unsafe extern "C" fn trendid_loop_init(
             steps: settings.steps()?,
             fault: false,
         };
-        servo.reconfigure(&config, settings.axis()?)?;
+        let made = servo.reconfigure(&config, settings.axis()?);
+        made.map_err(|error| settings.refused(error))?;
         *identity = Identity::new(0, &config);
         Ok(())
     };

@@ -2,11 +2,14 @@
 
 mod calls;
 mod edge;
+mod names;
+mod quality;
 mod report;
 mod settings;
 
 pub use calls::*;
 pub(crate) use edge::Body;
+pub use quality::*;
 pub(crate) use report::reason_code;
 pub use report::*;
 pub use settings::*;

@@ -7,6 +7,26 @@ use crate::detail::Detail;
 use crate::error::{Error, code};
 use crate::memory::write;
 
+/// Requested dynamics of a closed loop.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoopController {
+    /// Largest bandwidth in rad/s; 0 (default) for what the margins allow.
+    pub bandwidth: f32,
+    /// Half width of the flow over which the inverse of the dead zone changes sign; default 0.01.
+    pub blend: f32,
+    /// Least position error within which the valve rests at standstill, in units of y; 0 (default)
+    /// for one code and two standard deviations of the noise.
+    pub rest_window: f32,
+    /// Dead volume of a chamber over that of the stroke: how much stiffer the axis gets towards its
+    /// ends. Infinite for a drive that is as stiff everywhere; 0 (default) for what the
+    /// commissioning finds. With a model that is installed it is to be stated: a stiff drive that
+    /// is taken for a cylinder may swing near its ends.
+    pub dead_volume: f32,
+    /// Time in s in which the offset of a bumpless change of gains fades; default 0.01.
+    pub transition: f32,
+}
+
 /// Settings of a position loop, made by `trendid_loop_settings_init`; a setting of 0 follows from
 /// the others unless said.
 #[repr(C)]
@@ -49,8 +69,8 @@ pub struct LoopSettings {
     pub acceleration: f32,
     /// Largest jerk of a move, in units of y per s^3.
     pub jerk: f32,
-    /// Largest bandwidth of the closed loop in rad/s; 0 for what the margins allow.
-    pub wanted_bandwidth: f32,
+    /// Requested dynamics.
+    pub controller: LoopController,
     /// Largest command of the commissioning, within 0..=1; default 0.5.
     pub excitation: f32,
     /// Longest commissioning in s; default 6.
@@ -93,7 +113,13 @@ pub unsafe extern "C" fn trendid_loop_settings_init(
         velocity: 0.0,
         acceleration: 0.0,
         jerk: 0.0,
-        wanted_bandwidth: 0.0,
+        controller: LoopController {
+            bandwidth: 0.0,
+            blend: core.controller.blend,
+            rest_window: 0.0,
+            dead_volume: 0.0,
+            transition: core.controller.transition,
+        },
         excitation: core.excitation.amplitude,
         time_limit: core.supervision.time_limit,
     };
@@ -113,6 +139,11 @@ impl LoopSettings {
             min: self.travel_min,
             max: self.travel_max,
         };
+        // The core would name their difference.
+        let ends = [travel.min, f32::MAX];
+        if travel.min.is_finite() && !(travel.max > travel.min && travel.length().is_finite()) {
+            return Err(Detail::out_of_range("travel_max", travel.max, ends));
+        }
         let mut config = Config::minimal(self.sample_time, travel);
         config.bandwidth = stated(self.bandwidth);
         config.reversed = match self.direction {
@@ -126,7 +157,11 @@ impl LoopSettings {
         config.rate = self.rate;
         config.delay = self.delay;
         config.memory = self.memory;
-        config.adaptive = self.adaptive != 0;
+        config.adaptive = match self.adaptive {
+            0 => false,
+            1 => true,
+            other => return Err(Detail::out_of_range("adaptive", other as f32, [0.0, 1.0])),
+        };
         let limits = [self.velocity, self.acceleration, self.jerk];
         if limits != [0.0; 3] {
             let [velocity, acceleration, jerk] = limits;
@@ -136,7 +171,18 @@ impl LoopSettings {
                 jerk,
             });
         }
-        config.controller.bandwidth = stated(self.wanted_bandwidth);
+        let LoopController {
+            bandwidth,
+            blend,
+            rest_window,
+            dead_volume,
+            transition,
+        } = self.controller;
+        config.controller.bandwidth = stated(bandwidth);
+        config.controller.blend = blend;
+        config.controller.rest_window = stated(rest_window);
+        config.controller.dead_volume = stated(dead_volume);
+        config.controller.transition = transition;
         config.excitation.amplitude = self.excitation;
         config.supervision.time_limit = self.time_limit;
         Ok(config)

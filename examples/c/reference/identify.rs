@@ -11,12 +11,27 @@ use trendid_example_support::record::{SAMPLE_TIME, samples};
 use crate::outcome::{take_all, take_outcome};
 
 const EVERY: usize = 10;
-const MEMORY: f32 = 0.7;
+pub(crate) const MEMORY: f32 = 0.7;
+/// Velocity within which the axis is at rest, in mm/s.
+pub(crate) const REST: f32 = 50.0;
 
-/// An identifier, alone or behind a valve.
-trait Core<const M: usize, const N: usize, const I: usize, const D: usize> {
+/// An identifier, alone, behind a valve or with instruments.
+pub(crate) trait Core<const M: usize, const N: usize, const I: usize, const D: usize> {
     fn identifier(&self) -> &Identifier<FilteredTrends<M>, M, N, I, D>;
     fn estimate(&self) -> Estimate<M, N, I>;
+
+    fn theta(&self) -> [f32; N] {
+        self.identifier().theta()
+    }
+
+    /// What the estimate rests on, as the C interface has it.
+    fn way(&self) -> u32 {
+        0
+    }
+
+    fn blocks(&self) -> f32 {
+        0.0
+    }
 }
 
 impl<const M: usize, const N: usize, const I: usize, const D: usize> Core<M, N, I, D>
@@ -45,7 +60,7 @@ impl<const M: usize, const N: usize, const I: usize, const D: usize> Core<M, N, 
 
 /// The record through an identifier; `update` gives the outcome, `inputs` of the caller and the
 /// dead zone after it.
-fn run<C, const M: usize, const N: usize, const I: usize, const D: usize>(
+pub(crate) fn run<C, const M: usize, const N: usize, const I: usize, const D: usize>(
     name: &str,
     mut core: C,
     mut update: impl FnMut(&mut C, [f32; 2], f32) -> (Outcome, f32),
@@ -55,12 +70,12 @@ fn run<C, const M: usize, const N: usize, const I: usize, const D: usize>(
     let mut hash = Hash::new();
     let (mut last, mut width) = (0.0, 0.0);
     for (k, (u, y)) in samples().enumerate() {
-        let sign = coulomb((y - last) / SAMPLE_TIME, 50.0);
+        let sign = coulomb((y - last) / SAMPLE_TIME, REST);
         last = y;
         let (outcome, now) = update(&mut core, [u, sign], y);
         width = now;
         take_outcome(&mut hash, outcome);
-        take_all(&mut hash, core.identifier().theta());
+        take_all(&mut hash, core.theta());
         if k % EVERY == EVERY - 1 {
             let found = core.estimate();
             let physical = found.physical();
@@ -79,12 +94,18 @@ fn run<C, const M: usize, const N: usize, const I: usize, const D: usize>(
     hash.take(errors.iae());
     hash.take_bits(errors.samples());
     hash.take_bits(identifier.replaced());
+    hash.take_bits(identifier.changes());
     hash.take(width);
+    hash.take_bits(core.way());
+    hash.take(core.blocks());
+    for pole in core.estimate().transfer_function().poles().iter().flatten() {
+        take_all(&mut hash, [pole.re, pole.im]);
+    }
     println!("{name} {hash}");
 }
 
 /// Settings and trends for the record.
-fn settings<const M: usize, const N: usize, const I: usize>(
+pub(crate) fn settings<const M: usize, const N: usize, const I: usize>(
     structure: Structure<M, N, I>,
     memory: Option<f32>,
     delay: usize,
@@ -99,7 +120,7 @@ fn settings<const M: usize, const N: usize, const I: usize>(
 }
 
 /// The record through an identifier alone.
-fn alone<const M: usize, const N: usize, const I: usize, const D: usize>(
+pub(crate) fn alone<const M: usize, const N: usize, const I: usize, const D: usize>(
     name: &str,
     (config, trends): (Config<M, N, I>, FilteredTrends<M>),
     mut update: impl FnMut(&mut Identifier<FilteredTrends<M>, M, N, I, D>, [f32; 2], f32) -> Outcome,
@@ -124,7 +145,8 @@ fn run_valve<const M: usize, const N: usize, const I: usize>(
     Ok(())
 }
 
-fn friction<const N: usize, const I: usize>() -> Result<Structure<3, N, I>, ConfigError> {
+pub(crate) fn friction<const N: usize, const I: usize>() -> Result<Structure<3, N, I>, ConfigError>
+{
     let mut inputs = [Terms::of(&[0]); I];
     inputs[I - 1] = Terms::of(&[1]);
     Structure::try_with_initial_state(Terms::of(&[1, 2]), inputs, true)
@@ -176,6 +198,7 @@ fn bank() -> Result<(), ConfigError> {
     }
     hash.take_bits(bank.best().map_or(u32::MAX, |delay| delay as u32));
     hash.take(bank.margin().unwrap_or(0.0));
+    hash.take(bank.refined().unwrap_or(0.0));
     take_all(
         &mut hash,
         bank.errors().map(|error| error.unwrap_or(f32::INFINITY)),

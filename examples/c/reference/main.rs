@@ -10,6 +10,7 @@ mod axis;
 mod control;
 mod fmu;
 mod identify;
+mod known;
 mod octave;
 mod outcome;
 mod record;
@@ -19,6 +20,8 @@ use crate::record::Error;
 /// The lines of `examples/c`.
 fn all() -> Result<(), Error> {
     identify::identify()?;
+    known::known()?;
+    known::instruments()?;
     control::control()?;
     println!("refusals ok");
     Ok(())

@@ -1,7 +1,7 @@
 //! The numbers of `octave/test_trendid.m`.
 
 use trendid::identifier::Identifier;
-use trendid::trends::{FilteredTrends, Scheme};
+use trendid::trends::{FilteredTrends, Hold, Scheme};
 use trendid::{Config, Outcome, Servo, Structure};
 use trendid_example_support::record::SAMPLE_TIME;
 
@@ -21,7 +21,10 @@ pub(crate) fn octave() -> Result<(), Error> {
     let trends = FilteredTrends::for_bandwidth(Scheme::Tustin, SAMPLE_TIME, 20.0)?;
     let mut config = Config::new(Structure::<2, 3, 2>::INTEGRATING, 20.0, [0.4; 2], 50.0);
     config.memory = Some(1.0);
-    config.delays = [1, 2];
+    config.set_delay(0, 1.5);
+    config.set_delay(1, 2.0);
+    config.holds[1] = Hold::First;
+    config.follow_changes = true;
     let mut two: Identifier<_, 2, 3, 2, 4> = Identifier::try_new(&config, trends)?;
     let (mut innovations, mut last) = (Vec::new(), 0.0);
     for &(u, y) in &rows {

@@ -52,7 +52,14 @@ bool identify()
     hash_number(&all, status.value.iae);
     hash_bits(&all, status.value.samples);
     hash_bits(&all, status.value.replaced);
+    hash_bits(&all, status.value.changes);
     hash_number(&all, status.value.dead_zone);
+    hash_bits(&all, status.value.way);
+    hash_number(&all, status.value.blocks);
+    for (const trendid_pole &pole : servo.poles().value) {
+        hash_number(&all, pole.re);
+        hash_number(&all, pole.im);
+    }
     hash_line("servo3", &all);
     // A copy is an identifier of its own.
     const trendid::servo3 copy = servo;
@@ -98,7 +105,8 @@ bool control()
         hash_number(&all, report.value.innovation);
     }
     hash_line("loop", &all);
-    return axis.model().code == TRENDID_ERROR_OK;
+    const auto quality = axis.quality();
+    return axis.model() && quality && quality.value.has_margins && quality.value.accepted > 0;
 }
 
 }  // namespace

@@ -67,16 +67,16 @@ static bool values(trendid_identifier *identifier)
     good = expect("bandwidth", trendid_servo3_init(&other, &settings, NULL, &detail), TRENDID_ERROR_OUT_OF_RANGE) && good;
     good = strcmp(detail.setting, "bandwidth") == 0 && detail.error == TRENDID_ERROR_OUT_OF_RANGE && good;
     settings.bandwidth = 20.0f;
-    settings.delay[0] = TRENDID_DELAY_MAX + 1;
+    settings.delay[0] = TRENDID_DELAY_MAX + 0.5f;
     good = expect("delay", trendid_servo3_init(&other, &settings, NULL, &detail), TRENDID_ERROR_OUT_OF_RANGE) && good;
-    good = strcmp(detail.setting, "delays") == 0 && detail.index == 0 && good;
+    good = strcmp(detail.setting, "delay") == 0 && detail.index == 0 && good;
     /* A refusal leaves no object: nothing where there was none, and not the one that was there. */
     const trendid_servo3 untouched = {{0}};
     good = memcmp(&other, &untouched, sizeof other) == 0 && good;
     trendid_identifier *replaced = NULL;
-    settings.delay[0] = 0;
+    settings.delay[0] = 0.0f;
     good = expect("init", trendid_servo3_init(&other, &settings, &replaced, NULL), TRENDID_ERROR_OK) && good;
-    settings.delay[0] = TRENDID_DELAY_MAX + 1;
+    settings.delay[0] = TRENDID_DELAY_MAX + 0.5f;
     good = expect("again", trendid_servo3_init(&other, &settings, NULL, NULL), TRENDID_ERROR_OUT_OF_RANGE) && good;
     return expect("no object", trendid_identifier_update(replaced, 0.0f, 0.0f, NULL),
                   TRENDID_ERROR_NOT_INITIALISED) && good;

@@ -1,16 +1,20 @@
 //! The kinds of memory, and how an identifier begins in each.
 
+mod instrumented;
 mod plain;
 mod valve;
 
+pub use instrumented::*;
 pub use plain::*;
 pub use valve::*;
 
 use trendid::Structure as CoreStructure;
 use trendid::estimation::Terms;
+use trendid::instruments::rows;
 
 use crate::detail::Detail;
 use crate::identifier::body::Body;
+use crate::identifier::instrumented::{Instrumented, SERVO2, SERVO3};
 use crate::identifier::kind::{Plain, Valve};
 use crate::memory::Object;
 use crate::settings::{INPUTS_MAX, Settings};
@@ -71,6 +75,8 @@ type OfCoulomb2 = Plain<2, 5, 2, DELAY_MAX>;
 type OfCoulomb3 = Plain<3, 6, 2, DELAY_MAX>;
 type OfValveCoulomb2 = Valve<2, 6, 3, DELAY_MAX>;
 type OfValveCoulomb3 = Valve<3, 7, 3, DELAY_MAX>;
+type OfInstrumented2 = Instrumented<2, 4, { rows(&SERVO2) }, DELAY_MAX>;
+type OfInstrumented3 = Instrumented<3, 5, { rows(&SERVO3) }, DELAY_MAX>;
 type LargestAny = Plain<4, 6, INPUTS_MAX, ANY_DELAY_MAX>;
 
 /// Bytes of the memory of each kind, and how many of them this build uses.
@@ -84,6 +90,12 @@ pub(crate) const SIZES: [[usize; 2]; 9] = [
     sizes::<ValveCoulomb2, OfValveCoulomb2>(),
     sizes::<ValveCoulomb3, OfValveCoulomb3>(),
     sizes::<Any, LargestAny>(),
+];
+
+/// The same of those with instruments.
+pub(crate) const INSTRUMENTED_SIZES: [[usize; 2]; 2] = [
+    sizes::<Instrumented2, OfInstrumented2>(),
+    sizes::<Instrumented3, OfInstrumented3>(),
 ];
 
 const fn sizes<W, K>() -> [usize; 2] {

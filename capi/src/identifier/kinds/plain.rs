@@ -37,7 +37,7 @@ pub unsafe extern "C" fn trendid_servo2_init(
     let configure = |kind: &mut OfServo2| {
         // SAFETY: by the contract of the header.
         let settings = unsafe { of(settings) }?;
-        kind.configure(settings, CoreStructure::<2, 4, 1>::SERVO, [Some(0)], 1)
+        kind.configure(settings, CoreStructure::<2, 4, 1>::SERVO, [Some(0)], 1, 1)
     };
     // SAFETY: by the contract of the header.
     unsafe { begin(memory, configure, identifier, detail) }
@@ -66,7 +66,7 @@ pub unsafe extern "C" fn trendid_servo3_init(
     let configure = |kind: &mut OfServo3| {
         // SAFETY: by the contract of the header.
         let settings = unsafe { of(settings) }?;
-        kind.configure(settings, CoreStructure::<3, 5, 1>::SERVO, [Some(0)], 1)
+        kind.configure(settings, CoreStructure::<3, 5, 1>::SERVO, [Some(0)], 1, 1)
     };
     // SAFETY: by the contract of the header.
     unsafe { begin(memory, configure, identifier, detail) }
@@ -100,6 +100,7 @@ pub unsafe extern "C" fn trendid_coulomb2_init(
             CoreStructure::<2, 5, 2>::SERVO,
             [Some(0), Some(1)],
             2,
+            1,
         )
     };
     // SAFETY: by the contract of the header.
@@ -129,7 +130,7 @@ pub unsafe extern "C" fn trendid_coulomb3_init(
     let configure = |kind: &mut OfCoulomb3| {
         // SAFETY: by the contract of the header.
         let settings = unsafe { of(settings) }?;
-        kind.configure(settings, COULOMB3, [Some(0), Some(1)], 2)
+        kind.configure(settings, COULOMB3, [Some(0), Some(1)], 2, 1)
     };
     // SAFETY: by the contract of the header.
     unsafe { begin(memory, configure, identifier, detail) }
