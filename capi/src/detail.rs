@@ -132,7 +132,7 @@ impl From<LoopError> for Detail {
             LoopError::Setting(error) | LoopError::Identifier(error) => error.into(),
             LoopError::Unit { acceleration } => Self {
                 value: acceleration,
-                high: 1e7,
+                high: 1e8,
                 ..Self::of(Error::Unit)
             },
             LoopError::Model(reason) => Self {

@@ -15,7 +15,7 @@ use crate::servo::supervision::state::Reason;
 pub enum Error {
     /// A setting of the loop.
     Setting(ConfigError),
-    /// Bandwidth squared times travel is beyond 1e7: the unit of y is too small for the
+    /// Bandwidth squared times travel is beyond 1e8: the unit of y is too small for the
     /// accelerations of this axis.
     Unit {
         /// Bandwidth squared times travel, in units of y per s^2.

@@ -154,6 +154,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     pub(crate) fn take_over(&mut self, model: Model, motion: Motion) {
         self.begin_control(model, motion);
         self.engage(model, motion);
+        let seen = self.moves.tracking.motion();
+        self.guard.monitors.begins_beside(&seen, &motion);
     }
 
     /// The controller knows the motion and the commands that are on their way.

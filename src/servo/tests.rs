@@ -8,6 +8,7 @@ mod patterns;
 mod resumed;
 mod slow;
 mod stopped;
+mod swinging;
 mod waiting;
 mod whole;
 

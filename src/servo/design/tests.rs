@@ -193,14 +193,34 @@ fn an_acceleration_that_is_not_of_this_unit_is_refused() {
         min: 0.0,
         max: 400.0,
     };
-    // 1e7 of it: 158 rad/s on 400.
-    for (bandwidth, refused) in [(20.0, false), (157.0, false), (159.0, true), (250.0, true)] {
+    // 1e8 of it: 500 rad/s on 400.
+    for (bandwidth, refused) in [(20.0, false), (499.0, false), (501.0, true), (800.0, true)] {
         let resolved = Config::new(1e-4, bandwidth, travel).resolve();
         let found = matches!(
             resolved,
-            Err(crate::servo::Error::Unit { acceleration }) if acceleration > 1e7
+            Err(crate::servo::Error::Unit { acceleration }) if acceleration > 1e8
         );
         assert_eq!(found, refused, "{bandwidth}");
+    }
+}
+
+#[test]
+fn a_stiff_axis_of_any_length_is_one_in_millimetres() {
+    // Up to the largest natural frequency that a commissioning looks for, 300 rad/s.
+    for (frequency, lengths) in [(300.0, [100.0, 1600.0]), (130.0, [800.0, 8000.0])] {
+        for max in lengths {
+            let config = Config::minimal(5e-4, Travel { min: 0.0, max });
+            let model = crate::servo::Model::linear(frequency * frequency, 30.0, 1e7);
+            let found = crate::servo::commissioning::Found {
+                model,
+                delay: 2e-3,
+                sign: 1.0,
+                noise: 0.005,
+                dead_volume: 0.06,
+            };
+            let resolved = crate::servo::building::tuned(&config, &found).resolve();
+            assert!(resolved.is_ok(), "{frequency} {max}: {resolved:?}");
+        }
     }
 }
 

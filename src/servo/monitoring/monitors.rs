@@ -112,6 +112,14 @@ impl Monitors {
         self.gaps.restart();
     }
 
+    /// What is `seen` of a motion and is no part of the one with which the expectation has begun:
+    /// an axis that swings unknown has the amplitude of `v` and `v' / w` together at most.
+    pub(crate) fn begins_beside(&mut self, seen: &Motion, known: &Motion) {
+        let velocity = (seen.velocity - known.velocity).abs();
+        let acceleration = (seen.acceleration - known.acceleration).abs();
+        self.obedience = Obedience::beside(velocity + acceleration / self.bounds.frequency);
+    }
+
     /// The expectation begins again at a motion.
     pub(crate) fn place(&mut self, motion: Motion, command: f32) {
         self.twin.place(motion, command);

@@ -40,6 +40,14 @@ pub(crate) enum Conduct {
 const RUNAWAY_RATIO: f32 = 3.0;
 
 impl Obedience {
+    /// Begins beside a swing of this speed, of which the expectation knows nothing.
+    pub(crate) fn beside(speed: f32) -> Self {
+        Self {
+            shortfall: Shortfall::beside(speed),
+            ..Self::default()
+        }
+    }
+
     /// One sample; `at_end`: the axis is at an end of its travel.
     #[inline]
     pub(crate) fn update(

@@ -81,6 +81,14 @@ const HEAVY: f32 = 0.58;
 const STANDING_SHARE: f32 = 0.2;
 
 impl Shortfall {
+    /// Begins beside a swing of this speed, of which the expectation knows nothing.
+    pub(crate) fn beside(speed: f32) -> Self {
+        Self {
+            peaks: [[0.0; 2], [speed; 2]],
+            ..Self::default()
+        }
+    }
+
     /// One sample: velocities as expected, as the valve lets expect, and as measured.
     #[inline]
     pub(crate) fn update(

@@ -2,6 +2,7 @@
 
 mod planning;
 
+use crate::math::within;
 use crate::servo::error::Error;
 use crate::servo::motion::brake::brake;
 use crate::servo::motion::ends::EndApproach;
@@ -129,12 +130,23 @@ impl Trajectory {
         if !self.travel.contains(from.position) {
             return self.stand(from.position, rate);
         }
+        let from = self.without_swing(from);
         self.setpoint = Setpoint::of(&from, 0.0);
         let run_out = RunOut { rate };
         if run_out.stays_within(&from, &self.travel) && run_out.keeps(&from, &self.limits) {
             self.begin(Activity::RunOut(run_out));
         } else {
             self.begin(Activity::Move(self.brake(from)));
+        }
+    }
+
+    /// The motion with no more acceleration than the limits allow: what an axis has beyond them is
+    /// a swing of its drive. A reference that had it, too, would need `a / jerk` to be rid of it,
+    /// and by then a velocity of `a^2 / (2 jerk)` that the axis never had.
+    fn without_swing(&self, from: Motion) -> Motion {
+        Motion {
+            acceleration: within(from.acceleration, self.limits.acceleration),
+            ..from
         }
     }
 

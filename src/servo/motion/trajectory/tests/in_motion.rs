@@ -34,6 +34,28 @@ fn moving(kind: u32, draws: [f32; 4]) -> Trajectory {
 }
 
 #[test]
+fn a_swing_of_the_drive_is_none_of_the_reference() {
+    for way in [1.0, -1.0] {
+        for velocity in [0.0, 200.0, -200.0] {
+            for share in [2.0, 10.0, 30.0] {
+                let mut reference = at_rest();
+                let from = Motion {
+                    velocity,
+                    acceleration: way * share * LIMITS.acceleration,
+                    ..Motion::at(0.0)
+                };
+                reference.run_out(from, 25.0);
+                assert_eq!(reference.setpoint().velocity, velocity);
+                assert!(run(&mut reference, 2000) < 2000, "{velocity} {share}");
+                // Speed and acceleration are gone in 0.1 s.
+                let gone = reference.setpoint().position.abs();
+                assert!(gone < 30.0, "{way} {velocity} {share}: {gone}");
+            }
+        }
+    }
+}
+
+#[test]
 fn the_motion_ahead_is_that_of_the_samples_to_come() {
     let mut random = 0x1234_5678_u32;
     let mut ended = 0;
