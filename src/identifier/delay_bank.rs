@@ -120,15 +120,19 @@ impl<
     const K: usize,
 > DelayBank<Identifier<T, M, N, I, D>, K>
 {
-    /// Candidates for the delay of `input`; the other inputs keep the delays of `config`.
+    /// Candidates for the delay of `input`, in whole samples whatever `config` says of it; the other
+    /// inputs keep the delays of `config`.
     ///
     /// # Errors
     /// As [`Identifier::try_new`]; [`ConfigError::NoInput`] where there is no such input.
     pub fn try_new(config: &Config<M, N, I>, trends: T, input: usize) -> Result<Self, ConfigError> {
         const { assert_bank(D, K) };
         Self::from_candidates(|delay| {
+            if input >= I {
+                return Err(ConfigError::NoInput);
+            }
             let mut config = config.clone();
-            *config.delays.get_mut(input).ok_or(ConfigError::NoInput)? = delay;
+            config.set_delay(input, delay as f32);
             Identifier::try_new(&config, trends.clone())
         })
     }

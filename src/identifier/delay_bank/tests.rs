@@ -25,6 +25,15 @@ fn late(whole: usize, part: f32) -> Bank {
 }
 
 #[test]
+fn candidates_have_whole_delays_whatever_the_settings_say() {
+    let mut config = config();
+    config.set_delay(0, 3.75);
+    assert_eq!(Bank::try_new(&config, trends(20.0), 0), Ok(bank()));
+    let none = Bank::try_new(&config, trends(20.0), 1);
+    assert_eq!(none, Err(ConfigError::NoInput));
+}
+
+#[test]
 fn the_delay_is_that_of_the_smallest_error() {
     for delay in 0..4 {
         let bank = late(delay, 0.0);

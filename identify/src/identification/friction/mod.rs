@@ -1,0 +1,198 @@
+//! The friction of a force balance as its own model has it, where that simulates the record better.
+
+mod settle;
+mod start;
+
+use super::by_sums::LONGEST_SEARCH;
+use super::model::{Friction, Identification, Way};
+use super::once::once;
+use crate::error::Error;
+use crate::estimate::Estimate;
+use crate::held_friction::{coulomb, signs};
+use crate::polynomials::Polynomials;
+use crate::problem::Problem;
+use crate::search::Freedom;
+use crate::signals::Signals;
+use settle::{next, settle};
+use start::Trial;
+
+/// Estimates with the signs of the one before, ahead of the search of filter and delay.
+const REPETITIONS: usize = 4;
+
+/// A friction that is found by trying is gone on from where it leaves less than this share of what
+/// the best so far leaves.
+const BETTER: f64 = 0.9;
+
+/// The signals with other friction.
+fn with_own_signs<'a>(problem: &Problem<'a>, signs: &'a [f64]) -> Option<Signals<'a>> {
+    let mut signals = problem.signals.clone();
+    signals.inputs[coulomb(problem)?].samples = signs;
+    Some(signals)
+}
+
+/// The model whose friction is its own, with the measured rests and without, where one of the two
+/// simulates better than that with measured signs: the whole record and the half held out, with the
+/// initial state refitted and with the constant refitted too.
+///
+/// # Errors
+/// Those with measured signs, where no friction is found by trying either.
+pub(super) fn held(
+    problem: &Problem,
+    freedom: Freedom,
+    trace_points: usize,
+    measured: Result<Identification, Error>,
+) -> Result<Identification, Error> {
+    // Some hundred passes over the record: a longer one keeps its measured signs.
+    let long = problem.samples() > LONGEST_SEARCH;
+    let recursive = measured.as_ref().is_ok_and(|m| m.way == Way::Recursion);
+    if long || recursive || coulomb(problem).is_none() {
+        return measured;
+    }
+    let search = Search {
+        freedom,
+        trace_points,
+    };
+    let mut signals = problem.signals.clone();
+    signals.standstill = None;
+    let throughout = Problem {
+        signals: &signals,
+        ..*problem
+    };
+    let rests = problem.signals.standstill.is_some();
+    let mut best = measured.map(|found| Candidate {
+        errors: whole(problem, &found),
+        found,
+    });
+    if let Ok(best) = &mut best {
+        let found = search.held_in(problem, &best.found, Friction::Held);
+        best.replaced_by(found);
+        if rests {
+            let found = search.held_in(&throughout, &best.found, Friction::HeldAtRest);
+            best.replaced_by(found);
+        }
+    }
+    let friction = match rests {
+        true => Friction::HeldAtRest,
+        false => Friction::Held,
+    };
+    let so_far = best.as_ref().ok().map(|best| &best.found);
+    let tried = search.by_trying(&throughout, so_far, friction);
+    match (&mut best, tried) {
+        (Ok(best), tried) => best.replaced_by(tried),
+        (Err(_), Some(tried)) => best = Ok(tried),
+        (Err(_), None) => {}
+    }
+    let mut best = best?.found;
+    if best.friction == Friction::Measured {
+        // Behind measured signs, which are late, the command seems early.
+        best.delay_found = best.delay_found.filter(|_| best.delay_alike.is_some());
+        best.delay_found
+            .iter_mut()
+            .for_each(|delay| delay.shift = 0.0);
+    }
+    Ok(best)
+}
+
+/// A model with its errors in a simulation of the whole record.
+struct Candidate {
+    found: Identification,
+    errors: Option<[f64; 2]>,
+}
+
+impl Candidate {
+    /// The other one in the place of this one where it simulates better.
+    fn replaced_by(&mut self, other: Option<Self>) {
+        let better = |other: &Self| {
+            let errors = match (self.errors, other.errors) {
+                (Some(own), Some(other)) => other[0] < own[0] && other[1] < own[1],
+                (_, other) => other.is_some(),
+            };
+            errors && simulates_better(&other.found, &self.found)
+        };
+        if let Some(other) = other.filter(better) {
+            *self = other;
+        }
+    }
+}
+
+/// Errors of a simulation of the whole record, sums of squares; a rest that is measured has none.
+fn whole(problem: &Problem, found: &Identification) -> Option<[f64; 2]> {
+    let e = &found.estimate;
+    let model = Polynomials {
+        a: e.a.clone(),
+        b: e.b.clone(),
+        constant: e.constant,
+    };
+    let simulated = problem.simulate(&model, found.delay, 0..problem.samples())?;
+    Some(simulated.squares)
+}
+
+/// Whether the half held out is simulated better, too.
+fn simulates_better(found: &Identification, best: &Identification) -> bool {
+    match (&found.free_run, &best.free_run) {
+        (Some(found), Some(best)) => found.fit_x0 > best.fit_x0 && found.fit_x0c > best.fit_x0c,
+        (found, _) => found.is_some(),
+    }
+}
+
+/// How models are searched whose friction is their own.
+struct Search {
+    freedom: Freedom,
+    trace_points: usize,
+}
+
+impl Search {
+    /// From an identification on.
+    fn held_in(
+        &self,
+        problem: &Problem,
+        start: &Identification,
+        friction: Friction,
+    ) -> Option<Candidate> {
+        let mut estimate = start.estimate.clone();
+        for _ in 0..REPETITIONS {
+            estimate = next(problem, start, (&estimate, start.delay), false)?.estimate;
+        }
+        let mut found = self.with_signs_of(problem, &estimate, start.delay)?;
+        found.friction = friction;
+        settle(problem, &mut found)?;
+        let signs = signs(problem, &found.estimate, found.delay)?;
+        let signals = with_own_signs(problem, &signs)?;
+        let own = Problem::new(&signals, problem.structure, problem.options).ok()?;
+        Some(Candidate {
+            errors: Some(whole(&own, &found)?),
+            found,
+        })
+    }
+
+    /// From the friction on that is found by trying, where that leaves less than the model so far.
+    fn by_trying(
+        &self,
+        problem: &Problem,
+        so_far: Option<&Identification>,
+        friction: Friction,
+    ) -> Option<Candidate> {
+        let trial = Trial::of(problem)?;
+        let start = trial.best(self.freedom)?;
+        let left = so_far.map(|found| trial.left_by(&found.estimate, found.delay));
+        if left.is_some_and(|left| !(start.left < BETTER * left)) {
+            return None;
+        }
+        let start = self.with_signs_of(problem, &start.estimate, start.delay)?;
+        self.held_in(problem, &start, friction)
+    }
+
+    /// Filter, delay and estimate with the friction of another one.
+    fn with_signs_of(
+        &self,
+        problem: &Problem,
+        estimate: &Estimate,
+        delay: f64,
+    ) -> Option<Identification> {
+        let signs = signs(problem, estimate, delay)?;
+        let signals = with_own_signs(problem, &signs)?;
+        let own = Problem::new(&signals, problem.structure, problem.options).ok()?;
+        let found = once(&own, self.freedom, self.trace_points, &()).ok()?;
+        (found.way != Way::Recursion).then_some(found)
+    }
+}
