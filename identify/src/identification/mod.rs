@@ -42,6 +42,6 @@ pub fn identify(
     if recursive {
         return recursion(problem, freedom, trace_points);
     }
-    let found = once(problem, freedom, trace_points, progress)?;
-    Ok(friction::held(problem, freedom, trace_points, found))
+    let found = once(problem, freedom, trace_points, progress);
+    friction::held(problem, freedom, trace_points, found)
 }

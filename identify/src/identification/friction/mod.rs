@@ -1,5 +1,6 @@
 //! The friction of a force balance as its own model has it, where that simulates the record better.
 
+mod descent;
 mod settle;
 mod start;
 
@@ -14,7 +15,7 @@ use crate::problem::Problem;
 use crate::search::Freedom;
 use crate::signals::Signals;
 use settle::{next, settle};
-use start::Trial;
+use start::{Start, Trial};
 
 /// Estimates with the signs of the one before, ahead of the search of filter and delay.
 const REPETITIONS: usize = 4;
@@ -75,22 +76,42 @@ pub(super) fn held(
         true => Friction::HeldAtRest,
         false => Friction::Held,
     };
-    let so_far = best.as_ref().ok().map(|best| &best.found);
-    let tried = search.by_trying(&throughout, so_far, friction);
-    match (&mut best, tried) {
-        (Ok(best), tried) => best.replaced_by(tried),
-        (Err(_), Some(tried)) => best = Ok(tried),
-        (Err(_), None) => {}
+    let trial = Trial::of(&throughout);
+    let start = trial
+        .as_ref()
+        .and_then(|trial| Some((trial, trial.best(freedom)?)));
+    if let Some((trial, start)) = &start {
+        let so_far = best.as_ref().ok().map(|best| &best.found);
+        let left = so_far.map(|found| trial.left_by(&found.estimate, found.delay));
+        let promises = left.is_none_or(|left| start.left < BETTER * left);
+        let tried = match promises {
+            true => search.going_on(&throughout, start, friction),
+            false => None,
+        };
+        match (&mut best, tried) {
+            (Ok(best), tried) => best.replaced_by(tried),
+            (Err(_), Some(tried)) => best = Ok(tried),
+            (Err(_), None) => {}
+        }
     }
     let mut best = best?.found;
     if best.friction == Friction::Measured {
-        // Behind measured signs, which are late, the command seems early.
-        best.delay_found = best.delay_found.filter(|_| best.delay_alike.is_some());
-        best.delay_found
-            .iter_mut()
-            .for_each(|delay| delay.shift = 0.0);
+        forget_early_command(&mut best);
+    }
+    if let Some((trial, start)) = &start
+        && start.left < trial.left_by(&best.estimate, best.delay)
+    {
+        start.contained_in(&throughout, &mut best);
     }
     Ok(best)
+}
+
+/// Behind measured signs, which are late, the command seems early.
+fn forget_early_command(found: &mut Identification) {
+    found.delay_found = (found.delay_found.take()).filter(|_| found.delay_alike.is_some());
+    if let Some(delay) = &mut found.delay_found {
+        delay.shift = 0.0;
+    }
 }
 
 /// A model with its errors in a simulation of the whole record.
@@ -165,19 +186,8 @@ impl Search {
         })
     }
 
-    /// From the friction on that is found by trying, where that leaves less than the model so far.
-    fn by_trying(
-        &self,
-        problem: &Problem,
-        so_far: Option<&Identification>,
-        friction: Friction,
-    ) -> Option<Candidate> {
-        let trial = Trial::of(problem)?;
-        let start = trial.best(self.freedom)?;
-        let left = so_far.map(|found| trial.left_by(&found.estimate, found.delay));
-        if left.is_some_and(|left| !(start.left < BETTER * left)) {
-            return None;
-        }
+    /// From the friction on that is found by trying.
+    fn going_on(&self, problem: &Problem, start: &Start, friction: Friction) -> Option<Candidate> {
         let start = self.with_signs_of(problem, &start.estimate, start.delay)?;
         self.held_in(problem, &start, friction)
     }
