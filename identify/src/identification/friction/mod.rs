@@ -99,6 +99,7 @@ pub(super) fn held(
         forget_early_command(&mut best);
     }
     if let Some((trial, start)) = &start
+        && start.white
         && start.left < trial.left_by(&best.estimate, best.delay)
     {
         start.contained_in(&throughout, &mut best);

@@ -72,11 +72,13 @@ pub(super) struct Start {
     pub(super) delay: f64,
     /// Squares that it leaves of the output.
     pub(super) left: f64,
+    /// Whether they are noise and no error of a model, which goes on from sample to sample.
+    pub(super) white: bool,
 }
 
 impl Start {
     /// Lets the standard deviations of a model contain how far away this one is, which simulates
-    /// better, where that is more than chance.
+    /// better and leaves noise alone (the most likely one, then), where that is more than chance.
     pub(super) fn contained_in(&self, problem: &Problem, found: &mut Identification) {
         let of = &found.estimate;
         let moves = self.estimate.moves_from(of);
@@ -198,6 +200,7 @@ impl<'a> Trial<'a> {
             estimate: self.problem.estimate_of(model, theta, &none),
             delay,
             left,
+            white: is_white(&self.rest(bend)),
         })
     }
 
@@ -244,6 +247,14 @@ impl<'a> Trial<'a> {
         });
         places.collect()
     }
+}
+
+/// Whether the correlation of neighbours is below a half, by the squares of their differences (von
+/// Neumann, Annals of Mathematical Statistics 12 (1941)): twice the squares in white noise.
+fn is_white(rest: &DVector<f64>) -> bool {
+    let pairs = rest.as_slice().windows(2);
+    let differences: f64 = pairs.map(|pair| (pair[1] - pair[0]).powi(2)).sum();
+    differences > rest.norm_squared()
 }
 
 /// A signal with the mean of each part of the record taken out.
