@@ -98,11 +98,8 @@ pub(super) fn held(
     if best.friction == Friction::Measured {
         forget_early_command(&mut best);
     }
-    if let Some((trial, start)) = &start
-        && start.white
-        && start.left < trial.left_by(&best.estimate, best.delay)
-    {
-        start.contained_in(&throughout, &mut best);
+    if let Some((trial, start)) = &start {
+        start.contained_in(trial, &mut best);
     }
     Ok(best)
 }

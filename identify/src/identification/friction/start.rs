@@ -78,8 +78,13 @@ pub(super) struct Start {
 
 impl Start {
     /// Lets the standard deviations of a model contain how far away this one is, which simulates
-    /// better and leaves noise alone (the most likely one, then), where that is more than chance.
-    pub(super) fn contained_in(&self, problem: &Problem, found: &mut Identification) {
+    /// better, where that is more than chance: the most likely one, where it leaves noise alone,
+    /// and one with another delay, which the equations are linear in over a sample.
+    pub(super) fn contained_in(&self, trial: &Trial, found: &mut Identification) {
+        let better = self.left < trial.left_by(&found.estimate, found.delay);
+        if !(better && (self.white || found.delay_sigma().is_some())) {
+            return;
+        }
         let of = &found.estimate;
         let moves = self.estimate.moves_from(of);
         let later = self.delay - found.delay;
@@ -97,7 +102,7 @@ impl Start {
             let with = delay.with.iter_mut().zip(&moves);
             with.for_each(|(with, moved)| *with += later * moved);
         }
-        found.estimate = problem.widened(&found.estimate, &[moves]);
+        found.estimate = trial.problem.widened(&found.estimate, &[moves]);
     }
 }
 
