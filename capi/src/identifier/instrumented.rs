@@ -11,7 +11,7 @@ use crate::detail::Detail;
 use crate::error::Error;
 use crate::identifier::kind::Kind;
 use crate::identifier::outputs::{Estimate, Parameter, Pole, Status, Way};
-use crate::identifier::recursion::{Change, Recursion, copy, poles_of, status};
+use crate::identifier::recursion::{Change, Recursion, array, copy, poles_of, status};
 use crate::settings::{Settings, Takes};
 
 /// Inputs of the model: the command, and one without a term. So the code of its read-outs is of
@@ -102,9 +102,9 @@ impl<const M: usize, const N: usize, const R: usize, const D: usize> Recursion
             Change::Reset => self.reset(),
             Change::RestartTrends => self.restart_trends(),
             Change::Adapt(on) => self.adapt(on),
-            Change::WarmStart(..) | Change::SetNominal | Change::Retune(_) => {
-                return Err(Error::NotOffered.into());
-            }
+            Change::WarmStart(theta, std) => self.warm_start(array(theta)?, array(std)?)?,
+            Change::SetNominal => self.set_nominal(),
+            Change::Retune(_) => return Err(Error::NotOffered.into()),
         }
         Ok(())
     }

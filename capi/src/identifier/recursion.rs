@@ -59,7 +59,7 @@ pub(super) fn copy<T: Copy>(from: &[T], to: &mut [T]) -> Result<(), Error> {
 }
 
 /// A list of the caller as an array.
-fn array<const N: usize>(list: &[f32]) -> Result<[f32; N], Detail> {
+pub(super) fn array<const N: usize>(list: &[f32]) -> Result<[f32; N], Detail> {
     list.try_into().map_err(|_| Error::Length.into())
 }
 
