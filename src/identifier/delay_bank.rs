@@ -120,8 +120,8 @@ impl<
     const K: usize,
 > DelayBank<Identifier<T, M, N, I, D>, K>
 {
-    /// Candidates for the delay of `input`, in whole samples whatever `config` says of it; the other
-    /// inputs keep the delays of `config`.
+    /// Candidates for the delay of `input`, in whole samples whatever `config` says of it; the
+    /// other inputs keep the delays of `config`.
     ///
     /// # Errors
     /// As [`Identifier::try_new`]; [`ConfigError::NoInput`] where there is no such input.

@@ -1,4 +1,4 @@
-//! Levenberg's and Marquardt's steps (Quarterly of Applied Mathematics 2 (1944); SIAM J. 11 (1963)).
+//! Levenberg's and Marquardt's steps: Quarterly of Applied Mathematics 2 (1944), SIAM J. 11 (1963).
 
 use nalgebra::{DMatrix, DVector};
 
@@ -16,8 +16,8 @@ const WORTH: f64 = 1e-4;
 const MARQUARDT: f64 = 1e-3;
 const STIFFER: f64 = 10.0;
 
-/// Where the steps lead along the free axes, and the squares that are left there of `rest`; `within`
-/// brings a place back to what is possible.
+/// Where the steps lead along the free axes, and the squares that are left there of `rest`;
+/// `within` brings a place back to what is possible.
 pub(super) fn descended(
     mut at: [f64; 4],
     free: [bool; 4],

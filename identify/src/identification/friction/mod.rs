@@ -13,8 +13,7 @@ use crate::held_friction::{coulomb, signs};
 use crate::polynomials::Polynomials;
 use crate::problem::Problem;
 use crate::search::Freedom;
-use crate::signals::Signals;
-use settle::{next, settle};
+use settle::{next, settle, with_own_signs};
 use start::{Start, Trial};
 
 /// Estimates with the signs of the one before, ahead of the search of filter and delay.
@@ -23,13 +22,6 @@ const REPETITIONS: usize = 4;
 /// A friction that is found by trying is gone on from where it leaves less than this share of what
 /// the best so far leaves.
 const BETTER: f64 = 0.9;
-
-/// The signals with other friction.
-fn with_own_signs<'a>(problem: &Problem<'a>, signs: &'a [f64]) -> Option<Signals<'a>> {
-    let mut signals = problem.signals.clone();
-    signals.inputs[coulomb(problem)?].samples = signs;
-    Some(signals)
-}
 
 /// The model whose friction is its own, with the measured rests and without, where one of the two
 /// simulates better than that with measured signs: the whole record and the half held out, with the

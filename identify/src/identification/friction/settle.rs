@@ -9,12 +9,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::with_own_signs;
 use crate::estimate::Estimate;
-use crate::held_friction::signs;
+use crate::held_friction::{coulomb, signs};
 use crate::identification::model::{Identification, Way};
 use crate::instruments::{Fit, Found, Method};
 use crate::problem::Problem;
+use crate::signals::Signals;
 use crate::tuning::binomial;
 
 /// Steps to the estimate whose signs are its own at most, and the part of a standard deviation that
@@ -25,6 +25,13 @@ const SETTLED: f64 = 0.1;
 /// Samples by which a delay moves at most in a step: what comes earlier or later is linear in it
 /// over no more.
 const FARTHEST: f64 = 1.0;
+
+/// The signals with other friction.
+pub(super) fn with_own_signs<'a>(problem: &Problem<'a>, signs: &'a [f64]) -> Option<Signals<'a>> {
+    let mut signals = problem.signals.clone();
+    signals.inputs[coulomb(problem)?].samples = signs;
+    Some(signals)
+}
 
 /// The estimate with the signs of another one, at the filter of an identification and at a delay;
 /// where that is wanted with further passes until it has settled, and a delay that is searched as

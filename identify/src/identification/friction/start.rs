@@ -6,8 +6,9 @@
 //! ```
 //!
 //! Four numbers (phi, a, c, d) bend the motion, the gain b and a level y_0 of each part of the
-//! record are linear and eliminated (variable projection: Golub and Pereyra, SIAM J. Numer. Anal. 10
-//! (1973)). From the best damping to each phi of a grid Levenberg's and Marquardt's steps lead on. No velocity is measured, and no filter chosen.
+//! record are linear and eliminated (variable projection: Golub and Pereyra, SIAM J. Numer. Anal.
+//! 10 (1973)). From the best damping to each phi of a grid Levenberg's and Marquardt's steps lead
+//! on. No velocity is measured, and no filter chosen.
 
 use nalgebra::{DMatrix, DVector};
 
