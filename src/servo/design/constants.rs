@@ -66,10 +66,11 @@ pub(crate) const RUN_OUT_RATIO: f32 = 1.0;
 pub(crate) const SETTLED_RATIO: f32 = 5.3;
 /// Time constant in s of the excitation monitor: shorter than a move, longer than a level.
 pub(crate) const MONITOR_TIME: f32 = 0.05;
+// Held by: a_unit_too_small_for_the_accelerations_is_refused,
+// a_stiff_axis_of_any_length_is_one_in_millimetres.
 /// Largest w^2 L: an axis of 1.6 m with the largest natural frequency that is looked for, in mm.
 /// Friction, as an acceleration, is an input of the identifier, whose typical size may be 1e9: that
-/// of this axis is 1e7. Held by: a_unit_too_small_for_the_accelerations_is_refused,
-/// a_stiff_axis_of_any_length_is_one_in_millimetres.
+/// of this axis is 1e7.
 pub(crate) const ACCELERATION_MAX: f32 = 1e8;
 
 // Delay.
