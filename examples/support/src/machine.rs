@@ -224,14 +224,22 @@ impl<S: PositionSensor, V: Valve> Machine<S, V> {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
+    use std::sync::{Mutex, PoisonError};
+
     use trendid::servo::store::{Record, Refused};
 
     use super::*;
     use crate::drive::{Drive, SimulatedValve};
 
+    /// Drive and valve of a process meet in one place: one axis at a time.
+    static ONE_AXIS: Mutex<()> = Mutex::new(());
+
     /// Over the wire the delay may be set; the next start has that of the program again.
     #[test]
     fn a_model_of_another_delay_is_none_of_the_next_start() {
+        let _alone = ONE_AXIS.lock().unwrap_or_else(PoisonError::into_inner);
         for delay in [DELAY, 0.002] {
             let mut settings = config();
             settings.delay = delay;
@@ -261,6 +269,7 @@ mod tests {
     /// presses the button meanwhile stops that.
     #[test]
     fn an_axis_that_comes_to_rest_for_its_commissioning_moves() {
+        let _alone = ONE_AXIS.lock().unwrap_or_else(PoisonError::into_inner);
         let mut servo = servo_loop(Drive::new(ORIGIN), SimulatedValve).unwrap();
         let mut state = State::Idle;
         let mut run = |servo: &mut ServoLoop<_, _>, samples: u32, moving: bool| {
