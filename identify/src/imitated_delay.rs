@@ -115,10 +115,7 @@ impl Other {
         let moves: Vec<f64> = self.theta.iter().zip(here).map(|(o, h)| o - h).collect();
         let late = self.delay - delay;
         let of_delay = found.delay.map(|mut found| {
-            found.sigma = found.sigma.hypot(late);
-            for (with, moved) in found.with.iter_mut().zip(&moves) {
-                *with += late * moved;
-            }
+            found.widen(late, &moves);
             found
         });
         Found {

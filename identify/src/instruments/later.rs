@@ -63,6 +63,17 @@ pub struct DelayFound {
     pub reach: f64,
 }
 
+impl DelayFound {
+    /// With the error that a delay so many samples later, not to be told from this one, makes of
+    /// it; the parameters move by `moves`.
+    pub(crate) fn widen(&mut self, late: f64, moves: &[f64]) {
+        self.sigma = self.sigma.hypot(late);
+        for (with, moved) in self.with.iter_mut().zip(moves) {
+            *with += late * moved;
+        }
+    }
+}
+
 /// Time constants, and samples at least, over which a delay is taken to be linear.
 const TIME_CONSTANTS: f64 = 3.0;
 const FEW: f64 = 10.0;

@@ -9,11 +9,11 @@ use super::model::{Friction, Identification, Way};
 use super::once::once;
 use crate::error::Error;
 use crate::estimate::Estimate;
-use crate::held_friction::{coulomb, signs};
+use crate::held_friction::coulomb;
 use crate::polynomials::Polynomials;
 use crate::problem::Problem;
 use crate::search::Freedom;
-use settle::{next, settle, with_own_signs};
+use settle::{next, settle, with_signs_of};
 use start::{Start, Trial};
 
 /// Estimates with the signs of the one before, ahead of the search of filter and delay.
@@ -164,35 +164,28 @@ impl Search {
         for _ in 0..REPETITIONS {
             estimate = next(problem, start, (&estimate, start.delay), false)?.estimate;
         }
-        let mut found = self.with_signs_of(problem, &estimate, start.delay)?;
+        let mut found = self.found(problem, (&estimate, start.delay))?;
         found.friction = friction;
         settle(problem, &mut found)?;
-        let signs = signs(problem, &found.estimate, found.delay)?;
-        let signals = with_own_signs(problem, &signs)?;
-        let own = Problem::new(&signals, problem.structure, problem.options).ok()?;
+        let own = (&found.estimate, found.delay);
+        let errors = with_signs_of(problem, own, |own| whole(own, &found))?;
         Some(Candidate {
-            errors: Some(whole(&own, &found)?),
+            errors: Some(errors),
             found,
         })
     }
 
     /// From the friction on that is found by trying.
     fn going_on(&self, problem: &Problem, start: &Start, friction: Friction) -> Option<Candidate> {
-        let start = self.with_signs_of(problem, &start.estimate, start.delay)?;
+        let start = self.found(problem, (&start.estimate, start.delay))?;
         self.held_in(problem, &start, friction)
     }
 
     /// Filter, delay and estimate with the friction of another one.
-    fn with_signs_of(
-        &self,
-        problem: &Problem,
-        estimate: &Estimate,
-        delay: f64,
-    ) -> Option<Identification> {
-        let signs = signs(problem, estimate, delay)?;
-        let signals = with_own_signs(problem, &signs)?;
-        let own = Problem::new(&signals, problem.structure, problem.options).ok()?;
-        let found = once(&own, self.freedom, self.trace_points, &()).ok()?;
+    fn found(&self, problem: &Problem, of: (&Estimate, f64)) -> Option<Identification> {
+        let found = with_signs_of(problem, of, |own| {
+            once(own, self.freedom, self.trace_points, &()).ok()
+        })?;
         (found.way != Way::Recursion).then_some(found)
     }
 }

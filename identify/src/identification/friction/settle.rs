@@ -14,7 +14,6 @@ use crate::held_friction::{coulomb, signs};
 use crate::identification::model::{Identification, Way};
 use crate::instruments::{Fit, Found, Method};
 use crate::problem::Problem;
-use crate::signals::Signals;
 use crate::tuning::binomial;
 
 /// Steps to the estimate whose signs are its own at most, and the part of a standard deviation that
@@ -26,11 +25,16 @@ const SETTLED: f64 = 0.1;
 /// over no more.
 const FARTHEST: f64 = 1.0;
 
-/// The signals with other friction.
-pub(super) fn with_own_signs<'a>(problem: &Problem<'a>, signs: &'a [f64]) -> Option<Signals<'a>> {
+/// What `one` makes of a problem with the friction that an estimate has at a delay.
+pub(super) fn with_signs_of<T>(
+    problem: &Problem,
+    (estimate, delay): (&Estimate, f64),
+    one: impl FnOnce(&Problem) -> Option<T>,
+) -> Option<T> {
+    let signs = signs(problem, estimate, delay)?;
     let mut signals = problem.signals.clone();
-    signals.inputs[coulomb(problem)?].samples = signs;
-    Some(signals)
+    signals.inputs[coulomb(problem)?].samples = &signs;
+    one(&Problem::new(&signals, problem.structure, problem.options).ok()?)
 }
 
 /// The estimate with the signs of another one, at the filter of an identification and at a delay;
@@ -42,10 +46,6 @@ pub(super) fn next(
     of: (&Estimate, f64),
     refined: bool,
 ) -> Option<Found> {
-    let (estimate, delay) = of;
-    let signs = signs(problem, estimate, delay)?;
-    let signals = with_own_signs(problem, &signs)?;
-    let own = Problem::new(&signals, problem.structure, problem.options).ok()?;
     let equal = || binomial(found.pole.unwrap_or_default(), problem.structure.order);
     let filter = match &found.own_filter {
         Some(filter) => filter.clone(),
@@ -55,20 +55,21 @@ pub(super) fn next(
         Way::WeakInstruments => Method::LeastSquares,
         _ => Method::Instruments,
     };
-    let mut fit = Fit::new(&own, &filter, delay, method).ok()?;
-    if refined {
-        fit = fit.refined().ok()?;
-        if found.delay_sigma().is_some() {
-            fit = fit.around_delay().ok()?;
+    with_signs_of(problem, of, |own| {
+        let mut fit = Fit::new(own, &filter, of.1, method).ok()?;
+        if refined {
+            fit = fit.refined().ok()?;
+            if found.delay_sigma().is_some() {
+                fit = fit.around_delay().ok()?;
+            }
         }
-    }
-    fit.found().ok()
+        fit.found().ok()
+    })
 }
 
 /// theta, and the delay where it is an unknown.
-fn unknowns(estimate: &Estimate, delay: f64, free: bool) -> DVector<f64> {
-    let delay = free.then_some(delay);
-    let all: Vec<f64> = estimate.theta.iter().copied().chain(delay).collect();
+fn unknowns(theta: &[f64], delay: Option<f64>) -> DVector<f64> {
+    let all: Vec<f64> = theta.iter().copied().chain(delay).collect();
     DVector::from_vec(all)
 }
 
@@ -93,21 +94,17 @@ pub(super) fn settle(problem: &Problem, found: &mut Identification) -> Option<()
         false => found.delay,
     };
     let of = found.estimate.clone();
-    let sigma = unknowns(
-        &Estimate {
-            theta: of.sigma.clone(),
-            ..of.clone()
-        },
-        found.delay_sigma().unwrap_or_default(),
-        free,
-    );
+    let sigma = unknowns(&of.sigma, found.delay_sigma());
     let g = |x: &DVector<f64>| {
         let delay = delay_at(x);
         let there = next(problem, found, (&moved(problem, &of, x), delay), true)?;
         let shift = there.delay.as_ref().map_or(0.0, |delay| delay.shift);
-        Some(unknowns(&there.estimate, delay + shift, free))
+        Some(unknowns(
+            &there.estimate.theta,
+            free.then_some(delay + shift),
+        ))
     };
-    let mut x = unknowns(&of, found.delay, free);
+    let mut x = unknowns(&of.theta, free.then_some(found.delay));
     let n = x.len();
     let mut inverse = DMatrix::identity(n, n);
     for _ in 0..STEPS {

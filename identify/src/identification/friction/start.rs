@@ -52,18 +52,19 @@ impl Bend {
 }
 
 /// A motion beside the record.
-#[derive(Debug, Clone, Copy)]
 struct Beside {
     /// b.
     gain: f64,
-    /// Squares that are left.
-    left: f64,
+    /// What is left of the record.
+    rest: DVector<f64>,
 }
 
 /// A record that is simulated with many frictions.
 pub(super) struct Trial<'a> {
     problem: &'a Problem<'a>,
     place: usize,
+    /// The output without its levels.
+    output: DVector<f64>,
 }
 
 /// A friction to begin with.
@@ -99,9 +100,7 @@ impl Start {
             return;
         }
         if let Some(delay) = &mut found.delay_found {
-            delay.sigma = delay.sigma.hypot(later);
-            let with = delay.with.iter_mut().zip(&moves);
-            with.for_each(|(with, moved)| *with += later * moved);
+            delay.widen(later, &moves);
         }
         found.estimate = trial.problem.widened(&found.estimate, &[moves]);
     }
@@ -114,7 +113,11 @@ impl<'a> Trial<'a> {
         let balance = structure.integrator && structure.order == 2 && structure.zeros == 0;
         let place = coulomb(problem)?;
         let one = problem.signals.inputs.len() == 2;
-        (balance && one).then_some(Self { problem, place })
+        (balance && one).then(|| Self {
+            problem,
+            place,
+            output: levelled(problem.signals.output.to_vec()),
+        })
     }
 
     /// What a model leaves of the record; everything where it has no friction.
@@ -131,7 +134,7 @@ impl<'a> Trial<'a> {
             estimate.constant / gain / phi,
             delay,
         ];
-        self.beside(&self.force(delay), Bend { at }).left
+        self.rest(Bend { at }).norm_squared()
     }
 
     /// The friction that leaves least of the record.
@@ -154,7 +157,7 @@ impl<'a> Trial<'a> {
         let best = |row: &Vec<Bend>| {
             let tried = row
                 .iter()
-                .map(|bend| (self.beside(&force, *bend).left, *bend));
+                .map(|bend| (self.beside(&force, *bend).rest.norm_squared(), *bend));
             let (_, bend) = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
             Some(self.refined(bend, freedom))
         };
@@ -190,7 +193,7 @@ impl<'a> Trial<'a> {
 
     fn start(&self, bend: Bend) -> Option<Start> {
         let [phi, a, c, delay] = bend.at;
-        let Beside { gain, left } = self.beside(&self.force(delay), bend);
+        let Beside { gain, rest } = self.beside(&self.force(delay), bend);
         if !(gain != 0.0 && gain.is_finite()) {
             return None;
         }
@@ -205,8 +208,8 @@ impl<'a> Trial<'a> {
         Some(Start {
             estimate: self.problem.estimate_of(model, theta, &none),
             delay,
-            left,
-            white: is_white(&self.rest(bend)),
+            left: rest.norm_squared(),
+            white: is_white(&rest),
         })
     }
 
@@ -222,23 +225,16 @@ impl<'a> Trial<'a> {
 
     /// The motion beside the record, with the gain and the levels that leave least.
     fn beside(&self, force: &Force, bend: Bend) -> Beside {
-        let y = self.problem.signals.output;
-        let (y, p) = (levelled(y.to_vec()), levelled(self.motion(force, bend)));
-        let [yy, yp, pp] = [y.dot(&y), y.dot(&p), p.dot(&p)];
+        let p = levelled(self.motion(force, bend));
+        let (yp, pp) = (self.output.dot(&p), p.dot(&p));
         let gain = if pp > 0.0 { yp / pp } else { 0.0 };
-        Beside {
-            gain,
-            left: yy - gain * yp,
-        }
+        let rest = &self.output - gain * p;
+        Beside { gain, rest }
     }
 
     /// What is left of the record beside the motion.
     fn rest(&self, bend: Bend) -> DVector<f64> {
-        let y = levelled(self.problem.signals.output.to_vec());
-        let p = levelled(self.motion(&self.force(bend.at[3]), bend));
-        let (yp, pp) = (y.dot(&p), p.dot(&p));
-        let gain = if pp > 0.0 { yp / pp } else { 0.0 };
-        y - gain * p
+        self.beside(&self.force(bend.at[3]), bend).rest
     }
 
     /// p.
