@@ -130,9 +130,12 @@ impl From<LoopError> for Detail {
     fn from(error: LoopError) -> Self {
         match error {
             LoopError::Setting(error) | LoopError::Identifier(error) => error.into(),
-            LoopError::Unit { acceleration } => Self {
+            LoopError::Unit {
+                acceleration,
+                limit,
+            } => Self {
                 value: acceleration,
-                high: 1e8,
+                high: limit,
                 ..Self::of(Error::Unit)
             },
             LoopError::Model(reason) => Self {

@@ -68,8 +68,8 @@ pub(crate) fn identify<'py>(
     Ok(values)
 }
 
-/// A model with its covariance.
-fn estimate<'py>(py: Python<'py>, e: &Estimate) -> PyResult<Bound<'py, PyDict>> {
+/// A model with its covariance, by name.
+pub(crate) fn estimate<'py>(py: Python<'py>, e: &Estimate) -> PyResult<Bound<'py, PyDict>> {
     let values = PyDict::new(py);
     values.set_item("theta", e.theta.to_pyarray(py))?;
     values.set_item("sigma", e.sigma.to_pyarray(py))?;
@@ -83,7 +83,6 @@ fn estimate<'py>(py: Python<'py>, e: &Estimate) -> PyResult<Bound<'py, PyDict>> 
     values.set_item("omega0", r.omega0)?;
     values.set_item("damping", r.damping)?;
     values.set_item("reading_sigma", e.reading_sigma)?;
-    values.set_item("time_constants", r.time_constants.clone())?;
     values.set_item("poles", r.poles.clone())?;
     values.set_item("stable", r.stable)?;
     Ok(values)

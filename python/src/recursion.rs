@@ -1,7 +1,7 @@
 //! The core sample by sample, with sizes that are known only at run time.
 
 use numpy::ndarray::{Array1, Array2, ArrayView1, ArrayView2};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, ToPyArray};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use trendid::estimation::Terms;
@@ -9,6 +9,7 @@ use trendid::trends::{FilteredTrends, Hold};
 use trendid::{ConfigError, Outcome};
 use trendid_identify::dynamic::{DELAY, Filter, INPUTS, Setup, settings};
 
+use crate::record::estimate;
 use crate::refusal::{refused, unknown};
 use crate::signals::scheme;
 
@@ -190,21 +191,7 @@ impl Recursion {
 
     /// The model at this moment, by name.
     fn estimate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let e = self.core.estimate();
-        let values = PyDict::new(py);
-        values.set_item("theta", e.theta.to_pyarray(py))?;
-        values.set_item("sigma", e.sigma.to_pyarray(py))?;
-        values.set_item("covariance", PyArray2::from_vec2(py, &e.covariance)?)?;
-        values.set_item("a", e.a.to_pyarray(py))?;
-        let b: Vec<_> = e.b.iter().map(|b| b.to_pyarray(py)).collect();
-        values.set_item("b", b)?;
-        values.set_item("constant", e.constant)?;
-        values.set_item("gain", e.reading.gain)?;
-        values.set_item("omega0", e.reading.omega0)?;
-        values.set_item("damping", e.reading.damping)?;
-        values.set_item("reading_sigma", e.reading_sigma)?;
-        values.set_item("poles", e.reading.poles.clone())?;
-        values.set_item("stable", e.reading.stable)?;
+        let values = estimate(py, &self.core.estimate())?;
         let errors = self.core.prediction_error();
         values.set_item("ise", errors.ise())?;
         values.set_item("iae", errors.iae())?;

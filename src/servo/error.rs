@@ -3,7 +3,6 @@
 use core::fmt;
 
 use crate::error::{ConfigError, check_positive, check_range};
-use crate::servo::design::constants::ACCELERATION_MAX;
 use crate::servo::supervision::state::Reason;
 
 /// A configuration of the servo loop that cannot work, with the setting, its value and the expected
@@ -15,11 +14,13 @@ use crate::servo::supervision::state::Reason;
 pub enum Error {
     /// A setting of the loop.
     Setting(ConfigError),
-    /// Bandwidth squared times travel is beyond 1e8: the unit of y is too small for the
+    /// Bandwidth squared times travel is beyond a limit: the unit of y is too small for the
     /// accelerations of this axis.
     Unit {
         /// Bandwidth squared times travel, in units of y per s^2.
         acceleration: f32,
+        /// The largest that is accepted, in the same units.
+        limit: f32,
     },
     /// The model to install may not control, for this reason.
     Model(Reason),
@@ -50,9 +51,9 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Setting(error) => write!(f, "{error}"),
-            Self::Unit { acceleration } => write!(
+            Self::Unit { acceleration, limit } => write!(
                 f,
-                "bandwidth squared times travel is {acceleration} units of y per s^2, more than {ACCELERATION_MAX:e}: give y in a larger unit, mm and not um"
+                "bandwidth squared times travel is {acceleration} units of y per s^2, more than {limit:e}: give y in a larger unit, mm and not um"
             ),
             Self::Model(reason) => write!(f, "the model may not control: {reason}"),
             Self::Identifier(error) => write!(f, "identifier: {error}"),

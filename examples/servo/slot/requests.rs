@@ -7,7 +7,7 @@
 
 use core::sync::atomic::{AtomicU8, Ordering};
 
-use trendid::servo::{Config, MotionLimits};
+use trendid::servo::Config;
 use trendid_example_support::button::Request;
 use trendid_example_support::machine::{self, AXIS, Verified};
 use trendid_example_support::slots::Slots;
@@ -92,20 +92,8 @@ impl Slot {
                 Panel::Button(..) => return Err(Refusal::Unsupported),
             },
             _ if self.now.stopped => return Err(Refusal::Latched),
-            Request::Set { setting, value } => {
-                self.configure(settings::with(&self.config, setting, value)?)?;
-            }
-            Request::Limits {
-                velocity,
-                acceleration,
-                jerk,
-            } => {
-                let limits = MotionLimits {
-                    velocity,
-                    acceleration,
-                    jerk,
-                };
-                self.configure(settings::with_limits(&self.config, limits)?)?;
+            Request::Set { .. } | Request::Limits { .. } => {
+                self.configure(settings::requested(&self.config, request)?)?;
             }
             // The emulator has no flash controller.
             Request::Store if matches!(self.panel, Panel::Emulated) => {

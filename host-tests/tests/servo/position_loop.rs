@@ -171,7 +171,13 @@ fn a_unit_too_small_for_the_accelerations_is_refused() {
     };
     let config = servo::Config::new(1e-3, 25.0, travel);
     let refused = ServoLoop::try_new(&config, axis, SimulatedSensor::default(), SimulatedValve);
-    assert!(matches!(refused, Err(servo::Error::Unit { acceleration }) if acceleration == 2.5e8));
+    assert!(matches!(
+        refused,
+        Err(servo::Error::Unit {
+            acceleration: 2.5e8,
+            ..
+        })
+    ));
 }
 
 /// Largest error \[mm\] in the second after the first verified model, and the speed \[mm/s\] at

@@ -2,7 +2,7 @@
 
 use trendid::servo::{Config, MotionLimits};
 
-use crate::telemetry::request::Refusal;
+use crate::telemetry::request::{Refusal, Request};
 use crate::telemetry::text::text;
 
 /// A setting.
@@ -141,11 +141,32 @@ pub fn get(config: &Config, setting: u8) -> Result<Option<f32>, Refusal> {
     Ok((setting.get)(config))
 }
 
-/// The settings with one value changed, checked beside all the others.
+/// The settings as a request changes them, checked all together.
 ///
 /// # Errors
-/// A [`Refusal`] that names the setting and its limits.
-pub fn with(config: &Config, setting: u8, value: Option<f32>) -> Result<Config, Refusal> {
+/// A [`Refusal`] that names the setting and its limits; [`Refusal::Unsupported`] for a request that
+/// changes no settings.
+pub fn requested(config: &Config, request: &Request) -> Result<Config, Refusal> {
+    match *request {
+        Request::Set { setting, value } => with(config, setting, value),
+        Request::Limits {
+            velocity,
+            acceleration,
+            jerk,
+        } => {
+            let limits = MotionLimits {
+                velocity,
+                acceleration,
+                jerk,
+            };
+            with_limits(config, limits)
+        }
+        _ => Err(Refusal::Unsupported),
+    }
+}
+
+/// The settings with one value changed.
+fn with(config: &Config, setting: u8, value: Option<f32>) -> Result<Config, Refusal> {
     let setting = SETTINGS
         .get(usize::from(setting))
         .ok_or(Refusal::Unsupported)?;
@@ -167,11 +188,8 @@ pub fn with(config: &Config, setting: u8, value: Option<f32>) -> Result<Config, 
     Ok(changed)
 }
 
-/// The settings with other limits of motion, checked beside all the others.
-///
-/// # Errors
-/// A [`Refusal`] that names the setting and its limits.
-pub fn with_limits(config: &Config, limits: MotionLimits) -> Result<Config, Refusal> {
+/// The settings with other limits of motion.
+fn with_limits(config: &Config, limits: MotionLimits) -> Result<Config, Refusal> {
     let mut changed = config.clone();
     changed.motion = Some(limits);
     changed.resolve()?;

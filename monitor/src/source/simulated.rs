@@ -1,8 +1,9 @@
 //! An axis of the population under a loop, with a station on its wire.
 
+use trendid::ConfigError;
 use trendid::hardware::{Axis, Scale};
 use trendid::servo::store::Record;
-use trendid::servo::{Config, Error, MotionLimits, ServoLoop};
+use trendid::servo::{Config, Error, ServoLoop};
 use trendid_host_tests::plants::pneumatic::AxisParameters;
 use trendid_host_tests::servo::population::adaptive::stated;
 use trendid_host_tests::servo::population::bench::Bench;
@@ -49,44 +50,46 @@ impl Simulated {
     /// # Errors
     /// What the loop says to the settings.
     pub(crate) fn new(axis: &AxisDraw, name: &str, start: u16) -> Result<Self, Error> {
-        let mut refused = None;
-        for (unit_mm, unit) in UNITS {
-            let config = stated(axis, unit_mm);
-            match build(axis, &config, unit_mm) {
-                Ok((servo, sensor)) => {
-                    let identity = Identity {
-                        name: text(name),
-                        unit: unit.try_into().unwrap_or_default(),
-                        sample_time: config.sample_time,
-                        travel: [config.travel.min, config.travel.max],
-                        simulated: true,
-                    };
-                    let plant = Plant {
-                        bench: Bench::new(axis, Purpose::Disturbance),
-                        servo,
-                        config,
-                        sensor,
-                        trick: Trick::Heal,
-                        rests: true,
-                        code: 0,
-                        stored: None,
-                        told: Vec::new(),
-                    };
-                    let mut station = Station::new(identity, start, 0);
-                    station.event(Event::Start {
-                        cause: text("start of the simulation"),
-                        starts: 1,
-                    });
-                    return Ok(Self {
-                        plant,
-                        station,
-                        tick: 0,
-                    });
-                }
-                Err(error) => refused = Some(error),
-            }
-        }
-        Err(refused.unwrap_or(Error::Unit { acceleration: 0.0 }))
+        let [coarse, fine] = UNITS;
+        Self::in_unit(axis, name, start, coarse).or_else(|_| Self::in_unit(axis, name, start, fine))
+    }
+
+    fn in_unit(
+        axis: &AxisDraw,
+        name: &str,
+        start: u16,
+        (unit_mm, unit): (f64, &str),
+    ) -> Result<Self, Error> {
+        let config = stated(axis, unit_mm);
+        let (servo, sensor) = build(axis, &config, unit_mm)?;
+        let identity = Identity {
+            name: text(name),
+            unit: unit.try_into().unwrap_or_default(),
+            sample_time: config.sample_time,
+            travel: [config.travel.min, config.travel.max],
+            simulated: true,
+        };
+        let plant = Plant {
+            bench: Bench::new(axis, Purpose::Disturbance),
+            servo,
+            config,
+            sensor,
+            trick: Trick::Heal,
+            rests: true,
+            code: 0,
+            stored: None,
+            told: Vec::new(),
+        };
+        let mut station = Station::new(identity, start, 0);
+        station.event(Event::Start {
+            cause: text("start of the simulation"),
+            starts: 1,
+        });
+        Ok(Self {
+            plant,
+            station,
+            tick: 0,
+        })
     }
 
     /// Bytes that came over the wire.
@@ -194,20 +197,8 @@ impl Plant {
 impl Machine for Plant {
     fn operate(&mut self, request: &Request) -> Result<(), Refusal> {
         match *request {
-            Request::Limits {
-                velocity,
-                acceleration,
-                jerk,
-            } => {
-                let limits = MotionLimits {
-                    velocity,
-                    acceleration,
-                    jerk,
-                };
-                self.configure(settings::with_limits(&self.config, limits)?)
-            }
-            Request::Set { setting, value } => {
-                self.configure(settings::with(&self.config, setting, value)?)
+            Request::Set { .. } | Request::Limits { .. } => {
+                self.configure(settings::requested(&self.config, request)?)
             }
             Request::Get(setting) => {
                 let value = settings::get(&self.config, setting)?;
@@ -226,8 +217,11 @@ impl Machine for Plant {
 }
 
 fn build(axis: &AxisDraw, config: &Config, unit_mm: f64) -> Result<(Loop, Axis), Error> {
-    let scale = Scale::new((axis.resolution_mm / unit_mm) as f32)
-        .ok_or(Error::Unit { acceleration: 0.0 })?;
+    let resolution = (axis.resolution_mm / unit_mm) as f32;
+    let scale = Scale::new(resolution).ok_or(Error::Setting(ConfigError::NotPositive {
+        setting: "resolution".into(),
+        value: resolution,
+    }))?;
     let sensor = Axis {
         scale,
         reference: 0,

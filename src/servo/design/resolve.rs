@@ -65,7 +65,10 @@ impl Config {
         self.travel.check()?;
         let acceleration = self.rough_bandwidth() * self.rough_bandwidth() * self.travel.length();
         if acceleration > c::ACCELERATION_MAX {
-            return Err(Error::Unit { acceleration });
+            return Err(Error::Unit {
+                acceleration,
+                limit: c::ACCELERATION_MAX,
+            });
         }
         Error::unless_positive("range", self.range)?;
         Error::unless_within("range", self.range, 0.0, 1.0)?;

@@ -198,7 +198,7 @@ fn an_acceleration_that_is_not_of_this_unit_is_refused() {
         let resolved = Config::new(1e-4, bandwidth, travel).resolve();
         let found = matches!(
             resolved,
-            Err(crate::servo::Error::Unit { acceleration }) if acceleration > 1e8
+            Err(crate::servo::Error::Unit { acceleration, limit: 1e8 }) if acceleration > 1e8
         );
         assert_eq!(found, refused, "{bandwidth}");
     }

@@ -17,6 +17,7 @@ fn every_setting_is_read_as_it_was_set_and_refuses_what_is_out_of_bounds() {
             max: 400.0,
         },
     );
+    let set = |setting, value| settings::requested(&config, &Request::Set { setting, value });
     for (place, setting) in SETTINGS.iter().enumerate() {
         let number = place as u8;
         let [low, high] = setting.limits;
@@ -32,7 +33,7 @@ fn every_setting_is_read_as_it_was_set_and_refuses_what_is_out_of_bounds() {
         } else {
             value
         };
-        let changed = settings::with(&config, number, Some(value))
+        let changed = set(number, Some(value))
             .unwrap_or_else(|refusal| panic!("{}: {refusal}", setting.name));
         assert_eq!(
             settings::get(&changed, number),
@@ -42,19 +43,42 @@ fn every_setting_is_read_as_it_was_set_and_refuses_what_is_out_of_bounds() {
         );
         assert_ne!(changed, config, "{}", setting.name);
         for wrong in [low - 1.0, 2.0 * high + 1.0, f32::NAN, f32::INFINITY] {
-            let refusal = settings::with(&config, number, Some(wrong)).unwrap_err();
+            let refusal = set(number, Some(wrong)).unwrap_err();
             let named =
                 matches!(&refusal, Refusal::Value { name, .. } if name.as_str() == setting.name);
             assert!(named, "{}: {refusal:?}", setting.name);
         }
-        assert_eq!(
-            settings::with(&config, number, None).is_ok(),
-            setting.follows
-        );
+        assert_eq!(set(number, None).is_ok(), setting.follows);
         assert!(setting.name.len() <= 40, "a refusal has room for the name");
     }
     let beyond = SETTINGS.len() as u8;
     assert_eq!(settings::get(&config, beyond), Err(Refusal::Unsupported));
+    assert_eq!(set(beyond, Some(1.0)), Err(Refusal::Unsupported));
+}
+
+#[test]
+fn limits_of_motion_are_taken_and_refused_as_the_loop_takes_them() {
+    let travel = Travel {
+        min: 0.0,
+        max: 400.0,
+    };
+    let config = Config::new(1e-3, 20.0, travel);
+    let limits = |velocity| Request::Limits {
+        velocity,
+        acceleration: 2e3,
+        jerk: 1e5,
+    };
+    let changed = settings::requested(&config, &limits(150.0)).unwrap();
+    let motion = changed.motion.unwrap();
+    assert_eq!(
+        [motion.velocity, motion.acceleration, motion.jerk],
+        [150.0, 2e3, 1e5]
+    );
+    for wrong in [0.0, -1.0, f32::NAN] {
+        assert!(settings::requested(&config, &limits(wrong)).is_err());
+    }
+    let other = settings::requested(&config, &Request::Stop);
+    assert_eq!(other, Err(Refusal::Unsupported));
 }
 
 #[test]
