@@ -103,10 +103,30 @@ fn a_gap_and_an_old_frame_are_counted() {
     );
 }
 
+/// What was answered before is no answer to a sample that has none yet.
+#[test]
+fn a_sample_that_comes_again_before_its_answer_gets_none_of_another() {
+    let mut responder = Responder::new();
+    let take = |responder: &mut Responder, seq| {
+        let frame = Frame::encode(&plain(seq, 1));
+        frame.bytes().iter().find_map(|&byte| responder.push(byte))
+    };
+    assert_eq!(take(&mut responder, 1), Some(Incoming::New(plain(1, 1))));
+    assert!(!responder.answer(reply(0)).is_empty());
+    assert_eq!(take(&mut responder, 1), Some(Incoming::Repeated));
+    assert_eq!(take(&mut responder, 2), Some(Incoming::New(plain(2, 1))));
+    assert_eq!(responder.cached(), []);
+    assert_eq!(take(&mut responder, 2), Some(Incoming::Stale));
+}
+
 #[test]
 fn a_reset_clears_the_counters_and_takes_any_number() {
     let mut target = Target::default();
     let mut out = Vec::new();
+    for byte in [0, 1, 2, 3, 0] {
+        target.push(byte, &mut out);
+    }
+    assert_eq!(target.responder.counters().corrupt, 1);
     for sample in [plain(10, 1), plain(13, 1), reset(5), reset(5)] {
         for &byte in Frame::encode(&sample).bytes() {
             target.push(byte, &mut out);

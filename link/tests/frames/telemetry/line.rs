@@ -91,16 +91,14 @@ fn what_a_slow_line_cannot_carry_is_dropped_and_counted() {
     assert_eq!(client.losses(), Losses::default());
     assert_eq!(events, 11);
     // Answers to the requests, and to the acknowledgements of the events.
-    assert!(
-        answered >= 19 && health.events_lost == 0,
-        "{answered} {health:?}"
-    );
+    assert!(answered >= 19, "{answered}");
     station.health(Health::default());
     for content in heard(&mut client, &sent(&mut station)) {
         if let Content::Health(now) = content {
             health = now;
         }
     }
+    assert_eq!(health.events_lost, 0);
     let dropped = health.dropped;
     assert!(samples > 2000 && dropped > 4000, "{samples} {health:?}");
     // Every sample and every slow notice has arrived or is counted.

@@ -2,7 +2,9 @@
 
 mod damage;
 mod ends;
+mod events;
 mod line;
+mod orders;
 mod starts;
 mod stop;
 mod values;

@@ -7,16 +7,18 @@ use trendid_link::{Frame, code};
 
 use super::ends::sample;
 
+/// Of an axis of 400 mm.
+fn config() -> Config {
+    let travel = Travel {
+        min: 0.0,
+        max: 400.0,
+    };
+    Config::new(1e-3, 20.0, travel)
+}
+
 #[test]
 fn every_setting_is_read_as_it_was_set_and_refuses_what_is_out_of_bounds() {
-    let config = Config::new(
-        1e-3,
-        20.0,
-        Travel {
-            min: 0.0,
-            max: 400.0,
-        },
-    );
+    let config = config();
     let set = |setting, value| settings::requested(&config, &Request::Set { setting, value });
     for (place, setting) in SETTINGS.iter().enumerate() {
         let number = place as u8;
@@ -54,6 +56,26 @@ fn every_setting_is_read_as_it_was_set_and_refuses_what_is_out_of_bounds() {
     let beyond = SETTINGS.len() as u8;
     assert_eq!(settings::get(&config, beyond), Err(Refusal::Unsupported));
     assert_eq!(set(beyond, Some(1.0)), Err(Refusal::Unsupported));
+}
+
+/// Each within its limits, and none that the loop would not take beside the others.
+#[test]
+fn settings_that_contradict_the_others_are_refused() {
+    let config = config();
+    let mut contradict = 0;
+    for (place, setting) in SETTINGS.iter().enumerate() {
+        for value in setting.limits {
+            let request = Request::Set {
+                setting: place as u8,
+                value: Some(value),
+            };
+            match settings::requested(&config, &request) {
+                Ok(changed) => assert!(changed.resolve().is_ok(), "{} = {value}", setting.name),
+                Err(_) => contradict += 1,
+            }
+        }
+    }
+    assert!(contradict > 0);
 }
 
 #[test]
