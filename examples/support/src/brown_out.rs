@@ -77,8 +77,8 @@ fn idle(registers: &mut impl Registers) -> bool {
 mod tests {
     use super::*;
 
-    /// The option bytes behind their lock: writes count after both keys only, a write without the
-    /// start bit does nothing, and a wrong key locks until the next reset.
+    /// The option bytes behind their lock: writes count after both keys only, the start bit takes
+    /// over what was written before it, and a wrong key locks until the next reset.
     #[derive(Clone, Debug)]
     struct Flash {
         /// What is kept without power.
@@ -129,9 +129,9 @@ mod tests {
                     }
                 }
                 OPTCR if self.register & OPTLOCK == 0 => {
-                    self.register = word;
+                    let before = core::mem::replace(&mut self.register, word);
                     if word & OPTSTRT != 0 {
-                        self.kept = word & !(OPTSTRT | OPTLOCK);
+                        self.kept = before & !(OPTSTRT | OPTLOCK);
                         self.busy = 50;
                         self.programmed += 1;
                     }

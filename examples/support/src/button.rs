@@ -149,6 +149,17 @@ mod tests {
         assert_eq!(requests(&levels), (Some(Request::Run), 1));
     }
 
+    /// The contacts bounce for less than the level takes to count, also behind that.
+    #[test]
+    fn a_bounce_behind_a_level_that_counts_is_no_release() {
+        let pressed = [(false, 100), (true, DEBOUNCE)];
+        for bounce in [1, DEBOUNCE - 1] {
+            let levels = [&pressed[..], &[(false, bounce), (true, 1)]].concat();
+            assert_eq!(requests(&levels), (None, 0), "{bounce}");
+            assert_eq!(of(&levels, true), (Some(Request::Stop), 1), "{bounce}");
+        }
+    }
+
     #[test]
     fn a_disturbance_is_no_press() {
         let mut levels = [(false, 100); 200];
