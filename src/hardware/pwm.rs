@@ -57,6 +57,8 @@ impl<P: SetDutyCycle, D: OutputPin> Valve for PwmValve<P, D> {
         let forward = command >= 0.0;
         if duty != 0 && self.forward != Some(forward) {
             self.pulse.set_duty_cycle(0).map_err(PwmError::Pulse)?;
+            // Of a pin that fails it is not known.
+            self.forward = None;
             self.direction
                 .set_state(PinState::from(forward))
                 .map_err(PwmError::Direction)?;
@@ -161,6 +163,33 @@ mod tests {
             &[Duty::max_duty_cycle(10), Duty::set_duty_cycle(0)],
             &[Set::set(State::High).with_error(error())],
             |valve| assert_eq!(valve.drive(1.0), Err(PwmError::Direction(error()))),
+        );
+    }
+    /// The pin may have taken the level and reported an error nevertheless.
+    #[test]
+    fn a_direction_that_is_not_known_is_set_again() {
+        let error = || MockError::Io(super::super::std::io::ErrorKind::NotConnected);
+        check(
+            &[
+                Duty::max_duty_cycle(10),
+                Duty::set_duty_cycle(0),
+                Duty::set_duty_cycle(10),
+                Duty::max_duty_cycle(10),
+                Duty::set_duty_cycle(0),
+                Duty::max_duty_cycle(10),
+                Duty::set_duty_cycle(0),
+                Duty::set_duty_cycle(10),
+            ],
+            &[
+                Set::set(State::High),
+                Set::set(State::Low).with_error(error()),
+                Set::set(State::High),
+            ],
+            |valve| {
+                assert_eq!(valve.drive(1.0), Ok(1.0));
+                assert_eq!(valve.drive(-1.0), Err(PwmError::Direction(error())));
+                assert_eq!(valve.drive(1.0), Ok(1.0));
+            },
         );
     }
 }

@@ -150,6 +150,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         }
         self.guard.stop.end();
         let requested = self.limiter.update(self.centre());
+        self.commands.push(requested);
         let command = match self.valve.drive(requested) {
             Ok(command) => command,
             Err(_) => {

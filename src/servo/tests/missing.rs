@@ -2,6 +2,7 @@
 
 use super::bench::{Bench, MODEL};
 use super::*;
+use crate::servo::design::constants::DELAY_MAX;
 
 #[test]
 fn a_setpoint_goes_on_through_slots_and_readings_that_are_missing() {
@@ -126,4 +127,29 @@ fn an_axis_that_is_only_expected_beyond_an_end_leads_no_reference_out_of_the_tra
         bench.is_mute = false;
         assert!(bench.worst(2000) < 1.2, "{place} {is_mute}");
     }
+}
+
+/// Also those of samples without any position: who takes over behind them knows what is on its way.
+#[test]
+fn the_commands_on_their_way_are_those_that_the_valve_had_whatever_the_sensor_says() {
+    let mut bench = Bench::new(MODEL);
+    let _ = bench.worst(1500);
+    bench.servo.move_to(300.0).expect("a target");
+    let mut newest_first = [0.0; DELAY_MAX + 1];
+    let mut moved = 0;
+    for k in 0..300 {
+        bench.is_mute = k > 100;
+        let _ = match k {
+            50..52 => bench.miss(),
+            _ => bench.step().1,
+        };
+        newest_first.rotate_right(1);
+        newest_first[0] = bench.servo.valve_mut().0;
+        moved += u32::from(newest_first[0].abs() > 0.01);
+        let known = bench.servo.commands.along(1.0);
+        if k > DELAY_MAX {
+            assert!(known.eq(newest_first), "{k}");
+        }
+    }
+    assert!(moved > 60, "{moved}");
 }
