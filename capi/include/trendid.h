@@ -948,7 +948,7 @@ trendid_error trendid_identifier_warm_start(struct trendid_identifier *identifie
                                             size_t count,
                                             struct trendid_detail *detail);
 
-// The parameters alone, at about a tenth of the cost of `trendid_identifier_estimate`; `count` is
+// The parameters alone, at about a sixth of the cost of `trendid_identifier_estimate`; `count` is
 // their number.
 trendid_error trendid_identifier_theta(const struct trendid_identifier *identifier, float *theta, size_t count);
 

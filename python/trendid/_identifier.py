@@ -169,7 +169,7 @@ class Identifier:
 
     @property
     def theta(self) -> NDArray[np.float32]:
-        """The parameters, as :meth:`estimate` has them, at about a tenth of its cost."""
+        """The parameters, as :meth:`estimate` has them, at about a sixth of its cost."""
         return self._core.theta()
 
     def estimate(self) -> Reading:

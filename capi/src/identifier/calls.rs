@@ -160,7 +160,7 @@ unsafe fn ask(
     code(unsafe { methods(identifier) }.and_then(question))
 }
 
-/// The parameters alone, at about a tenth of the cost of `trendid_identifier_estimate`; `count` is
+/// The parameters alone, at about a sixth of the cost of `trendid_identifier_estimate`; `count` is
 /// their number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trendid_identifier_theta(

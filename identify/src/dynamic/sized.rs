@@ -14,7 +14,7 @@ pub trait Recursion: Send + Sync {
     fn update(&mut self, u: &[f32], y: f32) -> Outcome;
     /// The model at this moment.
     fn estimate(&self) -> Estimate;
-    /// The parameters of [`estimate`](Self::estimate) alone, at about a tenth of its cost; as many
+    /// The parameters of [`estimate`](Self::estimate) alone, at about a sixth of its cost; as many
     /// as there is room for.
     fn theta(&self, to: &mut [f32]);
     /// Sums of the squared and of the absolute prediction errors so far.
