@@ -13,7 +13,7 @@ use stm32f4xx_hal::timer::{CounterHz, Flag};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use stm32f4xx_hal::{ReadFlags, pac::interrupt};
 use trendid::hardware::{PositionSensor, Valve};
-use trendid::servo::{Config, Reason, ServoLoop, State};
+use trendid::servo::{Config, ServoLoop, State};
 use trendid_example_support::guard::{self, Guard, Verdict};
 use trendid_example_support::machine::{AXIS, TRACED, Trace, Verified, config, target};
 use trendid_example_support::slots::Slots;
@@ -191,7 +191,7 @@ impl Slot {
             late: self.late(),
             fresh: FRESH.swap(false, Ordering::Relaxed),
             fault: match report.state {
-                State::Failed(reason) => fault(reason),
+                State::Failed(reason) => guard::fault(reason),
                 _ => None,
             },
         };
@@ -257,32 +257,6 @@ impl Slot {
     fn late(&self) -> bool {
         self.timer.flags().contains(Flag::Update)
     }
-}
-
-/// The reasons that are a fault of the machine: all but those for which a model was refused, after
-/// which a new request may commission, and the person who stopped it.
-const fn fault(reason: Reason) -> Option<&'static str> {
-    Some(match reason {
-        Reason::NotFinite
-        | Reason::OutOfRange
-        | Reason::Unstable
-        | Reason::Uncertain
-        | Reason::PoorFit
-        | Reason::NotBetter
-        | Reason::Aborted => return None,
-        Reason::SensorFault => "the sensor reported errors",
-        Reason::ValveFault => "the valve reported an error",
-        Reason::SensorStuck => "the sensor is stuck",
-        Reason::ValveStuck => "the valve is stuck",
-        Reason::Blocked => "the axis is blocked",
-        Reason::WrongSign => "sign of sensor or valve is wrong, or supply lost",
-        Reason::TravelEnd => "the axis came to its end",
-        Reason::Implausible => "the position jumped",
-        Reason::FollowingError => "the axis does not follow",
-        Reason::Saturated => "the full command lasts too long",
-        // A reason that this list does not know is no reason to move.
-        _ => "a fault of the loop",
-    })
 }
 
 /// The counter of the slot timer.

@@ -5,9 +5,12 @@
 //! |---|---|---|
 //! | in time, fresh reading, no fault | yes | |
 //! | in time, no fresh reading | no | ten of them end in a restart |
-//! | late, or after slots that are missing | no | three in a row stop |
+//! | late | no | |
+//! | the third in a row that was late or missing, or behind it | no | stops |
 //! | fault of sensor, valve or axis | no | stops |
 //! | stopped, in time, safe output written | yes | the fault can be read |
+
+use trendid::servo::Reason;
 
 /// Slots in a row that were late or missing and end in the safe output.
 pub const OVERRUNS: u32 = 3;
@@ -83,6 +86,34 @@ impl Guard {
     }
 }
 
+/// The reasons that are a fault of the machine: all but those for which a model was refused, after
+/// which a new request may commission, and the person who stopped it. Each is as short as what
+/// survives a restart ([`Text`](crate::survivor::Text)).
+#[must_use]
+pub const fn fault(reason: Reason) -> Option<&'static str> {
+    Some(match reason {
+        Reason::NotFinite
+        | Reason::OutOfRange
+        | Reason::Unstable
+        | Reason::Uncertain
+        | Reason::PoorFit
+        | Reason::NotBetter
+        | Reason::Aborted => return None,
+        Reason::SensorFault => "the sensor reported errors",
+        Reason::ValveFault => "the valve reported an error",
+        Reason::SensorStuck => "the sensor is stuck",
+        Reason::ValveStuck => "the valve is stuck",
+        Reason::Blocked => "the axis is blocked",
+        Reason::WrongSign => "a wrong sign, or a lost supply",
+        Reason::TravelEnd => "the axis came to its end",
+        Reason::Implausible => "the position jumped",
+        Reason::FollowingError => "the axis does not follow",
+        Reason::Saturated => "the full command lasts too long",
+        // A reason that this list does not know is no reason to move.
+        _ => "a fault of the loop",
+    })
+}
+
 /// Whether something that counts goes on: what feeds a watchdog besides may run while it hangs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
@@ -107,6 +138,7 @@ impl Progress {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::survivor::Text;
 
     const GOOD: Slot = Slot {
         missed: 0,
@@ -147,6 +179,38 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    #[test]
+    fn what_refuses_a_model_or_is_a_person_is_no_fault_and_all_else_is_one() {
+        let none = [
+            Reason::NotFinite,
+            Reason::OutOfRange,
+            Reason::Unstable,
+            Reason::Uncertain,
+            Reason::PoorFit,
+            Reason::NotBetter,
+            Reason::Aborted,
+        ];
+        assert_eq!(none.map(fault), [None; 7]);
+        let faults = [
+            Reason::WrongSign,
+            Reason::Blocked,
+            Reason::ValveStuck,
+            Reason::SensorStuck,
+            Reason::SensorFault,
+            Reason::ValveFault,
+            Reason::TravelEnd,
+            Reason::Implausible,
+            Reason::FollowingError,
+            Reason::Saturated,
+        ];
+        let words = faults.map(|reason| fault(reason).unwrap_or_default());
+        for (place, text) in words.iter().enumerate() {
+            assert!(!text.is_empty() && !words[..place].contains(text), "{text}");
+            // It is read behind a restart as it was.
+            assert_eq!(Text::end_of(text).as_str(), *text);
         }
     }
 
