@@ -39,6 +39,11 @@ impl Commissioning {
                 // What a stop has held must go before anything moves: this command is too large.
                 let winds = at_end(place) && probe.has_turned(scale);
                 let tried = if winds { 0.0 } else { command };
+                // What the stop bore no model has: its commands would count as closed ones. Here
+                // the drive is what friction held.
+                if winds {
+                    self.record.restart(1);
+                }
                 let mut relay = Relay::new(place, detection, tried, sign, side);
                 let v = self.tracking.motion().velocity;
                 let first = relay.update(y, v, self.design.sample_time, self.design.amplitude);

@@ -1,6 +1,7 @@
 //! Whole commissionings, from rest to a model, on drives that are their own models.
 
 mod plant;
+mod stop;
 
 use super::*;
 use crate::servo::commissioning::tests::plant::{COUNT, Plant, STEP, TRAVEL};
