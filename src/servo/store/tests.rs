@@ -2,6 +2,8 @@
 
 extern crate std;
 
+mod units;
+
 use super::*;
 use crate::servo::{Config, Model, Travel};
 use core::convert::Infallible;
