@@ -3,6 +3,7 @@
 use super::bench::{Bench, DELAY, MODEL};
 use super::*;
 use crate::servo::commissioning::Found;
+use crate::servo::design::constants::REOPENED_STD;
 use crate::servo::store::Record;
 
 /// A bench whose loop has found its model by itself, after how many samples.
@@ -254,7 +255,11 @@ fn an_axis_that_does_not_follow_goes_on_once_on_the_model_of_the_commissioning()
     bench.servo.retune(other);
     let _ = bench.worst(500);
     assert_eq!(*bench.servo.controller().model(), other);
+    bench.servo.identify_from(&other, REOPENED_STD);
     assert!(bench.servo.goes_back());
+    // So does the identifier, which would else offer the other one again.
+    let [.., b0, _, _, _] = bench.servo.identifier().theta();
+    assert!((b0 / MODEL.b0 - 1.0).abs() < 1e-3, "{b0}");
     let (report, _) = bench.step();
     assert!(report.retuned, "the user learns of it");
     assert_eq!(report.state, State::Rejected(Reason::FollowingError));

@@ -163,3 +163,26 @@ fn a_sign_that_is_stated_or_of_a_verified_model_is_known_to_a_commissioning() {
     assert_eq!(ends(Some(false), false), Some(Reason::WrongSign));
     assert_eq!(ends(None, true), Some(Reason::WrongSign));
 }
+
+#[test]
+fn a_commissioning_that_is_asked_for_again_gives_up_the_one_under_way() {
+    let mut bench = idle();
+    bench.servo.commission();
+    let moves = (0..2000).any(|_| bench.step().0.command != 0.0 && bench.motion.velocity > 50.0);
+    assert!(moves && bench.servo.supervisor().state().is_commissioning());
+    bench.servo.commission();
+    // The valve closes, and the next one begins at rest.
+    let mut waited = 0;
+    loop {
+        let (report, _) = bench.step();
+        assert_eq!(report.state, State::Exciting, "{waited}");
+        if bench.servo.supervisor().state().is_commissioning() {
+            break;
+        }
+        waited += 1;
+        assert!(waited < 10 || report.command == 0.0, "{waited}");
+    }
+    assert!((50..1000).contains(&waited), "{waited}");
+    let slow = bench.servo.config.min_speed();
+    assert!(bench.motion.velocity.abs() < 0.5 * slow && slow < 25.0);
+}
