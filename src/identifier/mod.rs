@@ -196,8 +196,8 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize, const 
         self.read_out().estimate()
     }
 
-    /// The parameters of [`Identifier::estimate`] alone, at about a sixth of its cost: see the table of
-    /// instruction counts.
+    /// The parameters of [`Identifier::estimate`] alone, at about a sixth of its cost: see the
+    /// table of instruction counts.
     pub fn theta(&self) -> [f32; N] {
         self.read_out().theta()
     }

@@ -167,7 +167,7 @@ fn a_model_that_was_refused_is_an_event_once() {
             counts: [7, refused],
             ..Learned::default()
         };
-        station.learned(learned.clone());
+        station.learned(learned);
         let told = heard(&mut client, &sent(&mut station));
         assert!(told.contains(&Content::Learned(learned)), "{refused}");
         events(told)
