@@ -18,9 +18,9 @@ const GAIN_ADDED: f32 = 0.2;
 const LOSS: usize = 7;
 const STIFFENING: usize = 8;
 /// Time over 1/rate until points count: what the first drive of a pass is off by sends the position
-/// off by `t^2 / 2 e^(-rate t)` of it, of whose squares 3 % come later.
+/// off by `t^2 / 2 e^(-rate t)` of it, of whose squares a tenth come later.
 // Held by: a_pass_adds_nothing_before_its_correction_has_settled.
-const SETTLED: f32 = 5.0;
+const SETTLED: f32 = 4.0;
 /// Points after a start in which the direction of the motion is uncertain.
 const STARTING: u32 = 3;
 
