@@ -160,7 +160,11 @@ const fn plural(count: usize) -> &'static str {
 /// What is wrong with a memory in s.
 fn of_memory(memory: f64, shortest: f64) -> String {
     match memory.is_finite() {
-        true => format!("a memory of {memory} s is not longer than two samples ({shortest} s)"),
+        // In f32 without the rounding of the product.
+        true => format!(
+            "a memory of {memory} s is not longer than two samples ({} s)",
+            shortest as f32
+        ),
         false => {
             format!("a memory of {memory} s is no finite time: without one nothing is forgotten")
         }
