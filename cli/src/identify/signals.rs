@@ -199,12 +199,6 @@ impl SignalArgs {
     /// Columns and exponents of the inputs.
     fn powers(&self) -> Result<Vec<(&str, i32)>, Refusal> {
         self.check()?;
-        if self.input.contains(&self.output) {
-            let name = &self.output;
-            return Err(Refusal::new(format!(
-                "the column `{name}` is the output and an input, too: it would explain itself"
-            )));
-        }
         self.input.iter().map(|name| power(name)).collect()
     }
 

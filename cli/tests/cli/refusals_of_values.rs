@@ -59,15 +59,6 @@ fn a_cell_that_is_too_large() {
 }
 
 #[test]
-fn a_column_that_is_output_and_input() {
-    let text = table(50, |k| format!("{k},{},{k}", k % 2));
-    assert_eq!(
-        identified("both", &text, &["--input", "y"]),
-        "the column `y` is the output and an input, too: it would explain itself"
-    );
-}
-
-#[test]
 fn structures_of_which_none_holds() {
     // Two noises that have nothing to do with each other.
     let mut state = 1_u32;
