@@ -10,17 +10,14 @@ use crate::servo::commissioning::sensitivity::Sensitivity;
 use crate::servo::commissioning::sums::{HALF, NO_SUMS, Sums};
 use crate::servo::commissioning::view::{STEP_MAX, View};
 
-/// Gain over the cost that is worth another pass; of points that are added, what makes those before
-/// worth a second look. Less is taken by the step that the sums ask for, which costs no pass.
+/// Gain over the cost that is worth another pass; of points that are added to the sums of a pass,
+/// what makes the points before worth a second look. Less is taken by the step that the sums ask
+/// for, which costs no pass.
 const GAIN: f32 = 0.1;
 const GAIN_ADDED: f32 = 0.2;
 /// Places of loss and stiffening among the parameters.
 const LOSS: usize = 7;
 const STIFFENING: usize = 8;
-/// Time over 1/rate until points count: what the first drive of a pass is off by sends the position
-/// off by `t^2 / 2 e^(-rate t)` of it, of whose squares a tenth come later.
-// Held by: a_pass_adds_nothing_before_its_correction_has_settled.
-const SETTLED: f32 = 4.0;
 /// Points after a start in which the direction of the motion is uncertain.
 const STARTING: u32 = 3;
 
@@ -149,7 +146,7 @@ impl Fit {
         let first = Point::of(record, self.view.begin, &self.view);
         self.at.begin(theta, &first);
         self.next = self.view.begin;
-        self.settled = self.view.begin + (SETTLED / (self.rate * self.view.time)) as usize;
+        self.settled = self.view.begin + (2.0 / (self.rate * self.view.time)) as usize;
         self.moving = 0;
         self.sums = NO_SUMS;
         self.follows = false;

@@ -116,10 +116,10 @@ fn a_correction_is_as_quick_as_it_is_told_and_its_points_allow() {
 #[test]
 fn a_pass_adds_nothing_before_its_correction_has_settled() {
     let (record, view, truth) = record(1, 300);
-    for (correction, settled) in [(1.0, 26), (2.0, 13)] {
+    for (correction, settled) in [(1.0, 13), (2.0, 6)] {
         let mut fit = Fit::new(true);
         fit.begin(view, truth, correction);
-        // Four time constants of it, of 33 and 17 ms.
+        // Two time constants of it, of 33 and 17 ms.
         assert!(!fit.advance(&record, 1));
         assert_eq!(fit.settled, settled, "{correction}");
     }
