@@ -105,10 +105,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.moves.tracking.update(y);
         let spare = self.spare();
         let (setpoint, requested) = self.requested(y, same_code);
-        let limited = self.limiter.update(requested);
-        self.commands.push(limited);
-        let Ok(command) = self.valve.drive(limited) else {
-            self.fail(Reason::ValveFault);
+        let Some(command) = self.command_valve(requested) else {
             return self.report(setpoint, 0.0, None, false);
         };
         let state = self.supervisor.state();
@@ -139,6 +136,19 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             outcome.innovation(),
             retuned || went_back,
         )
+    }
+
+    /// Moves the valve by a command within its limits, which is on its way from now on; `None` when
+    /// the valve has failed.
+    #[inline(always)]
+    fn command_valve(&mut self, requested: f32) -> Option<f32> {
+        let limited = self.limiter.update(requested);
+        self.commands.push(limited);
+        let command = self.valve.drive(limited).ok();
+        if command.is_none() {
+            self.fail(Reason::ValveFault);
+        }
+        command
     }
 
     /// The setpoint, and the command before its limits.

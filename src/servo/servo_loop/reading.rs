@@ -149,15 +149,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             self.fail(Reason::SensorFault);
         }
         self.guard.stop.end();
-        let requested = self.limiter.update(self.centre());
-        self.commands.push(requested);
-        let command = match self.valve.drive(requested) {
-            Ok(command) => command,
-            Err(_) => {
-                self.fail(Reason::ValveFault);
-                0.0
-            }
-        };
+        let command = self.command_valve(self.centre()).unwrap_or(0.0);
         self.identifier.restart_trends();
         self.report(Setpoint::at(self.sensed.position), command, None, false)
     }
