@@ -147,26 +147,28 @@ pub fn get(config: &Config, setting: u8) -> Result<Option<f32>, Refusal> {
 /// A [`Refusal`] that names the setting and its limits; [`Refusal::Unsupported`] for a request that
 /// changes no settings.
 pub fn requested(config: &Config, request: &Request) -> Result<Config, Refusal> {
+    let mut changed = config.clone();
     match *request {
-        Request::Set { setting, value } => with(config, setting, value),
+        Request::Set { setting, value } => set(&mut changed, setting, value)?,
         Request::Limits {
             velocity,
             acceleration,
             jerk,
         } => {
-            let limits = MotionLimits {
+            changed.motion = Some(MotionLimits {
                 velocity,
                 acceleration,
                 jerk,
-            };
-            with_limits(config, limits)
+            });
         }
-        _ => Err(Refusal::Unsupported),
+        _ => return Err(Refusal::Unsupported),
     }
+    changed.resolve()?;
+    Ok(changed)
 }
 
-/// The settings with one value changed.
-fn with(config: &Config, setting: u8, value: Option<f32>) -> Result<Config, Refusal> {
+/// Changes one value, within its limits.
+fn set(config: &mut Config, setting: u8, value: Option<f32>) -> Result<(), Refusal> {
     let setting = SETTINGS
         .get(usize::from(setting))
         .ok_or(Refusal::Unsupported)?;
@@ -182,16 +184,6 @@ fn with(config: &Config, setting: u8, value: Option<f32>) -> Result<Config, Refu
             limits: setting.limits,
         });
     }
-    let mut changed = config.clone();
-    (setting.set)(&mut changed, value);
-    changed.resolve()?;
-    Ok(changed)
-}
-
-/// The settings with other limits of motion.
-fn with_limits(config: &Config, limits: MotionLimits) -> Result<Config, Refusal> {
-    let mut changed = config.clone();
-    changed.motion = Some(limits);
-    changed.resolve()?;
-    Ok(changed)
+    (setting.set)(config, value);
+    Ok(())
 }

@@ -50,8 +50,9 @@ impl Simulated {
     /// # Errors
     /// What the loop says to the settings.
     pub(crate) fn new(axis: &AxisDraw, name: &str, start: u16) -> Result<Self, Error> {
-        let [coarse, fine] = UNITS;
-        Self::in_unit(axis, name, start, coarse).or_else(|_| Self::in_unit(axis, name, start, fine))
+        let [usual, larger] = UNITS;
+        Self::in_unit(axis, name, start, usual)
+            .or_else(|_| Self::in_unit(axis, name, start, larger))
     }
 
     fn in_unit(
