@@ -165,6 +165,7 @@ mod tests {
             |valve| assert_eq!(valve.drive(1.0), Err(PwmError::Direction(error()))),
         );
     }
+
     /// The pin may have taken the level and reported an error nevertheless.
     #[test]
     fn a_direction_that_is_not_known_is_set_again() {

@@ -1,15 +1,23 @@
 //! Both ends of a line.
 
 use proptest::prelude::*;
-use trendid_link::Frame;
 use trendid_link::telemetry::*;
+use trendid_link::{Frame, Receiver};
 
-pub(crate) fn station() -> Station {
-    let identity = Identity {
+fn identity() -> Identity {
+    Identity {
         sample_time: 1e-3,
         ..Identity::default()
-    };
-    Station::new(identity, 3, 1)
+    }
+}
+
+pub(crate) fn station() -> Station {
+    Station::new(identity(), 3, 1)
+}
+
+/// The station of the next start.
+pub(crate) fn restarted() -> Station {
+    Station::new(identity(), 4, 0)
 }
 
 pub(crate) fn sample(tick: u32) -> Sample {
@@ -27,6 +35,18 @@ pub(crate) fn push(station: &mut Station, bytes: &[u8]) -> Vec<Request> {
 
 pub(crate) fn sent(station: &mut Station) -> Vec<u8> {
     std::iter::from_fn(|| station.next_byte()).collect()
+}
+
+/// What a client has for the line at `now`.
+pub(crate) fn asked(client: &mut Client, now: u64) -> Vec<u8> {
+    std::iter::from_fn(|| client.next_byte(now)).collect()
+}
+
+/// The requests of the orders in these bytes.
+pub(crate) fn requests(bytes: &[u8]) -> Vec<Request> {
+    let mut receiver = Receiver::<Order>::new();
+    let orders = bytes.iter().filter_map(|&byte| receiver.push(byte));
+    orders.map(|order| order.request).collect()
 }
 
 pub(crate) fn heard(client: &mut Client, bytes: &[u8]) -> Vec<Content> {

@@ -2,7 +2,7 @@
 
 use trendid_link::telemetry::*;
 
-use super::ends::{heard, order, push, sample, sent, station};
+use super::ends::{asked, heard, order, push, requests, restarted, sample, sent, station};
 
 fn events(heard: Vec<Content>) -> Vec<Event> {
     let event = |content| match content {
@@ -25,8 +25,7 @@ fn of_too_many_events_the_newest_are_kept_and_the_others_are_counted() {
     let _ = sent(&mut station);
     let mut client = Client::new(1);
     client.ask(Request::Hello);
-    let bytes: Vec<u8> = std::iter::from_fn(|| client.next_byte(0)).collect();
-    assert!(push(&mut station, &bytes).is_empty());
+    assert!(push(&mut station, &asked(&mut client, 0)).is_empty());
     let mut told = Vec::new();
     for tick in 1..=20 {
         let _ = station.sample(sample(tick));
@@ -65,12 +64,8 @@ fn events_of_another_start_are_heard_however_many_the_start_before_had() {
     while client.next_byte(0).is_some() {}
     client.disconnect();
 
-    let identity = Identity {
-        sample_time: 1e-3,
-        ..Identity::default()
-    };
     // No sample of it is asked for.
-    let mut second = Station::new(identity, 4, 0);
+    let mut second = restarted();
     let fault = Event::Fault(text("panic"));
     second.event(fault.clone());
     let _ = second.sample(sample(1));
@@ -79,17 +74,17 @@ fn events_of_another_start_are_heard_however_many_the_start_before_had() {
 
     // Who was told of the fault acknowledges it, and nothing that was asked is too old for that.
     client.ask(Request::Acknowledge);
-    let mut asked = Vec::new();
+    let mut carried_out = Vec::new();
     for tick in 2..300 {
-        let bytes: Vec<u8> = std::iter::from_fn(|| client.next_byte(tick.into())).collect();
+        let bytes = asked(&mut client, tick.into());
         let _ = second.sample(sample(tick));
         for request in push(&mut second, &bytes) {
-            asked.push(request);
+            carried_out.push(request);
             second.answer(Outcome::Done);
         }
         let _ = heard(&mut client, &sent(&mut second));
     }
-    assert_eq!(asked, [Request::Acknowledge]);
+    assert_eq!(carried_out, [Request::Acknowledge]);
 }
 
 /// Many events before the client may send: their newest number says it for all.
@@ -102,14 +97,12 @@ fn events_that_come_together_are_acknowledged_by_one_order() {
     assert_eq!(events(heard(&mut client, &sent(&mut station))).len(), 5);
     let mut orders = Vec::new();
     for now in 0..10 {
-        let bytes: Vec<u8> = std::iter::from_fn(|| client.next_byte(now)).collect();
-        let mut receiver = trendid_link::Receiver::<Order>::new();
-        orders.extend(bytes.iter().filter_map(|&byte| receiver.push(byte)));
+        let bytes = asked(&mut client, now);
+        orders.extend(requests(&bytes));
         assert!(push(&mut station, &bytes).is_empty());
         let _ = heard(&mut client, &sent(&mut station));
     }
-    let requests: Vec<&Request> = orders.iter().map(|order| &order.request).collect();
-    assert_eq!(requests, [&Request::Heard(4)]);
+    assert_eq!(orders, [Request::Heard(4)]);
 }
 
 #[test]
@@ -127,20 +120,29 @@ fn a_number_that_no_event_has_yet_acknowledges_none() {
     assert_eq!([0, 1, 9, u32::MAX].map(told), [1, 2, 2, 2]);
 }
 
-/// A line that takes nothing for a while: what must arrive waits for its room, and no longer.
-#[test]
-fn what_found_no_room_is_sent_with_the_next_sample_that_has_it() {
+/// Values of a setting, more than the line has room for.
+const FLOOD: u32 = 200;
+
+/// A station whose line is full of a value.
+fn flooded() -> (Station, SettingValue) {
     let mut station = station();
     let value = SettingValue {
         setting: 3,
         value: None,
     };
-    for _ in 0..200 {
+    for _ in 0..FLOOD {
         station.setting(value);
     }
+    (station, value)
+}
+
+/// A line that takes nothing for a while: what must arrive waits for its room, and no longer.
+#[test]
+fn what_found_no_room_is_sent_with_the_next_sample_that_has_it() {
+    let (mut station, value) = flooded();
     station.event(Event::Overrun);
-    let asked = push(&mut station, &order(7, 0, Request::Commission));
-    assert_eq!(asked, [Request::Commission]);
+    let ordered = push(&mut station, &order(7, 0, Request::Commission));
+    assert_eq!(ordered, [Request::Commission]);
     station.answer(Outcome::Refused(Refusal::Latched));
     let before = heard(&mut Client::new(7), &sent(&mut station));
     let is_value = |content: &Content| *content == Content::Setting(value);
@@ -190,14 +192,7 @@ fn a_line_that_was_silent_for_too_long_is_an_event() {
 
 #[test]
 fn a_value_of_a_setting_that_finds_no_room_is_counted() {
-    let mut station = station();
-    let value = SettingValue {
-        setting: 3,
-        value: None,
-    };
-    for _ in 0..200 {
-        station.setting(value);
-    }
+    let (mut station, value) = flooded();
     let mut told = heard(&mut Client::new(1), &sent(&mut station));
     station.health(Health::default());
     told.extend(heard(&mut Client::new(1), &sent(&mut station)));
@@ -207,5 +202,5 @@ fn a_value_of_a_setting_that_finds_no_room_is_counted() {
         Content::Health(health) => Some(health.dropped),
         _ => None,
     });
-    assert_eq!(dropped, Some(200 - arrived as u32));
+    assert_eq!(dropped, Some(FLOOD - arrived as u32));
 }

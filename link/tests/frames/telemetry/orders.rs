@@ -3,19 +3,7 @@
 
 use trendid_link::telemetry::*;
 
-use super::ends::{heard, order, push, sample, sent, station};
-
-/// What the client has for the line at `now`.
-fn asked(client: &mut Client, now: u64) -> Vec<u8> {
-    std::iter::from_fn(|| client.next_byte(now)).collect()
-}
-
-/// Orders that the station gets of these bytes.
-fn requests(bytes: &[u8]) -> Vec<Request> {
-    let mut receiver = trendid_link::Receiver::<Order>::new();
-    let orders = bytes.iter().filter_map(|&byte| receiver.push(byte));
-    orders.map(|order| order.request).collect()
-}
+use super::ends::{asked, heard, order, push, requests, sample, sent, station};
 
 fn given_up(client: &mut Client) -> Vec<u32> {
     std::iter::from_fn(|| client.given_up()).collect()

@@ -2,7 +2,7 @@
 
 use trendid_link::telemetry::*;
 
-use super::ends::{heard, order, push, sample, sent, station};
+use super::ends::{asked, heard, order, push, restarted, sample, sent, station};
 
 /// What a station answers to the order `id`.
 fn answered(station: &mut Station, id: u32) -> Option<Outcome> {
@@ -78,17 +78,12 @@ fn events_of_another_start_are_acknowledged_at_once() {
         let _ = first.sample(sample(tick));
         let _ = heard(&mut client, &sent(&mut first));
     }
-    let identity = Identity {
-        sample_time: 1e-3,
-        ..Identity::default()
-    };
-    let mut second = Station::new(identity, 4, 0);
+    let mut second = restarted();
     second.event(Event::Fault(text("panic")));
     let mut events = 0;
     for tick in 1..=2000 {
         let _ = second.sample(sample(tick));
-        let asked: Vec<u8> = std::iter::from_fn(|| client.next_byte(tick.into())).collect();
-        assert!(push(&mut second, &asked).is_empty());
+        assert!(push(&mut second, &asked(&mut client, tick.into())).is_empty());
         let bytes = sent(&mut second);
         let told = heard(&mut Client::new(1), &bytes);
         events += told

@@ -2,7 +2,7 @@
 
 use trendid_link::telemetry::*;
 
-use super::ends::{heard, order, push, sample, sent, station};
+use super::ends::{asked, heard, order, push, sample, sent, station};
 use crate::dice::Dice;
 
 /// Both ends, and the orders whose answers arrived.
@@ -34,7 +34,7 @@ impl Ends {
         for now in times {
             let _ = self.station.sample(sample(now));
             let client = &mut self.client;
-            let bytes: Vec<u8> = std::iter::from_fn(|| client.next_byte(u64::from(now))).collect();
+            let bytes = asked(client, u64::from(now));
             for request in push(&mut self.station, &bytes) {
                 done.push((now, request));
                 self.station.answer(Outcome::Done);

@@ -80,11 +80,7 @@ fn settings_that_contradict_the_others_are_refused() {
 
 #[test]
 fn limits_of_motion_are_taken_and_refused_as_the_loop_takes_them() {
-    let travel = Travel {
-        min: 0.0,
-        max: 400.0,
-    };
-    let config = Config::new(1e-3, 20.0, travel);
+    let config = config();
     let limits = |velocity| Request::Limits {
         velocity,
         acceleration: 2e3,
