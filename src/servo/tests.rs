@@ -3,6 +3,7 @@
 mod awaited;
 mod beginning;
 pub(super) mod bench;
+mod built;
 mod missing;
 mod patterns;
 mod resumed;
