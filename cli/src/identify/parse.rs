@@ -47,6 +47,18 @@ pub(super) fn interval(text: &str) -> Result<f64, String> {
     }
 }
 
+/// `--order M` for clap; the structure says which ones there are.
+pub(super) fn order(text: &str) -> Result<usize, String> {
+    let order = text.parse();
+    order.map_err(|_| "expected a whole number from 1 to 4".into())
+}
+
+/// `--zeros K` for clap.
+pub(super) fn zeros(text: &str) -> Result<usize, String> {
+    let zeros = text.parse();
+    zeros.map_err(|_| "expected a whole number from 0 to 3".into())
+}
+
 /// `--delay D|auto` for clap.
 pub(crate) fn delay(text: &str) -> Result<Choice<usize>, String> {
     match (text, text.parse::<usize>()) {

@@ -59,6 +59,25 @@ fn a_cell_that_is_too_large() {
 }
 
 #[test]
+fn orders_and_zeros_that_are_no_whole_numbers() {
+    for (values, expected) in [
+        (
+            ["--order", "two", "--zeros", "0"],
+            "'--order <M>': expected a whole number from 1 to 4",
+        ),
+        (
+            ["--order", "2", "--zeros", "0.5"],
+            "'--zeros <K>': expected a whole number from 0 to 3",
+        ),
+    ] {
+        let out = trendid(&[&["identify", "x.csv"], &values[..]].concat());
+        let said = String::from_utf8(out.stderr).unwrap();
+        assert_eq!(out.status.code(), Some(2), "{said}");
+        assert!(said.contains(expected), "{said}");
+    }
+}
+
+#[test]
 fn structures_of_which_none_holds() {
     // Two noises that have nothing to do with each other.
     let mut state = 1_u32;
