@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Dyn, FullPivLU};
 
 /// A matrix ready to solve, with rows and columns brought to size one.
-pub(super) struct Factored {
+pub(crate) struct Factored {
     rows: Vec<f64>,
     columns: Vec<f64>,
     lu: FullPivLU<f64, Dyn, Dyn>,
@@ -11,7 +11,7 @@ pub(super) struct Factored {
 
 impl Factored {
     /// `None` where a row or a column is empty or not finite.
-    pub(super) fn new(matrix: &DMatrix<f64>) -> Option<Self> {
+    pub(crate) fn new(matrix: &DMatrix<f64>) -> Option<Self> {
         let (rows, columns) = sizes(matrix)?;
         let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| {
             matrix[(i, j)] / (rows[i] * columns[j])
@@ -24,14 +24,14 @@ impl Factored {
     }
 
     /// `M^-1 s`; `None` where M is singular.
-    pub(super) fn solve(&self, s: &DVector<f64>) -> Option<DVector<f64>> {
+    pub(crate) fn solve(&self, s: &DVector<f64>) -> Option<DVector<f64>> {
         let s = DVector::from_fn(s.len(), |i, _| s[i] / self.rows[i]);
         let found = self.lu.solve(&s)?;
         Some(DVector::from_fn(s.len(), |j, _| found[j] / self.columns[j]))
     }
 
     /// `M^-1 G`; `None` where M is singular.
-    pub(super) fn solve_columns(&self, matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    pub(crate) fn solve_columns(&self, matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let columns: Option<Vec<DVector<f64>>> = matrix
             .column_iter()
             .map(|column| self.solve(&column.into_owned()))

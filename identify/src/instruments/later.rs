@@ -79,7 +79,7 @@ const TIME_CONSTANTS: f64 = 3.0;
 const FEW: f64 = 10.0;
 
 /// The reach of a delay, by the fastest pole of a model.
-pub(super) fn reach(problem: &Problem, model: &Polynomials) -> f64 {
+pub(crate) fn reach(problem: &Problem, model: &Polynomials) -> f64 {
     let poles = model.poles(usize::from(problem.structure.integrator));
     let rates = poles.iter().flatten();
     let rates = rates.map(|(re, im)| re.hypot(*im) * problem.signals.dt);

@@ -19,19 +19,20 @@
 //! All trends are the core's; the sums are in f64. Cost: (r + p) (p + 1) multiplications per sample
 //! and pass for r twice filtered rows and p regressors, two or three passes.
 
+pub(crate) mod autoregression;
 mod auxiliary;
-mod every_delay;
-mod factored;
+pub(crate) mod every_delay;
+pub(crate) mod factored;
 mod free_delay;
 mod lanes;
-mod later;
+pub(crate) mod later;
 mod layout;
 mod numerators;
 mod output_noise;
 mod pass;
 mod rounding;
 mod solve;
-mod spread;
+pub(crate) mod spread;
 mod sums;
 mod within;
 
@@ -44,7 +45,6 @@ use crate::problem::Problem;
 use crate::tuning::FASTEST;
 
 use auxiliary::near;
-pub(crate) use every_delay::likely_delays;
 pub use later::DelayFound;
 use layout::Setting;
 use rounding::rounding_of_delay;

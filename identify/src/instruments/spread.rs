@@ -15,16 +15,16 @@ const TAKEN: f64 = 3.0;
 const MOST: f64 = 0.8;
 
 /// The equations of a block at the parameters of the whole record.
-pub(super) struct Score {
+pub(crate) struct Score {
     /// Matrix of the block.
-    pub(super) matrix: DMatrix<f64>,
+    pub(crate) matrix: DMatrix<f64>,
     /// What is left of its right-hand side.
-    pub(super) left: DVector<f64>,
+    pub(crate) left: DVector<f64>,
 }
 
 /// Covariance of all columns, and independent blocks of equal variance that spread as these: the
 /// fewest of the first `parameters` columns.
-pub(super) fn spread(
+pub(crate) fn spread(
     factored: &Factored,
     scores: &[Score],
     parameters: usize,
@@ -97,7 +97,7 @@ fn evenly(squares: &[f64]) -> f64 {
 ///
 /// Known as: the Marchenko-Pastur edge. Ratios of the covariance of B samples in n directions to
 /// the true one lie up to `(1 + sqrt(n/B))^2` by chance.
-pub(super) fn larger(
+pub(crate) fn larger(
     one: &DMatrix<f64>,
     blocks: f64,
     other: &DMatrix<f64>,
