@@ -30,7 +30,7 @@ pub fn signs(problem: &Problem, estimate: &Estimate, delay: f64) -> Option<Vec<f
     }
     let b = |c: usize| (c != place).then(|| estimate.b[c][0]);
     let force = Force::of(problem, b, delay);
-    let motion = force.motion(problem, estimate.constant, [damping, friction]);
+    let motion = force.motion(problem, 0.0, estimate.constant, [damping, friction]);
     Some(motion.map(|interval| interval.w).collect())
 }
 
@@ -81,15 +81,16 @@ impl Force {
         all.fold(0.0, |m, force| m.max(force.abs()))
     }
 
-    /// The sample intervals of a motion from rest on, under a constant force more; nothing moves
-    /// where a rest is measured.
+    /// The sample intervals of a motion from a velocity on, under a constant force more; nothing
+    /// moves where a rest is measured.
     pub(crate) fn motion(
         &self,
         problem: &Problem,
+        mut v: f64,
         constant: f64,
         balance: [f64; 2],
     ) -> impl Iterator<Item = Interval> {
-        let (signals, mut v) = (problem.signals, 0.0);
+        let signals = problem.signals;
         let [before, behind] = &self.values;
         let pairs = before.iter().zip(behind).enumerate();
         pairs.map(move |(k, (before, behind))| {

@@ -45,7 +45,7 @@ struct Motor {
 }
 
 impl Motor {
-    fn of(seed: u64, noise: f64) -> Self {
+    fn of(seed: u64, noise: f64, delay: Choice<usize>) -> Self {
         let mut draw = Uniform::of(seed);
         let drive = [Drive::Levels, Drive::Sines, Drive::Loop, Drive::Slow][(seed % 4) as usize];
         let dt = draw.between(0.5e-3, 5e-3);
@@ -56,7 +56,11 @@ impl Motor {
         } else {
             0.05 * b * draw.either_side()
         };
-        let delay = 6.0 * draw.next();
+        let drawn = 6.0 * draw.next();
+        let delay = match delay {
+            Choice::Auto => drawn,
+            Choice::Given(delay) => delay as f64,
+        };
         let mut motor = Self {
             drive,
             dt,
@@ -74,7 +78,7 @@ impl Motor {
     }
 
     fn simulate(&mut self, draw: &mut Uniform) {
-        let [a, b, friction, offset] = self.truth;
+        let [_, b, _, offset] = self.truth;
         let (dt, h) = (self.dt, self.dt / STEPS as f64);
         let hold = (draw.between(0.03, 0.5) / dt) as usize + 1;
         let phases: Vec<f64> = (0..10)
@@ -122,17 +126,34 @@ impl Motor {
                 } else {
                     self.u[sample as usize]
                 };
-                let force = b * u + offset;
-                let drives = force - a * v;
-                let next = match v {
-                    0.0 if force.abs() <= -friction => continue,
-                    0.0 => h * (drives + friction * force.signum()),
-                    _ => v + h * (drives + friction * v.signum()),
-                };
-                let next = if v * next < 0.0 { 0.0 } else { next };
-                y += 0.5 * h * (v + next);
-                v = next;
+                self.moved([&mut y, &mut v], b * u + offset, h);
             }
+        }
+    }
+
+    /// Place and velocity under a constant force for a while, in closed form: an error of the
+    /// simulation would be larger than that of an identification where there is little noise.
+    fn moved(&self, [y, v]: [&mut f64; 2], force: f64, mut left: f64) {
+        let [a, _, friction, _] = self.truth;
+        while left > 0.0 {
+            let sign = match *v {
+                0.0 if force.abs() <= -friction => return,
+                0.0 => force.signum(),
+                v => v.signum(),
+            };
+            let end = (force + friction * sign) / a;
+            let stop = match *v * end < 0.0 {
+                true => (-*v / end).ln_1p() / a,
+                false => f64::INFINITY,
+            };
+            let t = left.min(stop);
+            let decay = (-a * t).exp();
+            *y += end * t + (*v - end) * (1.0 - decay) / a;
+            *v = match t < stop {
+                true => end + (*v - end) * decay,
+                false => 0.0,
+            };
+            left -= t;
         }
     }
 
@@ -174,30 +195,70 @@ impl Motor {
     }
 }
 
+/// What is found in records.
+#[derive(Debug, Default)]
+struct Population {
+    /// Errors in standard deviations.
+    all: Vec<f64>,
+    /// Records with one beyond three.
+    beyond: u64,
+    /// With b within a tenth.
+    near: u64,
+    refused: u64,
+}
+
+impl Population {
+    /// Of motors with these seeds; their delay is that of the record where it is given.
+    fn of(seeds: impl Iterator<Item = u64>, noise: f64, delay: Choice<usize>) -> Self {
+        let mut population = Self::default();
+        for seed in seeds {
+            let motor = Motor::of(seed, noise, delay);
+            let Some(found) = motor.identified(delay) else {
+                population.refused += 1;
+                println!("{seed}, {:?}: refused", motor.drive);
+                continue;
+            };
+            let (z, error) = motor.errors(&found);
+            population.near += u64::from(error < 0.1);
+            if !z.iter().all(|z| z.abs() < 3.0) {
+                population.beyond += 1;
+                println!(
+                    "{seed}, {:?}: {:?}, {:?}, {z:.1?}",
+                    motor.drive, found.friction, found.way
+                );
+            }
+            population.all.extend(z);
+        }
+        let within = population.all.iter().filter(|z| z.abs() < 3.0).count();
+        println!(
+            "{} records beyond three deviations, {} with b within a tenth, {} refused; {:.1} % of {} numbers within three",
+            population.beyond,
+            population.near,
+            population.refused,
+            100.0 * within as f64 / population.all.len() as f64,
+            population.all.len()
+        );
+        population
+    }
+}
+
 #[test]
 #[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
 fn friction_and_a_delay_are_found_and_their_deviations_hold() {
     const RECORDS: u64 = 40;
-    let (mut all, mut beyond, mut near, mut refused) = (Vec::new(), 0, 0, 0);
-    for seed in FIRST_SEED..FIRST_SEED + RECORDS {
-        let motor = Motor::of(seed, 1e-3);
-        let Some(found) = motor.identified(Choice::Auto) else {
-            refused += 1;
-            continue;
-        };
-        let (z, error) = motor.errors(&found);
-        near += u64::from(error < 0.1);
-        if !z.iter().all(|z| z.abs() < 3.0) {
-            beyond += 1;
-            println!("{seed}, {:?}: {:?}, {z:.1?}", motor.drive, found.friction);
-        }
-        all.extend(z);
-    }
-    let within = all.iter().filter(|z| z.abs() < 3.0).count();
-    println!(
-        "of {RECORDS} records {beyond} beyond three deviations, {near} with b within a tenth, {refused} refused; {:.1} % of {} numbers within three",
-        100.0 * within as f64 / all.len() as f64,
-        all.len()
-    );
-    assert!(20 * beyond <= RECORDS && 10 * near >= 9 * RECORDS && 20 * refused <= RECORDS);
+    let seeds = FIRST_SEED..FIRST_SEED + RECORDS;
+    let found = Population::of(seeds, 1e-3, Choice::Auto);
+    assert!(20 * found.beyond <= RECORDS && 20 * found.refused <= RECORDS);
+    assert!(10 * found.near >= 9 * RECORDS);
+}
+
+/// Short motions, behind whose noise no measured sign is of use: the simulation of the motion alone
+/// tells gain and friction.
+#[test]
+#[cfg_attr(not(feature = "thorough"), ignore = "seconds: cargo xtask host")]
+fn a_gain_is_found_behind_much_noise_in_a_loop() {
+    const RECORDS: u64 = 20;
+    let seeds = (FIRST_SEED..).filter(|seed| seed % 4 == 2);
+    let found = Population::of(seeds.take(RECORDS as usize), 1e-2, Choice::Auto);
+    assert!(4 * found.near >= 3 * RECORDS && 10 * found.refused <= RECORDS);
 }

@@ -93,6 +93,7 @@ fn describe(values: &Bound<'_, PyDict>, found: &Identification) -> PyResult<()> 
     let py = values.py();
     let way = match found.way {
         Way::Instruments => "instruments",
+        Way::OutputError => "output error",
         Way::WeakInstruments => "least squares",
         Way::Recursion => "recursion",
     };

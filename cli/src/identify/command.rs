@@ -26,7 +26,8 @@ integrator. Parameters are found by instruments, the inputs filtered twice, whic
 noise of the output biases; least squares stands beside them. A delay that is searched
 is an unknown, also between samples; its deviation is in those of the parameters. The
 friction of --order 2 --integrator --coulomb turns and rests with the velocity of the
-model where that simulates better. Standard deviations come
+model where that simulates better, and where its motion leaves noise alone, the model
+is that whose motion leaves least: output error. Standard deviations come
 from sixteen blocks of the record and from the noise that the simulation leaves, and
 take no noise for white. An input of one step, or of one sine where gain and phase are
 all that is unknown, is said in the verdict and as `poor_input` of --json (`one step`,

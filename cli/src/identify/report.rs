@@ -54,6 +54,7 @@ impl Report<'_> {
         text += &self.equations();
         let way = match self.found.way {
             Way::Instruments => "instruments",
+            Way::OutputError => "output error",
             Way::WeakInstruments => "least squares (instruments are weak)",
             Way::Recursion => "value +- standard deviation",
         };

@@ -73,6 +73,7 @@ impl Report<'_> {
     fn method(&self) -> &'static str {
         match self.found.way {
             Way::Instruments => "instruments",
+            Way::OutputError => "output error",
             Way::WeakInstruments => "least squares",
             Way::Recursion => "recursion",
         }

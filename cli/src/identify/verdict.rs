@@ -167,7 +167,7 @@ impl Report<'_> {
             Way::Recursion => remarks.push(
                 "by the recursion alone: noise of the output may bias it, and its standard deviations take the noise for white",
             ),
-            Way::Instruments => {}
+            Way::Instruments | Way::OutputError => {}
         }
         remarks
     }

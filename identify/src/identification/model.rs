@@ -17,6 +17,8 @@ pub enum Way {
     Instruments,
     /// By least squares over the sums, because the instruments were weak.
     WeakInstruments,
+    /// By the output error of its motion: with a friction that is its own.
+    OutputError,
     /// By the recursion of the core: with a memory, raw trends or the scheme of Goodwin, and for
     /// what is not stable.
     Recursion,

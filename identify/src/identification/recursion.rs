@@ -106,12 +106,16 @@ pub(super) fn recursion(
 
 /// What the recursion cannot tell apart, behind the middle one of all filters.
 pub(super) fn inseparable(problem: &Problem, delay: usize) -> Option<Error> {
+    let run = problem.run(middle(problem, delay as f64), None).ok()?;
+    problem.check(&run.end).err()
+}
+
+/// The middle one of all filters.
+pub(super) fn middle(problem: &Problem, delay: f64) -> Tuning {
     let poles = filter_choice::poles(problem.samples(), problem.signals.dt);
-    let tuning = Tuning {
+    Tuning {
         pole: poles.get(poles.len() / 2).copied(),
         model: None,
-        delay: delay as f64,
-    };
-    let run = problem.run(tuning, None).ok()?;
-    problem.check(&run.end).err()
+        delay,
+    }
 }

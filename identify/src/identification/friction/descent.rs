@@ -2,29 +2,34 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Differences of ln phi, ln a, c/phi and d that give derivatives.
-const DIFFERENCES: [f64; 4] = [1e-3, 1e-3, 1e-3, 0.02];
+/// What the steps lead along: ln phi, ln a, c/phi, d, and the velocity at the start over what the
+/// largest command makes of it in a sample.
+pub(super) const AXES: usize = 5;
 
-/// A step at most, in the same units: the motion is linear over no more.
-const FARTHEST: [f64; 4] = [0.5, 0.7, 0.3, 1.0];
+/// Differences that give derivatives.
+const DIFFERENCES: [f64; AXES] = [1e-3, 1e-3, 1e-3, 0.02, 0.1];
 
-/// Steps at most, and the share of the squares that a step has to take away.
+/// A step at most, in the same units: the motion is linear over no more. It is so in the velocity
+/// where that does not reverse.
+const FARTHEST: [f64; AXES] = [0.5, 0.7, 0.3, 1.0, f64::INFINITY];
+
+/// Steps at most.
 const STEPS: usize = 40;
-const WORTH: f64 = 1e-4;
 
 /// Weight of Marquardt's term to begin with, and its factor behind a step that was none.
 const MARQUARDT: f64 = 1e-3;
 const STIFFER: f64 = 10.0;
 
 /// Where the steps lead along the free axes, and the squares that are left there of `rest`;
-/// `within` brings a place back to what is possible.
+/// `within` brings a place back to what is possible, a step has to take away a share of `worth`.
 pub(super) fn descended(
-    mut at: [f64; 4],
-    free: [bool; 4],
-    within: impl Fn([f64; 4]) -> [f64; 4],
-    rest: impl Fn([f64; 4]) -> DVector<f64>,
-) -> ([f64; 4], f64) {
-    let axes: Vec<usize> = (0..4).filter(|axis| free[*axis]).collect();
+    mut at: [f64; AXES],
+    free: [bool; AXES],
+    worth: f64,
+    within: impl Fn([f64; AXES]) -> [f64; AXES],
+    rest: impl Fn([f64; AXES]) -> DVector<f64>,
+) -> ([f64; AXES], f64) {
+    let axes: Vec<usize> = (0..AXES).filter(|axis| free[*axis]).collect();
     let mut here = rest(at);
     let mut stiffness = MARQUARDT;
     for _ in 0..STEPS {
@@ -52,7 +57,7 @@ pub(super) fn descended(
             let there = within(there);
             let found = rest(there);
             if found.norm_squared() < left {
-                done = found.norm_squared() > (1.0 - WORTH) * left;
+                done = found.norm_squared() > (1.0 - worth) * left;
                 (at, here) = (there, found);
                 stiffness = (stiffness / STIFFER).max(f64::EPSILON);
                 break;
@@ -72,26 +77,32 @@ mod tests {
     use super::*;
 
     /// The valley of Rosenbrock along two of the axes.
-    fn valley([x, _, y, _]: [f64; 4]) -> DVector<f64> {
+    fn valley([x, _, y, ..]: [f64; AXES]) -> DVector<f64> {
         DVector::from_vec(vec![1.0 - x, 10.0 * (y - x * x)])
     }
 
     #[test]
     fn a_bent_valley_is_followed_to_its_end() {
-        let free = [true, false, true, false];
-        let (at, left) = descended([-1.2, 5.0, 1.0, 7.0], free, |at| at, valley);
+        let free = [true, false, true, false, false];
+        let (at, left) = descended([-1.2, 5.0, 1.0, 7.0, 3.0], free, 1e-4, |at| at, valley);
         assert!(left < 1e-6, "{left}");
         assert!((at[0] - 1.0).abs() < 1e-2 && (at[2] - 1.0).abs() < 1e-2);
-        assert_eq!([at[1], at[3]], [5.0, 7.0]);
+        assert_eq!([at[1], at[3], at[4]], [5.0, 7.0, 3.0]);
     }
 
     #[test]
     fn no_step_leaves_what_is_possible() {
-        let within = |mut at: [f64; 4]| {
+        let within = |mut at: [f64; AXES]| {
             at[0] = at[0].min(0.5);
             at
         };
-        let (at, _) = descended([0.0; 4], [true, false, true, false], within, valley);
+        let (at, _) = descended(
+            [0.0; AXES],
+            [true, false, true, false, false],
+            1e-4,
+            within,
+            valley,
+        );
         assert!(
             at[0] <= 0.5 && (at[2] - at[0] * at[0]).abs() < 1e-2,
             "{at:?}"

@@ -1,6 +1,8 @@
 //! The friction of a force balance as its own model has it, where that simulates the record better.
 
+mod containment;
 mod descent;
+mod output_error;
 mod settle;
 mod start;
 
@@ -13,6 +15,7 @@ use crate::held_friction::coulomb;
 use crate::polynomials::Polynomials;
 use crate::problem::Problem;
 use crate::search::Freedom;
+use output_error::MostLikely;
 use settle::{next, settle, with_signs_of};
 use start::{Start, Trial};
 
@@ -23,12 +26,13 @@ const REPETITIONS: usize = 4;
 /// the best so far leaves.
 const BETTER: f64 = 0.9;
 
-/// The model whose friction is its own, with the measured rests and without, where one of the two
-/// simulates better than that with measured signs: the whole record and the half held out, with the
-/// initial state refitted and with the constant refitted too.
+/// The most likely model with a friction of its own, where it leaves noise alone of the record:
+/// there no other one is better. Elsewhere what is left is an error of the structure, and the model
+/// is that by instruments.
 ///
 /// # Errors
-/// Those with measured signs, where no friction is found by trying either.
+/// Those with measured signs, where no friction is found by trying either; parameters that the
+/// motion does not tell apart.
 pub(super) fn held(
     problem: &Problem,
     freedom: Freedom,
@@ -51,49 +55,40 @@ pub(super) fn held(
         signals: &signals,
         ..*problem
     };
-    let rests = problem.signals.standstill.is_some();
-    let mut best = measured.map(|found| Candidate {
-        errors: whole(problem, &found),
-        found,
-    });
-    if let Ok(best) = &mut best {
-        let found = search.held_in(problem, &best.found, Friction::Held);
-        best.replaced_by(found);
-        if rests {
-            let found = search.held_in(&throughout, &best.found, Friction::HeldAtRest);
-            best.replaced_by(found);
-        }
-    }
-    let friction = match rests {
-        true => Friction::HeldAtRest,
-        false => Friction::Held,
-    };
+    let best = measured.map(|found| search.by_instruments(problem, &throughout, found));
     let trial = Trial::of(&throughout);
-    let start = trial
-        .as_ref()
-        .and_then(|trial| Some((trial, trial.best(freedom)?)));
-    if let Some((trial, start)) = &start {
-        let so_far = best.as_ref().ok().map(|best| &best.found);
-        let left = so_far.map(|found| trial.left_by(&found.estimate, found.delay));
-        let promises = left.is_none_or(|left| start.left < BETTER * left);
-        let tried = match promises {
-            true => search.going_on(&throughout, start, friction),
-            false => None,
-        };
-        match (&mut best, tried) {
-            (Ok(best), tried) => best.replaced_by(tried),
-            (Err(_), Some(tried)) => best = Ok(tried),
-            (Err(_), None) => {}
-        }
+    let start = (trial.as_ref()).and_then(|trial| Some((trial, trial.best(freedom)?)));
+    let Some((trial, start)) = start else {
+        return Ok(finished(best?));
+    };
+    let friction = match problem.signals.standstill {
+        Some(_) => Friction::HeldAtRest,
+        None => Friction::Held,
+    };
+    let likely = MostLikely {
+        trial,
+        start: &start,
+        friction,
+        freedom,
+        trace_points,
+    };
+    let so_far = best.as_ref().ok().map(|best| &best.found);
+    if let Some(likely) = likely.identified(so_far) {
+        throughout.check_centred(&likely.estimate)?;
+        return Ok(likely);
     }
-    let mut best = best?.found;
+    let mut best = finished(search.with_trial(&throughout, (trial, &start), best, friction)?);
+    start.contained_in(trial, &mut best);
+    Ok(best)
+}
+
+/// A model of measured signs without what these feign.
+fn finished(best: Candidate) -> Identification {
+    let mut best = best.found;
     if best.friction == Friction::Measured {
         forget_early_command(&mut best);
     }
-    if let Some((trial, start)) = &start {
-        start.contained_in(trial, &mut best);
-    }
-    Ok(best)
+    best
 }
 
 /// Behind measured signs, which are late, the command seems early.
@@ -153,6 +148,51 @@ struct Search {
 }
 
 impl Search {
+    /// The model whose friction is its own, with the measured rests and without, where one of the
+    /// two simulates better than that with measured signs: the whole record and the half held out,
+    /// with the initial state refitted and with the constant refitted too.
+    fn by_instruments(
+        &self,
+        problem: &Problem,
+        throughout: &Problem,
+        measured: Identification,
+    ) -> Candidate {
+        let mut best = Candidate {
+            errors: whole(problem, &measured),
+            found: measured,
+        };
+        best.replaced_by(self.held_in(problem, &best.found, Friction::Held));
+        if problem.signals.standstill.is_some() {
+            best.replaced_by(self.held_in(throughout, &best.found, Friction::HeldAtRest));
+        }
+        best
+    }
+
+    /// The same from a friction on that is found by trying, where that promises more.
+    fn with_trial(
+        &self,
+        problem: &Problem,
+        (trial, start): (&Trial, &Start),
+        best: Result<Candidate, Error>,
+        friction: Friction,
+    ) -> Result<Candidate, Error> {
+        let so_far = best.as_ref().ok().map(|best| &best.found);
+        let left = so_far.map(|found| trial.left_by(&found.estimate, found.delay));
+        let promises = left.is_none_or(|left| start.left < BETTER * left);
+        let tried = match promises {
+            true => self.going_on(problem, start, friction),
+            false => None,
+        };
+        match (best, tried) {
+            (Ok(mut best), tried) => {
+                best.replaced_by(tried);
+                Ok(best)
+            }
+            (Err(_), Some(tried)) => Ok(tried),
+            (Err(error), None) => Err(error),
+        }
+    }
+
     /// From an identification on.
     fn held_in(
         &self,

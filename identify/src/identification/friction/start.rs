@@ -5,27 +5,30 @@
 //! y = y_0 + b p      p'' = u(t - d h) + c - a p' - phi w(p')      phi = F/|b|
 //! ```
 //!
-//! Four numbers (phi, a, c, d) bend the motion, the gain b and a level y_0 of each part of the
-//! record are linear and eliminated (variable projection: Golub and Pereyra, SIAM J. Numer. Anal.
-//! 10 (1973)). From the best damping to each phi of a grid Levenberg's and Marquardt's steps lead
-//! on. No velocity is measured, and no filter chosen.
+//! Four numbers (phi, a, c, d) bend the motion and so does p'(0), which a record that begins in
+//! motion has; the gain b and a level y_0 of each part of the record are linear and eliminated
+//! (variable projection: Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973)). From the best damping
+//! to each phi of a grid Levenberg's and Marquardt's steps lead on. No velocity is measured, and no
+//! filter chosen.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::descent::descended;
+use super::descent::{AXES, descended};
 use crate::estimate::Estimate;
-use crate::held_friction::{Force, coulomb};
-use crate::identification::model::Identification;
+use crate::held_friction::{Force, Interval, coulomb};
 use crate::problem::Problem;
 use crate::search::{Choice, Freedom};
 use crate::side_by_side::side_by_side;
 
+/// Share of the squares that a step has to take away in the search.
+const WORTH: f64 = 1e-4;
+
+/// The same in the end, in mean squares: a standard deviation of one parameter leaves one more.
+const WORTH_IN_THE_END: f64 = 0.01;
+
 /// Parts of the record with a level of their own, over which an offset that is slightly wrong does
 /// not add up.
-const PARTS: usize = 16;
-
-/// Standard deviations by which two estimates may differ by chance.
-const CHANCE: f64 = 2.0;
+pub(super) const PARTS: usize = 16;
 
 /// Friction as a share of the largest command: halved so many times.
 const FRICTIONS: i32 = 8;
@@ -39,9 +42,9 @@ const LATER: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 
 /// What bends the motion.
 #[derive(Debug, Clone, Copy)]
-struct Bend {
-    /// ln phi, ln a, c/phi, d.
-    at: [f64; 4],
+pub(super) struct Bend {
+    /// ln phi, ln a, c/phi, d, and the velocity at the start over that of a sample.
+    at: [f64; AXES],
 }
 
 impl Bend {
@@ -61,49 +64,26 @@ struct Beside {
 
 /// A record that is simulated with many frictions.
 pub(super) struct Trial<'a> {
-    problem: &'a Problem<'a>,
-    place: usize,
+    pub(super) problem: &'a Problem<'a>,
+    pub(super) place: usize,
     /// The output without its levels.
     output: DVector<f64>,
+    /// What the largest command makes of the velocity in a sample, over b.
+    pub(super) fastest: f64,
 }
 
 /// A friction to begin with.
 pub(super) struct Start {
+    pub(super) bend: Bend,
     /// Without deviations.
     pub(super) estimate: Estimate,
     pub(super) delay: f64,
+    /// Velocity at the start.
+    pub(super) velocity: f64,
     /// Squares that it leaves of the output.
     pub(super) left: f64,
     /// Whether they are noise and no error of a model, which goes on from sample to sample.
     pub(super) white: bool,
-}
-
-impl Start {
-    /// Lets the standard deviations of a model contain how far away this one is, which simulates
-    /// better, where that is more than chance: the most likely one, where it leaves noise alone,
-    /// and one with another delay, which the equations are linear in over a sample.
-    pub(super) fn contained_in(&self, trial: &Trial, found: &mut Identification) {
-        let better = self.left < trial.left_by(&found.estimate, found.delay);
-        if !(better && (self.white || found.delay_sigma().is_some())) {
-            return;
-        }
-        let of = &found.estimate;
-        let moves = self.estimate.moves_from(of);
-        let later = self.delay - found.delay;
-        let beyond = |moved: f64, sigma: f64| !(moved.abs() <= CHANCE * sigma);
-        let parameters = moves.iter().zip(&of.sigma);
-        let far = parameters.into_iter().any(|(m, sigma)| beyond(*m, *sigma));
-        let late = found
-            .delay_sigma()
-            .is_some_and(|sigma| beyond(later, sigma));
-        if !(far || late) {
-            return;
-        }
-        if let Some(delay) = &mut found.delay_found {
-            delay.widen(later, &moves);
-        }
-        found.estimate = trial.problem.widened(&found.estimate, &[moves]);
-    }
 }
 
 impl<'a> Trial<'a> {
@@ -117,15 +97,23 @@ impl<'a> Trial<'a> {
             problem,
             place,
             output: levelled(problem.signals.output.to_vec()),
+            fastest: Force::of(problem, |c| (c != place).then_some(1.0), 0.0).largest()
+                * problem.signals.dt,
         })
     }
 
-    /// What a model leaves of the record; everything where it has no friction.
+    /// What a model leaves of the record from rest on; everything where it has no friction.
     pub(super) fn left_by(&self, estimate: &Estimate, delay: f64) -> f64 {
+        let bend = self.bend(estimate, delay);
+        bend.map_or(f64::INFINITY, |bend| self.rest(bend).norm_squared())
+    }
+
+    /// What bends the motion of a model from rest on; `None` where it has no friction.
+    pub(super) fn bend(&self, estimate: &Estimate, delay: f64) -> Option<Bend> {
         let (damping, friction) = (estimate.a[1], -estimate.b[self.place][0]);
         let gain = estimate.b[1 - self.place][0];
         if !(damping > 0.0 && friction > 0.0 && gain != 0.0) {
-            return f64::INFINITY;
+            return None;
         }
         let phi = friction / gain.abs();
         let at = [
@@ -133,8 +121,33 @@ impl<'a> Trial<'a> {
             damping.ln(),
             estimate.constant / gain / phi,
             delay,
+            0.0,
         ];
-        self.rest(Bend { at }).norm_squared()
+        Some(Bend { at })
+    }
+
+    /// What a model leaves of the record; `None` where it has no friction or no damping.
+    pub(super) fn rest_of(&self, theta: &[f64], delay: f64, velocity: f64) -> Option<DVector<f64>> {
+        let model = self.problem.polynomials(theta);
+        let (damping, friction) = (model.a[1], -model.b[self.place][0]);
+        if !(damping > 0.0 && friction > 0.0) {
+            return None;
+        }
+        let force = Force::of(
+            self.problem,
+            |c| (c != self.place).then(|| model.b[c][0]),
+            delay,
+        );
+        let motion = force.motion(self.problem, velocity, model.constant, [damping, friction]);
+        Some(&self.output - levelled(places(motion)))
+    }
+
+    /// The one that leaves least of the record among those that the steps lead to from others.
+    pub(super) fn likeliest(&self, from: &[Bend], freedom: Freedom) -> Option<Start> {
+        let worth = WORTH_IN_THE_END / self.output.len() as f64;
+        let refined = side_by_side(from, |bend| self.refined(*bend, freedom, worth));
+        let (bend, _) = refined.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        self.start(bend)
     }
 
     /// The friction that leaves least of the record.
@@ -150,7 +163,7 @@ impl<'a> Trial<'a> {
         let grid: Vec<Vec<Bend>> = (1..=FRICTIONS)
             .map(|i| {
                 let phi: f64 = largest * 0.5_f64.powi(i);
-                let at = |j| [phi.ln(), (slowest * DAMPINGS.powi(j)).ln(), 0.0, delay];
+                let at = |j| [phi.ln(), (slowest * DAMPINGS.powi(j)).ln(), 0.0, delay, 0.0];
                 (0..=dampings).map(|j| Bend { at: at(j) }).collect()
             })
             .collect();
@@ -159,7 +172,7 @@ impl<'a> Trial<'a> {
                 .iter()
                 .map(|bend| (self.beside(&force, *bend).rest.norm_squared(), *bend));
             let (_, bend) = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
-            Some(self.refined(bend, freedom))
+            Some(self.refined(bend, freedom, WORTH))
         };
         let refined = side_by_side(&grid, best);
         let least = |a: &(Bend, f64), b: &(Bend, f64)| a.1.total_cmp(&b.1);
@@ -168,31 +181,32 @@ impl<'a> Trial<'a> {
             Choice::Given(_) => Vec::new(),
             Choice::Auto => LATER.map(|later| best.0.later_by(later)).to_vec(),
         };
-        let refined = side_by_side(&later, |bend| self.refined(*bend, freedom));
+        let refined = side_by_side(&later, |bend| self.refined(*bend, freedom, WORTH));
         let (bend, _) = refined.into_iter().chain([best]).min_by(least)?;
         self.start(bend)
     }
 
     /// Where Levenberg's and Marquardt's steps lead, and what is left there.
-    fn refined(&self, bend: Bend, freedom: Freedom) -> (Bend, f64) {
+    fn refined(&self, bend: Bend, freedom: Freedom, worth: f64) -> (Bend, f64) {
         let axes = [
             true,
             true,
             self.problem.structure.constant,
             freedom.delay == Choice::Auto,
+            true,
         ];
         let [slowest, fastest] = self.dampings().map(f64::ln);
-        let within = |mut at: [f64; 4]| {
+        let within = |mut at: [f64; AXES]| {
             at[1] = at[1].clamp(slowest, fastest);
             at[3] = at[3].max(0.0);
             at
         };
-        let (at, left) = descended(bend.at, axes, within, |at| self.rest(Bend { at }));
+        let (at, left) = descended(bend.at, axes, worth, within, |at| self.rest(Bend { at }));
         (Bend { at }, left)
     }
 
     fn start(&self, bend: Bend) -> Option<Start> {
-        let [phi, a, c, delay] = bend.at;
+        let [phi, a, c, delay, velocity] = bend.at;
         let Beside { gain, rest } = self.beside(&self.force(delay), bend);
         if !(gain != 0.0 && gain.is_finite()) {
             return None;
@@ -206,8 +220,10 @@ impl<'a> Trial<'a> {
         let none = DMatrix::zeros(theta.len(), theta.len());
         let model = self.problem.polynomials(&theta);
         Some(Start {
+            bend,
             estimate: self.problem.estimate_of(model, theta, &none),
             delay,
+            velocity: velocity * self.fastest * gain,
             left: rest.norm_squared(),
             white: is_white(&rest),
         })
@@ -239,16 +255,22 @@ impl<'a> Trial<'a> {
 
     /// p.
     fn motion(&self, force: &Force, bend: Bend) -> Vec<f64> {
-        let [phi, a, c, _] = bend.at;
-        let motion = force.motion(self.problem, c * phi.exp(), [a.exp(), phi.exp()]);
-        let mut p = 0.0;
-        let places = motion.map(|interval| {
-            let here = p;
-            p += interval.way;
-            here
-        });
-        places.collect()
+        let [phi, a, c, _, velocity] = bend.at;
+        let start = velocity * self.fastest;
+        let motion = force.motion(self.problem, start, c * phi.exp(), [a.exp(), phi.exp()]);
+        places(motion)
     }
+}
+
+/// Places at the samples, from zero on.
+fn places(motion: impl Iterator<Item = Interval>) -> Vec<f64> {
+    let mut p = 0.0;
+    let places = motion.map(|interval| {
+        let here = p;
+        p += interval.way;
+        here
+    });
+    places.collect()
 }
 
 /// Whether the correlation of neighbours is below a half, by the squares of their differences (von
