@@ -5,12 +5,24 @@
 //! travel the place is therefore further inwards: as far as an excitation goes, and as what the
 //! axis has swung needs. A flow inwards never brings an oscillation nearer to the end, so that the
 //! way there is safe, whatever swing a stop has let go.
+//!
+//! Nobody knows yet how late the motion comes. A switch that follows the one before sooner than a
+//! motion its command is the answer to an earlier command, so that it shows neither sign nor time
+//! scale: a loop that is late by half a period of its own obeys either sign. And noise switches
+//! nothing: the place ahead must leave what noise makes of position and velocity.
 
 mod standing;
 
+use crate::math::{larger, sqrt};
 use crate::servo::commissioning::ends::at_end;
+use crate::servo::commissioning::probe::LATENESS;
+use crate::servo::commissioning::rest::Still;
+use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
+
 /// Time in s by which the velocity leads the position.
 const LEAD: f32 = 0.04;
+/// Standard deviations of the place ahead within which nothing switches.
+const DEVIATIONS: f32 = 3.0;
 /// Switches that end the stage, the one at the first movement included, and its longest time in s.
 const SWITCHES: u32 = 3;
 const TIME_MAX: f32 = 0.8;
@@ -64,8 +76,9 @@ pub(crate) struct Relay {
     /// Where the axis stood, and the place about which it is driven.
     start: f32,
     place: f32,
-    /// Whether it has come off an end: only a flow inwards does that, and the sign is known.
-    came_off: bool,
+    /// Whether the sign has shown itself: only a flow inwards brings an axis off an end, and one of
+    /// the other sign would have driven on inwards what turned towards the end.
+    shown: bool,
     /// Hysteresis, and command at the first movement.
     hysteresis: f32,
     command: f32,
@@ -94,11 +107,19 @@ pub(crate) struct Relay {
 }
 
 impl Relay {
+    /// How far on the other side the place ahead must be for a switch: half a movement that counts,
+    /// and more than noise makes of it.
+    pub(crate) fn hysteresis(still: &Still, tracking: &AlphaBetaGamma) -> f32 {
+        let led = LEAD * tracking.velocity_noise();
+        let noise = still.sigma * sqrt(1.0 + led * led);
+        larger(0.5 * still.detection, DEVIATIONS * noise)
+    }
+
     /// A relay about `start`, or the place nearest to it with room to the ends, after a `command`
     /// moved the axis to `side` of it.
-    pub(crate) fn new(start: f32, detection: f32, command: f32, sign: f32, side: f32) -> Self {
+    pub(crate) fn new(start: f32, hysteresis: f32, command: f32, sign: f32, side: f32) -> Self {
         let command = RATIO * command;
-        let came_off = at_end(start) && (side > 0.0) == (start < 0.5);
+        let shown = at_end(start) && (side > 0.0) == (start < 0.5);
         let (place, side) = if start < ROOM_MIN {
             (ROOM_MIN, -1.0)
         } else if start > 1.0 - ROOM_MIN {
@@ -108,9 +129,9 @@ impl Relay {
         };
         Self {
             start,
-            came_off,
+            shown,
             place,
-            hysteresis: 0.5 * detection,
+            hysteresis,
             command: if command > COMMAND_MIN {
                 command
             } else {
@@ -160,12 +181,13 @@ impl Relay {
             self.side = -self.side;
             self.braked = y;
             self.half = self.since;
+            let answers = self.since > LATENESS;
+            self.switches = if answers { self.switches + 1 } else { 1 };
             self.since = 0.0;
             self.looked = 0.0;
             self.before = self.side * v;
             self.first = self.before;
             self.gains = [0.0; 2];
-            self.switches += 1;
             if self.flips > 0 {
                 // What stopped an axis that had run away is more than what turns it.
                 self.command = COMMAND_MIN.max(0.5 * self.command);
@@ -223,6 +245,7 @@ impl Relay {
             self.place = place;
             if inward * (place - y) > 0.0 {
                 self.side = -inward;
+                self.shown = true;
                 self.switches = 1;
                 self.since = 0.0;
                 self.half = 0.0;
@@ -242,7 +265,7 @@ impl Relay {
         self.gains = [gained, last];
         self.before = outward;
         self.looked = 0.0;
-        if self.came_off && self.switches == 1 {
+        if self.shown && self.switches == 1 {
             return false;
         }
         let out = self.side * (y - self.place) > SIGN_DISTANCE;

@@ -44,7 +44,8 @@ impl Commissioning {
                 if winds {
                     self.record.restart(1);
                 }
-                let mut relay = Relay::new(place, detection, tried, sign, side);
+                let hysteresis = Relay::hysteresis(&self.still, &self.tracking);
+                let mut relay = Relay::new(place, hysteresis, tried, sign, side);
                 let v = self.tracking.motion().velocity;
                 let first = relay.update(y, v, self.design.sample_time, self.design.amplitude);
                 self.stage = Stage::Relaying(relay);
@@ -95,9 +96,10 @@ impl Commissioning {
         if core::mem::replace(&mut self.suspicion.mirrored, true) {
             return Progress::Failed(Reason::WrongSign);
         }
-        let (place, detection) = (self.still.place, self.still.detection);
+        let place = self.still.place;
+        let hysteresis = Relay::hysteresis(&self.still, &self.tracking);
         let side = if y > place { 1.0 } else { -1.0 };
-        let relay = Relay::new(place, detection, before.largest(), known, side);
+        let relay = Relay::new(place, hysteresis, before.largest(), known, side);
         self.relay(relay, y, v)
     }
 

@@ -48,6 +48,14 @@ impl AlphaBetaGamma {
         self.gain[1] / self.gain[0]
     }
 
+    /// Standard deviation of the velocity over that of white noise of the positions, in 1/s.
+    ///
+    /// Of a density T of noise `w^2 s (3 s + w) / (s + w)^3` lets through `7/4 w^3 T`.
+    pub(crate) fn velocity_noise(&self) -> f32 {
+        let rate = self.rate();
+        rate * sqrt(1.75 * rate * self.sample_time)
+    }
+
     /// Standard deviation of the acceleration over that of white noise of the positions, in 1/s^2.
     ///
     /// Of a density T of noise `w^3 s^2 / (s + w)^3` lets through `3/16 w^5 T`.

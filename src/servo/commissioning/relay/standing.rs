@@ -39,7 +39,7 @@ impl Relay {
     const fn come_off(&mut self) {
         self.sign = -self.sign;
         self.turned = 1.0;
-        self.came_off = true;
+        self.shown = true;
         self.flips += 1;
         self.switches = 1;
         self.since = 0.0;

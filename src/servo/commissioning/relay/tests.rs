@@ -1,6 +1,7 @@
 //! The relay on drives that obey, that do not, and that obey the other sign.
 
 mod ends;
+mod late;
 mod runs_out;
 
 use super::*;
@@ -32,7 +33,7 @@ impl Drive {
 
 /// The relay of an axis that a command of 0.1 has moved to `side` of 0.5.
 fn beside(side: f32) -> Relay {
-    Relay::new(0.5, 1e-3, 0.1, 1.0, side)
+    Relay::new(0.5, 5e-4, 0.1, 1.0, side)
 }
 
 /// What the relay ends with, after how many samples, and its largest command.
@@ -64,7 +65,7 @@ fn reverses(relay: &mut Relay, y: f32, v: f32) -> bool {
 fn a_drive_that_obeys_is_braked_and_turned() {
     for side in [1.0, -1.0] {
         for wires in [1.0, -1.0] {
-            let mut relay = Relay::new(0.5, 1e-3, 0.1, wires, side);
+            let mut relay = Relay::new(0.5, 5e-4, 0.1, wires, side);
             let mut drive = Drive::new(wires * 2.0, side);
             let (found, samples, largest) = ended(&mut relay, &mut drive);
             let Relayed::Obeys { half, sign } = found else {
@@ -99,7 +100,7 @@ fn a_drive_that_obeys_the_other_sign_runs_away_and_is_caught() {
 
 #[test]
 fn the_command_grows_where_the_axis_stays_on_one_side() {
-    let relay = |command: f32| Relay::new(0.5, 1e-3, command, 1.0, 1.0);
+    let relay = |command: f32| Relay::new(0.5, 5e-4, command, 1.0, 1.0);
     let command = |relay: &mut Relay, y: f32| match relay.update(y, 0.0, STEP, AMPLITUDE) {
         Relayed::Command { command, .. } => command,
         other => panic!("{other:?}"),

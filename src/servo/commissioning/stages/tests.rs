@@ -159,7 +159,7 @@ fn what_comes_back_begins_its_time_anew() {
 /// What a relay ends with on an axis at `y`, whose velocity stays `v`.
 fn relayed(y: f32, v: f32) -> Progress {
     let mut commissioning = Commissioning::new(design());
-    let mut relay = Relay::new(0.5, 1e-3, 0.1, 1.0, (y - 0.5).signum());
+    let mut relay = Relay::new(0.5, 5e-4, 0.1, 1.0, (y - 0.5).signum());
     for _ in 0..2000 {
         let progress = commissioning.relay(relay, y, v);
         let (Progress::Command(_), Stage::Relaying(next)) = (progress, &commissioning.stage) else {

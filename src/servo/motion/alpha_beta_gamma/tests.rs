@@ -68,21 +68,28 @@ fn gains_are_those_of_three_equal_poles() {
 }
 
 #[test]
-fn white_noise_of_the_positions_becomes_as_much_of_the_acceleration() {
+fn white_noise_of_the_positions_becomes_as_much_of_velocity_and_acceleration() {
     let mut state = 1_u32;
     for (rate, time) in [(120.0_f32, 1e-3_f32), (120.0, 5e-4), (30.0, 2e-3)] {
         let mut filter = AlphaBetaGamma::new(rate, time);
-        let (mut sum, count) = (0.0_f32, 20_000);
+        let (mut sums, count) = ([0.0_f32; 2], 20_000);
         for _ in 0..count {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             // Uniform, of deviation 1.
             let noise = ((state >> 8) as f32 / 8_388_608.0 - 1.0) * 1.732_050_8;
             filter.update(noise);
-            let share = filter.motion().acceleration / filter.acceleration_noise();
-            sum += share * share;
+            let motion = filter.motion();
+            for (sum, share) in sums.iter_mut().zip([
+                motion.velocity / filter.velocity_noise(),
+                motion.acceleration / filter.acceleration_noise(),
+            ]) {
+                *sum += share * share;
+            }
         }
         // A filter of samples lets a part more through than one in continuous time.
-        let ratio = crate::math::sqrt(sum / count as f32);
-        assert!((0.95..1.3).contains(&ratio), "{rate} {time}: {ratio}");
+        for sum in sums {
+            let ratio = crate::math::sqrt(sum / count as f32);
+            assert!((0.95..1.3).contains(&ratio), "{rate} {time}: {ratio}");
+        }
     }
 }
