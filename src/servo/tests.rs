@@ -1,5 +1,6 @@
 //! The whole loop on a drive that is its own model, and what it does with faults.
 
+mod alarms;
 mod awaited;
 mod beginning;
 pub(super) mod bench;
