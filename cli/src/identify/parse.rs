@@ -47,16 +47,12 @@ pub(super) fn interval(text: &str) -> Result<f64, String> {
     }
 }
 
-/// `--order M` for clap; the structure says which ones there are.
-pub(super) fn order(text: &str) -> Result<usize, String> {
-    let order = text.parse();
-    order.map_err(|_| "expected a whole number from 1 to 4".into())
-}
-
-/// `--zeros K` for clap.
-pub(super) fn zeros(text: &str) -> Result<usize, String> {
-    let zeros = text.parse();
-    zeros.map_err(|_| "expected a whole number from 0 to 3".into())
+/// `--order M` and `--zeros K` for clap; which of these numbers there are the structure says.
+pub(super) fn whole(least: u8, most: u8) -> impl Fn(&str) -> Result<usize, String> + Clone {
+    move |text| {
+        let number = text.parse();
+        number.map_err(|_| format!("expected a whole number from {least} to {most}"))
+    }
 }
 
 /// `--delay D|auto` for clap.

@@ -3,12 +3,12 @@
 use clap::Args;
 use trendid_identify::Structure;
 
-use crate::identify::parse::{order, zeros};
+use crate::identify::parse::whole;
 
 #[derive(Debug, Args)]
 pub(crate) struct StructureArgs {
     /// Order of the model, 1 to 4, the integrator included
-    #[arg(long, value_name = "M", value_parser = order, allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", value_parser = whole(1, 4), allow_negative_numbers = true)]
     order: usize,
     /// The plant integrates: a0 = 0
     #[arg(long)]
@@ -18,7 +18,7 @@ pub(crate) struct StructureArgs {
         long,
         value_name = "K",
         default_value_t = 0,
-        value_parser = zeros,
+        value_parser = whole(0, 3),
         allow_negative_numbers = true
     )]
     zeros: usize,

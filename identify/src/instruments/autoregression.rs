@@ -75,8 +75,7 @@ impl Autoregression {
         let scores = DMatrix::from_fn(n, n, |i, j| {
             self.variance * backward[i.max(j)].dot(&backward[i.min(j)])
         });
-        let half = factored.solve_columns(&scores)?;
-        factored.solve_columns(&half.transpose())
+        factored.sandwich(&scores)
     }
 
     /// `1/Phi` of a series.

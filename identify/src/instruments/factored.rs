@@ -30,6 +30,12 @@ impl Factored {
         Some(DVector::from_fn(s.len(), |j, _| found[j] / self.columns[j]))
     }
 
+    /// `M^-1 S M^-T` of a symmetric S; `None` where M is singular.
+    pub(crate) fn sandwich(&self, scores: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+        let half = self.solve_columns(scores)?;
+        self.solve_columns(&half.transpose())
+    }
+
     /// `M^-1 G`; `None` where M is singular.
     pub(crate) fn solve_columns(&self, matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let columns: Option<Vec<DVector<f64>>> = matrix

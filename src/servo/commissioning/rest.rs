@@ -121,4 +121,4 @@ impl Rest {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -34,7 +34,6 @@ impl Commissioning {
             }
             Probed::Moved { sign, command } => {
                 let place = self.still.place;
-                let side = if y > place { 1.0 } else { -1.0 };
                 let detection = self.still.detection;
                 // What a stop has held must go before anything moves: this command is too large.
                 let winds = at_end(place) && probe.has_turned(scale);
@@ -44,12 +43,11 @@ impl Commissioning {
                 if winds {
                     self.record.restart(1);
                 }
-                let hysteresis = Relay::hysteresis(&self.still, &self.tracking);
-                let mut relay = Relay::new(place, hysteresis, tried, sign, side);
+                let mut relay = self.relay_of(y, tried, sign);
                 let v = self.tracking.motion().velocity;
                 let first = relay.update(y, v, self.design.sample_time, self.design.amplitude);
                 self.stage = Stage::Relaying(relay);
-                self.standstill = Standstill::new(y, detection, command, side > 0.0);
+                self.standstill = Standstill::new(y, detection, command, y > place);
                 self.moving_command = tried;
                 match first {
                     Relayed::Command { command, .. } => Progress::Command(command),
@@ -96,11 +94,15 @@ impl Commissioning {
         if core::mem::replace(&mut self.suspicion.mirrored, true) {
             return Progress::Failed(Reason::WrongSign);
         }
+        self.relay(self.relay_of(y, before.largest(), known), y, v)
+    }
+
+    /// A relay about the rest, of an axis that a command with this sign has moved to `y`.
+    fn relay_of(&self, y: f32, command: f32, sign: f32) -> Relay {
         let place = self.still.place;
         let hysteresis = Relay::hysteresis(&self.still, &self.tracking);
         let side = if y > place { 1.0 } else { -1.0 };
-        let relay = Relay::new(place, hysteresis, before.largest(), known, side);
-        self.relay(relay, y, v)
+        Relay::new(place, hysteresis, command, sign, side)
     }
 
     fn begin_search(&mut self, half: f32, y: f32) -> Progress {

@@ -3,7 +3,7 @@
 use crate::servo::commissioning::Found;
 
 /// What the commissioning finds beside the model.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Drive {
     /// Sign of the valve.
     pub(crate) sign: f32,

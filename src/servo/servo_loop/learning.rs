@@ -5,7 +5,7 @@ use crate::servo::identification::mean_stiffness::MeanStiffness;
 use crate::servo::supervision::excitation_monitor::ExcitationMonitor;
 
 /// Which samples the identifier learns from, and where the axis was in them.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Learning {
     pub(crate) monitor: ExcitationMonitor,
     /// Samples after a breakaway in which the filtered signals still contain friction.

@@ -89,6 +89,13 @@ impl Bench {
         config
     }
 
+    /// Settings that leave to the commissioning what it finds.
+    pub(in crate::servo) fn untold() -> Config {
+        let mut config = Self::config();
+        (config.bandwidth, config.delay, config.noise) = (None, 0.0, None);
+        config
+    }
+
     /// Stands at 200 of 400 on a verified model.
     pub(in crate::servo) fn new(model: Model) -> Self {
         let mut bench = Self::without_a_model(model, &Self::config());

@@ -8,10 +8,7 @@ use crate::servo::store::Record;
 
 /// A bench whose loop has found its model by itself, after how many samples.
 fn commissioned(sign: f32) -> (Bench, u32) {
-    let mut config = Bench::config();
-    config.bandwidth = None;
-    config.delay = 0.0;
-    config.noise = None;
+    let config = Bench::untold();
     let model = Model {
         dead_zone: 0.02,
         ..MODEL
@@ -54,8 +51,7 @@ fn designed(servo: &bench::Loop, record: &Record) {
         noise: record.noise,
         dead_volume: record.dead_volume,
     };
-    let mut config = Bench::config();
-    (config.bandwidth, config.delay, config.noise) = (None, 0.0, None);
+    let config = Bench::untold();
     let design = building::tuned(&config, &found)
         .resolve()
         .expect("settings");
@@ -101,8 +97,7 @@ fn a_loop_finds_its_model_and_goes_on_from_a_record_of_it() {
         let worst = errors(&mut bench);
         assert!(worst[0] < 3.0 && worst[1] < 0.1, "{sign}: {worst:?}");
         // Another loop, with the settings alone, on the same drive.
-        let mut config = Bench::config();
-        (config.bandwidth, config.delay, config.noise) = (None, 0.0, None);
+        let config = Bench::untold();
         let mut other = Bench::without_a_model(bench.model, &config);
         other.sign = sign;
         other.servo.resume(&record).expect("a record");

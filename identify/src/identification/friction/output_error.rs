@@ -248,8 +248,7 @@ fn covariance(slope: &DMatrix<f64>, left: &DVector<f64>) -> Option<(DMatrix<f64>
     let columns: Vec<DVector<f64>> = slope.column_iter().map(|c| c.into_owned()).collect();
     let noise = of_noise(left.as_slice(), &columns, &factored);
     // What the least adds is noise of its own.
-    let half = factored.solve_columns(&(variance * least))?;
-    let of_least = factored.solve_columns(&half.transpose())?;
+    let of_least = factored.sandwich(&(variance * least))?;
     let blocks = blocks + &of_least;
     // The larger one in each direction: parts are few, and noise may change between them.
     let both = noise.and_then(|noise| larger(&blocks, f64::INFINITY, &(noise + of_least)));

@@ -6,7 +6,7 @@ const TIME_STEP: f32 = 1e-3;
 const RESOLUTION: f32 = 1e-5;
 
 /// Uniform noise of this standard deviation, from -1.73 to 1.73 of it.
-fn noise(state: &mut u32, sigma: f32) -> f32 {
+pub(in crate::servo::commissioning) fn noise(state: &mut u32, sigma: f32) -> f32 {
     *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
     sigma * libm::sqrtf(3.0) * ((*state >> 8) as f32 / 8_388_608.0 - 1.0)
 }

@@ -1,6 +1,7 @@
 //! What shows nothing of the sign: an answer to an earlier command, and noise.
 
 use super::*;
+use crate::servo::commissioning::rest::tests::noise;
 
 /// A drive whose velocity follows the command some samples later, and at once then.
 struct Late {
@@ -83,10 +84,7 @@ fn noise_switches_nothing() {
         for _ in 0..runs {
             let mut relay = Relay::new(0.5, hysteresis, 0.1, 1.0, 1.0);
             for _ in 0..samples {
-                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                // Uniform, of this deviation.
-                let noise = ((state >> 8) as f32 / 8_388_608.0 - 1.0) * 1.732_050_8;
-                let y = 0.5 + still.sigma * noise;
+                let y = 0.5 + noise(&mut state, still.sigma);
                 tracking.update(y);
                 let before = relay.side;
                 let _ = relay.update(y, tracking.motion().velocity, time, AMPLITUDE);
