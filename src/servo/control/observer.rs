@@ -55,7 +55,7 @@ impl Observer {
     }
 
     /// One sample on under the flow that was in force. Cost: about 40 instructions.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn predict(&mut self, flow: f32) {
         if self.friction.sticks() {
             if let Some(acceleration) = self.friction.hold(self.model.b0 * flow) {
@@ -69,7 +69,7 @@ impl Observer {
 
     /// One observed sample: on under the flow that was in force, then to the measured position.
     /// Cost: about 50 instructions.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn observe(&mut self, flow: f32, y: f32) {
         if self.friction.sticks() {
             if let Some(acceleration) = self.friction.hold(self.model.b0 * flow) {

@@ -69,13 +69,13 @@ impl Runner {
     }
 
     /// An observed sample, under the flow that was in force.
-    #[inline]
+    #[inline(always)]
     fn observe(&mut self, driving: MovedFlow, y: f32) {
         self.observer.observe(self.flow(driving), y);
     }
 
     /// A sample of free simulation, with the responses to what is not known.
-    #[inline]
+    #[inline(always)]
     fn simulate(&mut self, driving: MovedFlow, y: f32, responses: Responses) {
         self.observer.predict(self.flow(driving));
         let error = y - self.observer.motion().position;
@@ -97,8 +97,9 @@ impl Runner {
 /// bank of models (multiple-model estimation, Li and Bar-Shalom 1996).
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ValidationWindow {
-    bank: [Runner; bank::SIZE],
-    challenger: Option<Runner>,
+    /// The bank, and behind it the challenger; how many of them run.
+    runners: [Runner; bank::SIZE + 1],
+    running: usize,
     unknown: Unknown,
     /// The flow in force until the next sample.
     flow: PlacedFlow,
@@ -156,8 +157,8 @@ impl ValidationWindow {
         let nothing = Model::linear(0.0, 0.0, 1.0);
         let runner = Runner::new(design, nothing, Motion::default());
         Self {
-            bank: core::array::from_fn(|_| runner.clone()),
-            challenger: None,
+            runners: core::array::from_fn(|_| runner.clone()),
+            running: bank::SIZE,
             unknown: Unknown::new(&nothing),
             flow: PlacedFlow::in_the_middle(0.0),
             observe: 0,
@@ -179,10 +180,15 @@ impl ValidationWindow {
         motion: Motion,
         flow: PlacedFlow,
     ) {
-        for (runner, model) in self.bank.iter_mut().zip(bank::about(used)) {
+        for (runner, model) in self.runners.iter_mut().zip(bank::about(used)) {
             *runner = Runner::new(design, model, motion);
         }
-        self.challenger = challenger.map(|model| Runner::new(design, model, motion));
+        self.running = bank::SIZE;
+        if let Some(model) = challenger {
+            let [.., last] = &mut self.runners;
+            *last = Runner::new(design, model, motion);
+            self.running += 1;
+        }
         self.unknown = Unknown::new(used);
         self.flow = flow;
         (self.observe, self.window) = (design.observe, design.window);
@@ -197,21 +203,28 @@ impl ValidationWindow {
     pub(crate) fn update(&mut self, flow: PlacedFlow, y: f32, velocity: f32) {
         let before = core::mem::replace(&mut self.flow, flow);
         let driving = before.moved();
-        let used = &self.bank[bank::USED].observer;
+        let used = &self.runners[bank::USED].observer;
         if self.observe > 0 {
             self.unknown.observe(used, before, velocity);
-            let runners = self.bank.iter_mut().chain(&mut self.challenger);
-            runners.for_each(|run| run.observe(driving, y));
+            for run in self.runners.iter_mut().take(self.running) {
+                run.observe(driving, y);
+            }
             self.observe -= 1;
             return;
         }
         let responses = self.unknown.update(used, before, velocity);
-        let runners = self.bank.iter_mut().chain(&mut self.challenger);
-        runners.for_each(|run| run.simulate(driving, y, responses));
+        for run in self.runners.iter_mut().take(self.running) {
+            run.simulate(driving, y, responses);
+        }
         let moved = y - self.origin;
         self.sum += moved;
         self.squares += moved * moved;
         self.samples += 1;
+    }
+
+    fn challenger(&self) -> Option<&Runner> {
+        let [.., last] = &self.runners;
+        (self.running > bank::SIZE).then_some(last)
     }
 
     /// Whether that was the last sample.
@@ -223,7 +236,7 @@ impl ValidationWindow {
     /// them. Cost: about 100 instructions for each of 5 models.
     pub(crate) fn explain(&mut self) -> bool {
         let unknown = &self.unknown;
-        let runners = self.bank.iter_mut().chain(&mut self.challenger);
+        let runners = self.runners.iter_mut().take(self.running);
         for run in runners.skip(self.explained).take(EXPLAINED) {
             run.left = unknown.left(&run.errors);
         }
@@ -244,9 +257,10 @@ impl ValidationWindow {
             // NaN stays: such a model is astray.
             if left < 0.0 { 0.0 } else { left }
         };
+        let [bank @ .., _] = &self.runners;
         (moved > least * least * count).then(|| WindowSums {
-            bank: self.bank.each_ref().map(beyond),
-            challenger: self.challenger.as_ref().map(beyond),
+            bank: bank.each_ref().map(beyond),
+            challenger: self.challenger().map(beyond),
             moved,
             weight: if part < 1.0 { sqrt(part) } else { 1.0 },
         })
@@ -254,9 +268,9 @@ impl ValidationWindow {
 
     /// How well the challenger has followed, or the model in use where there is none.
     pub(crate) fn report(&self, sums: &WindowSums) -> FitReport {
-        let used = &self.bank[bank::USED];
+        let used = &self.runners[bank::USED];
         FitReport {
-            sse: self.challenger.as_ref().unwrap_or(used).errors.squares,
+            sse: self.challenger().unwrap_or(used).errors.squares,
             incumbent_sse: Some(used.errors.squares),
             sst: sums.moved,
             samples: self.samples,

@@ -115,7 +115,7 @@ fn a_challenger_runs_beside_them_and_is_reported() -> Result<(), Error> {
     assert!(sums.challenger.is_some_and(|sse| sse < 1e-3 * sums.moved));
     let report = window.report(&sums);
     assert!(report.r_squared() > 0.999, "{report:?}");
-    let own = window.bank[bank::USED].errors.squares;
+    let own = window.runners[bank::USED].errors.squares;
     assert!(own >= sums.bank[bank::USED] && report.incumbent_sse == Some(own));
     assert_eq!((report.sst, report.samples), (sums.moved, window.window));
     // Without one the report is that of the model in use.
