@@ -65,7 +65,7 @@ impl AxisDraw {
         let mut random = stream(seed, Purpose::Axis);
         let mechanics = loop {
             let mechanics = match family {
-                Family::Pneumatic => pneumatic(usual, &mut random),
+                Family::Pneumatic | Family::SingleRod => pneumatic(family, usual, &mut random),
                 _ => Some(third_order(family, usual, &mut random)),
             };
             if let Some(mechanics) = mechanics {
@@ -177,9 +177,8 @@ fn needed_gain(omega0: f64, stroke_mm: f64) -> f64 {
 
 /// Draws a pneumatic axis; `None` when it is out of the range of frequencies or too weak for its
 /// load.
-fn pneumatic(usual: bool, random: &mut Random) -> Option<Mechanics> {
+fn pneumatic(kind: Family, usual: bool, random: &mut Random) -> Option<Mechanics> {
     let mut draw = |range: Range| range.draw(usual, random);
-    let kind = Family::Pneumatic;
     let bore = draw(family::BORE);
     let stroke_mm = draw(family::STROKE);
     let mass = draw(family::MASS);
@@ -211,6 +210,9 @@ fn pneumatic(usual: bool, random: &mut Random) -> Option<Mechanics> {
         ..AxisParameters::SERVO
     };
     let size = draw(family::VALVE_SIZE);
+    if kind == Family::SingleRod {
+        p.rod = bore * draw(family::ROD);
+    }
     let holds = p.load.abs() + p.friction.breakaway;
     let linear = Linearised::new(&p, 0.5 * stroke_mm, 0.0);
     let omega0 = if usual {

@@ -7,6 +7,8 @@ use crate::servo::population::range::Range;
 pub enum Family {
     /// A pneumatic cylinder with a proportional valve.
     Pneumatic,
+    /// The same with a rod through one of its chambers: quicker one way than the other.
+    SingleRod,
     /// A linear drive of third order without friction, behind a valve.
     Linear,
     /// An electric ball screw with its own velocity control.
@@ -17,8 +19,9 @@ pub enum Family {
 
 impl Family {
     /// All of them.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 5] = [
         Self::Pneumatic,
+        Self::SingleRod,
         Self::Linear,
         Self::BallScrew,
         Self::Hydraulic,
@@ -28,6 +31,7 @@ impl Family {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Pneumatic => "pneumatic",
+            Self::SingleRod => "single-rod",
             Self::Linear => "linear",
             Self::BallScrew => "ball-screw",
             Self::Hydraulic => "hydraulic",
@@ -42,7 +46,7 @@ impl Family {
     /// Natural frequency in the middle of the travel \[rad/s\].
     pub const fn omega0(self) -> Range {
         match self {
-            Self::Pneumatic => Range::ratio(8.0, 30.0, 90.0),
+            Self::Pneumatic | Self::SingleRod => Range::ratio(8.0, 30.0, 90.0),
             Self::Linear => Range::ratio(5.0, 30.0, 100.0),
             Self::BallScrew => Range::ratio(20.0, 50.0, 100.0),
             Self::Hydraulic => Range::ratio(40.0, 80.0, 150.0),
@@ -52,7 +56,7 @@ impl Family {
     /// Damping, of a pneumatic axis what its parts make it.
     pub const fn xi(self) -> Range {
         match self {
-            Self::Pneumatic => Range::ratio(1e-3, 0.2, 10.0),
+            Self::Pneumatic | Self::SingleRod => Range::ratio(1e-3, 0.2, 10.0),
             Self::Linear => Range::ratio(0.1, 0.5, 1.2),
             Self::BallScrew => Range::ratio(0.4, 0.7, 1.0),
             Self::Hydraulic => Range::ratio(0.05, 0.12, 0.3),
@@ -70,7 +74,7 @@ impl Family {
     /// Half width of the dead zone of the valve, in units of the command.
     pub const fn dead_zone(self) -> Range {
         match self {
-            Self::Pneumatic | Self::Linear => Range::even(0.0, 0.04, 0.15),
+            Self::Pneumatic | Self::SingleRod | Self::Linear => Range::even(0.0, 0.04, 0.15),
             Self::BallScrew => Range::even(0.0, 0.002, 0.01),
             Self::Hydraulic => Range::even(0.0, 0.02, 0.05),
         }
@@ -79,7 +83,7 @@ impl Family {
     /// Offset of the valve, in units of the command.
     pub const fn offset(self) -> Range {
         match self {
-            Self::Pneumatic | Self::Linear => Range::even(-0.08, 0.0, 0.08),
+            Self::Pneumatic | Self::SingleRod | Self::Linear => Range::even(-0.08, 0.0, 0.08),
             Self::BallScrew | Self::Hydraulic => Range::even(-0.02, 0.0, 0.02),
         }
     }
@@ -88,7 +92,7 @@ impl Family {
     /// ordinary seals.
     pub const fn friction(self) -> Range {
         match self {
-            Self::Pneumatic => Range::even(0.0, 1.0, 3.0),
+            Self::Pneumatic | Self::SingleRod => Range::even(0.0, 1.0, 3.0),
             Self::Linear => Range::even(0.0, 0.0, 0.0),
             Self::BallScrew => Range::even(0.0, 5e-5, 2e-4),
             Self::Hydraulic => Range::even(0.0, 4e-5, 1.2e-4),
@@ -98,6 +102,8 @@ impl Family {
 
 /// Bore of a pneumatic cylinder \[m\].
 pub const BORE: Range = Range::ratio(0.012, 0.032, 0.063);
+/// Rod of a cylinder with one rod over its bore: ISO 15552 and ISO 6432 have 0.32 to 0.5.
+pub const ROD: Range = Range::even(0.32, 0.4, 0.5);
 /// Travel \[mm\].
 pub const STROKE: Range = Range::ratio(80.0, 300.0, 1000.0);
 /// Moving mass of a pneumatic axis \[kg\].
