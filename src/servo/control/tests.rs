@@ -197,6 +197,12 @@ fn a_hop_past_the_target_is_a_hunt_within_the_limits_of_the_window() {
     }
     assert!(!hopped.can_widen());
     assert_eq!(hopped.window(), 0.1);
+    // With another model half of it is kept, and never less than the least.
+    let mut forgotten = hopped.clone();
+    for kept in [0.05, 0.025, 0.0125, 0.01] {
+        forgotten.forget();
+        assert_eq!(forgotten.window(), kept);
+    }
     hopped.redesign(&RestDesign {
         most: 0.05,
         ..WINDOW

@@ -255,3 +255,18 @@ fn a_transition_within_a_sample_leaves_nothing_of_a_change_and_no_more() {
         assert!((design.controller.fade - fade).abs() < 1e-6, "{transition}");
     }
 }
+
+#[test]
+fn an_axis_of_which_no_dead_volume_is_stated_is_as_stiff_at_its_ends_as_the_settings_say() {
+    let mut config = stated(1.0, 1e-3);
+    let volumes = |config: &Config| {
+        let controller = design(config).controller;
+        [
+            controller.tuning.dead_volume,
+            controller.estimator.dead_volume,
+        ]
+    };
+    assert_eq!(volumes(&config), [0.06; 2]);
+    config.controller.dead_volume = Some(0.2);
+    assert_eq!(volumes(&config), [0.2; 2]);
+}
