@@ -36,7 +36,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", group = "source")]
     pub replay: Option<PathBuf>,
 
-    /// With --axis: pneumatic, linear, ball-screw or hydraulic
+    /// With --axis: pneumatic, single-rod, linear, ball-screw or hydraulic
     #[arg(long, default_value = "pneumatic", value_parser = family)]
     pub family: Family,
     /// With --axis: draw from the whole range of the population and not from usual machines
