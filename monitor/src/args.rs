@@ -3,6 +3,7 @@
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, ToSocketAddrs};
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{ArgGroup, Parser};
 use trendid_host_tests::servo::population::family::Family;
 
@@ -36,8 +37,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", group = "source")]
     pub replay: Option<PathBuf>,
 
-    /// With --axis: pneumatic, single-rod, linear, ball-screw or hydraulic
-    #[arg(long, default_value = "pneumatic", value_parser = family)]
+    /// With --axis: its family
+    #[arg(long, default_value = "pneumatic", value_parser = family())]
     pub family: Family,
     /// With --axis: draw from the whole range of the population and not from usual machines
     #[arg(long)]
@@ -115,11 +116,9 @@ fn endpoint(name: &str) -> Result<SocketAddr, String> {
         .ok_or_else(|| "that name has no address".into())
 }
 
-fn family(name: &str) -> Result<Family, String> {
-    Family::from_name(name).ok_or_else(|| {
-        let names = Family::ALL.map(Family::name).join(", ");
-        format!("expected one of {names}")
-    })
+fn family() -> impl TypedValueParser<Value = Family> {
+    PossibleValuesParser::new(Family::ALL.map(Family::name))
+        .try_map(|name| Family::from_name(&name).ok_or("there is no such family"))
 }
 
 fn speed(factor: &str) -> Result<f64, String> {
