@@ -104,6 +104,8 @@ impl<S, V> ServoLoop<S, V> {
         let limits = carried_out(&self.config, design.motion, model);
         self.moves.trajectory = Trajectory::new(limits, design.travel, design.sample_time);
         self.moves.trajectory.hold(motion.position);
+        let delay = design.controller.estimator.delay;
+        self.moves.follow(delay, design.sample_time);
         self.learning = Learning::new(design);
         let supervision = design.supervision.clone();
         self.supervisor

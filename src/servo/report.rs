@@ -14,7 +14,8 @@ pub struct Report {
     pub state: State,
     /// Measured position; where the axis should be when the sensor failed.
     pub position: f32,
-    /// The reference; the position outside of control.
+    /// The reference that the axis should have reached by now: a delay behind the trajectory. The
+    /// position outside of control.
     pub setpoint: Setpoint,
     /// The command that was set.
     pub command: f32,

@@ -164,8 +164,10 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         } else if state.is_controlling() && self.moves.unsettled > 0 {
             (Setpoint::at(y), self.drive.sign * self.controller.middle())
         } else if state.is_controlling() {
-            let setpoint = self.moves.trajectory.update();
-            let command = self.controller.update(&setpoint, y);
+            let newest = self.moves.trajectory.update();
+            let setpoint = self.moves.followed.pass(newest);
+            self.controller.head_for(self.moves.trajectory.goal());
+            let command = self.controller.update(&newest, y);
             let against = if self.moves.tracking.motion().velocity > 0.0 {
                 -1.0
             } else {

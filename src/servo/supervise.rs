@@ -117,7 +117,6 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                 if before.is_commissioning() {
                     // Long since, however soon behind a first reading it was asked for.
                     self.moves.unsettled = 0;
-                    self.identify_from(&model, REOPENED_STD);
                     self.controller.engage();
                     self.engage(model, self.controller.motion());
                 } else {
@@ -177,15 +176,22 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
         self.takeover.looked = None;
         self.takeover.unsearched = None;
         self.moves.astray = 0.0;
-        let end = self.config.travel.nearest(motion.position);
-        let reference = if self.moves.gap.is_open() && end != motion.position {
-            Motion::at(end)
+        let travel = self.config.travel;
+        let reference = if travel.contains(motion.position) {
+            // What is on its way leads there before a command takes effect.
+            let mut ahead = self.controller.motion_ahead();
+            ahead.position = travel.nearest(ahead.position);
+            ahead
+        } else if self.moves.gap.is_open() {
+            Motion::at(travel.nearest(motion.position))
         } else {
             motion
         };
         self.moves
             .trajectory
             .run_out(reference, self.moves.run_out_rate);
+        self.moves
+            .follow(self.controller.delay(), self.config.sample_time);
     }
 
     /// What the newest sample of the commissioning leads to; whether a model reached the
@@ -207,10 +213,14 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                     self.takeover.watching -= 1;
                     self.controller
                         .watch(self.sensed.position, self.drive.sign * command);
-                    if self.takeover.watching > 0 {
-                        return false;
+                    match self.takeover.watching {
+                        0 => self.supervisor.commissioned(found.model),
+                        1 => {
+                            self.identify_from(&found.model, REOPENED_STD);
+                            return false;
+                        }
+                        _ => return false,
                     }
-                    self.supervisor.commissioned(found.model)
                 } else if self.commissioning.is_busy() {
                     return false;
                 } else {
@@ -232,7 +242,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// [`Tuning`](super::control::tuning::Tuning), most of them while the model is validated), 8
     /// samples and the settling of the observer.
     fn prepare(&mut self, found: &Found) -> Result<(), Reason> {
-        if self.takeover.building.is_none() && !self.search_poles(found, PIECES_PER_SAMPLE) {
+        if self.takeover.building.is_none() && !self.has_poles(found) {
+            self.search_poles(found, PIECES_PER_SAMPLE);
             return Ok(());
         }
         if self.build(found)? {

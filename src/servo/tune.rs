@@ -17,9 +17,15 @@ pub(crate) const PIECES_PER_SAMPLE: u32 = 6;
 const PIECES_IN_CONTROL: [u32; 2] = [2, 1];
 
 impl<S, V> ServoLoop<S, V> {
-    /// `pieces` of the search for what was found; whether there are poles. Begins again for another
+    /// Whether the search for what was found has poles.
+    pub(crate) fn has_poles(&self, found: &Found) -> bool {
+        let tuned = self.takeover.tuning.as_ref();
+        tuned.is_some_and(|t| t.model == found.model && (t.done || t.tuning.has_some()))
+    }
+
+    /// `pieces` of the search for what was found, until there are poles. Begins again for another
     /// model.
-    pub(crate) fn search_poles(&mut self, found: &Found, pieces: u32) -> bool {
+    pub(crate) fn search_poles(&mut self, found: &Found, pieces: u32) {
         if self
             .takeover
             .tuning
@@ -37,14 +43,14 @@ impl<S, V> ServoLoop<S, V> {
                 bandwidth_max: settings.bandwidth.unwrap_or(f32::INFINITY),
             };
             self.takeover.tuning = Some(Tuned::new(&design, found.model));
-            return false;
+            return;
         }
         let Some(tuned) = &mut self.takeover.tuning else {
-            return false;
+            return;
         };
         for _ in 0..pieces {
             if tuned.done || tuned.tuning.has_some() {
-                return true;
+                return;
             }
             let begins = tuned.tuning.begins();
             tuned.done = tuned.tuning.step();
@@ -52,7 +58,6 @@ impl<S, V> ServoLoop<S, V> {
                 break;
             }
         }
-        tuned.done || tuned.tuning.has_some()
     }
 
     /// What the sample to come has time for.

@@ -9,7 +9,7 @@ use crate::servo::control::load::Load;
 use crate::servo::control::margins::Margins;
 use crate::servo::control::null::NullOffset;
 use crate::servo::control::poles::Poles;
-use crate::servo::control::rest::{RestDesign, RestWindow};
+use crate::servo::control::rest::{FROZEN, RestDesign, RestWindow};
 use crate::servo::control::transfer::Transfer;
 use crate::servo::control::tuning::Tuning;
 use crate::servo::design::ControllerDesign;
@@ -81,11 +81,10 @@ pub struct Controller {
     pub(super) rested: u32,
     /// Error and reference at the last breakaway.
     pub(super) left: [f32; 2],
+    /// Where the reference comes to rest, as far as it is known.
+    pub(super) goal: Option<f32>,
     pub(super) transfer: Transfer,
 }
-
-/// Integral action is frozen at rest within so many windows.
-const FROZEN: f32 = 1.5;
 
 impl Controller {
     /// A controller on `model`, at rest in zero; searches its poles: not for the 1 ms path.
@@ -126,6 +125,7 @@ impl Controller {
             pause: 0,
             rested: 0,
             left: [0.0; 2],
+            goal: None,
             transfer: Transfer::default(),
         };
         controller.tune(model);
@@ -136,27 +136,27 @@ impl Controller {
         self.design.estimator.sample_time
     }
 
-    /// The command for a setpoint and a measured position; [`Controller::applied`] must follow.
+    /// The command for the setpoint of a delay from now, when it takes effect, and a measured
+    /// position; [`Controller::applied`] must follow.
     ///
     /// Cost: see the table of instruction counts.
     #[inline]
-    pub fn update(&mut self, setpoint: &Setpoint, y: f32) -> f32 {
-        let rests = setpoint.is_rest();
-        let error = setpoint.position - self.estimator.now().position;
+    pub fn update(&mut self, r: &Setpoint, y: f32) -> f32 {
+        let rests = r.is_rest();
+        let error = r.position - self.estimator.now().position;
         let frozen = if rests {
             within(error, FROZEN * self.rest.window()) == error
         } else {
             self.starts()
         };
-        self.observe(y, setpoint.position, frozen);
-        let r = self.ahead(setpoint);
-        let changes = self.head(&r);
-        self.bear(&r);
-        self.hop.follow(setpoint.position, setpoint.velocity);
+        self.observe(y, r.position, frozen);
+        let changes = self.head(r);
+        self.bear(r);
+        self.hop.follow(r.position, r.velocity);
         if rests {
             self.pauses();
             let still = self.is_still();
-            let error = setpoint.position - self.estimator.now().position;
+            let error = r.position - self.estimator.now().position;
             self.rest.update(error, still);
         } else {
             self.rest.wake();
@@ -164,7 +164,7 @@ impl Controller {
         let fading = self
             .transfer
             .fade(self.design.fade, self.design.transition_step);
-        let command = self.law(&r, rests, changes) + fading;
+        let command = self.law(r, rests, changes) + fading;
         let Some(arriving) = self.transfer.take() else {
             return command;
         };
@@ -177,10 +177,15 @@ impl Controller {
             // What the model before could not explain.
             self.estimator.forget_disturbance();
             self.rest.forget();
-            self.bear(&r);
+            self.bear(r);
         }
-        let changed = self.law(&r, rests, changes);
+        let changed = self.law(r, rests, changes);
         self.transfer.keep(command, changed)
+    }
+
+    /// The reference comes to rest there; `None`: nobody knows where.
+    pub(crate) const fn head_for(&mut self, goal: Option<f32>) {
+        self.goal = goal;
     }
 
     /// A controller on `model` that does little, until there are poles for it.
@@ -192,6 +197,16 @@ impl Controller {
     /// The flow that the axis feels from now on, behind the delay.
     pub(crate) fn flow_in_force(&self) -> f32 {
         self.estimator.flow_in_force()
+    }
+
+    /// Samples from a command to its effect.
+    pub(crate) const fn delay(&self) -> usize {
+        self.design.estimator.delay
+    }
+
+    /// The motion when the next command takes effect, as far as what is on its way leads there.
+    pub(crate) fn motion_ahead(&self) -> Motion {
+        self.estimator.motion_ahead()
     }
 
     /// Stiffness of the axis where it is over that in the middle.

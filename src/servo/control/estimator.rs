@@ -27,6 +27,7 @@ pub(crate) struct StateEstimator {
     poles: Poles,
     place: Place,
     step: Step,
+    /// Gains for the innovation, times the sample time, of a drive without stiffness.
     gain: [f32; 4],
     flows: [f32; DELAY_MAX + 1],
     next: usize,
@@ -46,7 +47,7 @@ impl StateEstimator {
         design.delay = design.delay.min(DELAY_MAX);
         let place = Place::new(design.travel, design.dead_volume);
         let mut estimator = Self {
-            step: Step::of(&model, 1.0, design.sample_time),
+            step: Step::of(&model, design.sample_time),
             design,
             model,
             poles,
@@ -66,6 +67,9 @@ impl StateEstimator {
     pub(crate) fn tune(&mut self, model: Model, poles: Poles) {
         self.model = model;
         self.poles = poles;
+        let t = self.design.sample_time;
+        self.step = Step::of(&model, t);
+        self.gain = poles.correction(0.0, model.a2).map(|l| t * l);
         self.schedule();
     }
 
@@ -101,17 +105,20 @@ impl StateEstimator {
     /// Coefficients at the present place.
     #[inline]
     fn schedule(&mut self) {
-        self.step = Step::of(&self.model, self.place.stiffness(), self.design.sample_time);
-        let t = self.design.sample_time;
-        self.gain = self
-            .poles
-            .correction(self.step.a1, self.step.a2)
-            .map(|l| t * l);
+        self.step.go(&self.model, self.place.stiffness());
+    }
+
+    /// Gains at the present place: see [`Poles::correction`].
+    #[inline]
+    fn correction(&self) -> [f32; 4] {
+        let [l1, l2, l3, l4] = self.gain;
+        [l1, l2 - self.step.pull, l3 - self.step.a1 * l1, l4]
     }
 
     fn flow_of(&self, age: usize) -> f32 {
         let length = self.flows.len();
-        let at = (self.next + length - age) % length;
+        let at = self.next + length - age;
+        let at = if at < length { at } else { at - length };
         self.flows.get(at).copied().unwrap_or(0.0)
     }
 
@@ -135,7 +142,7 @@ impl StateEstimator {
         } else {
             self.now.advance(flow, &self.step);
             innovation = y - self.now.position;
-            let [l1, l2, l3, l4] = self.gain;
+            let [l1, l2, l3, l4] = self.correction();
             self.now.position += l1 * innovation;
             self.now.velocity += l2 * innovation;
             self.now.drive += l3 * innovation;
@@ -256,30 +263,11 @@ impl StateEstimator {
 
     /// The observed motion now.
     pub(crate) fn motion(&self) -> Motion {
-        let AxisState {
-            position,
-            velocity,
-            drive,
-            ..
-        } = self.now;
-        let friction = self.model.friction;
-        let acceleration = if self.held {
-            0.0
-        } else {
-            let force = drive - self.model.a2 * velocity;
-            let sliding = if velocity > 0.0 {
-                friction
-            } else if velocity < 0.0 {
-                -friction
-            } else {
-                within(force, friction)
-            };
-            force - sliding
-        };
-        Motion {
-            position,
-            velocity,
-            acceleration,
-        }
+        self.now.motion(&self.model, self.held)
+    }
+
+    /// The motion when the next command takes effect.
+    pub(crate) fn motion_ahead(&self) -> Motion {
+        self.ahead.motion(&self.model, self.held)
     }
 }

@@ -49,19 +49,6 @@ impl Controller {
         )
     }
 
-    /// The reference a delay from now.
-    #[inline]
-    pub(super) fn ahead(&self, r: &Setpoint) -> Setpoint {
-        let t = self.design.delay;
-        let (half, third) = (0.5 * t, t * (1.0 / 3.0));
-        Setpoint {
-            position: r.position + t * (r.velocity + half * (r.acceleration + third * r.jerk)),
-            velocity: r.velocity + t * (r.acceleration + half * r.jerk),
-            acceleration: r.acceleration + t * r.jerk,
-            jerk: r.jerk,
-        }
-    }
-
     /// Follows the sign of the next motion; its rate per s.
     #[inline]
     pub(super) fn head(&mut self, r: &Setpoint) -> f32 {

@@ -28,9 +28,10 @@ const HELD_MOST: f32 = 0.99 * DRIVE_MAX_RATIO;
 impl Controller {
     /// Rate of the drive that moves a sticking axis.
     ///
-    /// It is pushed to where the reference will be when the push has moved it, and that time is
-    /// known to a quarter: what is missing then has a sign only beyond a quarter of the way that
-    /// the reference goes meanwhile. A push the wrong way would cost the whole hop.
+    /// It is pushed to where the reference will be when the push has moved it, which is not beyond
+    /// the goal of a move: a small one is over before. That time is known to a quarter: what is
+    /// missing then has a sign only beyond a quarter of the way that the reference goes meanwhile.
+    /// A push the wrong way would cost the whole hop.
     ///
     /// Behind a moving reference it grows so that the axis hops when as much is missing as a hop is
     /// long: see [`due`]. After a pause of the reference it may grow faster, by the time of it: a
@@ -52,7 +53,7 @@ impl Controller {
         let wc = self.estimator.poles().bandwidth;
         let later = LATER / wc;
         let velocity = r.velocity + 0.5 * later * r.acceleration;
-        let coming = error + later * velocity;
+        let coming = error + self.until_goal(r, later * velocity);
         let direction = sign(coming);
         let goes = later * (r.velocity.abs() + 0.5 * later * r.acceleration.abs());
         let (unknown, window) = (LATER_ERROR * goes, self.rest.window());
@@ -92,6 +93,17 @@ impl Controller {
         }
         let slide = direction * self.slide(r, at_rest, heading_rate);
         direction * if slide > push { slide } else { push }
+    }
+
+    /// So much of a way of the reference as it goes until its goal, if it is on the way there.
+    fn until_goal(&self, r: &Setpoint, way: f32) -> f32 {
+        let Some(goal) = self.goal else {
+            return way;
+        };
+        let left = goal - r.position;
+        let leaves = r.velocity * left < 0.0;
+        let ends = way * left < 0.0 || within(way, left.abs()) != way;
+        if ends && !leaves { left } else { way }
     }
 
     /// Growth of the push in a sample.

@@ -23,6 +23,11 @@ pub(crate) struct RestDesign {
 /// overshoot, and an axis that slips from its rest was moved by what drifts, see
 /// [`Holding`](crate::servo::control::holding::Holding).
 ///
+/// An axis that nothing holds never rests: about its target it drifts behind a valve that is not
+/// known as well as that. Within [`FROZEN`] windows the integral action waits; where it leaves them
+/// after it was well inside, the integral action begins again, which is one more turn of such a
+/// cycle, though it may be on one side of the target only. That is a hunt, too.
+///
 /// Known as: hunting of stiction and integral action (Armstrong-Helouvry, Dupont and Canudas de
 /// Wit 1994).
 #[derive(Debug, Clone, PartialEq)]
@@ -34,10 +39,16 @@ pub(crate) struct RestWindow {
     /// other one before; 0 since the reference came to rest or the axis stood.
     side: f32,
     crossed: bool,
+    /// Whether an axis that nothing holds was well inside of the window since then, or has left it.
+    inside: bool,
     hunts: u16,
     stopped: bool,
 }
 
+/// Windows within which integral action is frozen at rest.
+pub(crate) const FROZEN: f32 = 1.5;
+/// Part of the window within which an axis is well inside of it.
+const INSIDE: f32 = 0.5;
 const WIDER: f32 = 1.25;
 const NARROWER: f32 = 0.8;
 /// Part of the window that stays with another model.
@@ -53,6 +64,7 @@ impl RestWindow {
             resting: false,
             side: 0.0,
             crossed: !design.sticky,
+            inside: false,
             hunts: 0,
             stopped: false,
         }
@@ -83,6 +95,7 @@ impl RestWindow {
     /// The valve no longer rests.
     pub(crate) const fn wake(&mut self) {
         self.resting = false;
+        self.inside = false;
         self.stands();
         self.hunts = 0;
         self.stopped = false;
@@ -118,6 +131,9 @@ impl RestWindow {
         if still {
             self.stands();
         }
+        if !self.design.sticky {
+            self.drift(size);
+        }
         if size > self.window {
             let side = if error > 0.0 { 1.0 } else { -1.0 };
             if self.side * side < 0.0 {
@@ -141,6 +157,17 @@ impl RestWindow {
         }
     }
 
+    /// An error of an axis that nothing holds.
+    #[inline]
+    fn drift(&mut self, size: f32) {
+        if size < INSIDE * self.window {
+            self.inside = true;
+        } else if self.inside && size > FROZEN * self.window {
+            self.inside = false;
+            self.hunt();
+        }
+    }
+
     /// Whether a hunt would widen the window.
     pub(crate) fn can_widen(&self) -> bool {
         self.window < self.design.most
@@ -154,3 +181,6 @@ impl RestWindow {
         self.window
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,6 +3,7 @@
 pub(crate) mod alpha_beta_gamma;
 pub(crate) mod brake;
 pub(crate) mod ends;
+pub(crate) mod followed;
 pub(crate) mod profile;
 pub(crate) mod returning;
 pub(crate) mod run_out;

@@ -217,8 +217,16 @@ impl Trajectory {
             && self.behind_rest.is_none()
     }
 
+    /// Where the present move comes to rest.
+    #[inline]
+    pub(crate) fn goal(&self) -> Option<f32> {
+        match &self.plan {
+            Activity::Move(planned) => Some(planned.target()),
+            Activity::Rest | Activity::RunOut(_) | Activity::Sine(_) => None,
+        }
+    }
+
     /// The newest setpoint.
-    #[cfg(test)]
     pub(crate) const fn setpoint(&self) -> Setpoint {
         self.setpoint
     }

@@ -11,6 +11,7 @@ use crate::servo::identification::{expect_noise, identifier, replan, trends};
 use crate::servo::model::Model;
 use crate::servo::monitoring::{Monitors, stop::Stop};
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
+use crate::servo::motion::followed::Followed;
 use crate::servo::motion::trajectory::Trajectory;
 use crate::servo::servo_loop::ServoLoop;
 use crate::servo::servo_loop::commands::Commands;
@@ -83,6 +84,7 @@ fields! { of config, axis, design:
     },
     moves: Moves {
         trajectory: Trajectory::new(design.motion, design.travel, design.sample_time),
+        followed: Followed::at(design.travel.min),
         run_out_rate: design.run_out_rate,
         tracking: AlphaBetaGamma::new(design.tracking_rate, design.sample_time),
         unsettled: 0,

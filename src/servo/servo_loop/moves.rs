@@ -2,12 +2,15 @@
 
 use crate::servo::design::constants::SETTLING_RATIO;
 use crate::servo::motion::alpha_beta_gamma::AlphaBetaGamma;
+use crate::servo::motion::followed::Followed;
 use crate::servo::motion::trajectory::Trajectory;
 
 /// Reference and measured motion of the axis.
 #[derive(Debug, Clone)]
 pub(crate) struct Moves {
     pub(crate) trajectory: Trajectory,
+    /// What of it is on its way to the axis.
+    pub(crate) followed: Followed,
     /// Pole in rad/s with which a motion that is taken over runs out.
     pub(crate) run_out_rate: f32,
     /// The motion from the positions alone.
@@ -23,6 +26,12 @@ pub(crate) struct Moves {
 }
 
 impl Moves {
+    /// The axis follows the reference from where that is now, a delay behind.
+    pub(crate) fn follow(&mut self, delay: usize, sample_time: f32) {
+        let newest = self.trajectory.setpoint();
+        self.followed.begin(newest, delay, sample_time);
+    }
+
     /// The filter has a first position, or other poles: how the axis moves is known when it has
     /// settled.
     #[cold]

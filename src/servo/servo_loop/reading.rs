@@ -68,6 +68,8 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             self.sensed.begun = true;
             self.moves.begin_again(y, self.config.sample_time);
             self.moves.trajectory.stand(y, self.moves.run_out_rate);
+            self.moves
+                .follow(self.controller.delay(), self.config.sample_time);
             self.controller.place(Motion::at(y));
             self.guard
                 .monitors

@@ -177,3 +177,31 @@ fn a_hop_is_due_when_its_reference_has_gone_what_is_left() {
         near(due(left, speed, 3.0), 3.0);
     }
 }
+
+#[test]
+fn a_reference_goes_no_farther_than_its_goal() {
+    let mut held = at(0.0, 0.0);
+    for way in [1.0, -1.0] {
+        for (goal, velocity, ahead, expected) in [
+            (None, 5.0, 7.0, 7.0),
+            (Some(8.0), 5.0, 7.0, 7.0),
+            (Some(3.0), 5.0, 7.0, 3.0),
+            // Its deceleration would turn it back.
+            (Some(3.0), 5.0, -2.0, 3.0),
+            // It comes back to a goal that it leaves.
+            (Some(-3.0), 5.0, 7.0, 7.0),
+            (Some(0.0), 5.0, 7.0, 0.0),
+        ] {
+            let r = reference(2.0, way * velocity, 0.0);
+            held.head_for(goal.map(|goal: f32| r.position + way * goal));
+            assert_eq!(held.until_goal(&r, way * ahead), way * expected, "{goal:?}");
+        }
+    }
+    // So a small step is none where what it leaves is within the window.
+    let window = held.rest.window();
+    let r = reference(0.5 * window, 100.0 * window, 0.0);
+    held.head_for(None);
+    assert!(held.break_away(&r, false, 0.0) > 0.0);
+    held.head_for(Some(r.position + 0.4 * window));
+    assert_eq!(held.break_away(&r, false, 0.0), 0.0);
+}

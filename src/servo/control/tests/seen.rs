@@ -15,7 +15,8 @@ const TRAVEL: Travel = Travel {
 #[test]
 fn a_step_of_the_state_is_the_drive_with_friction_and_disturbance() {
     for stiffness in [1.0, 1.7] {
-        let step = Step::of(&MODEL, stiffness, 1e-4);
+        let mut step = Step::of(&MODEL, 1e-4);
+        step.go(&MODEL, stiffness);
         assert_eq!((step.a1, step.a2), (stiffness * 400.0, 20.0));
         assert_eq!(step.b0, stiffness * 1e6);
         let mut state = AxisState {
@@ -55,7 +56,7 @@ fn a_step_of_the_state_is_the_drive_with_friction_and_disturbance() {
 #[test]
 fn an_undamped_drive_neither_grows_nor_fades_and_friction_leaves_no_velocity() {
     let model = Model::linear(400.0, 0.0, 1e6);
-    let step = Step::of(&model, 1.0, STEP);
+    let step = Step::of(&model, STEP);
     let mut state = AxisState {
         velocity: 100.0,
         ..AxisState::default()
@@ -68,7 +69,7 @@ fn an_undamped_drive_neither_grows_nor_fades_and_friction_leaves_no_velocity() {
     }
     assert!((energy(&state) / before - 1.0).abs() < 1e-2);
     // A velocity that friction can take within the sample is taken whole.
-    let step = Step::of(&MODEL, 1.0, STEP);
+    let step = Step::of(&MODEL, STEP);
     for velocity in [0.7, -0.7] {
         let mut state = AxisState {
             velocity,

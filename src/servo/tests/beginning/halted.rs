@@ -30,6 +30,7 @@ fn the_reference_is_stopped_once_and_by_the_limits_of_motion() {
     let mut bench = moving();
     bench.servo.commission();
     let mut alone = bench.servo.moves.trajectory.clone();
+    let mut followed = bench.servo.moves.followed.clone();
     let middles = bench.servo.commissioning.middles();
     assert!(!alone.is_finished());
     alone.stop(&middles);
@@ -37,7 +38,9 @@ fn the_reference_is_stopped_once_and_by_the_limits_of_motion() {
     while !alone.is_finished() {
         let (report, _) = bench.step();
         assert_eq!(report.state, State::Exciting, "{k}");
-        assert_eq!(report.setpoint, alone.update(), "{k}");
+        let newest = alone.update();
+        assert_eq!(bench.servo.moves.trajectory.setpoint(), newest, "{k}");
+        assert_eq!(report.setpoint, followed.pass(newest), "{k}");
         // What waits for a reference that still moves has waited for a sample.
         assert_eq!(bench.servo.takeover.halt.since, 1, "{k}");
         k += 1;
