@@ -100,7 +100,7 @@
 #define TRENDID_RECORD_BYTES 96
 
 // Words of 8 bytes of a `trendid_loop`.
-#define TRENDID_LOOP_WORDS 1856
+#define TRENDID_LOOP_WORDS 1936
 
 // Most inputs that the caller may give.
 #define TRENDID_INPUTS_MAX 2

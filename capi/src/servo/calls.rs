@@ -18,7 +18,7 @@ pub const RECORD_BYTES: usize = 96;
 const _: () = assert!(RECORD_BYTES == CORE_RECORD_BYTES);
 
 /// Words of 8 bytes of a `trendid_loop`.
-pub const LOOP_WORDS: usize = 1856;
+pub const LOOP_WORDS: usize = 1936;
 
 /// Memory of an adaptive position loop.
 #[repr(C)]
