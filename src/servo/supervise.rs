@@ -215,6 +215,7 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
                         .watch(self.sensed.position, self.drive.sign * command);
                     match self.takeover.watching {
                         0 => self.supervisor.commissioned(found.model),
+                        // Beside the begin of control a sample has no time for it.
                         1 => {
                             self.identify_from(&found.model, REOPENED_STD);
                             return false;
