@@ -1,6 +1,6 @@
 //! State feedback over the delay on a verified model: feedforward, friction, inverse of the valve.
 
-use crate::math::{sqrt, within};
+use crate::math::sqrt;
 use crate::servo::control::anchor::Anchor;
 use crate::servo::control::estimator::StateEstimator;
 use crate::servo::control::holding::Holding;
@@ -9,7 +9,7 @@ use crate::servo::control::load::Load;
 use crate::servo::control::margins::Margins;
 use crate::servo::control::null::NullOffset;
 use crate::servo::control::poles::Poles;
-use crate::servo::control::rest::{FROZEN, RestDesign, RestWindow};
+use crate::servo::control::rest::{RestDesign, RestWindow};
 use crate::servo::control::transfer::Transfer;
 use crate::servo::control::tuning::Tuning;
 use crate::servo::design::ControllerDesign;
@@ -81,6 +81,8 @@ pub struct Controller {
     pub(super) rested: u32,
     /// Error and reference at the last breakaway.
     pub(super) left: [f32; 2],
+    /// Error with which the valve closed behind an axis that nothing holds.
+    pub(super) closed_at: f32,
     /// Where the reference comes to rest, as far as it is known.
     pub(super) goal: Option<f32>,
     pub(super) transfer: Transfer,
@@ -125,6 +127,7 @@ impl Controller {
             pause: 0,
             rested: 0,
             left: [0.0; 2],
+            closed_at: 0.0,
             goal: None,
             transfer: Transfer::default(),
         };
@@ -145,7 +148,7 @@ impl Controller {
         let rests = r.is_rest();
         let error = r.position - self.estimator.now().position;
         let frozen = if rests {
-            within(error, FROZEN * self.rest.window()) == error
+            self.rest.freezes(error)
         } else {
             self.starts()
         };
@@ -155,9 +158,7 @@ impl Controller {
         self.hop.follow(r.position, r.velocity);
         if rests {
             self.pauses();
-            let still = self.is_still();
-            let error = r.position - self.estimator.now().position;
-            self.rest.update(error, still);
+            self.come_to_rest(r.position);
         } else {
             self.rest.wake();
         }

@@ -19,13 +19,13 @@ const BETWEEN: f32 = 0.004;
 /// Least part of the friction that counts as the way of the drive to its edge.
 const WAY_MIN: f32 = 0.2;
 
-/// A slip: friction that held the axis lets go.
+/// A slip: friction that held the axis lets go, or an axis that nothing holds has left its window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Slip {
     /// 1 or -1.
     pub(crate) direction: f32,
     /// Friction, and the drive that was seen, over b0: times in s in which the full flow brings the
-    /// drive so far.
+    /// drive so far. Without friction the way over C, in which it brings the axis so far, and none.
     pub(crate) friction: f32,
     pub(crate) drive: f32,
     /// Time in s for which what came before the rest acts on: an earlier slip says nothing.
@@ -59,7 +59,9 @@ pub(crate) struct Slip {
 /// slips in one direction are added up until they outlast what came before them.
 ///
 /// Without it an axis with gravity and a leak slips from its rest again and again, and the loop
-/// brings it back: a cycle that no window ends, because the drive drifts and does not hunt.
+/// brings it back: a cycle that no window ends, because the drive drifts and does not hunt. An axis
+/// without friction creeps from it, where it is the position that goes on by `C q`: the same search
+/// ends that, too.
 ///
 /// Known as: bisection; before it, accelerated stochastic approximation (Kesten 1958).
 #[derive(Debug, Clone, PartialEq)]

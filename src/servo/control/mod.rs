@@ -24,6 +24,7 @@ pub(crate) mod poles;
 mod push;
 pub(crate) mod rest;
 mod room;
+mod standing;
 pub(crate) mod sweep;
 pub(crate) mod transfer;
 pub(crate) mod tuning;

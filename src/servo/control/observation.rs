@@ -123,7 +123,7 @@ impl Controller {
             self.left[0] = 0.0;
             self.rested = 0;
         }
-        let rests = self.rest.rests() && self.sticks();
+        let rests = self.rest.rests() && (self.sticks() || !self.sticky);
         self.holding.pass(self.sample_time(), rests);
         let held = self.anchor.holds().then(|| self.anchor.place());
         let _ = self.estimator.update(y, held, frozen);
@@ -167,11 +167,6 @@ impl Controller {
     pub(super) fn starts(&self) -> bool {
         let time = self.sample_time() * self.anchor.since() as f32;
         self.sticky && time * self.estimator.poles().observer < STARTING
-    }
-
-    /// Whether the axis stands: friction holds it. Without friction a closed valve lets it creep.
-    pub(super) fn is_still(&self) -> bool {
-        self.sticky && self.anchor.holds()
     }
 
     /// The offset of the valve from sliding both ways.

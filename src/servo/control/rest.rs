@@ -1,5 +1,7 @@
 //! The window about a target within which the valve rests, and how hunting widens it.
 
+use crate::math::within;
+
 /// Numbers of the window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct RestDesign {
@@ -23,10 +25,9 @@ pub(crate) struct RestDesign {
 /// overshoot, and an axis that slips from its rest was moved by what drifts, see
 /// [`Holding`](crate::servo::control::holding::Holding).
 ///
-/// An axis that nothing holds never rests: about its target it drifts behind a valve that is not
-/// known as well as that. Within [`FROZEN`] windows the integral action waits; where it leaves them
-/// after it was well inside, the integral action begins again, which is one more turn of such a
-/// cycle, though it may be on one side of the target only. That is a hunt, too.
+/// An axis that nothing holds rests behind a closed valve. Where it leaves the window by far after
+/// it was well inside, the approach begins again, which is one more turn of such a cycle, though it
+/// may be on one side of the target only. That is a hunt, too.
 ///
 /// Known as: hunting of stiction and integral action (Armstrong-Helouvry, Dupont and Canudas de
 /// Wit 1994).
@@ -39,16 +40,19 @@ pub(crate) struct RestWindow {
     /// other one before; 0 since the reference came to rest or the axis stood.
     side: f32,
     crossed: bool,
-    /// Whether an axis that nothing holds was well inside of the window since then, or has left it.
+    /// Whether an axis that nothing holds was well inside of the window since then, and has not
+    /// left it by far.
     inside: bool,
     hunts: u16,
     stopped: bool,
 }
 
-/// Windows within which integral action is frozen at rest.
-pub(crate) const FROZEN: f32 = 1.5;
-/// Part of the window within which an axis is well inside of it.
-const INSIDE: f32 = 0.5;
+/// Windows within which integral action is frozen while friction may hold the axis, and beyond
+/// which an axis that nothing holds has left its window by far.
+const FROZEN: f32 = 1.5;
+/// Part of the window within which an axis is well inside of it: where nothing holds it, there the
+/// valve closes, and integral action waits.
+pub(super) const INSIDE: f32 = 0.5;
 const WIDER: f32 = 1.25;
 const NARROWER: f32 = 0.8;
 /// Part of the window that stays with another model.
@@ -143,7 +147,7 @@ impl RestWindow {
                 self.crossed = true;
             }
             self.side = side;
-        } else if still {
+        } else if still && (self.design.sticky || size < INSIDE * self.window) {
             self.resting = true;
             if !self.stopped && self.hunts == 0 {
                 self.window *= NARROWER;
@@ -166,6 +170,16 @@ impl RestWindow {
             self.inside = false;
             self.hunt();
         }
+    }
+
+    /// Whether integral action waits at an error of a target at rest.
+    ///
+    /// An axis that nothing holds stands where the part of the dead zone that is not known takes
+    /// the command: well inside of the window the valve closes, further out only integral action
+    /// brings the axis nearer.
+    pub(crate) fn freezes(&self, error: f32) -> bool {
+        let windows = if self.design.sticky { FROZEN } else { INSIDE };
+        !self.design.sticky && self.resting || within(error, windows * self.window) == error
     }
 
     /// Whether a hunt would widen the window.
