@@ -81,8 +81,6 @@ pub struct Controller {
     pub(super) rested: u32,
     /// Error and reference at the last breakaway.
     pub(super) left: [f32; 2],
-    /// Error with which the valve closed behind an axis that nothing holds.
-    pub(super) closed_at: f32,
     /// Where the reference comes to rest, as far as it is known.
     pub(super) goal: Option<f32>,
     pub(super) transfer: Transfer,
@@ -127,7 +125,6 @@ impl Controller {
             pause: 0,
             rested: 0,
             left: [0.0; 2],
-            closed_at: 0.0,
             goal: None,
             transfer: Transfer::default(),
         };

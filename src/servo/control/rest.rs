@@ -36,6 +36,8 @@ pub(crate) struct RestWindow {
     design: RestDesign,
     window: f32,
     resting: bool,
+    /// Error with which the valve came to rest last.
+    rested_at: f32,
     /// Side of the target where the axis was beyond the window last, and whether it has gone to the
     /// other one before; 0 since the reference came to rest or the axis stood.
     side: f32,
@@ -66,6 +68,7 @@ impl RestWindow {
             design: *design,
             window: design.least,
             resting: false,
+            rested_at: 0.0,
             side: 0.0,
             crossed: !design.sticky,
             inside: false,
@@ -148,7 +151,7 @@ impl RestWindow {
             }
             self.side = side;
         } else if still && (self.design.sticky || size < INSIDE * self.window) {
-            self.resting = true;
+            (self.resting, self.rested_at) = (true, error);
             if !self.stopped && self.hunts == 0 {
                 self.window *= NARROWER;
                 self.bound();
@@ -185,6 +188,11 @@ impl RestWindow {
     /// Whether a hunt would widen the window.
     pub(crate) fn can_widen(&self) -> bool {
         self.window < self.design.most
+    }
+
+    /// Error with which the valve came to rest last.
+    pub(crate) const fn rested_at(&self) -> f32 {
+        self.rested_at
     }
 
     pub(crate) const fn rests(&self) -> bool {

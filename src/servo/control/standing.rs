@@ -28,11 +28,8 @@ impl Controller {
             return;
         }
         match (before, self.rest.rests()) {
-            (false, true) => {
-                self.closed_at = error;
-                self.estimator.forget_disturbance();
-            }
-            (true, false) => self.creep(self.closed_at - error),
+            (false, true) => self.estimator.forget_disturbance(),
+            (true, false) => self.creep(self.rest.rested_at() - error),
             _ => {}
         }
     }
@@ -43,8 +40,8 @@ impl Controller {
     /// velocity v swings by `v / w0` at most and then decays, however small the damping is. Without
     /// a leak it then stands wherever it is, which no control behind a dead zone that is not known
     /// exactly can do: there the commands of noise reach from one edge to the other. Where integral
-    /// action has found more than what may not be known of the dead zone, it is an offset or a force,
-    /// and a closed valve does not hold the axis.
+    /// action has found more than what may not be known of the dead zone, it is an offset or a
+    /// force, and a closed valve does not hold the axis.
     pub(super) fn is_still(&self) -> bool {
         if self.sticky {
             return self.anchor.holds();

@@ -111,7 +111,8 @@ impl Challenger {
 /// A model of too little velocity gain makes the controller too strong, one of too much makes it
 /// slow. Where valve, friction or limits leave all models astray, less gain explains the smaller
 /// motion: a model of less gain must explain the movement, not only more of it than the model in
-/// use, and a simpler change of less gain than the challenger no less than that one. And of two changes of one number that explain the windows alike neither is taken.
+/// use, and a simpler change of less gain than the challenger no less than that one. And of two
+/// changes of one number that explain the windows alike neither is taken.
 ///
 /// A load that comes may go and come again. On the model of a heavier load the loop is slow with a
 /// lighter one, the other way round it may be unstable: after a heavier load a lighter one must win

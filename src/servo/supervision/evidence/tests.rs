@@ -207,10 +207,17 @@ fn of_two_changes_that_explain_the_windows_alike_neither_is_taken() -> Result<()
 #[test]
 fn the_simpler_change_is_right_until_the_other_is_clearly_better() -> Result<(), Error> {
     let design = design()?;
-    for (left, simpler) in [(0.02, true), (0.2, false)] {
+    // Beside an estimate of much more gain the simpler change makes the controller stronger.
+    let cases = [(0.02, 1.1, true), (0.2, 1.1, false), (0.02, 1.3, false)];
+    for (left, factor, simpler) in cases.into_iter().chain([(0.005, 1.3, true)]) {
         let bank = LOAD.map(|share| if share == 0.0 { left } else { share });
         let mut evidence = Evidence::NONE;
-        evidence.propose(&estimate(2.0));
+        let model = Model::linear(1250.0, 30.0, factor * 2e6);
+        let estimated = Candidate {
+            model,
+            ..estimate(2.0)
+        };
+        evidence.propose(&estimated);
         let _ = after(&mut evidence, &design, &window(bank, 0.01));
         let found = after(&mut evidence, &design, &window(bank, 0.01));
         let Ok(Some((model, variances))) = found else {
@@ -219,7 +226,7 @@ fn the_simpler_change_is_right_until_the_other_is_clearly_better() -> Result<(),
         assert_eq!(variances == bank::variances(&model), simpler);
         let gain = model.b0 / model.a1 / (USED.b0 / USED.a1);
         assert_eq!((gain - 1.0).abs() < 1e-6, simpler, "{model:?}");
-        assert_eq!(model == estimate(2.0).model, !simpler);
+        assert_eq!(model == estimated.model, !simpler);
     }
     Ok(())
 }
