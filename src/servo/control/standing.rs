@@ -6,9 +6,11 @@ use crate::servo::control::holding::Slip;
 use crate::servo::control::rest::INSIDE;
 use crate::servo::design::constants::UNKNOWN_PART;
 
-/// Flow of offset and leaks beside which a closed valve holds the axis.
+/// Flow of offset and leaks beside which the valve closes all the same: where the axis then creeps,
+/// the command that holds it is found, and that reaches farther.
 const LEAKS: f32 = 0.01;
-/// Windows by which an axis that nothing holds may swing once its valve is closed.
+/// Windows by which the velocity of an axis that nothing holds may swing it once its valve is
+/// closed: a swing that leaves the window decays meanwhile, and the valve closes again.
 const SWING: f32 = 3.0;
 /// Time over 1/w0 after which it no longer swings as it did when the valve closed.
 const SWUNG: f32 = 2.0;
@@ -37,12 +39,13 @@ impl Controller {
     /// Whether the valve may close: friction holds the axis, or it comes to rest by itself.
     ///
     /// Behind a closed valve an axis that nothing holds is a mass on the stiffness of its drive: a
-    /// velocity v swings by `v / w0` at most and then decays, however small the damping is. Without
-    /// a leak it then stands wherever it is, which no control behind a dead zone that is not known
-    /// exactly can do: there the commands of noise reach from one edge to the other. Where integral
-    /// action has found more than what may not be known of the dead zone, it is an offset or a
-    /// force, and a closed valve does not hold the axis.
-    pub(super) fn is_still(&self) -> bool {
+    /// velocity v swings it by `v / w0` at most about where its drive comes to nothing, and that
+    /// decays, however small the damping is. Without a leak it then stands wherever it is, which no
+    /// control behind a dead zone that is not known exactly can do: there the commands of noise
+    /// reach from one edge to the other. Where integral action has found more than what may not be
+    /// known of the dead zone, it is an offset or a force, and a closed valve does not hold the
+    /// axis.
+    fn is_still(&self) -> bool {
         if self.sticky {
             return self.anchor.holds();
         }
