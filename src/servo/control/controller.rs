@@ -67,8 +67,6 @@ pub struct Controller {
     pub(super) factor: f32,
     /// Natural frequency of the model in the middle.
     pub(super) frequency: f32,
-    /// Whether friction can hold more than the sensor sees.
-    pub(super) sticky: bool,
     /// Filtered sign of the next motion of the reference.
     pub(super) heading: f32,
     pub(super) null: NullOffset,
@@ -110,13 +108,13 @@ impl Controller {
                 least: design.rest_window,
                 most: design.rest_window,
                 sticky: false,
+                lead: 0.0,
             }),
             poles,
             found_for: sqrt(model.a1),
             margins,
             factor: 1.0,
             frequency: 1.0,
-            sticky: false,
             heading: 0.0,
             null: NullOffset::default(),
             load: Load::default(),
@@ -229,7 +227,7 @@ impl Controller {
 
     /// Samples since the axis began to stick, or to slide; without friction it has always slid.
     pub(crate) const fn since(&self) -> u32 {
-        match self.sticky {
+        match self.rest.sticky() {
             true => self.anchor.since(),
             false => u32::MAX,
         }

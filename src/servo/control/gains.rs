@@ -7,11 +7,13 @@ use crate::servo::control::margins::Margins;
 use crate::servo::control::place::stiffening;
 use crate::servo::control::poles::Poles;
 use crate::servo::control::rest::RestDesign;
+use crate::servo::control::standing::lead;
 use crate::servo::control::tuning::{OBSERVER_STEP, Tuning};
 use crate::servo::design::{EstimatorDesign, TuningDesign};
 use crate::servo::model::Model;
 
-/// Deflections `friction / a1` over resolution and noise from which friction counts as holding.
+/// Deflections `friction / a1` over resolution and noise from which friction counts as holding: it
+/// holds more than the sensor sees.
 const STICKY: f32 = 10.0;
 /// Window over the deflection that friction holds, with room to rest in the dead zone and without.
 const WINDOW: [f32; 2] = [1.0, 0.2];
@@ -45,13 +47,13 @@ impl Controller {
             .tune(model.a1, stiffening(dead_volume), travel.length());
         let deflection = model.friction / model.a1;
         let grain = self.design.grain;
-        self.sticky = deflection > STICKY * grain;
-        if !self.sticky {
+        let sticky = deflection > STICKY * grain;
+        if !sticky {
             // From now on no position reaches it: a place still held would be held for ever.
             self.anchor.restart();
         }
         let room = model.dead_zone > 0.3 * model.offset.abs() + 0.002;
-        let most = if self.sticky {
+        let most = if sticky {
             WINDOW[usize::from(!room)] * deflection
         } else {
             let [dead_zone, offset] = VALVE_ERROR;
@@ -62,7 +64,12 @@ impl Controller {
         self.rest.redesign(&RestDesign {
             least,
             most: if most > least { most } else { least },
-            sticky: self.sticky,
+            sticky,
+            lead: if sticky {
+                0.0
+            } else {
+                lead(&model, self.frequency)
+            },
         });
     }
 

@@ -8,28 +8,30 @@ const MOST: f32 = 0.05;
 /// Distance from the edge of the dead zone, inwards, at which the search for a command beyond it
 /// begins.
 const EDGE: f32 = 0.02;
-/// Factor on what slips show, after another one the same way and after one the other way; and its
-/// bounds.
+/// Factor on a flow that was shown, after another one the same way and after one the other way; and
+/// its bounds.
 const SAME: f32 = 1.5;
 const OTHER: f32 = 0.5;
 const FACTOR: [f32; 2] = [0.1, 4.0];
 /// Commands that slipped both ways and are closer than this bracket nothing: what they should hold
 /// has changed.
 const BETWEEN: f32 = 0.004;
-/// Least part of the friction that counts as the way of the drive to its edge.
-const WAY_MIN: f32 = 0.2;
 
-/// A slip: friction that held the axis lets go, or an axis that nothing holds has left its window.
+/// The axis leaves its rest: friction that held it lets go, or nothing holds it and it creeps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Slip {
     /// 1 or -1.
     pub(crate) direction: f32,
-    /// Friction, and the drive that was seen, over b0: times in s in which the full flow brings the
-    /// drive so far. Without friction the way over C, in which it brings the axis so far, and none.
-    pub(crate) friction: f32,
-    pub(crate) drive: f32,
+    /// Way of the drive to the edge of friction, over b0; of an axis that nothing holds, its own
+    /// way over C: time in s in which the full flow leads so far.
+    pub(crate) way: f32,
     /// Time in s for which what came before the rest acts on: an earlier slip says nothing.
     pub(crate) settled: f32,
+}
+
+/// The valve, as far as it is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Edges {
     /// Command in the middle of the dead zone, and half of its width.
     pub(crate) middle: f32,
     pub(crate) dead_zone: f32,
@@ -45,7 +47,7 @@ pub(crate) struct Slip {
 /// ```text
 /// slipped both ways, more than 0.004 apart:  c <- half of their sum                                       bisection
 /// always one way, deep in the dead zone:     c <- 0.02 within its edge: inside, q depends on c hardly
-/// one way, near the edge and beyond it:      c <- c - direction factor q,   q = way of the drive / (b0 time)
+/// one way, near the edge and beyond it:      c <- c - direction factor q,   q = way / time
 /// ```
 ///
 /// Bisection halves the bracket with each slip and asks nothing of q but that it grows. The step
@@ -55,8 +57,9 @@ pub(crate) struct Slip {
 /// forgotten, and the search goes on from where it is. The command stays within 0.05 of the dead
 /// zone, which is what the monitors take a valve to be wrong by.
 ///
-/// An axis that stopped near its breakaway slips early, whatever q is: the rests and the ways of
-/// slips in one direction are added up until they outlast what came before them.
+/// An axis that stopped near its breakaway slips early, whatever q is, and one that nothing holds
+/// may be swung out of its window: the rests and the ways of slips in one direction are added up
+/// until they outlast what came before them, and count as one.
 ///
 /// Without it an axis with gravity and a leak slips from its rest again and again, and the loop
 /// brings it back: a cycle that no window ends, because the drive drifts and does not hunt. An axis
@@ -73,11 +76,12 @@ pub(crate) struct Holding {
     slipped: [Option<f32>; 2],
     /// Whether it ever slipped both ways.
     bracketed: bool,
-    /// Direction of the latest slip.
+    /// Direction of the latest slip, or creep, that counted.
     last: f32,
-    /// Time for which the axis has been held with the valve at rest, in s.
+    /// Time in s for which the valve at rest has held the axis.
     time: f32,
-    /// The same of all slips that are added up, and the ways of their drives over b0.
+    /// Direction of the slips that are added up, their times and the ways of their drives over b0.
+    run: f32,
     rested: f32,
     way: f32,
 }
@@ -91,11 +95,12 @@ impl Holding {
         bracketed: false,
         last: 0.0,
         time: 0.0,
+        run: 0.0,
         rested: 0.0,
         way: 0.0,
     };
 
-    /// One sample; `holds`: friction holds the axis, and the valve is at rest.
+    /// One sample; `holds`: the valve is at rest, and holds the axis.
     #[inline]
     pub(crate) fn pass(&mut self, sample_time: f32, holds: bool) {
         self.time = if holds { self.time + sample_time } else { 0.0 };
@@ -103,48 +108,41 @@ impl Holding {
 
     /// The axis slips; from motion, that shows nothing.
     #[inline]
-    pub(crate) fn slip(&mut self, slip: &Slip) {
+    pub(crate) fn slip(&mut self, slip: &Slip, valve: &Edges) {
         if !(self.time > 0.0) {
             return;
         }
-        let Slip {
-            direction,
-            friction,
-            ..
-        } = *slip;
-        let factor = match direction * self.last {
+        let direction = slip.direction;
+        if !(direction * self.run > 0.0) {
+            (self.way, self.rested) = (0.0, 0.0);
+        }
+        self.run = direction;
+        self.way += slip.way;
+        self.rested += self.time;
+        self.time = 0.0;
+        if self.rested > slip.settled {
+            let flow = self.way / self.rested;
+            (self.way, self.rested) = (0.0, 0.0);
+            self.shown(direction, flow, valve);
+        }
+    }
+
+    /// The command lets so much flow too much through in a direction.
+    fn shown(&mut self, direction: f32, flow: f32, valve: &Edges) {
+        let Edges { middle, dead_zone } = *valve;
+        let turn = match direction * self.last {
             0.0 => 1.0,
             same if same > 0.0 => SAME,
             _ => OTHER,
         };
-        if factor != SAME {
-            (self.way, self.rested) = (0.0, 0.0);
-        }
         self.last = direction;
-        let way = friction - direction * slip.drive;
-        let least = WAY_MIN * friction;
-        self.way += if way > least { way } else { least };
-        self.rested += self.time;
-        self.time = 0.0;
-        if self.rested > slip.settled {
-            let shown = within(self.way / self.rested, SHOWN);
-            (self.way, self.rested) = (0.0, 0.0);
-            self.command = Some(self.next(slip, factor, shown));
-        }
-    }
-
-    /// The command after a slip that counts and shows a flow.
-    fn next(&mut self, slip: &Slip, factor: f32, shown: f32) -> f32 {
-        let Slip {
-            direction, middle, ..
-        } = *slip;
         let command = self.command.unwrap_or(middle);
         let side = usize::from(direction > 0.0);
         self.bracketed |= self.slipped[1 - side].is_some();
         self.slipped[side] = Some(command);
         let other = self.slipped[1 - side].filter(|&other| direction * (command - other) > BETWEEN);
         self.slipped[1 - side] = other;
-        let inside = slip.dead_zone - EDGE;
+        let inside = dead_zone - EDGE;
         let next = if let Some(other) = other {
             self.factor = 1.0;
             0.5 * (command + other)
@@ -152,17 +150,17 @@ impl Holding {
             middle - direction * inside
         } else {
             let [least, most] = FACTOR;
-            let factor = self.factor * factor;
+            let factor = self.factor * turn;
             let factor = if factor < most { factor } else { most };
             self.factor = if factor > least { factor } else { least };
-            command - direction * self.factor * shown
+            command - direction * self.factor * within(flow, SHOWN)
         };
-        middle + within(next - middle, slip.dead_zone + MOST)
+        self.command = Some(middle + within(next - middle, dead_zone + MOST));
     }
 
     /// Whether the axis has ever slipped from its rest.
     pub(crate) fn has_slipped(&self) -> bool {
-        self.last != 0.0
+        self.run != 0.0
     }
 
     /// The command; `None`: that of the middle.
@@ -174,8 +172,21 @@ impl Holding {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::sign;
 
     const FRICTION: f32 = 0.004;
+    const VALVE: Edges = Edges {
+        middle: 0.0,
+        dead_zone: 0.05,
+    };
+
+    fn slip(direction: f32) -> Slip {
+        Slip {
+            direction,
+            way: FRICTION,
+            settled: 0.02,
+        }
+    }
 
     /// Slips in the first and in the last 30 s of 60 s of a drive that drifts by `b0 (flow + load)`
     /// between -friction and friction and is held from its middle after each; inside its dead zone
@@ -188,14 +199,7 @@ mod tests {
             let inside = within(spool, dead_zone);
             drive += 0.001 * (spool - inside + 0.02 * inside + load);
             if drive.abs() > FRICTION {
-                holding.slip(&Slip {
-                    direction: drive.signum(),
-                    friction: FRICTION,
-                    drive: 0.0,
-                    settled: 0.02,
-                    middle: 0.0,
-                    dead_zone: 0.05,
-                });
+                holding.slip(&slip(drive.signum()), &VALVE);
                 drive = 0.0;
                 found[usize::from(k >= 30_000)] += 1;
             }
@@ -227,14 +231,7 @@ mod tests {
     fn a_slip_in_motion_shows_nothing() {
         let mut holding = Holding::NONE;
         holding.pass(0.001, false);
-        holding.slip(&Slip {
-            direction: 1.0,
-            friction: FRICTION,
-            drive: 0.0,
-            settled: 0.02,
-            middle: 0.0,
-            dead_zone: 0.05,
-        });
+        holding.slip(&slip(1.0), &VALVE);
         assert_eq!(holding, Holding::NONE);
     }
 
@@ -245,16 +242,42 @@ mod tests {
             for _ in 0..15 {
                 holding.pass(0.001, true);
             }
-            holding.slip(&Slip {
-                direction,
-                friction: FRICTION,
-                drive: 0.0,
-                settled: 0.02,
-                middle: 0.0,
-                dead_zone: 0.05,
-            });
+            holding.slip(&slip(direction), &VALVE);
             assert_eq!(holding.command(), None);
         }
         assert!(holding.has_slipped());
+    }
+
+    #[test]
+    fn an_axis_that_nothing_holds_creeps_ever_more_slowly_whatever_the_valve_and_the_load_are() {
+        const WINDOW: f32 = 2e-4;
+        for middle in [-0.02_f32, 0.0, 0.015] {
+            for dead_zone in [0.0_f32, 0.02, 0.05, 0.06] {
+                for load in [-0.015_f32, -0.001, 0.003, 0.015] {
+                    let mut holding = Holding::NONE;
+                    let (mut way, mut flow) = (0.0_f32, 0.0);
+                    for _ in 0..60_000 {
+                        holding.pass(0.001, true);
+                        let spool = holding.command().unwrap_or(0.0) - middle;
+                        let inside = within(spool, dead_zone);
+                        flow = spool - inside + 0.02 * inside + load;
+                        way += 0.001 * flow;
+                        if way.abs() > WINDOW {
+                            let slip = Slip {
+                                direction: sign(way),
+                                way: way.abs(),
+                                settled: 0.02,
+                            };
+                            holding.slip(&slip, &VALVE);
+                            way = 0.0;
+                        }
+                    }
+                    assert!(
+                        flow.abs() < 5e-4,
+                        "middle {middle}, dead zone {dead_zone}, load {load}: {flow}"
+                    );
+                }
+            }
+        }
     }
 }

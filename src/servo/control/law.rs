@@ -94,7 +94,7 @@ impl Controller {
     pub(super) fn law(&self, r: &Setpoint, at_rest: bool, heading_rate: f32) -> f32 {
         let model = self.estimator.model();
         if self.rest.rests() && !self.centres() {
-            return self.holding.command().unwrap_or(self.middle());
+            return self.standing_command(r.position);
         }
         let rate = if self.rest.rests() {
             -self.quick() * self.estimator.ahead().drive
@@ -135,7 +135,7 @@ impl Controller {
         let step = self.estimator.step();
         let state = self.estimator.ahead();
         let error = r.position - state.position;
-        if at_rest && self.sticky && self.stops_by_friction(error, state) {
+        if at_rest && self.rest.sticky() && self.stops_by_friction(error, state) {
             let goal = self.stopping_drive(error, state.velocity);
             return self.quick() * (goal - state.drive) + step.a1 * state.velocity;
         }

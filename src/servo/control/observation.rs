@@ -3,7 +3,7 @@
 use crate::math::{sign, within};
 use crate::servo::control::anchor::Stiction;
 use crate::servo::control::controller::Controller;
-use crate::servo::control::holding::{Holding, Slip};
+use crate::servo::control::holding::{Edges, Holding, Slip};
 use crate::servo::control::hop::Hop;
 use crate::servo::control::null::NullOffset;
 use crate::servo::model::Model;
@@ -17,6 +17,8 @@ const STARTING: f32 = 4.0;
 /// The same behind a stop in which what came before acts on the drive: errors of the observer are
 /// within e^-30 of nothing, and a model that is wrong by half leaves e^-15.
 const SETTLED: f32 = 30.0;
+/// Least part of the friction that counts as the way of the drive to its edge.
+const WAY_MIN: f32 = 0.2;
 
 impl Controller {
     /// Begins at a motion, without an offset of earlier gains.
@@ -99,7 +101,7 @@ impl Controller {
     pub(super) fn observe(&mut self, y: f32, reference: f32, frozen: bool) {
         let now = *self.estimator.now();
         let slow = now.velocity.abs() < self.standing();
-        let hold = if self.sticky {
+        let hold = if self.rest.sticky() {
             self.anchor.update(y, slow)
         } else {
             Stiction::Sliding
@@ -107,7 +109,7 @@ impl Controller {
         if let Stiction::Left(direction) = hold {
             let friction = self.estimator.model().friction;
             let slip = self.slip(direction);
-            self.holding.slip(&slip);
+            self.holding.slip(&slip, &self.edges());
             self.estimator.release(direction, y, friction);
             self.left = [reference - y, reference];
         }
@@ -123,8 +125,8 @@ impl Controller {
             self.left[0] = 0.0;
             self.rested = 0;
         }
-        let rests = self.rest.rests() && (self.sticks() || !self.sticky);
-        self.holding.pass(self.sample_time(), rests);
+        let holds = self.is_held_at_rest();
+        self.holding.pass(self.sample_time(), holds);
         let held = self.anchor.holds().then(|| self.anchor.place());
         let _ = self.estimator.update(y, held, frozen);
         if held.is_none() && !frozen {
@@ -142,14 +144,20 @@ impl Controller {
 
     /// A slip in a direction, as the model sees it.
     fn slip(&self, direction: f32) -> Slip {
-        let (model, b0) = (self.estimator.model(), self.estimator.step().b0);
+        let (friction, drive) = (self.estimator.model().friction, self.estimator.now().drive);
+        let [way, least] = [friction - direction * drive, WAY_MIN * friction];
         Slip {
             direction,
-            friction: model.friction / b0,
-            drive: self.estimator.now().drive / b0,
+            way: if way > least { way } else { least } / self.estimator.step().b0,
             settled: self.design.delay + SETTLED / self.estimator.poles().observer,
+        }
+    }
+
+    /// The valve as the model and what was learned of its offset see it.
+    pub(super) fn edges(&self) -> Edges {
+        Edges {
             middle: self.middle(),
-            dead_zone: model.dead_zone,
+            dead_zone: self.estimator.model().dead_zone,
         }
     }
 
@@ -166,7 +174,7 @@ impl Controller {
     /// the other side.
     pub(super) fn starts(&self) -> bool {
         let time = self.sample_time() * self.anchor.since() as f32;
-        self.sticky && time * self.estimator.poles().observer < STARTING
+        self.rest.sticky() && time * self.estimator.poles().observer < STARTING
     }
 
     /// The offset of the valve from sliding both ways.

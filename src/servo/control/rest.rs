@@ -11,6 +11,9 @@ pub(crate) struct RestDesign {
     pub(crate) most: f32,
     /// Whether friction can hold the axis: an approach ends where it stands.
     pub(crate) sticky: bool,
+    /// Command per unit of the error by which a valve at rest leads an axis that nothing holds; 0
+    /// of one that friction holds.
+    pub(crate) lead: f32,
 }
 
 /// A window that hunting widens.
@@ -181,8 +184,11 @@ impl RestWindow {
     /// the command: well inside of the window the valve closes, further out only integral action
     /// brings the axis nearer.
     pub(crate) fn freezes(&self, error: f32) -> bool {
-        let windows = if self.design.sticky { FROZEN } else { INSIDE };
-        !self.design.sticky && self.resting || within(error, windows * self.window) == error
+        let (at_rest, windows) = match self.design.sticky {
+            true => (false, FROZEN),
+            false => (self.resting, INSIDE),
+        };
+        at_rest || within(error, windows * self.window) == error
     }
 
     /// Whether a hunt would widen the window.
@@ -193,6 +199,16 @@ impl RestWindow {
     /// Error with which the valve came to rest last.
     pub(crate) const fn rested_at(&self) -> f32 {
         self.rested_at
+    }
+
+    /// Whether friction can hold the axis.
+    pub(crate) const fn sticky(&self) -> bool {
+        self.design.sticky
+    }
+
+    /// Command by which a valve at rest leads an axis that nothing holds, at an error.
+    pub(crate) const fn lead(&self, error: f32) -> f32 {
+        self.design.lead * error
     }
 
     pub(crate) const fn rests(&self) -> bool {

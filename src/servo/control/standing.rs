@@ -5,6 +5,7 @@ use crate::servo::control::controller::Controller;
 use crate::servo::control::holding::Slip;
 use crate::servo::control::rest::INSIDE;
 use crate::servo::design::constants::UNKNOWN_PART;
+use crate::servo::model::Model;
 
 /// Flow of offset and leaks beside which the valve closes all the same: where the axis then creeps,
 /// the command that holds it is found, and that reaches farther.
@@ -14,6 +15,8 @@ const LEAKS: f32 = 0.01;
 const SWING: f32 = 3.0;
 /// Time over 1/w0 after which it no longer swings as it did when the valve closed.
 const SWUNG: f32 = 2.0;
+/// Rate over a2, and over w0, at which a valve at rest leads an axis that nothing holds: see [`lead`].
+const LEAD: [f32; 2] = [0.25, 0.1];
 
 impl Controller {
     /// A sample at a target at rest.
@@ -24,9 +27,9 @@ impl Controller {
     pub(super) fn come_to_rest(&mut self, target: f32) {
         let before = self.rest.rests();
         let error = target - self.estimator.now().position;
-        let still = self.is_still();
+        let still = !before && self.is_still();
         self.rest.update(error, still);
-        if self.sticky {
+        if self.rest.sticky() {
             return;
         }
         match (before, self.rest.rests()) {
@@ -34,6 +37,21 @@ impl Controller {
             (true, false) => self.creep(self.rest.rested_at() - error),
             _ => {}
         }
+    }
+
+    /// The command of a valve at rest.
+    ///
+    /// An axis that nothing holds is led back to its target, so slowly that it is stable whatever
+    /// the delay, see [`lead`]: within the dead zone that moves nothing, and where the command that
+    /// holds the axis is beyond it, by gravity or a leak, it is held there without a creep.
+    pub(super) fn standing_command(&self, target: f32) -> f32 {
+        let error = target - self.estimator.now().position;
+        self.holding.command().unwrap_or(self.middle()) + self.rest.lead(error)
+    }
+
+    /// Whether the valve at rest, or friction behind it, holds the axis.
+    pub(super) fn is_held_at_rest(&self) -> bool {
+        self.rest.rests() && (self.sticks() || !self.rest.sticky())
     }
 
     /// Whether the valve may close: friction holds the axis, or it comes to rest by itself.
@@ -46,7 +64,7 @@ impl Controller {
     /// known of the dead zone, it is an offset or a force, and a closed valve does not hold the
     /// axis.
     fn is_still(&self) -> bool {
-        if self.sticky {
+        if self.rest.sticky() {
             return self.anchor.holds();
         }
         let found = self.disturbance();
@@ -64,14 +82,26 @@ impl Controller {
         let model = self.estimator.model();
         let slip = Slip {
             direction: sign(moved),
-            friction: moved.abs() * model.a1 / model.b0,
-            drive: 0.0,
+            way: moved.abs() * model.a1 / model.b0,
             settled: self.design.delay + SWUNG / self.frequency,
-            middle: self.middle(),
-            dead_zone: model.dead_zone,
         };
-        self.holding.slip(&slip);
+        self.holding.slip(&slip, &self.edges());
     }
+}
+
+/// Command per unit of an error by which a valve at rest leads an axis that nothing holds.
+///
+/// ```text
+/// L(s) = r w0^2 / (s (s^2 + a2 s + w0^2)),   r = C k = min(a2 / 4, w0 / 10)
+/// ```
+///
+/// Beyond its crossover, near r, the loop is largest at its resonance, r / a2: with a quarter no
+/// delay makes it unstable there, nor a mass that is three times as large, whose damping is a third.
+/// At the crossover a tenth of w0 leaves a margin of phase for a delay of ten times 1/w0.
+pub(super) fn lead(model: &Model, frequency: f32) -> f32 {
+    let [damped, slow] = [LEAD[0] * model.a2, LEAD[1] * frequency];
+    let rate = if damped < slow { damped } else { slow };
+    rate * model.a1 / model.b0
 }
 
 #[cfg(test)]

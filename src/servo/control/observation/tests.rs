@@ -120,18 +120,15 @@ fn a_slip_is_told_in_times_of_the_full_flow() {
         let _ = controller.null.update(flow, 0.02, 1.0);
     }
     let null = controller.null.value();
-    let Slip {
-        direction,
-        friction,
-        drive,
-        settled,
-        middle,
-        dead_zone,
-    } = controller.slip(-1.0);
-    assert_eq!((direction, dead_zone), (-1.0, 0.0));
-    assert!((friction - 8e-4).abs() < 1e-8 && (drive - 5e-4).abs() < 1e-8);
+    let down = controller.slip(-1.0);
+    let Edges { middle, dead_zone } = controller.edges();
+    assert_eq!((down.direction, dead_zone), (-1.0, 0.0));
+    // The friction of 800 and the drive of 500 lie on both sides of the middle; the other way there
+    // is 300 left, and a fifth of the friction at least.
+    assert!((down.way - 1.3e-3).abs() < 1e-8, "{}", down.way);
+    assert!((controller.slip(1.0).way - 3e-4).abs() < 1e-8);
     // 30 time constants of the observer, behind the delay.
-    assert!((settled - 0.375).abs() < 1e-5, "{settled}");
+    assert!((down.settled - 0.375).abs() < 1e-5, "{down:?}");
     controller.design.delay = 0.1;
     assert!((controller.slip(1.0).settled - 0.475).abs() < 1e-5);
     assert!(null > 0.01 && (middle + 0.01 + null).abs() < 1e-7);
@@ -150,7 +147,9 @@ fn time_at_rest_is_counted_while_friction_holds_and_the_valve_rests() {
         for _ in 0..3 {
             controller.observe(200.0, 200.0, true);
         }
-        controller.holding.slip(&controller.slip(1.0));
+        controller
+            .holding
+            .slip(&controller.slip(1.0), &controller.edges());
         assert_eq!(controller.holding.has_slipped(), sticks && rests);
     }
 }
@@ -224,14 +223,16 @@ fn the_window_follows_from_friction_or_from_the_valve() {
             friction: 2.6,
             ..MODEL
         })
-        .sticky
+        .rest
+        .sticky()
     );
     assert!(
         !standing(Model {
             friction: 2.4,
             ..MODEL
         })
-        .sticky
+        .rest
+        .sticky()
     );
 }
 

@@ -6,6 +6,7 @@ const WINDOW: RestDesign = RestDesign {
     least: 0.01,
     most: 0.1,
     sticky: true,
+    lead: 0.0,
 };
 
 #[test]
@@ -125,7 +126,7 @@ fn a_hop_past_the_target_is_a_hunt_within_the_limits_of_the_window() {
     hopped.redesign(&RestDesign {
         least: 0.2,
         most: 0.3,
-        sticky: true,
+        ..WINDOW
     });
     assert_eq!(hopped.window(), 0.2);
 }

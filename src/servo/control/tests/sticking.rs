@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::servo::control::anchor::{Anchor, Stiction};
-use crate::servo::control::holding::{Holding, Slip};
+use crate::servo::control::holding::{Edges, Holding, Slip};
 use crate::servo::control::place::{Place, dead_volume as volume_of, stiffening};
 use crate::servo::design::AnchorDesign;
 use crate::servo::motion::Travel;
@@ -101,27 +101,29 @@ fn a_place_is_the_mean_of_its_first_forty_samples() {
 fn slip(direction: f32) -> Slip {
     Slip {
         direction,
-        friction: 0.004,
-        drive: 0.0,
+        way: 0.004,
         settled: 0.05,
-        middle: 0.01,
-        dead_zone: 0.05,
     }
 }
+
+const VALVE: Edges = Edges {
+    middle: 0.01,
+    dead_zone: 0.05,
+};
 
 /// The command after a slip that ends so many seconds of rest.
 fn after(holding: &mut Holding, seconds: f32, slip: &Slip) -> f32 {
     for _ in 0..(seconds / STEP) as u32 {
         holding.pass(STEP, true);
     }
-    holding.slip(slip);
-    holding.command().unwrap_or(slip.middle)
+    holding.slip(slip, &VALVE);
+    holding.command().unwrap_or(VALVE.middle)
 }
 
 #[test]
 fn a_slip_deep_in_the_dead_zone_sends_the_search_to_its_edge() {
     let mut holding = Holding::NONE;
-    holding.slip(&slip(1.0));
+    holding.slip(&slip(1.0), &VALVE);
     assert_eq!(holding, Holding::NONE, "it was not held");
     // 0.02 within the edge of the dead zone, the other way.
     let command = after(&mut holding, 10.0, &slip(1.0));
@@ -149,11 +151,11 @@ fn a_slip_deep_in_the_dead_zone_sends_the_search_to_its_edge() {
     ] {
         let mut holding = Holding::NONE;
         let _ = after(&mut holding, 10.0, &slip(1.0));
-        let other = Slip {
-            middle,
-            ..slip(1.0)
-        };
-        let next = after(&mut holding, 1.0, &other);
+        for _ in 0..(1.0 / STEP) as u32 {
+            holding.pass(STEP, true);
+        }
+        holding.slip(&slip(1.0), &Edges { middle, ..VALVE });
+        let next = holding.command().unwrap_or(middle);
         let exact = if edge {
             middle - 0.03
         } else {

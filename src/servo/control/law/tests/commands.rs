@@ -51,14 +51,13 @@ fn an_axis_that_is_held_is_pushed_rests_or_is_centred() {
         }
         if slipped {
             controller.holding.pass(1e-3, true);
-            controller.holding.slip(&Slip {
+            let slip = Slip {
                 direction: 1.0,
-                friction: 8e-4,
-                drive: 0.0,
+                way: 8e-4,
                 settled: 10.0,
-                middle: 0.0,
-                dead_zone: 0.0,
-            });
+            };
+            let valve = controller.edges();
+            controller.holding.slip(&slip, &valve);
         }
         let null = learned(&mut controller);
         let r = reference(1.0, 0.0, 0.0);
