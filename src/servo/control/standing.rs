@@ -13,8 +13,9 @@ const LEAKS: f32 = 0.01;
 /// Windows by which the velocity of an axis that nothing holds may swing it once its valve is
 /// closed: a swing that leaves the window decays meanwhile, and the valve closes again.
 const SWING: f32 = 3.0;
-/// Time over 1/w0 after which it no longer swings as it did when the valve closed.
-const SWUNG: f32 = 2.0;
+/// Time over 1/w0 after which it no longer swings as it did when the valve closed: more than half a
+/// period, in which it has been on both sides.
+const SWUNG: f32 = 4.0;
 /// Rate over a2, and over w0, at which a valve at rest leads an axis that nothing holds: see [`lead`].
 const LEAD: [f32; 2] = [0.25, 0.1];
 
