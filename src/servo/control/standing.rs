@@ -16,7 +16,8 @@ const SWING: f32 = 3.0;
 /// Time over 1/w0 after which it no longer swings as it did when the valve closed: more than half a
 /// period, in which it has been on both sides.
 const SWUNG: f32 = 4.0;
-/// Rate over a2, and over w0, at which a valve at rest leads an axis that nothing holds: see [`lead`].
+/// Rate over a2, and over w0, at which a valve at rest leads an axis that nothing holds: see
+/// [`lead`].
 const LEAD: [f32; 2] = [0.25, 0.1];
 
 impl Controller {
@@ -97,8 +98,8 @@ impl Controller {
 /// ```
 ///
 /// Beyond its crossover, near r, the loop is largest at its resonance, r / a2: with a quarter no
-/// delay makes it unstable there, nor a mass that is three times as large, whose damping is a third.
-/// At the crossover a tenth of w0 leaves a margin of phase for a delay of ten times 1/w0.
+/// delay makes it unstable there, nor a mass that is three times as large, whose a2 is a third. At
+/// the crossover a tenth of w0 leaves a margin of phase for a delay of ten times 1/w0.
 pub(super) fn lead(model: &Model, frequency: f32) -> f32 {
     let [damped, slow] = [LEAD[0] * model.a2, LEAD[1] * frequency];
     let rate = if damped < slow { damped } else { slow };

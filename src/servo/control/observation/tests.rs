@@ -123,8 +123,7 @@ fn a_slip_is_told_in_times_of_the_full_flow() {
     let down = controller.slip(-1.0);
     let Edges { middle, dead_zone } = controller.edges();
     assert_eq!((down.direction, dead_zone), (-1.0, 0.0));
-    // The friction of 800 and the drive of 500 lie on both sides of the middle; the other way there
-    // is 300 left, and a fifth of the friction at least.
+    // From a drive of 500 to the edges of a friction of 800.
     assert!((down.way - 1.3e-3).abs() < 1e-8, "{}", down.way);
     assert!((controller.slip(1.0).way - 3e-4).abs() < 1e-8);
     // 30 time constants of the observer, behind the delay.
@@ -147,9 +146,8 @@ fn time_at_rest_is_counted_while_friction_holds_and_the_valve_rests() {
         for _ in 0..3 {
             controller.observe(200.0, 200.0, true);
         }
-        controller
-            .holding
-            .slip(&controller.slip(1.0), &controller.edges());
+        let (slip, valve) = (controller.slip(1.0), controller.edges());
+        controller.holding.slip(&slip, &valve);
         assert_eq!(controller.holding.has_slipped(), sticks && rests);
     }
 }
