@@ -145,10 +145,11 @@ impl Controller {
     /// A slip in a direction, as the model sees it.
     fn slip(&self, direction: f32) -> Slip {
         let (friction, drive) = (self.estimator.model().friction, self.estimator.now().drive);
-        let [way, least] = [friction - direction * drive, WAY_MIN * friction];
+        let (way, least) = (friction - direction * drive, WAY_MIN * friction);
+        let way = if way > least { way } else { least };
         Slip {
             direction,
-            way: if way > least { way } else { least } / self.estimator.step().b0,
+            way: way / self.estimator.step().b0,
             settled: self.design.delay + SETTLED / self.estimator.poles().observer,
         }
     }
