@@ -80,7 +80,7 @@ pub(crate) struct Holding {
     last: f32,
     /// Time in s for which the valve at rest has held the axis.
     time: f32,
-    /// Direction of the slips that are added up, their times and the ways of their drives over b0.
+    /// Direction of the slips that are added up, their times at rest and their ways.
     run: f32,
     rested: f32,
     way: f32,
@@ -172,39 +172,47 @@ impl Holding {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::sign;
 
-    const FRICTION: f32 = 0.004;
     const VALVE: Edges = Edges {
         middle: 0.0,
         dead_zone: 0.05,
     };
 
-    fn slip(direction: f32) -> Slip {
+    /// Ways over b0 of a drive from the middle of friction to its edge, and over C of an axis that
+    /// nothing holds to that of its window.
+    const FRICTION: f32 = 0.004;
+    const WINDOW: f32 = 2e-4;
+
+    fn slip(direction: f32, way: f32) -> Slip {
         Slip {
             direction,
-            way: FRICTION,
+            way,
             settled: 0.02,
         }
     }
 
-    /// Slips in the first and in the last 30 s of 60 s of a drive that drifts by `b0 (flow + load)`
-    /// between -friction and friction and is held from its middle after each; inside its dead zone
-    /// the valve lets 2 % of the command through.
-    fn slips(holding: &mut Holding, middle: f32, dead_zone: f32, load: f32) -> [u32; 2] {
-        let (mut drive, mut found) = (0.0_f32, [0, 0]);
+    /// Slips in the first and in the last 30 s of 60 s in which `flow + load` moves a drive, or an
+    /// axis, by this way to either side, from where it is held again; inside its dead zone the
+    /// valve lets 2 % of the command through. With what flows in the end.
+    fn slips(
+        holding: &mut Holding,
+        [middle, dead_zone, load]: [f32; 3],
+        way: f32,
+    ) -> ([u32; 2], f32) {
+        let (mut moved, mut flow, mut found) = (0.0_f32, 0.0, [0, 0]);
         for k in 0..60_000_u32 {
             holding.pass(0.001, true);
             let spool = holding.command().unwrap_or(0.0) - middle;
             let inside = within(spool, dead_zone);
-            drive += 0.001 * (spool - inside + 0.02 * inside + load);
-            if drive.abs() > FRICTION {
-                holding.slip(&slip(drive.signum()), &VALVE);
-                drive = 0.0;
+            flow = spool - inside + 0.02 * inside + load;
+            moved += 0.001 * flow;
+            if moved.abs() > way {
+                holding.slip(&slip(moved.signum(), way), &VALVE);
+                moved = 0.0;
                 found[usize::from(k >= 30_000)] += 1;
             }
         }
-        found
+        (found, flow)
     }
 
     #[test]
@@ -215,7 +223,8 @@ mod tests {
                     let mut holding = Holding::NONE;
                     // Then another load: the bracket of before does not hold it for ever.
                     for load in [load, -load] {
-                        let [first, last] = slips(&mut holding, middle, dead_zone, load);
+                        let ([first, last], _) =
+                            slips(&mut holding, [middle, dead_zone, load], FRICTION);
                         assert!(
                             first < 40 && last < 8,
                             "middle {middle}, dead zone {dead_zone}, load {load}: {first}, {last} slips"
@@ -231,7 +240,7 @@ mod tests {
     fn a_slip_in_motion_shows_nothing() {
         let mut holding = Holding::NONE;
         holding.pass(0.001, false);
-        holding.slip(&slip(1.0), &VALVE);
+        holding.slip(&slip(1.0, FRICTION), &VALVE);
         assert_eq!(holding, Holding::NONE);
     }
 
@@ -242,7 +251,7 @@ mod tests {
             for _ in 0..15 {
                 holding.pass(0.001, true);
             }
-            holding.slip(&slip(direction), &VALVE);
+            holding.slip(&slip(direction, FRICTION), &VALVE);
             assert_eq!(holding.command(), None);
         }
         assert!(holding.has_slipped());
@@ -250,28 +259,11 @@ mod tests {
 
     #[test]
     fn an_axis_that_nothing_holds_creeps_ever_more_slowly_whatever_the_valve_and_the_load_are() {
-        const WINDOW: f32 = 2e-4;
         for middle in [-0.02_f32, 0.0, 0.015] {
             for dead_zone in [0.0_f32, 0.02, 0.05, 0.06] {
                 for load in [-0.015_f32, -0.001, 0.003, 0.015] {
                     let mut holding = Holding::NONE;
-                    let (mut way, mut flow) = (0.0_f32, 0.0);
-                    for _ in 0..60_000 {
-                        holding.pass(0.001, true);
-                        let spool = holding.command().unwrap_or(0.0) - middle;
-                        let inside = within(spool, dead_zone);
-                        flow = spool - inside + 0.02 * inside + load;
-                        way += 0.001 * flow;
-                        if way.abs() > WINDOW {
-                            let slip = Slip {
-                                direction: sign(way),
-                                way: way.abs(),
-                                settled: 0.02,
-                            };
-                            holding.slip(&slip, &VALVE);
-                            way = 0.0;
-                        }
-                    }
+                    let (_, flow) = slips(&mut holding, [middle, dead_zone, load], WINDOW);
                     assert!(
                         flow.abs() < 5e-4,
                         "middle {middle}, dead zone {dead_zone}, load {load}: {flow}"

@@ -89,6 +89,8 @@ fn an_axis_that_nothing_holds_stands_behind_a_closed_valve() {
             let [least, most] = seen.commands;
             let lead = stand.controller.rest.lead(2.6 * WINDOW);
             assert!(most - least <= lead, "{dead_zone} to {target}: {seen:?}");
+            let flows = [least, most].map(|u| drive.valve_flow(u));
+            assert_eq!(flows, [0.0; 2], "{dead_zone} to {target}: {seen:?}");
             assert_eq!((seen.closed, seen.left), (1000, 0), "{dead_zone}");
             assert!(
                 seen.worst < 1.3 * WINDOW,
@@ -148,12 +150,12 @@ fn a_valve_at_rest_leads_an_axis_stably_whatever_its_delay_and_with_three_times_
             let rate = lead(&model, frequency) * model.b0 / model.a1;
             for mass in [1.0_f32, 3.0] {
                 let (a1, a2) = (model.a1 / mass, model.a2 / mass);
-                // |L| and its phase behind a delay of five times 1/w0, by the frequency.
+                // |L| and its phase behind a delay of ten times 1/w0, by the frequency.
                 let open = |w: f32| {
                     let (re, im) = (a1 - w * w, a2 * w);
                     let size = rate * a1 / (w * libm::hypotf(re, im));
                     let phase = core::f32::consts::FRAC_PI_2 + libm::atan2f(im, re);
-                    (size, phase + 5.0 * w / frequency)
+                    (size, phase + 10.0 * w / frequency)
                 };
                 let mut crossed = false;
                 for k in 1..4000 {

@@ -113,11 +113,16 @@ const VALVE: Edges = Edges {
 
 /// The command after a slip that ends so many seconds of rest.
 fn after(holding: &mut Holding, seconds: f32, slip: &Slip) -> f32 {
+    behind(&VALVE, holding, seconds, slip)
+}
+
+/// The same behind another valve.
+fn behind(valve: &Edges, holding: &mut Holding, seconds: f32, slip: &Slip) -> f32 {
     for _ in 0..(seconds / STEP) as u32 {
         holding.pass(STEP, true);
     }
-    holding.slip(slip, &VALVE);
-    holding.command().unwrap_or(VALVE.middle)
+    holding.slip(slip, valve);
+    holding.command().unwrap_or(valve.middle)
 }
 
 #[test]
@@ -151,11 +156,8 @@ fn a_slip_deep_in_the_dead_zone_sends_the_search_to_its_edge() {
     ] {
         let mut holding = Holding::NONE;
         let _ = after(&mut holding, 10.0, &slip(1.0));
-        for _ in 0..(1.0 / STEP) as u32 {
-            holding.pass(STEP, true);
-        }
-        holding.slip(&slip(1.0), &Edges { middle, ..VALVE });
-        let next = holding.command().unwrap_or(middle);
+        let other = Edges { middle, ..VALVE };
+        let next = behind(&other, &mut holding, 1.0, &slip(1.0));
         let exact = if edge {
             middle - 0.03
         } else {
