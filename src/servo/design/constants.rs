@@ -123,8 +123,9 @@ pub(crate) const DAMPING_MAX: f32 = 36.0;
 pub(crate) const VALVE_MAX: f32 = 0.3;
 /// Part of friction and dead zone that a verified model may not know.
 pub(crate) const UNKNOWN_PART: f32 = 0.5;
-/// Flow by which its dead zone may be wrong however narrow it is: to that a commissioning finds it.
-pub(crate) const UNKNOWN_FLOW: f32 = 0.04;
+/// Flow by which its dead zone may be wrong however narrow it is: by no more than that is it found
+/// on about nine of ten axes of a family.
+pub(crate) const UNKNOWN_FLOW: f32 = 0.03;
 /// Time constants in s of the innovation's variance: recent, and usual.
 pub(crate) const INNOVATION_FAST_TIME: f32 = 0.03;
 pub(crate) const INNOVATION_SLOW_TIME: f32 = 2.0;
@@ -145,7 +146,7 @@ pub(crate) const TIED_STD: [f32; 2] = [0.5, 0.35];
 /// in it as a whole.
 pub(crate) const EXPECTATION_TIME_RATIO: f32 = 4.0;
 /// Flow by which dead zone and offset of a verified model may be wrong together.
-pub(crate) const FLOW_SLACK: f32 = UNKNOWN_FLOW + 0.02;
+pub(crate) const FLOW_SLACK: f32 = UNKNOWN_FLOW + 0.03;
 /// Deflections `friction / a1` by which an axis that friction holds and its expectation differ: a
 /// breakaway, and the friction that stops the other one on the far side.
 pub(crate) const HELD_DEFLECTIONS: f32 = BREAKAWAY_RATIO + 1.0;

@@ -55,20 +55,19 @@ impl Errors {
 /// would. So what such a flow and such a friction explain speaks against no model:
 ///
 /// ```text
-/// s      response of the model in use to the sign of the flow, from where it runs freely
-/// r      its response to the sign of the velocity as a deceleration, from the begin of the
-///        window on: observed, then free
+/// s, r   responses of the model in use to the sign of the flow, and to that of the velocity as a
+///        deceleration, from the begin of the window on: observed, then free
 /// e      errors of a model in free simulation
 /// left   min  Sum (e - c s - d r)^2
-///        |c| <= the larger of half of the dead zone and 0.04,  |d| <= half of the friction
+///        |c| <= the larger of half of the dead zone and 0.03,  |d| <= half of the friction
 /// ```
 ///
 /// An axis that is the model in use, with dead zone and friction wrong by no more than the bounds,
-/// has errors of c s + d r, and of what the observation before got wrong by c: a window, and any
-/// number of them, leaves nothing of the first; of the second, at a wrong c an observer of rate w
-/// is wrong in velocity by `3 (w0/w)^2` of what that flow moves. A wrong gain leaves errors in
-/// proportion to the flow: in a large motion those beyond the bounds remain; in a slow one, and in
-/// one that friction rules, the window cannot tell.
+/// has errors of c s + d r: a window, and any number of them, leaves nothing. The observation
+/// before is wrong with it, in velocity by `3 (w0/w)^2` of what such a flow moves where its rate w
+/// is above w0, and by all of it where it is not: s and r are wrong alike. A wrong gain leaves
+/// errors in proportion to the flow: in a large motion those beyond the bounds remain; in a slow
+/// one, and in one that friction rules, the window cannot tell.
 ///
 /// The sum is a parabola in c and d, with its lowest point at (c0, d0). Where only one of both is
 /// out of its bound, that one is at its bound: on the line on which the other is best the sum grows
@@ -112,31 +111,22 @@ impl Unknown {
     }
 
     /// A sample in which the model in use is observed, with the flow that was in force and the
-    /// velocity of the axis. Cost: about 45 instructions.
+    /// velocity of the axis. Cost: about 75 instructions.
     #[inline]
     pub(crate) fn observe(&mut self, used: &Observer, at: PlacedFlow, velocity: f32) {
-        let slope = self.slope(at);
-        let flow = -slope * self.by_friction.velocity;
-        used.deviate_observed(&mut self.by_friction, flow);
+        let [flow, friction] = self.moved(at);
+        used.deviate_observed(&mut self.by_flow, flow);
+        used.deviate_observed(&mut self.by_friction, friction);
         self.reverse(velocity);
     }
 
     /// A sample in which it runs freely: the responses after it. Cost: about 75 instructions.
     #[inline]
     pub(crate) fn update(&mut self, used: &Observer, at: PlacedFlow, velocity: f32) -> Responses {
-        let slope = self.slope(at);
-        let flow = -slope * self.by_friction.velocity;
-        used.deviate(&mut self.by_friction, flow);
-        self.reverse(velocity);
-        let moved = if at.flow > 0.0 {
-            at.stiffness
-        } else if at.flow < 0.0 {
-            -at.stiffness
-        } else {
-            0.0
-        };
-        let flow = moved - slope * self.by_flow.velocity;
+        let [flow, friction] = self.moved(at);
         used.deviate(&mut self.by_flow, flow);
+        used.deviate(&mut self.by_friction, friction);
+        self.reverse(velocity);
         let responses = Responses {
             flow: self.by_flow.position,
             friction: self.by_friction.position,
@@ -147,11 +137,23 @@ impl Unknown {
         responses
     }
 
-    /// What a velocity takes of the flow where the axis is stiffer than in the middle, see
+    /// What moves both responses: a unit of the flow along its direction, and nothing; less what
+    /// their velocities take of it where the axis is stiffer than in the middle, see
     /// [`MovedFlow`](crate::servo::control::place::MovedFlow).
     #[inline]
-    fn slope(&self, at: PlacedFlow) -> f32 {
-        (at.stiffness - 1.0) * self.inverse_gain
+    fn moved(&self, at: PlacedFlow) -> [f32; 2] {
+        let slope = (at.stiffness - 1.0) * self.inverse_gain;
+        let along = if at.flow > 0.0 {
+            at.stiffness
+        } else if at.flow < 0.0 {
+            -at.stiffness
+        } else {
+            0.0
+        };
+        [
+            along - slope * self.by_flow.velocity,
+            -slope * self.by_friction.velocity,
+        ]
     }
 
     /// Friction turns with the axis: a jump of the acceleration.
