@@ -12,7 +12,7 @@ use crate::servo::supervision::validation::WindowSums;
 const FORGOTTEN: f32 = 0.2;
 /// By how many windows a model of the bank is better than the model in use, and than the best
 /// change of the other number, before it becomes the challenger.
-const CHALLENGES: f32 = 0.5;
+const CHALLENGES: f32 = 0.35;
 const APART: f32 = 0.1;
 /// What an estimate needs.
 const OF_AN_ESTIMATE: Needs = Needs {
@@ -86,7 +86,7 @@ impl Challenger {
 /// SSE          beyond what a flow that the model in use does not know explains, and a grain at the begin
 /// share        SSE / (SSE + what moved): 0 is right, 1 is astray, by however much
 /// weight       rms of what moved over what hides a model: friction, dead zone, noise; at most 1, a whole window
-/// bank         shares of all windows, those before times 1 - 0.2 weight; a model clearly better by 0.5 becomes the challenger
+/// bank         shares of all windows, those before times 1 - 0.2 weight; a model clearly better by 0.35 becomes the challenger
 /// challenger   shares of its own windows: clearly better than the model in use by 0.8 in 2 or more (0.3 in 1 or more if it comes from the bank)
 /// lighter      after a heavier load 1.2 more in 4 windows more
 /// poor fit     as much again and 0.7 more in 2 windows more; not if the controller would become stronger by it

@@ -236,9 +236,9 @@ fn the_simpler_change_is_right_until_the_other_is_clearly_better() -> Result<(),
 fn a_model_of_the_bank_needs_no_estimate_but_one_window_more() -> Result<(), Error> {
     let design = design()?;
     let mut evidence = Evidence::NONE;
-    let slight = LOAD.map(|share| 0.8 * share);
+    let slight = LOAD.map(|share| 0.5 * share);
     assert_eq!(after(&mut evidence, &design, &alone(slight)), Ok(None));
-    assert_eq!(evidence.challenger(), None, "less than half of a window");
+    assert_eq!(evidence.challenger(), None, "less than 0.35 of a window");
     assert_eq!(after(&mut evidence, &design, &alone(LOAD)), Ok(None));
     let model = evidence.challenger().unwrap_or(USED);
     assert!((model.a1 / USED.a1 - 1.732).abs() < 1e-3, "{model:?}");
