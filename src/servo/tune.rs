@@ -85,12 +85,13 @@ impl<S, V> ServoLoop<S, V> {
         let Some(tuned) = &mut self.takeover.tuning else {
             return;
         };
-        let [alone, beside] = PIECES_IN_CONTROL;
-        let pieces = match self.supervisor.comparison.rests() {
-            true => alone,
-            false => beside,
-        };
-        if !(0..pieces).any(|_| tuned.tuning.step()) {
+        if !tuned.done {
+            let [alone, beside] = PIECES_IN_CONTROL;
+            let pieces = match self.supervisor.comparison.rests() {
+                true => alone,
+                false => beside,
+            };
+            tuned.done = (0..pieces).any(|_| tuned.tuning.step());
             return;
         }
         let (poles, margins) = tuned.tuning.poles();

@@ -175,7 +175,9 @@ impl Tuning {
             Swept::Begun(integral) if !self.near_end => {
                 self.integral = integral;
                 if self.best.is_some_and(|(_, _, best)| !(integral > best)) {
-                    return self.next_case();
+                    // No bandwidth of this case is better; the next piece opens another.
+                    self.bandwidth = 0.0;
+                    self.sweep = None;
                 }
             }
             Swept::Begun(_) | Swept::On => {}
