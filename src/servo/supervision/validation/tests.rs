@@ -138,7 +138,7 @@ fn a_dead_zone_that_is_not_quite_known_speaks_against_no_model() -> Result<(), E
     };
     let quick = Model {
         dead_zone: 0.12,
-        ..Model::linear(2e4, 40.0, 3e7)
+        ..Model::linear(5e4, 60.0, 7.5e7)
     };
     for used in [used, quick] {
         for unknown in [-0.06, -0.03, 0.03, 0.06] {
