@@ -74,8 +74,8 @@ impl<S, V> ServoLoop<S, V> {
     }
 
     /// Some pieces more of a search that goes on in control; faster poles that it finds come into
-    /// force. A newer model restarts it: until it ends, the poles in use follow the model by its
-    /// natural frequency, which keeps their margins.
+    /// force in a sample of their own. A newer model restarts it: until it ends, the poles in use
+    /// follow the model by its natural frequency, which keeps their margins.
     pub(crate) fn refine_poles(&mut self) {
         if let Some(model) = self.takeover.unsearched.take() {
             let design = self.controller.tuning_design();

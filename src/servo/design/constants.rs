@@ -145,8 +145,8 @@ pub(crate) const TIED_STD: [f32; 2] = [0.5, 0.35];
 /// Window of the expected and the measured displacement: two thirds of a period, so that a step is
 /// in it as a whole.
 pub(crate) const EXPECTATION_TIME_RATIO: f32 = 4.0;
-/// Flow by which dead zone and offset of a verified model may be wrong together.
-pub(crate) const FLOW_SLACK: f32 = UNKNOWN_FLOW + 0.03;
+/// Flow by which dead zone and offset of a verified model may be wrong together: each by as much.
+pub(crate) const FLOW_SLACK: f32 = 2.0 * UNKNOWN_FLOW;
 /// Deflections `friction / a1` by which an axis that friction holds and its expectation differ: a
 /// breakaway, and the friction that stops the other one on the far side.
 pub(crate) const HELD_DEFLECTIONS: f32 = BREAKAWAY_RATIO + 1.0;

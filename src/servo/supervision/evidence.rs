@@ -11,7 +11,8 @@ use crate::servo::supervision::validation::WindowSums;
 /// those of an hour ago.
 const FORGOTTEN: f32 = 0.2;
 /// By how many windows a model of the bank is better than the model in use, and than the best
-/// change of the other number, before it becomes the challenger.
+/// change of the other number, before it becomes the challenger. That alone replaces nothing: it
+/// must win windows of its own, and in a loop that swings apart each window more is half a swing.
 const CHALLENGES: f32 = 0.35;
 const APART: f32 = 0.1;
 /// What an estimate needs.
