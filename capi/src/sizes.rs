@@ -52,7 +52,7 @@ const _: () = {
     assert!(size_of::<Pole>() == 8);
     assert!(size_of::<Estimate>() == 180);
     assert!(size_of::<Status>() == 44);
-    assert!(size_of::<LoopSettings>() == 96);
+    assert!(size_of::<LoopSettings>() == 100);
     assert!(size_of::<Report>() == 52);
     assert!(size_of::<Quality>() == 56);
     assert!(size_of::<Model>() == 24);

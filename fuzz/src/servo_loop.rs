@@ -154,6 +154,7 @@ fn request(servo: &mut Loop, bytes: &mut Bytes<'_>, length: f32, min: f32) {
             sign: bytes.signal(1.0).signum(),
             noise: bytes.signal(0.01),
             dead_volume: bytes.signal(0.5),
+            imbalance: bytes.signal(0.5),
         }),
     };
     if let (Err(_), Some(before)) = (done, before) {

@@ -129,6 +129,7 @@ fn record(bytes: &mut Bytes<'_>) -> Record {
         sign: bytes.signal(1.0).signum(),
         noise: bytes.signal(0.1),
         dead_volume: bytes.signal(1.0),
+        imbalance: bytes.signal(1.0),
     }
 }
 

@@ -94,6 +94,7 @@ pub(crate) fn tuned(config: &Config, found: &Found) -> Config {
     tuned.bandwidth = Some(rough(&found.model));
     tuned.delay = found.delay.min(DELAY_MAX as f32 * config.sample_time);
     tuned.controller.dead_volume = Some(found.dead_volume);
+    tuned.controller.imbalance = found.imbalance;
     tuned.noise = Some(config.noise_beside(found.noise));
     tuned
 }

@@ -85,6 +85,12 @@ pub struct ControllerSettings {
     /// be stated with a model that is installed: a stiff drive that is taken for a cylinder is
     /// controlled too fast near its ends, and may swing there.
     pub dead_volume: Option<f32>,
+    /// Share by which the axis is slower towards larger y, and faster towards smaller ones, than in
+    /// the mean of both, within -0.5..=0.5; default 0. What a commissioning finds replaces it; to
+    /// be stated with a model that is installed. A rod that leaves the share r of the area makes
+    /// `(1 - sqrt(r)) / (1 + sqrt(r))` with oil and `(1 - r) / (1 + r)` with air, negative where
+    /// the axis extends towards larger y.
+    pub imbalance: f32,
     /// Time in which the offset of a bumpless change of gains fades, in s; default 10 ms, what a
     /// valve takes.
     pub transition: f32,
@@ -196,6 +202,7 @@ impl Config {
                 blend: 0.01,
                 rest_window: None,
                 dead_volume: None,
+                imbalance: 0.0,
                 transition: 0.01,
             },
             excitation: ExcitationSettings { amplitude: 0.5 },

@@ -122,6 +122,7 @@ impl<S, V> ServoLoop<S, V> {
             sign,
             noise,
             dead_volume,
+            imbalance,
         } = *record;
         let stated = self
             .config
@@ -143,6 +144,7 @@ impl<S, V> ServoLoop<S, V> {
             sign,
             noise,
             dead_volume,
+            imbalance,
         };
         let design = tuned(&self.config, &found).resolve()?;
         design
@@ -180,6 +182,7 @@ impl<S, V> ServoLoop<S, V> {
             sign: self.drive.sign,
             noise: self.drive.noise,
             dead_volume: self.drive.dead_volume,
+            imbalance: self.drive.imbalance,
         })
     }
 }

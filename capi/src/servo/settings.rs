@@ -23,6 +23,12 @@ pub struct LoopController {
     /// commissioning finds. With a model that is installed it is to be stated: a stiff drive that
     /// is taken for a cylinder may swing near its ends.
     pub dead_volume: f32,
+    /// Share by which the axis is slower towards larger y, and faster towards smaller ones, within
+    /// -0.5..=0.5; default 0. What the commissioning finds replaces it; with a model that is
+    /// installed it is to be stated. A rod that leaves the share r of the area makes
+    /// (1 - sqrt(r)) / (1 + sqrt(r)) with oil and (1 - r) / (1 + r) with air, negative where the
+    /// axis extends towards larger y.
+    pub imbalance: f32,
     /// Time in s in which the offset of a bumpless change of gains fades; default 0.01.
     pub transition: f32,
 }
@@ -118,6 +124,7 @@ pub unsafe extern "C" fn trendid_loop_settings_init(
             blend: core.controller.blend,
             rest_window: 0.0,
             dead_volume: 0.0,
+            imbalance: 0.0,
             transition: core.controller.transition,
         },
         excitation: core.excitation.amplitude,
@@ -176,12 +183,14 @@ impl LoopSettings {
             blend,
             rest_window,
             dead_volume,
+            imbalance,
             transition,
         } = self.controller;
         config.controller.bandwidth = stated(bandwidth);
         config.controller.blend = blend;
         config.controller.rest_window = stated(rest_window);
         config.controller.dead_volume = stated(dead_volume);
+        config.controller.imbalance = imbalance;
         config.controller.transition = transition;
         config.excitation.amplitude = self.excitation;
         config.supervision.time_limit = self.time_limit;

@@ -34,6 +34,7 @@ fn record(number: usize) -> Record {
         sign: -1.0,
         noise: 0.01,
         dead_volume: f32::INFINITY,
+        imbalance: -0.1,
     }
 }
 

@@ -38,6 +38,8 @@ pub(crate) struct Found {
     /// Dead volume of a chamber over that of the stroke; infinite where the stiffness is the same
     /// everywhere.
     pub(crate) dead_volume: f32,
+    /// Share by which it is slower upwards, and faster downwards.
+    pub(crate) imbalance: f32,
 }
 
 /// What one sample of the commissioning led to.

@@ -40,7 +40,7 @@ impl Dice {
             delay: self.within(0.0, 0.02),
             kappa: gain * self.within(0.0, 4.0),
             stiffening: self.within(0.0, 3.0),
-            load: w * w * self.within(-0.1, 0.1),
+            imbalance: self.within(-0.2, 0.2),
         }
     }
 }
@@ -55,13 +55,13 @@ pub(super) fn moved(
     time: f32,
 ) -> [f64; 3] {
     let [a1, a2, b0, kappa] = [theta.a1, theta.a2, theta.b0, theta.kappa].map(f64::from);
-    let load = f64::from(theta.load);
+    let imbalance = f64::from(theta.imbalance);
     let (flow, friction) = (f64::from(flow), f64::from(friction));
     let slope = |[_, v, p]: [f64; 3]| {
         [
             v,
             p - a2 * v - friction,
-            b0 * flow - a1 * v - kappa * flow.abs() * (p + load),
+            b0 * (flow - imbalance * flow.abs()) - a1 * v - kappa * flow.abs() * p,
         ]
     };
     let h = f64::from(time) / 200.0;

@@ -3,6 +3,7 @@
 
 use crate::servo::commissioning::record::MotionRecord;
 use crate::servo::commissioning::view::View;
+use crate::servo::control::load::balanced;
 
 /// Number of parameters.
 pub(crate) const PARAMETERS: usize = 10;
@@ -10,13 +11,13 @@ pub(crate) const PARAMETERS: usize = 10;
 /// The parameters in the order of the fit; positions are in travels.
 ///
 /// ```text
-/// v' = p - a2 v - F s   p' = k(x) (b0 f(u(t - tau)) - a1 v - kappa |f| (p + g))   f(u) = q(u + offset)
+/// v' = p - a2 v - F s   p' = k(x) (b0 (f - lambda |f|) - a1 v - kappa |f| p)   f = q(u(t - tau) + offset)
 /// ```
 ///
 /// s is the direction of the measured motion; kappa is the loss of flow under load of an open
-/// valve. The chambers carry a constant load g beside p: one way it takes flow, the other way it
-/// gives some, which without it would count as an offset of the valve. a1, b0 and kappa are those
-/// of the middle of the travel: at a place all three are k(x) times as large, see
+/// valve. A drive with a rod, or under a constant load, is quicker one way than the other, by the
+/// imbalance lambda: without it that would count as an offset of the valve. a1, b0 and kappa are
+/// those of the middle of the travel: at a place all three are k(x) times as large, see
 /// [`Place`](crate::servo::control::place::Place).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Theta {
@@ -30,8 +31,8 @@ pub(crate) struct Theta {
     pub(crate) kappa: f32,
     /// How fast the stiffness grows towards the ends: e of k(x).
     pub(crate) stiffening: f32,
-    /// g of a constant load, which the drive p does not hold.
-    pub(crate) load: f32,
+    /// lambda: share of the flow that is missing upwards and that there is more of downwards.
+    pub(crate) imbalance: f32,
 }
 
 /// Position, velocity, drive.
@@ -111,10 +112,10 @@ impl Theta {
             delay,
             kappa,
             stiffening,
-            load,
+            imbalance,
         } = self;
         [
-            a1, a2, b0, dead_zone, offset, friction, delay, kappa, stiffening, load,
+            a1, a2, b0, dead_zone, offset, friction, delay, kappa, stiffening, imbalance,
         ]
     }
 
@@ -129,7 +130,7 @@ impl Theta {
             delay,
             kappa,
             stiffening,
-            load,
+            imbalance,
         ] = theta;
         Self {
             a1,
@@ -141,7 +142,7 @@ impl Theta {
             delay,
             kappa,
             stiffening,
-            load,
+            imbalance,
         }
     }
 
@@ -218,29 +219,28 @@ impl Theta {
         }
     }
 
-    /// Loss of flow under load.
+    /// Rate of the drive under a flow, and what it loses of itself.
     #[inline]
-    fn loss(&self, flow: f32) -> f32 {
-        self.kappa * if flow < 0.0 { -flow } else { flow }
+    fn driven(&self, flow: f32) -> [f32; 2] {
+        let size = if flow < 0.0 { -flow } else { flow };
+        [self.b0 * balanced(flow, self.imbalance), self.kappa * size]
     }
 
     /// The same at rest, where only the drive changes.
     #[inline]
     pub(crate) fn rest(&self, at: &mut Prediction, flow: f32, time: f32) {
-        at.p += time * (self.b0 * flow - self.loss(flow) * (at.p + self.load));
+        let [rate, k] = self.driven(flow);
+        at.p += time * (rate - k * at.p);
         at.v = 0.0;
     }
 
     /// The same in motion.
     #[inline]
     pub(crate) fn slide(&self, at: &mut Prediction, flow: f32, direction: f32, time: f32) {
-        let k = self.loss(flow);
+        let [rate, k] = self.driven(flow);
         let step = |v: f32, p: f32| (p - self.a2 * v, -self.a1 * v - k * p);
         let (dv, dp) = step(at.v, at.p);
-        let (v1, p1) = (
-            dv - self.friction * direction,
-            dp + self.b0 * flow - k * self.load,
-        );
+        let (v1, p1) = (dv - self.friction * direction, dp + rate);
         let (v2, p2) = step(v1, p1);
         let (v3, p3) = step(v2, p2);
         let (v4, p4) = step(v3, p3);

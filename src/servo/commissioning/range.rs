@@ -26,14 +26,15 @@ const DELAY: f32 = 0.03;
 /// Largest loss of flow over the velocity gain: twice that of a cylinder.
 const LOSS_MOST: f32 = 5.6;
 
-/// Deflection of the drive under a constant load, in travels: the deviation that is taken for it
-/// beforehand, and the largest.
+/// Imbalance of the flow: the deviation that is taken for it beforehand, and the largest.
 ///
-/// Chambers under the pressure P hold the load F by `F (d + 1/2) / (2 n P A)` of the stroke, d the
-/// dead volume: with P of 0.6 of the supply by 0.4 of what F is of supply times area. Beforehand
-/// that is 0.06, and at most a half.
-const LOAD_USUAL: f32 = 0.025;
-const LOAD_MOST: f32 = 0.2;
+/// A rod that leaves the share r of the area makes an oil cylinder behind a symmetrical valve
+/// `sqrt(r)` times as fast one way as the other, an imbalance of `(1 - sqrt(r)) / (1 + sqrt(r))`:
+/// 0.06 to 0.17 for the r of 0.8 to 0.5 of ISO 7181. A constant load of the share s of supply times
+/// area makes 0.8 s with air: chambers at 0.7 of the supply hold it with `s / 1.4` of their
+/// pressure, and flow goes by 1.1 of that, see [`loss_over_gain`].
+const IMBALANCE_USUAL: f32 = 0.07;
+const IMBALANCE_MOST: f32 = 0.4;
 
 /// What a parameter is varied by: itself, or a part of what it acts on.
 pub(crate) fn scales(theta: &Theta) -> [f32; PARAMETERS] {
@@ -48,7 +49,7 @@ pub(crate) fn scales(theta: &Theta) -> [f32; PARAMETERS] {
         0.1 / w,
         theta.b0 / theta.a1,
         1.0,
-        LOAD_USUAL * theta.a1,
+        IMBALANCE_USUAL,
     ]
 }
 
@@ -77,17 +78,17 @@ pub(crate) fn bounded(theta: [f32; PARAMETERS]) -> Theta {
         delay: within(free.delay, 0.0, DELAY),
         kappa: within(free.kappa, 0.0, LOSS_MOST * b0 / a1),
         stiffening: within(free.stiffening, 0.0, STIFFENING_MAX),
-        load: within(free.load, -LOAD_MOST * a1, LOAD_MOST * a1),
+        imbalance: within(free.imbalance, -IMBALANCE_MOST, IMBALANCE_MOST),
     }
 }
 
-/// The parameters, where the record says nothing of them: friction and load are none unless they
-/// are seen, of the stiffness the mean of all drives is, unless it is known, and the loss of flow
+/// The parameters, where the record says nothing of them: friction and imbalance are none
+/// unless they are seen, of the stiffness the mean of all drives is, unless it is known, and the loss of flow
 /// goes with it.
 pub(crate) fn usual(theta: &Theta, knows_stiffening: bool) -> Theta {
     Theta {
         friction: 0.0,
-        load: 0.0,
+        imbalance: 0.0,
         kappa: loss_over_gain(theta.stiffening) * theta.b0 / theta.a1,
         stiffening: if knows_stiffening {
             theta.stiffening
@@ -122,7 +123,7 @@ mod tests {
         assert_eq!([high.dead_zone, high.offset, high.delay], [0.3, 0.3, 0.03]);
         assert_eq!([low.dead_zone, low.offset, low.delay], [0.0, -0.3, 0.0]);
         assert_eq!([high.stiffening, low.stiffening], [STIFFENING_MAX, 0.0]);
-        assert_eq!([high.load / high.a1, low.load / low.a1], [0.2, -0.2]);
+        assert_eq!([high.imbalance, low.imbalance], [0.4, -0.4]);
         assert_eq!(nothing, low);
     }
 
@@ -142,12 +143,12 @@ mod tests {
                         friction: theta.friction,
                         kappa: theta.kappa,
                         stiffening: theta.stiffening,
-                        load: theta.load,
+                        imbalance: theta.imbalance,
                         ..found
                     },
                     theta
                 );
-                assert_eq!([found.friction, found.load], [0.0; 2]);
+                assert_eq!([found.friction, found.imbalance], [0.0; 2]);
             }
         }
     }
@@ -163,7 +164,7 @@ mod tests {
             b0: cube * theta.b0,
             ..theta
         };
-        let units = [square, s, cube, 1.0, 1.0, square, 1.0 / s, s, 1.0, square];
+        let units = [square, s, cube, 1.0, 1.0, square, 1.0 / s, s, 1.0, 1.0];
         for ((slow, quick), unit) in scales(&theta).iter().zip(scales(&quicker)).zip(units) {
             assert!((quick / (slow * unit) - 1.0).abs() < 1e-5 && *slow > 0.0);
         }
@@ -173,7 +174,7 @@ mod tests {
             friction: 0.0,
             kappa: 0.0,
             delay: 0.0,
-            load: 0.0,
+            imbalance: 0.0,
             ..theta
         };
         assert!(scales(&none).iter().all(|scale| *scale > 0.0));

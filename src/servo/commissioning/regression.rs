@@ -252,7 +252,7 @@ impl Regression {
             friction: (friction * rate * rate).max(0.0).min(b0 / w),
             delay,
             kappa: loss_over_gain(self.stiffening) * b0 / a1,
-            load: 0.0,
+            imbalance: 0.0,
             stiffening: self.stiffening,
         };
         Some((self.squares - explained, theta))

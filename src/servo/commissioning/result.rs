@@ -28,6 +28,7 @@ impl Commissioning {
             noise: length * self.still.sigma,
             // What was stated stays, also where no fit goes so far.
             dead_volume: (self.design.dead_volume).unwrap_or_else(|| dead_volume(theta.stiffening)),
+            imbalance: theta.imbalance,
         }
     }
 

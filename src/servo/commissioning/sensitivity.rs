@@ -2,6 +2,7 @@
 
 use crate::math::sign;
 use crate::servo::commissioning::predictor::{PARAMETERS, Point, Prediction, Theta};
+use crate::servo::control::load::balanced;
 use crate::servo::control::place::{off_middle, stiffness};
 
 /// Position, velocity and drive after an interval under a constant unit of acceleration, and of
@@ -103,12 +104,14 @@ fn act(at: &mut Prediction, [x, v, p]: &[f32; 3], size: f32) {
 struct Acts {
     /// The parameters at the place.
     theta: Theta,
-    flow: f32,
+    /// Size of the flow, and what arrives of it.
+    size: f32,
+    arrives: f32,
     /// Direction of the flow.
     side: f32,
     /// What dead zone, offset and delay do to the flow.
     bent: [f32; 3],
-    /// Mean velocity, and mean drive with the constant load.
+    /// Mean velocity and drive.
     v: f32,
     p: f32,
     /// Stiffness over that of the middle, and its slope by the stiffening.
@@ -190,19 +193,22 @@ impl Sensitivity {
         let flow = mean(newer, older);
         let bent = [-mean(n, o), mean(n * n, o * o), (older - newer) * inverse];
         let side = sign(flow);
-        let loss = theta.kappa * side * flow;
+        let size = side * flow;
+        let arrives = balanced(flow, theta.imbalance);
+        let (loss, rate) = (theta.kappa * size, theta.b0 * arrives);
         let mut acts = Acts {
             theta,
-            flow,
+            size,
+            arrives,
             side,
             bent,
             v: 0.0,
-            p: self.at.p + theta.load,
+            p: self.at.p,
             stiffer: [k, k * k * off_middle(point.y)],
         };
         if point.rests {
             self.at.x = point.y;
-            self.at.p += point.time * (theta.b0 * flow - loss * (self.at.p + theta.load));
+            self.at.p += point.time * (rate - loss * self.at.p);
             self.at.v = 0.0;
             self.follow_at_rest(&acts, loss, point.time);
         } else {
@@ -216,10 +222,9 @@ impl Sensitivity {
                 &transition.acceleration,
                 friction,
             );
-            let rate = theta.b0 * flow - loss * theta.load;
             act(&mut self.at, &transition.rate, rate);
             acts.v = 0.5 * (before.v + self.at.v);
-            acts.p = 0.5 * (before.p + self.at.p) + theta.load;
+            acts.p = 0.5 * (before.p + self.at.p);
             self.follow(&acts, &transition, gains, point.direction);
         }
     }
@@ -229,23 +234,25 @@ impl Sensitivity {
     fn rates(&self, acts: &Acts) -> [f32; 8] {
         let Acts {
             theta,
-            flow,
+            size,
+            arrives,
             side,
             bent: [dead_zone, offset, delay],
             v,
             p,
             stiffer: [k, slope],
         } = acts;
-        let (gain, lost) = (theta.b0 - theta.kappa * side * p, side * flow * p);
+        let gain = theta.b0 - side * (theta.b0 * theta.imbalance + theta.kappa * p);
+        let lost = size * p;
         [
             -v * k,
-            flow * k,
+            arrives * k,
             gain * dead_zone,
             gain * offset,
             gain * delay,
             -lost * k,
-            (self.theta.b0 * flow - self.theta.a1 * v - self.theta.kappa * lost) * slope,
-            -theta.kappa * side * flow,
+            (self.theta.b0 * arrives - self.theta.a1 * v - self.theta.kappa * lost) * slope,
+            -theta.b0 * size,
         ]
     }
 
@@ -281,8 +288,10 @@ impl Sensitivity {
 #[inline]
 const fn driven(slopes: &mut [Prediction; PARAMETERS]) -> [&mut Prediction; 8] {
     let [a1, _, b0, dead_zone, offset, _, others @ ..] = slopes;
-    let [delay, kappa, stiffening, load] = others;
-    [a1, b0, dead_zone, offset, delay, kappa, stiffening, load]
+    let [delay, kappa, stiffening, imbalance] = others;
+    [
+        a1, b0, dead_zone, offset, delay, kappa, stiffening, imbalance,
+    ]
 }
 
 #[cfg(test)]

@@ -135,7 +135,7 @@ pub(crate) mod tests {
         delay: 0.01,
         kappa: 0.0,
         stiffening: 0.0,
-        load: 0.0,
+        imbalance: 0.0,
     };
     const UNCERTAIN: Result<(), Reason> = Err(Reason::Uncertain);
 

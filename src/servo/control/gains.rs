@@ -41,10 +41,11 @@ impl Controller {
         let EstimatorDesign {
             travel,
             dead_volume,
+            imbalance,
             ..
         } = self.design.estimator;
-        self.load
-            .tune(model.a1, stiffening(dead_volume), travel.length());
+        let stiffening = stiffening(dead_volume);
+        (self.load).tune(model.a1, stiffening, travel.length(), imbalance);
         let deflection = model.friction / model.a1;
         let grain = self.design.grain;
         let sticky = deflection > STICKY * grain;

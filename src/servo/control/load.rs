@@ -1,4 +1,4 @@
-//! What the load of a drive takes from the flow of its valve.
+//! What load and rod of a drive take from the flow of its valve.
 
 use crate::math::within;
 
@@ -26,26 +26,36 @@ pub(crate) const fn loss_over_gain(stiffening: f32) -> f32 {
     LOSS * stiffening
 }
 
-/// Share of the flow that the load takes.
+/// What arrives of a flow under an imbalance.
+#[inline(always)]
+pub(crate) const fn balanced(flow: f32, imbalance: f32) -> f32 {
+    flow - imbalance * if flow < 0.0 { -flow } else { flow }
+}
+
+/// Share of the flow that load and rod take.
 ///
 /// ```text
-/// p' = k(x) (b0 f (1 - lambda p sgn f) - a1 v),   lambda = kappa / b0 = 0.75 e / (a1 L)
+/// p' = k(x) (b0 f (1 - (i + lambda p) sgn f) - a1 v),   lambda = kappa / b0 = 0.75 e / (a1 L)
 /// ```
 ///
-/// p / a1 is the deflection of the drive under its load, and lambda p the loss for the part of the
-/// travel L that it is. What drives a load gets less flow, what brakes it gets more.
+/// p / a1 is the deflection of the drive under what accelerates it, and lambda p the loss for the
+/// part of the travel L that it is. What drives a load gets less flow, what brakes it gets more.
+/// The imbalance i is what a rod and a constant load take one way and give the other way.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Load {
     /// lambda.
     per_drive: f32,
-    /// lambda p.
+    /// i.
+    imbalance: f32,
+    /// i + lambda p.
     lost: f32,
 }
 
 impl Load {
-    /// Goes over to a drive of this a1 and e over a travel of this length; one without stiffness
+    /// Goes over to a drive of this a1, e and i over a travel of this length; one without stiffness
     /// has no deflection that could be known.
-    pub(crate) const fn tune(&mut self, a1: f32, stiffening: f32, length: f32) {
+    pub(crate) const fn tune(&mut self, a1: f32, stiffening: f32, length: f32, imbalance: f32) {
+        self.imbalance = imbalance;
         self.per_drive = if a1 > 0.0 {
             loss_over_gain(stiffening) / (a1 * length)
         } else {
@@ -56,7 +66,7 @@ impl Load {
     /// The drive that the motion takes from now on.
     #[inline(always)]
     pub(crate) fn bear(&mut self, drive: f32) {
-        self.lost = within(self.per_drive * drive, LOST_MOST);
+        self.lost = within(self.imbalance + self.per_drive * drive, LOST_MOST);
     }
 
     /// The part of a flow that arrives.
@@ -132,7 +142,7 @@ mod tests {
         let mut load = Load::default();
         assert_eq!((load.passes(0.3), load.passes(-0.3)), (1.0, 1.0));
         // Under a drive of 900 a drive of 30 rad/s is off by 1 of 100: 0.75 3.2 / 100.
-        load.tune(900.0, 3.2, 100.0);
+        load.tune(900.0, 3.2, 100.0, 0.0);
         load.bear(900.0);
         assert!((load.passes(0.3) - 0.976).abs() < 1e-6);
         assert!((load.passes(-0.3) - 1.024).abs() < 1e-6);
@@ -144,7 +154,7 @@ mod tests {
             assert_eq!(load.passes(1.0), least);
         }
         for (a1, stiffening) in [(900.0, 0.0), (0.0, 3.2), (f32::NAN, 3.2)] {
-            load.tune(a1, stiffening, 100.0);
+            load.tune(a1, stiffening, 100.0, 0.0);
             load.bear(1e6);
             assert_eq!(load.passes(1.0), 1.0);
         }

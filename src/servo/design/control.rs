@@ -9,7 +9,9 @@ use crate::servo::error::Error;
 /// Least dead volume over the stroke: at its end a cylinder is then 50 times as stiff as in the
 /// middle.
 const DEAD_VOLUME_MIN: f32 = 0.005;
-/// That of a usual cylinder.
+/// Largest imbalance: three times as fast one way as the other.
+const IMBALANCE_MAX: f32 = 0.5;
+/// Dead volume of a usual cylinder.
 const DEAD_VOLUME: f32 = 0.06;
 
 impl Config {
@@ -28,6 +30,13 @@ impl Config {
         if volume != f32::INFINITY {
             Error::unless_within("controller.dead_volume", volume, DEAD_VOLUME_MIN, f32::MAX)?;
         }
+        let imbalance = settings.imbalance;
+        Error::unless_within(
+            "controller.imbalance",
+            imbalance,
+            -IMBALANCE_MAX,
+            IMBALANCE_MAX,
+        )?;
         let delay = clock.delay(self.delay);
         let predicted = delay as f32 * self.sample_time;
         let design = ControllerDesign {
@@ -36,6 +45,7 @@ impl Config {
                 delay,
                 travel: self.travel,
                 dead_volume: volume,
+                imbalance,
             },
             anchor: AnchorDesign {
                 band: 0.0,

@@ -92,6 +92,7 @@ pub(crate) struct EstimatorDesign {
     pub(crate) delay: usize,
     pub(crate) travel: Travel,
     pub(crate) dead_volume: f32,
+    pub(crate) imbalance: f32,
 }
 
 /// What a tuning needs to know.
@@ -158,6 +159,8 @@ pub(crate) struct MonitoringDesign {
     pub(crate) cycle_settling: u32,
     /// Command from which on it is full.
     pub(crate) full: f32,
+    /// Share by which the axis is slower upwards, and faster downwards.
+    pub(crate) imbalance: f32,
 }
 
 /// Numbers of the supervisor.

@@ -217,6 +217,7 @@ fn a_stiff_axis_of_any_length_is_one_in_millimetres() {
                 sign: 1.0,
                 noise: 0.005,
                 dead_volume: 0.06,
+                imbalance: 0.0,
             };
             let resolved = crate::servo::building::tuned(&config, &found).resolve();
             assert!(resolved.is_ok(), "{frequency} {max}: {resolved:?}");

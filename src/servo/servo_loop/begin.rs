@@ -80,6 +80,7 @@ fields! { of config, axis, design:
         sign: if config.reversed == Some(true) { -1.0 } else { 1.0 },
         delay: config.delay,
         dead_volume: design.controller.estimator.dead_volume,
+        imbalance: config.controller.imbalance,
         noise: config.noise.unwrap_or(0.0),
     },
     moves: Moves {

@@ -11,6 +11,8 @@ pub(crate) struct Drive {
     pub(crate) delay: f32,
     /// Dead volume over the volume of the travel.
     pub(crate) dead_volume: f32,
+    /// Share by which it is slower upwards, and faster downwards.
+    pub(crate) imbalance: f32,
     /// Standard deviation of the position, in units of y.
     pub(crate) noise: f32,
 }
@@ -22,6 +24,7 @@ impl Drive {
             sign: found.sign,
             delay: found.delay,
             dead_volume: found.dead_volume,
+            imbalance: found.imbalance,
             noise: found.noise,
         }
     }

@@ -18,9 +18,10 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
     /// million instructions: not for the 1 ms path.
     ///
     /// What is no part of a [`Model`] is that of the settings, or of a commissioning before: the
-    /// sign of the valve ([`reversed`](crate::servo::Config::reversed)), its delay, the noise, and
-    /// how stiff the axis is near its ends
-    /// ([`dead_volume`](crate::servo::ControllerSettings::dead_volume)). Of a stored model
+    /// sign of the valve ([`reversed`](crate::servo::Config::reversed)), its delay, the noise, how
+    /// stiff the axis is near its ends
+    /// ([`dead_volume`](crate::servo::ControllerSettings::dead_volume)), and by what it is quicker
+    /// one way ([`imbalance`](crate::servo::ControllerSettings::imbalance)). Of a stored model
     /// [`resume`](Self::resume) takes them from the record.
     ///
     /// An axis that stands a little beyond an end of its travel is led back to it, slowly. One that

@@ -9,7 +9,7 @@ use crate::servo::model::Model;
 pub(super) const BYTES: usize = 96;
 
 /// Format of the bytes; another number, another layout.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// The check of a record. Bit by bit: a record is rare, and a table costs 1 KiB of flash.
 const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
@@ -17,8 +17,9 @@ const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 /// Words in front of the numbers: version, plant, settings, sequence.
 const HEAD: usize = 4;
 
-/// Numbers of a record: the model, its standard deviations, delay, sign, noise, dead volume.
-const NUMBERS: usize = 16;
+/// Numbers of a record: the model, its standard deviations, delay, sign, noise, dead volume,
+/// imbalance.
+const NUMBERS: usize = 17;
 
 /// Axis and firmware that a record belongs to.
 ///
@@ -27,8 +28,8 @@ const NUMBERS: usize = 16;
 /// | version | 4 | layout of what follows, little-endian |
 /// | plant, settings | 8 | this |
 /// | sequence | 4 | counts the records |
-/// | numbers | 64 | f32: model (6), standard deviations (6), delay, sign, noise, dead volume |
-/// | zero | 12 | room |
+/// | numbers | 68 | f32: model (6), standard deviations (6), delay, sign, noise, dead volume, imbalance |
+/// | zero | 8 | room |
 /// | CRC-32 | 4 | of all bytes before, ISO-HDLC |
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -73,6 +74,9 @@ pub struct Record {
     /// Dead volume of a chamber over that of the stroke, see
     /// [`ControllerSettings::dead_volume`](crate::servo::ControllerSettings::dead_volume).
     pub dead_volume: f32,
+    /// Share by which the axis is slower towards larger y, see
+    /// [`ControllerSettings::imbalance`](crate::servo::ControllerSettings::imbalance).
+    pub imbalance: f32,
 }
 
 /// Why there is no model to load.
@@ -138,7 +142,7 @@ impl Record {
     /// use trendid::servo::{Config, Model, Travel};
     /// let identity = Identity::new(7, &Config::minimal(0.001, Travel { min: 0.0, max: 400.0 }));
     /// let model = Model::linear(400.0, 20.0, 1.0e6);
-    /// let record = Record { model, std: [f32::INFINITY; 6], delay: 0.002, sign: 1.0, noise: 0.01, dead_volume: 0.06 };
+    /// let record = Record { model, std: [f32::INFINITY; 6], delay: 0.002, sign: 1.0, noise: 0.01, dead_volume: 0.06, imbalance: 0.0 };
     /// let mut bytes = record.to_bytes(&identity, 3);
     /// assert_eq!(Record::from_bytes(&bytes, &identity), Ok((record, 3)));
     /// bytes[20] ^= 1;
@@ -166,7 +170,13 @@ impl Record {
         [words[0], words[1], words[2], words[3]] =
             [VERSION, identity.plant, identity.settings, sequence];
         let model = self.model.fields();
-        let rest = [self.delay, self.sign, self.noise, self.dead_volume];
+        let rest = [
+            self.delay,
+            self.sign,
+            self.noise,
+            self.dead_volume,
+            self.imbalance,
+        ];
         let numbers = model.iter().chain(&self.std).chain(&rest);
         for (word, number) in words[HEAD..].iter_mut().zip(numbers) {
             *word = number.to_bits();
@@ -206,6 +216,7 @@ impl Record {
             sign,
             noise,
             dead_volume,
+            imbalance,
         ] = numbers;
         Ok(Self {
             model: Model::from_fields([a1, a2, b0, dead_zone, offset, friction]),
@@ -214,6 +225,7 @@ impl Record {
             sign,
             noise,
             dead_volume,
+            imbalance,
         })
     }
 }

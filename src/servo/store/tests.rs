@@ -68,6 +68,7 @@ fn record(number: usize) -> Record {
         sign: 1.0,
         noise: 0.01,
         dead_volume: 0.06,
+        imbalance: 0.1,
     }
 }
 

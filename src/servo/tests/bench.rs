@@ -57,6 +57,7 @@ pub(in crate::servo) const RECORD: Record = Record {
     sign: 1.0,
     noise: 2e-4,
     dead_volume: f32::INFINITY,
+    imbalance: 0.0,
 };
 
 /// A drive that is the model, behind a delay, and the loop on it.

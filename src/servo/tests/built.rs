@@ -22,6 +22,7 @@ const FOUND: Found = Found {
     sign: -1.0,
     noise: 1e-3,
     dead_volume: 0.1,
+    imbalance: 0.1,
 };
 
 /// What the settings make of what was found, at once.

@@ -98,6 +98,7 @@ fn the_search_behind_a_commissioning_is_one_for_what_it_found_and_ends_with_pole
             sign: 1.0,
             noise: 2e-4,
             dead_volume: f32::INFINITY,
+            imbalance: 0.0,
         };
         let design = TuningDesign {
             sample_time: 1e-3,

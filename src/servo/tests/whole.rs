@@ -1,5 +1,7 @@
 //! From nothing to control, and back again after a loss of power.
 
+extern crate std;
+
 use super::bench::{Bench, DELAY, MODEL};
 use super::*;
 use crate::servo::commissioning::Found;
@@ -50,6 +52,7 @@ fn designed(servo: &bench::Loop, record: &Record) {
         sign: record.sign,
         noise: record.noise,
         dead_volume: record.dead_volume,
+        imbalance: record.imbalance,
     };
     let config = Bench::untold();
     let design = building::tuned(&config, &found)
@@ -120,6 +123,7 @@ fn a_record_that_cannot_be_true_is_refused_and_nothing_is_changed() {
         sign: 1.0,
         noise: 2e-4,
         dead_volume: f32::INFINITY,
+        imbalance: 0.1,
     };
     let resumed = |reversed: Option<bool>, record: Record| {
         let mut config = Bench::config();
@@ -153,6 +157,20 @@ fn a_record_that_cannot_be_true_is_refused_and_nothing_is_changed() {
         ] {
             assert_eq!(resumed(None, record), refused(Reason::NotFinite));
         }
+    }
+    for imbalance in [-0.6, 0.6, f32::NAN] {
+        let found = resumed(
+            None,
+            Record {
+                imbalance,
+                ..record
+            },
+        );
+        let text = found.map_err(|error| std::format!("{error}"));
+        assert!(
+            matches!(&text, Err(text) if text.contains("imbalance")),
+            "{text:?}"
+        );
     }
     for (a1, reason) in [(0.0, Reason::Unstable), (f32::NAN, Reason::NotFinite)] {
         let model = Model { a1, ..MODEL };
@@ -211,6 +229,7 @@ fn what_was_found_takes_the_place_of_settings_that_were_guessed() {
         sign: -1.0,
         noise: 7e-3,
         dead_volume: 0.1,
+        imbalance: -0.1,
     };
     let mut config = Bench::config();
     for noise in [None, Some(2e-4)] {
@@ -218,6 +237,7 @@ fn what_was_found_takes_the_place_of_settings_that_were_guessed() {
         let tuned = building::tuned(&config, &found);
         assert_eq!(tuned.noise, Some(noise.unwrap_or(7e-3)));
         assert_eq!(tuned.controller.dead_volume, Some(0.1));
+        assert_eq!(tuned.controller.imbalance, -0.1);
         // As much delay as is remembered.
         let most = servo_loop::commands::Commands::new().along(1.0).count() - 1;
         assert!((tuned.delay / (1e-3 * most as f32) - 1.0).abs() < 1e-5);

@@ -93,6 +93,7 @@ impl Machine {
             // As stiff at the ends as in the middle.
             config.controller.dead_volume = Some(f32::INFINITY);
         }
+        config.controller.imbalance = axis.imbalance() as f32;
         let sensor = Axis {
             scale: Scale::new(axis.resolution_mm as f32)?,
             reference: 0,

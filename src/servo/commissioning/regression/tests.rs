@@ -69,7 +69,7 @@ fn a_drive_is_found_with_its_delay() {
             delay,
             kappa: 0.0,
             stiffening: 0.0,
-            load: 0.0,
+            imbalance: 0.0,
         };
         let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
         let (record, view) = record(&truth, sign, &mut dice);
@@ -181,7 +181,7 @@ fn a_friction_and_a_constant_that_one_way_does_not_tell_apart_are_no_obstacle() 
         friction: 0.0,
         delay: 2e-3,
         kappa: 0.0,
-        load: 0.0,
+        imbalance: 0.0,
         stiffening: 0.0,
     };
     let mut at = Prediction {

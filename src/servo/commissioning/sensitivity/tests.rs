@@ -11,7 +11,7 @@ fn alone(theta: &Theta) -> Theta {
         b0: 1.0,
         kappa: 0.0,
         friction: 1.0,
-        load: 0.0,
+        imbalance: 0.0,
         ..*theta
     }
 }
@@ -176,9 +176,10 @@ fn a_slope_is_what_a_small_change_of_the_parameter_does() {
 fn the_slope_of_the_delay_is_that_of_its_share() {
     let mut dice = Dice::new(4);
     for _ in 0..20 {
-        // Without a loss, which has a corner where the mean flow is zero.
+        // Without what has a corner where the mean flow is zero: a loss, an imbalance.
         let theta = Theta {
             kappa: 0.0,
+            imbalance: 0.0,
             ..dice.theta()
         };
         let gains = theta.gains(30.0, TIME);

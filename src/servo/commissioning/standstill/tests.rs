@@ -16,7 +16,7 @@ const MODEL: Theta = Theta {
     delay: 0.01,
     kappa: 0.0,
     stiffening: 0.0,
-    load: 0.0,
+    imbalance: 0.0,
 };
 
 /// Calls until a constant command is more than friction explains.

@@ -136,6 +136,7 @@ fn estimator(delay: usize, model: Model) -> StateEstimator {
         delay,
         travel: TRAVEL,
         dead_volume: f32::INFINITY,
+        imbalance: 0.0,
     };
     let poles = Poles {
         bandwidth: 20.0,

@@ -90,6 +90,7 @@ fn a_drive_is_as_much_faster_off_the_middle_as_its_chambers_are_stiffer() {
             max: 400.0,
         },
         dead_volume: d,
+        imbalance: 0.0,
     };
     let mut estimator = StateEstimator::new(&design, model, POLES);
     for share in [0.5, 0.8, 0.2, 0.0, 1.0] {

@@ -119,7 +119,7 @@ fn what_the_load_takes_is_added_to_a_command_and_missing_in_its_flow() {
         controller.heading = way;
         let r = reference(way * 3.0, way * 100.0, way * 500.0);
         let free = controller.law(&r, false, 0.0);
-        controller.load.tune(625.0, 3.2, 400.0);
+        controller.load.tune(625.0, 3.2, 400.0, 0.0);
         controller.bear(&r);
         // The reference takes 500 + 20 100 + 800 of the drive, by 0.75 3.2 / (625 400) each.
         let passes = 1.0 - 3300.0 * 9.6e-6;
