@@ -2,12 +2,12 @@
 //! drives, hydraulics.
 //!
 //! ```text
-//! x' = v    v' = p + load - a2 v - friction    p' = b0 q(spool) - a1 v - leak p
+//! x' = v    v' = p + load - a2 v - friction    p' = b0 (q - imbalance |q|) - a1 v - leak p
 //! ```
 //!
-//! All forces are per mass. The spool follows the command as a lag of second order, q is a
-//! [`StaticValve`]. Integrated by Runge-Kutta of order 4; a reversal or an end stop ends a step at
-//! rest, so that events are as fine as the step.
+//! All forces are per mass. The spool follows the command as a lag of second order, q is the flow
+//! of a [`StaticValve`]. Integrated by Runge-Kutta of order 4; a reversal or an end stop ends a
+//! step at rest, so that events are as fine as the step.
 
 use crate::plants::pneumatic::Friction;
 use crate::plants::valve::StaticValve;
@@ -29,6 +29,9 @@ pub struct ThirdOrderParameters {
     pub load: f64,
     /// Friction per mass, in mm and s, viscous part excluded.
     pub friction: Friction,
+    /// Share of the flow that is missing towards larger positions, and that there is more of
+    /// towards smaller ones.
+    pub imbalance: f64,
     /// Travel between the end stops \[mm\].
     pub stroke: f64,
     /// The valve.
@@ -95,11 +98,13 @@ impl ThirdOrder {
         let acceleration =
             force + p.load - 2.0 * p.xi * p.omega0 * v - p.friction.force(v, direction);
         let w = p.spool_frequency;
+        let flow = p.valve.flow(spool);
+        let arrives = flow - p.imbalance * flow.abs();
         let moving = f64::from(direction != 0.0);
         [
             moving * v,
             moving * acceleration,
-            p.gain * a1 * p.valve.flow(spool) - a1 * moving * v - p.leak * force,
+            p.gain * a1 * arrives - a1 * moving * v - p.leak * force,
             rate,
             w * (w * (command - spool) - 2.0 * p.spool_damping * rate),
         ]

@@ -237,7 +237,7 @@ fn third_order(kind: Family, usual: bool, random: &mut Random) -> Mechanics {
     let xi = draw(kind.xi());
     let coulomb = draw(kind.friction()) * omega0 * omega0 * stroke;
     let gain = draw(family::VALVE_SIZE) * needed_gain(omega0, stroke);
-    Mechanics::ThirdOrder(ThirdOrderParameters {
+    let mut drive = ThirdOrderParameters {
         gain,
         omega0,
         xi,
@@ -245,6 +245,7 @@ fn third_order(kind: Family, usual: bool, random: &mut Random) -> Mechanics {
         // Twice what an undamped oscillation at full speed takes.
         force_max: 2.0 * gain * omega0,
         load: 0.0,
+        imbalance: 0.0,
         friction: Friction {
             coulomb,
             breakaway: coulomb * draw(family::BREAKAWAY),
@@ -260,5 +261,13 @@ fn third_order(kind: Family, usual: bool, random: &mut Random) -> Mechanics {
         spool_frequency: std::f64::consts::TAU * draw(kind.valve_hz()),
         spool_damping: 0.7,
         start: stroke * draw(family::START),
-    })
+    };
+    if kind == Family::Differential {
+        // Behind a symmetrical valve oil moves the piston sqrt(r) times as fast one way.
+        let slower = draw(family::ROD_SIDE).sqrt();
+        let imbalance = (1.0 - slower) / (1.0 + slower);
+        let extends_up: bool = random.random();
+        drive.imbalance = if extends_up { -imbalance } else { imbalance };
+    }
+    Mechanics::ThirdOrder(drive)
 }

@@ -15,16 +15,19 @@ pub enum Family {
     BallScrew,
     /// A hydraulic cylinder: stiff and badly damped.
     Hydraulic,
+    /// The same with one rod: quicker one way than the other.
+    Differential,
 }
 
 impl Family {
     /// All of them.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Pneumatic,
         Self::SingleRod,
         Self::Linear,
         Self::BallScrew,
         Self::Hydraulic,
+        Self::Differential,
     ];
 
     /// Name on the command line.
@@ -35,6 +38,7 @@ impl Family {
             Self::Linear => "linear",
             Self::BallScrew => "ball-screw",
             Self::Hydraulic => "hydraulic",
+            Self::Differential => "differential",
         }
     }
 
@@ -49,7 +53,7 @@ impl Family {
             Self::Pneumatic | Self::SingleRod => Range::ratio(8.0, 30.0, 90.0),
             Self::Linear => Range::ratio(5.0, 30.0, 100.0),
             Self::BallScrew => Range::ratio(20.0, 50.0, 100.0),
-            Self::Hydraulic => Range::ratio(40.0, 80.0, 150.0),
+            Self::Hydraulic | Self::Differential => Range::ratio(40.0, 80.0, 150.0),
         }
     }
 
@@ -59,14 +63,14 @@ impl Family {
             Self::Pneumatic | Self::SingleRod => Range::ratio(1e-3, 0.2, 10.0),
             Self::Linear => Range::ratio(0.1, 0.5, 1.2),
             Self::BallScrew => Range::ratio(0.4, 0.7, 1.0),
-            Self::Hydraulic => Range::ratio(0.05, 0.12, 0.3),
+            Self::Hydraulic | Self::Differential => Range::ratio(0.05, 0.12, 0.3),
         }
     }
 
     /// Bandwidth of the valve \[Hz\].
     pub const fn valve_hz(self) -> Range {
         match self {
-            Self::Hydraulic => Range::ratio(60.0, 100.0, 150.0),
+            Self::Hydraulic | Self::Differential => Range::ratio(60.0, 100.0, 150.0),
             _ => Range::ratio(25.0, 100.0, 150.0),
         }
     }
@@ -76,7 +80,7 @@ impl Family {
         match self {
             Self::Pneumatic | Self::SingleRod | Self::Linear => Range::even(0.0, 0.04, 0.15),
             Self::BallScrew => Range::even(0.0, 0.002, 0.01),
-            Self::Hydraulic => Range::even(0.0, 0.02, 0.05),
+            Self::Hydraulic | Self::Differential => Range::even(0.0, 0.02, 0.05),
         }
     }
 
@@ -84,7 +88,7 @@ impl Family {
     pub const fn offset(self) -> Range {
         match self {
             Self::Pneumatic | Self::SingleRod | Self::Linear => Range::even(-0.08, 0.0, 0.08),
-            Self::BallScrew | Self::Hydraulic => Range::even(-0.02, 0.0, 0.02),
+            Self::BallScrew | Self::Hydraulic | Self::Differential => Range::even(-0.02, 0.0, 0.02),
         }
     }
 
@@ -95,7 +99,7 @@ impl Family {
             Self::Pneumatic | Self::SingleRod => Range::even(0.0, 1.0, 3.0),
             Self::Linear => Range::even(0.0, 0.0, 0.0),
             Self::BallScrew => Range::even(0.0, 5e-5, 2e-4),
-            Self::Hydraulic => Range::even(0.0, 4e-5, 1.2e-4),
+            Self::Hydraulic | Self::Differential => Range::even(0.0, 4e-5, 1.2e-4),
         }
     }
 }
@@ -104,6 +108,9 @@ impl Family {
 pub const BORE: Range = Range::ratio(0.012, 0.032, 0.063);
 /// Rod of a cylinder with one rod over its bore: ISO 15552 and ISO 6432 have 0.32 to 0.5.
 pub const ROD: Range = Range::even(0.32, 0.4, 0.5);
+/// Area on the side of the rod over that of the piston, of a hydraulic cylinder: ISO 7181 has 0.5
+/// to 0.8.
+pub const ROD_SIDE: Range = Range::even(0.5, 0.7, 0.8);
 /// Travel \[mm\].
 pub const STROKE: Range = Range::ratio(80.0, 300.0, 1000.0);
 /// Moving mass of a pneumatic axis \[kg\].
